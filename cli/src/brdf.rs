@@ -1,72 +1,239 @@
 //! `papilio brdf`: the BRDF of the whole display.
 
 use std::io::Write;
+use std::path::Path;
 
 use papilio_design::output::brdf_warnings;
-use papilio_display::BrdfGrid;
+use papilio_diagnostics::suggestion;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Scene, Stop};
-use papilio_formats::{BsdfSource, write_bsdf, write_file, write_reflection};
-use papilio_scenario::Scenario;
+use papilio_display::{BrdfGrid, BrdfTable, HalfVectorGrid, HalfVectorTable};
+use papilio_formats::{
+    BsdfSource, MirrorFile, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems, write_file,
+    write_json, write_mirror_csv, write_reflection, write_rgl,
+};
+use papilio_scenario::{Resolved, Scenario};
 
-use crate::arguments::Brdf;
+use crate::arguments::{ALL_STATES, Brdf, BrdfFormat};
 use crate::run::with_progress;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
 const FILE: &str = "display-bsdf.npz";
 const SPLIT: &str = "reflection.csv";
+const MIRROR: &str = "display-mirror";
+const SCENE: &str = "scene.py";
 
 pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let resolved =
         input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
-    let grid = grid(arguments.step, &resolved.scene)?;
+    let all = state_names(&resolved.scene.display.pixel);
+    let states = chosen_states(&arguments.states, &all)?;
+    let directions = directions(arguments, &resolved.scene, states.len())?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
-    let table = with_progress(&resolved, arguments.workers.threads, |control| {
-        papilio_display::brdf(&resolved.scene, grid, control)?.allowing(arguments.allow_error)
-    })?;
-    let table = table.ok_or(Failure::Interrupted("no file was written"))?;
+    let table = compute(arguments, &resolved, directions, (&states, all.len()))?;
     let split = with_progress(&resolved, arguments.workers.threads, |control| {
         papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
     })?;
-    let split = split.ok_or(Failure::Interrupted("no file was written"))?;
-    let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let mut split = split.ok_or(Failure::Interrupted(NOTHING))?;
+    let beams = match &table {
+        Table::Directions(table) => table,
+        Table::HalfVectors(_, beams) => beams,
+    };
+    let is_chosen = |name: &String| beams.states.iter().any(|state| state.name == *name);
+    split.iter_mut().for_each(|one| one.states.retain(|state| is_chosen(&state.name)));
+    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = crate::terminal::output(false);
-    stdout.write_all(report::brdf(&title, &table).as_bytes())?;
+    stdout.write_all(report::brdf(&title, beams).as_bytes())?;
     stdout.write_all(report::reflection(&split).as_bytes())?;
     stdout.flush()?;
     let source = BsdfSource { papilio: env!("CARGO_PKG_VERSION"), title: &title, hash: &resolved.hash };
-    interrupt::uninterrupted(|| {
+    let names = interrupt::uninterrupted(|| {
         output::make_folder(&folder)?;
-        write_file(&folder.join(FILE), |out| write_bsdf(out, &source, &table))?;
+        let mut names = write_table(&folder, &source, arguments.format, &table)?;
         write_file(&folder.join(SPLIT), |out| write_reflection(out, &split))?;
-        folder::write_about(&folder, &title, &resolved.hash)
+        folder::write_about(&folder, &title, &resolved.hash)?;
+        names.extend([SPLIT, folder::ABOUT].map(str::to_owned));
+        Ok::<_, Failure>(names)
     })?;
-    folder.print_written(&[FILE, SPLIT, folder::ABOUT].map(str::to_owned));
-    let target = match resolved.scene.solver.stop {
-        Stop::RelativeError { target, .. } => Some(target),
-        Stop::Paths(_) | Stop::Target(_) => None,
-    };
+    folder.print_written(&names);
     print_notes(&resolved.notes);
-    let table_warnings = brdf_warnings(&table, target, Some(arguments.step), "--step ");
     resolved
         .warnings
         .iter()
-        .chain(&table_warnings)
+        .chain(&table_warnings(arguments, &resolved.scene, &table))
         .for_each(|warning| print_message(&format!("warning: {warning}")));
     Ok(())
 }
 
+const NOTHING: &str = "no file was written";
+
+/// Directions of a table.
+enum Directions {
+    Grid(BrdfGrid),
+    HalfVectors(HalfVectorGrid),
+}
+
+/// A table of the chosen states.
+enum Table {
+    Directions(BrdfTable),
+    /// With what depends on the light alone.
+    HalfVectors(HalfVectorTable, BrdfTable),
+}
+
+/// Returns the numbers of the states to write, ascending.
+fn chosen_states(chosen: &[String], all: &[String]) -> Result<Vec<usize>, Failure> {
+    let mut numbers = Vec::new();
+    for name in chosen.iter().map(|name| name.trim()) {
+        match all.iter().position(|state| state == name) {
+            Some(number) => numbers.push(number),
+            None if name == ALL_STATES => numbers.extend(0..all.len()),
+            None => {
+                let hint = suggestion(name, all.iter().map(String::as_str), "states of this display");
+                return Err(Failure::Input(format!(
+                    "--states: there is no state `{name}`; expected {ALL_STATES} or names of states, separated by commas\n  = \
+                     help: {hint}"
+                )));
+            }
+        }
+    }
+    numbers.sort_unstable();
+    numbers.dedup();
+    Ok(numbers)
+}
+
 /// Directions of the table. Fails if the table would be too large.
-fn grid(step: f64, scene: &Scene) -> Result<BrdfGrid, Failure> {
-    let steps = (90.0 / step).round() as usize;
-    let per_direction = state_names(&scene.display.pixel).len() * scene.grid.len();
-    let numbers = (steps * steps * (2 * steps + 1)).saturating_mul(per_direction);
+fn directions(arguments: &Brdf, scene: &Scene, states: usize) -> Result<Directions, Failure> {
+    let (step, bins) = (arguments.step, scene.grid.len());
+    let (directions, numbers, axes, smaller) = if arguments.format == BrdfFormat::Rgl {
+        let grid = HalfVectorGrid::even(step, arguments.grid.unwrap_or(HalfVectorGrid::USUAL));
+        let numbers = grid.numbers(states, bins);
+        (Directions::HalfVectors(grid), numbers, "theta_i x grid x grid", "a smaller --grid, ")
+    } else {
+        if arguments.grid.is_some() {
+            return Err(Failure::Input(
+                "--grid is the number of half vectors along each axis of an RGL file; expected it only with --format rgl\n  = \
+                 help: --step is the step of the directions of the other formats"
+                    .to_owned(),
+            ));
+        }
+        let steps = (90.0 / step).round() as usize;
+        // A large number of steps is refused before the grid takes memory.
+        let numbers = (steps * steps * (2 * steps + 1)).saturating_mul(states.saturating_mul(bins));
+        (Directions::Grid(BrdfGrid::even(step)), numbers, "theta_i x theta_o x dphi", "")
+    };
     if numbers > BrdfGrid::MOST_NUMBERS {
         return Err(Failure::Input(format!(
-            "the table would have {numbers} numbers (states x theta_i x theta_o x dphi x wavelengths); expected at most {}\n  \
-             = help: use a larger --step, a larger spectrum.step_nm or fewer states",
+            "the table would have {numbers} numbers (states x {axes} x wavelengths); expected at most {}\n  \
+             = help: use {smaller}a larger --step, a larger spectrum.step_nm or fewer --states",
             BrdfGrid::MOST_NUMBERS
         )));
     }
-    Ok(BrdfGrid::even(step))
+    Ok(directions)
+}
+
+/// Computes the table of the chosen states, of all `count`.
+fn compute(
+    arguments: &Brdf,
+    resolved: &Resolved,
+    directions: Directions,
+    (states, count): (&[usize], usize),
+) -> Result<Table, Failure> {
+    let (scene, threads, allowed) = (&resolved.scene, arguments.workers.threads, arguments.allow_error);
+    let table = with_progress(resolved, threads, |control| match directions {
+        Directions::Grid(grid) => {
+            let mut table = papilio_display::brdf(scene, grid, control)?;
+            if states.len() < count {
+                table = table.with_states(states);
+            }
+            Ok(Table::Directions(table.allowing(allowed)?))
+        }
+        Directions::HalfVectors(grid) => {
+            let mut table = papilio_display::brdf_at_half_vectors(scene, grid, control)?;
+            if states.len() < count {
+                table = table.with_states(states);
+            }
+            let table = table.allowing(allowed)?;
+            let beams = table.of_beams();
+            Ok(Table::HalfVectors(table, beams))
+        }
+    })?;
+    table.ok_or(Failure::Interrupted(NOTHING))
+}
+
+/// Writes the files of a table, and returns their names. Files of other states from an earlier command are removed.
+fn write_table(
+    folder: &Path,
+    source: &BsdfSource<'_>,
+    format: BrdfFormat,
+    table: &Table,
+) -> Result<Vec<String>, Failure> {
+    let end = match format {
+        BrdfFormat::Npz => "npz",
+        BrdfFormat::Csv => "csv",
+        BrdfFormat::Rgl => "bsdf",
+        BrdfFormat::Klems => "xml",
+    };
+    let is_old = |name: &str| name.starts_with("display-") && name.ends_with(&format!(".{end}"));
+    output::remove(folder, is_old)?;
+    let mut names = Vec::new();
+    match table {
+        Table::Directions(table) if format == BrdfFormat::Npz => {
+            names.push(FILE.to_owned());
+            write_file(&folder.join(FILE), |out| write_bsdf(out, source, table))?;
+        }
+        Table::Directions(table) => {
+            names.extend(state_files(table, end));
+            for (state, name) in names.iter().enumerate() {
+                write_file(&folder.join(name), |out| match format {
+                    BrdfFormat::Klems => write_bsdf_klems(out, source, table, state),
+                    _ => write_bsdf_csv(out, table, state),
+                })?;
+            }
+            let mirror = format!("{MIRROR}.csv");
+            write_file(&folder.join(&mirror), |out| write_mirror_csv(out, table))?;
+            names.push(mirror);
+        }
+        Table::HalfVectors(table, beams) => {
+            names.extend(state_files(beams, end));
+            for (state, name) in names.iter().enumerate() {
+                write_file(&folder.join(name), |out| write_rgl(out, source, table, state))?;
+            }
+            let mirror = format!("{MIRROR}.json");
+            let content = MirrorFile::new(source, beams, &names);
+            write_file(&folder.join(&mirror), |out| write_json(out, &content))?;
+            write_file(&folder.join(SCENE), |out| out.write_all(scene_script(source).as_bytes()))?;
+            names.extend([mirror, SCENE.to_owned()]);
+        }
+    }
+    Ok(names)
+}
+
+/// Returns a different name of a file for each state.
+fn state_files(table: &BrdfTable, end: &str) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for state in &table.states {
+        let plain = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' };
+        let stem: String = format!("display-{}", state.name).chars().map(plain).collect();
+        let stem = if stem == MIRROR { format!("{stem}-state") } else { stem };
+        let mut name = format!("{stem}.{end}");
+        let mut number = 2;
+        // File systems may ignore case.
+        while names.iter().any(|other| other.to_lowercase() == name.to_lowercase()) {
+            name = format!("{stem}-{number}.{end}");
+            number += 1;
+        }
+        names.push(name);
+    }
+    names
+}
+
+fn table_warnings(arguments: &Brdf, scene: &Scene, table: &Table) -> Vec<String> {
+    let target = match scene.solver.stop {
+        Stop::RelativeError { target, .. } => Some(target),
+        Stop::Paths(_) | Stop::Target(_) => None,
+    };
+    match table {
+        Table::Directions(table) => brdf_warnings(table, target, Some(arguments.step), "--step "),
+        Table::HalfVectors(_, beams) => brdf_warnings(beams, target, None, "--step "),
+    }
 }

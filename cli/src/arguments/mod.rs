@@ -1,5 +1,6 @@
 //! Commands and options of the command line.
 
+mod brdf;
 mod diffuser;
 mod spatial;
 mod studies;
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+pub(crate) use self::brdf::{ALL_STATES, Brdf, BrdfFormat};
 pub(crate) use self::diffuser::{
     Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, PartName, Steps,
 };
@@ -52,8 +54,10 @@ pub(crate) enum Command {
     )]
     Pixel(Pixel),
     /// Export the spectral BRDF of the whole display, for each state
-    #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
-                      docs/brdf.md describes the file, display-bsdf.npz. NumPy can read it.")]
+    #[command(after_help = "Examples:\n  papilio brdf scenarios/indoor.toml --out out/brdf\n  \
+                      papilio brdf scenarios/indoor.toml --format rgl --states white,black --out out/mitsuba\n\n\
+                      docs/brdf.md describes the files: display-bsdf.npz for NumPy; CSV; RGL tensor files and a scene for the \
+                      renderer Mitsuba.")]
     Brdf(Brdf),
     /// Compute the sparkle of an antiglare face over the pixels: random brightness of equal pixels
     #[command(
@@ -265,20 +269,6 @@ pub(crate) struct StudySampling {
     #[arg(long, value_name = "N", default_value_t = 131_072, allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(512..=1 << 30))]
     pub(crate) paths: u64,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Brdf {
-    #[command(flatten)]
-    pub(crate) scenario: ScenarioArguments,
-    /// Step of inclination and azimuth in degrees, a divisor of 90
-    #[arg(long, value_name = "DEG", default_value_t = 5.0, allow_negative_numbers = true, value_parser = angle_step)]
-    pub(crate) step: f64,
-    /// Accept relative errors up to X, and write them in an array `error` [default: the scenario's target]
-    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = relative_error)]
-    pub(crate) allow_error: Option<f64>,
-    #[command(flatten)]
-    pub(crate) workers: Workers,
 }
 
 #[derive(Debug, Args)]

@@ -7,6 +7,7 @@
 )]
 
 mod bad_input;
+mod brdf;
 mod catalogue;
 mod common;
 mod compare;

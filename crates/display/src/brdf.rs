@@ -70,6 +70,14 @@ pub struct BrdfState {
 }
 
 impl BrdfTable {
+    /// Keeps the states of these numbers, in ascending order, with their errors.
+    #[must_use]
+    pub fn with_states(mut self, numbers: &[usize]) -> Self {
+        self.discretisation_error = self.row_errors.keep_states(numbers, self.states.len());
+        self.states = kept(self.states, numbers);
+        self
+    }
+
     /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.
     ///
     /// # Errors
@@ -128,6 +136,11 @@ impl BrdfTable {
         let rings = theta.iter().zip(&rings).map(ring);
         rings.flat_map(|ring| arcs.iter().map(move |arc| 2.0 * ring * arc)).collect()
     }
+}
+
+/// Returns the items of these numbers, in ascending order.
+pub(crate) fn kept<T>(items: Vec<T>, numbers: &[usize]) -> Vec<T> {
+    items.into_iter().enumerate().filter(|(k, _)| numbers.contains(k)).map(|(_, item)| item).collect()
 }
 
 /// Weights of the trapezoidal rule at these positions and at `end`, where the integrand is assumed to be zero

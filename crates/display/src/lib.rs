@@ -76,6 +76,7 @@ mod designs;
 pub mod environment;
 mod error;
 mod filtered;
+mod half_vectors;
 pub mod image;
 mod label;
 mod lamp_images;
@@ -102,6 +103,7 @@ pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use designs::{Derivatives, Designs, Parameter, Quantity};
 pub use error::DisplayError;
+pub use half_vectors::{HalfVectorGrid, HalfVectorState, HalfVectorTable, HalfVectorViewer};
 pub use label::{
     Label, capitalised, label_from_name, labelled_names, metric_label, split_unit, uncapitalised,
 };
@@ -111,6 +113,6 @@ pub use reflection::{Reflection, ReflectionState, reflection};
 pub use rows::RowErrors;
 pub use run::{
     Control, Cost, Forecast, Progress, StudyCurve, StudyPoint, THICKEST_FOR_MONTE_CARLO, adding_seconds,
-    brdf, cone, cost, forecast, run, study,
+    brdf, brdf_at_half_vectors, cone, cost, forecast, run, study,
 };
 pub use single_view::{LightSummary, SingleView};

@@ -128,7 +128,8 @@ fn split(result: &RunResult, theta_deg: f64) -> Vec<ReflectionState> {
         let returned = value.R_hemi.unwrap_or_default();
         let mirror = value.specular.first().copied().unwrap_or_default();
         let beams = value.R_dir.iter().skip(1).flatten();
-        let lambertian = beams.copied().fold(f64::INFINITY, f64::min).clamp(0.0, returned - mirror);
+        let lambertian =
+            beams.copied().fold(f64::INFINITY, f64::min).clamp(0.0, (returned - mirror).max(0.0));
         // The reflectance factor under a disc is the mean over its projected solid angle.
         let disc = theta_deg.to_radians().cos() * STRAIGHT_DEG.to_radians().sin().powi(2);
         let straight = value.R_dir.first().copied().flatten().unwrap_or_default() * disc;

@@ -1,6 +1,7 @@
 //! Discretisation errors of the rows of a table, and the check that they are within the limit.
 
 use crate::DisplayError;
+use crate::run::largest;
 
 /// Relative errors of the rows of a table.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -17,6 +18,15 @@ pub struct RowErrors {
 const NAMED: usize = 3;
 
 impl RowErrors {
+    /// Keeps the rows of some of `states` states, which have equal numbers of consecutive rows; returns the largest error that is
+    /// left.
+    pub(crate) fn keep_states(&mut self, numbers: &[usize], states: usize) -> f64 {
+        let rows = (self.relative.len() / states.max(1)).max(1);
+        let of_states = self.relative.chunks(rows).enumerate().filter(|(k, _)| numbers.contains(k));
+        self.relative = of_states.flat_map(|(_, rows)| rows.iter().copied()).collect();
+        self.relative.iter().copied().fold(0.0, largest)
+    }
+
     /// Checks all rows against the allowed error, or the target if none is given; `name` describes a row.
     ///
     /// # Errors

@@ -30,6 +30,10 @@
 //! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
 //! | [`SurfaceAuditFile`] with [`write_json`], [`write_totals`], [`write_face`] | `audit.json`, `totals.csv`, `face.npz` of a surface |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
+//! | [`write_bsdf_klems`] | `display-STATE.xml` |
+//! | [`write_bsdf_csv`], [`write_mirror_csv`] | `display-STATE.csv`, `display-mirror.csv` |
+//! | [`write_rgl`], [`MirrorFile`] with [`write_json`] | `display-STATE.bsdf`, `display-mirror.json` |
+//! | [`scene_script`] | `scene.py` |
 //! | [`write_measurement`] | measured scattering in a [`BsdfFormat`] |
 //!
 //! A [`DataFile`] is an input file in memory, of at most [`LARGEST_FILE`] bytes. A
@@ -97,8 +101,9 @@ pub use absorption::{write_absorption, write_sub_pixels};
 pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
-    BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, WriteError,
-    bsdf_format_table, bsdf_formats, read_bsdf, read_bsdf_file, write_bsdf, write_measurement,
+    BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, MirrorFile, WriteError,
+    bsdf_format_table, bsdf_formats, read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv,
+    write_bsdf_klems, write_measurement, write_mirror_csv, write_rgl,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};

@@ -31,10 +31,7 @@ pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<Brdf
     let setup = Setup::new(scene)?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
-    let beam = |theta: &f64| Source::Beam(Beta::from_source(*theta, 0.0, 1.0));
-    let beams = grid.theta_i_deg.iter().map(beam).collect();
-    let finest = finest(&setup.stack)?;
-    let survey = Survey { setup: &setup, control, grid: &grid, beams, finest };
+    let survey = Survey::new(&setup, control, &grid, finest(&setup.stack)?);
     let table = survey.run(pool).ok_or(DisplayError::Interrupted)?;
     let finite = |state: &BrdfState| {
         state.brdf.iter().all(|value| value.is_finite())
@@ -43,18 +40,18 @@ pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<Brdf
     if table.states.iter().all(finite) { Ok(table) } else { Err(DisplayError::NotFinite) }
 }
 
-struct Survey<'a> {
-    setup: &'a Setup,
-    control: &'a Control<'a>,
+pub(super) struct Survey<'a> {
+    pub(super) setup: &'a Setup,
+    pub(super) control: &'a Control<'a>,
     grid: &'a BrdfGrid,
     /// One beam for each inclination of the light, from azimuth 0.
-    beams: Vec<Source>,
+    pub(super) beams: Vec<Source>,
     /// Finest level that can be computed for the layers.
-    finest: usize,
+    pub(super) finest: usize,
 }
 
 /// Y of each state under each source and from each view.
-type Luminous = Vec<f64>;
+pub(super) type Luminous = Vec<f64>;
 
 /// Spectra and their Y for each inclination of the viewer, and the number of nodes.
 type Scattered = (Vec<Vec<f32>>, Vec<Luminous>, u64);
@@ -62,7 +59,12 @@ type Scattered = (Vec<Vec<f32>>, Vec<Luminous>, u64);
 /// Scattered spectra and number of nodes; relative errors of Y of each row.
 type Rows = ((Vec<Vec<f32>>, u64), Vec<f64>);
 
-impl Survey<'_> {
+impl<'a> Survey<'a> {
+    pub(super) fn new(setup: &'a Setup, control: &'a Control<'a>, grid: &'a BrdfGrid, finest: usize) -> Self {
+        let beam = |theta: &f64| Source::Beam(Beta::from_source(*theta, 0.0, 1.0));
+        Self { setup, control, grid, beams: grid.theta_i_deg.iter().map(beam).collect(), finest }
+    }
+
     /// `None` if it was stopped.
     fn run(&self, pool: Option<&ThreadPool>) -> Option<BrdfTable> {
         let target = match self.setup.scene.solver.stop {
@@ -91,7 +93,7 @@ impl Survey<'_> {
     }
 
     /// Computes a sample of inclinations and azimuths; leaves the kernel that met the target in `kernel`.
-    fn sample(&self, target: f64, kernel: &mut Kernel) -> Option<Refined<Luminous>> {
+    pub(super) fn sample(&self, target: f64, kernel: &mut Kernel) -> Option<Refined<Luminous>> {
         let some = |values: &[f64], most: usize| -> Vec<f64> {
             values.iter().step_by(values.len().div_ceil(most).max(1)).chain(values.last()).copied().collect()
         };
@@ -127,7 +129,7 @@ impl Survey<'_> {
     }
 
     /// Appends the Y of each state.
-    fn add_luminous(&self, rho: &ReflectanceFactor, all: &mut Luminous) {
+    pub(super) fn add_luminous(&self, rho: &ReflectanceFactor, all: &mut Luminous) {
         let y_bar = self.setup.observer.weights()[1];
         let sum = |rho: &[f64]| rho.iter().zip(y_bar).map(|(r, y)| r * y).sum::<f64>();
         let front = sum(&rho.front);
@@ -241,7 +243,7 @@ impl Survey<'_> {
     }
 
     /// Computes the estimates in diffuse light, viewed from each inclination of the light.
-    fn returned(&self, kernel: &Kernel) -> Option<Vec<Estimate>> {
+    pub(super) fn returned(&self, kernel: &Kernel) -> Option<Vec<Estimate>> {
         let fields: Vec<Cone> = self.grid.theta_i_deg.iter().map(|theta| view(*theta, 0.0)).collect();
         let mut kernel = kernel.unprepared();
         self.prepare(&mut kernel, &fields, &[Source::Diffuse])?;
@@ -265,7 +267,7 @@ impl Survey<'_> {
         table
     }
 
-    fn specular(&self, state: usize) -> Vec<f64> {
+    pub(super) fn specular(&self, state: usize) -> Vec<f64> {
         let image = |beam: &Source| match beam {
             Source::Beam(beta) => Some(specular_image(&self.setup.stack, *beta)),
             _ => None,
@@ -280,18 +282,22 @@ impl Survey<'_> {
     }
 
     /// Concatenates the spectra of a state.
-    fn of_state<'r>(&self, state: usize, all: impl Iterator<Item = &'r ReflectanceFactor>) -> Vec<f64> {
+    pub(super) fn of_state<'r>(
+        &self,
+        state: usize,
+        all: impl Iterator<Item = &'r ReflectanceFactor>,
+    ) -> Vec<f64> {
         let bins = self.setup.scene.grid.len();
         all.flat_map(|rho| total(rho).skip(state * bins).take(bins)).collect()
     }
 }
 
 /// Total reflectance factor, via the pixel and from the front, [state][wavelength].
-fn total(rho: &ReflectanceFactor) -> impl Iterator<Item = f64> {
+pub(super) fn total(rho: &ReflectanceFactor) -> impl Iterator<Item = f64> {
     rho.via_pixel.iter().zip(rho.front.iter().cycle()).map(|(base, front)| base + front)
 }
 
 /// Returns the direction of a viewer in air.
-fn view(theta_deg: f64, phi_deg: f64) -> Cone {
+pub(super) fn view(theta_deg: f64, phi_deg: f64) -> Cone {
     Cone::new(theta_deg, phi_deg, 0.0, 1.0)
 }

@@ -18,6 +18,7 @@ mod filter;
 mod first_answers;
 mod front_light;
 mod fronts;
+mod half_vectors;
 mod honest_errors;
 mod images;
 mod layered_mtf;

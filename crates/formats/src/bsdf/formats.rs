@@ -23,7 +23,7 @@ const FORMATS: [Format; 11] = [
     Format { short: "tensor-tree XML", name: "tensor-tree XML (Radiance)", read: "yes", written: "", ways: "all four", channels: "the same", geometry: "tree of squares" },
     Format { short: "ASTM E1392", name: "ASTM E1392, E2387", read: "yes", written: "", ways: "all four", channels: "R, G, B, X, Y, Z, wavelengths", geometry: "grid, or pairs of directions" },
     Format { short: "FRED", name: "FRED scatter data (`type bsdf_data`)", read: "yes", written: "", ways: "front, one or both", channels: "monochrome", geometry: "grid, or pairs of directions" },
-    Format { short: "RGL", name: "RGL / Mitsuba tensor file", read: "yes", written: "", ways: "front reflection", channels: "wavelengths, or RGB", geometry: "warped grid" },
+    Format { short: "RGL", name: "RGL / Mitsuba tensor file", read: "yes", written: "by `papilio brdf`", ways: "front reflection", channels: "wavelengths, or RGB", geometry: "warped grid" },
     Format { short: "MERL", name: "MERL", read: "yes", written: "", ways: "front reflection", channels: "R, G, B", geometry: "half angles" },
     Format { short: "Papilio", name: "Papilio's own, `papilio-measurement`", read: "yes", written: "yes", ways: "all four", channels: "any", geometry: "all of these" },
     Format { short: "display-bsdf.npz", name: "`display-bsdf.npz` ([brdf.md](brdf.md))", read: "first state", written: "by `papilio brdf`", ways: "front reflection", channels: "wavelengths", geometry: "grid" },

@@ -5,6 +5,8 @@
 
 mod astm;
 mod display;
+mod display_csv;
+mod display_klems;
 mod display_read;
 mod formats;
 mod fred;
@@ -16,7 +18,9 @@ mod problem;
 mod radiant_read;
 mod radiant_write;
 mod rgl;
+mod rgl_write;
 mod scan;
+mod scene_script;
 mod table_read;
 mod table_write;
 mod text;
@@ -26,8 +30,12 @@ mod write;
 mod xml;
 
 pub use display::{BsdfSource, write_bsdf};
+pub use display_csv::{MirrorFile, write_bsdf_csv, write_mirror_csv};
+pub use display_klems::write_bsdf_klems;
 pub use formats::{bsdf_format_table, bsdf_formats};
 pub use problem::BsdfProblem;
+pub use rgl_write::write_rgl;
+pub use scene_script::scene_script;
 pub use write::{BsdfFormat, WriteError, write_measurement};
 
 use papilio_diagnostics::{Place, Warned};

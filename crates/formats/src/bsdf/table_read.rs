@@ -1,4 +1,5 @@
-//! Reader of CSV files with the columns `theta_i,phi_i,theta_o,phi_o[,wavelength],value`.
+//! Reader of CSV files with the columns `theta_i,phi_i,theta_o,phi_o[,wavelength],value`, or
+//! `theta_i,theta_o,dphi[,wavelength],value` for light from one azimuth; a column `error` is not read.
 //!
 //! Without a column `way`, inclinations are from 0 to 180 deg from the normal of the front: above 90 deg, light
 //! comes from, or goes to, the back. If the rows are all combinations of values of four axes, they form a grid.
@@ -29,10 +30,15 @@ enum Column {
     Angle(usize),
     Channel,
     Value,
+    /// Error of the value, which is not read.
+    Error,
 }
 
 /// Names of the angles.
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_o", "phi_o"];
+
+/// Name of the azimuth of the viewer where light has none.
+const DPHI: &str = "dphi";
 
 impl Column {
     fn of_name(name: &str) -> Option<Self> {
@@ -42,6 +48,9 @@ impl Column {
             "way" => Self::ScatterMode,
             "wavelength" | "wavelength_nm" | "channel" => Self::Channel,
             "value" | "bsdf" | "brdf" | "btdf" | "f" => Self::Value,
+            "error" => Self::Error,
+            // The azimuth of the viewer relative to that of the light, which is 0.
+            DPHI => Self::Angle(3),
             angle => Self::Angle(ANGLES.iter().position(|known| *known == angle)?),
         })
     }
@@ -78,9 +87,12 @@ impl Layout {
         }
         let columns: Option<Vec<Column>> = words.iter().map(|word| Column::of_name(word)).collect();
         let columns = columns.filter(|columns| {
-            let needed = [Angle(0), Angle(1), Angle(2), Angle(3), Value];
+            let relative = words.iter().any(|word| word.to_ascii_lowercase().contains(DPHI));
+            let needed = [Angle(0), Angle(2), Angle(3), Value];
             let twice = (1..columns.len()).any(|k| columns[..k].contains(&columns[k]));
-            !twice && needed.iter().all(|column| columns.contains(column))
+            // The azimuth of the light is either stated, or it is that from which azimuths are counted.
+            let azimuth = columns.contains(&Angle(1)) != relative;
+            !twice && azimuth && needed.iter().all(|column| columns.contains(column))
         })?;
         let value = columns.iter().position(|column| *column == Value).map(|k| words[k].to_ascii_lowercase());
         let way = value.and_then(|name| match name.trim_matches('"') {
@@ -220,6 +232,7 @@ impl Rows {
                 Column::Channel => channel = channel_of(text, cell)?,
                 // An empty cell was not measured.
                 Column::Value if cell.is_empty() => {}
+                Column::Error => {}
                 Column::Value => value = text.value(cell)?,
             }
         }

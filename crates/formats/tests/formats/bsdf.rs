@@ -3,6 +3,7 @@
 mod astm;
 mod audit;
 mod binary;
+mod display;
 mod mutations;
 mod radiant;
 mod samples;

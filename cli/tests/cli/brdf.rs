@@ -1,0 +1,113 @@
+//! Formats of `papilio brdf`: CSV, RGL tensor files with their scene, Klems matrices; mistakes in its options.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::common::{names, papilio_command as papilio, scenario, stderr};
+
+/// Few wavelengths and directions.
+const QUICK: [&str; 4] = ["--set", "spectrum.step_nm=50", "--step", "45"];
+
+fn brdf(name: &str, folder: &Path, more: &[&str]) -> Output {
+    let mut command = papilio();
+    command.arg("brdf").arg(scenario(name)).arg("--out").arg(folder).args(QUICK);
+    command.args(more).output().unwrap()
+}
+
+#[test]
+fn csv_has_a_file_for_each_chosen_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = brdf("indoor", folder.path(), &["--format", "csv", "--states", "white,black"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let files =
+        ["about.json", "display-black.csv", "display-mirror.csv", "display-white.csv", "reflection.csv"];
+    assert_eq!(names(folder.path()), files);
+    let text = fs::read_to_string(folder.path().join("display-white.csv")).unwrap();
+    // 2 x 2 x 5 directions, 9 wavelengths.
+    assert_eq!(text.lines().count(), 1 + 2 * 2 * 5 * 9);
+    let mirror = fs::read_to_string(folder.path().join("display-mirror.csv")).unwrap();
+    assert_eq!(mirror.lines().count(), 1 + 2 * 2 * 9);
+    // The files of other states would be mistaken for those of this command.
+    assert!(brdf("indoor", folder.path(), &["--format", "csv", "--states", "red"]).status.success());
+    assert_eq!(
+        names(folder.path()),
+        ["about.json", "display-mirror.csv", "display-red.csv", "reflection.csv"]
+    );
+}
+
+#[test]
+fn rgl_has_a_file_for_each_state_a_mirror_part_and_a_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = brdf("indoor", folder.path(), &["--format", "rgl", "--states", "all", "--grid", "8"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let there = names(folder.path());
+    assert_eq!(there.iter().filter(|name| name.ends_with(".bsdf")).count(), 8, "{there:?}");
+    let mirror: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("display-mirror.json")).unwrap()).unwrap();
+    assert_eq!(mirror["states"]["white"]["file"], "display-white.bsdf");
+    assert_eq!(mirror["states"]["white"]["specular"][0].as_array().map(Vec::len), Some(9));
+    // Light from 0, 45 and 89 deg; 9 wavelengths; 8 x 8 half vectors; 4 bytes each.
+    let bytes = fs::metadata(folder.path().join("display-white.bsdf")).unwrap().len();
+    assert!((3 * 10 * 64 * 4..3 * 10 * 64 * 4 + 1000).contains(&bytes), "{bytes}");
+    let inspected = papilio()
+        .args(["diffuser", "inspect"])
+        .arg(folder.path().join("display-white.bsdf"))
+        .arg("--out")
+        .arg(folder.path().join("inspected"))
+        .output()
+        .unwrap();
+    assert!(inspected.status.success(), "{}", stderr(&inspected));
+    let compiled =
+        Command::new("python3").args(["-m", "py_compile"]).arg(folder.path().join("scene.py")).output();
+    // Without Python, there is nothing that could run the script.
+    if let Ok(compiled) = compiled {
+        assert!(compiled.status.success(), "{}", stderr(&compiled));
+    }
+}
+
+#[test]
+fn klems_has_a_matrix_for_each_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = brdf("indoor", folder.path(), &["--format", "klems", "--states", "white"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let files = ["about.json", "display-mirror.csv", "display-white.xml", "reflection.csv"];
+    assert_eq!(names(folder.path()), files);
+}
+
+#[test]
+fn chosen_states_of_the_archive_have_the_values_of_all() {
+    let [all, one] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    assert!(brdf("indoor", all.path(), &[]).status.success());
+    assert!(brdf("indoor", one.path(), &["--states", "white"]).status.success());
+    let bytes = [&all, &one].map(|folder| fs::read(folder.path().join("display-bsdf.npz")).unwrap());
+    // The array of a single state is 2 x 2 x 5 x 9 numbers of 4 bytes after its header, which ends with a line break.
+    let find = |bytes: &[u8], what: &[u8]| bytes.windows(what.len()).position(|window| window == what);
+    let header = find(&bytes[1], b"(1, 2, 2, 5, 9,)").unwrap();
+    let start = header + find(&bytes[1][header..], b"\n").unwrap() + 1;
+    let white = &bytes[1][start..start + 2 * 2 * 5 * 9 * 4];
+    assert!(find(&bytes[0], white).is_some() && white.iter().any(|byte| *byte != 0));
+}
+
+#[test]
+fn mistakes_in_options_are_reported_before_anything_is_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    for (wrong, expected) in [
+        (&["--states", "whit"][..], "did you mean `white`?"),
+        (&["--states", "paper"], "the states of this display are white, black"),
+        (&["--grid", "64"], "only with --format rgl"),
+        (&["--format", "rgl", "--grid", "4"], "from 8 to 256"),
+        (&["--format", "rgl", "--grid", "1000"], "from 8 to 256"),
+        (&["--format", "rgl", "--grid", "256", "--set", "spectrum.step_nm=1"], "a smaller --grid"),
+        (&["--format", "exr"], "possible values: npz, csv, rgl, klems"),
+    ] {
+        let output = brdf("indoor", folder.path(), wrong);
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+        assert!(stderr(&output).contains(expected), "{wrong:?}: {}", stderr(&output));
+    }
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    let output = brdf("indoor", &file, &["--format", "rgl"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("is not a folder"), "{}", stderr(&output));
+}

@@ -1,0 +1,278 @@
+//! BSDF of a whole display on a grid of half vectors, for renderers.
+//!
+//! A lobe lies around the mirror direction and moves with the light. The half vector `m` of light and viewer is near the normal
+//! there, wherever the light is: values on a grid of half vectors can be interpolated between directions of the light, which values
+//! at fixed directions of the viewer cannot (their peaks would be doubled).
+//!
+//! The grid is that of the RGL tensor files (Dupuy & Jakob 2018, ACM Trans. Graph. 37(6)) with a uniform distribution of visible
+//! normals: `u = sqrt(theta_m / (pi/2))` and `v = (phi_m - phi_i + pi) / (2 pi)`, both from 0 to 1 in equal steps.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use crate::brdf::{BrdfGrid, BrdfState, BrdfTable, kept};
+use crate::{DisplayError, RowErrors};
+
+/// Directions of a [`HalfVectorTable`], in air.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HalfVectorGrid {
+    /// Inclinations of the light, ascending, 0 to less than 90 degrees.
+    pub theta_i_deg: Vec<f64>,
+    /// Number of nodes along u and along v, at least 2.
+    pub size: usize,
+}
+
+/// Direction of the viewer at a node of a [`HalfVectorGrid`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HalfVectorViewer {
+    /// Cosine of the inclination.
+    pub cos_theta_o: f64,
+    /// Inclination, degrees.
+    pub theta_o_deg: f64,
+    /// Azimuth relative to that of the light, 0 (towards the light) to 180 (mirror direction) degrees.
+    pub dphi_deg: f64,
+}
+
+/// Spectral BSDF of a display for each drive state, on half vectors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HalfVectorTable {
+    /// The directions.
+    pub grid: HalfVectorGrid,
+    /// Wavelengths, nm.
+    pub wavelength_nm: Vec<f64>,
+    /// The drive states, in the order of the scenario.
+    pub states: Vec<HalfVectorState>,
+    /// Number of nodes of the quadrature.
+    pub nodes: u64,
+    /// Largest relative discretisation error.
+    pub discretisation_error: f64,
+    /// Errors of the luminous BRDF (in an equal-energy light), `[state][theta_i][viewer]`, with the viewers of
+    /// [`HalfVectorGrid::viewers`].
+    pub row_errors: RowErrors,
+}
+
+/// BSDF of one drive state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HalfVectorState {
+    /// Name of the state.
+    pub name: String,
+    /// Scattered part, `dL_o/dE_i` in 1/sr, `[theta_i][viewer][wavelength]` (the last fastest), with the viewers of
+    /// [`HalfVectorGrid::viewers`].
+    pub brdf: Vec<f32>,
+    /// Specular reflectance: fraction of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
+    pub specular: Vec<f64>,
+    /// Directional-hemispherical reflectance, scattered and specular, `[theta_i][wavelength]`.
+    pub directional_hemispherical: Vec<f64>,
+}
+
+/// Cosine of the inclination below which a viewer (from 89.994 deg) is taken to be below the horizon. Such a direction receives at
+/// most this fraction of what leaves along the normal of a Lambertian display.
+const HORIZON_COS: f64 = 1e-4;
+
+impl HalfVectorGrid {
+    /// Smallest number of nodes along an axis.
+    pub const SMALLEST: usize = 8;
+
+    /// Largest number of nodes along an axis.
+    pub const LARGEST: usize = 256;
+
+    /// Number of nodes along an axis that suits most displays.
+    pub const USUAL: usize = 64;
+
+    /// Largest inclination of the light of [`even`](Self::even), degrees: renderers hold its values up to 90 degrees.
+    pub const LAST_THETA_DEG: f64 = 89.0;
+
+    /// Grid with inclinations of the light in steps of `step_deg` degrees, a divisor of 90, and at
+    /// [`LAST_THETA_DEG`](Self::LAST_THETA_DEG) instead of 90.
+    pub fn even(step_deg: f64, size: usize) -> Self {
+        let steps = (90.0 / step_deg).round() as u32;
+        let mut theta_i_deg: Vec<f64> = (0..steps).map(|k| step_deg * f64::from(k)).collect();
+        if theta_i_deg.last().is_some_and(|last| *last < Self::LAST_THETA_DEG) {
+            theta_i_deg.push(Self::LAST_THETA_DEG);
+        }
+        Self { theta_i_deg, size }
+    }
+
+    /// Returns u and v of a node, `[column, row]`.
+    pub fn node(&self, column: usize, row: usize) -> [f64; 2] {
+        let steps = self.size.saturating_sub(1).max(1) as f64;
+        [column as f64 / steps, row as f64 / steps]
+    }
+
+    /// Returns the half vector of a point (u, v) of the square, relative to the azimuth of the light: inclination and azimuth,
+    /// radians.
+    pub fn half_vector([u, v]: [f64; 2]) -> [f64; 2] {
+        [FRAC_PI_2 * u * u, TAU * v - PI]
+    }
+
+    /// Returns the viewer for light from `theta_i_deg` at a point (u, v); `None` below the horizon.
+    pub fn viewer(theta_i_deg: f64, at: [f64; 2]) -> Option<HalfVectorViewer> {
+        let [theta_m, phi_m] = Self::half_vector(at);
+        let (sin_i, cos_i) = theta_i_deg.to_radians().sin_cos();
+        let (sin_m, cos_m) = theta_m.sin_cos();
+        let m = [sin_m * phi_m.cos(), sin_m * phi_m.sin(), cos_m];
+        let along = m[0] * sin_i + m[2] * cos_i;
+        let o = [2.0 * along * m[0] - sin_i, 2.0 * along * m[1], 2.0 * along * m[2] - cos_i];
+        let across = o[0].hypot(o[1]);
+        (o[2] > HORIZON_COS).then(|| HalfVectorViewer {
+            cos_theta_o: o[2],
+            theta_o_deg: across.atan2(o[2]).to_degrees(),
+            // Along the normal, the azimuth is arbitrary.
+            dphi_deg: if across < 1e-9 { 0.0 } else { o[1].abs().atan2(o[0]).to_degrees() },
+        })
+    }
+
+    /// Returns the factor by which density over (u, v) exceeds density over directions of the viewer, 1/sr, apart from the constant
+    /// `8 pi^2`: `u sin(theta_m) cos(theta_d)`, with the angle theta_d between light and half vector.
+    pub fn jacobian(theta_i_deg: f64, at: [f64; 2]) -> f64 {
+        let [theta_m, phi_m] = Self::half_vector(at);
+        let (sin_i, cos_i) = theta_i_deg.to_radians().sin_cos();
+        at[0] * theta_m.sin() * (theta_m.sin() * phi_m.cos() * sin_i + theta_m.cos() * cos_i).max(0.0)
+    }
+
+    /// Returns the different viewers of one direction of the light, number `light`, and for each node, `[row][column]`, the number
+    /// of its viewer; `None` below the horizon. Nodes that are mirror images in the plane of incidence have the same viewer.
+    pub fn viewers(&self, light: usize) -> (Vec<HalfVectorViewer>, Vec<Option<usize>>) {
+        let theta_i = self.theta_i_deg[light];
+        let mut viewers = Vec::new();
+        let mut numbers: Vec<Option<usize>> = vec![None; self.size * self.size];
+        for row in 0..self.size {
+            for column in 0..self.size {
+                // The azimuth of light along the normal is arbitrary, and so is that of a half vector along it.
+                let first_row = if theta_i == 0.0 || column == 0 { 0 } else { row.min(self.size - 1 - row) };
+                numbers[row * self.size + column] = if first_row < row {
+                    numbers[first_row * self.size + column]
+                } else {
+                    Self::viewer(theta_i, self.node(column, row)).map(|viewer| {
+                        viewers.push(viewer);
+                        viewers.len() - 1
+                    })
+                };
+            }
+        }
+        (viewers, numbers)
+    }
+
+    /// Returns the number of values of a file of each of `states` states, all together.
+    pub fn numbers(&self, states: usize, wavelengths: usize) -> usize {
+        [self.theta_i_deg.len(), self.size, self.size, wavelengths]
+            .iter()
+            .fold(states, |product, length| product.saturating_mul(*length))
+    }
+}
+
+impl HalfVectorTable {
+    /// Keeps the states of these numbers, in ascending order, with their errors.
+    #[must_use]
+    pub fn with_states(mut self, numbers: &[usize]) -> Self {
+        self.discretisation_error = self.row_errors.keep_states(numbers, self.states.len());
+        self.states = kept(self.states, numbers);
+        self
+    }
+
+    /// Returns what depends on the light alone, as a table without viewers: specular and directional-hemispherical reflectances.
+    pub fn of_beams(&self) -> BrdfTable {
+        let state = |state: &HalfVectorState| BrdfState {
+            name: state.name.clone(),
+            brdf: Vec::new(),
+            specular: state.specular.clone(),
+            directional_hemispherical: state.directional_hemispherical.clone(),
+        };
+        BrdfTable {
+            grid: BrdfGrid {
+                theta_i_deg: self.grid.theta_i_deg.clone(),
+                theta_o_deg: Vec::new(),
+                dphi_deg: Vec::new(),
+            },
+            wavelength_nm: self.wavelength_nm.clone(),
+            states: self.states.iter().map(state).collect(),
+            nodes: self.nodes,
+            discretisation_error: self.discretisation_error,
+            row_errors: RowErrors { relative: Vec::new(), ..self.row_errors },
+        }
+    }
+
+    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.
+    ///
+    /// # Errors
+    /// If a row exceeds the limit; the message names the worst rows.
+    pub fn allowing(mut self, error: Option<f64>) -> Result<Self, DisplayError> {
+        let lights: Vec<Vec<HalfVectorViewer>> =
+            (0..self.grid.theta_i_deg.len()).map(|light| self.grid.viewers(light).0).collect();
+        let rows: usize = lights.iter().map(Vec::len).sum();
+        let name = |row: usize| {
+            let (state, mut rest) = (row / rows.max(1), row % rows.max(1));
+            let mut light = 0;
+            while rest >= lights[light].len() {
+                rest -= lights[light].len();
+                light += 1;
+            }
+            let viewer = lights[light][rest];
+            format!(
+                "state {}, theta_i {} deg, theta_o {:.1} deg, dphi {:.1} deg",
+                self.states[state].name, self.grid.theta_i_deg[light], viewer.theta_o_deg, viewer.dphi_deg
+            )
+        };
+        self.row_errors = std::mem::take(&mut self.row_errors).allow(error, "BRDF", name)?;
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A half vector along the normal is that of the mirror direction.
+    #[test]
+    fn first_column_is_the_mirror_direction() {
+        for theta in [0.0, 20.0, 75.0] {
+            let viewer = HalfVectorGrid::viewer(theta, [0.0, 0.3]).unwrap();
+            assert!((viewer.theta_o_deg - theta).abs() < 1e-9);
+            assert!(theta == 0.0 || (viewer.dphi_deg - 180.0).abs() < 1e-9);
+        }
+        // A facet towards the light sends it back.
+        let at = [(30.0_f64 / 90.0).sqrt(), 0.5];
+        let viewer = HalfVectorGrid::viewer(30.0, at).unwrap();
+        assert!((viewer.theta_o_deg - 30.0).abs() < 1e-9 && viewer.dphi_deg < 1e-9, "{viewer:?}");
+        assert_eq!(HalfVectorGrid::viewer(30.0, [1.0, 0.0]), None);
+    }
+
+    /// Mirror images share a viewer, and the number of viewers is about a quarter of that of the nodes.
+    #[test]
+    fn mirror_images_have_one_viewer() {
+        let grid = HalfVectorGrid::even(30.0, 16);
+        assert_eq!(grid.theta_i_deg, [0.0, 30.0, 60.0, 89.0]);
+        for light in 0..4 {
+            let (viewers, numbers) = grid.viewers(light);
+            for (node, number) in numbers.iter().enumerate() {
+                let (row, column) = (node / 16, node % 16);
+                let own = HalfVectorGrid::viewer(grid.theta_i_deg[light], grid.node(column, row));
+                assert_eq!(number.is_some(), own.is_some());
+                if let (Some(number), Some(own)) = (number, own) {
+                    let shared = viewers[*number];
+                    assert!((shared.theta_o_deg - own.theta_o_deg).abs() < 1e-6);
+                    let turned = light == 0 || own.theta_o_deg < 1e-6;
+                    assert!(turned || (shared.dphi_deg - own.dphi_deg).abs() < 1e-6);
+                }
+            }
+            let most = if light == 0 { 16 } else { 16 * 8 };
+            assert!(viewers.len() <= most, "{} viewers", viewers.len());
+        }
+    }
+
+    /// The density of viewers over (u, v): the solid angle of the hemisphere is the integral of 8 pi^2 times the Jacobian.
+    #[test]
+    fn jacobian_integrates_to_the_solid_angle_of_the_hemisphere() {
+        let steps = 400;
+        for theta in [0.0, 40.0, 80.0] {
+            let mut solid_angle = 0.0;
+            for cell in 0..steps * steps {
+                let at = [cell % steps, cell / steps].map(|k| (f64::from(k) + 0.5) / f64::from(steps));
+                if HalfVectorGrid::viewer(theta, at).is_some() {
+                    solid_angle += 8.0 * PI * PI * HalfVectorGrid::jacobian(theta, at);
+                }
+            }
+            solid_angle /= f64::from(steps * steps);
+            assert!((solid_angle / TAU - 1.0).abs() < 5e-3, "{theta}: {solid_angle}");
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! BSDF of the display by adding on a grid of half vectors: each direction of the light with viewers of its own.
+//!
+//! The level is that which a sample of directions needs, as for a table ([`super::brdf`]). Under general layers, each row is
+//! compared with that of the previous level, and if one misses the target, all are computed at the next level.
+
+use std::f64::consts::PI;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use papilio_transport::adding::{Kernel, error_over_difference};
+use papilio_transport::{Cone, Stack};
+use rayon::ThreadPool;
+
+use super::brdf::{Luminous, Survey, total, view};
+use super::cone::DEFAULT_TARGET;
+use super::refine::{finest, largest, largest_of_states, row_errors, slowness};
+use super::{Control, Progress, Workers, each};
+use crate::brdf::BrdfGrid;
+use crate::half_vectors::{HalfVectorGrid, HalfVectorState, HalfVectorTable, HalfVectorViewer};
+use crate::scene::{Scene, Stop};
+use crate::setup::Setup;
+use crate::{DisplayError, RowErrors};
+
+/// Number of viewers that are prepared together. The work of general layers grows with its square.
+const TOGETHER: usize = 64;
+
+/// Azimuths of the sample of directions that determines the level.
+const SAMPLED_DPHI_DEG: [f64; 3] = [0.0, 90.0, 180.0];
+
+/// Computes the BSDF of the scene's display on half vectors, by adding independently of the scene's method.
+///
+/// The errors are those of [`super::brdf`].
+///
+/// # Errors
+/// If the scene is invalid, or the computation was stopped.
+pub fn brdf_at_half_vectors(
+    scene: &Scene,
+    grid: HalfVectorGrid,
+    control: &Control<'_>,
+) -> Result<HalfVectorTable, DisplayError> {
+    let setup = Setup::new(scene)?;
+    let mut workers = None;
+    let pool = Workers::unless_one(&mut workers, control.threads)?;
+    let lights = grid.theta_i_deg.clone();
+    let sampled =
+        BrdfGrid { theta_i_deg: lights.clone(), theta_o_deg: lights, dphi_deg: SAMPLED_DPHI_DEG.to_vec() };
+    let survey = Survey::new(&setup, control, &sampled, finest(&setup.stack)?);
+    let viewers = (0..grid.theta_i_deg.len()).map(|light| grid.viewers(light).0).collect();
+    let of_nodes = OfNodes { survey, viewers };
+    let table = of_nodes.run(grid, pool).ok_or(DisplayError::Interrupted)?;
+    let finite = |state: &HalfVectorState| {
+        state.brdf.iter().all(|value| value.is_finite())
+            && state.directional_hemispherical.iter().all(|value| value.is_finite())
+    };
+    if table.states.iter().all(finite) { Ok(table) } else { Err(DisplayError::NotFinite) }
+}
+
+struct OfNodes<'a> {
+    survey: Survey<'a>,
+    /// Viewers of each direction of the light.
+    viewers: Vec<Vec<HalfVectorViewer>>,
+}
+
+/// What one direction of the light scatters.
+#[derive(Debug, Clone, Default)]
+struct OfLight {
+    /// BRDF, [viewer][state][wavelength].
+    spectra: Vec<f32>,
+    /// Y, [viewer][state].
+    luminous: Luminous,
+    nodes: u64,
+}
+
+impl OfNodes<'_> {
+    /// `None` if it was stopped.
+    fn run(&self, grid: HalfVectorGrid, pool: Option<&ThreadPool>) -> Option<HalfVectorTable> {
+        let setup = self.survey.setup;
+        let target = match setup.scene.solver.stop {
+            Stop::RelativeError { target, .. } => target,
+            Stop::Paths(_) | Stop::Target(_) => DEFAULT_TARGET,
+        };
+        let mut kernel = Kernel::new(0);
+        let sample = self.survey.sample(target, &mut kernel)?;
+        let mut lights = self.scattered(&kernel, pool)?;
+        let states = setup.states.len();
+        let mut relative = vec![sample.error; states * self.viewers.iter().map(Vec::len).sum::<usize>()];
+        if let Stack::Layered(_) = setup.stack {
+            let rest = slowness([&sample.finer, &sample.coarser], sample.before.as_deref());
+            let times = error_over_difference(&setup.stack, &self.survey.beams).max(rest);
+            let mut level = sample.level;
+            let mut coarser = self.scattered(&Kernel::new(level as u32 - 1), pool)?;
+            loop {
+                relative = self.errors(&lights, &coarser, times);
+                let misses = |error: &f64| error.is_finite() && *error > target;
+                if level >= self.survey.finest || !relative.iter().any(misses) {
+                    break;
+                }
+                level += 1;
+                kernel = Kernel::new(level as u32);
+                coarser = lights;
+                lights = self.scattered(&kernel, pool)?;
+            }
+        }
+        let returned = self.survey.returned(&kernel)?;
+        let bins = setup.scene.grid.len();
+        let state = |(number, name): (usize, &String)| HalfVectorState {
+            name: name.clone(),
+            brdf: lights
+                .iter()
+                .flat_map(|light| light.spectra.chunks_exact(states * bins))
+                .flat_map(|viewer| viewer[number * bins..][..bins].iter().copied())
+                .collect(),
+            specular: self.survey.specular(number),
+            directional_hemispherical: self
+                .survey
+                .of_state(number, returned.iter().map(|estimate| &estimate.rho[0])),
+        };
+        Some(HalfVectorTable {
+            wavelength_nm: setup.scene.grid.wavelengths_nm(),
+            states: setup.states.iter().enumerate().map(state).collect(),
+            nodes: lights.iter().map(|light| light.nodes).sum(),
+            discretisation_error: relative.iter().copied().fold(0.0, largest),
+            row_errors: RowErrors { relative, target, allowed: None },
+            grid,
+        })
+    }
+
+    /// Returns the relative errors of Y, `[state][theta_i][viewer]`.
+    fn errors(&self, finer: &[OfLight], coarser: &[OfLight], times: f64) -> Vec<f64> {
+        let states = self.survey.setup.states.len();
+        let most = largest_of_states(finer.iter().map(|light| light.luminous.as_slice()), states);
+        let by_light: Vec<Vec<f64>> = finer
+            .iter()
+            .zip(coarser)
+            .map(|(finer, coarser)| row_errors(&finer.luminous, &coarser.luminous, &most, times))
+            .collect();
+        let of_state = |state: usize| by_light.iter().flatten().skip(state).step_by(states).copied();
+        (0..states).flat_map(of_state).collect()
+    }
+
+    /// Computes what each direction of the light scatters.
+    fn scattered(&self, kernel: &Kernel, pool: Option<&ThreadPool>) -> Option<Vec<OfLight>> {
+        let survey = &self.survey;
+        let stack = &survey.setup.stack;
+        let stop = survey.control.stop;
+        // Data of a panel that do not depend on the viewers.
+        let mut common = kernel.unprepared().without_ledger();
+        if let Stack::Panel(_) = stack {
+            let all: Vec<Cone> = self.viewers.first()?.iter().take(1).map(cone).collect();
+            common.prepare_common(stack, &all, &survey.beams, stop).then_some(())?;
+        }
+        // Kernels of general layers keep what does not depend on the viewers for their next ones.
+        let at_once = if let Stack::Panel(_) = stack { TOGETHER } else { usize::MAX };
+        let mut parts: Vec<(usize, &[HalfVectorViewer], OfLight)> = self
+            .viewers
+            .iter()
+            .enumerate()
+            .flat_map(|(light, viewers)| viewers.chunks(at_once).map(move |some| (light, some)))
+            .map(|(light, some)| (light, some, OfLight::default()))
+            .collect();
+        let count = parts.len();
+        let done = AtomicUsize::new(0);
+        let part = |(_, (light, viewers, found)): (usize, &mut (usize, &[HalfVectorViewer], OfLight))| {
+            if survey.control.stopped() {
+                return None;
+            }
+            let beam = &survey.beams[*light..=*light];
+            let mut own = kernel.unprepared().without_ledger();
+            for some in viewers.chunks(TOGETHER) {
+                let fields: Vec<Cone> = some.iter().map(cone).collect();
+                own.prepare_part(&common, stack, &fields, beam, stop).then_some(())?;
+                for number in 0..fields.len() {
+                    for rho in &own.estimate_unless(stack, number, stop)?.rho {
+                        found.spectra.extend(total(rho).map(|r| (r / PI) as f32));
+                        survey.add_luminous(rho, &mut found.luminous);
+                    }
+                }
+                found.nodes += own.nodes() as u64;
+            }
+            let progress = Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, count);
+            (survey.control.progress)(progress.with_error(0.0, 1.0));
+            Some(())
+        };
+        each(pool, &mut parts, part).into_iter().collect::<Option<Vec<()>>>()?;
+        let mut lights = vec![OfLight::default(); self.viewers.len()];
+        for (light, _, found) in parts {
+            lights[light].spectra.extend(found.spectra);
+            lights[light].luminous.extend(found.luminous);
+            lights[light].nodes += found.nodes;
+        }
+        Some(lights)
+    }
+}
+
+/// Returns the direction of a viewer in air.
+fn cone(viewer: &HalfVectorViewer) -> Cone {
+    view(viewer.theta_o_deg, viewer.dphi_deg)
+}

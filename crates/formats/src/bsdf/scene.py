@@ -1,0 +1,307 @@
+#!/usr/bin/env python3
+"""Renders the display of this folder with Mitsuba 3: a panel and a ball on a desk, in a room or in a map of light.
+
+    pip install mitsuba
+    python scene.py                                  # scene.png and scene.exr, beside this file
+    python scene.py --state black --out black.png
+    python scene.py --picture photograph.png         # a picture on the panel
+    python scene.py --light garden.exr               # a map of the whole sphere (EXR or HDR)
+
+`papilio brdf --format rgl` wrote this file, the scattered light of each state (display-STATE.bsdf) and the mirror parts
+(display-mirror.json). Wavelengths are those of the scenario: the colours are computed from spectra, not from R, G, B.
+
+A picture mixes the states black, red, green, blue, cyan, magenta, yellow and white. Each pixel of the picture states which share of
+the red, green and blue areas is on; the reflectance of a display is the sum over its areas, so that the mixture is exact.
+
+The mirror part is a conductor: its reflectance has the spectrum along the normal, and the dependence on the angle of the Fresnel
+reflection that fits it at 60 deg. Its mirror images are blurred by about 1 deg, because Mitsuba does not weight the samples of a
+blendbsdf correctly if one of its materials is a perfect mirror. display-mirror.json has the exact values.
+
+The variant scalar_spectral needs no other software. llvm_ad_spectral is faster and needs the library LLVM, version 19 or newer;
+older ones may end the program on processors with AVX-512. DRJIT_LIBLLVM_PATH names the file of the library.
+"""
+
+from __future__ import annotations
+
+import argparse
+import array
+import json
+import struct
+import sys
+import tempfile
+from pathlib import Path
+
+TITLE = @TITLE@
+HERE = Path(__file__).resolve().parent
+MIRROR = "display-mirror.json"
+#: Corner states of a picture: [red][green][blue] areas off or on.
+CORNERS = [[["black", "blue"], ["green", "cyan"]], [["red", "magenta"], ["yellow", "white"]]]
+#: Roughness of the mirror part.
+ROUGHNESS = 0.01
+#: Mirror parts below this fraction are not rendered.
+FAINT = 1e-5
+
+
+def main() -> None:
+    arguments = parsed()
+    try:
+        import mitsuba as mi
+    except ImportError:
+        sys.exit("scene.py needs Mitsuba: pip install mitsuba")
+    mi.set_variant(arguments.variant)
+    mirror = json.loads((HERE / MIRROR).read_text(encoding="utf-8"))
+    state = chosen(arguments.state, mirror["states"])
+    with tempfile.TemporaryDirectory() as folder:
+        display = Display(mirror, Path(folder))
+        material = display.material(state)
+        panel = material
+        size = [1.5, 1.0]
+        if arguments.picture is not None:
+            shares, size = split_picture(mi, arguments.picture, Path(folder))
+            panel = picture(display, shares)
+        scene = mi.load_dict(scene_of(mi, arguments, panel, material, size))
+        image = mi.render(scene, spp=arguments.samples, seed=arguments.seed)
+    out = arguments.out
+    mi.util.write_bitmap(str(out.with_suffix(".exr")), image)
+    if out.suffix.lower() != ".exr":
+        mi.util.write_bitmap(str(out), image)
+    print(f"{TITLE}, {arguments.picture or state}: wrote {out}")
+
+
+def parsed() -> argparse.Namespace:
+    text = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=text)
+    parser.add_argument("--state", help="state of the ball, and of the panel without --picture (default: white, or the first)")
+    parser.add_argument("--picture", type=Path, help="picture on the panel (PNG, JPEG, EXR)")
+    parser.add_argument("--light", default="room", help="room, or the file of a map of the whole sphere (default: room)")
+    parser.add_argument("--out", type=Path, default=HERE / "scene.png", help="picture to write (default: scene.png beside this file)")
+    parser.add_argument("--width", type=int, default=480, help="width in pixels (default: 480)")
+    parser.add_argument("--samples", type=int, default=64, help="paths per pixel (default: 64)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random numbers (default: 0)")
+    parser.add_argument("--exposure", type=float, default=1.0, help="factor of all light (default: 1)")
+    parser.add_argument("--tilt", type=float, default=40.0, help="angle between the panel and the desk, degrees (default: 40)")
+    parser.add_argument("--variant", default="scalar_spectral", help="variant of Mitsuba (default: scalar_spectral)")
+    arguments = parser.parse_args()
+    if "spectral" not in arguments.variant:
+        parser.error(f"--variant {arguments.variant}: expected a spectral variant, such as llvm_ad_spectral")
+    return arguments
+
+
+def chosen(name: str | None, states: dict) -> str:
+    if name is None:
+        return "white" if "white" in states else next(iter(states))
+    if name not in states:
+        sys.exit(f"--state {name}: expected one of {', '.join(states)}")
+    return name
+
+
+class Display:
+    """The materials of the states."""
+
+    def __init__(self, mirror: dict, folder: Path) -> None:
+        self.mirror = mirror
+        self.folder = folder
+
+    def material(self, state: str) -> dict:
+        """Scattered light and mirror part of a state, as a weighted sum of two materials whose weights sum to 1."""
+        found = self.mirror["states"].get(state)
+        if found is None:
+            sys.exit(f"there is no state {state}; papilio brdf --format rgl --states all writes all states")
+        along_normal = found["specular"][0]
+        at_60 = self.near(found["specular"], 60.0)
+        total = mean(self.near(found["directional_hemispherical"], 30.0))
+        if max(max(spectrum) for spectrum in found["specular"]) < FAINT or total <= 0.0:
+            return {"type": "measured", "filename": str(HERE / found["file"])}
+        weight = min(max(mean(self.near(found["specular"], 30.0)) / total, 0.02), 1.0)
+        scattered = total * (1.0 - weight) >= FAINT
+        weight = min(weight, 0.98) if scattered else 1.0
+        index = fitted_index(mean(at_60) / max(mean(along_normal), 1e-12))
+        at_normal = fresnel(index, 0.0) if index is not None else 1.0
+        reflectance = self.spectrum([value / (weight * at_normal) for value in along_normal])
+        conductor = {"type": "roughconductor", "alpha": ROUGHNESS, "specular_reflectance": reflectance}
+        if index is None:
+            conductor["material"] = "none"
+        else:
+            conductor |= {"eta": uniform(index), "k": uniform(0.0)}
+        if not scattered:
+            return conductor
+        file = self.folder / found["file"]
+        if not file.exists():
+            file.write_bytes(scaled((HERE / found["file"]).read_bytes(), 1.0 / (1.0 - weight)))
+        first = {"type": "measured", "filename": str(file)}
+        return {"type": "blendbsdf", "weight": weight, "bsdf_0": first, "bsdf_1": conductor}
+
+    def near(self, spectra: list, theta_deg: float) -> list:
+        """The spectrum at the nearest inclination."""
+        distances = [abs(theta - theta_deg) for theta in self.mirror["theta_i_deg"]]
+        return spectra[distances.index(min(distances))]
+
+    def spectrum(self, values: list) -> dict:
+        nm = ", ".join(str(value) for value in self.mirror["wavelength_nm"])
+        return {"type": "irregular", "wavelengths": nm, "values": ", ".join(f"{value:.6g}" for value in values)}
+
+
+def uniform(value: float) -> dict:
+    return {"type": "uniform", "value": value}
+
+
+def mean(values: list) -> float:
+    return sum(values) / max(len(values), 1)
+
+
+def fresnel(index: float, theta_deg: float) -> float:
+    """Reflectance of a dielectric for unpolarised light."""
+    import math
+
+    cos_i = math.cos(math.radians(theta_deg))
+    cos_t = math.sqrt(1.0 - (1.0 - cos_i * cos_i) / index**2)
+    s = (cos_i - index * cos_t) / (cos_i + index * cos_t)
+    p = (index * cos_i - cos_t) / (index * cos_i + cos_t)
+    return 0.5 * (s * s + p * p)
+
+
+def fitted_index(ratio: float) -> float | None:
+    """Index of a dielectric whose reflectance increases by this factor from 0 to 60 deg; None if that of none does."""
+    low, high = 1.3, 4.0
+    rise = [fresnel(index, 60.0) / fresnel(index, 0.0) for index in (low, high)]
+    if ratio <= rise[1]:
+        return None
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        if fresnel(middle, 60.0) / fresnel(middle, 0.0) > ratio:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def scaled(tensors: bytes, factor: float) -> bytes:
+    """A tensor file whose spectra are multiplied by a factor."""
+    (count,) = struct.unpack_from("<I", tensors, 14)
+    at = 18
+    for _ in range(count):
+        (length,) = struct.unpack_from("<H", tensors, at)
+        name = tensors[at + 2 : at + 2 + length]
+        at += 2 + length
+        dimensions, _kind, offset = struct.unpack_from("<HBQ", tensors, at)
+        shape = struct.unpack_from(f"<{dimensions}Q", tensors, at + 11)
+        at += 11 + 8 * dimensions
+        if name == b"spectra":
+            size = 4
+            for edge in shape:
+                size *= edge
+            values = floats(tensors[offset : offset + size])
+            values = array.array("f", [factor * value for value in values])
+            return tensors[:offset] + little(values).tobytes() + tensors[offset + size :]
+    sys.exit("a file of the display has no spectra")
+
+
+def floats(data: bytes) -> array.array:
+    return little(array.array("f", data))
+
+
+def little(values: array.array) -> array.array:
+    if sys.byteorder == "big":
+        values.byteswap()
+    return values
+
+
+def split_picture(mi, path: Path, folder: Path) -> tuple[list[Path], list[float]]:
+    """Files with the linear red, green and blue of a picture, and the size of the panel in units of its height."""
+    if not path.exists():
+        sys.exit(f"--picture {path}: there is no such file")
+    bitmap = mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
+    width, height = bitmap.size()
+    whole = folder / "picture.pfm"
+    bitmap.write(str(whole))
+    data = whole.read_bytes()
+    # The header has three lines; a negative scale means little-endian numbers.
+    header, values = data[: -12 * width * height], array.array("f", data[-12 * width * height :])
+    if (float(header.split()[-1]) < 0.0) != (sys.byteorder == "little"):
+        values.byteswap()
+    files = []
+    for channel, name in enumerate(("red", "green", "blue")):
+        share = array.array("f", [min(max(value, 0.0), 1.0) for value in values[channel::3]])
+        # The first row of a texture is at the lower edge of a rectangle.
+        share = sum((share[row * width :][:width] for row in reversed(range(height))), array.array("f"))
+        files.append(folder / f"{name}.pfm")
+        files[-1].write_bytes(f"Pf\n{width} {height}\n-1.0\n".encode() + little(share).tobytes())
+    return files, [width / height, 1.0]
+
+
+def picture(display: Display, shares: list[Path]) -> dict:
+    """The exact mixture of the eight corner states."""
+
+    def blend(first: dict, second: dict, share: Path) -> dict:
+        weight = {"type": "bitmap", "filename": str(share), "raw": True, "filter_type": "nearest", "wrap_mode": "clamp"}
+        return {"type": "blendbsdf", "weight": weight, "bsdf_0": first, "bsdf_1": second}
+
+    red, green, blue = shares
+    material = display.material
+    by_blue = [[blend(material(off), material(on), blue) for off, on in by_green] for by_green in CORNERS]
+    by_green = [blend(off, on, green) for off, on in by_blue]
+    return blend(by_green[0], by_green[1], red)
+
+
+def scene_of(mi, arguments: argparse.Namespace, panel: dict, ball: dict, size: list[float]) -> dict:
+    """Lengths in metres; z is up, the viewer looks along y. The panel is 16 cm high."""
+    T = mi.ScalarTransform4f
+    half = [0.08 * size[0], 0.08]
+    foot = T().translate([-0.055, 0.0, 0.004]).rotate([1, 0, 0], arguments.tilt)
+    scene = {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": 8},
+        "sensor": {
+            "type": "perspective",
+            "fov": 38.0,
+            "to_world": T().look_at(origin=[0.0, -0.55, 0.4], target=[0.0, 0.05, 0.04], up=[0, 0, 1]),
+            "film": {"type": "hdrfilm", "width": arguments.width, "height": max(arguments.width * 2 // 3, 1)},
+            "sampler": {"type": "independent"},
+        },
+        "panel": {
+            "type": "rectangle",
+            "to_world": foot @ T().translate([0.0, half[1], 0.0]).scale([half[0], half[1], 1.0]),
+            "bsdf": panel,
+        },
+        "ball": {"type": "sphere", "center": [half[0], 0.02, 0.045], "radius": 0.045, "bsdf": ball},
+        "desk": {
+            "type": "rectangle",
+            "to_world": T().scale([0.8, 0.5, 1.0]),
+            "bsdf": {"type": "diffuse", "reflectance": uniform(0.25)},
+        },
+    }
+    if arguments.light == "room":
+        return scene | room(T, arguments.exposure)
+    if not Path(arguments.light).exists():
+        sys.exit(f"--light {arguments.light}: expected room, or a file (EXR or HDR) that exists")
+    up = T().rotate([1, 0, 0], 90)
+    sky = {"type": "envmap", "filename": arguments.light, "scale": arguments.exposure, "to_world": up}
+    return scene | {"sky": sky}
+
+
+def room(T, exposure: float) -> dict:
+    """A room of 4 m x 4 m x 2.6 m with two lamps on the ceiling and a window on the left; the desk is 0.75 m high."""
+
+    def wall(transform, reflectance: float) -> dict:
+        return {"type": "rectangle", "to_world": transform, "bsdf": {"type": "diffuse", "reflectance": uniform(reflectance)}}
+
+    def lamp(transform, radiance: float) -> dict:
+        light = {"type": "area", "radiance": {"type": "d65", "scale": radiance * exposure}}
+        return {"type": "rectangle", "to_world": transform, "emitter": light}
+
+    middle = 0.55
+    return {
+        "floor": wall(T().translate([0, 0, -0.75]).scale([2, 2, 1]), 0.3),
+        "ceiling": wall(T().translate([0, 0, 1.85]).rotate([1, 0, 0], 180).scale([2, 2, 1]), 0.8),
+        "back": wall(T().translate([0, 2, middle]).rotate([1, 0, 0], 90).scale([2, 1.3, 1]), 0.6),
+        "front": wall(T().translate([0, -2, middle]).rotate([1, 0, 0], -90).scale([2, 1.3, 1]), 0.6),
+        "left": wall(T().translate([-2, 0, middle]).rotate([0, 1, 0], 90).scale([1.3, 2, 1]), 0.6),
+        "right": wall(T().translate([2, 0, middle]).rotate([0, 1, 0], -90).scale([1.3, 2, 1]), 0.6),
+        "lamp_1": lamp(T().translate([-0.7, 0.6, 1.84]).rotate([1, 0, 0], 180).scale([0.15, 0.6, 1]), 24.0),
+        "lamp_2": lamp(T().translate([0.9, -0.6, 1.84]).rotate([1, 0, 0], 180).scale([0.15, 0.6, 1]), 24.0),
+        "window": lamp(T().translate([-1.99, 0.2, 0.75]).rotate([0, 1, 0], 90).scale([0.6, 0.7, 1]), 6.0),
+    }
+
+
+if __name__ == "__main__":
+    main()
