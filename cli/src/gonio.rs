@@ -6,10 +6,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use papilio_figures::{Chart, ChartCurve, Hue, chart};
-use papilio_formats::{SurfaceAuditFile, write_face, write_file, write_json, write_totals, write_waves};
+use papilio_formats::{
+    SurfaceAuditFile, write_cutoffs, write_face, write_file, write_json, write_psd, write_totals, write_waves,
+};
 use papilio_microgeometry::{
-    ByWaves, Goniometer, Kernel, LEAST_G, MOST_SLOPE, Measured, MicrogeometryError, REPLICATES, Side, Total,
-    WaveShares, Waves,
+    ByWaves, Goniometer, Kernel, LEAST_G, MOST_SLOPE, Measured, MicrogeometryError, REPLICATES, Side,
+    Statistics, Total, WaveShares, Waves,
 };
 use papilio_scenario::{ResolvedSurface, SurfaceScenario};
 
@@ -43,6 +45,7 @@ pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
         goniometer,
         found.rays.as_ref().map(|rays| (&rays.kernel.audit, &rays.totals[..])),
         found.waves.as_ref(),
+        found.statistics.as_ref(),
     );
     let mut stdout = terminal::output(arguments.json);
     if arguments.json {
@@ -63,6 +66,7 @@ pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
 struct Found {
     rays: Option<Rays>,
     waves: Option<ByWaves>,
+    statistics: Option<Statistics>,
 }
 
 /// What was measured by rays.
@@ -76,7 +80,8 @@ impl Found {
     fn measured(resolved: &ResolvedSurface, threads: Option<u16>) -> Result<Option<Self>, Failure> {
         let ResolvedSurface { surface, goniometer, waves_nm, .. } = resolved;
         let stop = || interrupt::STOP.load(Ordering::Relaxed);
-        let mut found = Self { rays: None, waves: None };
+        let statistics = surface.statistics().map_err(failure)?;
+        let mut found = Self { rays: None, waves: None, statistics };
         if !waves_nm.is_empty() {
             let index = [goniometer.index_above, goniometer.index_below];
             let waves = Waves { index, wavelengths_nm: waves_nm.clone() };
@@ -119,6 +124,12 @@ impl Found {
             let index = [resolved.goniometer.index_above, resolved.goniometer.index_below];
             write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, kernel))?;
             figures.push(("totals".to_owned(), totals_figure(title, totals)));
+        }
+        if let Some(statistics) = &self.statistics {
+            write_file(&file("psd.csv"), |out| write_psd(out, statistics))?;
+            write_file(&file("cutoff.csv"), |out| write_cutoffs(out, statistics))?;
+            figures.push(("psd".to_owned(), psd_figure(title, statistics)));
+            figures.push(("cutoff".to_owned(), cutoff_figure(title, statistics)));
         }
         if let Some(waves) = &self.waves {
             write_file(&file("waves.csv"), |out| write_waves(out, waves))?;
@@ -182,6 +193,15 @@ fn text(title: &str, goniometer: &Goniometer, found: &Found) -> String {
         goniometer.index_above,
         goniometer.index_below
     );
+    if let Some(statistics) = &found.statistics {
+        let Statistics { rms_um, slope_rms: [x, y], correlation_um, .. } = statistics;
+        let correlation =
+            correlation_um.map_or(String::new(), |um| format!(", correlation length {} um", digits(um)));
+        text += &format!(
+            "heights: rms {} nm, rms slope {x:.4} along x, {y:.4} along y{correlation}\n",
+            digits(1e3 * rms_um)
+        );
+    }
     if let Some(rays) = &found.rays {
         text += &rays_text(rays);
     }
@@ -255,10 +275,8 @@ fn waves_text(waves: &ByWaves, rays: Option<&Rays>) -> String {
         ]);
     }
     let mut text = format!(
-        "\nby waves, along the normal; haze: beyond 2.5 deg in air; g: square of the rms phase\n{}\nrms height {} nm, rms slope {:.3}\n",
-        report::table(&rows),
-        digits(1e3 * waves.rms_um),
-        waves.slope_rms,
+        "\nby waves, along the normal; haze: beyond 2.5 deg in air; g: square of the rms phase\n{}\n",
+        report::table(&rows)
     );
     let rays_hold = waves.shares.iter().all(|one| one.g > LEAST_G);
     let waves_hold = waves.slope_rms < MOST_SLOPE;
@@ -275,6 +293,25 @@ fn waves_text(waves: &ByWaves, rays: Option<&Rays>) -> String {
         text += &format!("haze by rays, the same at all wavelengths: {haze} %\n");
     }
     text
+}
+
+/// Power spectral density against frequency.
+fn psd_figure(title: &str, statistics: &Statistics) -> String {
+    let points = statistics.density.iter().map(|[frequency, density]| (*frequency, *density)).collect();
+    one_curve(title, "frequency (cycles per um)", "power spectral density (um\u{2074})", true, points)
+}
+
+/// What a cut-off of the instrument leaves of the slopes, which decide where rays go.
+fn cutoff_figure(title: &str, statistics: &Statistics) -> String {
+    let points = statistics.by_cutoff.iter().map(|[cutoff, _, slope]| (*cutoff, *slope)).collect();
+    one_curve(title, "cut-off of short wavelengths (um)", "rms slope of what remains", false, points)
+}
+
+fn one_curve(title: &str, x: &str, y: &str, logarithmic: bool, points: Vec<(f64, f64)>) -> String {
+    let curve = ChartCurve { name: String::new(), hue: Hue::Group(0), dashed: false, marks: true, points };
+    let at_least = if logarithmic { Vec::new() } else { vec![0.0] };
+    let all = Chart { x: x.to_owned(), y: y.to_owned(), logarithmic, at_least, curves: vec![curve] };
+    chart(&all, title)
 }
 
 /// Straight part, mirror part and haze against wavelength.

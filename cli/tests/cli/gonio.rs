@@ -7,6 +7,9 @@ use serde_json::Value;
 
 use crate::common::{names, papilio_command as papilio, stderr};
 
+/// The first files of each surface that has heights, by name.
+const HEIGHTS: [&str; 3] = ["audit.json", "cutoff.csv", "cutoff.svg"];
+
 #[test]
 fn a_surface_is_measured() {
     let surface = Path::new(env!("CARGO_MANIFEST_DIR")).join("../surfaces/hemispheres.toml");
@@ -18,7 +21,13 @@ fn a_surface_is_measured() {
         command.args(["--set", "microgeometry.incidence_deg=[0,60]", "--threads", threads]);
         let output = command.arg("--out").arg(&out).output().unwrap();
         assert!(output.status.success(), "{}", stderr(&output));
-        assert_eq!(names(&out), ["audit.json", "face.npz", "totals.csv", "totals.svg"]);
+        assert_eq!(
+            names(&out),
+            HEIGHTS
+                .into_iter()
+                .chain(["face.npz", "psd.csv", "psd.svg", "totals.csv", "totals.svg"])
+                .collect::<Vec<_>>()
+        );
         let table = String::from_utf8(output.stdout).unwrap();
         assert!(table.contains("light from  inclination, deg  reflected, %"), "{table}");
         out
@@ -68,10 +77,18 @@ fn waves_and_layers_follow_from_a_surface() {
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(
         names(&here.join("face")),
-        ["audit.json", "face.npz", "totals.csv", "totals.svg", "waves.csv", "waves.svg"]
+        HEIGHTS
+            .into_iter()
+            .chain(["face.npz", "psd.csv", "psd.svg", "totals.csv", "totals.svg", "waves.csv", "waves.svg"])
+            .collect::<Vec<_>>()
     );
     let table = String::from_utf8(output.stdout).unwrap();
-    assert!(table.contains("waves hold, rays do not") && table.contains("haze by rays"), "{table}");
+    assert!(
+        table.contains("heights: rms")
+            && table.contains("waves hold, rays do not")
+            && table.contains("haze by rays"),
+        "{table}"
+    );
     let waves = fs::read_to_string(here.join("face/waves.csv")).unwrap();
     let rows: Vec<Vec<f64>> = waves
         .lines()

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use papilio_microgeometry::{Audit, ByWaves, Goniometer, Kernel, Side, Total, WaveShares};
+use papilio_microgeometry::{Audit, ByWaves, Goniometer, Kernel, Side, Statistics, Total, WaveShares};
 use schemars::JsonSchema;
 use serde::Serialize;
 use zip::ZipWriter;
@@ -37,6 +37,38 @@ pub struct SurfaceAuditFile<'a> {
     pub slope_rms: Option<f64>,
     /// What waves do along the normal, by wavelength.
     pub waves: Vec<WaveRow>,
+    /// Statistics of the heights; null for a flat face.
+    pub heights: Option<HeightsRow>,
+}
+
+/// Statistics of heights: of the first realisation, if the surface is random.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub struct HeightsRow {
+    /// Root mean square height about the mean, um.
+    pub rms_um: f64,
+    /// Root mean square slope along x.
+    pub slope_rms_x: f64,
+    /// Root mean square slope along y.
+    pub slope_rms_y: f64,
+    /// Distance at which the autocorrelation is 1/e, um; null if it does not fall so far within half of the map.
+    pub correlation_um: Option<f64>,
+    /// Skewness; 0 for Gaussian heights.
+    pub skewness: f64,
+    /// Kurtosis; 3 for Gaussian heights.
+    pub kurtosis: f64,
+}
+
+impl From<&Statistics> for HeightsRow {
+    fn from(statistics: &Statistics) -> Self {
+        Self {
+            rms_um: statistics.rms_um,
+            slope_rms_x: statistics.slope_rms[0],
+            slope_rms_y: statistics.slope_rms[1],
+            correlation_um: statistics.correlation_um,
+            skewness: statistics.skewness,
+            kurtosis: statistics.kurtosis,
+        }
+    }
 }
 
 /// How well rays obey reciprocity and the conservation of energy.
@@ -108,6 +140,7 @@ impl<'a> SurfaceAuditFile<'a> {
         goniometer: &Goniometer,
         rays: Option<(&'a Audit, &[Total])>,
         waves: Option<&ByWaves>,
+        heights: Option<&Statistics>,
     ) -> Self {
         let haze = rays
             .and_then(|(_, totals)| totals.iter().find(|total| total.theta_deg == 0.0))
@@ -134,8 +167,34 @@ impl<'a> SurfaceAuditFile<'a> {
             haze_by_rays_error: haze.map(|haze| haze.error),
             slope_rms: waves.map(|waves| waves.slope_rms),
             waves: waves.map_or_else(Vec::new, |waves| waves.shares.iter().map(WaveRow::from).collect()),
+            heights: heights.map(HeightsRow::from),
         }
     }
+}
+
+/// Writes `psd.csv`: the power spectral density of the heights, a line for each frequency.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_psd(out: impl Write, statistics: &Statistics) -> io::Result<()> {
+    write_numbers(out, &["frequency_per_um", "psd_um4"], &statistics.density)
+}
+
+/// Writes `cutoff.csv`: what Gaussian filters leave of rms height and slope, a line for each cut-off.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_cutoffs(out: impl Write, statistics: &Statistics) -> io::Result<()> {
+    write_numbers(out, &["cutoff_um", "rms_um", "slope_rms"], &statistics.by_cutoff)
+}
+
+fn write_numbers<const N: usize>(out: impl Write, head: &[&str; N], rows: &[[f64; N]]) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record(head).map_err(io::Error::other)?;
+    for row in rows {
+        csv.write_record(row.map(|value| value.to_string())).map_err(io::Error::other)?;
+    }
+    csv.flush()
 }
 
 /// Writes `waves.csv`: a line for each wavelength.

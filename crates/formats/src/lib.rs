@@ -111,7 +111,9 @@ pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_
 pub use error::{FormatError, Problem};
 pub use face_read::read_face;
 pub use file::{DataFile, LARGEST_FILE, write_file};
-pub use gonio::{SurfaceAuditFile, surface_audit_schema, write_face, write_totals, write_waves};
+pub use gonio::{
+    SurfaceAuditFile, surface_audit_schema, write_cutoffs, write_face, write_psd, write_totals, write_waves,
+};
 pub use index::{read_index, read_index_within};
 pub use journal::{
     Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,

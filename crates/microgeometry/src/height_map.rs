@@ -39,6 +39,11 @@ impl HeightMap {
         Ok(Self { columns, pitch_um, heights_um })
     }
 
+    /// The same places with other heights, as many as before.
+    pub(crate) fn with_heights(&self, heights_um: Vec<f64>) -> Self {
+        Self { columns: self.columns, pitch_um: self.pitch_um, heights_um }
+    }
+
     /// Heights along x.
     pub fn columns(&self) -> usize {
         self.columns

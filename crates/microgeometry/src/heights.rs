@@ -21,6 +21,8 @@ pub(crate) struct Triangles<'a> {
     map: &'a HeightMap,
     lowest: f64,
     highest: f64,
+    /// Largest slope: a ray that goes away more steeply never comes back to the surface.
+    steepest: f64,
     /// Lowest and highest height of each block, by rows; none if the map is not a whole number of blocks.
     blocks: Vec<[f64; 2]>,
 }
@@ -30,7 +32,25 @@ impl<'a> Triangles<'a> {
         let heights = map.heights_um();
         let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Self { map, lowest, highest, blocks: blocks(map) }
+        let mut all = Self { map, lowest, highest, steepest: 0.0, blocks: blocks(map) };
+        all.steepest = all.largest_slope();
+        all
+    }
+
+    /// Largest slope of all triangles, and a little more against rounding.
+    fn largest_slope(&self) -> f64 {
+        let pitch = self.map.pitch_um();
+        let (columns, rows) = (self.map.columns() as i64, self.map.rows() as i64);
+        let mut largest = 0.0_f64;
+        for row in 0..rows {
+            for column in 0..columns {
+                for is_upper in [false, true] {
+                    let [x, y] = self.plane([column, row], is_upper).slopes;
+                    largest = largest.max((x / pitch[0]).hypot(y / pitch[1]));
+                }
+            }
+        }
+        largest * (1.0 + 1e-9)
     }
 
     /// With or without blocks.
@@ -115,7 +135,8 @@ impl Face for Triangles<'_> {
             Side::Below if ray.along[2] < 0.0 => ((self.lowest - ray.at[2]) / ray.along[2], true),
             _ => (f64::INFINITY, false),
         };
-        if leaves && end <= 0.0 {
+        let across = (ray.along[0] * ray.along[0] + ray.along[1] * ray.along[1]).sqrt();
+        if leaves && (end <= 0.0 || ray.along[2].abs() > self.steepest * across) {
             return Met::Nothing;
         }
         let mut edges = Edges::of_triangles(from, along);
@@ -196,7 +217,8 @@ struct Edges {
     /// The way to the next crossing.
     way: f64,
     from: f64,
-    along: f64,
+    /// The way per 1 of the coordinate, with its sign; infinite along the lines.
+    per_unit: f64,
 }
 
 impl Edges {
@@ -212,7 +234,7 @@ impl Edges {
     /// The three families on the way through a cell.
     fn of_cell(from: [f64; 2], along: [f64; 2], cell: [i64; 2], way: f64) -> [Self; 3] {
         let at = |from: f64, along: f64, number: i64| {
-            let mut edges = Self { number, way: f64::INFINITY, from, along };
+            let mut edges = Self { number, way: f64::INFINITY, from, per_unit: 1.0 / along };
             edges.find_next();
             edges
         };
@@ -226,23 +248,23 @@ impl Edges {
         let floor = from.floor();
         // On a line, a ray that goes back begins in the cell below.
         let number = if along < 0.0 && from == floor { floor as i64 - 1 } else { floor as i64 };
-        let mut edges = Self { number, way: f64::INFINITY, from, along };
+        let mut edges = Self { number, way: f64::INFINITY, from, per_unit: 1.0 / along };
         edges.find_next();
         edges
     }
 
     fn find_next(&mut self) {
-        if self.along > 0.0 {
-            self.way = ((self.number + 1) as f64 - self.from) / self.along;
-        } else if self.along < 0.0 {
-            self.way = (self.number as f64 - self.from) / self.along;
+        if self.per_unit.is_infinite() {
+            return;
         }
+        let next = self.number + i64::from(self.per_unit > 0.0);
+        self.way = (next as f64 - self.from) * self.per_unit;
     }
 
     /// Crosses the next line, if it is at this way.
     fn step_at(&mut self, way: f64) {
         if self.way <= way {
-            self.number += if self.along > 0.0 { 1 } else { -1 };
+            self.number += if self.per_unit > 0.0 { 1 } else { -1 };
             self.find_next();
         }
     }

@@ -16,6 +16,7 @@ mod laws_tests;
 mod path;
 mod random;
 mod ray;
+mod statistics;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -30,5 +31,6 @@ pub use height_map::{HeightMap, HeightStatistics};
 pub use kernel::{Audit, Kernel};
 pub use random::{RandomHeights, Spectrum};
 pub use ray::Side;
+pub use statistics::Statistics;
 pub use surface::Surface;
 pub use waves::{ByWaves, LEAST_G, MOST_SLOPE, WaveScreen, WaveShares, Waves};

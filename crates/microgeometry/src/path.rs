@@ -46,9 +46,8 @@ pub(crate) fn follow(
             .enumerate()
     {
         if weight > 0.0 {
-            let numbers = (&numbers.0.part(branch as u64), numbers.1);
             let start = Walk { ray: Ray { at, along }, side, regular: is_flat };
-            match walk(face, index, start, numbers) {
+            match walk(face, index, start, (numbers.0, branch as u64, numbers.1)) {
                 Some((side, along, regular, facets)) => {
                     leaves(Leaves { side, along, weight, regular, facets })
                 }
@@ -70,16 +69,19 @@ fn walk(
     face: &dyn Face,
     index: [f64; 2],
     Walk { mut ray, mut side, mut regular }: Walk,
-    (numbers, path): (&SampleStream, u64),
+    (numbers, branch, path): (&SampleStream, u64, u64),
 ) -> Option<(Side, [f64; 3], bool, u32)> {
     let mut uniform = [0.0; 4];
+    // Most light meets one facet, and needs no numbers.
+    let mut own = None;
     for facets in 0..MOST_FACETS {
         match face.next(&ray, side) {
             Met::Nothing => return Some((side, ray.along, regular, facets + 1)),
             Met::Unknown => return None,
             Met::Facet { at, normal } => {
                 if facets % 4 == 0 {
-                    uniform = numbers.block(path, 2 + facets / 4);
+                    let own = own.get_or_insert_with(|| numbers.part(branch));
+                    uniform = own.block(path, 2 + facets / 4);
                 }
                 let facet = Facet::new(index, ray.along, side, normal);
                 let along = if uniform[(facets % 4) as usize] < facet.reflectance {

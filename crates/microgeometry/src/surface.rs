@@ -4,7 +4,7 @@ use crate::caps::{Balls, Caps, Lattice};
 use crate::heights::Triangles;
 use crate::random::RandomHeights;
 use crate::ray::Face;
-use crate::{HeightMap, MicrogeometryError};
+use crate::{HeightMap, MicrogeometryError, Statistics};
 
 /// A surface between two media.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,6 +51,19 @@ impl Surface {
     /// Whether each replicate is another realisation.
     pub(crate) fn is_random(&self) -> bool {
         matches!(self, Self::Random(_) | Self::Caps(Caps { lattice: Lattice::Random { .. }, .. }))
+    }
+
+    /// Statistics of the heights of the first replicate; `None` for a flat face.
+    ///
+    /// # Errors
+    /// Surfaces that cannot be made.
+    pub fn statistics(&self) -> Result<Option<Statistics>, MicrogeometryError> {
+        let map = match self {
+            Self::Flat => return Ok(None),
+            Self::Random(random) => random.realisation(0)?,
+            Self::Caps(_) | Self::Heights(_) => self.heights(0)?,
+        };
+        Ok(Some(Statistics::of(&map)))
     }
 
     /// Heights of a period of a replicate, for waves.

@@ -284,9 +284,25 @@ impl SurfaceScenario {
         match made {
             Ok(heights) => {
                 let heights = if map.level.value { heights.levelled() } else { heights };
-                Some(Surface::Heights(match map.period.value {
+                let heights = match map.period.value {
                     MapPeriod::Mirror => heights.mirrored(),
                     MapPeriod::Repeat => heights,
+                };
+                let [short, long] =
+                    [&map.cutoff_um, &map.longest_um].map(|length| length.value.map(|length| length.0));
+                if let (Some(short), Some(long)) = (short, long)
+                    && short >= long
+                {
+                    let wrong = Diagnostic::new(format!(
+                        "the filters leave nothing: {short} um is not shorter than {long} um"
+                    ))
+                    .expected("`cutoff_um` below `longest_um`");
+                    errors.push(map.cutoff_um.origin, wrong);
+                    return None;
+                }
+                Some(Surface::Heights(match (short, long) {
+                    (None, None) => heights,
+                    _ => heights.filtered(short, long),
                 }))
             }
             Err(wrong) => {

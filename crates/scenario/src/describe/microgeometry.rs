@@ -91,6 +91,10 @@ surface! {
         level: bool = true,
         /// How the map repeats.
         period: MapPeriod = MapPeriod::Mirror,
+        /// Cut-off of a Gaussian filter (ISO 16610) that removes shorter waves, as noise of the instrument: half of a wave of this length remains.
+        cutoff_um: Option<SurfaceLength>,
+        /// Cut-off of a Gaussian filter that removes longer waves, as the form of the sample.
+        longest_um: Option<SurfaceLength>,
     }
 }
 
