@@ -67,12 +67,13 @@ fn a_flat_face_is_that_of_fresnel() {
 }
 
 /// An etched face of rms slope 0.05 sqrt(2) is roughness of alpha = 2 rms/correlation = 0.1, but for the bands of 2.5 deg, by which its kernel
-/// widens lobes: in diffuse light within 1 % (its heights are correlated, those of roughness are not), beside the mirror image of a lamp within 4 %.
+/// widens lobes: in diffuse light within 1 % (its heights are correlated, those of roughness are not), on the flank of
+/// the mirror image of a lamp within 8 %.
 #[test]
 fn an_etched_face_is_roughness() {
     let etched = face("surface = \"etched.toml\"\nrays = 6400");
     let rough = "[[display.layers]]\nkind = \"rough\"\nalpha = 0.1\ndistribution = \"beckmann\"\n";
-    for (light, close) in [(DIFFUSE, 0.01), (LAMP, 0.04)] {
+    for (light, close) in [(DIFFUSE, 0.01), (LAMP, 0.08)] {
         let [measured, rough] = [etched.as_str(), rough].map(|layers| factors(layers, 0.6, light, "adding"));
         for ((a, ..), (b, ..)) in measured.into_iter().zip(rough) {
             assert!((a - b).abs() < close * b, "{light}: {a} {b}");
