@@ -297,7 +297,10 @@ fn waves_text(waves: &ByWaves, rays: Option<&Rays>) -> String {
 
 /// Power spectral density against frequency.
 fn psd_figure(title: &str, statistics: &Statistics) -> String {
-    let points = statistics.density.iter().map(|[frequency, density]| (*frequency, *density)).collect();
+    // Below is the noise of rounding.
+    let largest = statistics.density.iter().map(|[_, density]| *density).fold(0.0, f64::max);
+    let known = statistics.density.iter().filter(|[_, density]| *density > 1e-15 * largest);
+    let points = known.map(|[frequency, density]| (*frequency, *density)).collect();
     one_curve(title, "frequency (cycles per um)", "power spectral density (um\u{2074})", true, points)
 }
 
@@ -308,7 +311,7 @@ fn cutoff_figure(title: &str, statistics: &Statistics) -> String {
 }
 
 fn one_curve(title: &str, x: &str, y: &str, logarithmic: bool, points: Vec<(f64, f64)>) -> String {
-    let curve = ChartCurve { name: String::new(), hue: Hue::Group(0), dashed: false, marks: true, points };
+    let curve = ChartCurve { name: String::new(), hue: Hue::Group(0), dashed: false, marks: false, points };
     let at_least = if logarithmic { Vec::new() } else { vec![0.0] };
     let all = Chart { x: x.to_owned(), y: y.to_owned(), logarithmic, at_least, curves: vec![curve] };
     chart(&all, title)
@@ -320,7 +323,7 @@ fn waves_figure(title: &str, waves: &ByWaves) -> String {
         name: name.to_owned(),
         hue: Hue::Group(hue),
         dashed: false,
-        marks: true,
+        marks: false,
         points: waves.shares.iter().map(|one| (one.wavelength_nm, 100.0 * of(one))).collect(),
     };
     let all = Chart {
@@ -330,8 +333,8 @@ fn waves_figure(title: &str, waves: &ByWaves) -> String {
         at_least: vec![0.0, 100.0],
         curves: vec![
             curve("haze", 0, |one| one.haze.value),
-            curve("transmitted: straight through", 1, |one| one.straight.value),
-            curve("reflected: as by a mirror", 2, |one| one.mirror.value),
+            curve("straight", 1, |one| one.straight.value),
+            curve("mirror", 2, |one| one.mirror.value),
         ],
     };
     chart(&all, title)
