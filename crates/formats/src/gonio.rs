@@ -6,10 +6,9 @@ use papilio_microgeometry::{Audit, ByWaves, Goniometer, Kernel, Side, Statistics
 use schemars::JsonSchema;
 use serde::Serialize;
 use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
 
 use crate::face_read::FORMAT;
-use crate::npy::{Items, write_npy};
+use crate::npy::{Items, stored, write_npy};
 
 /// Content of `audit.json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -271,7 +270,7 @@ pub fn write_face(out: impl Write, hash: &str, index: [f64; 2], kernel: &Kernel)
     let mut archive = ZipWriter::new_stream(out);
     let mut array = |name: &str, shape: &[usize], items: Items<'_>| {
         // Not compressed and without a date: equal kernels give equal bytes.
-        archive.start_file(format!("{name}.npy"), SimpleFileOptions::default())?;
+        archive.start_file(format!("{name}.npy"), stored())?;
         write_npy(&mut archive, shape, items)
     };
     let bands = &kernel.bands;

@@ -6,6 +6,9 @@
 
 use std::io::{self, Write};
 
+use zip::CompressionMethod;
+use zip::write::SimpleFileOptions;
+
 /// The items of an array.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Items<'a> {
@@ -109,4 +112,9 @@ impl Header {
     pub(crate) fn count(&self) -> Option<usize> {
         self.shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length))
     }
+}
+
+/// Options of arrays in an archive: not compressed and without a date, so that equal arrays give equal bytes.
+pub(crate) fn stored() -> SimpleFileOptions {
+    SimpleFileOptions::default().compression_method(CompressionMethod::Stored)
 }

@@ -3,6 +3,7 @@
 use std::io::{Cursor, Read};
 
 use papilio_diagnostics::Place;
+use zip::CompressionMethod;
 use zip::read::ZipArchive;
 use zip::result::ZipError;
 
@@ -10,6 +11,9 @@ use crate::bsdf::{BsdfProblem, MOST_CELLS};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::npy::Header;
+
+/// Compressed arrays could be far larger than the file.
+const COMPRESSED: &str = "it is compressed, which is not supported: save the archive with numpy.savez";
 
 /// Largest number of arrays.
 const MOST_ARRAYS: usize = 1000;
@@ -63,11 +67,10 @@ impl<'a> Npz<'a> {
         let budget = self.budget;
         let mut bytes = Vec::new();
         let read = match self.archive.by_name(&format!("{array}.npy")) {
+            Ok(entry) if entry.compression() != CompressionMethod::Stored => Err(COMPRESSED.to_owned()),
             Ok(entry) => entry.take(budget as u64 + 1).read_to_end(&mut bytes).map_err(|e| e.to_string()),
             Err(ZipError::FileNotFound) => Err("it is missing".to_owned()),
-            Err(ZipError::UnsupportedArchive(_)) => {
-                Err("it is compressed, which is not supported: save the archive with numpy.savez".to_owned())
-            }
+            Err(ZipError::UnsupportedArchive(_)) => Err(COMPRESSED.to_owned()),
             Err(problem) => Err(problem.to_string()),
         };
         let read = read.map_err(|what| self.unsound(array, &what))?;

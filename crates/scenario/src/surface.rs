@@ -267,7 +267,7 @@ impl SurfaceScenario {
         let Some(pitch_um) = pitch_um else {
             let wrong = Diagnostic::new("this file does not state the distance of its heights")
                 .expected("the key `pixel_um`")
-                .hint("for example pixel_um = [0.5]; only SDF files of profilometers state it");
+                .hint("for example pixel_um = [0.5]; only SDF and X3P files of profilometers state it");
             errors.push(map.file.origin, wrong);
             return None;
         };

@@ -6,9 +6,9 @@ use std::io::{self, Write};
 
 use papilio_display::BrdfTable;
 use serde::Serialize;
-use zip::write::{SimpleFileOptions, ZipWriter};
+use zip::write::ZipWriter;
 
-use crate::npy::{Items, write_npy};
+use crate::npy::{Items, stored, write_npy};
 
 /// Origin of a BSDF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,7 +69,7 @@ pub fn write_bsdf(out: impl Write, source: &BsdfSource<'_>, table: &BrdfTable) -
     let mut archive = ZipWriter::new_stream(out);
     let mut array = |name: &str, shape: &[usize], items: Items<'_>| {
         // Not compressed and without a date: equal tables give equal bytes.
-        archive.start_file(format!("{name}.npy"), SimpleFileOptions::default())?;
+        archive.start_file(format!("{name}.npy"), stored())?;
         write_npy(&mut archive, shape, items)
     };
     let grid = &table.grid;

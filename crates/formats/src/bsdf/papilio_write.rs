@@ -5,11 +5,11 @@ use std::io::{self, Write};
 use papilio_goniometry::{
     Geometry, MeasuredPart, Measurement, Ring, SpecularGrid, Symmetry, TensorTree, TreeNode,
 };
-use zip::write::{SimpleFileOptions, StreamWriter, ZipWriter};
+use zip::write::{StreamWriter, ZipWriter};
 
 use super::papilio::{About, AboutPart, CONVENTIONS, FORMAT, Kind, Origin, prefix};
 use super::write::WriteError;
-use crate::npy::{Items, write_npy};
+use crate::npy::{Items, stored, write_npy};
 
 pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
     let mut archive = Archive { zip: ZipWriter::new_stream(out) };
@@ -57,7 +57,7 @@ struct Archive<'a> {
 impl Archive<'_> {
     fn array(&mut self, name: &str, shape: &[usize], items: Items<'_>) -> io::Result<()> {
         // Not compressed and without a date: equal measurements give equal bytes.
-        self.zip.start_file(format!("{name}.npy"), SimpleFileOptions::default().large_file(true))?;
+        self.zip.start_file(format!("{name}.npy"), stored().large_file(true))?;
         write_npy(&mut self.zip, shape, items)
     }
 

@@ -9,6 +9,7 @@
 
 mod arrays;
 mod bsdf;
+mod heights;
 mod light_maps;
 mod pictures;
 mod reading;

@@ -182,7 +182,12 @@ fn unpacked(archive: &[u8]) -> Vec<(String, Vec<u8>)> {
 fn packed(arrays: &[(String, Vec<u8>)]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     for (name, bytes) in arrays {
-        archive.start_file(name.as_str(), zip::write::SimpleFileOptions::default()).unwrap();
+        archive
+            .start_file(
+                name.as_str(),
+                zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored),
+            )
+            .unwrap();
         archive.write_all(bytes).unwrap();
     }
     archive.finish().unwrap().into_inner()

@@ -1,6 +1,10 @@
-//! Maps of heights: NumPy arrays, tables of numbers, grey PNG pictures of 16 bits, and SDF files of ISO 25178-71.
+//! Maps of heights: NumPy arrays, tables of numbers, grey PNG pictures of 16 bits, OpenEXR, SDF files of ISO 25178-71, and X3P files of
+//! ISO 25178-72.
 //!
 //! The format is detected from the content. A text of numbers is a table: a row of the map in each line.
+
+mod openexr;
+mod x3p;
 
 use std::io::Cursor;
 
@@ -62,8 +66,11 @@ impl SurfaceProblem {
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
             Self::NotAMap => Diagnostic::new("this is not a map of heights in a supported format")
-                .expected("a .npy array of two dimensions, rows of numbers, a grey PNG of 16 bits, or an SDF file of ISO 25178-71")
-                .hint("export the map as SDF from the program of the instrument"),
+                .expected(
+                    "a .npy array of two dimensions, rows of numbers, a grey PNG of 16 bits, an OpenEXR file, an SDF file of ISO 25178-71, or an \
+                     X3P file of ISO 25178-72",
+                )
+                .hint("export the map as SDF or X3P from the program of the instrument"),
             Self::NotAFace => Diagnostic::new("this is not the kernel of a face")
                 .expected("face.npz, which `papilio gonio` writes"),
             Self::Size { columns, rows } => Diagnostic::new(format!("this map has {columns} x {rows} heights"))
@@ -93,6 +100,10 @@ pub fn read_heights(file: &DataFile) -> Result<HeightFile, FormatError> {
         of_npy(bytes)
     } else if bytes.starts_with(b"\x89PNG") {
         of_png(bytes)
+    } else if bytes.starts_with(&openexr::MAGIC) {
+        openexr::read(bytes)
+    } else if bytes.starts_with(b"PK\x03\x04") {
+        x3p::read(bytes)
     } else if bytes.starts_with(b"aISO-1.0") {
         of_text_sdf(file.text()?)
     } else if bytes.starts_with(b"bISO-1.0") {

@@ -1,0 +1,128 @@
+//! Maps of heights: X3P and OpenEXR files, right and damaged ones.
+
+use std::io::{Cursor, Write};
+
+use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
+use papilio_formats::{DataFile, HeightFile, read_heights};
+use papilio_testing::Dice;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+fn read(bytes: Vec<u8>) -> Result<HeightFile, String> {
+    read_heights(&DataFile { name: "map".to_owned(), bytes }).map_err(|error| error.to_string())
+}
+
+fn main_xml(kind: &str, size: [usize; 3], data: &str) -> String {
+    let [x, y, z] = size;
+    let axis = |name: &str, kind: &str, data: &str, step: &str| {
+        format!(
+            "<{name}><AxisType>{kind}</AxisType><DataType>{data}</DataType><Increment>{step}</Increment><Offset>0</Offset></{name}>"
+        )
+    };
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?><p:ISO5436_2 xmlns:p=\"http://www.opengps.eu/2008/ISO5436_2\"><Record1><Revision>ISO5436 - \
+         2000</Revision><FeatureType>SUR</FeatureType><Axes>{}{}{}</Axes></Record1><Record3><MatrixDimension><SizeX>{x}</SizeX><SizeY>{y}</SizeY>\
+         <SizeZ>{z}</SizeZ></MatrixDimension>{data}</Record3></p:ISO5436_2>",
+        axis("CX", "I", "D", "1e-6"),
+        axis("CY", "I", "D", "2e-6"),
+        axis("CZ", "A", kind, "1e-9"),
+    )
+}
+
+const LINK: &str = "<DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink>";
+
+fn archive(xml: &str, data: &[u8]) -> Vec<u8> {
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, content) in [("main.xml", xml.as_bytes()), ("bindata/data.bin", data)] {
+        archive.start_file(name, SimpleFileOptions::default()).unwrap();
+        archive.write_all(content).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+fn doubles(values: &[f64]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+/// All types of heights, in a binary file or in the XML, are read in um, from the row of the lowest y on.
+#[test]
+fn x3p_files_are_read() {
+    let nm = [100.0, 200.0, 300.0, 400.0, 500.0, 600.0];
+    let um: Vec<f64> = nm.iter().map(|nm| 1e-3 * nm).collect();
+    let shorts: Vec<u8> = nm.iter().flat_map(|nm| (*nm as i16).to_le_bytes()).collect();
+    let longs: Vec<u8> = nm.iter().flat_map(|nm| (*nm as i32).to_le_bytes()).collect();
+    let floats: Vec<u8> = nm.iter().flat_map(|nm| (*nm as f32).to_le_bytes()).collect();
+    let list: String = nm.iter().map(|nm| format!("<Datum>0;0;{nm}</Datum>")).collect();
+    let list = format!("<DataList>{list}</DataList>");
+    for (kind, link, data) in [
+        ("D", LINK, doubles(&nm)),
+        ("I", LINK, shorts),
+        ("L", LINK, longs),
+        ("F", LINK, floats),
+        ("D", &list, vec![]),
+    ] {
+        let map = read(archive(&main_xml(kind, [3, 2, 1], link), &data)).unwrap();
+        assert_eq!((map.columns, map.numbers.len()), (3, 6));
+        let pitch = map.pitch_um.unwrap();
+        assert!((pitch[0] - 1.0).abs() < 1e-12 && (pitch[1] - 2.0).abs() < 1e-12);
+        assert!(map.numbers.iter().zip(&um).all(|(a, b)| (a - b).abs() < 1e-9), "{kind}: {:?}", map.numbers);
+    }
+}
+
+#[test]
+fn wrong_x3p_files_are_refused() {
+    let right = doubles(&[1.0; 6]);
+    for (xml, data, expected) in [
+        (main_xml("D", [3, 2, 1], LINK), right[..40].to_vec(), "5 heights, and its dimensions 6"),
+        (main_xml("D", [3, 2, 1], LINK), doubles(&[1.0; 7]), "larger than the dimensions"),
+        (main_xml("D", [90_000, 90_000, 1], LINK), right.clone(), "90000 x 90000 heights"),
+        (main_xml("D", [3, 1, 2], LINK), right.clone(), "3 x 1 heights"),
+        (main_xml("D", [3, 2, 4], LINK), right.clone(), "several layers"),
+        (main_xml("Q", [3, 2, 1], LINK), right.clone(), "the type of its heights is `Q`"),
+        (main_xml("D", [3, 2, 1], LINK).replace("1e-6", "0"), right.clone(), "the increment of CX is 0 m"),
+        (main_xml("D", [3, 2, 1], LINK).replace("<Axes>", "<Axis>"), right.clone(), "main.xml"),
+        (
+            main_xml("D", [3, 2, 1], LINK),
+            doubles(&[1.0, f64::NAN, 1.0, 1.0, 1.0, 1.0]),
+            "1 of 6 heights are missing",
+        ),
+        ("<a/>".to_owned(), right.clone(), "no number Record3/MatrixDimension/SizeX"),
+    ] {
+        let found = read(archive(&xml, &data)).unwrap_err();
+        assert!(found.contains(expected), "{expected}\n{found}");
+    }
+    let whole = archive(&main_xml("D", [3, 2, 1], LINK), &right);
+    let mut dice = Dice::new(0x3b, 0);
+    for _ in 0..1500 {
+        let mut bytes = whole.clone();
+        bytes.truncate(if dice.below(4) == 0 { dice.below(whole.len()) } else { whole.len() });
+        for _ in 0..dice.below(5) {
+            let at = dice.below(bytes.len().max(1));
+            if let Some(byte) = bytes.get_mut(at) {
+                *byte = dice.bits() as u8;
+            }
+        }
+        if let Ok(map) = read(bytes) {
+            assert!(map.numbers.iter().all(|number| number.is_finite()));
+        }
+    }
+}
+
+#[test]
+fn openexr_maps_are_read() {
+    let pixel = |at: exr::math::Vec2<usize>| ((at.y() * 3 + at.x()) as f32,);
+    let written = |name: &str| {
+        let channels = SpecificChannels::build().with_channel(name).with_pixel_fn(pixel);
+        let layer = Layer::new((3, 2), LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels);
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
+    };
+    for name in ["Z", "height"] {
+        let map = read(written(name)).unwrap();
+        // The lowest row comes first.
+        assert_eq!((map.columns, map.numbers), (3, vec![3.0, 4.0, 5.0, 0.0, 1.0, 2.0]));
+    }
+    let whole = written("Z");
+    assert!(read(whole[..whole.len() / 2].to_vec()).unwrap_err().contains("OpenEXR"));
+}
