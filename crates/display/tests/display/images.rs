@@ -47,6 +47,15 @@ fn a_picture_is_the_sum_of_those_in_each_light() {
     let held = control(|control| HeldPicture::new(&both, &ramp(), &settings, control));
     let whole = control(|control| image(&both, &ramp(), &settings, Screen::default(), control));
     assert_eq!(held.states, whole.states);
+    // The linear picture is the one on the screen, before it is encoded: adapted to the light, which is not D65.
+    let encoded = |linear: f32| match linear.clamp(0.0, 1.0) {
+        dark if dark <= 0.003_130_8 => 12.92 * dark,
+        light => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+    };
+    for (linear, bytes) in whole.linear.iter().zip(&whole.on_screen) {
+        let close = |(linear, byte): (&f32, &u8)| (255.0 * encoded(*linear) - f32::from(*byte)).abs() < 0.51;
+        assert!(linear.iter().zip(bytes).all(close), "{linear:?} {bytes:?}");
+    }
     let factors = control(|control| held.factors(&both, control));
     let names: Vec<&str> = factors.lights.iter().map(|one| one.light.as_str()).collect();
     assert_eq!(names, ["diffuse", "directed.0"]);
