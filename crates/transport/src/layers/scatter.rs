@@ -25,6 +25,8 @@ pub struct ScatterKernel {
 ///
 /// It is reciprocal: light that goes up is transmitted by the reverse of the kernel for light that goes
 /// down, and a reflection is the mean of its kernel and the reverse.
+///
+/// The face of a surface ([`Self::of_surface`]) has kernels over the whole discs of the media on both sides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterFace {
     straight: Spectrum,
