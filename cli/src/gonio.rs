@@ -20,6 +20,10 @@ use crate::numbers::{digits, measured};
 use crate::progress::Progress;
 use crate::{Failure, folder, input, interrupt, output, print_notes, report, terminal};
 
+/// All files that a measurement may write, and the names of its figures.
+const FILES: [&str; 6] = ["audit.json", "totals.csv", "face.npz", "psd.csv", "cutoff.csv", "waves.csv"];
+const FIGURES: [&str; 4] = ["totals", "psd", "cutoff", "waves"];
+
 /// A preview has this many times fewer rays, and three times the error.
 const PREVIEW: u64 = 9;
 
@@ -112,6 +116,8 @@ impl Found {
         png: bool,
     ) -> Result<Vec<String>, Failure> {
         output::make_folder(folder)?;
+        // Those of an earlier road would be mistaken for results of this one.
+        output::remove(folder, |name| FILES.contains(&name) || output::is_figure_of(&FIGURES, name))?;
         let mut names = Vec::new();
         let mut file = |name: &str| {
             names.push(name.to_owned());
@@ -261,7 +267,7 @@ fn rays_text(Rays { totals, kernel }: &Rays) -> String {
 /// Waves, and whether they or rays hold.
 fn waves_text(waves: &ByWaves, rays: Option<&Rays>) -> String {
     let head =
-        ["wavelength, nm", "g", "straight through, %", "as by a mirror, %", "haze, %", "without cut-off, %"];
+        ["wavelength, nm", "g", "straight through, %", "as by a mirror, %", "haze, %", "closed form, %"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for one in &waves.shares {
         let percent = |one: Measured| measured(Some(100.0 * one.value), Some(100.0 * one.error), 2);
@@ -275,7 +281,7 @@ fn waves_text(waves: &ByWaves, rays: Option<&Rays>) -> String {
         ]);
     }
     let mut text = format!(
-        "\nby waves, along the normal; haze: beyond 2.5 deg in air; g: square of the rms phase\n{}\n",
+        "\nby waves, along the normal; haze: beyond 2.5 deg in air; g: square of the rms phase; closed form: haze without a cut-off\n{}\n",
         report::table(&rows)
     );
     let rays_hold = waves.shares.iter().all(|one| one.g > LEAST_G);
@@ -362,11 +368,11 @@ fn totals_figure(title: &str, totals: &[Total]) -> String {
         logarithmic: false,
         at_least: vec![0.0, 100.0],
         curves: vec![
-            curve(Side::Above, "above: reflected", 0, false, reflected),
-            curve(Side::Above, "above: to |beta| < 1", 1, false, seen),
-            curve(Side::Above, "above: beyond", 2, false, beyond),
-            curve(Side::Below, "below: reflected", 0, true, reflected),
-            curve(Side::Below, "below: transmitted", 1, true, seen),
+            curve(Side::Above, "R from above", 0, false, reflected),
+            curve(Side::Above, "T from above", 1, false, seen),
+            curve(Side::Above, "trapped T", 2, false, beyond),
+            curve(Side::Below, "R from below", 0, true, reflected),
+            curve(Side::Below, "T from below", 1, true, seen),
         ],
     };
     chart(&all, title)

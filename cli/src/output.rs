@@ -92,6 +92,12 @@ pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(),
     Ok(())
 }
 
+/// True for names of figures that begin with one of these words.
+pub(crate) fn is_figure_of(kinds: &[&str], name: &str) -> bool {
+    let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
+    stem.is_some_and(|stem| kinds.iter().any(|kind| stem.starts_with(kind)))
+}
+
 /// True for names of figures from [`papilio_figures::of_run`], and of files of a cone.
 fn is_figure_or_cone(name: &str) -> bool {
     let of_view = ["overview", "spectra", "chromaticity", "chromaticity_xy", "patches", "rings", "light"];

@@ -84,18 +84,12 @@ fn write<R: SpatialOutput>(
     png: bool,
 ) -> Result<Vec<String>, Failure> {
     output::make_folder(folder)?;
-    output::remove(folder, is_figure::<R>)?;
+    output::remove(folder, |name| output::is_figure_of(&R::FIGURES, name))?;
     write_file(&folder.join(R::JSON), |out| write_json(out, &result.content(resolved, title)))?;
     let mut names = vec![R::JSON.to_owned()];
     names.extend(result.write_tables(folder)?);
     names.extend(output::write_figures(folder, result.figures(title), png)?);
     Ok(names)
-}
-
-/// True for names of figures of the command.
-fn is_figure<R: SpatialOutput>(name: &str) -> bool {
-    let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
-    stem.is_some_and(|stem| R::FIGURES.iter().any(|kind| stem.starts_with(kind)))
 }
 
 impl SpatialCommand {

@@ -111,3 +111,12 @@ fn mistakes_in_options_are_reported_before_anything_is_computed() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("is not a folder"), "{}", stderr(&output));
 }
+
+/// A display without scattering has no haze: rounding of its mirror component is neither a negative haze nor a failure.
+#[test]
+fn a_display_without_scattering_has_no_haze() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = brdf("antiglare", folder.path(), &[]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(!fs::read_to_string(folder.path().join("reflection.csv")).unwrap().contains('-'));
+}

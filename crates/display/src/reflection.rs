@@ -40,6 +40,9 @@ pub struct Reflection {
     pub states: Vec<ReflectionState>,
 }
 
+/// Difference of two reflectances, relative to them, that counts as rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// Components of the reflection of a beam, as luminous fractions of the beam.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReflectionState {
@@ -127,9 +130,11 @@ fn split(result: &RunResult, theta_deg: f64) -> Vec<ReflectionState> {
     let one = |(name, State { value, .. }): (&str, &State)| {
         let returned = value.R_hemi.unwrap_or_default();
         let mirror = value.specular.first().copied().unwrap_or_default();
+        // A display without scattering has the mirror component alone, up to rounding.
+        let scattered = returned - mirror;
+        let scattered = if scattered.abs() <= ROUNDING * returned { 0.0 } else { scattered };
         let beams = value.R_dir.iter().skip(1).flatten();
-        let lambertian =
-            beams.copied().fold(f64::INFINITY, f64::min).clamp(0.0, (returned - mirror).max(0.0));
+        let lambertian = beams.copied().fold(f64::INFINITY, f64::min).clamp(0.0, scattered.max(0.0));
         // The reflectance factor under a disc is the mean over its projected solid angle.
         let disc = theta_deg.to_radians().cos() * STRAIGHT_DEG.to_radians().sin().powi(2);
         let straight = value.R_dir.first().copied().flatten().unwrap_or_default() * disc;
@@ -137,7 +142,7 @@ fn split(result: &RunResult, theta_deg: f64) -> Vec<ReflectionState> {
             name: name.to_owned(),
             returned,
             mirror,
-            haze: returned - mirror - lambertian,
+            haze: scattered - lambertian,
             lambertian,
             beyond_straight: (returned > 0.0).then(|| (1.0 - straight / returned).max(0.0)),
         }

@@ -101,6 +101,30 @@ pub enum MicrogeometryError {
         /// The length that the indices ask for.
         expected: usize,
     },
+    /// A kernel loses or gains light.
+    #[error(
+        "light of band {band} of the kernel of a face adds up to {sum} (expected 1 within 1e-6: scattered and regular light, without losses)"
+    )]
+    FaceLoses {
+        /// Number of the band, from 0.
+        band: usize,
+        /// Sum of what leaves.
+        sum: f64,
+    },
+    /// A kernel treats the two ways of light between bands differently.
+    #[error(
+        "the kernel of a face is not reciprocal: between bands {from} and {to} goes {there} of the light one way, and {back} the other"
+    )]
+    FaceOneWay {
+        /// Number of a band, from 0.
+        from: usize,
+        /// Number of the other.
+        to: usize,
+        /// Light from one to the other, per étendue of all.
+        there: f64,
+        /// Light back.
+        back: f64,
+    },
     /// The measurement was stopped.
     #[error("interrupted")]
     Interrupted,

@@ -9,6 +9,9 @@ use crate::bands::{AZIMUTHS, Bands};
 use crate::kernel::balanced;
 use crate::{Kernel, MicrogeometryError, Side};
 
+/// Light of a band, as a fraction of it, that counts as rounding: kernels are balanced to it.
+const MOST_LOST: f64 = 1e-6;
+
 /// The kernel of a surface: what a file keeps of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceTable {
@@ -56,7 +59,8 @@ impl FaceTable {
     /// The surface as kernels between rings.
     ///
     /// # Errors
-    /// A number of values that is not that of the bands; values that are not finite or negative.
+    /// A number of values that is not that of the bands; values that are not finite or negative; a kernel that loses light or is not
+    /// reciprocal.
     pub fn kernels(&self) -> Result<FaceKernels, MicrogeometryError> {
         let bands = Bands::new(self.index);
         let count = bands.count();
@@ -79,6 +83,8 @@ impl FaceTable {
                 });
             }
         }
+        self.lossless(count)?;
+        self.reciprocal(&bands)?;
         let limits = [1.0, self.index[0], self.index[1]];
         let rings = Side::ALL.map(|side| Rings::new(bands.edges(side), &limits));
         let weights: Vec<f64> = rings.iter().flat_map(|rings| rings.weights().to_vec()).collect();
@@ -113,5 +119,33 @@ impl FaceTable {
             transmitted: part(&self.regular_transmitted, rarer),
             rings,
         })
+    }
+    /// Refuses bands whose light does not add up to 1.
+    fn lossless(&self, count: usize) -> Result<(), MicrogeometryError> {
+        let regular = self.regular_reflected.iter().zip(&self.regular_transmitted);
+        for (band, (row, (r, t))) in self.scattered.chunks_exact(count * AZIMUTHS).zip(regular).enumerate() {
+            let sum = row.iter().sum::<f64>() + r + t;
+            if (sum - 1.0).abs() > MOST_LOST {
+                return Err(MicrogeometryError::FaceLoses { band, sum });
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses scattered light that is not the same both ways, per étendue.
+    fn reciprocal(&self, bands: &Bands) -> Result<(), MicrogeometryError> {
+        let count = bands.count();
+        let light = |from: usize, to: usize, azimuth: usize| {
+            bands.area(from) * self.scattered[(from * count + to) * AZIMUTHS + azimuth]
+        };
+        for (from, to) in (0..count).flat_map(|from| (0..from).map(move |to| (from, to))) {
+            for azimuth in 0..AZIMUTHS {
+                let (there, back) = (light(from, to, azimuth), light(to, from, azimuth));
+                if (there - back).abs() > MOST_LOST * bands.area(from).min(bands.area(to)) {
+                    return Err(MicrogeometryError::FaceOneWay { from, to, there, back });
+                }
+            }
+        }
+        Ok(())
     }
 }

@@ -4,6 +4,7 @@ use papilio_optics::interface::fresnel_reflectance;
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_testing::{Dice, assert_student, assert_unbiased, mean_and_error};
 
+use crate::bands::{AZIMUTHS, Bands};
 use crate::goniometer::start;
 use crate::path::{Leaves, follow};
 use crate::ray::Ray;
@@ -228,4 +229,33 @@ fn kernels_obey_the_laws() {
         // 314 patches with light enough.
         assert!(*reciprocity_tests > 250 && (0.8..1.2).contains(reciprocity_z_rms), "{:?}", found.audit);
     }
+}
+
+/// A kernel that loses light, or treats one way otherwise than the other, is no face.
+#[test]
+fn faces_that_break_the_laws_are_refused() {
+    let of = goniometer([1.0, GLASS], 10, 1);
+    let table = FaceTable::new(
+        [1.0, GLASS],
+        &of.kernel(&replicates(&of, &caps(Lattice::Square, 2.25, 2.25))).unwrap(),
+    );
+    assert!(table.kernels().is_ok());
+    let mut darker = table.clone();
+    darker.regular_reflected[3] *= 0.5;
+    let message = darker.kernels().unwrap_err().to_string();
+    assert!(message.starts_with("light of band 3 of the kernel of a face adds up to 0.9"), "{message}");
+    let mut turned = table;
+    // Light of another azimuth: the sum of the row stays.
+    let row = &mut turned.scattered[..AZIMUTHS];
+    let (first, rest) = row.split_at_mut(1);
+    rest[0] += first[0];
+    first[0] = 0.0;
+    assert!(turned.kernels().is_ok(), "a band and itself: both ways are one");
+    let count = Bands::new([1.0, GLASS]).count();
+    let row = &mut turned.scattered[..count * AZIMUTHS];
+    let light: f64 = row[AZIMUTHS..].iter().sum();
+    row[AZIMUTHS..].fill(0.0);
+    row[AZIMUTHS] = light;
+    let message = turned.kernels().unwrap_err().to_string();
+    assert!(message.contains("not reciprocal: between bands"), "{message}");
 }

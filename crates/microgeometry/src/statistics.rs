@@ -1,8 +1,8 @@
 //! Statistics of heights: moments, correlation length, power spectral density, and what an instrument's cut-off leaves of rms and slopes.
 //!
 //! The map is taken as periodic, as rays see it. With the amplitudes a(f) of its discrete Fourier transform, divided by the number of heights,
-//! the power spectral density is `|a|² A` (A the area of the map), its integral over all frequencies the variance, and that of
-//! `(2π f)² W` the variance of the slopes: of the continuous function through the heights, a little more than between neighbours.
+//! the power spectral density W is `|a|² A` (A the area of the map), its integral over all frequencies the variance, and that of
+//! `(2π f)² W` the variance of the slopes. Sums over frequencies are taken over rings as wide as one step of the frequency.
 //!
 //! **Filters** are Gaussians of ISO 16610-61, with a transmission of 50 % at the cut-off: `exp(-ln 2 (f λ)²)`.
 
@@ -11,7 +11,7 @@ use std::f64::consts::{LN_2, TAU};
 use num_complex::Complex64;
 use papilio_fourier::Plane;
 
-use crate::HeightMap;
+use crate::{HeightMap, HeightStatistics};
 
 /// Bins of the power spectral density, equal steps of the logarithm of the frequency.
 const BINS: usize = 40;
@@ -28,7 +28,7 @@ pub struct Statistics {
     pub skewness: f64,
     /// Kurtosis of the heights: 3 for Gaussian ones.
     pub kurtosis: f64,
-    /// Root mean square slope along x and y.
+    /// Root mean square slope between neighbours along x and y: that of the facets.
     pub slope_rms: [f64; 2],
     /// Smallest distance at which the autocorrelation, averaged over all directions, is 1/e, um; `None` for a flat map, or if it does not
     /// fall so far within half of the map.
@@ -47,17 +47,18 @@ impl Statistics {
         let mean = heights.iter().sum::<f64>() / count;
         let moment =
             |power: i32| heights.iter().map(|height| (height - mean).powi(power)).sum::<f64>() / count;
-        let rms_um = moment(2).sqrt();
+        let HeightStatistics { rms_um, slope_rms } = map.statistics();
         let waves = Waves::of(map, mean);
+        let rings = waves.rings();
         let relative = |power: i32| if rms_um > 0.0 { moment(power) / rms_um.powi(power) } else { 0.0 };
         Self {
             rms_um,
             skewness: relative(3),
             kurtosis: relative(4),
-            slope_rms: waves.slopes(0.0),
+            slope_rms,
             correlation_um: waves.correlation_um(),
-            density: waves.density(),
-            by_cutoff: waves.by_cutoff(),
+            density: waves.density(&rings),
+            by_cutoff: waves.by_cutoff(&rings),
         }
     }
 }
@@ -112,16 +113,36 @@ impl<'a> Waves<'a> {
         self.power.len() as f64 * pitch[0] * pitch[1]
     }
 
-    /// Root mean square slopes of what passes a cut-off.
-    fn slopes(&self, cutoff_um: f64) -> [f64; 2] {
-        let mut sums = [0.0; 2];
-        for (at, power) in self.power.iter().enumerate() {
+    /// Step of the frequency: one wave along the longer side.
+    fn step(&self) -> f64 {
+        let pitch = self.map.pitch_um();
+        1.0 / (self.map.columns() as f64 * pitch[0]).max(self.map.rows() as f64 * pitch[1])
+    }
+
+    /// Highest frequency that the heights resolve along both axes.
+    fn highest(&self) -> f64 {
+        let pitch = self.map.pitch_um();
+        0.5 / pitch[0].max(pitch[1])
+    }
+
+    /// Sums over rings of frequencies, ascending, without the mean height.
+    fn rings(&self) -> Vec<Ring> {
+        let step = self.step();
+        let mut rings: Vec<Ring> = Vec::new();
+        for (at, power) in self.power.iter().enumerate().skip(1) {
             let [x, y] = frequency(self.map, at);
-            let passed = power * (-2.0 * LN_2 * (x * x + y * y) * cutoff_um * cutoff_um).exp();
-            sums[0] += (TAU * x).powi(2) * passed;
-            sums[1] += (TAU * y).powi(2) * passed;
+            let frequency = x.hypot(y);
+            let ring = (frequency / step).round() as usize;
+            if ring >= rings.len() {
+                rings.resize(ring + 1, Ring::default());
+            }
+            rings[ring].frequency += frequency;
+            rings[ring].power += power;
+            rings[ring].count += 1.0;
         }
-        sums.map(f64::sqrt)
+        rings.retain(|ring| ring.count > 0.0);
+        rings.iter_mut().for_each(|ring| ring.frequency /= ring.count);
+        rings
     }
 
     /// Smallest distance at which the mean correlation is 1/e.
@@ -149,50 +170,48 @@ impl<'a> Waves<'a> {
         Some(step * (ring as f64 - 1.0 + (before - wanted) / (before - after)))
     }
 
-    /// Mean density in rings of frequencies.
-    fn density(&self) -> Vec<[f64; 2]> {
-        let pitch = self.map.pitch_um();
-        let [columns, rows] = [self.map.columns() as f64, self.map.rows() as f64];
-        let least = 1.0 / (columns * pitch[0]).max(rows * pitch[1]);
-        let most = 0.5 / pitch[0].max(pitch[1]);
-        if most <= least {
-            return Vec::new();
-        }
-        let mut sums = vec![[0.0; 3]; BINS];
-        for (at, power) in self.power.iter().enumerate().skip(1) {
-            let [x, y] = frequency(self.map, at);
-            let frequency = x.hypot(y);
-            let bin = (BINS as f64 * (frequency / least).ln() / (most / least).ln()).floor();
+    /// Mean density in bins of the logarithm of the frequency.
+    fn density(&self, rings: &[Ring]) -> Vec<[f64; 2]> {
+        let (least, most) = (self.step(), self.highest());
+        let mut bins = vec![Ring::default(); BINS];
+        for ring in rings {
+            let bin = (BINS as f64 * (ring.frequency / least).ln() / (most / least).ln()).floor();
             if bin >= 0.0 && bin < BINS as f64 {
-                let sum = &mut sums[bin as usize];
-                sum[0] += power * self.area();
-                sum[1] += frequency;
-                sum[2] += 1.0;
+                let bin = &mut bins[bin as usize];
+                bin.frequency += ring.frequency * ring.count;
+                bin.power += ring.power;
+                bin.count += ring.count;
             }
         }
-        let filled = sums.iter().filter(|sum| sum[2] > 0.0);
-        filled.map(|[power, frequency, count]| [frequency / count, power / count]).collect()
+        let area = self.area();
+        let filled = bins.into_iter().filter(|bin| bin.count > 0.0);
+        filled.map(|bin| [bin.frequency / bin.count, area * bin.power / bin.count]).collect()
     }
 
-    fn by_cutoff(&self) -> Vec<[f64; 3]> {
-        let pitch = self.map.pitch_um();
-        let least = 2.0 * pitch[0].max(pitch[1]);
-        let most = 0.5 * (self.map.columns() as f64 * pitch[0]).min(self.map.rows() as f64 * pitch[1]);
+    /// Root mean square height and slope that pass each cut-off.
+    fn by_cutoff(&self, rings: &[Ring]) -> Vec<[f64; 3]> {
+        let (least, most) = (1.0 / self.highest(), 0.5 / self.step());
         if most <= least {
             return Vec::new();
         }
-        let cutoff = |k: usize| least * (most / least).powf(k as f64 / (CUTOFFS - 1) as f64);
-        let row = |cutoff: f64| {
-            let passed = |(at, power): (usize, &f64)| {
-                let [x, y] = frequency(self.map, at);
-                power * (-2.0 * LN_2 * (x * x + y * y) * cutoff * cutoff).exp()
-            };
-            let variance: f64 = self.power.iter().enumerate().map(passed).sum();
-            let [x, y] = self.slopes(cutoff);
-            [cutoff, variance.sqrt(), (0.5 * (x * x + y * y)).sqrt()]
+        let row = |k: usize| {
+            let cutoff = least * (most / least).powf(k as f64 / (CUTOFFS - 1) as f64);
+            let passed = |ring: &Ring| ring.power * (-2.0 * LN_2 * (ring.frequency * cutoff).powi(2)).exp();
+            let variance: f64 = rings.iter().map(passed).sum();
+            let slopes: f64 = rings.iter().map(|ring| passed(ring) * (TAU * ring.frequency).powi(2)).sum();
+            // Along one axis: half of the square of the gradient.
+            [cutoff, variance.sqrt(), (0.5 * slopes).sqrt()]
         };
-        (0..CUTOFFS).map(|k| row(cutoff(k))).collect()
+        (0..CUTOFFS).map(row).collect()
     }
+}
+
+/// A ring of frequencies: their mean (cycles per um), the sum of their variances (um²), and their number.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ring {
+    frequency: f64,
+    power: f64,
+    count: f64,
 }
 
 #[cfg(test)]
@@ -241,9 +260,14 @@ mod tests {
         for filtered in [map.filtered(Some(8.0), None), map.filtered(None, Some(8.0))] {
             assert!((rms(&filtered) / rms(&map) - 0.5).abs() < 1e-12);
         }
-        let slope = TAU / 8.0 * 0.5_f64.sqrt();
+        // Between neighbours 1/16 of a period apart.
+        let slope = 2.0 * (TAU / 32.0).sin() / 0.5 * 0.5_f64.sqrt();
         let found = Statistics::of(&map);
         assert!((found.slope_rms[0] - slope).abs() < 1e-12 && found.slope_rms[1] < 1e-9);
+        // A wave of 8 um behind a filter: its gradient is along x alone.
+        let [cutoff, rms, slope] = found.by_cutoff[10];
+        let passed = (-LN_2 * (cutoff / 8.0).powi(2)).exp() * 0.5_f64.sqrt();
+        assert!((rms - passed).abs() < 1e-12 && (slope - passed * TAU / 8.0 * 0.5_f64.sqrt()).abs() < 1e-12);
         assert!(found.by_cutoff.windows(2).all(|pair| pair[1][1] < pair[0][1] && pair[1][2] < pair[0][2]));
         assert_eq!(Statistics::of(&HeightMap::new(1, [1.0; 2], vec![0.3]).unwrap()).correlation_um, None);
     }

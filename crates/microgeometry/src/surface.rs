@@ -58,15 +58,14 @@ impl Surface {
     /// # Errors
     /// Surfaces that cannot be made.
     pub fn statistics(&self) -> Result<Option<Statistics>, MicrogeometryError> {
-        let map = match self {
-            Self::Flat => return Ok(None),
-            Self::Random(random) => random.realisation(0)?,
-            Self::Caps(_) | Self::Heights(_) => self.heights(0)?,
-        };
+        if *self == Self::Flat {
+            return Ok(None);
+        }
+        let map = self.heights(0)?;
         Ok(Some(Statistics::of(&map)))
     }
 
-    /// Heights of a period of a replicate, for waves.
+    /// Heights of a period of a replicate, for waves and statistics.
     pub(crate) fn heights(&self, replicate: u64) -> Result<HeightMap, MicrogeometryError> {
         match self {
             Self::Flat => HeightMap::new(1, [1.0; 2], vec![0.0]),

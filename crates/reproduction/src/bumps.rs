@@ -97,7 +97,7 @@ pub(crate) fn sections(bench: &Bench<'_>) -> Result<Vec<Section>, ReproductionEr
                 "A dense grid of hemispheres of glass (index 1.5), touching each other, with flat glass between them. Rays are followed \
                  through all orders of facets, from both sides: papilio gonio scenarios/hemispheres.toml. The thesis prints no numbers.",
             )
-            .figure(spread(&totals), "Where the light goes, against its inclination.")
+            .figure(spread(&totals), "Where the light goes, against its inclination: back, into the glass in directions that exist in air, and into those that a flat face traps.")
             .table(shares)
             .say(format!(
                 "Millions of bumps on 20 mm\u{b2} are 2 to 4.5 um apart. Rays are wrong for a regular grid of such a pitch: it \
@@ -132,10 +132,8 @@ fn spread(totals: &[Total]) -> String {
         at_least: vec![0.0, 100.0],
         curves: vec![
             curve("reflected", 0, |total| total.reflected.value),
-            curve("transmitted, seen under a flat face", 1, |total| {
-                total.transmitted.value - total.transmitted_beyond.value
-            }),
-            curve("transmitted and trapped there", 2, |total| total.transmitted_beyond.value),
+            curve("seen below", 1, |total| total.transmitted.value - total.transmitted_beyond.value),
+            curve("trapped", 2, |total| total.transmitted_beyond.value),
         ],
     };
     chart(&figure, "")

@@ -40,9 +40,22 @@ fn both_solvers_agree_below_a_face() {
     for (white, _, grid) in factors(&hemispheres, 1.0, DIFFUSE, "adding") {
         assert!((white - 1.0).abs() < 1e-6, "{white} {grid}");
     }
-    for light in [DIFFUSE, LAMP] {
-        let [adding, paths] =
-            ["adding", "monte-carlo"].map(|method| factors(&hemispheres, 0.6, light, method));
+    let medium = |index: f64| format!("[[display.layers]]\nkind = \"medium\"\nindex = {index}\n");
+    // Dents of a glass above a gap of air; and bumps below such a gap, which turns back all light beyond |beta| = 1.
+    let upside_down = format!(
+        "[[display.layers]]\nkind = \"fresnel\"\n{}{hemispheres}{}[[display.layers]]\nkind = \"fresnel\"\n",
+        medium(1.5),
+        medium(1.0)
+    );
+    let below_a_gap = format!(
+        "[[display.layers]]\nkind = \"fresnel\"\n{}[[display.layers]]\nkind = \"fresnel\"\n{}{hemispheres}",
+        medium(1.6),
+        medium(1.0)
+    );
+    for (layers, light) in
+        [(&hemispheres, DIFFUSE), (&hemispheres, LAMP), (&upside_down, LAMP), (&below_a_gap, LAMP)]
+    {
+        let [adding, paths] = ["adding", "monte-carlo"].map(|method| factors(layers, 0.6, light, method));
         for ((a, _, grid), (b, error, _)) in adding.into_iter().zip(paths) {
             assert!((a - b).abs() < 4.5 * error + grid + 1e-5, "{light}: {a} +- {grid}, {b} +- {error}");
         }

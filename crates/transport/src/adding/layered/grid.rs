@@ -9,6 +9,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::splits::{Between, Splits};
 use crate::adding::quadrature::legendre;
 
 /// Nodes in `|beta|`: those with weight ascend; then extra ones, the directions of views and beams.
@@ -22,49 +23,6 @@ pub(super) struct Grid {
     pub(super) regular: usize,
     /// Ranges of `|beta|` between two indices or kinks.
     ranges: Vec<Between>,
-}
-
-/// A range of `|beta|`, its number of nodes, and whether roots are removed at its ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Between {
-    ends: [f64; 2],
-    count: usize,
-    roots: bool,
-}
-
-/// The `|beta|` between which nodes are placed, each list ascending.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Splits {
-    /// Indices, and other places at which light jumps or has a root.
-    pub(super) indices: Vec<f64>,
-    /// Kinks of the kernels of surfaces.
-    pub(super) kinks: Vec<f64>,
-}
-
-impl Splits {
-    /// Indices alone.
-    #[cfg(test)]
-    pub(super) fn at(indices: &[f64]) -> Self {
-        Self { indices: indices.to_vec(), kinks: Vec::new() }
-    }
-
-    /// Ranges of nodes of a density.
-    fn ranges(&self, density: &Density) -> Vec<Between> {
-        let mut ends: Vec<f64> = self.indices.iter().chain(&self.kinks).copied().collect();
-        ends.sort_by(f64::total_cmp);
-        ends.dedup();
-        ends.retain(|end| Some(end) <= self.indices.last());
-        let starts = std::iter::once(0.0).chain(ends.iter().copied());
-        let range = |(a, b): (f64, f64)| {
-            if self.kinks.is_empty() {
-                return Between { ends: [a, b], count: density.count(a, b), roots: true };
-            }
-            let roots = [a, b].iter().any(|end| self.indices.contains(end));
-            let few = (density.least / 4).max(2) + if roots { 2 } else { 0 };
-            Between { ends: [a, b], count: few.max(density.count(a, b) - density.least), roots }
-        };
-        starts.zip(ends.iter().copied()).map(range).collect()
-    }
 }
 
 /// Required density of the nodes.
@@ -86,7 +44,7 @@ impl Density {
     }
 
     /// Returns the number of nodes from a to b.
-    fn count(&self, a: f64, b: f64) -> usize {
+    pub(super) fn count(&self, a: f64, b: f64) -> usize {
         // The nodes of the rule are least dense in the middle: pi/2 times the uniform distance.
         let steepest = FRAC_PI_2 * if a > 0.0 { b - a } else { b };
         let by_spacing = FRAC_PI_2 * steepest / self.spacing;

@@ -106,7 +106,8 @@ fn k_correlation(width: f64, first: usize, grid: &Grid) -> Vec<Matrix> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::{Density, Splits};
+    use super::super::grid::Density;
+    use super::super::splits::Splits;
     use super::*;
     use papilio_optics::{Beta, Scatterer};
 

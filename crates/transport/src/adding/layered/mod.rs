@@ -58,6 +58,7 @@ mod scatter;
 mod scatterers;
 mod single;
 mod slab;
+mod splits;
 mod spread;
 mod wavelengths;
 
@@ -88,7 +89,7 @@ pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {
 /// Returns the scatterer that needs most of them.
 pub(super) fn narrowest(stack: &Layered) -> Option<Narrowest> {
     let precision = Precision::new(0.0);
-    let narrowest = |stack: &Layered| precision::narrowest(stack, &prepare::splits(stack, 0), &precision);
+    let narrowest = |stack: &Layered| precision::narrowest(stack, &splits::splits(stack, 0), &precision);
     let worst =
         |all: Vec<Layered>| all.into_iter().max_by_key(|stack| prepare::nodes_needed(stack, &precision));
     match pixels::each_as_layers(stack) {

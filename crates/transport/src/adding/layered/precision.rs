@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use papilio_optics::rough::{Rough, Side};
 
-use super::grid::{Density, Splits};
+use super::grid::Density;
 use super::rough::inside_width;
+use super::splits::Splits;
 use crate::adding::{FIRST_STEP, Narrowest, Narrowness};
 use crate::layers::LayerKind;
 use crate::{Interface, Layered, Medium, Reflector};

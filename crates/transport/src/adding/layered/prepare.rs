@@ -8,12 +8,13 @@ use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
 use super::elements::{Elements, elements, scatters_again};
 use super::first_bounce::FirstBounce;
-use super::grid::{Grid, Splits};
+use super::grid::Grid;
 use super::known::Known;
 use super::once::{Once, ScatterMode};
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density, rough_surface};
 use super::scatterers::{Scattered, Scatterers};
+use super::splits::splits;
 use super::wavelengths;
 use crate::front::Flat;
 use crate::{Layered, Reflector};
@@ -263,23 +264,6 @@ pub(super) fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
     let mut key = Vec::new();
     stack.elements().for_each(|(kind, _)| kind.spectral_key(bin, &mut key));
     key
-}
-
-/// Returns the directions at which the nodes of a wavelength are split.
-pub(super) fn splits(stack: &Layered, bin: usize) -> Splits {
-    let mut kinks: Vec<f64> = stack.elements().flat_map(|(kind, _)| kind.kinks()).collect();
-    kinks.sort_by(f64::total_cmp);
-    kinks.dedup();
-    Splits { kinks, ..smooth_splits(stack, bin) }
-}
-
-/// The same for light that is smooth at kinks, or smoothed.
-pub(super) fn smooth_splits(stack: &Layered, bin: usize) -> Splits {
-    let mut splits = indices(stack, bin);
-    splits.extend(stack.elements().flat_map(|(kind, _)| kind.edges(bin)));
-    splits.sort_by(f64::total_cmp);
-    splits.dedup();
-    Splits { indices: splits, kinks: Vec::new() }
 }
 
 /// Returns the largest number of nodes with weight that the stack takes, over its wavelengths.

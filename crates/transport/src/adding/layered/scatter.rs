@@ -235,8 +235,9 @@ fn fourier(scatter: &Scatter, [a, b]: [f64; 2], digits: f64, out: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::{Density, Splits};
+    use super::super::grid::Density;
     use super::super::lobes::LobeOrders;
+    use super::super::splits::Splits;
     use super::*;
     use papilio_optics::lobe::Lobe;
     use papilio_optics::scatter::Table;

@@ -165,7 +165,8 @@ fn rule(face: &Rough, ends @ [(from, a), (to, b)]: [(Side, f64); 2], digits: f64
 #[cfg(test)]
 mod tests {
     use super::super::super::azimuth::trapezoid;
-    use super::super::super::grid::{Density, Splits};
+    use super::super::super::grid::Density;
+    use super::super::super::splits::Splits;
     use super::*;
 
     /// Compared with a rule of many intervals, relative to the largest value of order 0. Reflection from the denser
