@@ -169,6 +169,12 @@ impl Kernel {
             })
             .collect();
         balanced(&mut self.scattered, &wanted);
+        // Where nothing is scattered, the mean of both ways of regular transmission leaves the rest to the reflection.
+        for (band, row) in self.scattered.chunks_exact(count * AZIMUTHS).enumerate() {
+            if row.iter().all(|light| *light == 0.0) {
+                self.regular_reflected[band] = 1.0 - self.regular_transmitted[band];
+            }
+        }
         let moved: f64 = before.iter().zip(&self.scattered).map(|(a, b)| (a - b).abs()).sum();
         let all: f64 = before.iter().sum();
         self.audit.moved_by_balance = if all > 0.0 { moved / all } else { 0.0 };
