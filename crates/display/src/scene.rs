@@ -19,7 +19,7 @@ pub use papilio_transport::spatial::{Rectangle, Window, rows, stripes};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{
     Diffuser, Field, Interface as Ready, LobeReflection, ReflectedLobe, ReflectingDiffuser, RegularRings,
-    ScatterFace, ScatterKernel, Scattering,
+    ScatterFace, ScatterKernel, Scattering, WaveFace, WaveLight,
 };
 
 pub use self::place::{Filter, FilterState, Length, Matrix, SubPixelWindow};

@@ -20,6 +20,7 @@ mod statistics;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod wave_lobes;
 mod waves;
 
 pub use bands::Bands;
@@ -33,4 +34,5 @@ pub use random::{RandomHeights, Spectrum};
 pub use ray::Side;
 pub use statistics::Statistics;
 pub use surface::Surface;
+pub use wave_lobes::{WaveLobe, wave_lobes};
 pub use waves::{ByWaves, LEAST_G, MOST_SLOPE, WaveScreen, WaveShares, Waves};

@@ -244,7 +244,9 @@ fn path_seconds(setup: &Setup) -> f64 {
         Pixel::Uniform(_) => FEW,
         _ => (setup.states.len() * setup.scene.grid.len()) as f64,
     };
-    let is_kernel = |interface: &Interface| matches!(interface, Interface::Rough(_) | Interface::Scatter(_));
+    let is_kernel = |interface: &Interface| {
+        matches!(interface, Interface::Rough(_) | Interface::Scatter(_) | Interface::Wave(_))
+    };
     let kernel = if interfaces(&setup.stack).any(is_kernel) { KERNEL } else { 0.0 };
     let events = match (&setup.stack, setup.scene.solver.scattering) {
         (Stack::Panel(_), Strategy::Guided) => 10.0 * EVENT,

@@ -344,7 +344,14 @@ fn scatters_light(interface: &Interface) -> bool {
         Interface::Rough { .. } => true,
         Interface::Coating(_) => false,
         Interface::Ready(ready) => {
-            matches!(ready, Ready::Diffuser(_) | Ready::Reflecting(_) | Ready::Rough(_) | Ready::Scatter(_))
+            matches!(
+                ready,
+                Ready::Diffuser(_)
+                    | Ready::Reflecting(_)
+                    | Ready::Rough(_)
+                    | Ready::Scatter(_)
+                    | Ready::Wave(_)
+            )
         }
     }
 }

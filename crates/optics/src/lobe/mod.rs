@@ -5,9 +5,11 @@
 //! without the cosine) is its transmittance times this. All lobes here
 //! are reciprocal and are sampled exactly: `evaluate` and `density` are the same number.
 
+mod balanced;
 mod k_correlation;
 mod lambertian;
 
+pub use balanced::{BalancedLobe, FaceLight};
 pub use k_correlation::KCorrelation;
 pub use lambertian::Lambertian;
 
@@ -24,6 +26,12 @@ pub enum Lobe {
     },
     /// The [Lambertian lobe](Lambertian).
     Lambertian,
+}
+
+impl From<KCorrelation> for Lobe {
+    fn from(KCorrelation { width }: KCorrelation) -> Self {
+        Self::KCorrelation { width }
+    }
 }
 
 impl Scatterer for Lobe {

@@ -1,11 +1,16 @@
 //! `model = "microgeometry"`: a face by its geometry, read from a file or measured by rays.
 
+use std::f64::consts::PI;
 use std::sync::{Mutex, PoisonError};
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace};
+use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace, WaveFace, WaveLight};
 use papilio_formats::read_face;
-use papilio_microgeometry::{FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES};
+use papilio_microgeometry::{
+    FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES, Spectrum as Heights, Surface,
+    WaveLobe, wave_lobes,
+};
+use papilio_optics::lobe::{BalancedLobe, FaceLight};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -24,6 +29,12 @@ static MEASURED: Mutex<Vec<(String, FaceKernels)>> = Mutex::new(Vec::new());
 /// Number of faces that are kept.
 const MOST_KEPT: usize = 8;
 
+/// Lobes that were balanced in this process; the last ones are kept.
+static BALANCED: Mutex<Vec<BalancedLobe>> = Mutex::new(Vec::new());
+
+/// Number of lobes that are kept.
+const MOST_LOBES: usize = 200;
+
 /// Most rays of a band while a scenario is read: 2 minutes on a processor. And for scenarios in memory: those that a server is given by anyone.
 const MOST_RAYS: u64 = 1_000_000;
 const MOST_RAYS_IN_MEMORY: u64 = 50_000;
@@ -40,9 +51,19 @@ impl Resolver<'_> {
         media: [&Spectrum; 2],
     ) -> Option<Interface> {
         let index = self.constant_indices(face.origin, media)?;
-        let kernels = match (&face.file.value, &face.surface.value) {
-            (Some(name), None) => self.face_of_file(face, name, index)?,
-            (None, Some(name)) => self.face_of_surface(path, face, name, index)?,
+        match (&face.file.value, &face.surface.value) {
+            (Some(name), None) => {
+                let kernels = self.face_of_file(face, name, index)?;
+                Some(self.by_rays(kernels))
+            }
+            (None, Some(name)) => {
+                let surface = self.surface(path, face, name, index)?;
+                if !surface.by_rays {
+                    return self.by_waves(face, &surface, index);
+                }
+                let kernels = self.face_of_surface(face, &surface)?;
+                Some(self.by_rays(kernels))
+            }
             (file, _) => {
                 let wrong = match file {
                     Some(_) => "both `file` and `surface` are given",
@@ -51,13 +72,17 @@ impl Resolver<'_> {
                 let wrong = Diagnostic::new(wrong)
                     .expected("`file`, a kernel that `papilio gonio` has written, or `surface`, a file with a table [microgeometry]");
                 self.errors.push(face.origin, wrong);
-                return None;
+                None
             }
-        };
+        }
+    }
+
+    /// A face by the kernels of its rays.
+    fn by_rays(&self, kernels: FaceKernels) -> Interface {
         let FaceKernels { through, reflection, rings, reflected, transmitted } = kernels;
         let regular = RegularRings { rings, reflected, transmitted };
         let face = ScatterFace::of_surface(through, reflection, regular, self.grid.len());
-        Some(Ready::Scatter(Box::new(face)).into())
+        Ready::Scatter(Box::new(face)).into()
     }
 
     /// Indices of both media, which must not depend on wavelength and differ.
@@ -117,13 +142,47 @@ impl Resolver<'_> {
         table.kernels().ok()
     }
 
-    fn face_of_surface(
+    /// A face by waves: lobes that differ by wavelength.
+    fn by_waves(
+        &mut self,
+        face: &FaceOfSurface,
+        surface: &ResolvedSurface,
+        index: [f64; 2],
+    ) -> Option<Interface> {
+        let random = match &surface.surface {
+            Surface::Random(random) => Some(random.spectrum()),
+            _ => None,
+        };
+        let Some(&Heights::Exponential { rms_um, correlation_um, .. }) = random else {
+            let wrong = Diagnostic::new("by waves this surface is no layer of a display")
+                .expected("`surface = \"exponential\"`, whose lobes are known in closed form")
+                .hint("road = \"rays\" follows rays through any surface, without wavelengths");
+            self.errors.push(face.surface.origin, wrong);
+            return None;
+        };
+        let [above, below] = index;
+        let kinds = [
+            (FaceLight::Transmitted(index), below - above),
+            (FaceLight::Reflected([above, below]), 2.0 * above),
+            (FaceLight::Reflected([below, above]), 2.0 * below),
+        ];
+        let lights = kinds.map(|(light, path)| {
+            let phase = 2.0 * PI * path.abs() * rms_um;
+            let lobes = wave_lobes(phase, correlation_um, &self.grid.wavelengths_nm());
+            let one = |lobe: WaveLobe| (balanced(lobe.width(), light), Spectrum::from_values(lobe.fractions));
+            WaveLight::new(lobes.into_iter().map(one).collect(), self.grid.len())
+        });
+        Some(Ready::Wave(Box::new(WaveFace::new(lights))).into())
+    }
+
+    /// Reads the surface of a file with the keys of the layer.
+    fn surface(
         &mut self,
         path: &str,
         face: &FaceOfSurface,
         name: &str,
         index: [f64; 2],
-    ) -> Option<FaceKernels> {
+    ) -> Option<ResolvedSurface> {
         let at = face.surface.origin;
         let kept = self.open(name, at)?;
         let text = match kept.file().text() {
@@ -149,32 +208,48 @@ impl Resolver<'_> {
         let library = self.library.beside(name);
         let surface = SurfaceScenario::from_text(&text, name, library, &overrides)
             .and_then(|surface| surface.resolve());
-        let measured = match surface {
+        match surface {
             Ok(surface) => {
-                let key = (format!("{path}.surface"), surface.hash.clone());
-                self.inputs.insert(key.0, key.1);
-                let rays = surface.goniometer.rays * REPLICATES;
-                let most = match self.library {
-                    Library::Memory { .. } => MOST_RAYS_IN_MEMORY,
-                    _ => MOST_RAYS,
-                };
-                match rays > most {
-                    true => Err(Diagnostic::new(format!("this surface asks for {rays} rays of each band"))
-                        .expected(format!("at most {most} here"))
-                        .hint("add rays = 20000 to the layer, or measure it with `papilio gonio` and give its face.npz as `file`")),
-                    false => measured(&surface),
-                }
+                self.inputs.insert(format!("{path}.surface"), surface.hash.clone());
+                Some(surface)
             }
-            Err(errors) => Err(Diagnostic::new(format!("the surface cannot be read\n{errors}"))),
-        };
-        match measured {
-            Ok(kernels) => Some(kernels),
-            Err(wrong) => {
-                self.errors.push(at, wrong);
+            Err(errors) => {
+                self.errors.push(at, Diagnostic::new(format!("the surface cannot be read\n{errors}")));
                 None
             }
         }
     }
+
+    /// Measures a surface by rays.
+    fn face_of_surface(&mut self, face: &FaceOfSurface, surface: &ResolvedSurface) -> Option<FaceKernels> {
+        let rays = surface.goniometer.rays * REPLICATES;
+        let most = match self.library {
+            Library::Memory { .. } => MOST_RAYS_IN_MEMORY,
+            _ => MOST_RAYS,
+        };
+        let measured = match rays > most {
+            true => Err(Diagnostic::new(format!("this surface asks for {rays} rays of each band"))
+                .expected(format!("at most {most} here"))
+                .hint("add rays = 20000 to the layer, or measure it with `papilio gonio` and give its face.npz as `file`")),
+            false => measured(surface),
+        };
+        measured.map_err(|wrong| self.errors.push(face.surface.origin, wrong)).ok()
+    }
+}
+
+/// A balanced lobe, unless it is known.
+fn balanced(width: f64, light: FaceLight) -> BalancedLobe {
+    let kept = || BALANCED.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = |lobe: &&BalancedLobe| lobe.lobe().width == width && lobe.light() == light;
+    if let Some(lobe) = kept().iter().find(known) {
+        return lobe.clone();
+    }
+    let lobe = BalancedLobe::new(width, light);
+    let mut kept = kept();
+    kept.push(lobe.clone());
+    let surplus = kept.len().saturating_sub(MOST_LOBES);
+    kept.drain(..surplus);
+    lobe
 }
 
 /// Measures a surface by rays, unless this was done before.

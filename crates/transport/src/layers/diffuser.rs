@@ -54,7 +54,7 @@ impl LayerKind for Diffuser {
 
     fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
         let scattered = self.transmittance[prepare.bin] * (1.0 - self.regular_fraction);
-        Some(Action::Kernels([Some((prepare.lobe(self.lobe), scattered)), None, None]))
+        Some(Action::Kernels([vec![(prepare.lobe(self.lobe), scattered)], Vec::new(), Vec::new()]))
     }
 
     fn scattering_interface(&self) -> Option<&dyn ScatteringInterface> {

@@ -18,6 +18,7 @@ mod open;
 mod reflecting;
 mod rough;
 mod scatter;
+mod wave_face;
 
 pub use component::Component;
 pub use diffuser::Diffuser;
@@ -25,6 +26,7 @@ pub use medium::{Medium, Scattering};
 pub use reflecting::{LobeReflection, ReflectedLobe, ReflectingDiffuser};
 pub(crate) use scatter::least_edge;
 pub use scatter::{RegularRings, ScatterFace, ScatterKernel};
+pub use wave_face::{WaveFace, WaveLight};
 
 use std::fmt::Debug;
 
@@ -60,6 +62,8 @@ pub enum Interface {
     Rough(Rough),
     /// An interface given by its BSDF.
     Scatter(Box<ScatterFace>),
+    /// A face with small heights, by waves.
+    Wave(Box<WaveFace>),
 }
 
 impl Interface {
@@ -75,6 +79,7 @@ impl Interface {
             Self::Reflecting(diffuser) => &**diffuser,
             Self::Rough(rough) => rough,
             Self::Scatter(face) => &**face,
+            Self::Wave(face) => &**face,
         }
     }
 
@@ -215,6 +220,12 @@ pub(crate) trait ScatteringInterface: Debug + Sync {
     /// one. The mean over samples is 1.
     fn spread(&self, _channel: Channel, _going: Propagation, [_largest, _index]: [f64; 2]) -> f64 {
         1.0
+    }
+
+    /// The density at each wavelength over that of [`scatter`](Self::scatter); `None` if they are the same. Not for channels that leave to both
+    /// sides.
+    fn colours(&self, _from: Arrival, _to: Beta) -> Option<Vec<f64>> {
+        None
     }
 
     /// True if it may scatter light to directions that the medium there does not have. It absorbs such light.

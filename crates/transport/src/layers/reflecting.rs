@@ -291,7 +291,7 @@ impl LayerKind for ReflectingDiffuser {
     fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
         let mut kernels = match self.through.kind().action(prepare) {
             Some(Action::Kernels(kernels)) => kernels,
-            _ => [None; 3],
+            _ => Default::default(),
         };
         for (side, one) in self.sides.iter().enumerate() {
             let Some(one) = one else { continue };
@@ -299,7 +299,7 @@ impl LayerKind for ReflectingDiffuser {
                 ReflectedLobe::Lobe(lobe) => prepare.reflected_lobe(*lobe, side),
                 ReflectedLobe::Kernel(scatter) => prepare.kernel(scatter, prepare.index(side)),
             };
-            kernels[1 + side] = Some((number, one.scattered[prepare.bin]));
+            kernels[1 + side] = vec![(number, one.scattered[prepare.bin])];
         }
         Some(Action::Kernels(kernels))
     }

@@ -267,7 +267,7 @@ impl LayerKind for ScatterFace {
         let mut number = |ScatterKernel { scatter, factor }: &'a ScatterKernel| {
             (prepare.kernel(scatter, disc), factor[prepare.bin])
         };
-        Some(Action::Kernels(ways.map(|kernel| kernel.map(&mut number))))
+        Some(Action::Kernels(ways.map(|kernel| kernel.map(&mut number).into_iter().collect())))
     }
 
     fn scattering_interface(&self) -> Option<&dyn ScatteringInterface> {

@@ -28,3 +28,4 @@ mod scatter_faces;
 mod sparkle_waves;
 
 mod strategies;
+mod wave_faces;

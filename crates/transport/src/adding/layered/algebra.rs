@@ -56,6 +56,20 @@ impl Operator {
         Self { regular: self.regular, straight, kernel: kernel.map(Arc::new) }
     }
 
+    /// Adds `factor * other`.
+    pub(super) fn add(&mut self, other: &Self, factor: f64) {
+        self.straight.iter_mut().zip(&other.straight).for_each(|(x, y)| *x += factor * y);
+        match (&mut self.kernel, &other.kernel) {
+            (_, None) => {}
+            (kernel @ None, Some(y)) => *kernel = Some(Arc::new(Matrix::clone(y).scaled(factor))),
+            (Some(x), Some(y)) => {
+                for (j, column) in Arc::make_mut(x).columns_mut() {
+                    column.iter_mut().zip(y.column(j)).for_each(|(x, y)| *x += factor * y);
+                }
+            }
+        }
+    }
+
     /// Returns `factor * self`.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.straight.iter_mut().for_each(|x| *x *= factor);

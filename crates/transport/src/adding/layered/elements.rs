@@ -1,8 +1,9 @@
 //! The layers of the stack at one wavelength, as parts.
 
+use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 
-use papilio_optics::lobe::Lobe;
+use papilio_optics::lobe::{BalancedLobe, Lobe};
 use papilio_optics::rough::Rough;
 use papilio_optics::scatter::Scatter;
 
@@ -23,7 +24,7 @@ use crate::front::Flat;
 use crate::layers::{Incidence, LayerKind};
 
 /// Effect of a layer on light at the nodes, at one wavelength; scatterers by number.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) enum Action {
     /// Light keeps its direction: there is a regular part only.
     Regular,
@@ -33,9 +34,9 @@ pub(crate) enum Action {
     Whole { number: usize },
     /// As `Whole`; this fraction of the absorption is absorption besides the scattering.
     Slab { number: usize, absorbing_share: f64 },
-    /// Kernels, each with a factor, besides the regular part: transmission from above, reflection from above, reflection
-    /// from below.
-    Kernels([Option<(usize, f64)>; 3]),
+    /// Sums of kernels, each with a factor, besides the regular part: transmission from above, reflection from above,
+    /// reflection from below.
+    Kernels([Vec<(usize, f64)>; 3]),
 }
 
 /// Context in which a layer determines its [`Action`] at one wavelength: it registers its scatterers.
@@ -70,6 +71,11 @@ impl<'p, 'a> Preparation<'p, 'a> {
     pub(crate) fn reflected_lobe(&mut self, lobe: Lobe, side: usize) -> usize {
         let index = self.indices[side];
         self.scatterers.lobe(lobe, index, [index; 2], self.grid)
+    }
+
+    /// Returns the number of a balanced lobe.
+    pub(crate) fn balanced_lobe(&mut self, lobe: &'a BalancedLobe) -> usize {
+        self.scatterers.balanced_lobe(lobe, self.grid)
     }
 
     /// Returns the index of the medium above (0) or below (1).
@@ -328,7 +334,7 @@ impl Element<'_> {
             },
             Action::Kernels(kernels) => {
                 let [mut down, mut above, mut below] =
-                    kernels.map(|kernel| scatters(kernel, scattered, grid));
+                    kernels.each_ref().map(|kernels| scatters(kernels, scattered, grid));
                 for (i, beta) in grid.beta.iter().enumerate() {
                     let regular = self.regular(*beta);
                     down.straight[i] += regular.t;
@@ -356,11 +362,10 @@ impl Element<'_> {
                 Scattered::Kernel(_) => None,
             },
             Action::Kernels(kernels) => {
-                let mut faces =
-                    kernels.map(|kernel| match kernel.map(|(n, factor)| (&scattered[n], factor)) {
-                        Some((Scattered::Kernel(operator), factor)) => Face::of(operator, factor),
-                        _ => Face { straight: vec![0.0; regular.len()], kernel: None },
-                    });
+                let mut faces = kernels.each_ref().map(|kernels| match sum_of(kernels, scattered) {
+                    Some((operator, factor)) => Face::of(&operator, factor),
+                    None => Face { straight: vec![0.0; regular.len()], kernel: None },
+                });
                 for (i, regular) in regular.iter().enumerate() {
                     for (face, more) in faces.iter_mut().zip([regular.t, regular.above, regular.below]) {
                         face.straight[i] += more;
@@ -398,10 +403,27 @@ impl Element<'_> {
     }
 }
 
-/// Returns a kernel times its factor; 0 if there is none.
-fn scatters(kernel: Option<(usize, f64)>, scattered: &[Scattered], grid: &Grid) -> Operator {
-    match kernel.map(|(number, factor)| (&scattered[number], factor)) {
-        Some((Scattered::Kernel(operator), factor)) => operator.clone().scaled(factor),
-        _ => Operator::diagonal(grid.regular, vec![0.0; grid.len()]),
+/// Returns the sum of kernels times their factors, as an operator and a factor: that of a single kernel is shared; `None` if there is none.
+pub(super) fn sum_of<'s>(
+    kernels: &[(usize, f64)],
+    scattered: &'s [Scattered],
+) -> Option<(Cow<'s, Operator>, f64)> {
+    let operator = |number: usize| match &scattered[number] {
+        Scattered::Kernel(operator) => Some(operator),
+        Scattered::Whole(_) => None,
+    };
+    let mut all = kernels.iter().filter_map(|(number, factor)| Some((operator(*number)?, *factor)));
+    let (first, factor) = all.next()?;
+    let Some((second, other)) = all.next() else { return Some((Cow::Borrowed(first), factor)) };
+    let mut sum = first.combine(factor, second, other);
+    all.for_each(|(operator, factor)| sum.add(operator, factor));
+    Some((Cow::Owned(sum), 1.0))
+}
+
+/// Returns the sum of kernels times their factors; 0 if there is none.
+fn scatters(kernels: &[(usize, f64)], scattered: &[Scattered], grid: &Grid) -> Operator {
+    match sum_of(kernels, scattered) {
+        Some((operator, factor)) => operator.into_owned().scaled(factor),
+        None => Operator::diagonal(grid.regular, vec![0.0; grid.len()]),
     }
 }

@@ -1,6 +1,6 @@
 //! Scatterers of a stack, computed once for all wavelengths that share them.
 
-use papilio_optics::lobe::Lobe;
+use papilio_optics::lobe::{BalancedLobe, Lobe};
 use papilio_optics::rough::{Rough, Side};
 use papilio_optics::scatter::Scatter;
 
@@ -20,6 +20,7 @@ use super::slab::{Model, Slab};
 enum Scatterer<'a> {
     Slab(Slab),
     Diffuser(LobeBetween),
+    Balanced(Balanced<'a>),
     Rough { face: &'a Rough, orders: Option<Box<RoughOrders>>, missing: [Vec<f64>; 2] },
     Scatter { scatter: &'a Scatter, disc: f64, orders: Option<ScatterOrders>, missing: Vec<f64> },
 }
@@ -33,6 +34,17 @@ struct LobeBetween {
     indices: [f64; 2],
     orders: LobeOrders,
     /// Light of each node that the quadrature misses, averaged over both directions.
+    missing: Vec<f64>,
+}
+
+/// A balanced lobe.
+#[derive(Debug)]
+struct Balanced<'a> {
+    lobe: &'a BalancedLobe,
+    /// Its factor at each node.
+    factors: Vec<f64>,
+    orders: LobeOrders,
+    /// Light of each node that the quadrature misses.
     missing: Vec<f64>,
 }
 
@@ -70,6 +82,15 @@ impl<'a> Scatterers<'a> {
         let disc = if lobe == Lobe::Lambertian { disc } else { 1.0 };
         let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Diffuser(d) if d.lobe == lobe && d.disc == disc && d.indices == indices);
         self.find(known, || Scatterer::Diffuser(LobeBetween::new(lobe, disc, indices, grid)))
+    }
+
+    /// Returns the number of a balanced lobe; adds it if it is new.
+    pub(super) fn balanced_lobe(&mut self, lobe: &'a BalancedLobe, grid: &Grid) -> usize {
+        let known = |s: &Scatterer<'_>| {
+            let same = |other: &BalancedLobe| other.lobe() == lobe.lobe() && other.light() == lobe.light();
+            matches!(s, Scatterer::Balanced(other) if same(other.lobe))
+        };
+        self.find(known, || Scatterer::Balanced(Balanced::new(lobe, grid)))
     }
 
     /// Returns the number of this rough interface; adds it if it is new.
@@ -111,7 +132,7 @@ impl<'a> Scatterers<'a> {
         let orders = |scatterer: &Scatterer<'_>| match scatterer {
             Scatterer::Slab(slab) => slab.orders(),
             Scatterer::Diffuser(LobeBetween { lobe: Lobe::Lambertian, .. }) => 1,
-            Scatterer::Diffuser(_) => usize::MAX,
+            Scatterer::Diffuser(_) | Scatterer::Balanced(_) => usize::MAX,
             Scatterer::Rough { orders, .. } => orders.as_ref().map_or(0, |orders| orders.orders()),
             Scatterer::Scatter { orders, .. } => orders.as_ref().map_or(0, ScatterOrders::orders),
         };
@@ -126,6 +147,12 @@ impl<'a> Scatterers<'a> {
                 orders: LobeOrders::new(lobe.lobe, lobe.disc),
                 missing: lobe.missing[grid.regular..].to_vec(),
                 ..lobe
+            }),
+            Scatterer::Balanced(balanced) => Scatterer::Balanced(Balanced {
+                orders: LobeOrders::new(balanced.lobe.lobe().into(), 1.0),
+                factors: balanced.factors[grid.regular..].to_vec(),
+                missing: balanced.missing[grid.regular..].to_vec(),
+                ..balanced
             }),
             Scatterer::Rough { face, orders, missing } => {
                 let kept = orders.map_or(missing, |orders| {
@@ -160,7 +187,7 @@ impl<'a> Scatterers<'a> {
                 Scatterer::Scatter { scatter, disc, .. } => {
                     vec![Kernel::Scatter { scatter: (*scatter).clone(), disc: *disc }]
                 }
-                Scatterer::Slab(_) | Scatterer::Diffuser(_) => Vec::new(),
+                Scatterer::Slab(_) | Scatterer::Diffuser(_) | Scatterer::Balanced(_) => Vec::new(),
             };
             for kernel in kernels {
                 let way = |pairs: &Pairs| (number, ScatterMode { kernel: kernel.clone(), pairs: *pairs });
@@ -185,6 +212,7 @@ impl<'a> Scatterers<'a> {
                 Scattered::slab(operators.map(|operator| flat(operator.straight)))
             }
             Scatterer::Diffuser(lobe) => Scattered::Kernel(flat(lobe.straight(grid))),
+            Scatterer::Balanced(balanced) => Scattered::Kernel(flat(balanced.missing.clone())),
             Scatterer::Rough { missing, .. } => {
                 let [mut above, mut below] = missing.clone().map(flat);
                 let mut down = flat(vec![0.0; len]);
@@ -213,6 +241,7 @@ impl<'a> Scatterers<'a> {
                 Scattered::slab(slab.operators(order).map(|operator| slab.spread(&operator, grid)))
             }
             Scatterer::Diffuser(lobe) => Scattered::Kernel(lobe.operator(order, grid)),
+            Scatterer::Balanced(balanced) => Scattered::Kernel(balanced.operator(order, grid)),
             Scatterer::Rough { face, orders, .. } => Scattered::Whole(match orders {
                 Some(orders) => orders.part(face, order, grid),
                 None => Part::dark(grid),
@@ -258,5 +287,36 @@ impl LobeBetween {
             })
         });
         Operator { regular: grid.regular, straight, kernel: kernel.map(Into::into) }
+    }
+}
+
+impl<'a> Balanced<'a> {
+    fn new(lobe: &'a BalancedLobe, grid: &Grid) -> Self {
+        let factors: Vec<f64> = grid.beta.iter().map(|beta| lobe.factor(*beta)).collect();
+        let mut all =
+            Self { lobe, factors, orders: LobeOrders::new(lobe.lobe().into(), 1.0), missing: Vec::new() };
+        if let Some(kernel) = all.kernel(0, grid) {
+            let found = |j: usize| -> f64 {
+                let column = kernel.column(j)[..grid.regular].iter().zip(&grid.scale);
+                column.map(|(value, scale)| value * scale).sum::<f64>() / grid.scale[j]
+            };
+            let of_face = |j: usize| lobe.light().at(grid.beta[j]);
+            all.missing = (0..grid.len()).map(|j| of_face(j) - found(j)).collect();
+        }
+        all
+    }
+
+    fn kernel(&mut self, order: usize, grid: &Grid) -> Option<Matrix> {
+        let mut kernel = self.orders.order(order, grid)?.clone();
+        for (j, column) in kernel.columns_mut() {
+            let from = self.factors[j];
+            column.iter_mut().zip(&self.factors).for_each(|(value, to)| *value *= from * to);
+        }
+        Some(kernel)
+    }
+
+    fn operator(&mut self, order: usize, grid: &Grid) -> Operator {
+        let kernel = self.kernel(order, grid).map(Into::into);
+        Operator { regular: grid.regular, straight: self.missing.clone(), kernel }
     }
 }

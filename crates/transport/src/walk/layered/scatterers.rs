@@ -1,6 +1,8 @@
 //! Scattering events at interfaces and at a Lambertian base (media: [`bulk`](super::bulk), other bases:
 //! [`pixel`](super::pixel)).
 
+use std::cell::RefCell;
+
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
@@ -80,6 +82,12 @@ impl ScatterEvent<'_> {
         media[self.going as usize].map_or(1.0, Medium::largest_index)
     }
 
+    /// [Colours](ScatteringInterface::colours) of light that is scattered by an interface from one direction to another.
+    pub(super) fn colours(&self, from: Beta, to: Beta) -> Option<Vec<f64>> {
+        let Kind::Interface(interface, channel, _) = self.kind else { return None };
+        interface.colours(self.arrival(from, channel), to)
+    }
+
     fn arrival(&self, beta: Beta, channel: Channel) -> Arrival {
         Arrival { beta, going: self.going, channel, disc: self.disc() }
     }
@@ -120,7 +128,8 @@ impl ScatterEvent<'_> {
         let from = self.arrival(sent.beta, channel);
         let scattered = |way: usize, beta| interface.scatter(from, Departure { beta, going: ways[way] });
         // Light of a source that arrives has a direction that the medium there carries.
-        let spread = |_, bin| self.spread_over(ways[0], bin);
+        let colours = ColoursAt::new(|to| interface.colours(from, to));
+        let spread = |to, bin| self.spread_over(ways[0], bin) * colours.at(to, bin);
         sources::connect(rays, sent.density, scattered, spread, sums, workspace);
         if let Some(sides) = interface.sample_sides(from, u) {
             let (brightest, directed) = (workspace.light.brightest(), workspace.lamps.directed);
@@ -149,9 +158,32 @@ impl ScatterEvent<'_> {
             workspace.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
             return;
         };
-        let kept = |bin| next.weight * self.carried(next, bin);
+        let colours = interface.colours(from, next.beta);
+        let colour = |bin: usize| colours.as_ref().map_or(1.0, |colours| colours[bin]);
+        let kept = |bin| next.weight * self.carried(next, bin) * colour(bin);
         workspace.light.keep(kept, &mut sums.absorbed.diffuser);
         workspace.branch(OutgoingRay { rival: sent.density, ..next });
+    }
+}
+
+/// Colours of light by its direction: those of the last direction are kept.
+struct ColoursAt<F> {
+    of: F,
+    last: RefCell<Option<(Beta, Option<Vec<f64>>)>>,
+}
+
+impl<F: Fn(Beta) -> Option<Vec<f64>>> ColoursAt<F> {
+    fn new(of: F) -> Self {
+        Self { of, last: RefCell::new(None) }
+    }
+
+    fn at(&self, to: Beta, bin: usize) -> f64 {
+        let mut last = self.last.borrow_mut();
+        let known = match &mut *last {
+            Some(known) if known.0 == to => known,
+            unknown => unknown.insert((to, (self.of)(to))),
+        };
+        known.1.as_ref().map_or(1.0, |colours| colours[bin])
     }
 }
 

@@ -78,9 +78,11 @@ impl Tracer<'_> {
                     continue;
                 }
                 last.copy(path);
+                let colours = face.colours(path.beta, target.beta);
+                let colour = |band: usize| colours.as_ref().map_or(1.0, |colours| colours[band]);
                 for (band, factor) in of_last.factors.iter_mut().enumerate() {
                     let fraction = flat.fractions[alternative * self.bands + band];
-                    *factor = weight * fraction * face.spread(*going, band);
+                    *factor = weight * fraction * face.spread(*going, band) * colour(band);
                 }
                 last.light.multiply(&of_last.factors);
                 last.depart_from(2 * number, *going);

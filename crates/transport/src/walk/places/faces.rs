@@ -66,6 +66,11 @@ impl<'a> Face<'a> {
         self.interface.spread(self.channel, self.going, [largest, self.index(going, bin)])
     }
 
+    /// Density at each wavelength over that of [`scatter`](Self::scatter); `None` if they are the same.
+    pub(super) fn colours(&self, from: Beta, to: Beta) -> Option<Vec<f64>> {
+        self.interface.colours(self.arrival(from), to)
+    }
+
     /// Factor on sampled light at a wavelength: 0 if the medium that the light is scattered into has no such direction.
     pub(super) fn carried(&self, to: Departure, bin: usize) -> f64 {
         if !self.interface.scatters_beyond_media() {

@@ -82,8 +82,10 @@ impl Tracer<'_> {
                     return false;
                 };
                 let FlatWork { factors, .. } = &mut work.flat;
+                let colours = face.colours(path.beta, to.beta);
                 for (bin, factor) in factors.iter_mut().enumerate() {
-                    *factor = weight * face.carried(to, bin);
+                    let colour = colours.as_ref().map_or(1.0, |colours| colours[bin]);
+                    *factor = weight * face.carried(to, bin) * colour;
                 }
                 if factors.iter().all(|factor| *factor == 0.0) {
                     return false;

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use num_complex::Complex64;
 
 use super::super::algebra::Operator;
-use super::super::elements::{Action, actions};
+use super::super::elements::{Action, actions, sum_of};
 use super::super::grid::Grid;
 use super::super::known::Known;
 use super::super::matrix::Matrix;
@@ -89,8 +89,8 @@ impl Kernels {
         let (mut elements, mut ways) = (Vec::new(), Vec::new());
         for (element, action) in actions.into_iter().enumerate() {
             match action {
-                None | Some(Action::Regular | Action::Clear { .. } | Action::Kernels([None, None, None])) => {
-                }
+                None | Some(Action::Regular | Action::Clear { .. }) => {}
+                Some(Action::Kernels(kernels)) if kernels.iter().all(Vec::is_empty) => {}
                 Some(Action::Slab { .. }) => return Err(NotCovered::Slab),
                 Some(action @ (Action::Whole { .. } | Action::Kernels(_))) => {
                     elements.push(element);
@@ -326,10 +326,7 @@ fn ways_of(action: &Action, scattered: &[Scattered]) -> [Given; 3] {
             Scattered::Kernel(_) => [None, None, None],
         },
         Action::Kernels(ways) => {
-            ways.map(|way| match way.map(|(number, factor)| (&scattered[number], factor)) {
-                Some((Scattered::Kernel(operator), factor)) => kernel(operator, factor),
-                _ => None,
-            })
+            ways.each_ref().map(|way| sum_of(way, scattered).and_then(|(sum, factor)| kernel(&sum, factor)))
         }
         Action::Regular | Action::Clear { .. } | Action::Slab { .. } => [None, None, None],
     }
