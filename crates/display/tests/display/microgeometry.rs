@@ -93,3 +93,17 @@ fn an_etched_face_is_roughness() {
         }
     }
 }
+
+/// A face by waves loses nothing at any wavelength, both solvers agree on the light beside the mirror image of a lamp.
+#[test]
+fn a_face_by_waves_colours_the_light() {
+    let hazy = face("surface = \"hazy.toml\"");
+    let few = |light: &str| format!("{light}\n[spectrum]\nstep_nm = 60");
+    for (white, ..) in factors(&hazy, 1.0, &few(DIFFUSE), "adding") {
+        assert!((white - 1.0).abs() < 1e-3, "{white}");
+    }
+    let [adding, paths] = ["adding", "monte-carlo"].map(|method| factors(&hazy, 0.6, &few(LAMP), method));
+    for ((a, _, grid), (b, error, _)) in adding.into_iter().zip(paths) {
+        assert!((a - b).abs() < 4.5 * error + grid + 1e-4, "{a} +- {grid}, {b} +- {error}");
+    }
+}

@@ -245,13 +245,18 @@ impl Chain {
     /// Returns the size in bytes of what it does not share.
     pub(super) fn bytes(&self) -> usize {
         let returns = self.returns.as_ref().map_or(0, Vec::len);
-        8 * (self.down.straight.len() + self.arrives.len() + returns)
+        8 * (self.down.straight.len() + self.arrives.len() + returns) + self.bytes_of_kernels(false)
     }
 
-    /// Returns the size in bytes of the kernels.
+    /// Returns the size in bytes of the kernels that others have, too.
     pub(super) fn shared_bytes(&self) -> usize {
-        let sizes = [self.down.kernel.as_ref(), self.below.as_ref()].into_iter().flatten();
-        8 * sizes.map(|(kernel, _)| kernel.columns() * kernel.columns()).sum::<usize>()
+        self.bytes_of_kernels(true)
+    }
+
+    fn bytes_of_kernels(&self, shared: bool) -> usize {
+        let kernels = [self.down.kernel.as_ref(), self.below.as_ref()].into_iter().flatten();
+        let counted = kernels.filter(|(kernel, _)| (Arc::strong_count(kernel) > 1) == shared);
+        8 * counted.map(|(kernel, _)| kernel.columns() * kernel.columns()).sum::<usize>()
     }
 
     /// Returns whether another one has the same kernels: they differ by factors for each direction alone.
