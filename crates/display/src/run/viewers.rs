@@ -20,8 +20,12 @@ use crate::setup::Setup;
 use crate::viewers::{Viewer, ViewerGrid, ViewerState, ViewerTable};
 use crate::{DisplayError, RowErrors};
 
-/// Number of viewers that are prepared together. The work of general layers grows with its square.
+/// Number of viewers of a panel that are prepared together.
 const TOGETHER: usize = 64;
+
+/// The same below general layers. Each preparation computes the kernels between about 200 nodes and all viewers again: with fewer
+/// viewers there are more preparations, and with more viewers, the kernels between them take longer.
+const TOGETHER_BELOW_LAYERS: usize = 128;
 
 /// Azimuths of the sample of directions that determines the level.
 const SAMPLED_DPHI_DEG: [f64; 3] = [0.0, 90.0, 180.0];
@@ -149,7 +153,10 @@ impl OfViewers<'_> {
             common.prepare_common(stack, &all, &survey.beams, stop).then_some(())?;
         }
         // Kernels of general layers keep what does not depend on the viewers for their next ones.
-        let at_once = if let Stack::Panel(_) = stack { TOGETHER } else { usize::MAX };
+        let (at_once, together) = match stack {
+            Stack::Panel(_) => (TOGETHER, TOGETHER),
+            Stack::Layered(_) => (usize::MAX, TOGETHER_BELOW_LAYERS),
+        };
         let mut parts: Vec<(usize, &[Viewer], OfLight)> = self
             .viewers
             .iter()
@@ -165,7 +172,7 @@ impl OfViewers<'_> {
             }
             let beam = &survey.beams[*light..=*light];
             let mut own = kernel.unprepared().without_ledger();
-            for some in viewers.chunks(TOGETHER) {
+            for some in viewers.chunks(together) {
                 let fields: Vec<Cone> = some.iter().map(cone).collect();
                 own.prepare_part(&common, stack, &fields, beam, stop).then_some(())?;
                 for number in 0..fields.len() {
