@@ -136,7 +136,7 @@ def rendered(bsdf, theta_deg):
         "sky": {"type": "constant", "radiance": {"type": "d65"}},
         "panel": {"type": "rectangle", "bsdf": bsdf},
     }
-    return np.array(mi.render(mi.load_dict(scene), spp=SAMPLES, seed=2)).ravel()[:3].astype(float)
+    return np.array(mi.render(mi.load_dict(scene), spp=4 * SAMPLES, seed=2)).ravel()[:3].astype(float)
 
 
 @pytest.mark.parametrize("state", ["white", "red"])
