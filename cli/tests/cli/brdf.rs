@@ -106,7 +106,7 @@ fn radiant_has_the_colours_of_a_run_in_a_collimated_lamp() {
     let lamp = ["lighting.diffuse=0", "lighting.directed=[{theta_deg=-45,share=1}]", "viewer.theta_deg=25"];
     let mut run = papilio();
     run.arg("run").arg(scenario("indoor")).args(["--json", "--set", "spectrum.step_nm=5"]);
-    lamp.iter().for_each(|set| drop(run.args(["--set", set])));
+    run.args(lamp.iter().flat_map(|set| ["--set", set]));
     let output = run.output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
