@@ -8,6 +8,7 @@ import importlib.util
 import json
 import os
 import subprocess
+from array import array
 from statistics import NormalDist
 
 import numpy as np
@@ -151,3 +152,11 @@ def test_panel_in_uniform_sky_has_the_colours_of_a_run(indoor, scenarios, progra
     seen = json.loads(told.stdout)["views"][0]["states"][state]
     expected = np.array([seen[name] for name in "XYZ"]) / [0.95047, 1.0, 1.08883]
     np.testing.assert_allclose(found, expected, rtol=0.01)
+
+
+def test_mixture_of_states_has_the_mean_of_their_colours(indoor):
+    script, display = indoor
+    of_states = [rendered(display.material(state), 20.0) for state in ("white", "red")]
+    coverages = {"white": array("f", [0.25]), "red": array("f", [0.75])}
+    found = rendered(script.mixture(display, coverages, 1), 20.0)
+    np.testing.assert_allclose(found, 0.25 * of_states[0] + 0.75 * of_states[1], rtol=0.005)
