@@ -3,14 +3,17 @@
 use std::io::Write;
 use std::path::Path;
 
-use papilio_design::output::brdf_warnings;
+use papilio_design::output::{brdf_warnings, rings_warning};
 use papilio_diagnostics::suggestion;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Scene, Stop};
-use papilio_display::{BrdfGrid, BrdfTable, HalfVectorGrid, HalfVectorTable};
+use papilio_display::{
+    BrdfGrid, BrdfTable, Control, DisplayError, HalfVectorGrid, HalfVectorTable, RingGrid, RingTable,
+    ViewerGrid, ViewerTable,
+};
 use papilio_formats::{
-    BsdfSource, MirrorFile, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems, write_file,
-    write_json, write_mirror_csv, write_reflection, write_rgl,
+    BsdfSource, MirrorFile, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant,
+    write_file, write_json, write_mirror_csv, write_reflection, write_rgl,
 };
 use papilio_scenario::{Resolved, Scenario};
 
@@ -37,7 +40,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let mut split = split.ok_or(Failure::Interrupted(NOTHING))?;
     let beams = match &table {
         Table::Directions(table) => table,
-        Table::HalfVectors(_, beams) => beams,
+        Table::HalfVectors(_, beams) | Table::Rings(_, beams) => beams,
     };
     let is_chosen = |name: &String| beams.states.iter().any(|state| state.name == *name);
     split.iter_mut().for_each(|one| one.states.retain(|state| is_chosen(&state.name)));
@@ -71,6 +74,7 @@ const NOTHING: &str = "no file was written";
 enum Directions {
     Grid(BrdfGrid),
     HalfVectors(HalfVectorGrid),
+    Rings(RingGrid),
 }
 
 /// A table of the chosen states.
@@ -78,6 +82,8 @@ enum Table {
     Directions(BrdfTable),
     /// With what depends on the light alone.
     HalfVectors(HalfVectorTable, BrdfTable),
+    /// The same.
+    Rings(RingTable, BrdfTable),
 }
 
 /// Returns the numbers of the states to write, ascending.
@@ -104,22 +110,30 @@ fn chosen_states(chosen: &[String], all: &[String]) -> Result<Vec<usize>, Failur
 /// Directions of the table. Fails if the table would be too large.
 fn directions(arguments: &Brdf, scene: &Scene, states: usize) -> Result<Directions, Failure> {
     let (step, bins) = (arguments.step, scene.grid.len());
-    let (directions, numbers, axes, smaller) = if arguments.format == BrdfFormat::Rgl {
-        let grid = HalfVectorGrid::even(step, arguments.grid.unwrap_or(HalfVectorGrid::USUAL));
-        let numbers = grid.numbers(states, bins);
-        (Directions::HalfVectors(grid), numbers, "theta_i x grid x grid", "a smaller --grid, ")
-    } else {
-        if arguments.grid.is_some() {
-            return Err(Failure::Input(
-                "--grid is the number of half vectors along each axis of an RGL file; expected it only with --format rgl\n  = \
-                 help: --step is the step of the directions of the other formats"
-                    .to_owned(),
-            ));
+    if arguments.grid.is_some() && arguments.format != BrdfFormat::Rgl {
+        return Err(Failure::Input(
+            "--grid is the number of half vectors along each axis of an RGL file; expected it only with --format rgl\n  = \
+             help: --step is the step of the directions of the other formats"
+                .to_owned(),
+        ));
+    }
+    let (directions, numbers, axes, smaller) = match arguments.format {
+        BrdfFormat::Rgl => {
+            let grid = HalfVectorGrid::even(step, arguments.grid.unwrap_or(HalfVectorGrid::USUAL));
+            let numbers = grid.numbers(states, bins);
+            (Directions::HalfVectors(grid), numbers, "theta_i x grid x grid", "a smaller --grid, ")
         }
-        let steps = (90.0 / step).round() as usize;
-        // A large number of steps is refused before the grid takes memory.
-        let numbers = (steps * steps * (2 * steps + 1)).saturating_mul(states.saturating_mul(bins));
-        (Directions::Grid(BrdfGrid::even(step)), numbers, "theta_i x theta_o x dphi", "")
+        BrdfFormat::Radiant => {
+            let grid = RingGrid::even(step);
+            let numbers = grid.cells().saturating_mul(states.saturating_mul(bins));
+            (Directions::Rings(grid), numbers, "theta_i x azimuths x distances", "")
+        }
+        BrdfFormat::Npz | BrdfFormat::Csv | BrdfFormat::Klems => {
+            let steps = (90.0 / step).round() as usize;
+            // A large number of steps is refused before the grid takes memory.
+            let numbers = (steps * steps * (2 * steps + 1)).saturating_mul(states.saturating_mul(bins));
+            (Directions::Grid(BrdfGrid::even(step)), numbers, "theta_i x theta_o x dphi", "")
+        }
     };
     if numbers > BrdfGrid::MOST_NUMBERS {
         return Err(Failure::Input(format!(
@@ -148,16 +162,31 @@ fn compute(
             Ok(Table::Directions(table.allowing(allowed)?))
         }
         Directions::HalfVectors(grid) => {
-            let mut table = papilio_display::brdf_at_half_vectors(scene, grid, control)?;
-            if states.len() < count {
-                table = table.with_states(states);
-            }
-            let table = table.allowing(allowed)?;
+            let table = at_viewers(scene, grid, control, (states, count, allowed))?;
             let beams = table.of_beams();
             Ok(Table::HalfVectors(table, beams))
         }
+        Directions::Rings(grid) => {
+            let table = at_viewers(scene, grid, control, (states, count, allowed))?;
+            let beams = table.of_beams();
+            Ok(Table::Rings(table, beams))
+        }
     })?;
     table.ok_or(Failure::Interrupted(NOTHING))
+}
+
+/// Computes the table of the chosen states, of all `count`, at viewers that move with the light.
+fn at_viewers<G: ViewerGrid>(
+    scene: &Scene,
+    grid: G,
+    control: &Control<'_>,
+    (states, count, allowed): (&[usize], usize, Option<f64>),
+) -> Result<ViewerTable<G>, DisplayError> {
+    let mut table = papilio_display::brdf_at_viewers(scene, grid, control)?;
+    if states.len() < count {
+        table = table.with_states(states);
+    }
+    table.allowing(allowed)
 }
 
 /// Writes the files of a table, and returns their names. Files of other states from an earlier command are removed.
@@ -170,10 +199,15 @@ fn write_table(
     let end = match format {
         BrdfFormat::Npz => "npz",
         BrdfFormat::Csv => "csv",
-        BrdfFormat::Rgl => "bsdf",
+        BrdfFormat::Rgl | BrdfFormat::Radiant => "bsdf",
         BrdfFormat::Klems => "xml",
     };
-    let is_old = |name: &str| name.starts_with("display-") && name.ends_with(&format!(".{end}"));
+    // Files of the other format with this ending are replaced, and so is what belongs to them.
+    let of_rgl = [SCENE.to_owned(), format!("{MIRROR}.json")];
+    let is_old = |name: &str| {
+        let is_table = name.starts_with("display-") && name.ends_with(&format!(".{end}"));
+        is_table || end == "bsdf" && of_rgl.iter().any(|other| other == name)
+    };
     output::remove(folder, is_old)?;
     let mut names = Vec::new();
     match table {
@@ -189,9 +223,14 @@ fn write_table(
                     _ => write_bsdf_csv(out, table, state),
                 })?;
             }
-            let mirror = format!("{MIRROR}.csv");
-            write_file(&folder.join(&mirror), |out| write_mirror_csv(out, table))?;
-            names.push(mirror);
+            names.push(write_mirror(folder, table)?);
+        }
+        Table::Rings(table, beams) => {
+            names.extend(state_files(beams, end));
+            for (state, name) in names.iter().enumerate() {
+                write_file(&folder.join(name), |out| write_bsdf_radiant(out, source, table, state))?;
+            }
+            names.push(write_mirror(folder, beams)?);
         }
         Table::HalfVectors(table, beams) => {
             names.extend(state_files(beams, end));
@@ -206,6 +245,13 @@ fn write_table(
         }
     }
     Ok(names)
+}
+
+/// Writes what depends on the light alone, and returns the name of the file.
+fn write_mirror(folder: &Path, beams: &BrdfTable) -> Result<String, Failure> {
+    let mirror = format!("{MIRROR}.csv");
+    write_file(&folder.join(&mirror), |out| write_mirror_csv(out, beams))?;
+    Ok(mirror)
 }
 
 /// Returns a different name of a file for each state.
@@ -235,5 +281,10 @@ fn table_warnings(arguments: &Brdf, scene: &Scene, table: &Table) -> Vec<String>
     match table {
         Table::Directions(table) => brdf_warnings(table, target, Some(arguments.step), "--step "),
         Table::HalfVectors(_, beams) => brdf_warnings(beams, target, None, "--step "),
+        Table::Rings(table, beams) => {
+            let mut warnings = brdf_warnings(beams, target, None, "--step ");
+            warnings.extend(rings_warning(table.missed()));
+            warnings
+        }
     }
 }

@@ -7,7 +7,7 @@ use crate::python::Environment;
 use crate::shell::{self, Outcome, cargo, command};
 
 /// Packages that build and test it, with versions, and its optional dependencies.
-const PACKAGES: [&str; 10] = [
+const PACKAGES: [&str; 11] = [
     "maturin==1.16.0",
     "pytest==9.2.0",
     "mypy==2.4.1",
@@ -18,6 +18,8 @@ const PACKAGES: [&str; 10] = [
     "pyarrow==26.0.1",
     "nbclient==0.11.0",
     "ipykernel==7.4.0",
+    // Renders exported displays, in variants that need no LLVM.
+    "mitsuba==3.9.1",
 ];
 
 /// Number of designs in the long test of clusters.

@@ -75,6 +75,56 @@ fn klems_has_a_matrix_for_each_state() {
     assert_eq!(names(folder.path()), files);
 }
 
+/// A collimated lamp at 45 deg with the spectrum of D65, seen at the distance of 20 deg from the mirror direction, towards the normal:
+/// the file has X, Y and Z of `papilio run`, relative to those of a perfect white, and over pi. `diffuser inspect` reads it.
+#[test]
+fn radiant_has_the_colours_of_a_run_in_a_collimated_lamp() {
+    let folder = tempfile::tempdir().unwrap();
+    // Files of the other format with this ending, and what belongs to them, are replaced.
+    for old in ["display-red.bsdf", "display-mirror.json", "scene.py"] {
+        fs::write(folder.path().join(old), "").unwrap();
+    }
+    let output = brdf(
+        "indoor",
+        folder.path(),
+        &["--format", "radiant", "--states", "white", "--set", "spectrum.step_nm=5"],
+    );
+    assert!(output.status.success(), "{}", stderr(&output));
+    let files = ["about.json", "display-mirror.csv", "display-white.bsdf", "reflection.csv"];
+    assert_eq!(names(folder.path()), files);
+    let text = fs::read_to_string(folder.path().join("display-white.bsdf")).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let numbers = |line: &str| -> Vec<f64> { line.split('\t').map(|word| word.parse().unwrap()).collect() };
+    let below = |word: &str| lines.iter().position(|line| line.starts_with(word)).unwrap() + 1;
+    let column = numbers(lines[below("ScatterRadial")]).iter().position(|r| *r == 20.0).unwrap();
+    // Two incidences of a line TIS and 37 azimuths, of which the first is towards the normal.
+    let found = ["X", "Y", "Z"].map(|channel| {
+        let second = below(&format!("Tristimulus{channel}")) + 1 + 38;
+        assert!(lines[second].starts_with("TIS"), "{}", lines[second]);
+        numbers(lines[second + 1])[column] * std::f64::consts::PI
+    });
+    let lamp = ["lighting.diffuse=0", "lighting.directed=[{theta_deg=-45,share=1}]", "viewer.theta_deg=25"];
+    let mut run = papilio();
+    run.arg("run").arg(scenario("indoor")).args(["--json", "--set", "spectrum.step_nm=5"]);
+    run.args(lamp.iter().flat_map(|set| ["--set", set]));
+    let output = run.output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let white = &result["views"][0]["states"]["white"];
+    for ((name, of_white), found) in [("X", 0.95047), ("Y", 1.0), ("Z", 1.08883)].into_iter().zip(found) {
+        let expected = white[name].as_f64().unwrap() / of_white;
+        assert!((found / expected - 1.0).abs() < 1e-3, "{name}: {found} {expected}");
+    }
+    let inspect = papilio()
+        .args(["diffuser", "inspect"])
+        .arg(folder.path().join("display-white.bsdf"))
+        .arg("--out")
+        .arg(folder.path().join("inspected"))
+        .output()
+        .unwrap();
+    assert!(inspect.status.success(), "{}", stderr(&inspect));
+}
+
 #[test]
 fn chosen_states_of_the_archive_have_the_values_of_all() {
     let [all, one] = [(); 2].map(|()| tempfile::tempdir().unwrap());
@@ -96,10 +146,11 @@ fn mistakes_in_options_are_reported_before_anything_is_computed() {
         (&["--states", "whit"][..], "did you mean `white`?"),
         (&["--states", "paper"], "the states of this display are white, black"),
         (&["--grid", "64"], "only with --format rgl"),
+        (&["--format", "radiant", "--grid", "64"], "only with --format rgl"),
         (&["--format", "rgl", "--grid", "4"], "from 8 to 256"),
         (&["--format", "rgl", "--grid", "1000"], "from 8 to 256"),
         (&["--format", "rgl", "--grid", "256", "--set", "spectrum.step_nm=1"], "a smaller --grid"),
-        (&["--format", "exr"], "possible values: npz, csv, rgl, klems"),
+        (&["--format", "exr"], "possible values: npz, csv, rgl, radiant, klems"),
     ] {
         let output = brdf("indoor", folder.path(), wrong);
         assert_eq!(output.status.code(), Some(2), "{wrong:?}");

@@ -9,8 +9,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::brdf::{BrdfGrid, BrdfState, BrdfTable, kept};
-use crate::{DisplayError, RowErrors};
+use crate::viewers::{Viewer, ViewerGrid, ViewerTable};
+
+/// BSDF on half vectors.
+pub type HalfVectorTable = ViewerTable<HalfVectorGrid>;
 
 /// Directions of a [`HalfVectorTable`], in air.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,53 +22,6 @@ pub struct HalfVectorGrid {
     /// Number of nodes along u and along v, at least 2.
     pub size: usize,
 }
-
-/// Direction of the viewer at a node of a [`HalfVectorGrid`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HalfVectorViewer {
-    /// Cosine of the inclination.
-    pub cos_theta_o: f64,
-    /// Inclination, degrees.
-    pub theta_o_deg: f64,
-    /// Azimuth relative to that of the light, 0 (towards the light) to 180 (mirror direction) degrees.
-    pub dphi_deg: f64,
-}
-
-/// Spectral BSDF of a display for each drive state, on half vectors.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HalfVectorTable {
-    /// The directions.
-    pub grid: HalfVectorGrid,
-    /// Wavelengths, nm.
-    pub wavelength_nm: Vec<f64>,
-    /// The drive states, in the order of the scenario.
-    pub states: Vec<HalfVectorState>,
-    /// Number of nodes of the quadrature.
-    pub nodes: u64,
-    /// Largest relative discretisation error.
-    pub discretisation_error: f64,
-    /// Errors of the luminous BRDF (in an equal-energy light), `[state][theta_i][viewer]`, with the viewers of
-    /// [`HalfVectorGrid::viewers`].
-    pub row_errors: RowErrors,
-}
-
-/// BSDF of one drive state.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HalfVectorState {
-    /// Name of the state.
-    pub name: String,
-    /// Scattered part, `dL_o/dE_i` in 1/sr, `[theta_i][viewer][wavelength]` (the last fastest), with the viewers of
-    /// [`HalfVectorGrid::viewers`].
-    pub brdf: Vec<f32>,
-    /// Specular reflectance: fraction of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
-    pub specular: Vec<f64>,
-    /// Directional-hemispherical reflectance, scattered and specular, `[theta_i][wavelength]`.
-    pub directional_hemispherical: Vec<f64>,
-}
-
-/// Cosine of the inclination below which a viewer (from 89.994 deg) is taken to be below the horizon. Such a direction receives at
-/// most this fraction of what leaves along the normal of a Lambertian display.
-const HORIZON_COS: f64 = 1e-4;
 
 impl HalfVectorGrid {
     /// Smallest number of nodes along an axis.
@@ -105,20 +60,14 @@ impl HalfVectorGrid {
     }
 
     /// Returns the viewer for light from `theta_i_deg` at a point (u, v); `None` below the horizon.
-    pub fn viewer(theta_i_deg: f64, at: [f64; 2]) -> Option<HalfVectorViewer> {
+    pub fn viewer(theta_i_deg: f64, at: [f64; 2]) -> Option<Viewer> {
         let [theta_m, phi_m] = Self::half_vector(at);
         let (sin_i, cos_i) = theta_i_deg.to_radians().sin_cos();
         let (sin_m, cos_m) = theta_m.sin_cos();
         let m = [sin_m * phi_m.cos(), sin_m * phi_m.sin(), cos_m];
         let along = m[0] * sin_i + m[2] * cos_i;
         let o = [2.0 * along * m[0] - sin_i, 2.0 * along * m[1], 2.0 * along * m[2] - cos_i];
-        let across = o[0].hypot(o[1]);
-        (o[2] > HORIZON_COS).then(|| HalfVectorViewer {
-            cos_theta_o: o[2],
-            theta_o_deg: across.atan2(o[2]).to_degrees(),
-            // Along the normal, the azimuth is arbitrary.
-            dphi_deg: if across < 1e-9 { 0.0 } else { o[1].abs().atan2(o[0]).to_degrees() },
-        })
+        Viewer::of_vector(o)
     }
 
     /// Returns the factor by which density over (u, v) exceeds density over directions of the viewer, 1/sr, apart from the constant
@@ -131,7 +80,7 @@ impl HalfVectorGrid {
 
     /// Returns the different viewers of one direction of the light, number `light`, and for each node, `[row][column]`, the number
     /// of its viewer; `None` below the horizon. Nodes that are mirror images in the plane of incidence have the same viewer.
-    pub fn viewers(&self, light: usize) -> (Vec<HalfVectorViewer>, Vec<Option<usize>>) {
+    pub fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>) {
         let theta_i = self.theta_i_deg[light];
         let mut viewers = Vec::new();
         let mut numbers: Vec<Option<usize>> = vec![None; self.size * self.size];
@@ -160,60 +109,13 @@ impl HalfVectorGrid {
     }
 }
 
-impl HalfVectorTable {
-    /// Keeps the states of these numbers, in ascending order, with their errors.
-    #[must_use]
-    pub fn with_states(mut self, numbers: &[usize]) -> Self {
-        self.discretisation_error = self.row_errors.keep_states(numbers, self.states.len());
-        self.states = kept(self.states, numbers);
-        self
+impl ViewerGrid for HalfVectorGrid {
+    fn theta_i_deg(&self) -> &[f64] {
+        &self.theta_i_deg
     }
 
-    /// Returns what depends on the light alone, as a table without viewers: specular and directional-hemispherical reflectances.
-    pub fn of_beams(&self) -> BrdfTable {
-        let state = |state: &HalfVectorState| BrdfState {
-            name: state.name.clone(),
-            brdf: Vec::new(),
-            specular: state.specular.clone(),
-            directional_hemispherical: state.directional_hemispherical.clone(),
-        };
-        BrdfTable {
-            grid: BrdfGrid {
-                theta_i_deg: self.grid.theta_i_deg.clone(),
-                theta_o_deg: Vec::new(),
-                dphi_deg: Vec::new(),
-            },
-            wavelength_nm: self.wavelength_nm.clone(),
-            states: self.states.iter().map(state).collect(),
-            nodes: self.nodes,
-            discretisation_error: self.discretisation_error,
-            row_errors: RowErrors { relative: Vec::new(), ..self.row_errors },
-        }
-    }
-
-    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.
-    ///
-    /// # Errors
-    /// If a row exceeds the limit; the message names the worst rows.
-    pub fn allowing(mut self, error: Option<f64>) -> Result<Self, DisplayError> {
-        let lights: Vec<Vec<HalfVectorViewer>> =
-            (0..self.grid.theta_i_deg.len()).map(|light| self.grid.viewers(light).0).collect();
-        let rows: usize = lights.iter().map(Vec::len).sum();
-        let name = |row: usize| {
-            let (state, mut rest) = (row / rows.max(1), row % rows.max(1));
-            let mut light = 0;
-            while rest >= lights[light].len() {
-                rest -= lights[light].len();
-                light += 1;
-            }
-            let viewer = lights[light][rest];
-            format!(
-                "state {}, theta_i {} deg, theta_o {:.1} deg, dphi {:.1} deg",
-                self.states[state].name, self.grid.theta_i_deg[light], viewer.theta_o_deg, viewer.dphi_deg
-            )
-        };
-        self.row_errors = std::mem::take(&mut self.row_errors).allow(error, "BRDF", name)?;
-        Ok(self)
+    fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>) {
+        self.viewers(light)
     }
 }
 

@@ -90,6 +90,7 @@ mod prepared;
 pub mod readability;
 mod reflection;
 pub mod result;
+mod rings;
 mod rows;
 mod run;
 pub mod scene;
@@ -97,22 +98,25 @@ mod setup;
 mod single_view;
 pub mod spatial;
 mod target;
+mod viewers;
 
 pub use ambient_light::{AmbientLight, AmbientSource, ambient_light};
 pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use designs::{Derivatives, Designs, Parameter, Quantity};
 pub use error::DisplayError;
-pub use half_vectors::{HalfVectorGrid, HalfVectorState, HalfVectorTable, HalfVectorViewer};
+pub use half_vectors::{HalfVectorGrid, HalfVectorTable};
 pub use label::{
     Label, capitalised, label_from_name, labelled_names, metric_label, split_unit, uncapitalised,
 };
 pub use lobes::{TransmittedLobe, transmitted_lobes};
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
+pub use rings::{RingGrid, RingTable};
 pub use rows::RowErrors;
 pub use run::{
     Control, Cost, Forecast, Progress, StudyCurve, StudyPoint, THICKEST_FOR_MONTE_CARLO, adding_seconds,
-    brdf, brdf_at_half_vectors, cone, cost, forecast, run, study,
+    brdf, brdf_at_viewers, cone, cost, forecast, run, study,
 };
 pub use single_view::{LightSummary, SingleView};
+pub use viewers::{Viewer, ViewerGrid, ViewerState, ViewerTable};

@@ -31,6 +31,7 @@
 //! | [`SurfaceAuditFile`] with [`write_json`], [`write_totals`], [`write_face`] | `audit.json`, `totals.csv`, `face.npz` of a surface |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
 //! | [`write_bsdf_klems`] | `display-STATE.xml` |
+//! | [`write_bsdf_radiant`] | `display-STATE.bsdf` |
 //! | [`write_bsdf_csv`], [`write_mirror_csv`] | `display-STATE.csv`, `display-mirror.csv` |
 //! | [`write_rgl`], [`MirrorFile`] with [`write_json`] | `display-STATE.bsdf`, `display-mirror.json` |
 //! | [`scene_script`] | `scene.py` |
@@ -103,7 +104,7 @@ pub use audit_text::audit_text;
 pub use bsdf::{
     BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, MirrorFile, WriteError,
     bsdf_format_table, bsdf_formats, read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv,
-    write_bsdf_klems, write_measurement, write_mirror_csv, write_rgl,
+    write_bsdf_klems, write_bsdf_radiant, write_measurement, write_mirror_csv, write_rgl,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};

@@ -44,6 +44,18 @@ pub fn finer_step(step_deg: f64, missed: f64) -> Option<f64> {
     STEPS.into_iter().find(|finer| *finer <= wanted && *finer < step_deg)
 }
 
+/// Returns a warning where the rings of a tabular BSDF are too coarse for the lobe; `missed` is from
+/// [`RingTable::missed`](papilio_display::RingTable::missed).
+pub fn rings_warning(missed: f64) -> Option<String> {
+    (missed > MOST_MISSED).then(|| {
+        format!(
+            "the sum over the directions of the table and the light that leaves differ by {:.1} %: the lobe is too narrow for rings \
+             in steps of 0.5 deg and 5 deg of azimuth; --format rgl follows narrower lobes",
+            100.0 * missed
+        )
+    })
+}
+
 fn missed_warning(step_deg: f64, missed: f64, option: &str) -> Option<String> {
     let help = || match finer_step(step_deg, missed) {
         Some(finer) => format!(

@@ -6,9 +6,9 @@ mod auto;
 mod brdf;
 mod cone;
 mod filtered;
-mod half_vectors;
 mod refine;
 mod study;
+mod viewers;
 mod walk;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,10 +23,10 @@ pub(crate) use auto::is_quick;
 pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, forecast};
 pub use brdf::brdf;
 pub use cone::cone;
-pub use half_vectors::brdf_at_half_vectors;
 pub use refine::adding_seconds;
 pub(crate) use refine::{finest, largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
+pub use viewers::brdf_at_viewers;
 
 use crate::meter::{Meter, ViewSamples, against_angle};
 use crate::notes::notes;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::scene::{Method, Scene, Stop};
-use papilio_display::{BrdfGrid, Control, HalfVectorGrid, HalfVectorTable, brdf, brdf_at_half_vectors};
+use papilio_display::{BrdfGrid, Control, HalfVectorGrid, HalfVectorTable, brdf, brdf_at_viewers};
 
 use crate::common::scenario;
 
@@ -19,7 +19,7 @@ fn on_half_vectors(scene: &Scene, theta_i_deg: &[f64], size: usize) -> HalfVecto
     let grid = HalfVectorGrid { theta_i_deg: theta_i_deg.to_vec(), size };
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(2), progress: &|_| {}, stop: &stop };
-    brdf_at_half_vectors(scene, grid, &control).unwrap()
+    brdf_at_viewers(scene, grid, &control).unwrap()
 }
 
 /// Ordinary panels and general layers: each value is that of a table with this pair of directions.

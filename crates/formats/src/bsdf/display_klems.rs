@@ -2,14 +2,13 @@
 
 use std::io::{self, Write};
 
-use papilio_colour::{Observer, Standard};
 use papilio_display::BrdfTable;
 use papilio_goniometry::{
     Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, SphericalGrid,
 };
-use papilio_spectra::{Grid, illuminant};
 
 use super::display::BsdfSource;
+use super::tristimulus::weights;
 use super::write::{BsdfFormat, write_measurement};
 
 /// Writes the scattered part of one state, number `state`, for light with the spectrum of D65.
@@ -54,20 +53,4 @@ pub fn write_bsdf_klems(
     // What is lost is the same for all displays; the documentation of the format states it.
     let written = write_measurement(out, BsdfFormat::Klems, &measurement);
     written.map(|_| ()).map_err(|error| unsound(&error.to_string()))
-}
-
-/// Returns the weights of X, Y and Z of a spectrum of reflectances in D65; those of Y sum to 1.
-fn weights(wavelength_nm: &[f64]) -> Result<[Vec<f64>; 3], String> {
-    let (Some(first), Some(last)) = (wavelength_nm.first(), wavelength_nm.last()) else {
-        return Err("the BSDF has no wavelengths".to_owned());
-    };
-    let step = (last - first) / (wavelength_nm.len().max(2) - 1) as f64;
-    let grid = Grid::new(*first, *last, step).map_err(|error| error.to_string())?;
-    let light = illuminant("D65", &grid).map_err(|error| error.to_string())?;
-    let observer = Observer::of(Standard::Cie1931, &grid).map_err(|error| error.to_string())?;
-    let products = observer
-        .weights()
-        .map(|bar| -> Vec<f64> { bar.iter().zip(light.iter()).map(|(bar, light)| bar * light).collect() });
-    let white: f64 = products[1].iter().sum();
-    Ok(products.map(|product| product.iter().map(|weight| weight / white).collect()))
 }

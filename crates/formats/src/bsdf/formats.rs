@@ -16,7 +16,7 @@ struct Format {
 /// All formats.
 #[rustfmt::skip]
 const FORMATS: [Format; 11] = [
-    Format { short: "Radiant/Zemax", name: "Radiant/Zemax tabular BSDF", read: "yes", written: "yes", ways: "one: BRDF or BTDF from the front", channels: "monochrome or XYZ", geometry: "about the specular direction" },
+    Format { short: "Radiant/Zemax", name: "Radiant/Zemax tabular BSDF", read: "yes", written: "yes, and by `papilio brdf`", ways: "one: BRDF or BTDF from the front", channels: "monochrome or XYZ", geometry: "about the specular direction" },
     Format { short: "CSV", name: "CSV", read: "yes", written: "yes", ways: "all four", channels: "any", geometry: "grid, or pairs of directions" },
     Format { short: "scan", name: "Scan at normal incidence, two columns", read: "yes", written: "", ways: "one", channels: "monochrome", geometry: "rotationally symmetric lobe" },
     Format { short: "Klems XML", name: "Klems matrix XML (WINDOW, Radiance)", read: "yes", written: "yes", ways: "all four", channels: "visible, CIE-X, CIE-Z, solar", geometry: "patches" },

@@ -5,13 +5,17 @@
     python scene.py                                  # scene.png and scene.exr, beside this file
     python scene.py --state black --out black.png
     python scene.py --picture photograph.png         # a picture on the panel
+    python scene.py --image out/page                 # the pixels that `papilio image` wrote into this folder
     python scene.py --light garden.exr               # a map of the whole sphere (EXR or HDR)
 
 `papilio brdf --format rgl` wrote this file, the scattered light of each state (display-STATE.bsdf) and the mirror parts
 (display-mirror.json). Wavelengths are those of the scenario: the colours are computed from spectra, not from R, G, B.
 
-A picture mixes the states black, red, green, blue, cyan, magenta, yellow and white. Each pixel of the picture states which share of
-the red, green and blue areas is on; the reflectance of a display is the sum over its areas, so that the mixture is exact.
+--picture mixes the states black, red, green, blue, cyan, magenta, yellow and white. Each pixel of the picture states which fraction of
+the red, green and blue areas is on; the reflectance of a display is the sum over its areas, so that the mixture is exact. A display
+with the states black and white, but not these eight, shows the luminance of the picture.
+
+--image shows states.png of `papilio image`, a halftone in any states: each pixel of the panel is in one of them.
 
 The mirror part is a conductor: its reflectance has the spectrum along the normal, and the dependence on the angle of the Fresnel
 reflection that fits it at 60 deg. Its mirror images are blurred by about 1 deg, because Mitsuba does not weight the samples of a
@@ -26,9 +30,11 @@ from __future__ import annotations
 import argparse
 import array
 import json
+import operator
 import struct
 import sys
 import tempfile
+import zlib
 from pathlib import Path
 
 TITLE = @TITLE@
@@ -59,20 +65,26 @@ def main() -> None:
         if arguments.picture is not None:
             shares, size = split_picture(mi, arguments.picture, Path(folder))
             panel = picture(display, shares)
+        elif arguments.image is not None:
+            coverages, columns, rows = image_coverages(arguments.image)
+            panel = mixture(display, coverages, columns)
+            size = [columns / rows, 1.0]
         scene = mi.load_dict(scene_of(mi, arguments, panel, material, size))
         image = mi.render(scene, spp=arguments.samples, seed=arguments.seed)
     out = arguments.out
     mi.util.write_bitmap(str(out.with_suffix(".exr")), image)
     if out.suffix.lower() != ".exr":
         mi.util.write_bitmap(str(out), image)
-    print(f"{TITLE}, {arguments.picture or state}: wrote {out}")
+    print(f"{TITLE}, {arguments.picture or arguments.image or state}: wrote {out}")
 
 
 def parsed() -> argparse.Namespace:
     text = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=text)
-    parser.add_argument("--state", help="state of the ball, and of the panel without --picture (default: white, or the first)")
-    parser.add_argument("--picture", type=Path, help="picture on the panel (PNG, JPEG, EXR)")
+    parser.add_argument("--state", help="state of the ball, and of the panel without --picture and --image (default: white, or the first)")
+    shown = parser.add_mutually_exclusive_group()
+    shown.add_argument("--picture", type=Path, help="picture on the panel (PNG, JPEG, EXR)")
+    shown.add_argument("--image", type=Path, metavar="FOLDER", help="folder of papilio image, whose states.png is shown on the panel")
     parser.add_argument("--light", default="room", help="room, or the file of a map of the whole sphere (default: room)")
     parser.add_argument("--out", type=Path, default=HERE / "scene.png", help="picture to write (default: scene.png beside this file)")
     parser.add_argument("--width", type=int, default=480, help="width in pixels (default: 480)")
@@ -206,8 +218,8 @@ def little(values: array.array) -> array.array:
     return values
 
 
-def split_picture(mi, path: Path, folder: Path) -> tuple[list[Path], list[float]]:
-    """Files with the linear red, green and blue of a picture, and the size of the panel in units of its height."""
+def split_picture(mi, path: Path, folder: Path) -> tuple[dict[str, Path], list[float]]:
+    """Textures with the linear red, green, blue and grey of a picture, and the size of the panel in units of its height."""
     if not path.exists():
         sys.exit(f"--picture {path}: there is no such file")
     bitmap = mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
@@ -219,28 +231,127 @@ def split_picture(mi, path: Path, folder: Path) -> tuple[list[Path], list[float]
     header, values = data[: -12 * width * height], array.array("f", data[-12 * width * height :])
     if (float(header.split()[-1]) < 0.0) != (sys.byteorder == "little"):
         values.byteswap()
-    files = []
-    for channel, name in enumerate(("red", "green", "blue")):
-        share = array.array("f", [min(max(value, 0.0), 1.0) for value in values[channel::3]])
-        # The first row of a texture is at the lower edge of a rectangle.
-        share = sum((share[row * width :][:width] for row in reversed(range(height))), array.array("f"))
-        files.append(folder / f"{name}.pfm")
-        files[-1].write_bytes(f"Pf\n{width} {height}\n-1.0\n".encode() + little(share).tobytes())
+    # The file begins with the lowest row.
+    rows = range(0, len(values), 3 * width)
+    values = sum((values[row : row + 3 * width] for row in reversed(rows)), array.array("f"))
+    channels = {name: clipped(values[channel::3]) for channel, name in enumerate(("red", "green", "blue"))}
+    # Luminance of linear sRGB.
+    parts = zip(channels["red"], channels["green"], channels["blue"])
+    channels["grey"] = array.array("f", [0.2126 * r + 0.7152 * g + 0.0722 * b for r, g, b in parts])
+    files = {name: texture(share, width, folder / f"{name}.pfm") for name, share in channels.items()}
     return files, [width / height, 1.0]
 
 
-def picture(display: Display, shares: list[Path]) -> dict:
-    """The exact mixture of the eight corner states."""
+def clipped(values: array.array) -> array.array:
+    return array.array("f", [min(max(value, 0.0), 1.0) for value in values])
 
-    def blend(first: dict, second: dict, share: Path) -> dict:
-        weight = {"type": "bitmap", "filename": str(share), "raw": True, "filter_type": "nearest", "wrap_mode": "clamp"}
-        return {"type": "blendbsdf", "weight": weight, "bsdf_0": first, "bsdf_1": second}
 
-    red, green, blue = shares
+def texture(values: array.array, columns: int, path: Path) -> Path:
+    """Writes numbers, the upper row first, as a texture."""
+    # Mitsuba reads the first row of this file as the last one of the texture, which is at the upper edge of a rectangle.
+    path.write_bytes(f"Pf\n{columns} {len(values) // columns}\n-1.0\n".encode() + little(values[:]).tobytes())
+    return path
+
+
+def blend(first: dict, second: dict, weight: Path) -> dict:
+    """Two materials; `weight` is the texture with the fraction of the second one."""
+    bitmap = {"type": "bitmap", "filename": str(weight), "raw": True, "filter_type": "nearest", "wrap_mode": "clamp"}
+    return {"type": "blendbsdf", "weight": bitmap, "bsdf_0": first, "bsdf_1": second}
+
+
+def picture(display: Display, shares: dict[str, Path]) -> dict:
+    """The exact mixture of the eight corner states, or of black and white."""
     material = display.material
-    by_blue = [[blend(material(off), material(on), blue) for off, on in by_green] for by_green in CORNERS]
-    by_green = [blend(off, on, green) for off, on in by_blue]
-    return blend(by_green[0], by_green[1], red)
+    states = display.mirror["states"]
+    if any(state not in states for by_green in CORNERS for by_blue in by_green for state in by_blue):
+        if "black" in states and "white" in states:
+            return blend(material("black"), material("white"), shares["grey"])
+        sys.exit("--picture needs the states black and white; papilio image and --image show a picture in any states")
+    by_blue = [[blend(material(off), material(on), shares["blue"]) for off, on in by_green] for by_green in CORNERS]
+    by_green = [blend(off, on, shares["green"]) for off, on in by_blue]
+    return blend(by_green[0], by_green[1], shares["red"])
+
+
+def mixture(display: Display, coverages: dict[str, array.array], columns: int) -> dict:
+    """The exact mixture of any states; `coverages` has the fraction of each state in each pixel, the upper row first."""
+    found = None
+    for state, weight in blend_weights(coverages):
+        material = display.material(state)
+        if found is None:
+            found = material
+        else:
+            name = f"weight-{list(coverages).index(state)}.pfm"
+            found = blend(found, material, texture(weight, columns, display.folder / name))
+    return found
+
+
+def blend_weights(coverages: dict[str, array.array]) -> list[tuple[str, array.array]]:
+    """The weights with which each state is blended with the mixture of those before it: its fraction of their sum.
+
+    State k then has its weight times the product of (1 - weight) of all later states, which is its coverage. States that no pixel
+    shows are left out.
+    """
+    found = []
+    sums = None
+    for state, coverage in coverages.items():
+        if not any(coverage):
+            continue
+        sums = coverage if sums is None else array.array("f", map(operator.add, sums, coverage))
+        found.append((state, array.array("f", [own / all_ if own > 0.0 else 0.0 for own, all_ in zip(coverage, sums)])))
+    return found
+
+
+def image_coverages(folder: Path) -> tuple[dict[str, array.array], int, int]:
+    """The coverages of the states in each pixel of states.png, with the numbers of columns and rows."""
+    try:
+        # In the order of the palette of states.png.
+        states = list(json.loads((folder / "image.json").read_text(encoding="utf-8"))["coverage"] or {})
+        columns, rows, pixels = indexed_png((folder / "states.png").read_bytes())
+    except (OSError, LookupError, ValueError, TypeError, struct.error, zlib.error) as error:
+        sys.exit(f"--image {folder}: expected image.json and states.png of papilio image with a halftone: {error}")
+    if pixels and max(pixels) >= len(states):
+        sys.exit(f"--image {folder}: states.png has {max(pixels) + 1} states, image.json {len(states)}")
+    is_state = [bytes(int(number == k) for number in range(256)) for k in range(len(states))]
+    coverages = {state: array.array("f", list(pixels.translate(is_state[k]))) for k, state in enumerate(states)}
+    return coverages, columns, rows
+
+
+def indexed_png(data: bytes) -> tuple[int, int, bytes]:
+    """Columns, rows and numbers of the colours of a PNG with a palette of 8 bits."""
+    at, packed, header = 8, b"", None
+    while at + 8 <= len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        if kind == b"IHDR":
+            header = struct.unpack_from(">IIBBBBB", data, at + 8)
+        elif kind == b"IDAT":
+            packed += data[at + 8 : at + 8 + length]
+        at += 12 + length
+    if header is None or header[2:] != (8, 3, 0, 0, 0):
+        raise ValueError("states.png is not a picture with a palette")
+    columns, rows = header[:2]
+    filtered = zlib.decompress(packed)
+    if len(filtered) != rows * (columns + 1):
+        raise ValueError("states.png is cut off")
+    before, pixels = bytes(columns), []
+    for start in range(0, len(filtered), columns + 1):
+        before = unfiltered(filtered[start], filtered[start + 1 : start + 1 + columns], before)
+        pixels.append(before)
+    return columns, rows, b"".join(pixels)
+
+
+def unfiltered(kind: int, row: bytes, above: bytes) -> bytes:
+    """A row of a PNG without its filter, with one byte for each pixel."""
+    if kind == 0:
+        return row
+    found = bytearray()
+    left = corner = 0
+    for value, up in zip(row, above):
+        guess = left + up - corner
+        nearest = min((left, up, corner), key=lambda candidate: abs(guess - candidate))
+        left = (value + (left, up, (left + up) // 2, nearest)[kind - 1]) % 256
+        corner = up
+        found.append(left)
+    return bytes(found)
 
 
 def scene_of(mi, arguments: argparse.Namespace, panel: dict, ball: dict, size: list[float]) -> dict:

@@ -1,15 +1,16 @@
-//! Exports of a display's BSDF, read back: RGL tensor files, CSV and Klems matrices.
+//! Exports of a display's BSDF, read back: RGL tensor files, tables of Radiant and Zemax, CSV and Klems matrices.
 
 use std::f64::consts::PI;
 
 use papilio_display::{
-    BrdfGrid, BrdfState, BrdfTable, HalfVectorGrid, HalfVectorState, HalfVectorTable, RowErrors,
+    BrdfGrid, BrdfState, BrdfTable, HalfVectorGrid, HalfVectorTable, RingGrid, RingTable, RowErrors,
+    ViewerGrid, ViewerState,
 };
 use papilio_formats::{
-    BsdfSource, DataFile, read_bsdf, scene_script, write_bsdf_csv, write_bsdf_klems, write_mirror_csv,
-    write_rgl,
+    BsdfSource, DataFile, read_bsdf, scene_script, write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant,
+    write_indexed_png, write_mirror_csv, write_rgl,
 };
-use papilio_goniometry::{Direction, Geometry, MeasuredPart};
+use papilio_goniometry::{Direction, Fill, Geometry, MeasuredPart, ScatterMode, Shape};
 
 const SOURCE: BsdfSource<'_> = BsdfSource { papilio: "0", title: "a \"panel\"", hash: "00" };
 
@@ -24,7 +25,7 @@ fn table(step_deg: f64, size: usize, f: impl Fn(f64, f64, f64) -> f64) -> HalfVe
         }
     }
     let beams = vec![0.0; 2 * grid.theta_i_deg.len()];
-    let state = HalfVectorState {
+    let state = ViewerState {
         name: "white".to_owned(),
         brdf,
         specular: beams.clone(),
@@ -197,6 +198,67 @@ fn csv_has_a_row_for_each_pair_of_directions_and_wavelength() {
     assert_eq!(text.lines().count(), 1 + 3 * 9);
 }
 
+/// A lobe, read back: X, Y, Z of a grey display are equal, their integral is the TIS, and the mirror part is in neither.
+#[test]
+fn radiant_file_read_back_has_the_values_and_the_total_integrated_scatter() {
+    let grid = RingGrid::even(15.0);
+    let wavelength_nm: Vec<f64> = (0..9).map(|k| 380.0 + 50.0 * f64::from(k)).collect();
+    let (mut brdf, mut leaving) = (Vec::new(), Vec::new());
+    for (light, theta_i) in grid.theta_i_deg.iter().enumerate() {
+        for viewer in grid.viewers(light).0 {
+            brdf.extend([lobe(*theta_i, viewer.theta_o_deg, viewer.dphi_deg) as f32; 9]);
+        }
+        leaving.extend([0.04 + total(|o| lobe(*theta_i, o.theta_deg, o.phi_deg)); 9]);
+    }
+    let specular = vec![0.04; leaving.len()];
+    let name = "white".to_owned();
+    let state = ViewerState { name, brdf, specular, directional_hemispherical: leaving };
+    let table = RingTable {
+        grid,
+        wavelength_nm,
+        states: vec![state],
+        nodes: 0,
+        discretisation_error: 0.0,
+        row_errors: RowErrors::default(),
+    };
+    assert!(table.missed() < 5e-3, "{}", table.missed());
+    let mut bytes = Vec::new();
+    write_bsdf_radiant(&mut bytes, &SOURCE, &table, 0).unwrap();
+    let read = read_bsdf(&DataFile { name: "white.bsdf".to_owned(), bytes }).unwrap();
+    assert_eq!(read.warnings, [""; 0]);
+    assert_eq!(read.value.provenance.sample, "a \"panel\" (white)");
+    let part = &read.value.parts[0];
+    assert_eq!((part.way, part.channels.len()), (ScatterMode::FrontReflection, 3));
+    for channel in 0..3 {
+        let shape = Shape::of_part(part, channel, Fill::None).unwrap();
+        for (k, theta) in table.grid.theta_i_deg.iter().enumerate() {
+            let expected = total(|o| lobe(*theta, o.theta_deg, o.phi_deg));
+            let tis = part.tis[channel * 6 + k];
+            assert!((tis / expected - 1.0).abs() < 1e-6, "{theta}: {tis} {expected}");
+            assert!((shape.total(k) / tis - 1.0).abs() < 5e-3, "{theta}: {} {tis}", shape.total(k));
+            let light = Direction::new(*theta, 0.0);
+            let ratio = |theta_o: f64, dphi: f64| {
+                let value = part.evaluate(channel, light, Direction::new(theta_o, dphi)).unwrap();
+                value / lobe(*theta, theta_o, dphi)
+            };
+            for (azimuth, radial) in [(0.0, 0.0), (0.0, 10.0), (50.0, 4.5), (120.0, 12.0), (30.0, 60.0)] {
+                let Some(viewer) = RingGrid::viewer(*theta, azimuth, radial) else { continue };
+                let at_node = ratio(viewer.theta_o_deg, viewer.dphi_deg);
+                assert!((at_node - 1.0).abs() < 1e-5, "{theta}, {azimuth}, {radial}: {at_node}");
+            }
+            // Between nodes, `evaluate` is linear: least accurate on the flank of the lobe at 75 deg, by 0.9 %.
+            for (theta_o, dphi) in [(20.0, 180.0), (40.0, 150.0), (10.0, 30.0)] {
+                let between = ratio(theta_o, dphi);
+                assert!(
+                    (between - 1.0).abs() < if *theta < 75.0 { 5e-3 } else { 1e-2 },
+                    "{theta}, {theta_o}, {dphi}: {between}"
+                );
+            }
+        }
+    }
+    assert!(write_bsdf_radiant(Vec::new(), &SOURCE, &table, 1).is_err());
+}
+
 /// A reflectance without a colour has the X, Y and Z of D65 times itself: f = 0.25 gives Y = 0.25 in each patch.
 #[test]
 fn klems_matrices_of_a_grey_display_have_its_luminous_value() {
@@ -214,4 +276,28 @@ fn scene_script_contains_the_title_as_a_string_of_python() {
     let script = scene_script(&SOURCE);
     assert!(script.contains("\nTITLE = \"a \\\"panel\\\"\"\n"));
     assert!(!script.contains("@TITLE@"));
+}
+
+/// The weights of the nested blends of `scene.py` multiply back to the coverages of the states, in pictures of red, green and blue, in
+/// those of black and white, and in those of any states, which are read from the files of `papilio image`.
+#[test]
+fn blends_of_the_scene_script_multiply_back_to_the_coverages() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("scene.py"), scene_script(&SOURCE)).unwrap();
+    std::fs::write(path("check.py"), include_str!("scene_check.py")).unwrap();
+    std::fs::write(
+        path("image.json"),
+        r#"{"coverage": {"white": 0.5, "black": 0.25, "red": 0.25, "blue": 0.0}}"#,
+    )
+    .unwrap();
+    let mut png = Vec::new();
+    let palette = [[250, 250, 250], [0, 0, 0], [200, 0, 0], [0, 0, 0]];
+    write_indexed_png(&mut png, 4, &[0, 1, 2, 0, 1, 0, 0, 2], &palette).unwrap();
+    std::fs::write(path("states.png"), png).unwrap();
+    let output = std::process::Command::new("python3").arg("-B").arg(path("check.py")).output();
+    // Without Python, there is nothing that could run the script.
+    if let Ok(output) = output {
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
 }

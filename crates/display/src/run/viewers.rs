@@ -1,4 +1,4 @@
-//! BSDF of the display by adding on a grid of half vectors: each direction of the light with viewers of its own.
+//! BSDF of the display by adding at viewers that move with the light: each direction of the light has viewers of its own.
 //!
 //! The level is that which a sample of directions needs, as for a table ([`super::brdf`]). Under general layers, each row is
 //! compared with that of the previous level, and if one misses the target, all are computed at the next level.
@@ -15,49 +15,53 @@ use super::cone::DEFAULT_TARGET;
 use super::refine::{finest, largest, largest_of_states, row_errors, slowness};
 use super::{Control, Progress, Workers, each};
 use crate::brdf::BrdfGrid;
-use crate::half_vectors::{HalfVectorGrid, HalfVectorState, HalfVectorTable, HalfVectorViewer};
 use crate::scene::{Scene, Stop};
 use crate::setup::Setup;
+use crate::viewers::{Viewer, ViewerGrid, ViewerState, ViewerTable};
 use crate::{DisplayError, RowErrors};
 
-/// Number of viewers that are prepared together. The work of general layers grows with its square.
+/// Number of viewers of a panel that are prepared together.
 const TOGETHER: usize = 64;
+
+/// The same below general layers. Each preparation computes the kernels between about 200 nodes and all viewers again: with fewer
+/// viewers there are more preparations, and with more viewers, the kernels between them take longer.
+const TOGETHER_BELOW_LAYERS: usize = 128;
 
 /// Azimuths of the sample of directions that determines the level.
 const SAMPLED_DPHI_DEG: [f64; 3] = [0.0, 90.0, 180.0];
 
-/// Computes the BSDF of the scene's display on half vectors, by adding independently of the scene's method.
+/// Computes the BSDF of the scene's display at the viewers of a grid, by adding independently of the scene's method.
 ///
 /// The errors are those of [`super::brdf`].
 ///
 /// # Errors
 /// If the scene is invalid, or the computation was stopped.
-pub fn brdf_at_half_vectors(
+pub fn brdf_at_viewers<G: ViewerGrid>(
     scene: &Scene,
-    grid: HalfVectorGrid,
+    grid: G,
     control: &Control<'_>,
-) -> Result<HalfVectorTable, DisplayError> {
+) -> Result<ViewerTable<G>, DisplayError> {
     let setup = Setup::new(scene)?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
-    let lights = grid.theta_i_deg.clone();
+    let lights = grid.theta_i_deg().to_vec();
     let sampled =
         BrdfGrid { theta_i_deg: lights.clone(), theta_o_deg: lights, dphi_deg: SAMPLED_DPHI_DEG.to_vec() };
     let survey = Survey::new(&setup, control, &sampled, finest(&setup.stack)?);
-    let viewers = (0..grid.theta_i_deg.len()).map(|light| grid.viewers(light).0).collect();
-    let of_nodes = OfNodes { survey, viewers };
-    let table = of_nodes.run(grid, pool).ok_or(DisplayError::Interrupted)?;
-    let finite = |state: &HalfVectorState| {
+    let viewers = (0..grid.theta_i_deg().len()).map(|light| grid.viewers(light).0).collect();
+    let of_viewers = OfViewers { survey, viewers };
+    let table = of_viewers.run(grid, pool).ok_or(DisplayError::Interrupted)?;
+    let finite = |state: &ViewerState| {
         state.brdf.iter().all(|value| value.is_finite())
             && state.directional_hemispherical.iter().all(|value| value.is_finite())
     };
     if table.states.iter().all(finite) { Ok(table) } else { Err(DisplayError::NotFinite) }
 }
 
-struct OfNodes<'a> {
+struct OfViewers<'a> {
     survey: Survey<'a>,
     /// Viewers of each direction of the light.
-    viewers: Vec<Vec<HalfVectorViewer>>,
+    viewers: Vec<Vec<Viewer>>,
 }
 
 /// What one direction of the light scatters.
@@ -70,9 +74,9 @@ struct OfLight {
     nodes: u64,
 }
 
-impl OfNodes<'_> {
+impl OfViewers<'_> {
     /// `None` if it was stopped.
-    fn run(&self, grid: HalfVectorGrid, pool: Option<&ThreadPool>) -> Option<HalfVectorTable> {
+    fn run<G: ViewerGrid>(&self, grid: G, pool: Option<&ThreadPool>) -> Option<ViewerTable<G>> {
         let setup = self.survey.setup;
         let target = match setup.scene.solver.stop {
             Stop::RelativeError { target, .. } => target,
@@ -102,7 +106,7 @@ impl OfNodes<'_> {
         }
         let returned = self.survey.returned(&kernel)?;
         let bins = setup.scene.grid.len();
-        let state = |(number, name): (usize, &String)| HalfVectorState {
+        let state = |(number, name): (usize, &String)| ViewerState {
             name: name.clone(),
             brdf: lights
                 .iter()
@@ -114,7 +118,7 @@ impl OfNodes<'_> {
                 .survey
                 .of_state(number, returned.iter().map(|estimate| &estimate.rho[0])),
         };
-        Some(HalfVectorTable {
+        Some(ViewerTable {
             wavelength_nm: setup.scene.grid.wavelengths_nm(),
             states: setup.states.iter().enumerate().map(state).collect(),
             nodes: lights.iter().map(|light| light.nodes).sum(),
@@ -149,8 +153,11 @@ impl OfNodes<'_> {
             common.prepare_common(stack, &all, &survey.beams, stop).then_some(())?;
         }
         // Kernels of general layers keep what does not depend on the viewers for their next ones.
-        let at_once = if let Stack::Panel(_) = stack { TOGETHER } else { usize::MAX };
-        let mut parts: Vec<(usize, &[HalfVectorViewer], OfLight)> = self
+        let (at_once, together) = match stack {
+            Stack::Panel(_) => (TOGETHER, TOGETHER),
+            Stack::Layered(_) => (usize::MAX, TOGETHER_BELOW_LAYERS),
+        };
+        let mut parts: Vec<(usize, &[Viewer], OfLight)> = self
             .viewers
             .iter()
             .enumerate()
@@ -159,13 +166,13 @@ impl OfNodes<'_> {
             .collect();
         let count = parts.len();
         let done = AtomicUsize::new(0);
-        let part = |(_, (light, viewers, found)): (usize, &mut (usize, &[HalfVectorViewer], OfLight))| {
+        let part = |(_, (light, viewers, found)): (usize, &mut (usize, &[Viewer], OfLight))| {
             if survey.control.stopped() {
                 return None;
             }
             let beam = &survey.beams[*light..=*light];
             let mut own = kernel.unprepared().without_ledger();
-            for some in viewers.chunks(TOGETHER) {
+            for some in viewers.chunks(together) {
                 let fields: Vec<Cone> = some.iter().map(cone).collect();
                 own.prepare_part(&common, stack, &fields, beam, stop).then_some(())?;
                 for number in 0..fields.len() {
@@ -192,6 +199,6 @@ impl OfNodes<'_> {
 }
 
 /// Returns the direction of a viewer in air.
-fn cone(viewer: &HalfVectorViewer) -> Cone {
+fn cone(viewer: &Viewer) -> Cone {
     view(viewer.theta_o_deg, viewer.dphi_deg)
 }

@@ -1,0 +1,138 @@
+//! BSDF of a whole display at viewers that move with the light: each direction of the light has viewers of its own.
+//!
+//! A lobe lies around the mirror direction. Where the viewers lie about that direction, too, values can be interpolated between
+//! directions of the light, which values at fixed directions of the viewer cannot (their peaks would be doubled). Grids of such
+//! viewers are [`HalfVectorGrid`](crate::HalfVectorGrid) and [`RingGrid`](crate::RingGrid).
+
+use crate::brdf::{BrdfGrid, BrdfState, BrdfTable, kept};
+use crate::{DisplayError, RowErrors};
+
+/// Direction of a viewer, in air.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viewer {
+    /// Cosine of the inclination.
+    pub cos_theta_o: f64,
+    /// Inclination, degrees.
+    pub theta_o_deg: f64,
+    /// Azimuth relative to that of the light, 0 (towards the light) to 180 (mirror direction) degrees.
+    pub dphi_deg: f64,
+}
+
+/// Cosine of the inclination below which a viewer (from 89.994 deg) is taken to be below the horizon. Such a direction receives at
+/// most this fraction of what leaves along the normal of a Lambertian display.
+pub(crate) const HORIZON_COS: f64 = 1e-4;
+
+impl Viewer {
+    /// Viewer in the direction of a unit vector, with the light at azimuth 0; `None` below the horizon.
+    pub(crate) fn of_vector([x, y, z]: [f64; 3]) -> Option<Self> {
+        let across = x.hypot(y);
+        (z > HORIZON_COS).then(|| Self {
+            cos_theta_o: z,
+            theta_o_deg: across.atan2(z).to_degrees(),
+            // Along the normal, the azimuth is arbitrary.
+            dphi_deg: if across < 1e-9 { 0.0 } else { y.abs().atan2(x).to_degrees() },
+        })
+    }
+}
+
+/// Directions of a [`ViewerTable`].
+pub trait ViewerGrid {
+    /// Inclinations of the light, ascending, 0 to less than 90 degrees.
+    fn theta_i_deg(&self) -> &[f64];
+
+    /// Returns the different viewers of one direction of the light, number `light`, and for each node of the grid the number of its
+    /// viewer; `None` below the horizon.
+    fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>);
+}
+
+/// Spectral BSDF of a display for each drive state, at the viewers of a grid `G`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewerTable<G> {
+    /// The directions.
+    pub grid: G,
+    /// Wavelengths, nm.
+    pub wavelength_nm: Vec<f64>,
+    /// The drive states, in the order of the scenario.
+    pub states: Vec<ViewerState>,
+    /// Number of nodes of the quadrature.
+    pub nodes: u64,
+    /// Largest relative discretisation error.
+    pub discretisation_error: f64,
+    /// Errors of the luminous BRDF (in an equal-energy light), `[state][theta_i][viewer]`, with the viewers of
+    /// [`ViewerGrid::viewers`].
+    pub row_errors: RowErrors,
+}
+
+/// BSDF of one drive state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewerState {
+    /// Name of the state.
+    pub name: String,
+    /// Scattered part, `dL_o/dE_i` in 1/sr, `[theta_i][viewer][wavelength]` (the last fastest), with the viewers of
+    /// [`ViewerGrid::viewers`].
+    pub brdf: Vec<f32>,
+    /// Specular reflectance: fraction of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
+    pub specular: Vec<f64>,
+    /// Directional-hemispherical reflectance, scattered and specular, `[theta_i][wavelength]`.
+    pub directional_hemispherical: Vec<f64>,
+}
+
+impl<G: ViewerGrid> ViewerTable<G> {
+    /// Keeps the states of these numbers, in ascending order, with their errors.
+    #[must_use]
+    pub fn with_states(mut self, numbers: &[usize]) -> Self {
+        self.discretisation_error = self.row_errors.keep_states(numbers, self.states.len());
+        self.states = kept(self.states, numbers);
+        self
+    }
+
+    /// Returns what depends on the light alone, as a table without viewers: specular and directional-hemispherical reflectances.
+    pub fn of_beams(&self) -> BrdfTable {
+        let state = |state: &ViewerState| BrdfState {
+            name: state.name.clone(),
+            brdf: Vec::new(),
+            specular: state.specular.clone(),
+            directional_hemispherical: state.directional_hemispherical.clone(),
+        };
+        BrdfTable {
+            grid: BrdfGrid {
+                theta_i_deg: self.grid.theta_i_deg().to_vec(),
+                theta_o_deg: Vec::new(),
+                dphi_deg: Vec::new(),
+            },
+            wavelength_nm: self.wavelength_nm.clone(),
+            states: self.states.iter().map(state).collect(),
+            nodes: self.nodes,
+            discretisation_error: self.discretisation_error,
+            row_errors: RowErrors { relative: Vec::new(), ..self.row_errors },
+        }
+    }
+
+    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.
+    ///
+    /// # Errors
+    /// If a row exceeds the limit; the message names the worst rows.
+    pub fn allowing(mut self, error: Option<f64>) -> Result<Self, DisplayError> {
+        let lights: Vec<Vec<Viewer>> =
+            (0..self.grid.theta_i_deg().len()).map(|light| self.grid.viewers(light).0).collect();
+        let rows: usize = lights.iter().map(Vec::len).sum();
+        let name = |row: usize| {
+            let (state, mut rest) = (row / rows.max(1), row % rows.max(1));
+            let mut light = 0;
+            while rest >= lights[light].len() {
+                rest -= lights[light].len();
+                light += 1;
+            }
+            let viewer = lights[light][rest];
+            format!(
+                "state {}, theta_i {} deg, theta_o {:.1} deg, dphi {:.1} deg",
+                self.states[state].name,
+                self.grid.theta_i_deg()[light],
+                viewer.theta_o_deg,
+                viewer.dphi_deg
+            )
+        };
+        self.row_errors = std::mem::take(&mut self.row_errors).allow(error, "BRDF", name)?;
+        Ok(self)
+    }
+}

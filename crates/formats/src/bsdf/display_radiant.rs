@@ -1,0 +1,103 @@
+//! Writer of the display's BSDF as a tabular BSDF of Radiant and Zemax: X, Y and Z of one state in D65, on rings about the mirror
+//! direction.
+//!
+//! X, Y and Z are relative to those of a perfect white, as an imaging sphere measures them that is calibrated with a white reference: a
+//! perfect white has 1/pi and a TIS of 1 in each of them. The mirror part is in neither the values nor the TIS.
+
+use std::io::{self, Write};
+
+use papilio_display::{RingTable, ViewerGrid};
+use papilio_goniometry::{
+    Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, SpecularGrid, Symmetry,
+};
+
+use super::display::BsdfSource;
+use super::tristimulus::weights;
+use super::write::{BsdfFormat, write_measurement};
+
+/// Writes the scattered part of one state, number `state`, for light with the spectrum of D65.
+///
+/// # Errors
+/// Those of `out`, if the lengths of the table's arrays do not match its grid, or its wavelengths are not equally spaced.
+pub fn write_bsdf_radiant(
+    out: impl Write,
+    source: &BsdfSource<'_>,
+    table: &RingTable,
+    state: usize,
+) -> io::Result<()> {
+    let part = rings_part(table, state)?;
+    let name = table.states.get(state).map_or("", |found| found.name.as_str());
+    let measurement = Measurement {
+        provenance: Provenance {
+            format: "papilio".to_owned(),
+            sample: format!("{} ({name})", source.title),
+            // The only word that the description of the format knows.
+            source: "Measured".to_owned(),
+            remarks: vec![
+                format!("computed, not measured: papilio {}, scenario {}", source.papilio, source.hash),
+                "X, Y, Z in D65, relative to those of a perfect white, which has 1/pi; without the mirror part".to_owned(),
+            ],
+        },
+        media: [1.0, 1.0],
+        parts: vec![part],
+    };
+    let written = write_measurement(out, BsdfFormat::Radiant, &measurement);
+    written.map(|_| ()).map_err(|error| unsound(&error.to_string()))
+}
+
+/// Returns the values and the TIS of a state as the format holds them.
+fn rings_part(table: &RingTable, state: usize) -> io::Result<MeasuredPart> {
+    let (grid, bins) = (&table.grid, table.wavelength_nm.len().max(1));
+    let lights: Vec<(usize, Vec<Option<usize>>)> = (0..grid.theta_i_deg.len())
+        .map(|light| {
+            let (viewers, numbers) = grid.viewers(light);
+            (viewers.len(), numbers)
+        })
+        .collect();
+    let viewers: usize = lights.iter().map(|(count, _)| count).sum();
+    let found = table.states.get(state).filter(|found| {
+        let beams = [found.specular.len(), found.directional_hemispherical.len()];
+        found.brdf.len() == viewers * bins && beams == [lights.len() * bins; 2]
+    });
+    let found = found.ok_or_else(|| unsound("the BSDF does not match its directions"))?;
+    let mut values = Vec::with_capacity(3 * grid.cells());
+    let mut tis = Vec::with_capacity(3 * lights.len());
+    for weights in weights(&table.wavelength_nm).map_err(|message| unsound(&message))? {
+        let white: f64 = weights.iter().sum();
+        let relative = |spectrum: &mut dyn Iterator<Item = f64>| -> f64 {
+            // Slightly negative values are discretisation errors.
+            (spectrum.zip(&weights).map(|(value, weight)| value * weight).sum::<f64>() / white).max(0.0)
+        };
+        let mut first = 0;
+        for (count, numbers) in &lights {
+            let spectra = &found.brdf[first * bins..][..count * bins];
+            let of_viewers: Vec<f64> = spectra
+                .chunks_exact(bins)
+                .map(|spectrum| relative(&mut spectrum.iter().map(|f| f64::from(*f))))
+                .collect();
+            values.extend(numbers.iter().map(|number| number.map_or(0.0, |number| of_viewers[number])));
+            first += count;
+        }
+        let beams = found.directional_hemispherical.chunks_exact(bins).zip(found.specular.chunks_exact(bins));
+        tis.extend(beams.map(|(leaving, mirror)| {
+            relative(&mut leaving.iter().zip(mirror).map(|(leaving, mirror)| leaving - mirror))
+        }));
+    }
+    Ok(MeasuredPart {
+        way: ScatterMode::FrontReflection,
+        channels: vec![Channel::X, Channel::Y, Channel::Z],
+        geometry: Geometry::Specular(SpecularGrid {
+            rotations_deg: vec![0.0],
+            incidences_deg: grid.theta_i_deg.clone(),
+            azimuths_deg: grid.azimuths_deg.clone(),
+            radials_deg: grid.radials_deg.clone(),
+            symmetry: Symmetry::Plane,
+        }),
+        values,
+        tis,
+    })
+}
+
+fn unsound(message: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, message.to_owned())
+}
