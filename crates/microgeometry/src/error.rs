@@ -52,6 +52,12 @@ pub enum MicrogeometryError {
         /// What is wrong, what was expected, and a hint.
         wrong: String,
     },
+    /// Films that cannot be computed.
+    #[error("the films on the surface cannot be computed: {wrong}")]
+    Coating {
+        /// What is wrong.
+        wrong: String,
+    },
     /// Rays were lost.
     #[error(
         "{lost} of {rays} rays were lost in the surface (expected none): its facets may be narrower than numbers can resolve"

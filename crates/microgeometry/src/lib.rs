@@ -5,6 +5,9 @@
 
 mod bands;
 mod caps;
+mod coating;
+#[cfg(test)]
+mod coating_tests;
 mod error;
 mod face;
 mod goniometer;
@@ -24,6 +27,7 @@ mod waves;
 
 pub use bands::Bands;
 pub use caps::{Caps, Lattice};
+pub use coating::{Coating, Films};
 pub use error::MicrogeometryError;
 pub use face::{FaceKernels, FaceTable};
 pub use goniometer::{Goniometer, Measured, REPLICATES, Replicate, Total};
