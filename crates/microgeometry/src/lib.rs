@@ -11,11 +11,15 @@ mod coating_tests;
 mod error;
 mod face;
 mod goniometer;
+mod grid;
 mod height_map;
 mod heights;
 mod kernel;
 #[cfg(test)]
 mod laws_tests;
+mod mesh;
+#[cfg(test)]
+mod mesh_tests;
 mod path;
 mod random;
 mod ray;
@@ -23,6 +27,9 @@ mod statistics;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod volume;
+#[cfg(test)]
+mod volume_tests;
 mod waves;
 
 pub use bands::Bands;
@@ -33,8 +40,10 @@ pub use face::{FaceKernels, FaceTable};
 pub use goniometer::{Goniometer, Measured, REPLICATES, Replicate, Total};
 pub use height_map::{HeightMap, HeightStatistics};
 pub use kernel::{Audit, Kernel};
+pub use mesh::Mesh;
 pub use random::{RandomHeights, Spectrum};
 pub use ray::Side;
 pub use statistics::Statistics;
 pub use surface::Surface;
+pub use volume::Volume;
 pub use waves::{ByWaves, LEAST_G, MOST_SLOPE, WaveScreen, WaveShares, Waves};

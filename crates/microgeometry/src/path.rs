@@ -56,8 +56,19 @@ pub(crate) fn follow(
     numbers: (&SampleStream, u64),
     leaves: &mut dyn FnMut(Leaves),
 ) -> Stays {
-    let Met::Facet { at, normal } = face.next(ray, side) else {
-        return Stays { lost: 1.0, ..Stays::default() };
+    // In a volume, the media are the matrix and the particles, and both ways begin in the matrix.
+    let (facets, side) = match face.particle_index() {
+        Some(index) => (Facets { index: [facets.index[0], index], ..facets }, Side::Above),
+        None => (facets, side),
+    };
+    let (at, normal) = match face.next(ray, side) {
+        Met::Facet { at, normal } => (at, normal),
+        Met::Nothing if face.particle_index().is_some() => {
+            let side = towards(ray.along);
+            leaves(Leaves { side, along: ray.along, weight: 1.0, regular: true, facets: 0 });
+            return Stays::default();
+        }
+        Met::Nothing | Met::Unknown => return Stays { lost: 1.0, ..Stays::default() },
     };
     let split = Facet::new(facets, ray.along, side, normal);
     let is_flat = normal[2] == 1.0;
@@ -71,9 +82,10 @@ pub(crate) fn follow(
         if weight > 0.0 {
             let mut walk =
                 Walk { ray: Ray { at, along }, side, regular: is_flat, weight, least: LITTLE * weight };
-            match walk.to_the_end(face, facets, (numbers.0, branch as u64, numbers.1), &mut stays) {
+            match walk.run(face, facets, (numbers.0, branch as u64, numbers.1), &mut stays) {
                 End::Left { facets } => {
-                    let Walk { side, ray, weight, regular, .. } = walk;
+                    let Walk { ray, weight, regular, .. } = walk;
+                    let side = towards(ray.along);
                     leaves(Leaves { side, along: ray.along, weight, regular, facets });
                 }
                 End::Absorbed => {}
@@ -82,6 +94,11 @@ pub(crate) fn follow(
         }
     }
     stays
+}
+
+/// Side on which light leaves.
+fn towards(along: [f64; 3]) -> Side {
+    if along[2] > 0.0 { Side::Above } else { Side::Below }
 }
 
 /// Light after its first facet.
@@ -102,7 +119,7 @@ enum End {
 }
 
 impl Walk {
-    fn to_the_end(
+    fn run(
         &mut self,
         face: &dyn Face,
         media: Facets<'_>,

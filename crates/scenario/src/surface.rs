@@ -1,5 +1,7 @@
 //! Files of `[microgeometry]`: a surface, and how the virtual goniometer measures it.
 
+mod coating;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -11,11 +13,11 @@ use papilio_microgeometry::{
 use serde_json::{Value, json};
 
 use crate::describe::microgeometry::{
-    self as described, CapLattice, MapPeriod, Microgeometry, Road, SurfaceFile,
+    self as described, CapLattice, FaceCoating, MapPeriod, Microgeometry, Road, SurfaceFile,
 };
 use crate::describe::numbers::{Inclination, SurfaceLength, Wavelength};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
-use crate::library::{Library, Missing, sha256};
+use crate::library::{Library, MemoryFile, Missing, sha256};
 use crate::origin::Origin;
 use crate::read::{Read as _, Spanned};
 use crate::scenario::{Assembled, assemble, parse, sorted};
@@ -57,7 +59,8 @@ pub struct ResolvedSurface {
 struct Common<'a> {
     index: [f64; 2],
     incidence_deg: &'a Spanned<Vec<Spanned<Inclination>>>,
-    road: Road,
+    coating: &'a Spanned<Option<FaceCoating>>,
+    road: &'a Spanned<Road>,
     wavelength_nm: &'a [Spanned<Wavelength>],
     rays: u64,
     seed: u64,
@@ -69,7 +72,8 @@ macro_rules! common {
         Common {
             index: [$kind.index_above.0, $kind.index_below.0],
             incidence_deg: &$kind.incidence_deg,
-            road: $kind.road.value,
+            coating: &$kind.coating,
+            road: &$kind.road,
             wavelength_nm: &$kind.wavelength_nm.value,
             rays: $kind.rays.0,
             seed: $kind.seed.0,
@@ -129,19 +133,21 @@ impl SurfaceScenario {
         let found = self.surface(&mut errors, &mut inputs);
         let (surface, common) = errors.finish(found, &self.sources)?;
         let mut errors = Errors::default();
+        let coating = self.coating(&common, &mut errors, &mut inputs);
         if let Err(wrong) = surface.check() {
             errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
         }
         let incidence_deg = incidences(common.incidence_deg, &mut errors);
-        errors.check(&self.sources)?;
+        let coating = errors.finish(coating, &self.sources)?;
         let goniometer = Goniometer {
             index_above: common.index[0],
             index_below: common.index[1],
+            coating,
             incidence_deg,
             rays: common.rays.div_ceil(REPLICATES),
             seed: common.seed,
         };
-        let waves_nm = match (common.road, common.wavelength_nm) {
+        let waves_nm = match (common.road.value, common.wavelength_nm) {
             (Road::Rays, _) => Vec::new(),
             (_, []) => (8..15).map(|step| 50.0 * f64::from(step)).collect(),
             (_, list) => list.iter().map(|item| item.0).collect(),
@@ -154,7 +160,7 @@ impl SurfaceScenario {
         Ok(ResolvedSurface {
             surface,
             goniometer,
-            by_rays: common.road != Road::Waves,
+            by_rays: common.road.value != Road::Waves,
             waves_nm,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             notes: self.notes.clone(),
@@ -223,6 +229,26 @@ impl SurfaceScenario {
         })
     }
 
+    /// Opens a file that the surface names, and records its SHA-256.
+    fn open(
+        &self,
+        file: &Spanned<String>,
+        errors: &mut Errors,
+        inputs: &mut BTreeMap<String, String>,
+    ) -> Option<MemoryFile> {
+        match self.library.open(&file.value, LARGEST_FILE) {
+            Ok(kept) => {
+                inputs.insert(file.value.clone(), kept.sha256().to_owned());
+                return Some(kept);
+            }
+            Err(Missing::Unread(error)) => {
+                errors.push_unread(file.origin, error, self.library.tried(&file.value, false));
+            }
+            Err(Missing::Unknown(wrong)) => errors.push(file.origin, wrong),
+        }
+        None
+    }
+
     /// Reads a map of heights.
     fn heights(
         &self,
@@ -230,18 +256,7 @@ impl SurfaceScenario {
         errors: &mut Errors,
         inputs: &mut BTreeMap<String, String>,
     ) -> Option<Surface> {
-        let kept = match self.library.open(&map.file.value, LARGEST_FILE) {
-            Ok(kept) => kept,
-            Err(Missing::Unread(error)) => {
-                errors.push_unread(map.file.origin, error, self.library.tried(&map.file.value, false));
-                return None;
-            }
-            Err(Missing::Unknown(wrong)) => {
-                errors.push(map.file.origin, wrong);
-                return None;
-            }
-        };
-        inputs.insert(map.file.value.clone(), kept.sha256().to_owned());
+        let kept = self.open(&map.file, errors, inputs)?;
         let found = match read_heights(kept.file()) {
             Ok(found) => found,
             Err(error) => {

@@ -1,7 +1,9 @@
 //! `[microgeometry]`: the geometry of a surface, for `papilio gonio`. Its files are not scenarios: they have a title and this table.
 
 use super::Title;
-use super::numbers::{Count, Inclination, Index, RmsHeight, Seed, SurfaceLength, Wavelength};
+use super::display::MaterialSpec;
+use super::layers::CoatingFilm;
+use super::numbers::{Count, Inclination, Index, RmsHeight, Seed, Share, SurfaceLength, Wavelength};
 use crate::grammar::{choice, kinds, table};
 use crate::read::Spanned;
 
@@ -44,6 +46,8 @@ macro_rules! surface {
                 index_above as "Index above": Index = Index(1.0),
                 /// Refractive index of the medium below.
                 index_below as "Index below": Index = Index(1.5),
+                /// What lies on every facet. Default: nothing.
+                coating: Option<FaceCoating>,
                 /// Inclinations of the light, in its own medium. Default: 0 to 85 deg in steps of 5 deg.
                 incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
                 /// By rays, by waves, or by both.
@@ -127,6 +131,46 @@ surface! {
         abc: Vec<Spanned<SurfaceLength>>,
         /// Shortest wavelength of the face.
         cutoff_um: SurfaceLength,
+    }
+}
+
+kinds! {
+    /// What lies on every facet: its keys depend on `kind`.
+    FaceCoating by "kind" {
+        /// A mirror with the same reflectance at all angles.
+        Mirror(MirrorCoating) = "mirror",
+        /// An opaque metal.
+        Metal(MetalCoating) = "metal",
+        /// Coherent thin films.
+        Film(FilmCoating) = "film",
+    }
+}
+
+table! {
+    /// A mirror that has the same reflectance at all angles and from both sides, and absorbs all other light.
+    MirrorCoating {
+        /// Its reflectance.
+        reflectance: Share = Share(1.0),
+    }
+}
+
+table! {
+    /// An opaque metal: from both sides, light is reflected or absorbed.
+    MetalCoating {
+        /// Refractive index of the metal; its k must be above 0.
+        material: MaterialSpec,
+        /// Wavelength in vacuum at which the index is taken.
+        wavelength_nm: Wavelength = Wavelength(550.0),
+    }
+}
+
+table! {
+    /// Coherent thin films on every facet, along its normal.
+    FilmCoating {
+        /// The films from top to bottom, 1 to 256.
+        film: Vec<Spanned<CoatingFilm>>,
+        /// Wavelength in vacuum at which they are computed.
+        wavelength_nm: Wavelength = Wavelength(550.0),
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace};
 use papilio_formats::read_face;
-use papilio_microgeometry::{FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES};
+use papilio_microgeometry::{Coating, FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -159,6 +159,9 @@ impl Resolver<'_> {
                     _ => MOST_RAYS,
                 };
                 match rays > most {
+                    _ if surface.goniometer.coating != Coating::None => Err(Diagnostic::new("the facets of this surface are coated")
+                        .expected("a surface without `coating`")
+                        .hint("its kernel is that of one wavelength, and a layer has the same kernel at all wavelengths; `papilio gonio` measures it")),
                     true => Err(Diagnostic::new(format!("this surface asks for {rays} rays of each band"))
                         .expected(format!("at most {most} here"))
                         .hint("add rays = 20000 to the layer, or measure it with `papilio gonio` and give its face.npz as `file`")),
