@@ -68,6 +68,8 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("microgeometry gaussian", microgeometry::Gaussian::rows()),
         ("microgeometry exponential", microgeometry::Exponential::rows()),
         ("microgeometry psd", microgeometry::Psd::rows()),
+        ("microgeometry mesh", microgeometry::Mesh::rows()),
+        ("microgeometry volume", microgeometry::Volume::rows()),
         ("microgeometry.coating mirror", microgeometry::MirrorCoating::rows()),
         ("microgeometry.coating metal", microgeometry::MetalCoating::rows()),
         ("microgeometry.coating film", microgeometry::FilmCoating::rows()),

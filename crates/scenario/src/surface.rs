@@ -1,6 +1,7 @@
 //! Files of `[microgeometry]`: a surface, and how the virtual goniometer measures it.
 
 mod coating;
+mod solids;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -59,8 +60,10 @@ pub struct ResolvedSurface {
 struct Common<'a> {
     index: [f64; 2],
     incidence_deg: &'a Spanned<Vec<Spanned<Inclination>>>,
-    coating: &'a Spanned<Option<FaceCoating>>,
-    road: &'a Spanned<Road>,
+    coating: Option<(&'a FaceCoating, Origin)>,
+    road: Road,
+    /// Place of the key `road`.
+    road_at: Origin,
     wavelength_nm: &'a [Spanned<Wavelength>],
     rays: u64,
     seed: u64,
@@ -72,8 +75,9 @@ macro_rules! common {
         Common {
             index: [$kind.index_above.0, $kind.index_below.0],
             incidence_deg: &$kind.incidence_deg,
-            coating: &$kind.coating,
-            road: &$kind.road,
+            coating: $kind.coating.as_ref().map(|coating| (coating, $kind.coating.origin)),
+            road: $kind.road.value,
+            road_at: $kind.road.origin,
             wavelength_nm: &$kind.wavelength_nm.value,
             rays: $kind.rays.0,
             seed: $kind.seed.0,
@@ -147,7 +151,7 @@ impl SurfaceScenario {
             rays: common.rays.div_ceil(REPLICATES),
             seed: common.seed,
         };
-        let waves_nm = match (common.road.value, common.wavelength_nm) {
+        let waves_nm = match (common.road, common.wavelength_nm) {
             (Road::Rays, _) => Vec::new(),
             (_, []) => (8..15).map(|step| 50.0 * f64::from(step)).collect(),
             (_, list) => list.iter().map(|item| item.0).collect(),
@@ -157,13 +161,17 @@ impl SurfaceScenario {
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
+        let mut notes = self.notes.clone();
+        if let Surface::Mesh(mesh) = &surface {
+            notes.extend(mesh.notes());
+        }
         Ok(ResolvedSurface {
             surface,
             goniometer,
-            by_rays: common.road.value != Road::Waves,
+            by_rays: common.road != Road::Waves,
             waves_nm,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
-            notes: self.notes.clone(),
+            notes,
             hash: sha256(canonical.to_string().as_bytes()),
             canonical,
         })
@@ -225,6 +233,24 @@ impl SurfaceScenario {
                     random(Spectrum::Abc { abc, cutoff_um: face.cutoff_um.0 }, face.seed.0)?,
                     common!(face.value),
                 )
+            }
+            Microgeometry::Mesh(mesh) => {
+                let common = common!(mesh.value);
+                (self.mesh(&mesh.value, &common, errors, inputs)?, common)
+            }
+            Microgeometry::Volume(volume) => {
+                let index = volume.matrix_index.0;
+                let common = Common {
+                    index: [index; 2],
+                    incidence_deg: &volume.incidence_deg,
+                    coating: None,
+                    road: Road::Rays,
+                    road_at: volume.origin,
+                    wavelength_nm: &[],
+                    rays: volume.rays.0,
+                    seed: volume.seed.0,
+                };
+                (Self::volume(volume, errors)?, common)
             }
         })
     }
@@ -333,6 +359,7 @@ impl SurfaceScenario {
             MicrogeometryError::ApertureBeyondRadius { .. } => "microgeometry.aperture_radius_um",
             MicrogeometryError::CapsOverlap { .. } => "microgeometry.pitch_um",
             MicrogeometryError::RandomFace { .. } => "microgeometry.cutoff_um",
+            MicrogeometryError::Volume { .. } => "microgeometry.volume_fraction",
             _ => "microgeometry",
         };
         self.root.place_of(key)

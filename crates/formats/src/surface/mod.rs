@@ -3,6 +3,7 @@
 //!
 //! The format is detected from the content. A text of numbers is a table: a row of the map in each line.
 
+mod mesh;
 mod openexr;
 mod x3p;
 
@@ -14,6 +15,8 @@ use crate::DataFile;
 use crate::error::{FormatError, Problem};
 use crate::npy::Header;
 use crate::rows::Table;
+
+pub use mesh::{MeshFile, read_mesh};
 
 /// Largest number of heights: 4096 x 4096.
 const MOST_HEIGHTS: usize = 1 << 24;
@@ -38,6 +41,11 @@ pub enum SurfaceProblem {
     NotAMap,
     /// The file is not the kernel of a face.
     NotAFace,
+    /// The file has no triangles that can be read.
+    NotAMesh {
+        /// Why.
+        what: String,
+    },
     /// An unsupported size.
     Size {
         /// Heights along x.
@@ -73,6 +81,8 @@ impl SurfaceProblem {
                 .hint("export the map as SDF or X3P from the program of the instrument"),
             Self::NotAFace => Diagnostic::new("this is not the kernel of a face")
                 .expected("face.npz, which `papilio gonio` writes"),
+            Self::NotAMesh { what } => Diagnostic::new(format!("this is not a mesh in a supported format: {what}"))
+                .expected("a Wavefront OBJ file, or an STL file in text or binary"),
             Self::Size { columns, rows } => Diagnostic::new(format!("this map has {columns} x {rows} heights"))
                 .expected(format!("at least 2 x 2, and at most {MOST_HEIGHTS} in all"))
                 .hint("cut out a part of the map, or reduce its resolution"),

@@ -3,7 +3,9 @@
 use super::Title;
 use super::display::MaterialSpec;
 use super::layers::CoatingFilm;
-use super::numbers::{Count, Inclination, Index, RmsHeight, Seed, Share, SurfaceLength, Wavelength};
+use super::numbers::{
+    Count, Inclination, Index, InnerShare, RmsHeight, Seed, Share, SurfaceLength, Wavelength,
+};
 use crate::grammar::{choice, kinds, table};
 use crate::read::Spanned;
 
@@ -32,6 +34,10 @@ kinds! {
         Exponential(Exponential) = "exponential",
         /// A random face with a given power spectral density.
         Psd(Psd) = "psd",
+        /// Triangles of a file, which may overhang.
+        Mesh(Mesh) = "mesh",
+        /// Spheres or fibres in a slab.
+        Volume(Volume) = "volume",
     }
 }
 
@@ -131,6 +137,42 @@ surface! {
         abc: Vec<Spanned<SurfaceLength>>,
         /// Shortest wavelength of the face.
         cutoff_um: SurfaceLength,
+    }
+}
+
+surface! {
+    /// Triangles of a file, which repeat in both directions. They form one closed surface between the media, and may overhang.
+    Mesh {
+        /// The file: Wavefront OBJ, or STL in text or binary.
+        file: String,
+        /// Length of the number 1 of the file.
+        um_per_unit: SurfaceLength = SurfaceLength(1.0),
+        /// Period along x and y. Default: the extent of the mesh.
+        period_um: Option<Vec<Spanned<SurfaceLength>>>,
+    }
+}
+
+table! {
+    /// Spheres or fibres at random places in a slab of a clear matrix, which is also the medium above and below.
+    Volume {
+        /// Radius of the spheres or fibres.
+        radius_um: SurfaceLength,
+        /// Length of a fibre without its hemispherical ends. Default: spheres.
+        length_um: Option<SurfaceLength>,
+        /// Refractive index of the particles; 1 for voids.
+        index as "Index of the particles": Index,
+        /// Fraction of the slab that the particles fill.
+        volume_fraction: InnerShare,
+        /// Thickness of the slab.
+        thickness_um: SurfaceLength,
+        /// Refractive index of the matrix.
+        matrix_index as "Index of the matrix": Index = Index(1.5),
+        /// Inclinations of the light, in the matrix. Default: 0 to 85 deg in steps of 5 deg.
+        incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
+        /// Rays from each side at each inclination.
+        rays as "Rays": Count<64, { 1 << 36 }> = Count(200_000),
+        /// Seed of rays and places.
+        seed: Seed = Count(0),
     }
 }
 

@@ -28,12 +28,11 @@ impl SurfaceScenario {
         errors: &mut Errors,
         inputs: &mut BTreeMap<String, String>,
     ) -> Option<Coating> {
-        let Some(described) = &common.coating.value else { return Some(Coating::None) };
-        let at = common.coating.origin;
-        if common.road.value != Road::Rays {
+        let Some((described, at)) = common.coating else { return Some(Coating::None) };
+        if common.road != Road::Rays {
             let wrong = Diagnostic::new("waves do not know what lies on the facets")
                 .expected("`road = \"rays\"` with a coating");
-            errors.push(common.road.origin.or_override([at]), wrong);
+            errors.push(common.road_at.or_override([at]), wrong);
             return None;
         }
         match described {
