@@ -127,6 +127,11 @@ impl SurfaceScenario {
         Ok(Self { file, root, sources, library, notes })
     }
 
+    /// Whether it describes particles, and not a face between two media.
+    pub(crate) fn is_volume(&self) -> bool {
+        matches!(self.file.microgeometry.value, Microgeometry::Volume(_))
+    }
+
     /// Reads the files of the surface, and checks it.
     ///
     /// # Errors

@@ -147,6 +147,15 @@ impl Resolver<'_> {
         let overrides: Vec<String> =
             given.map(|(key, value)| format!("microgeometry.{key}={value}")).collect();
         let library = self.library.beside(name);
+        if let Ok(own) = SurfaceScenario::from_text(&text, name, library.clone(), &[])
+            && own.is_volume()
+        {
+            let wrong = Diagnostic::new("a volume is no face: it has the same medium above and below")
+                .expected("a surface between two media")
+                .hint("`kind = \"slab\"` is a layer with scattering in its volume; see docs/scattering.md");
+            self.errors.push(at, wrong);
+            return None;
+        }
         let surface = SurfaceScenario::from_text(&text, name, library, &overrides)
             .and_then(|surface| surface.resolve());
         let measured = match surface {
