@@ -261,14 +261,14 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// A mesh, ready for rays.
 #[derive(Debug)]
-pub(crate) struct Facets<'a> {
+pub(crate) struct MeshFace<'a> {
     mesh: &'a Mesh,
     normals: Vec<[f64; 3]>,
     heights: [f64; 2],
     grid: Grid,
 }
 
-impl<'a> Facets<'a> {
+impl<'a> MeshFace<'a> {
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
         let bounds = |corners: &[Corner; 3]| -> Bounds {
             let places = corners.map(|corner| mesh.place(corner));
@@ -327,7 +327,7 @@ impl<'a> Facets<'a> {
     }
 }
 
-impl Face for Facets<'_> {
+impl Face for MeshFace<'_> {
     fn period_um(&self) -> [f64; 2] {
         self.grid.period_um()
     }

@@ -2,7 +2,7 @@
 
 use crate::caps::{Balls, Caps, Lattice};
 use crate::heights::Triangles;
-use crate::mesh::Facets;
+use crate::mesh::MeshFace;
 use crate::random::RandomHeights;
 use crate::ray::Face;
 use crate::volume::Particles;
@@ -40,7 +40,7 @@ impl Surface {
             Self::Caps(caps) => Ok(of(&Balls::new(caps, replicate)?)),
             Self::Heights(map) => Ok(of(&Triangles::new(map))),
             Self::Random(random) => Ok(of(&Triangles::new(&random.realisation(replicate)?))),
-            Self::Mesh(mesh) => Ok(of(&Facets::new(mesh))),
+            Self::Mesh(mesh) => Ok(of(&MeshFace::new(mesh))),
             Self::Volume(volume) => Ok(of(&Particles::new(volume, replicate)?)),
         }
     }

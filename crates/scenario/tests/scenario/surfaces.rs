@@ -79,7 +79,7 @@ fn coatings_are_resolved() {
         ("kind = \"metal\", material = \"Al\", wavelength_nm = 1", "s.toml:6"),
         ("kind = \"film\", film = []", "0 films"),
         ("kind = \"mirror\", reflectance = 1.5", "out of range"),
-        ("kind = \"paint\"", "`mirror`"),
+        ("kind = \"paint\"", "expected \"mirror\" or \"metal\" or \"film\""),
     ] {
         let message = coating(keys).unwrap_err().to_string();
         assert!(message.contains(expected), "{keys}\n{message}");
