@@ -142,32 +142,52 @@ impl Goniometer {
         }
         self.coating.check()?;
         surface.with_face(number, |face| {
-            let numbers = SampleStream::new(Sampler::Sobol, self.seed, number);
             let bands = self.bands();
-            let cells = bands.count() * bands.count() * AZIMUTHS;
-            let mut found = Replicate {
-                rows: Vec::new(),
-                scattered: vec![0.0; cells],
-                regular: vec![[0.0; 2]; bands.count()],
-                absorbed: vec![0.0; bands.count()],
-                lost: 0.0,
-                rays: 0,
-            };
-            for side in Side::ALL {
-                for theta_deg in &self.incidence_deg {
-                    let numbers = numbers.part(found.rows.len() as u64);
-                    let row = self.row(face, side, *theta_deg, &numbers, stop)?;
-                    found.lost += row.1;
-                    found.rays += self.rays;
-                    found.rows.push(row.0);
-                }
-            }
+            let mut found = self.rows(face, number, stop)?;
             let numbers = SampleStream::new(Sampler::Sobol, self.seed, number).independent();
             for band in 0..bands.count() {
                 self.scatter(face, &bands, band, &numbers.part(band as u64), &mut found, stop)?;
             }
             Ok(found)
         })?
+    }
+
+    /// A replicate of the inclinations alone, without the light of bands.
+    fn rows(
+        &self,
+        face: &dyn Face,
+        number: u64,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Replicate, MicrogeometryError> {
+        let numbers = SampleStream::new(Sampler::Sobol, self.seed, number);
+        let count = self.bands().count();
+        let mut found = Replicate {
+            rows: Vec::new(),
+            scattered: vec![0.0; count * count * AZIMUTHS],
+            regular: vec![[0.0; 2]; count],
+            absorbed: vec![0.0; count],
+            lost: 0.0,
+            rays: 0,
+        };
+        for side in Side::ALL {
+            for theta_deg in &self.incidence_deg {
+                let numbers = numbers.part(found.rows.len() as u64);
+                let row = self.row(face, side, *theta_deg, &numbers, stop)?;
+                found.lost += row.1;
+                found.rays += self.rays;
+                found.rows.push(row.0);
+            }
+        }
+        Ok(found)
+    }
+
+    /// The totals of a surface, without its kernel.
+    #[cfg(test)]
+    pub(crate) fn totals_alone(&self, surface: &Surface) -> Vec<Total> {
+        let replicate = |number| surface.with_face(number, |face| self.rows(face, number, &|| false));
+        let found: Vec<Replicate> =
+            (0..REPLICATES).map(|number| replicate(number).unwrap().unwrap()).collect();
+        self.totals(&found).unwrap()
     }
 
     /// Follows the rays of all replicates, on all processors. `stop` as in [`replicate`](Self::replicate).

@@ -197,7 +197,7 @@ fn screens_of_gaussian_faces_have_the_closed_forms() {
         [(20.0, 0.98703, 0.81155), (50.0, 0.92167, 0.27115), (100.0, 0.72161, 0.0054)]
     {
         let spectrum = Spectrum::Gaussian { rms_um: 1e-3 * rms_nm, correlation_um: 4.0 };
-        let surface = Surface::Random(RandomHeights::new(spectrum, 2).unwrap());
+        let surface = Surface::Random(RandomHeights::new(spectrum.clone(), 2).unwrap());
         let found = measured_by_waves(&surface, &[450.0, 550.0]);
         let green = &found[1];
         // Few independent heights: a realisation is 21 correlation lengths wide.

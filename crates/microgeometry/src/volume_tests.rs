@@ -38,8 +38,8 @@ fn replicates(of: &Goniometer, volume: Volume) -> Vec<Replicate> {
 #[test]
 fn few_spheres_obey_beer_and_lambert() {
     let (fraction, thickness) = (0.002, 100.0);
-    let of = goniometer(&[0.0, 60.0], 1000);
-    let totals = of.totals(&replicates(&of, spheres(fraction, thickness))).unwrap();
+    let of = goniometer(&[0.0, 60.0], 3000);
+    let totals = of.totals_alone(&Surface::Volume(spheres(fraction, thickness)));
     for total in &totals {
         let tau = 0.75 * fraction * thickness / 5.0 / total.theta_deg.to_radians().cos();
         let Measured { value, error } = total.regular_transmitted;

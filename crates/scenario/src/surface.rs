@@ -1,6 +1,7 @@
 //! Files of `[microgeometry]`: a surface, and how the virtual goniometer measures it.
 
 mod coating;
+mod density;
 mod solids;
 
 use std::collections::BTreeMap;
@@ -187,13 +188,6 @@ impl SurfaceScenario {
         errors: &mut Errors,
         inputs: &mut BTreeMap<String, String>,
     ) -> Option<(Surface, Common<'_>)> {
-        let mut random = |spectrum: Spectrum, seed: u64| match RandomHeights::new(spectrum, seed) {
-            Ok(face) => Some(Surface::Random(face)),
-            Err(wrong) => {
-                errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
-                None
-            }
-        };
         Some(match &self.file.microgeometry.value {
             Microgeometry::Flat(flat) => (Surface::Flat, common!(flat.value)),
             Microgeometry::Caps(caps) => {
@@ -216,7 +210,7 @@ impl SurfaceScenario {
                     rms_um: 1e-3 * face.rms_nm.0,
                     correlation_um: face.correlation_um.0,
                 };
-                (random(spectrum, face.seed.0)?, common!(face.value))
+                (self.random(spectrum, face.seed.0, errors)?, common!(face.value))
             }
             Microgeometry::Exponential(face) => {
                 let spectrum = Spectrum::Exponential {
@@ -224,20 +218,11 @@ impl SurfaceScenario {
                     correlation_um: face.correlation_um.0,
                     cutoff_um: face.cutoff_um.0,
                 };
-                (random(spectrum, face.seed.0)?, common!(face.value))
+                (self.random(spectrum, face.seed.0, errors)?, common!(face.value))
             }
             Microgeometry::Psd(face) => {
-                let abc: Vec<f64> = face.abc.iter().map(|number| number.0).collect();
-                let Ok(abc) = <[f64; 3]>::try_from(abc) else {
-                    let wrong = Diagnostic::new(format!("this list has {} numbers", face.abc.len()))
-                        .expected("three numbers: A (um^4), B (um) and C");
-                    errors.push(face.abc.origin, wrong);
-                    return None;
-                };
-                (
-                    random(Spectrum::Abc { abc, cutoff_um: face.cutoff_um.0 }, face.seed.0)?,
-                    common!(face.value),
-                )
+                let spectrum = self.spectrum(face, errors, inputs)?;
+                (self.random(spectrum, face.seed.0, errors)?, common!(face.value))
             }
             Microgeometry::Mesh(mesh) => {
                 let common = common!(mesh.value);
@@ -278,6 +263,17 @@ impl SurfaceScenario {
             Err(Missing::Unknown(wrong)) => errors.push(file.origin, wrong),
         }
         None
+    }
+
+    /// A random face.
+    fn random(&self, spectrum: Spectrum, seed: u64, errors: &mut Errors) -> Option<Surface> {
+        match RandomHeights::new(spectrum, seed) {
+            Ok(face) => Some(Surface::Random(face)),
+            Err(wrong) => {
+                errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
+                None
+            }
+        }
     }
 
     /// Reads a map of heights.

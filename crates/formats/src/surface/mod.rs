@@ -3,6 +3,7 @@
 //!
 //! The format is detected from the content. A text of numbers is a table: a row of the map in each line.
 
+mod density;
 mod mesh;
 mod openexr;
 mod x3p;
@@ -16,6 +17,7 @@ use crate::error::{FormatError, Problem};
 use crate::npy::Header;
 use crate::rows::Table;
 
+pub use density::read_density;
 pub use mesh::{MeshFile, read_mesh};
 
 /// Largest number of heights: 4096 x 4096.

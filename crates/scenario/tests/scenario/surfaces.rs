@@ -88,6 +88,34 @@ fn coatings_are_resolved() {
     assert!(wrong(&waves, Path::new("")).contains("waves do not know what lies on the facets"));
 }
 
+/// A density by a file, as `psd.csv` of `papilio gonio`; mistakes in it have their lines.
+#[test]
+fn densities_of_files_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("psd.csv", "frequency_per_um,psd_um4\n0.01,2\n0.1,1.5\n1,0.01\n");
+    write("order.csv", "0.1,2\n0.1,1\n");
+    write("negative.csv", "0.1,2\n0.2,-1\n");
+    write("dark.csv", "0.1,0\n");
+    let text = |keys: &str| format!("[microgeometry]\nsurface = \"psd\"\n{keys}\ncutoff_um = 2\n");
+    let Surface::Random(face) = resolved(&text("file = \"psd.csv\""), folder.path()).unwrap() else {
+        panic!()
+    };
+    assert!((face.density_um4(0.005) - 2.0).abs() < 1e-12 && face.density_um4(0.6) == 0.0);
+    // Halfway between two points on logarithmic axes.
+    assert!((face.density_um4(0.1 * 10_f64.sqrt()) - (1.5_f64 * 0.01).sqrt()).abs() < 1e-12);
+    for (keys, expected) in [
+        ("file = \"order.csv\"", "order.csv:2:1"),
+        ("file = \"negative.csv\"", "negative.csv:2:5"),
+        ("file = \"dark.csv\"", "no density above 0"),
+        ("file = \"psd.csv\"\nabc = [1, 2, 3]", "both `abc` and `file` are given"),
+        ("", "neither `abc` nor `file` is given"),
+    ] {
+        let message = wrong(&text(keys), folder.path());
+        assert!(message.contains(expected), "{keys}\n{message}");
+    }
+}
+
 #[test]
 fn meshes_and_volumes_are_resolved() {
     let folder = tempfile::tempdir().unwrap();
