@@ -84,7 +84,7 @@ fn write<R: SpatialOutput>(
     png: bool,
 ) -> Result<Vec<String>, Failure> {
     output::make_folder(folder)?;
-    output::remove(folder, |name| output::is_figure_of(&R::FIGURES, name))?;
+    output::remove(folder, |name| output::is_figure_of(R::FIGURES, name))?;
     write_file(&folder.join(R::JSON), |out| write_json(out, &result.content(resolved, title)))?;
     let mut names = vec![R::JSON.to_owned()];
     names.extend(result.write_tables(folder)?);

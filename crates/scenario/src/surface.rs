@@ -313,9 +313,8 @@ impl SurfaceScenario {
             errors.push(map.file.origin, wrong);
             return None;
         };
-        let is_picture = kept.file().bytes.starts_with(b"\x89PNG");
         let unit_um = map.height_um_per_unit.value.map(|unit| unit.0).or(found.unit_um);
-        let Some(unit_um) = unit_um.or((!is_picture).then_some(1.0)) else {
+        let Some(unit_um) = unit_um.or((!found.is_picture).then_some(1.0)) else {
             let wrong = Diagnostic::new("a picture does not state the height of its steps")
                 .expected("the key `height_um_per_unit`, the height of the number 1 of 65535");
             errors.push(map.file.origin, wrong);

@@ -91,7 +91,7 @@ surface! {
 surface! {
     /// Heights of a file, which repeat in both directions.
     HeightMap {
-        /// The file: .npy, .csv, a grey PNG of 16 bits, OpenEXR, or an SDF or X3P file of ISO 25178-71 and -72.
+        /// The file: .npy, .csv, a grey PNG or TIFF of 16 bits, OpenEXR, or an SDF or X3P file of ISO 25178-71 and -72.
         file: String,
         /// Distance of neighbouring heights, one number or along x and y. Default: that of the file.
         pixel_um: Option<Vec<Spanned<SurfaceLength>>>,
