@@ -182,6 +182,15 @@ impl Particles {
         self.axes.len()
     }
 
+    /// Way to the nearest particle that a ray in the matrix meets, of all of the neighbouring periods.
+    #[cfg(test)]
+    pub(crate) fn way_to_any(&self, ray: &Ray) -> Option<f64> {
+        let periods = (-2..=2).flat_map(|x| (-2..=2).map(move |y| [f64::from(x), f64::from(y)]));
+        let all = periods.flat_map(|turns| self.axes.iter().map(move |axis| (axis, turns)));
+        let ways = all.filter_map(|(axis, turns)| self.within(ray, axis, turns)).map(|[enters, _]| enters.0);
+        ways.filter(|way| *way > 0.0).min_by(f64::total_cmp)
+    }
+
     /// Distance of a place from the nearest axis, in any period.
     #[cfg(test)]
     pub(crate) fn distance(&self, at: [f64; 3]) -> f64 {

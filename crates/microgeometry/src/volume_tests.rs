@@ -54,6 +54,19 @@ fn few_spheres_obey_beer_and_lambert() {
     }
 }
 
+/// Dense spheres shadow each other less than independent ones, whose light that meets none would be exp(-1.875) = 0.153: a separate program,
+/// which places spheres and counts points that none covers, has 0.1142(25).
+#[test]
+fn dense_spheres_shadow_as_in_a_separate_program() {
+    let volume = Volume { radius_um: 4.0, ..spheres(0.1, 100.0) };
+    let of = goniometer(&[0.0], 500);
+    let totals = of.totals_alone(&Surface::Volume(volume));
+    for total in &totals {
+        let Measured { value, error } = total.regular_transmitted;
+        assert!(error < 3e-3 && (value - 0.1142).abs() < 4.0 * error.hypot(0.0025), "{value} {error}");
+    }
+}
+
 /// Mean cosine and backscattered fraction of the light of one sphere, by quadrature over the squared sine of incidence: reflected light is
 /// turned by pi - 2 i, and light with p - 1 reflections inside by 2 (i - t) + (p - 1)(pi - 2 t). Light is unpolarised at each facet.
 fn by_quadrature(ratio: f64) -> [f64; 2] {
@@ -152,4 +165,35 @@ fn particles_are_placed_or_refused() {
     assert!(message(spheres(0.1, 9.0)).contains("do not fit"));
     assert!(message(Volume { index: f64::NAN, ..volume }).contains("index of the particles"));
     assert!((volume.size_parameter(1.5, 550.0) - 85.68).abs() < 0.01);
+}
+
+/// The grid finds the particle that a search of all finds, and nothing where that finds nothing.
+#[test]
+fn grids_find_the_nearest_particle() {
+    let mut dice = papilio_testing::Dice::new(0x91d, 0);
+    let fibres = Volume { length_um: 12.0, radius_um: 2.0, ..spheres(0.03, 40.0) };
+    for volume in [spheres(0.02, 60.0), fibres] {
+        let particles = Particles::new(&volume, 0).unwrap();
+        let period = particles.period_um()[0];
+        let mut met = 0;
+        for _ in 0..200 {
+            // Up to 45 deg: the way through the slab is shorter than a period.
+            let (sine, azimuth) = (dice.between(0.0, 0.7), dice.between(0.0, std::f64::consts::TAU));
+            let ray = Ray {
+                at: [dice.between(0.0, period), dice.between(0.0, period), volume.thickness_um],
+                along: [sine * azimuth.cos(), sine * azimuth.sin(), -(1.0 - sine * sine).sqrt()],
+            };
+            match (particles.next(&ray, Side::Above), particles.way_to_any(&ray)) {
+                (Met::Facet { at, .. }, Some(way)) => {
+                    let expected = crate::ray::moved(ray.at, way, ray.along);
+                    assert!((0..3).all(|k| (at[k] - expected[k]).abs() < 1e-9), "{at:?} {expected:?}");
+                    met += 1;
+                }
+                (found, expected) => {
+                    assert!(found == Met::Nothing && expected.is_none(), "{found:?} {expected:?}")
+                }
+            }
+        }
+        assert!((20..190).contains(&met), "{met}");
+    }
 }

@@ -67,7 +67,7 @@ fn wrong_meshes_are_refused_with_their_places() {
         (stl.replacen("vertex 1 1", "vertex 1 x", 1).into_bytes(), "`x` is not a finite number"),
         (stl.replacen("    endloop\n", "", 1).into_bytes(), "vertex or endloop"),
         (stl.replacen("      vertex 0 0 0e0\n", "", 1).into_bytes(), "three vertices"),
-        (stl[..stl.len() - 40].as_bytes().to_vec(), "ends within a loop"),
+        (stl.as_bytes()[..stl.len() - 40].to_vec(), "ends within a loop"),
         (infinite, "the coordinate at byte 154 is inf"),
         (short, "a binary file of 2 triangles has 184 bytes, and this one has 150"),
     ] {
