@@ -1,7 +1,8 @@
 //! From the geometry of a surface to its scattering: a virtual goniometer.
 //!
-//! A [`Surface`] between two media is measured by rays ([`Goniometer`]), or by waves along the normal ([`Waves`]). Lengths are in
-//! micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
+//! A [`Surface`] between two media, or a slab with particles, is measured by rays ([`Goniometer`]), a face also by waves along the normal
+//! ([`Waves`]). Lengths are in micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
+//! [`Coating`] is what lies on the facets.
 
 mod bands;
 mod caps;
