@@ -10,8 +10,8 @@ use papilio_formats::{
     SurfaceAuditFile, write_cutoffs, write_face, write_file, write_json, write_psd, write_totals, write_waves,
 };
 use papilio_microgeometry::{
-    ByWaves, Goniometer, Kernel, LEAST_G, MOST_SLOPE, Measured, MicrogeometryError, REPLICATES, Side,
-    Statistics, Total, WaveShares, Waves,
+    ByWaves, Coating, Goniometer, Kernel, LEAST_G, MOST_SLOPE, Measured, MicrogeometryError, REPLICATES,
+    Side, Statistics, Total, WaveShares, Waves,
 };
 use papilio_scenario::{ResolvedSurface, SurfaceScenario};
 
@@ -128,7 +128,8 @@ impl Found {
         if let Some(Rays { totals, kernel }) = &self.rays {
             write_file(&file("totals.csv"), |out| write_totals(out, totals))?;
             let index = [resolved.goniometer.index_above, resolved.goniometer.index_below];
-            write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, kernel))?;
+            let coated = resolved.goniometer.coating != Coating::None;
+            write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, kernel, coated))?;
             figures.push(("totals".to_owned(), totals_figure(title, totals)));
         }
         if let Some(statistics) = &self.statistics {
@@ -227,6 +228,7 @@ fn rays_text(Rays { totals, kernel }: &Rays) -> String {
         "beyond, %",
         "regular, %",
         "facets",
+        "absorbed, %",
     ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for total in totals {
@@ -244,7 +246,11 @@ fn rays_text(Rays { totals, kernel }: &Rays) -> String {
             percent(total.transmitted_beyond),
             percent(regular),
             measured(Some(total.mean_facets.value), Some(total.mean_facets.error), 2),
+            percent(total.absorbed),
         ]);
+    }
+    if totals.iter().all(|total| total.absorbed.value == 0.0) {
+        rows.iter_mut().for_each(|row| row.truncate(row.len() - 1));
     }
     let audit = &kernel.audit;
     let energy = (audit.energy_z.iter().map(|z| z * z).sum::<f64>() / audit.energy_z.len() as f64).sqrt();

@@ -42,10 +42,13 @@ pub(crate) static DATA: LazyLock<BTreeMap<String, MemoryFile>> = LazyLock::new(|
     let surface = |path: &str| {
         let name = format!("../surfaces/{path}");
         let bytes = Surfaces::get(path)?.data.into_owned();
-        Some((name.clone(), MemoryFile::new(DataFile { name, bytes })))
+        let file = MemoryFile::new(DataFile { name: name.clone(), bytes });
+        // Surfaces name meshes beside them.
+        let beside = (!path.ends_with(".toml")).then(|| (path.to_owned(), file.clone()));
+        Some([(name, file)].into_iter().chain(beside))
     };
     let data = Scenarios::iter().filter_map(|path| named(&path)).flatten().collect::<Vec<_>>();
-    data.into_iter().chain(Surfaces::iter().filter_map(|path| surface(&path))).collect()
+    data.into_iter().chain(Surfaces::iter().filter_map(|path| surface(&path)).flatten()).collect()
 });
 
 #[cfg(test)]
@@ -56,7 +59,7 @@ mod tests {
     fn examples_and_data_are_found_by_name_and_other_paths_are_not() {
         assert!(example(FIRST).is_some_and(|text| text.contains("[display.pixel]")));
         assert!(DATA.contains_key("H65.bsdf") && DATA.contains_key("data/H65.bsdf"));
-        assert!(DATA.contains_key("../surfaces/etched.toml"));
+        assert!(DATA.contains_key("../surfaces/etched.toml") && DATA.contains_key("corner-cubes.obj"));
         assert!(example("../Cargo").is_none() && example("data/H65").is_none());
     }
 }

@@ -55,6 +55,37 @@ fn a_surface_is_measured() {
     );
 }
 
+/// A mesh of corner cubes with a grey mirror: rho^3 of the light along the normal returns, and all else is absorbed. Its kernel is no layer.
+#[test]
+fn coated_corner_cubes_return_the_cube_of_their_reflectance() {
+    let surface = Path::new(env!("CARGO_MANIFEST_DIR")).join("../surfaces/corner-cubes.toml");
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let mut command = papilio();
+    command.current_dir(here).arg("gonio").arg(surface).args(["--out", "face"]);
+    command.args(["--set", "microgeometry.rays=640", "--set", "microgeometry.incidence_deg=[0]"]);
+    command.args(["--set", "microgeometry.coating={ kind = \"mirror\", reflectance = 0.8 }"]);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(String::from_utf8(output.stdout).unwrap().contains("absorbed, %"));
+    assert_eq!(names(&here.join("face")), ["audit.json", "face.npz", "totals.csv", "totals.svg"]);
+    let totals = fs::read_to_string(here.join("face/totals.csv")).unwrap();
+    let lines: Vec<Vec<&str>> = totals.lines().map(|line| line.split(',').collect()).collect();
+    let value = |name: &str| -> f64 {
+        lines[1][lines[0].iter().position(|head| *head == name).unwrap()].parse().unwrap()
+    };
+    assert!(
+        (value("reflected") - 0.512).abs() < 1e-9 && (value("absorbed") - 0.488).abs() < 1e-9,
+        "{totals}"
+    );
+    let display = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\nfile = \
+                   \"face/face.npz\"\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \
+                   \"lambertian\"\nreflectance = { white = 1, black = 0 }\n[lighting]\nilluminance_lx = 500\nspectrum = \"E\"\ndiffuse = 1\n";
+    fs::write(here.join("d.toml"), display).unwrap();
+    let output = papilio().current_dir(here).args(["run", "d.toml"]).output().unwrap();
+    assert!(stderr(&output).contains("the kernel of a coated surface"), "{}", stderr(&output));
+}
+
 #[test]
 fn displays_are_no_surfaces() {
     let display = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/six-ink.toml");

@@ -10,6 +10,9 @@ use crate::{DataFile, SurfaceProblem};
 /// Name of the format, with its version.
 pub(crate) const FORMAT: &str = "papilio-face 1";
 
+/// The array that only the kernel of a coated surface has: what its facets absorb of each band.
+pub(crate) const COATED: &str = "absorbed";
+
 /// Difference of the edges of bands that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -28,6 +31,12 @@ pub fn read_face(file: &DataFile) -> Result<FaceTable, FormatError> {
     let format = arrays.texts("format")?;
     if format != [FORMAT] {
         return Err(arrays.unsound("format", &format!("it is {format:?} (expected \"{FORMAT}\")")));
+    }
+    if arrays.has(COATED) {
+        return Err(arrays.unsound(
+            COATED,
+            "this is the kernel of a coated surface, at one wavelength; a layer has the same kernel at all wavelengths, and bare facets",
+        ));
     }
     let index = arrays.numbers("index")?.values;
     let Ok(index) = <[f64; 2]>::try_from(index) else {

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use zip::ZipWriter;
 
-use crate::face_read::FORMAT;
+use crate::face_read::{COATED, FORMAT};
 use crate::npy::{Items, stored, write_npy};
 
 /// Content of `audit.json`.
@@ -250,7 +250,7 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
             total.transmitted_beyond,
             total.regular_reflected,
             total.regular_transmitted,
-            Default::default(),
+            total.absorbed,
             total.mean_facets,
             total.transmitted_near,
         ];
@@ -262,11 +262,17 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
     csv.flush()
 }
 
-/// Writes `face.npz`: the kernel of a surface as NumPy arrays.
+/// Writes `face.npz`: the kernel of a surface as NumPy arrays. That of a coated one contains what its facets absorb.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_face(out: impl Write, hash: &str, index: [f64; 2], kernel: &Kernel) -> io::Result<()> {
+pub fn write_face(
+    out: impl Write,
+    hash: &str,
+    index: [f64; 2],
+    kernel: &Kernel,
+    coated: bool,
+) -> io::Result<()> {
     let mut archive = ZipWriter::new_stream(out);
     let mut array = |name: &str, shape: &[usize], items: Items<'_>| {
         // Not compressed and without a date: equal kernels give equal bytes.
@@ -290,5 +296,8 @@ pub fn write_face(out: impl Write, hash: &str, index: [f64; 2], kernel: &Kernel)
     array("error", &shape, Items::Double(&kernel.errors))?;
     array("regular_reflected", &[count], Items::Double(&kernel.regular_reflected))?;
     array("regular_transmitted", &[count], Items::Double(&kernel.regular_transmitted))?;
+    if coated {
+        array(COATED, &[count], Items::Double(&kernel.absorbed))?;
+    }
     archive.finish()?.flush()
 }

@@ -14,6 +14,8 @@
 //! | [`read_result`] | `result.json` |
 //! | [`read_picture`] | PNG and JPEG pictures as linear X, Y, Z (detected from the content) |
 //! | [`read_heights`] | maps of heights in several formats (detected from the content) |
+//! | [`read_density`] | tables of frequency and power spectral density of heights |
+//! | [`read_mesh`] | meshes of triangles: OBJ, and STL in text or binary (detected from the content) |
 //! | [`read_bsdf`] | measured scattering in several formats (detected from the content) |
 //!
 //! | writer | output |
@@ -140,7 +142,7 @@ pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};
 pub use spatial::{SpatialFile, TitledFile, image_schema, palette_schema};
 pub use spectrum::{read_fractions, read_light, read_spectrum};
 pub use study::write_study;
-pub use surface::{HeightFile, SurfaceProblem, read_heights};
+pub use surface::{HeightFile, MeshFile, SurfaceProblem, read_density, read_heights, read_mesh};
 pub use sweep::{
     LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
 };

@@ -2,7 +2,9 @@
 
 #![allow(missing_docs, reason = "a benchmark")]
 
-use papilio_microgeometry::{Caps, Goniometer, HeightMap, Lattice, RandomHeights, Spectrum, Surface};
+use papilio_microgeometry::{
+    Caps, Coating, Goniometer, HeightMap, Lattice, RandomHeights, Spectrum, Surface,
+};
 
 fn main() {
     divan::main();
@@ -14,6 +16,7 @@ fn replicate(bencher: divan::Bencher<'_, '_>, surface: &Surface) {
     let goniometer = Goniometer {
         index_above: 1.0,
         index_below: 1.5,
+        coating: Coating::None,
         incidence_deg: vec![0.0, 60.0],
         rays: RAYS,
         seed: 1,

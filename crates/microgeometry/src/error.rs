@@ -52,6 +52,30 @@ pub enum MicrogeometryError {
         /// What is wrong, what was expected, and a hint.
         wrong: String,
     },
+    /// Films that cannot be computed.
+    #[error("the films on the surface cannot be computed: {wrong}")]
+    Coating {
+        /// What is wrong.
+        wrong: String,
+    },
+    /// Triangles that form no surface.
+    #[error("{wrong}")]
+    Mesh {
+        /// What is wrong, where, and what was expected.
+        wrong: String,
+    },
+    /// Particles that cannot be placed.
+    #[error("{wrong}")]
+    Volume {
+        /// What is wrong, what was expected, and a hint.
+        wrong: String,
+    },
+    /// A surface without heights is asked for them.
+    #[error("{surface} has no heights, which waves need (expected `road = \"rays\"`)")]
+    NoHeights {
+        /// "a mesh" or "a volume".
+        surface: &'static str,
+    },
     /// Rays were lost.
     #[error(
         "{lost} of {rays} rays were lost in the surface (expected none): its facets may be narrower than numbers can resolve"

@@ -14,9 +14,9 @@ use std::f64::consts::PI;
 use papilio_sampling::{SampleStream, Sampler};
 
 use crate::bands::{AZIMUTHS, Bands};
-use crate::path::{Leaves, follow};
+use crate::path::{Facets, Leaves, follow};
 use crate::ray::{Face, Ray, Side};
-use crate::{Kernel, MicrogeometryError, Surface};
+use crate::{Coating, Kernel, MicrogeometryError, Surface};
 
 /// Number of replicates.
 pub const REPLICATES: u64 = 32;
@@ -31,6 +31,8 @@ pub struct Goniometer {
     pub index_above: f64,
     /// Index of the medium below.
     pub index_below: f64,
+    /// What lies on every facet.
+    pub coating: Coating,
     /// Inclinations of the light in its own medium, degrees, 0 to below 90.
     pub incidence_deg: Vec<f64>,
     /// Rays of each replicate for each inclination and side, and for each band of the kernel.
@@ -58,6 +60,8 @@ pub struct Total {
     pub regular_reflected: Measured,
     /// Fraction that is transmitted exactly as by a flat face; a part of `transmitted`.
     pub regular_transmitted: Measured,
+    /// Fraction that is absorbed by facets.
+    pub absorbed: Measured,
     /// Mean number of facets that light meets.
     pub mean_facets: Measured,
     /// Fraction that is transmitted within |beta| sin 2.5 deg of the normal; a part of `transmitted`.
@@ -99,12 +103,14 @@ pub struct Replicate {
     pub(crate) scattered: Vec<f64>,
     /// Light of bands that is reflected and transmitted as by a flat face.
     pub(crate) regular: Vec<[f64; 2]>,
+    /// Light of bands that is absorbed.
+    pub(crate) absorbed: Vec<f64>,
     /// Light that was lost, and rays.
     pub(crate) lost: f64,
     pub(crate) rays: u64,
 }
 
-const QUANTITIES: usize = 8;
+const QUANTITIES: usize = 9;
 
 impl Replicate {
     /// Rays that were followed.
@@ -134,32 +140,54 @@ impl Goniometer {
                 });
             }
         }
+        self.coating.check()?;
         surface.with_face(number, |face| {
-            let numbers = SampleStream::new(Sampler::Sobol, self.seed, number);
             let bands = self.bands();
-            let cells = bands.count() * bands.count() * AZIMUTHS;
-            let mut found = Replicate {
-                rows: Vec::new(),
-                scattered: vec![0.0; cells],
-                regular: vec![[0.0; 2]; bands.count()],
-                lost: 0.0,
-                rays: 0,
-            };
-            for side in Side::ALL {
-                for theta_deg in &self.incidence_deg {
-                    let numbers = numbers.part(found.rows.len() as u64);
-                    let row = self.row(face, side, *theta_deg, &numbers, stop)?;
-                    found.lost += row.1;
-                    found.rays += self.rays;
-                    found.rows.push(row.0);
-                }
-            }
+            let mut found = self.rows(face, number, stop)?;
             let numbers = SampleStream::new(Sampler::Sobol, self.seed, number).independent();
             for band in 0..bands.count() {
                 self.scatter(face, &bands, band, &numbers.part(band as u64), &mut found, stop)?;
             }
             Ok(found)
         })?
+    }
+
+    /// A replicate of the inclinations alone, without the light of bands.
+    fn rows(
+        &self,
+        face: &dyn Face,
+        number: u64,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Replicate, MicrogeometryError> {
+        let numbers = SampleStream::new(Sampler::Sobol, self.seed, number);
+        let count = self.bands().count();
+        let mut found = Replicate {
+            rows: Vec::new(),
+            scattered: vec![0.0; count * count * AZIMUTHS],
+            regular: vec![[0.0; 2]; count],
+            absorbed: vec![0.0; count],
+            lost: 0.0,
+            rays: 0,
+        };
+        for side in Side::ALL {
+            for theta_deg in &self.incidence_deg {
+                let numbers = numbers.part(found.rows.len() as u64);
+                let row = self.row(face, side, *theta_deg, &numbers, stop)?;
+                found.lost += row.1;
+                found.rays += self.rays;
+                found.rows.push(row.0);
+            }
+        }
+        Ok(found)
+    }
+
+    /// The totals of a surface, without its kernel.
+    #[cfg(test)]
+    pub(crate) fn totals_alone(&self, surface: &Surface) -> Vec<Total> {
+        let replicate = |number| surface.with_face(number, |face| self.rows(face, number, &|| false));
+        let found: Vec<Replicate> =
+            (0..REPLICATES).map(|number| replicate(number).unwrap().unwrap()).collect();
+        self.totals(&found).unwrap()
     }
 
     /// Follows the rays of all replicates, on all processors. `stop` as in [`replicate`](Self::replicate).
@@ -202,7 +230,7 @@ impl Goniometer {
         let (side, [least, most]) = bands.band(from);
         let index = self.index_of(side);
         let weight_of_ray = 1.0 / self.rays as f64;
-        let Replicate { scattered, regular, lost, rays, .. } = found;
+        let Replicate { scattered, regular, absorbed, lost, rays, .. } = found;
         let row = &mut scattered[from * bands.count() * AZIMUTHS..][..bands.count() * AZIMUTHS];
         for path in 0..self.rays {
             if path % STOP_EVERY == 0 && stop() {
@@ -213,7 +241,7 @@ impl Goniometer {
             let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
             let ray = start(face, side, [sine, cosine], [x, y], azimuth);
             let came = [ray.along[0], ray.along[1]];
-            *lost += follow(face, self.index(), &ray, side, (numbers, path), &mut |leaves| {
+            let stays = follow(face, self.facets(), &ray, side, (numbers, path), &mut |leaves| {
                 let Leaves { side: to, along, weight, regular: is_regular, .. } = leaves;
                 if is_regular {
                     regular[from][usize::from(to != side)] += weight * weight_of_ray;
@@ -226,6 +254,8 @@ impl Goniometer {
                 row[bands.number(to, self.index_of(to) * length) * AZIMUTHS + azimuth] +=
                     weight * weight_of_ray;
             });
+            *lost += stays.lost;
+            absorbed[from] += stays.absorbed * weight_of_ray;
         }
         *rays += self.rays;
         Ok(())
@@ -263,7 +293,7 @@ impl Goniometer {
             }
             let [x, y, azimuth, _] = numbers.block(path, 0);
             let ray = start(face, side, [sine, cosine], [x, y], azimuth);
-            lost += follow(face, self.index(), &ray, side, (numbers, path), &mut |leaves| {
+            let stays = follow(face, self.facets(), &ray, side, (numbers, path), &mut |leaves| {
                 let Leaves { side: to, along, weight, regular, facets } = leaves;
                 let beta = self.index_of(to) * (along[0] * along[0] + along[1] * along[1]).sqrt();
                 let first = if to == side { 0 } else { 2 };
@@ -273,6 +303,9 @@ impl Goniometer {
                 sums[6] += weight * f64::from(facets);
                 sums[7] += if to != side && beta <= near { weight } else { 0.0 };
             });
+            lost += stays.lost;
+            sums[6] += stays.absorbed_facets;
+            sums[8] += stays.absorbed;
         }
         Ok((sums.map(|sum| sum / self.rays as f64), lost))
     }
@@ -301,15 +334,21 @@ impl Goniometer {
                 transmitted_beyond: of(3),
                 regular_reflected: of(4),
                 regular_transmitted: of(5),
+                absorbed: of(8),
                 mean_facets: of(6),
                 transmitted_near: of(7),
                 haze: Measured::of(replicates.iter().map(move |one| {
-                    let [.., transmitted, beyond, _, _, _, near] = one.rows[row];
+                    let [_, _, transmitted, beyond, _, _, _, near, _] = one.rows[row];
                     if transmitted > beyond { 1.0 - near / (transmitted - beyond) } else { 0.0 }
                 })),
             }
         };
         Ok(directions.enumerate().map(total).collect())
+    }
+
+    /// What all facets have in common.
+    fn facets(&self) -> Facets<'_> {
+        Facets { index: self.index(), coating: &self.coating }
     }
 
     /// Indices above and below.

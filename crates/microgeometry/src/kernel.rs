@@ -35,6 +35,8 @@ pub struct Kernel {
     pub regular_reflected: Vec<f64>,
     /// Fraction of the light of each band that is transmitted as by a flat face.
     pub regular_transmitted: Vec<f64>,
+    /// Fraction of the light of each band that facets absorb.
+    pub absorbed: Vec<f64>,
     /// How well the rays obey the laws.
     pub audit: Audit,
 }
@@ -99,6 +101,9 @@ impl Kernel {
             errors,
             regular_reflected: regular(0),
             regular_transmitted: regular(1),
+            absorbed: (0..count)
+                .map(|band| Measured::of(replicates.iter().map(|one| one.absorbed[band])).value)
+                .collect(),
             audit,
         };
         kernel.symmetrise(&area);
@@ -159,13 +164,14 @@ impl Kernel {
         }
     }
 
-    /// Scales the light of each band, from it and to it, until none is lost.
+    /// Scales the light of each band, from it and to it, until only what facets absorb is missing.
     fn balance(&mut self, area: &[f64]) {
         let count = area.len();
         let before = self.scattered.clone();
         let wanted: Vec<f64> = (0..count)
             .map(|band| {
-                area[band] * (1.0 - self.regular_reflected[band] - self.regular_transmitted[band]).max(0.0)
+                let kept = 1.0 - self.absorbed[band];
+                area[band] * (kept - self.regular_reflected[band] - self.regular_transmitted[band]).max(0.0)
             })
             .collect();
         balanced(&mut self.scattered, &wanted);
@@ -238,7 +244,7 @@ pub(crate) fn balanced(light: &mut [f64], wanted: &[f64]) {
     }
 }
 
-/// Uniform light on all bands of both sides leaves each band as it came: differences over standard errors.
+/// Uniform light on all bands of both sides leaves each band as it came, but for what is absorbed: differences over standard errors.
 fn energy_z(bands: &Bands, replicates: &[Replicate], area: &[f64]) -> Vec<f64> {
     let count = area.len();
     let arriving = |one: &Replicate| {
@@ -256,6 +262,8 @@ fn energy_z(bands: &Bands, replicates: &[Replicate], area: &[f64]) -> Vec<f64> {
             // Regular light stays in its |beta|, and the bands of both sides are the same where it is transmitted.
             let there = bands.number(side.other(), 0.5 * (edges[0] + edges[1]));
             sums[there] += area[from] * transmitted;
+            // By reciprocity, what a band absorbs is missing in the light that arrives there from all others.
+            sums[from] += area[from] * one.absorbed[from];
         }
         sums
     };

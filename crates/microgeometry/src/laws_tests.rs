@@ -6,14 +6,21 @@ use papilio_testing::{Dice, assert_student, assert_unbiased, mean_and_error};
 
 use crate::bands::{AZIMUTHS, Bands};
 use crate::goniometer::start;
-use crate::path::{Leaves, follow};
+use crate::path::{Facets, Leaves, follow};
 use crate::ray::Ray;
 use crate::*;
 
 const GLASS: f64 = 1.5;
 
 fn goniometer(index: [f64; 2], rays: u64, seed: u64) -> Goniometer {
-    Goniometer { index_above: index[0], index_below: index[1], incidence_deg: Vec::new(), rays, seed }
+    Goniometer {
+        index_above: index[0],
+        index_below: index[1],
+        coating: Coating::None,
+        incidence_deg: Vec::new(),
+        rays,
+        seed,
+    }
 }
 
 fn replicates(of: &Goniometer, surface: &Surface) -> Vec<Replicate> {
@@ -40,15 +47,22 @@ fn estimate(surface: &Surface, seed: u64, of: impl Fn(&Leaves, f64) -> f64) -> (
             for path in 0..rays {
                 let [x, y, azimuth, _] = numbers.block(path, 0);
                 let ray = start(face, Side::Above, [0.0, 1.0], [x, y], azimuth);
-                let lost = follow(face, [1.0, GLASS], &ray, Side::Above, (&numbers, path), &mut |leaves| {
-                    let index = if leaves.side == Side::Below { GLASS } else { 1.0 };
-                    let value = of(&leaves, index * leaves.along[0].hypot(leaves.along[1]));
-                    sum += leaves.weight * value;
-                    if leaves.side == Side::Below {
-                        most = most.max(value);
-                    }
-                });
-                assert_eq!(lost, 0.0);
+                let stays = follow(
+                    face,
+                    Facets { index: [1.0, GLASS], coating: &Coating::None },
+                    &ray,
+                    Side::Above,
+                    (&numbers, path),
+                    &mut |leaves| {
+                        let index = if leaves.side == Side::Below { GLASS } else { 1.0 };
+                        let value = of(&leaves, index * leaves.along[0].hypot(leaves.along[1]));
+                        sum += leaves.weight * value;
+                        if leaves.side == Side::Below {
+                            most = most.max(value);
+                        }
+                    },
+                );
+                assert_eq!(stays.lost, 0.0);
             }
         };
         surface.with_face(number, trace).unwrap();
@@ -110,15 +124,22 @@ fn right_angled_grooves_send_light_back() {
                 let ray = Ray { at, along: [-sine, 0.0, cosine] };
                 let numbers = SampleStream::new(Sampler::Random, 1, 0);
                 let numbers = (&numbers, u64::from(path));
-                let lost = follow(face, [1.0, 2.0], &ray, Side::Below, numbers, &mut |leaves| {
-                    assert_eq!((leaves.side, leaves.weight, leaves.regular), (Side::Below, 1.0, false));
-                    if leaves.facets == 2 {
-                        let away = [0, 1, 2].map(|k| (leaves.along[k] + ray.along[k]).abs());
-                        assert!(away.into_iter().all(|away| away < 1e-12), "{leaves:?}");
-                        back += 1;
-                    }
-                });
-                assert_eq!(lost, 0.0);
+                let stays = follow(
+                    face,
+                    Facets { index: [1.0, 2.0], coating: &Coating::None },
+                    &ray,
+                    Side::Below,
+                    numbers,
+                    &mut |leaves| {
+                        assert_eq!((leaves.side, leaves.weight, leaves.regular), (Side::Below, 1.0, false));
+                        if leaves.facets == 2 {
+                            let away = [0, 1, 2].map(|k| (leaves.along[k] + ray.along[k]).abs());
+                            assert!(away.into_iter().all(|away| away < 1e-12), "{leaves:?}");
+                            back += 1;
+                        }
+                    },
+                );
+                assert_eq!(stays.lost, 0.0);
             }
         };
         grooves.with_face(0, trace).unwrap();
@@ -132,7 +153,7 @@ fn right_angled_grooves_send_light_back() {
 }
 
 /// Surfaces of many kinds: caps on all lattices, sines, noise of single heights, pyramids, terraces, random faces.
-fn kinds() -> Vec<Surface> {
+pub(crate) fn kinds() -> Vec<Surface> {
     let mut dice = Dice::new(25, 0);
     let map = |side: usize, of: &mut dyn FnMut(usize, usize) -> f64| {
         let heights = (0..side * side).map(|at| of(at % side, at / side)).collect();
@@ -158,7 +179,7 @@ fn kinds() -> Vec<Surface> {
 }
 
 /// What diffuse light transmits, per étendue, from each side.
-fn diffuse(bands: &Bands, one: &Replicate) -> [f64; 2] {
+pub(crate) fn diffuse(bands: &Bands, one: &Replicate) -> [f64; 2] {
     let count = bands.count();
     let azimuths = one.scattered.len() / (count * count);
     Side::ALL.map(|side| {

@@ -1,18 +1,26 @@
 //! From the geometry of a surface to its scattering: a virtual goniometer.
 //!
-//! A [`Surface`] between two media is measured by rays ([`Goniometer`]), or by waves along the normal ([`Waves`]). Lengths are in
-//! micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
+//! A [`Surface`] between two media, or a slab with particles, is measured by rays ([`Goniometer`]), a face also by waves along the normal
+//! ([`Waves`]). Lengths are in micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
+//! [`Coating`] is what lies on the facets.
 
 mod bands;
 mod caps;
+mod coating;
+#[cfg(test)]
+mod coating_tests;
 mod error;
 mod face;
 mod goniometer;
+mod grid;
 mod height_map;
 mod heights;
 mod kernel;
 #[cfg(test)]
 mod laws_tests;
+mod mesh;
+#[cfg(test)]
+mod mesh_tests;
 mod path;
 mod random;
 mod ray;
@@ -20,19 +28,25 @@ mod statistics;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod volume;
+#[cfg(test)]
+mod volume_tests;
 mod wave_lobes;
 mod waves;
 
 pub use bands::Bands;
 pub use caps::{Caps, Lattice};
+pub use coating::{Coating, Films};
 pub use error::MicrogeometryError;
 pub use face::{FaceKernels, FaceTable};
 pub use goniometer::{Goniometer, Measured, REPLICATES, Replicate, Total};
 pub use height_map::{HeightMap, HeightStatistics};
 pub use kernel::{Audit, Kernel};
+pub use mesh::Mesh;
 pub use random::{RandomHeights, Spectrum};
 pub use ray::Side;
 pub use statistics::Statistics;
 pub use surface::Surface;
+pub use volume::Volume;
 pub use wave_lobes::{WaveLobe, wave_lobes};
 pub use waves::{ByWaves, LEAST_G, MOST_SLOPE, WaveScreen, WaveShares, Waves};

@@ -8,6 +8,7 @@
 //! | Gaussian | `exp(-r²/τ²)` | `π τ² s² exp(-(π τ f)²)` |
 //! | exponential | `exp(-r/τ)` | `2 π τ² s² (1 + (2 π τ f)²)^(-3/2)`, up to the cut-off |
 //! | ABC | by its PSD | `A (1 + (B f)²)^(-C/2)`, up to the cut-off |
+//! | table | by its PSD | that of a measurement, up to the cut-off |
 //!
 //! s is the root mean square height. The rms slope of an exponential face grows without limit with the cut-off of its frequencies: rays have no
 //! answer without one.
@@ -21,7 +22,7 @@ use papilio_sampling::{SampleStream, Sampler};
 use crate::{HeightMap, MicrogeometryError};
 
 /// Statistics of a random face.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Spectrum {
     /// Correlation of heights `exp(-r²/τ²)`.
     Gaussian {
@@ -46,6 +47,14 @@ pub enum Spectrum {
         /// Shortest wavelength of the face, um.
         cutoff_um: f64,
     },
+    /// Two-dimensional power spectral density by a table: straight lines between its points if both axes are logarithmic, constant below the
+    /// first frequency, and 0 above the last one and beyond the cut-off.
+    Table {
+        /// Frequencies (cycles per um), ascending and at least 0, and densities (um⁴), at least 0.
+        points: Vec<[f64; 2]>,
+        /// Shortest wavelength of the face, um.
+        cutoff_um: f64,
+    },
 }
 
 impl Spectrum {
@@ -53,9 +62,41 @@ impl Spectrum {
     pub fn rms_um(&self) -> Option<f64> {
         match *self {
             Self::Gaussian { rms_um, .. } | Self::Exponential { rms_um, .. } => Some(rms_um),
-            Self::Abc { .. } => None,
+            Self::Abc { .. } | Self::Table { .. } => None,
         }
     }
+}
+
+/// Density of a table at a frequency.
+fn of_table(points: &[[f64; 2]], frequency: f64) -> f64 {
+    let after = points.partition_point(|[known, _]| *known < frequency);
+    match (points.get(after.wrapping_sub(1)), points.get(after)) {
+        (None, Some([_, density])) => *density,
+        (Some([f, w]), Some([g, v])) => match *f > 0.0 && *w > 0.0 && *v > 0.0 {
+            true => w * (v / w).powf((frequency / f).ln() / (g / f).ln()),
+            false => w + (v - w) * (frequency - f) / (g - f),
+        },
+        (_, None) => 0.0,
+    }
+}
+
+/// Length of the longest structures of a table: that of the frequency at which its density has fallen to half of its first value.
+fn longest_of_table(points: &[[f64; 2]]) -> f64 {
+    let first = points.first().map_or(0.0, |[_, density]| *density);
+    let half = points.iter().find(|[frequency, density]| *frequency > 0.0 && *density <= 0.5 * first);
+    half.or(points.last()).map_or(0.0, |[frequency, _]| 1.0 / (2.0 * PI * frequency))
+}
+
+/// Fails for a table that is no density.
+fn check_table(points: &[[f64; 2]]) -> Result<(), MicrogeometryError> {
+    let is_right = points.iter().flatten().all(|value| value.is_finite() && *value >= 0.0)
+        && points.windows(2).all(|pair| pair[0][0] < pair[1][0])
+        && points.iter().any(|[frequency, density]| *frequency > 0.0 && *density > 0.0);
+    if is_right {
+        return Ok(());
+    }
+    let wrong = "this table is no power spectral density (expected ascending frequencies, and finite densities of at least 0)";
+    Err(MicrogeometryError::RandomFace { wrong: wrong.to_owned() })
 }
 
 /// Cells in a correlation length of a Gaussian face, and in the shortest wavelength of others: facets then follow the slopes within 1 %.
@@ -92,8 +133,8 @@ impl RandomHeights {
     pub(crate) fn for_waves(&self) -> Result<Self, MicrogeometryError> {
         match self.spectrum {
             Spectrum::Gaussian { .. } => Ok(self.clone()),
-            Spectrum::Exponential { .. } | Spectrum::Abc { .. } => {
-                Self::with_cells(self.spectrum, self.seed, CELLS_OF_WAVES)
+            Spectrum::Exponential { .. } | Spectrum::Abc { .. } | Spectrum::Table { .. } => {
+                Self::with_cells(self.spectrum.clone(), self.seed, CELLS_OF_WAVES)
             }
         }
     }
@@ -118,6 +159,10 @@ impl RandomHeights {
                 cutoff_um,
                 b / (2.0 * PI),
             ),
+            Spectrum::Table { ref points, cutoff_um } => {
+                check_table(points)?;
+                (vec![("cut-off (um)", cutoff_um)], cutoff_um, longest_of_table(points))
+            }
         };
         if let Some((what, value)) =
             lengths.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0))
@@ -172,6 +217,10 @@ impl RandomHeights {
                 true => a * (1.0 + (b * frequency).powi(2)).powf(-0.5 * c),
                 false => 0.0,
             },
+            Spectrum::Table { ref points, cutoff_um } => match frequency * cutoff_um <= 1.0 {
+                true => of_table(points, frequency),
+                false => 0.0,
+            },
         }
     }
 
@@ -196,5 +245,39 @@ impl RandomHeights {
         let spectrum: Vec<Complex64> = (0..side * side).map(amplitude).collect();
         let heights = Plane::new([side; 2]).inverse(spectrum);
         HeightMap::new(side, [self.pitch_um; 2], heights.into_iter().map(|height| height.re).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A table of the ABC model is the model: between its points, and in its heights.
+    #[test]
+    fn tables_of_a_density_are_the_density() {
+        let (abc, cutoff_um) = ([0.02, 15.0, 3.0], 1.5);
+        let model = RandomHeights::new(Spectrum::Abc { abc, cutoff_um }, 4).unwrap();
+        let point = |k: u32| {
+            let frequency = 1e-3 * 10_f64.powf(0.01 * f64::from(k));
+            [frequency, model.density_um4(frequency)]
+        };
+        let mut points: Vec<[f64; 2]> =
+            (0..=290).map(point).take_while(|[_, density]| *density > 0.0).collect();
+        points.push([1.0 / cutoff_um, model.density_um4(1.0 / cutoff_um)]);
+        let table = RandomHeights::new(Spectrum::Table { points: points.clone(), cutoff_um }, 4).unwrap();
+        for frequency in [0.0, 0.00123, 0.0456, 0.3, 0.65] {
+            let ratio = table.density_um4(frequency) / model.density_um4(frequency);
+            assert!((ratio - 1.0).abs() < 1e-3, "{frequency}: {ratio}");
+        }
+        assert_eq!(table.density_um4(0.7), 0.0);
+        assert_eq!(table.grid(), model.grid());
+        let [one, other] = [&table, &model].map(|face| face.realisation(0).unwrap());
+        let rms = model.realisation(0).unwrap().statistics().rms_um;
+        let largest =
+            one.heights_um().iter().zip(other.heights_um()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(largest < 5e-3 * rms, "{largest} {rms}");
+        for wrong in [vec![], vec![[0.1, -1.0]], vec![[0.2, 1.0], [0.1, 1.0]], vec![[0.0, 1.0]]] {
+            assert!(RandomHeights::new(Spectrum::Table { points: wrong, cutoff_um }, 0).is_err());
+        }
     }
 }

@@ -48,6 +48,11 @@ pub(crate) trait Face: Sync {
     /// Lowest and highest height, um.
     fn heights_um(&self) -> [f64; 2];
 
+    /// Index of the particles, if it is a volume: its facets lie between the medium above, which is that below, and these.
+    fn particle_index(&self) -> Option<f64> {
+        None
+    }
+
     /// What a ray on this side of the surface meets next.
     fn next(&self, ray: &Ray, side: Side) -> Met;
 }

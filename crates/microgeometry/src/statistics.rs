@@ -138,6 +138,7 @@ impl<'a> Waves<'a> {
             }
             rings[ring].frequency += frequency;
             rings[ring].power += power;
+            rings[ring].squares += power * frequency * frequency;
             rings[ring].count += 1.0;
         }
         rings.retain(|ring| ring.count > 0.0);
@@ -196,9 +197,10 @@ impl<'a> Waves<'a> {
         }
         let row = |k: usize| {
             let cutoff = least * (most / least).powf(k as f64 / (CUTOFFS - 1) as f64);
-            let passed = |ring: &Ring| ring.power * (-2.0 * LN_2 * (ring.frequency * cutoff).powi(2)).exp();
+            let passed =
+                |ring: &Ring| ring.power * (-2.0 * LN_2 * ring.mean_square() * cutoff * cutoff).exp();
             let variance: f64 = rings.iter().map(passed).sum();
-            let slopes: f64 = rings.iter().map(|ring| passed(ring) * (TAU * ring.frequency).powi(2)).sum();
+            let slopes: f64 = rings.iter().map(|ring| passed(ring) * TAU * TAU * ring.mean_square()).sum();
             // Along one axis: half of the square of the gradient.
             [cutoff, variance.sqrt(), (0.5 * slopes).sqrt()]
         };
@@ -211,7 +213,16 @@ impl<'a> Waves<'a> {
 struct Ring {
     frequency: f64,
     power: f64,
+    /// The variances, each times the square of its frequency.
+    squares: f64,
     count: f64,
+}
+
+impl Ring {
+    /// Mean square of the frequency, weighted by the variances: exact for a single wave.
+    fn mean_square(&self) -> f64 {
+        if self.power > 0.0 { self.squares / self.power } else { 0.0 }
+    }
 }
 
 #[cfg(test)]

@@ -2,9 +2,11 @@
 
 use crate::caps::{Balls, Caps, Lattice};
 use crate::heights::Triangles;
+use crate::mesh::MeshFace;
 use crate::random::RandomHeights;
 use crate::ray::Face;
-use crate::{HeightMap, MicrogeometryError, Statistics};
+use crate::volume::Particles;
+use crate::{HeightMap, Mesh, MicrogeometryError, Statistics, Volume};
 
 /// A surface between two media.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +19,10 @@ pub enum Surface {
     Heights(HeightMap),
     /// A random face: another realisation for each replicate, whose differences are a part of the error.
     Random(RandomHeights),
+    /// Triangles, which may overhang.
+    Mesh(Mesh),
+    /// Particles in a slab; the media above and below are its matrix. Other places for each replicate.
+    Volume(Volume),
 }
 
 impl Surface {
@@ -34,6 +40,8 @@ impl Surface {
             Self::Caps(caps) => Ok(of(&Balls::new(caps, replicate)?)),
             Self::Heights(map) => Ok(of(&Triangles::new(map))),
             Self::Random(random) => Ok(of(&Triangles::new(&random.realisation(replicate)?))),
+            Self::Mesh(mesh) => Ok(of(&MeshFace::new(mesh))),
+            Self::Volume(volume) => Ok(of(&Particles::new(volume, replicate)?)),
         }
     }
 
@@ -44,21 +52,25 @@ impl Surface {
     pub fn check(&self) -> Result<(), MicrogeometryError> {
         match self {
             Self::Caps(caps) => Balls::new(caps, 0).map(drop),
-            Self::Flat | Self::Heights(_) | Self::Random(_) => Ok(()),
+            Self::Volume(volume) => Particles::new(volume, 0).map(drop),
+            Self::Flat | Self::Heights(_) | Self::Random(_) | Self::Mesh(_) => Ok(()),
         }
     }
 
     /// Whether each replicate is another realisation.
     pub(crate) fn is_random(&self) -> bool {
-        matches!(self, Self::Random(_) | Self::Caps(Caps { lattice: Lattice::Random { .. }, .. }))
+        matches!(
+            self,
+            Self::Random(_) | Self::Volume(_) | Self::Caps(Caps { lattice: Lattice::Random { .. }, .. })
+        )
     }
 
-    /// Statistics of the heights of the first replicate; `None` for a flat face.
+    /// Statistics of the heights of the first replicate; `None` for a flat face, a mesh, and a volume.
     ///
     /// # Errors
     /// Surfaces that cannot be made.
     pub fn statistics(&self) -> Result<Option<Statistics>, MicrogeometryError> {
-        if *self == Self::Flat {
+        if matches!(self, Self::Flat | Self::Mesh(_) | Self::Volume(_)) {
             return Ok(None);
         }
         let map = self.heights(0)?;
@@ -72,6 +84,8 @@ impl Surface {
             Self::Caps(caps) => Balls::new(caps, replicate)?.sampled(),
             Self::Heights(map) => Ok(map.clone()),
             Self::Random(random) => random.for_waves()?.realisation(replicate),
+            Self::Mesh(_) => Err(MicrogeometryError::NoHeights { surface: "a mesh" }),
+            Self::Volume(_) => Err(MicrogeometryError::NoHeights { surface: "a volume" }),
         }
     }
 }

@@ -9,6 +9,7 @@ fn measured(surface: &Surface, incidence_deg: &[f64], rays: u64) -> Vec<Total> {
     let goniometer = Goniometer {
         index_above: 1.0,
         index_below: GLASS,
+        coating: Coating::None,
         incidence_deg: incidence_deg.to_vec(),
         rays,
         seed: papilio_testing::seeds(),
@@ -73,8 +74,14 @@ fn small_gaussian_slopes_have_the_closed_form() {
     let statistics = face.realisation(0).unwrap().statistics();
     // A realisation of 21 correlation lengths has few independent heights.
     assert!((statistics.rms_um - 0.5).abs() < 0.1, "{statistics:?}");
-    let goniometer =
-        Goniometer { index_above: 1.0, index_below: GLASS, incidence_deg: Vec::new(), rays: 80, seed: 1 };
+    let goniometer = Goniometer {
+        index_above: 1.0,
+        index_below: GLASS,
+        coating: Coating::None,
+        incidence_deg: Vec::new(),
+        rays: 80,
+        seed: 1,
+    };
     let replicates: Vec<Replicate> = (0..REPLICATES)
         .map(|number| goniometer.replicate(&Surface::Random(face.clone()), number, &|| false).unwrap())
         .collect();
@@ -190,7 +197,7 @@ fn screens_of_gaussian_faces_have_the_closed_forms() {
         [(20.0, 0.98703, 0.81155), (50.0, 0.92167, 0.27115), (100.0, 0.72161, 0.0054)]
     {
         let spectrum = Spectrum::Gaussian { rms_um: 1e-3 * rms_nm, correlation_um: 4.0 };
-        let surface = Surface::Random(RandomHeights::new(spectrum, 2).unwrap());
+        let surface = Surface::Random(RandomHeights::new(spectrum.clone(), 2).unwrap());
         let found = measured_by_waves(&surface, &[450.0, 550.0]);
         let green = &found[1];
         // Few independent heights: a realisation is 21 correlation lengths wide.

@@ -208,7 +208,7 @@ fn closed_form_beyond(spectrum: &Spectrum, g: f64, wavelength_um: f64, beyond: f
             let width = m * wavelength_um / (2.0 * PI * correlation_um);
             width / width.hypot(beyond)
         }),
-        Spectrum::Abc { .. } => return None,
+        Spectrum::Abc { .. } | Spectrum::Table { .. } => return None,
     };
     // Poisson's weights, from the largest on in both directions, without overflow.
     let most = (g + 40.0 * g.sqrt() + 40.0) as u64;

@@ -1,5 +1,9 @@
 //! Files of `[microgeometry]`: a surface, and how the virtual goniometer measures it.
 
+mod coating;
+mod density;
+mod solids;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -11,11 +15,11 @@ use papilio_microgeometry::{
 use serde_json::{Value, json};
 
 use crate::describe::microgeometry::{
-    self as described, CapLattice, MapPeriod, Microgeometry, Road, SurfaceFile,
+    self as described, CapLattice, FaceCoating, MapPeriod, Microgeometry, Road, SurfaceFile,
 };
 use crate::describe::numbers::{Inclination, SurfaceLength, Wavelength};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
-use crate::library::{Library, Missing, sha256};
+use crate::library::{Library, MemoryFile, Missing, sha256};
 use crate::origin::Origin;
 use crate::read::{Read as _, Spanned};
 use crate::scenario::{Assembled, assemble, parse, sorted};
@@ -57,7 +61,10 @@ pub struct ResolvedSurface {
 struct Common<'a> {
     index: [f64; 2],
     incidence_deg: &'a Spanned<Vec<Spanned<Inclination>>>,
+    coating: Option<(&'a FaceCoating, Origin)>,
     road: Road,
+    /// Place of the key `road`.
+    road_at: Origin,
     wavelength_nm: &'a [Spanned<Wavelength>],
     rays: u64,
     seed: u64,
@@ -69,7 +76,9 @@ macro_rules! common {
         Common {
             index: [$kind.index_above.0, $kind.index_below.0],
             incidence_deg: &$kind.incidence_deg,
+            coating: $kind.coating.as_ref().map(|coating| (coating, $kind.coating.origin)),
             road: $kind.road.value,
+            road_at: $kind.road.origin,
             wavelength_nm: &$kind.wavelength_nm.value,
             rays: $kind.rays.0,
             seed: $kind.seed.0,
@@ -119,6 +128,11 @@ impl SurfaceScenario {
         Ok(Self { file, root, sources, library, notes })
     }
 
+    /// Whether it describes particles, and not a face between two media.
+    pub(crate) fn is_volume(&self) -> bool {
+        matches!(self.file.microgeometry.value, Microgeometry::Volume(_))
+    }
+
     /// Reads the files of the surface, and checks it.
     ///
     /// # Errors
@@ -129,14 +143,16 @@ impl SurfaceScenario {
         let found = self.surface(&mut errors, &mut inputs);
         let (surface, common) = errors.finish(found, &self.sources)?;
         let mut errors = Errors::default();
+        let coating = self.coating(&common, &mut errors, &mut inputs);
         if let Err(wrong) = surface.check() {
             errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
         }
         let incidence_deg = incidences(common.incidence_deg, &mut errors);
-        errors.check(&self.sources)?;
+        let coating = errors.finish(coating, &self.sources)?;
         let goniometer = Goniometer {
             index_above: common.index[0],
             index_below: common.index[1],
+            coating,
             incidence_deg,
             rays: common.rays.div_ceil(REPLICATES),
             seed: common.seed,
@@ -151,13 +167,17 @@ impl SurfaceScenario {
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
+        let mut notes = self.notes.clone();
+        if let Surface::Mesh(mesh) = &surface {
+            notes.extend(mesh.notes());
+        }
         Ok(ResolvedSurface {
             surface,
             goniometer,
             by_rays: common.road != Road::Waves,
             waves_nm,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
-            notes: self.notes.clone(),
+            notes,
             hash: sha256(canonical.to_string().as_bytes()),
             canonical,
         })
@@ -168,13 +188,6 @@ impl SurfaceScenario {
         errors: &mut Errors,
         inputs: &mut BTreeMap<String, String>,
     ) -> Option<(Surface, Common<'_>)> {
-        let mut random = |spectrum: Spectrum, seed: u64| match RandomHeights::new(spectrum, seed) {
-            Ok(face) => Some(Surface::Random(face)),
-            Err(wrong) => {
-                errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
-                None
-            }
-        };
         Some(match &self.file.microgeometry.value {
             Microgeometry::Flat(flat) => (Surface::Flat, common!(flat.value)),
             Microgeometry::Caps(caps) => {
@@ -197,7 +210,7 @@ impl SurfaceScenario {
                     rms_um: 1e-3 * face.rms_nm.0,
                     correlation_um: face.correlation_um.0,
                 };
-                (random(spectrum, face.seed.0)?, common!(face.value))
+                (self.random(spectrum, face.seed.0, errors)?, common!(face.value))
             }
             Microgeometry::Exponential(face) => {
                 let spectrum = Spectrum::Exponential {
@@ -205,22 +218,62 @@ impl SurfaceScenario {
                     correlation_um: face.correlation_um.0,
                     cutoff_um: face.cutoff_um.0,
                 };
-                (random(spectrum, face.seed.0)?, common!(face.value))
+                (self.random(spectrum, face.seed.0, errors)?, common!(face.value))
             }
             Microgeometry::Psd(face) => {
-                let abc: Vec<f64> = face.abc.iter().map(|number| number.0).collect();
-                let Ok(abc) = <[f64; 3]>::try_from(abc) else {
-                    let wrong = Diagnostic::new(format!("this list has {} numbers", face.abc.len()))
-                        .expected("three numbers: A (um^4), B (um) and C");
-                    errors.push(face.abc.origin, wrong);
-                    return None;
+                let spectrum = self.spectrum(face, errors, inputs)?;
+                (self.random(spectrum, face.seed.0, errors)?, common!(face.value))
+            }
+            Microgeometry::Mesh(mesh) => {
+                let common = common!(mesh.value);
+                (self.mesh(&mesh.value, &common, errors, inputs)?, common)
+            }
+            Microgeometry::Volume(volume) => {
+                let index = volume.matrix_index.0;
+                let common = Common {
+                    index: [index; 2],
+                    incidence_deg: &volume.incidence_deg,
+                    coating: None,
+                    road: Road::Rays,
+                    road_at: volume.origin,
+                    wavelength_nm: &[],
+                    rays: volume.rays.0,
+                    seed: volume.seed.0,
                 };
-                (
-                    random(Spectrum::Abc { abc, cutoff_um: face.cutoff_um.0 }, face.seed.0)?,
-                    common!(face.value),
-                )
+                (Self::volume(volume, errors)?, common)
             }
         })
+    }
+
+    /// Opens a file that the surface names, and records its SHA-256.
+    fn open(
+        &self,
+        file: &Spanned<String>,
+        errors: &mut Errors,
+        inputs: &mut BTreeMap<String, String>,
+    ) -> Option<MemoryFile> {
+        match self.library.open(&file.value, LARGEST_FILE) {
+            Ok(kept) => {
+                inputs.insert(file.value.clone(), kept.sha256().to_owned());
+                return Some(kept);
+            }
+            Err(Missing::Unread(error)) => {
+                errors.push_unread(file.origin, error, self.library.tried(&file.value, false));
+            }
+            Err(Missing::Unknown(wrong)) => errors.push(file.origin, wrong),
+        }
+        None
+    }
+
+    /// A random face.
+    fn random(&self, spectrum: Spectrum, seed: u64, errors: &mut Errors) -> Option<Surface> {
+        match RandomHeights::new(spectrum, seed) {
+            Ok(face) => Some(Surface::Random(face)),
+            Err(wrong) => {
+                errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
+                None
+            }
+        }
     }
 
     /// Reads a map of heights.
@@ -230,18 +283,7 @@ impl SurfaceScenario {
         errors: &mut Errors,
         inputs: &mut BTreeMap<String, String>,
     ) -> Option<Surface> {
-        let kept = match self.library.open(&map.file.value, LARGEST_FILE) {
-            Ok(kept) => kept,
-            Err(Missing::Unread(error)) => {
-                errors.push_unread(map.file.origin, error, self.library.tried(&map.file.value, false));
-                return None;
-            }
-            Err(Missing::Unknown(wrong)) => {
-                errors.push(map.file.origin, wrong);
-                return None;
-            }
-        };
-        inputs.insert(map.file.value.clone(), kept.sha256().to_owned());
+        let kept = self.open(&map.file, errors, inputs)?;
         let found = match read_heights(kept.file()) {
             Ok(found) => found,
             Err(error) => {
@@ -271,9 +313,8 @@ impl SurfaceScenario {
             errors.push(map.file.origin, wrong);
             return None;
         };
-        let is_picture = kept.file().bytes.starts_with(b"\x89PNG");
         let unit_um = map.height_um_per_unit.value.map(|unit| unit.0).or(found.unit_um);
-        let Some(unit_um) = unit_um.or((!is_picture).then_some(1.0)) else {
+        let Some(unit_um) = unit_um.or((!found.is_picture).then_some(1.0)) else {
             let wrong = Diagnostic::new("a picture does not state the height of its steps")
                 .expected("the key `height_um_per_unit`, the height of the number 1 of 65535");
             errors.push(map.file.origin, wrong);
@@ -318,6 +359,7 @@ impl SurfaceScenario {
             MicrogeometryError::ApertureBeyondRadius { .. } => "microgeometry.aperture_radius_um",
             MicrogeometryError::CapsOverlap { .. } => "microgeometry.pitch_um",
             MicrogeometryError::RandomFace { .. } => "microgeometry.cutoff_um",
+            MicrogeometryError::Volume { .. } => "microgeometry.volume_fraction",
             _ => "microgeometry",
         };
         self.root.place_of(key)

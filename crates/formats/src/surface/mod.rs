@@ -1,9 +1,12 @@
-//! Maps of heights: NumPy arrays, tables of numbers, grey PNG pictures of 16 bits, OpenEXR, SDF files of ISO 25178-71, and X3P files of
-//! ISO 25178-72.
+//! Maps of heights: NumPy arrays, tables of numbers, grey PNG and TIFF pictures of 16 bits, OpenEXR, SDF files of ISO 25178-71, and
+//! X3P files of ISO 25178-72; meshes of triangles; power spectral densities.
 //!
 //! The format is detected from the content. A text of numbers is a table: a row of the map in each line.
 
+mod density;
+mod mesh;
 mod openexr;
+mod tiff;
 mod x3p;
 
 use std::io::Cursor;
@@ -14,6 +17,9 @@ use crate::DataFile;
 use crate::error::{FormatError, Problem};
 use crate::npy::Header;
 use crate::rows::Table;
+
+pub use density::read_density;
+pub use mesh::{MeshFile, read_mesh};
 
 /// Largest number of heights: 4096 x 4096.
 const MOST_HEIGHTS: usize = 1 << 24;
@@ -27,6 +33,8 @@ pub struct HeightFile {
     pub pitch_um: Option<[f64; 2]>,
     /// Height of the number 1, um, if the file states it.
     pub unit_um: Option<f64>,
+    /// Whether it is a picture, whose numbers are steps of an unknown height.
+    pub is_picture: bool,
     /// The numbers of the file, by rows; the first row is that of the lowest y.
     pub numbers: Vec<f64>,
 }
@@ -38,6 +46,11 @@ pub enum SurfaceProblem {
     NotAMap,
     /// The file is not the kernel of a face.
     NotAFace,
+    /// The file has no triangles that can be read.
+    NotAMesh {
+        /// Why.
+        what: String,
+    },
     /// An unsupported size.
     Size {
         /// Heights along x.
@@ -67,12 +80,14 @@ impl SurfaceProblem {
         match self {
             Self::NotAMap => Diagnostic::new("this is not a map of heights in a supported format")
                 .expected(
-                    "a .npy array of two dimensions, rows of numbers, a grey PNG of 16 bits, an OpenEXR file, an SDF file of ISO 25178-71, or an \
+                    "a .npy array of two dimensions, rows of numbers, a grey PNG or TIFF of 16 bits, an OpenEXR file, an SDF file of ISO 25178-71, or an \
                      X3P file of ISO 25178-72",
                 )
                 .hint("export the map as SDF or X3P from the program of the instrument"),
             Self::NotAFace => Diagnostic::new("this is not the kernel of a face")
                 .expected("face.npz, which `papilio gonio` writes"),
+            Self::NotAMesh { what } => Diagnostic::new(format!("this is not a mesh in a supported format: {what}"))
+                .expected("a Wavefront OBJ file, or an STL file in text or binary"),
             Self::Size { columns, rows } => Diagnostic::new(format!("this map has {columns} x {rows} heights"))
                 .expected(format!("at least 2 x 2, and at most {MOST_HEIGHTS} in all"))
                 .hint("cut out a part of the map, or reduce its resolution"),
@@ -100,6 +115,8 @@ pub fn read_heights(file: &DataFile) -> Result<HeightFile, FormatError> {
         of_npy(bytes)
     } else if bytes.starts_with(b"\x89PNG") {
         of_png(bytes)
+    } else if tiff::MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
+        tiff::read(bytes)
     } else if bytes.starts_with(&openexr::MAGIC) {
         openexr::read(bytes)
     } else if bytes.starts_with(b"PK\x03\x04") {
@@ -162,7 +179,7 @@ fn of_npy(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     if numbers.len() != count {
         return Err(wrong(&format!("it has {} numbers, and its header {count}", numbers.len())));
     }
-    Ok(HeightFile { columns, pitch_um: None, unit_um: None, numbers })
+    Ok(HeightFile { columns, pitch_um: None, unit_um: None, is_picture: false, numbers })
 }
 
 /// A grey picture of 16 bits.
@@ -181,7 +198,7 @@ fn of_png(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     let mut data = vec![0; 2 * count];
     reader.next_frame(&mut data).map_err(|error| wrong(error.to_string()))?;
     let numbers = data.as_chunks().0.iter().map(|b| f64::from(u16::from_be_bytes(*b))).collect();
-    Ok(HeightFile { columns, pitch_um: None, unit_um: None, numbers })
+    Ok(HeightFile { columns, pitch_um: None, unit_um: None, is_picture: true, numbers })
 }
 
 /// Rows of numbers, all of the same length.
@@ -210,7 +227,7 @@ fn of_rows(file: &DataFile) -> Result<HeightFile, FormatError> {
     if columns == 0 {
         return Err(no_map);
     }
-    checked(HeightFile { columns, pitch_um: None, unit_um: None, numbers })
+    checked(HeightFile { columns, pitch_um: None, unit_um: None, is_picture: false, numbers })
         .map_err(|wrong| table.error(wrong.into()))
 }
 
@@ -241,6 +258,7 @@ impl SdfHead {
             columns: self.columns,
             pitch_um: Some([x * UM, y * UM]),
             unit_um: Some(z * UM),
+            is_picture: false,
             numbers,
         })
     }

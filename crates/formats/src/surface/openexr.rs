@@ -48,5 +48,5 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     if numbers.len() != columns * rows {
         return Err(damaged("OpenEXR", "its channels have another size than its layer"));
     }
-    Ok(HeightFile { columns, pitch_um: None, unit_um: None, numbers })
+    Ok(HeightFile { columns, pitch_um: None, unit_um: None, is_picture: false, numbers })
 }

@@ -71,7 +71,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     }
     let numbers = numbers.into_iter().map(|number| UM * (offset + scale * number)).collect();
     // Rows begin at y = 0, and here at the top.
-    let mut map = HeightFile { columns, pitch_um: Some(pitch_um), unit_um: Some(1.0), numbers };
+    let mut map =
+        HeightFile { columns, pitch_um: Some(pitch_um), unit_um: Some(1.0), is_picture: false, numbers };
     map.numbers = map.numbers.chunks_exact(columns).rev().flatten().copied().collect();
     Ok(map)
 }

@@ -126,3 +126,55 @@ fn openexr_maps_are_read() {
     let whole = written("Z");
     assert!(read(whole[..whole.len() / 2].to_vec()).unwrap_err().contains("OpenEXR"));
 }
+
+/// A grey TIFF of 16 bits, in both byte orders; other pictures and damaged ones are refused without a panic.
+#[test]
+fn tiff_maps_are_read() {
+    // A head, the heights, and a table of entries: tag, type, count, value.
+    let written = |is_big: bool, bits: u16| {
+        let short = |value: u16| if is_big { value.to_be_bytes() } else { value.to_le_bytes() };
+        let long = |value: u32| if is_big { value.to_be_bytes() } else { value.to_le_bytes() };
+        let mut bytes = if is_big { b"MM\0*".to_vec() } else { b"II*\0".to_vec() };
+        bytes.extend(long(8 + 12));
+        bytes.extend([0, 100, 20_000, 300, 400, 65_535].into_iter().flat_map(short));
+        let entries: [(u16, u32); 9] = [
+            (256, 3),
+            (257, 2),
+            (258, u32::from(bits)),
+            (259, 1),
+            (262, 1),
+            (273, 8),
+            (277, 1),
+            (278, 2),
+            (279, 12),
+        ];
+        bytes.extend(short(entries.len() as u16));
+        for (tag, value) in entries {
+            bytes.extend(short(tag).into_iter().chain(short(4)).chain(long(1)).chain(long(value)));
+        }
+        bytes.extend(long(0));
+        bytes
+    };
+    for is_big in [false, true] {
+        let map = read(written(is_big, 16)).unwrap();
+        // The lowest row comes first.
+        assert_eq!((map.columns, map.numbers), (3, vec![300.0, 400.0, 65_535.0, 0.0, 100.0, 20_000.0]));
+        assert!(map.is_picture && map.unit_um.is_none());
+    }
+    assert!(read(written(false, 8)).unwrap_err().contains("expected a grey picture of 16 bits"));
+    let whole = written(false, 16);
+    let mut dice = Dice::new(0x71f, 0);
+    for _ in 0..2000 {
+        let mut bytes = whole.clone();
+        bytes.truncate(if dice.below(4) == 0 { dice.below(whole.len()) } else { whole.len() });
+        for _ in 0..dice.below(4) {
+            let at = dice.below(bytes.len().max(1));
+            if let Some(byte) = bytes.get_mut(at) {
+                *byte = dice.bits() as u8;
+            }
+        }
+        if let Ok(map) = read(bytes) {
+            assert!(map.numbers.iter().all(|number| number.is_finite()));
+        }
+    }
+}

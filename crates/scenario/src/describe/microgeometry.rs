@@ -1,7 +1,11 @@
 //! `[microgeometry]`: the geometry of a surface, for `papilio gonio`. Its files are not scenarios: they have a title and this table.
 
 use super::Title;
-use super::numbers::{Count, Inclination, Index, RmsHeight, Seed, SurfaceLength, Wavelength};
+use super::display::MaterialSpec;
+use super::layers::CoatingFilm;
+use super::numbers::{
+    Count, Inclination, Index, InnerShare, RmsHeight, Seed, Share, SurfaceLength, Wavelength,
+};
 use crate::grammar::{choice, kinds, table};
 use crate::read::Spanned;
 
@@ -30,6 +34,10 @@ kinds! {
         Exponential(Exponential) = "exponential",
         /// A random face with a given power spectral density.
         Psd(Psd) = "psd",
+        /// Triangles of a file, which may overhang.
+        Mesh(Mesh) = "mesh",
+        /// Spheres or fibres in a slab.
+        Volume(Volume) = "volume",
     }
 }
 
@@ -44,6 +52,8 @@ macro_rules! surface {
                 index_above as "Index above": Index = Index(1.0),
                 /// Refractive index of the medium below.
                 index_below as "Index below": Index = Index(1.5),
+                /// What lies on every facet. Default: nothing.
+                coating: Option<FaceCoating>,
                 /// Inclinations of the light, in its own medium. Default: 0 to 85 deg in steps of 5 deg.
                 incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
                 /// By rays, by waves, or by both.
@@ -81,7 +91,7 @@ surface! {
 surface! {
     /// Heights of a file, which repeat in both directions.
     HeightMap {
-        /// The file: .npy, .csv, a grey PNG of 16 bits, OpenEXR, or an SDF or X3P file of ISO 25178-71 and -72.
+        /// The file: .npy, .csv, a grey PNG or TIFF of 16 bits, OpenEXR, or an SDF or X3P file of ISO 25178-71 and -72.
         file: String,
         /// Distance of neighbouring heights, one number or along x and y. Default: that of the file.
         pixel_um: Option<Vec<Spanned<SurfaceLength>>>,
@@ -121,12 +131,91 @@ surface! {
 }
 
 surface! {
-    /// A random face with the two-dimensional power spectral density A (1 + (B f)^2)^(-C/2), f in cycles per um.
+    /// A random face with the two-dimensional power spectral density A (1 + (B f)^2)^(-C/2), f in cycles per um, or with that of a file.
     Psd {
-        /// A (um^4), B (um) and C.
-        abc: Vec<Spanned<SurfaceLength>>,
+        /// A (um^4), B (um) and C. Specify either this or `file`.
+        abc: Option<Vec<Spanned<SurfaceLength>>>,
+        /// A table with two columns: frequency in cycles per um, and density in um^4, as `psd.csv` of `papilio gonio`. Specify either this
+        /// or `abc`.
+        file: Option<String>,
         /// Shortest wavelength of the face.
         cutoff_um: SurfaceLength,
+    }
+}
+
+surface! {
+    /// Triangles of a file, which repeat in both directions. They form one closed surface between the media, and may overhang.
+    Mesh {
+        /// The file: Wavefront OBJ, or STL in text or binary.
+        file: String,
+        /// Length of the number 1 of the file.
+        um_per_unit: SurfaceLength = SurfaceLength(1.0),
+        /// Period along x and y. Default: the extent of the mesh.
+        period_um: Option<Vec<Spanned<SurfaceLength>>>,
+    }
+}
+
+table! {
+    /// Spheres or fibres at random places in a slab of a clear matrix, which is also the medium above and below.
+    Volume {
+        /// Radius of the spheres or fibres.
+        radius_um: SurfaceLength,
+        /// Length of a fibre without its hemispherical ends. Default: spheres.
+        length_um: Option<SurfaceLength>,
+        /// Refractive index of the particles; 1 for voids.
+        index as "Index of the particles": Index,
+        /// Fraction of the slab that the particles fill.
+        volume_fraction: InnerShare,
+        /// Thickness of the slab.
+        thickness_um: SurfaceLength,
+        /// Refractive index of the matrix.
+        matrix_index as "Index of the matrix": Index = Index(1.5),
+        /// Inclinations of the light, in the matrix. Default: 0 to 85 deg in steps of 5 deg.
+        incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
+        /// Rays from each side at each inclination.
+        rays as "Rays": Count<64, { 1 << 36 }> = Count(200_000),
+        /// Seed of rays and places.
+        seed: Seed = Count(0),
+    }
+}
+
+kinds! {
+    /// What lies on every facet: its keys depend on `kind`.
+    FaceCoating by "kind" {
+        /// A mirror with the same reflectance at all angles.
+        Mirror(MirrorCoating) = "mirror",
+        /// An opaque metal.
+        Metal(MetalCoating) = "metal",
+        /// Coherent thin films.
+        Film(FilmCoating) = "film",
+    }
+}
+
+table! {
+    /// A mirror that has the same reflectance at all angles and from both sides, and absorbs all other light.
+    MirrorCoating {
+        /// Its reflectance.
+        reflectance: Share = Share(1.0),
+    }
+}
+
+table! {
+    /// An opaque metal: from both sides, light is reflected or absorbed.
+    MetalCoating {
+        /// Refractive index of the metal; its k must be above 0.
+        material: MaterialSpec,
+        /// Wavelength in vacuum at which the index is taken.
+        wavelength_nm: Wavelength = Wavelength(550.0),
+    }
+}
+
+table! {
+    /// Coherent thin films on every facet, along its normal.
+    FilmCoating {
+        /// The films from top to bottom, 1 to 256.
+        film: Vec<Spanned<CoatingFilm>>,
+        /// Wavelength in vacuum at which they are computed.
+        wavelength_nm: Wavelength = Wavelength(550.0),
     }
 }
 

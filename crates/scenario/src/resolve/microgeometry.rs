@@ -7,8 +7,8 @@ use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace, WaveFace, WaveLight};
 use papilio_formats::read_face;
 use papilio_microgeometry::{
-    FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES, Spectrum as Heights, Surface,
-    WaveLobe, wave_lobes,
+    Coating, FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES, Spectrum as Heights,
+    Surface, WaveLobe, wave_lobes,
 };
 use papilio_optics::lobe::{BalancedLobe, FaceLight};
 use papilio_spectra::Spectrum;
@@ -206,6 +206,15 @@ impl Resolver<'_> {
         let overrides: Vec<String> =
             given.map(|(key, value)| format!("microgeometry.{key}={value}")).collect();
         let library = self.library.beside(name);
+        if let Ok(own) = SurfaceScenario::from_text(&text, name, library.clone(), &[])
+            && own.is_volume()
+        {
+            let wrong = Diagnostic::new("a volume is no face: it has the same medium above and below")
+                .expected("a surface between two media")
+                .hint("`kind = \"slab\"` is a layer with scattering in its volume; see docs/scattering.md");
+            self.errors.push(at, wrong);
+            return None;
+        }
         let surface = SurfaceScenario::from_text(&text, name, library, &overrides)
             .and_then(|surface| surface.resolve());
         match surface {
@@ -228,6 +237,11 @@ impl Resolver<'_> {
             _ => MOST_RAYS,
         };
         let measured = match rays > most {
+            _ if surface.goniometer.coating != Coating::None => {
+                Err(Diagnostic::new("the facets of this surface are coated")
+                    .expected("a surface without `coating`")
+                    .hint("its kernel is that of one wavelength, and a layer has the same kernel at all wavelengths; `papilio gonio` measures it"))
+            }
             true => Err(Diagnostic::new(format!("this surface asks for {rays} rays of each band"))
                 .expected(format!("at most {most} here"))
                 .hint("add rays = 20000 to the layer, or measure it with `papilio gonio` and give its face.npz as `file`")),
