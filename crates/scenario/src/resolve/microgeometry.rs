@@ -218,6 +218,13 @@ impl Resolver<'_> {
         let surface = SurfaceScenario::from_text(&text, name, library, &overrides)
             .and_then(|surface| surface.resolve());
         match surface {
+            Ok(surface) if surface.goniometer.coating != Coating::None => {
+                let wrong = Diagnostic::new("the facets of this surface are coated")
+                    .expected("a surface without `coating`")
+                    .hint("its kernel is that of one wavelength, and a layer has the same kernel at all wavelengths; `papilio gonio` measures it");
+                self.errors.push(at, wrong);
+                None
+            }
             Ok(surface) => {
                 self.inputs.insert(format!("{path}.surface"), surface.hash.clone());
                 Some(surface)
@@ -237,11 +244,6 @@ impl Resolver<'_> {
             _ => MOST_RAYS,
         };
         let measured = match rays > most {
-            _ if surface.goniometer.coating != Coating::None => {
-                Err(Diagnostic::new("the facets of this surface are coated")
-                    .expected("a surface without `coating`")
-                    .hint("its kernel is that of one wavelength, and a layer has the same kernel at all wavelengths; `papilio gonio` measures it"))
-            }
             true => Err(Diagnostic::new(format!("this surface asks for {rays} rays of each band"))
                 .expected(format!("at most {most} here"))
                 .hint("add rays = 20000 to the layer, or measure it with `papilio gonio` and give its face.npz as `file`")),

@@ -26,6 +26,7 @@ pub(crate) fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
         Interface::Ready(Ready::Diffuser(_)) => "diffuser",
         Interface::Rough { .. } | Interface::Ready(Ready::Rough(_)) => "rough",
         Interface::Ready(Ready::Scatter(_)) => "scatter",
+        Interface::Ready(Ready::Wave(_)) => "wave",
         Interface::Ready(Ready::Reflecting(_)) => "reflecting",
     };
     layers.iter().map(|layer| (word(&layer.interface), layer.medium.index[0])).collect()
