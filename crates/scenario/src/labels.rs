@@ -9,13 +9,14 @@ use std::sync::OnceLock;
 use papilio_display::{Label, label_from_name, metric_label, split_unit, uncapitalised};
 
 use crate::describe::File;
+use crate::describe::microgeometry::SurfaceFile;
 use crate::page::tables;
 use crate::path::KeyPath;
 use crate::read::Table as _;
 use crate::schema::Row;
 
 /// What the items of lists, and tables whose keys need it, are called.
-const PARTS: [(&str, &str); 20] = [
+const PARTS: [(&str, &str); 21] = [
     ("display.pixel.film", "film layer"),
     ("display.pixel.substrate", "the substrate"),
     ("display.pixel.states", ""),
@@ -30,6 +31,7 @@ const PARTS: [(&str, &str); 20] = [
     ("lighting.environment", "environment"),
     ("lighting.environment.regions", "region"),
     ("lighting.front_light", "the front light"),
+    ("microgeometry.coating", "the facets"),
     ("sparkle", ""),
     ("image", "the picture"),
     ("optimize.variables", "variable"),
@@ -61,7 +63,7 @@ pub fn label(name: &str) -> Label {
         return Label::new(format!("{}, {place}", label.quantity), label.unit);
     }
     let table = name.split_once('.').map_or("", |(table, _)| table);
-    let is_key = File::rows().iter().any(|row| row.key == table);
+    let is_key = File::rows().iter().chain(&SurfaceFile::rows()).any(|row| row.key == table);
     let found = if is_key { key_label(name) } else { metric_label(name).or_else(|| key_label(name)) };
     found.unwrap_or_else(|| Label::new(name, ""))
 }
@@ -197,6 +199,7 @@ mod tests {
             ("display.front.0.reflectance", "Reflectance of front component 1"),
             ("display.layers.2.haze", "Haze of layer 3"),
             ("display.layers.0.film.1.thickness_nm", "Thickness of film 2 (nm)"),
+            ("microgeometry.coating.reflectance", "Reflectance of the facets"),
             ("lighting.preset", "Lighting preset"),
             ("lighting.diffuse", "Diffuse fraction"),
             ("lighting.illuminance_lx", "Illuminance (lx)"),
