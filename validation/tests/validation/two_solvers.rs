@@ -195,7 +195,7 @@ fn assert_distribution(what: &str, all: &[Scores], most: f64) {
 /// exceeds 6.5.
 #[test]
 fn random_stacks_have_student_distributed_deviations() {
-    let (count, seeds) = count(20);
+    let (count, seeds) = count(12);
     let one = |number| {
         let member = member(number);
         // Paths in a panel are fast; faint light of a source far from the peak of a narrow lobe needs many.
@@ -209,7 +209,7 @@ fn random_stacks_have_student_distributed_deviations() {
 /// The same for diffusers that reflect light by lobes of their own and mirror a part of it.
 #[test]
 fn reflecting_diffusers_have_student_distributed_deviations() {
-    let (count, seeds) = count(12);
+    let (count, seeds) = count(8);
     let one = |number| scores(&reflecting_member(number), number, Sampler::Random, seeds, 1 << 10);
     let all: Vec<Scores> = (0..count).into_par_iter().map(one).collect();
     assert_distribution("reflecting diffusers", &all, 6.5);
@@ -342,7 +342,7 @@ fn every_scenario_agrees() {
         .collect();
     names.sort();
     assert!(names.len() >= 13, "{names:?}");
-    let paths = if has_time() { "solver.paths=65536" } else { "solver.paths=16384" };
+    let paths = if has_time() { "solver.paths=65536" } else { "solver.paths=8192" };
     for name in names {
         let by = |overrides: &[&str]| run(&scenario(&name, overrides).unwrap().scene).unwrap();
         // A coarse grid: what is compared is transport, wavelength by wavelength.
