@@ -215,6 +215,52 @@ fn diffuse_transmittance_is_the_same_in_both_directions() {
     }
 }
 
+/// A random height map: waves of several directions through one of several functions, with its own pitches and slopes.
+fn random_map(number: u64) -> HeightMap {
+    let mut dice = Dice::new(50, number);
+    let [columns, rows] = [0, 1].map(|_| 8 + dice.below(17));
+    let waves: Vec<[f64; 4]> = (0..1 + dice.below(5))
+        .map(|_| [dice.below(4) as f64, dice.below(7) as f64 - 3.0, dice.throw(), dice.log_between(0.1, 1.0)])
+        .collect();
+    let (bend, steps, noise) = (dice.below(6), 1.0 + 3.0 * dice.throw(), 0.3 * dice.throw());
+    let height = dice.log_between(0.3, 8.0);
+    let heights = (0..columns * rows).map(|at| {
+        let [x, y] = [(at % columns) as f64 / columns as f64, (at / columns) as f64 / rows as f64];
+        let wave =
+            |[kx, ky, turn, size]: &[f64; 4]| size * (std::f64::consts::TAU * (kx * x + ky * y + turn)).sin();
+        let sum: f64 = waves.iter().map(wave).sum();
+        let bent = match bend {
+            0 => sum,
+            1 => sum.abs(),
+            2 => sum * sum,
+            3 => sum.exp(),
+            4 => (steps * sum).floor(),
+            _ => sum.max(0.0),
+        };
+        height * (bent + noise * dice.throw())
+    });
+    let heights: Vec<f64> = heights.collect();
+    let pitch = [0, 1].map(|_| dice.log_between(0.5, 2.0));
+    HeightMap::new(columns, pitch, heights).unwrap()
+}
+
+/// The same for random height maps of fifty kinds, between random media.
+#[test]
+fn random_maps_obey_reciprocity() {
+    let score = |number: u64| {
+        let mut dice = Dice::new(51, number);
+        let index = [dice.of([1.0, 1.0, 1.33]), dice.between(1.4, 2.2)];
+        let bands = Bands::new(index);
+        let found = replicates(&goniometer(index, 4, number), &Surface::Heights(random_map(number)));
+        assert_eq!(found.iter().map(|one| one.lost).sum::<f64>(), 0.0, "map {number}");
+        let (mean, error) =
+            mean_and_error(found.iter().map(|one| diffuse(&bands, one)).map(|[down, up]| down - up));
+        mean / error
+    };
+    let scores: Vec<f64> = (0..50).map(score).collect();
+    assert_student("diffuse transmittance of random maps", &scores, 50.0);
+}
+
 /// Kernels lose nothing, treat both ways alike, and obey the laws within their errors before they are made to; between other media, too.
 #[test]
 fn kernels_obey_the_laws() {

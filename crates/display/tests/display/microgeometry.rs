@@ -98,7 +98,7 @@ fn an_etched_face_is_roughness() {
 #[test]
 fn a_face_by_waves_colours_the_light() {
     let hazy = face("surface = \"hazy.toml\"\nrms_nm = 900");
-    let few = |light: &str| format!("{light}\n[spectrum]\nstep_nm = 80");
+    let few = |light: &str| format!("{light}\n[spectrum]\nstep_nm = 100");
     for (white, ..) in factors(&hazy, 1.0, &few(DIFFUSE), "adding") {
         assert!((white - 1.0).abs() < 1e-3, "{white}");
     }

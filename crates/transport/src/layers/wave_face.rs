@@ -59,19 +59,21 @@ impl WaveLight {
         self.lobes.iter().map(move |lobe| lobe.evaluate(from, to))
     }
 
-    /// Density with which a direction is sampled.
+    /// Density with which a direction is sampled: of each lobe, within the distance to the far end of the disc.
     fn chance(&self, from: Beta, to: Beta) -> f64 {
         let squared = (to - from).squared();
         let lobes = self.lobes.iter().zip(&self.chances);
-        lobes.map(|(lobe, chance)| chance * lobe.lobe().at_squared_distance(squared)).sum()
+        let one = |(lobe, chance): (&BalancedLobe, &f64)| {
+            chance * lobe.lobe().at_squared_distance(squared) / within(lobe, from)
+        };
+        lobes.map(one).sum()
     }
 
     fn scatter(&self, from: Beta, to: Beta) -> Scattered {
         let whole = self.of_face(from.length());
         let value: f64 = self.densities(from, to).zip(&self.chances).map(|(one, chance)| one * chance).sum();
-        let density = self.chance(from, to);
         let value = if whole > 0.0 { value / whole } else { 0.0 };
-        Scattered { value, density, reverse: density }
+        Scattered { value, density: self.chance(from, to), reverse: self.chance(to, from) }
     }
 
     /// Density at each wavelength over that of [`scatter`](Self::scatter).
@@ -100,9 +102,15 @@ impl WaveLight {
             rest < 0.0
         });
         let lobe = self.lobes.get(chosen.unwrap_or(self.lobes.len().saturating_sub(1)))?;
-        let to = lobe.lobe().sample(from, [u, v, 0.0, 0.0])?.direction;
+        // A lobe takes the fraction 1 - u of its light to be within the distance.
+        let to = lobe.lobe().sample(from, [1.0 - u * within(lobe, from), v, 0.0, 0.0])?.direction;
         (to.length() < lobe.light().radius()).then_some(to)
     }
+}
+
+/// Fraction of a lobe within the distance to the far end of its disc: wider lobes would mostly miss it.
+fn within(lobe: &BalancedLobe, from: Beta) -> f64 {
+    lobe.lobe().fraction_within(from.length() + lobe.light().radius())
 }
 
 /// A face by waves.
