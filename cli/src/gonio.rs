@@ -368,18 +368,24 @@ fn totals_figure(title: &str, totals: &[Total]) -> String {
     let reflected = |total: &Total| total.reflected.value;
     let seen = |total: &Total| total.transmitted.value - total.transmitted_beyond.value;
     let beyond = |total: &Total| total.transmitted_beyond.value;
+    let absorbed = |total: &Total| total.absorbed.value;
+    let mut curves = vec![
+        curve(Side::Above, "R from above", 0, false, reflected),
+        curve(Side::Above, "T from above", 1, false, seen),
+        curve(Side::Above, "trapped T", 2, false, beyond),
+        curve(Side::Above, "absorbed from above", 3, false, absorbed),
+        curve(Side::Below, "R from below", 0, true, reflected),
+        curve(Side::Below, "T from below", 1, true, seen),
+        curve(Side::Below, "absorbed from below", 3, true, absorbed),
+    ];
+    // Nothing passes metals, few surfaces absorb, and light is trapped only in the medium with the larger index.
+    curves.retain(|curve| curve.points.iter().any(|(_, light)| *light > 0.0));
     let all = Chart {
         x: "inclination of the light in its medium (deg)".to_owned(),
         y: "light (%)".to_owned(),
         logarithmic: false,
         at_least: vec![0.0, 100.0],
-        curves: vec![
-            curve(Side::Above, "R from above", 0, false, reflected),
-            curve(Side::Above, "T from above", 1, false, seen),
-            curve(Side::Above, "trapped T", 2, false, beyond),
-            curve(Side::Below, "R from below", 0, true, reflected),
-            curve(Side::Below, "T from below", 1, true, seen),
-        ],
+        curves,
     };
     chart(&all, title)
 }

@@ -15,6 +15,14 @@ fn brdf(name: &str, folder: &Path, more: &[&str]) -> Output {
     command.args(more).output().unwrap()
 }
 
+/// `papilio diffuser inspect` reads the file of white in a folder.
+fn assert_inspected(folder: &Path) {
+    let mut inspect = papilio();
+    inspect.args(["diffuser", "inspect"]).arg(folder.join("display-white.bsdf"));
+    let output = inspect.arg("--out").arg(folder.join("inspected")).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
 #[test]
 fn csv_has_a_file_for_each_chosen_state() {
     let folder = tempfile::tempdir().unwrap();
@@ -50,14 +58,7 @@ fn rgl_has_a_file_for_each_state_a_mirror_part_and_a_scene() {
     // Light from 0, 45 and 89 deg; 9 wavelengths; 8 x 8 half vectors; 4 bytes each.
     let bytes = fs::metadata(folder.path().join("display-white.bsdf")).unwrap().len();
     assert!((3 * 10 * 64 * 4..3 * 10 * 64 * 4 + 1000).contains(&bytes), "{bytes}");
-    let inspected = papilio()
-        .args(["diffuser", "inspect"])
-        .arg(folder.path().join("display-white.bsdf"))
-        .arg("--out")
-        .arg(folder.path().join("inspected"))
-        .output()
-        .unwrap();
-    assert!(inspected.status.success(), "{}", stderr(&inspected));
+    assert_inspected(folder.path());
     let compiled =
         Command::new("python3").args(["-m", "py_compile"]).arg(folder.path().join("scene.py")).output();
     // Without Python, there is nothing that could run the script.
@@ -115,14 +116,7 @@ fn radiant_has_the_colours_of_a_run_in_a_collimated_lamp() {
         let expected = white[name].as_f64().unwrap() / of_white;
         assert!((found / expected - 1.0).abs() < 1e-3, "{name}: {found} {expected}");
     }
-    let inspect = papilio()
-        .args(["diffuser", "inspect"])
-        .arg(folder.path().join("display-white.bsdf"))
-        .arg("--out")
-        .arg(folder.path().join("inspected"))
-        .output()
-        .unwrap();
-    assert!(inspect.status.success(), "{}", stderr(&inspect));
+    assert_inspected(folder.path());
 }
 
 #[test]

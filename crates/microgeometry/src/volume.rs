@@ -1,6 +1,6 @@
 //! Spheres and fibres in a slab of a clear matrix.
 //!
-//! **Geometry.** Particles are placed one after the other at random, and where one would penetrate another it is placed anew (random
+//! **Geometry.** Particles are placed at random, one after another; one that would overlap another is placed again (random
 //! sequential addition). All lie wholly within the slab, which repeats along x and y. A fibre is a cylinder with hemispherical ends, of random
 //! direction. The faces of the slab are not surfaces: the media above and below are the matrix.
 //!

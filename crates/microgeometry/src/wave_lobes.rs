@@ -11,14 +11,16 @@
 
 use std::f64::consts::PI;
 
+use papilio_optics::lobe::KCorrelation;
+
+use crate::goniometer::haze_beta;
+use crate::waves::poisson;
+
 /// Ratio of neighbouring widths.
 const WIDTH_STEP: f64 = 1.2;
 
 /// Power of the narrowest width, 0.0217: lobes of 1 deg, which *adding* resolves within seconds.
 const NARROWEST: i32 = -21;
-
-/// Where haze begins: sin 2.5 deg.
-const HAZE: f64 = 0.043_619_387_365_336;
 
 /// Widest lobe: wider ones are uniform, too.
 const WIDEST: f64 = 4.0;
@@ -57,14 +59,11 @@ pub fn wave_lobes(phase_per_um: f64, correlation_um: f64, wavelengths_nm: &[f64]
         let um = 1e-3 * nm;
         let g = (phase_per_um / um).powi(2);
         let first = um / (2.0 * PI * correlation_um);
-        let most = (g + 40.0 * g.sqrt() + 40.0) as u64;
-        let mut log_weight = -g;
-        for m in 1..=most {
-            log_weight += (g / m as f64).ln();
-            let (width, weight) = ((m as f64 * first).min(WIDEST), log_weight.exp());
+        for (m, weight) in poisson(g) {
+            let width = (m * first).min(WIDEST);
             let narrowest = WIDTH_STEP.powi(NARROWEST);
             if width <= narrowest {
-                add(NARROWEST, at, weight * beyond(width, HAZE) / beyond(narrowest, HAZE));
+                add(NARROWEST, at, weight * beyond(width, haze_beta()) / beyond(narrowest, haze_beta()));
                 continue;
             }
             let (low, share) = neighbours(width);
@@ -85,7 +84,7 @@ fn neighbours(width: f64) -> (i32, f64) {
 
 /// Fraction of a lobe beyond a distance.
 fn beyond(width: f64, distance: f64) -> f64 {
-    width / width.hypot(distance)
+    1.0 - KCorrelation { width }.fraction_within(distance)
 }
 
 /// Gives lobes with hardly any light to their neighbours.
@@ -128,7 +127,10 @@ mod tests {
                 let mixture = |of: &dyn Fn(f64) -> f64| -> f64 {
                     lobes.iter().map(|lobe| lobe.fractions[at] * of(lobe.width())).sum()
                 };
-                let hazes = [mixture(&|width| beyond(width, HAZE)), series(&|width| beyond(width, HAZE))];
+                let hazes = [
+                    mixture(&|width| beyond(width, haze_beta())),
+                    series(&|width| beyond(width, haze_beta())),
+                ];
                 assert!((hazes[0] - hazes[1]).abs() < 0.002, "{rms_um} {nm}: {hazes:?}");
                 for beta in [0.2_f64, 0.6, 1.0] {
                     let density = |width: f64| width / (2.0 * PI * width.hypot(beta).powi(3));

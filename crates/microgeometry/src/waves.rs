@@ -210,13 +210,17 @@ fn closed_form_beyond(spectrum: &Spectrum, g: f64, wavelength_um: f64, beyond: f
         }),
         Spectrum::Abc { .. } | Spectrum::Table { .. } => return None,
     };
-    // Poisson's weights, from the largest on in both directions, without overflow.
+    Some(poisson(g).map(|(m, weight)| weight * term(m)).sum())
+}
+
+/// Orders m of scattering from 1 on, with their fractions of the light exp(-g) g^m/m!, as far as these matter.
+pub(crate) fn poisson(g: f64) -> impl Iterator<Item = (f64, f64)> {
     let most = (g + 40.0 * g.sqrt() + 40.0) as u64;
+    // By logarithms, which do not overflow.
     let mut log_weight = -g;
-    let mut sum = 0.0;
-    for m in 1..=most {
-        log_weight += (g / m as f64).ln();
-        sum += log_weight.exp() * term(m as f64);
-    }
-    Some(sum)
+    (1..=most).map(move |m| {
+        let m = m as f64;
+        log_weight += (g / m).ln();
+        (m, log_weight.exp())
+    })
 }

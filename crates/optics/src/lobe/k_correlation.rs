@@ -47,7 +47,9 @@ impl KCorrelation {
     pub fn mean_over_azimuth(&self, a: f64, b: f64) -> f64 {
         let Self { width } = *self;
         let (near, far) = (width * width + (a - b) * (a - b), width * width + (a + b) * (a + b));
-        width * elliptic_e((near / far).sqrt()) / (PI * PI * near * far.sqrt())
+        let k_prime = (near / far).sqrt();
+        let [second_kind] = complete_elliptic([k_prime], [[1.0, k_prime * k_prime, 1.0]]);
+        width * second_kind / (PI * PI * near * far.sqrt())
     }
 
     /// Returns the fraction of the lobe within a distance of the regular direction.
@@ -95,19 +97,6 @@ impl Scatterer for KCorrelation {
     fn albedo(&self, _: Beta) -> f64 {
         1.0
     }
-}
-
-/// The complete elliptic integral of the second kind, E, of the complementary modulus k', above 0 (arithmetic-geometric mean).
-fn elliptic_e(k_prime: f64) -> f64 {
-    let (mut a, mut b, mut power) = (1.0, k_prime, 0.5);
-    let mut sum = 0.5 * (1.0 - k_prime * k_prime);
-    while (a - b).abs() > 1e-15 * a {
-        let c = 0.5 * (a - b);
-        (a, b) = (0.5 * (a + b), (a * b).sqrt());
-        power *= 2.0;
-        sum += power * c * c;
-    }
-    FRAC_PI_2 / a * (1.0 - sum)
 }
 
 /// Returns fractions within a disc of lobes about points at these offsets.

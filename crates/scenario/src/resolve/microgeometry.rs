@@ -154,9 +154,10 @@ impl Resolver<'_> {
             _ => None,
         };
         let Some(&Heights::Exponential { rms_um, correlation_um, .. }) = random else {
-            let wrong = Diagnostic::new("by waves this surface is no layer of a display")
-                .expected("`surface = \"exponential\"`, whose lobes are known in closed form")
-                .hint("road = \"rays\" follows rays through any surface, without wavelengths");
+            let wrong =
+                Diagnostic::new("this surface cannot be a layer of a display with `road = \"waves\"`")
+                    .expected("`surface = \"exponential\"`, whose lobes are known in closed form")
+                    .hint("road = \"rays\" follows rays through any surface, without wavelengths");
             self.errors.push(face.surface.origin, wrong);
             return None;
         };

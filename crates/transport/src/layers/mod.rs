@@ -184,6 +184,22 @@ pub(crate) trait LayerKind: Debug + Sync {
     }
 }
 
+/// Colours of scattered light: a factor for each wavelength, or 1 for all.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Colours(Option<Vec<f64>>);
+
+impl Colours {
+    /// Factors by wavelength.
+    pub(crate) fn new(factors: Vec<f64>) -> Self {
+        Self(Some(factors))
+    }
+
+    /// The factor of a wavelength.
+    pub(crate) fn at(&self, bin: usize) -> f64 {
+        self.0.as_ref().map_or(1.0, |factors| factors[bin])
+    }
+}
+
 /// Interface of scattering interfaces to the Monte Carlo solver. Numbers refer to the light that is
 /// scattered on a [`Channel`].
 pub(crate) trait ScatteringInterface: Debug + Sync {
@@ -222,10 +238,9 @@ pub(crate) trait ScatteringInterface: Debug + Sync {
         1.0
     }
 
-    /// The density at each wavelength over that of [`scatter`](Self::scatter); `None` if they are the same. Not for channels that leave to both
-    /// sides.
-    fn colours(&self, _from: Arrival, _to: Beta) -> Option<Vec<f64>> {
-        None
+    /// The density at each wavelength over that of [`scatter`](Self::scatter). Not for channels that leave to both sides.
+    fn colours(&self, _from: Arrival, _to: Beta) -> Colours {
+        Colours::default()
     }
 
     /// True if it may scatter light to directions that the medium there does not have. It absorbs such light.

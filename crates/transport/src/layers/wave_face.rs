@@ -12,7 +12,7 @@ use papilio_optics::lobe::BalancedLobe;
 use papilio_optics::{Beta, Scatterer};
 use papilio_spectra::Spectrum;
 
-use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
+use super::{Arrival, Channel, Colours, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
 use crate::adding::{Action, Narrowness, Preparation};
 use crate::estimate::Account;
 use crate::front::Flat;
@@ -204,7 +204,7 @@ impl ScatteringInterface for WaveFace {
         Some((to, light.scatter(from.beta, beta)))
     }
 
-    fn colours(&self, from: Arrival, to: Beta) -> Option<Vec<f64>> {
-        Some(self.of(from.channel, from.going).colours(from.beta, to))
+    fn colours(&self, from: Arrival, to: Beta) -> Colours {
+        Colours::new(self.of(from.channel, from.going).colours(from.beta, to))
     }
 }

@@ -10,7 +10,7 @@ use super::bulk::Bulk;
 use super::ledger::{Sums, Workspace};
 use super::light::Share;
 use super::{BRIGHT_SIDE, OutgoingRay, sources};
-use crate::layers::{Arrival, Channel, Departure, Scattered, ScatteringInterface};
+use crate::layers::{Arrival, Channel, Colours, Departure, Scattered, ScatteringInterface};
 use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::walk::{base_density, base_direction};
 use crate::{Layered, Medium, Reflector, ScatterKernel};
@@ -83,8 +83,8 @@ impl ScatterEvent<'_> {
     }
 
     /// [Colours](ScatteringInterface::colours) of light that is scattered by an interface from one direction to another.
-    pub(super) fn colours(&self, from: Beta, to: Beta) -> Option<Vec<f64>> {
-        let Kind::Interface(interface, channel, _) = self.kind else { return None };
+    pub(super) fn colours(&self, from: Beta, to: Beta) -> Colours {
+        let Kind::Interface(interface, channel, _) = self.kind else { return Colours::default() };
         interface.colours(self.arrival(from, channel), to)
     }
 
@@ -159,8 +159,7 @@ impl ScatterEvent<'_> {
             return;
         };
         let colours = interface.colours(from, next.beta);
-        let colour = |bin: usize| colours.as_ref().map_or(1.0, |colours| colours[bin]);
-        let kept = |bin| next.weight * self.carried(next, bin) * colour(bin);
+        let kept = |bin| next.weight * self.carried(next, bin) * colours.at(bin);
         workspace.light.keep(kept, &mut sums.absorbed.diffuser);
         workspace.branch(OutgoingRay { rival: sent.density, ..next });
     }
@@ -169,10 +168,10 @@ impl ScatterEvent<'_> {
 /// Colours of light by its direction: those of the last direction are kept.
 struct ColoursAt<F> {
     of: F,
-    last: RefCell<Option<(Beta, Option<Vec<f64>>)>>,
+    last: RefCell<Option<(Beta, Colours)>>,
 }
 
-impl<F: Fn(Beta) -> Option<Vec<f64>>> ColoursAt<F> {
+impl<F: Fn(Beta) -> Colours> ColoursAt<F> {
     fn new(of: F) -> Self {
         Self { of, last: RefCell::new(None) }
     }
@@ -183,7 +182,7 @@ impl<F: Fn(Beta) -> Option<Vec<f64>>> ColoursAt<F> {
             Some(known) if known.0 == to => known,
             unknown => unknown.insert((to, (self.of)(to))),
         };
-        known.1.as_ref().map_or(1.0, |colours| colours[bin])
+        known.1.at(bin)
     }
 }
 

@@ -259,8 +259,7 @@ impl Relay {
         let Some(sent) = event.send(source.beta, u) else { return };
         lamp.before.clone_from(&self.arrived);
         let colours = event.colours(source.beta, sent.beta);
-        let colour = |bin: usize| colours.as_ref().map_or(1.0, |colours| colours[bin]);
-        lamp.before.multiply(|bin| event.carried(sent, bin) * colour(bin));
+        lamp.before.multiply(|bin| event.carried(sent, bin) * colours.at(bin));
         lamp.before.scale(sent.weight);
         if lamp.before.is_dark() {
             return;

@@ -79,10 +79,9 @@ impl Tracer<'_> {
                 }
                 last.copy(path);
                 let colours = face.colours(path.beta, target.beta);
-                let colour = |band: usize| colours.as_ref().map_or(1.0, |colours| colours[band]);
                 for (band, factor) in of_last.factors.iter_mut().enumerate() {
                     let fraction = flat.fractions[alternative * self.bands + band];
-                    *factor = weight * fraction * face.spread(*going, band) * colour(band);
+                    *factor = weight * fraction * face.spread(*going, band) * colours.at(band);
                 }
                 last.light.multiply(&of_last.factors);
                 last.depart_from(2 * number, *going);

@@ -2,7 +2,7 @@
 
 use papilio_optics::Beta;
 
-use crate::layers::{Arrival, Channel, Departure, Scattered, ScatteringInterface};
+use crate::layers::{Arrival, Channel, Colours, Departure, Scattered, ScatteringInterface};
 use crate::skeleton::Propagation;
 use crate::{Layered, Medium};
 
@@ -67,7 +67,7 @@ impl<'a> Face<'a> {
     }
 
     /// Density at each wavelength over that of [`scatter`](Self::scatter); `None` if they are the same.
-    pub(super) fn colours(&self, from: Beta, to: Beta) -> Option<Vec<f64>> {
+    pub(super) fn colours(&self, from: Beta, to: Beta) -> Colours {
         self.interface.colours(self.arrival(from), to)
     }
 

@@ -84,8 +84,7 @@ impl Tracer<'_> {
                 let FlatWork { factors, .. } = &mut work.flat;
                 let colours = face.colours(path.beta, to.beta);
                 for (bin, factor) in factors.iter_mut().enumerate() {
-                    let colour = colours.as_ref().map_or(1.0, |colours| colours[bin]);
-                    *factor = weight * face.carried(to, bin) * colour;
+                    *factor = weight * face.carried(to, bin) * colours.at(bin);
                 }
                 if factors.iter().all(|factor| *factor == 0.0) {
                     return false;

@@ -23,6 +23,9 @@ pub(super) type Light = Vec<Option<Orders>>;
 /// Largest `|beta|` whose azimuthal orders are resolved.
 const ALONG: f64 = 0.95;
 
+/// Most nodes times orders, positive and negative.
+const MOST_NUMBERS: usize = 1 << 18;
+
 /// Orders that are dropped, relative to the accuracy of the level.
 const DROPPED: f64 = 0.5;
 
@@ -124,6 +127,9 @@ impl Kernels {
             if !matters {
                 break;
             }
+            if grid.len() * (2 * order + 1) > MOST_NUMBERS {
+                return Err(NotCovered::TooMany);
+            }
             let count = (grid.regular, grid.len() - grid.regular);
             let kernel = |(given, [largest, _]): (&Given, &[f64; 2])| {
                 given.as_ref().map(|given| Kernel::new(given, count, tolerance * largest))
@@ -164,11 +170,6 @@ impl Kernels {
     /// Returns the highest order at each node with weight.
     pub(super) fn of_nodes(&self) -> &[usize] {
         &self.of_nodes
-    }
-
-    /// Returns the number of azimuthal orders, positive and negative.
-    pub(super) fn count(&self) -> usize {
-        (2 * self.orders.len()).saturating_sub(1)
     }
 
     /// Returns the number of extra nodes.

@@ -61,9 +61,6 @@ const REPRESENTATIVES: [usize; 2] = [3, 5];
 const PHASE: f64 = 80.0;
 const MORE_PHASE: f64 = 1.7;
 
-/// Most nodes times orders.
-const MOST_NUMBERS: usize = 1 << 18;
-
 /// Most directions of views and sources.
 const MOST_BEAMS: usize = 256;
 
@@ -243,9 +240,6 @@ impl<'a> LayeredSpread<'a> {
             return Err(NotCovered::TooMany);
         }
         let kernels = Kernels::new(self.stack, bin, &grid, &self.precision)?;
-        if grid.len() * kernels.count() > MOST_NUMBERS {
-            return Err(NotCovered::TooMany);
-        }
         let index = self.stack.layers.last().map_or(1.0, |layer| layer.medium.index()[bin]);
         let interpolation = grid.interpolation();
         let tolerance = 0.02 * (-self.precision.digits).exp();
