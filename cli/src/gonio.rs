@@ -5,13 +5,13 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use papilio_figures::{Chart, ChartCurve, Hue, chart};
+use papilio_figures::of_surface;
 use papilio_formats::{
     SurfaceAuditFile, write_cutoffs, write_face, write_file, write_json, write_psd, write_totals, write_waves,
 };
 use papilio_microgeometry::{
     ByWaves, Coating, Goniometer, Kernel, LEAST_G, MOST_SLOPE, Measured, MicrogeometryError, REPLICATES,
-    Side, Statistics, Total, WaveShares, Waves,
+    Side, Statistics, Total, Waves,
 };
 use papilio_scenario::{ResolvedSurface, SurfaceScenario};
 
@@ -24,15 +24,12 @@ use crate::{Failure, folder, input, interrupt, output, print_notes, report, term
 const FILES: [&str; 6] = ["audit.json", "totals.csv", "face.npz", "psd.csv", "cutoff.csv", "waves.csv"];
 const FIGURES: [&str; 4] = ["totals", "psd", "cutoff", "waves"];
 
-/// A preview has this many times fewer rays, and three times the error.
-const PREVIEW: u64 = 9;
-
 pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
     let mut overrides = arguments.scenario.set.clone();
     overrides.extend(arguments.seed.map(|seed| format!("microgeometry.seed={seed}")));
     let mut resolved = input::scenario::<SurfaceScenario>(&arguments.scenario.file, &overrides)?.resolve()?;
     if arguments.preview {
-        resolved.goniometer.rays = resolved.goniometer.rays.div_ceil(PREVIEW);
+        resolved = resolved.preview();
     }
     let folder = match (&arguments.scenario.out, arguments.json) {
         (None, true) => None,
@@ -124,24 +121,21 @@ impl Found {
             folder.join(name)
         };
         write_file(&file("audit.json"), |out| write_json(out, audit))?;
-        let mut figures = Vec::new();
         if let Some(Rays { totals, kernel }) = &self.rays {
             write_file(&file("totals.csv"), |out| write_totals(out, totals))?;
             let index = [resolved.goniometer.index_above, resolved.goniometer.index_below];
             let coated = resolved.goniometer.coating != Coating::None;
             write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, kernel, coated))?;
-            figures.push(("totals".to_owned(), totals_figure(title, totals)));
         }
         if let Some(statistics) = &self.statistics {
             write_file(&file("psd.csv"), |out| write_psd(out, statistics))?;
             write_file(&file("cutoff.csv"), |out| write_cutoffs(out, statistics))?;
-            figures.push(("psd".to_owned(), psd_figure(title, statistics)));
-            figures.push(("cutoff".to_owned(), cutoff_figure(title, statistics)));
         }
         if let Some(waves) = &self.waves {
             write_file(&file("waves.csv"), |out| write_waves(out, waves))?;
-            figures.push(("waves".to_owned(), waves_figure(title, waves)));
         }
+        let totals = self.rays.as_ref().map(|rays| &rays.totals[..]);
+        let figures = of_surface(totals, self.statistics.as_ref(), self.waves.as_ref(), title);
         names.extend(output::write_figures(folder, figures, png)?);
         Ok(names)
     }
@@ -305,87 +299,4 @@ fn waves_text(waves: &ByWaves, rays: Option<&Rays>) -> String {
         text += &format!("haze by rays, the same at all wavelengths: {haze} %\n");
     }
     text
-}
-
-/// Power spectral density against frequency.
-fn psd_figure(title: &str, statistics: &Statistics) -> String {
-    // Below is the noise of rounding.
-    let largest = statistics.density.iter().map(|[_, density]| *density).fold(0.0, f64::max);
-    let known = statistics.density.iter().filter(|[_, density]| *density > 1e-15 * largest);
-    let points = known.map(|[frequency, density]| (*frequency, *density)).collect();
-    one_curve(title, "frequency (cycles per um)", "power spectral density (um\u{2074})", true, points)
-}
-
-/// What a cut-off of the instrument leaves of the slopes, which decide where rays go.
-fn cutoff_figure(title: &str, statistics: &Statistics) -> String {
-    let points = statistics.by_cutoff.iter().map(|[cutoff, _, slope]| (*cutoff, *slope)).collect();
-    one_curve(title, "cut-off of short wavelengths (um)", "rms slope of what remains", false, points)
-}
-
-fn one_curve(title: &str, x: &str, y: &str, logarithmic: bool, points: Vec<(f64, f64)>) -> String {
-    let curve = ChartCurve { name: String::new(), hue: Hue::Group(0), dashed: false, marks: false, points };
-    let at_least = if logarithmic { Vec::new() } else { vec![0.0] };
-    let all = Chart { x: x.to_owned(), y: y.to_owned(), logarithmic, at_least, curves: vec![curve] };
-    chart(&all, title)
-}
-
-/// Straight part, mirror part and haze against wavelength.
-fn waves_figure(title: &str, waves: &ByWaves) -> String {
-    let curve = |name: &str, hue: usize, of: fn(&WaveShares) -> f64| ChartCurve {
-        name: name.to_owned(),
-        hue: Hue::Group(hue),
-        dashed: false,
-        marks: false,
-        points: waves.shares.iter().map(|one| (one.wavelength_nm, 100.0 * of(one))).collect(),
-    };
-    let all = Chart {
-        x: "wavelength (nm)".to_owned(),
-        y: "light along the normal (%)".to_owned(),
-        logarithmic: false,
-        at_least: vec![0.0, 100.0],
-        curves: vec![
-            curve("haze", 0, |one| one.haze.value),
-            curve("straight", 1, |one| one.straight.value),
-            curve("mirror", 2, |one| one.mirror.value),
-        ],
-    };
-    chart(&all, title)
-}
-
-/// Reflected and transmitted light against inclination, from both sides.
-fn totals_figure(title: &str, totals: &[Total]) -> String {
-    let curve = |side: Side, name: &str, hue: usize, dashed: bool, of: fn(&Total) -> f64| ChartCurve {
-        name: name.to_owned(),
-        hue: Hue::Group(hue),
-        dashed,
-        marks: false,
-        points: totals
-            .iter()
-            .filter(|total| total.from == side)
-            .map(|total| (total.theta_deg, 100.0 * of(total)))
-            .collect(),
-    };
-    let reflected = |total: &Total| total.reflected.value;
-    let seen = |total: &Total| total.transmitted.value - total.transmitted_beyond.value;
-    let beyond = |total: &Total| total.transmitted_beyond.value;
-    let absorbed = |total: &Total| total.absorbed.value;
-    let mut curves = vec![
-        curve(Side::Above, "R from above", 0, false, reflected),
-        curve(Side::Above, "T from above", 1, false, seen),
-        curve(Side::Above, "trapped T", 2, false, beyond),
-        curve(Side::Above, "absorbed from above", 3, false, absorbed),
-        curve(Side::Below, "R from below", 0, true, reflected),
-        curve(Side::Below, "T from below", 1, true, seen),
-        curve(Side::Below, "absorbed from below", 3, true, absorbed),
-    ];
-    // Nothing passes metals, few surfaces absorb, and light is trapped only in the medium with the larger index.
-    curves.retain(|curve| curve.points.iter().any(|(_, light)| *light > 0.0));
-    let all = Chart {
-        x: "inclination of the light in its medium (deg)".to_owned(),
-        y: "light (%)".to_owned(),
-        logarithmic: false,
-        at_least: vec![0.0, 100.0],
-        curves,
-    };
-    chart(&all, title)
 }

@@ -9,6 +9,7 @@ Computes spectra, colours and metrics, with their errors, from a scenario::
 
 - `run` computes a scenario, `cone` a conoscopic map, `brdf` the BSDF of the display.
 - `mtf` computes how sharp a display is, `crosstalk` which sub-pixel lights which, `sparkle` how much an antiglare face glitters.
+- `gonio` measures a surface that is described by its geometry.
 - `image` shows a picture on the display, and `palette` computes the colours of all states in this and other rooms.
 - `sweep` computes thousands of designs with labelled axes, `Prepared` any designs, with derivatives.
 - `optimize` searches for better designs; `tolerance` analyses the tolerances of a design.
@@ -62,6 +63,7 @@ from .result import Result
 from .running import run
 from .scenario import Scenario, preset_names, schema
 from .spatial import Crosstalk, Mtf, Sparkle, crosstalk, mtf, sparkle
+from .surfaces import Surface, gonio
 
 __all__ = [
     "AnyResult",
@@ -90,6 +92,7 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "Sparkle",
+    "Surface",
     "Yield",
     "__version__",
     "absorption",
@@ -100,6 +103,7 @@ __all__ = [
     "crosstalk",
     "diffuser",
     "films",
+    "gonio",
     "image",
     "label",
     "metric_names",

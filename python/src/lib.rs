@@ -26,6 +26,7 @@ mod run;
 mod scenario;
 mod search;
 mod spatial;
+mod surface;
 mod watch;
 mod waves;
 
@@ -78,6 +79,8 @@ mod _papilio {
     use crate::search::{Search, moved_text};
     #[pymodule_export]
     use crate::spatial::{Crosstalk, Mtf, Sparkle};
+    #[pymodule_export]
+    use crate::surface::Surface;
     #[pymodule_export]
     use crate::waves::{film_absorptance, film_amplitudes, film_derivatives};
 

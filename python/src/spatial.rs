@@ -16,7 +16,7 @@ use crate::scenario::Resolved;
 use crate::watch::watched;
 
 /// Names and SVG texts of figures.
-type Figures = Vec<(String, String)>;
+pub(crate) type Figures = Vec<(String, String)>;
 
 /// Sharpness of a display.
 #[pyclass(frozen, module = "papilio._papilio")]

@@ -23,6 +23,7 @@
 //! | [`of_sparkle`] | all figures of `papilio sparkle`: pixels below an antiglare face, their deviation against the face |
 //! | [`crosstalk()`] | which sub-pixel lights which, as matrices |
 //! | [`of_mtf`] | all figures of `papilio mtf`: modulation transfer, edges, kernels |
+//! | [`of_surface`] | all figures of `papilio gonio`: reflected and transmitted light, heights, waves |
 //! | [`chart`] | curves in one panel |
 //! | [`accuracy`] | errors of the solvers against their cost |
 //! | [`of_sweep`] | all figures of `papilio sweep` |
@@ -79,6 +80,7 @@ mod scattering;
 mod sparkle;
 mod spectra;
 mod style;
+mod surface;
 mod svg;
 mod sweep;
 
@@ -108,4 +110,5 @@ pub use rings::gamut_rings;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 pub use sparkle::of_sparkle;
 pub use spectra::spectra;
+pub use surface::of_surface;
 pub use sweep::{SweepAxis, SweepFigure, of_sweep, sweep_curves, sweep_map};

@@ -1,0 +1,103 @@
+//! Figures of `papilio gonio`: a surface measured by rays and by waves, and its heights.
+
+use papilio_microgeometry::{ByWaves, Side, Statistics, Total, WaveShares};
+
+use crate::{Chart, ChartCurve, Hue, chart};
+
+/// All figures of a measurement, by name: `totals` of rays, `psd` and `cutoff` of heights, `waves`.
+pub fn of_surface(
+    totals: Option<&[Total]>,
+    statistics: Option<&Statistics>,
+    waves: Option<&ByWaves>,
+    title: &str,
+) -> Vec<(String, String)> {
+    let totals = totals.map(|totals| ("totals", totals_figure(title, totals)));
+    let psd = statistics.map(|statistics| ("psd", psd_figure(title, statistics)));
+    let cutoff = statistics.map(|statistics| ("cutoff", cutoff_figure(title, statistics)));
+    let waves = waves.map(|waves| ("waves", waves_figure(title, waves)));
+    let all = [totals, psd, cutoff, waves].into_iter().flatten();
+    all.map(|(name, figure)| (name.to_owned(), figure)).collect()
+}
+
+/// Power spectral density against frequency.
+fn psd_figure(title: &str, statistics: &Statistics) -> String {
+    // Below is the noise of rounding.
+    let largest = statistics.density.iter().map(|[_, density]| *density).fold(0.0, f64::max);
+    let known = statistics.density.iter().filter(|[_, density]| *density > 1e-15 * largest);
+    let points = known.map(|[frequency, density]| (*frequency, *density)).collect();
+    one_curve(title, "frequency (cycles per um)", "power spectral density (um\u{2074})", true, points)
+}
+
+/// What a cut-off of the instrument leaves of the slopes, which decide where rays go.
+fn cutoff_figure(title: &str, statistics: &Statistics) -> String {
+    let points = statistics.by_cutoff.iter().map(|[cutoff, _, slope]| (*cutoff, *slope)).collect();
+    one_curve(title, "cut-off of short wavelengths (um)", "rms slope of what remains", false, points)
+}
+
+fn one_curve(title: &str, x: &str, y: &str, logarithmic: bool, points: Vec<(f64, f64)>) -> String {
+    let curve = ChartCurve { name: String::new(), hue: Hue::Group(0), dashed: false, marks: false, points };
+    let at_least = if logarithmic { Vec::new() } else { vec![0.0] };
+    let all = Chart { x: x.to_owned(), y: y.to_owned(), logarithmic, at_least, curves: vec![curve] };
+    chart(&all, title)
+}
+
+/// Straight part, mirror part and haze against wavelength.
+fn waves_figure(title: &str, waves: &ByWaves) -> String {
+    let curve = |name: &str, hue: usize, of: fn(&WaveShares) -> f64| ChartCurve {
+        name: name.to_owned(),
+        hue: Hue::Group(hue),
+        dashed: false,
+        marks: false,
+        points: waves.shares.iter().map(|one| (one.wavelength_nm, 100.0 * of(one))).collect(),
+    };
+    let all = Chart {
+        x: "wavelength (nm)".to_owned(),
+        y: "light along the normal (%)".to_owned(),
+        logarithmic: false,
+        at_least: vec![0.0, 100.0],
+        curves: vec![
+            curve("haze", 0, |one| one.haze.value),
+            curve("straight", 1, |one| one.straight.value),
+            curve("mirror", 2, |one| one.mirror.value),
+        ],
+    };
+    chart(&all, title)
+}
+
+/// Reflected and transmitted light against inclination, from both sides.
+fn totals_figure(title: &str, totals: &[Total]) -> String {
+    let curve = |side: Side, name: &str, hue: usize, dashed: bool, of: fn(&Total) -> f64| ChartCurve {
+        name: name.to_owned(),
+        hue: Hue::Group(hue),
+        dashed,
+        marks: false,
+        points: totals
+            .iter()
+            .filter(|total| total.from == side)
+            .map(|total| (total.theta_deg, 100.0 * of(total)))
+            .collect(),
+    };
+    let reflected = |total: &Total| total.reflected.value;
+    let seen = |total: &Total| total.transmitted.value - total.transmitted_beyond.value;
+    let beyond = |total: &Total| total.transmitted_beyond.value;
+    let absorbed = |total: &Total| total.absorbed.value;
+    let mut curves = vec![
+        curve(Side::Above, "R from above", 0, false, reflected),
+        curve(Side::Above, "T from above", 1, false, seen),
+        curve(Side::Above, "trapped T", 2, false, beyond),
+        curve(Side::Above, "absorbed from above", 3, false, absorbed),
+        curve(Side::Below, "R from below", 0, true, reflected),
+        curve(Side::Below, "T from below", 1, true, seen),
+        curve(Side::Below, "absorbed from below", 3, true, absorbed),
+    ];
+    // Nothing passes metals, few surfaces absorb, and light is trapped only in the medium with the larger index.
+    curves.retain(|curve| curve.points.iter().any(|(_, light)| *light > 0.0));
+    let all = Chart {
+        x: "inclination of the light in its medium (deg)".to_owned(),
+        y: "light (%)".to_owned(),
+        logarithmic: false,
+        at_least: vec![0.0, 100.0],
+        curves,
+    };
+    chart(&all, title)
+}

@@ -1,0 +1,104 @@
+"""Surfaces measured by their geometry: what ``papilio gonio`` writes."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _messages, _papilio, _toml
+from ._arguments import described
+from .errors import ArgumentError
+from .scenario import _checked_path
+from .spatial import _Written
+
+__all__ = ["Surface", "gonio"]
+
+
+class Surface(_Written):
+    """A surface measured by its geometry: the output of ``papilio gonio``.
+
+    By rays: ``found["theta_deg"]``, shape [inclination], are the inclinations of the light, and ``found["reflected"]``,
+    ``found["transmitted"]`` and the other columns of ``totals.csv``, with their standard errors ``found["reflected_error"]``, have the shape
+    [side, inclination]; sides are above, below. ``found["scattered"]`` and the other arrays of ``face.npz`` are the kernel, shape
+    [band of arrival, band of departure, azimuth]. By waves: ``found["wavelength_nm"]``, ``found["straight"]``, ``found["mirror"]``, ``found["haze"]``
+    and their errors have the shape [wavelength]; "haze_closed_form" is NaN without one. Arrays are read-only. It can be copied and pickled.
+    """
+
+    def __init__(
+        self, text: str, totals: bytes | None, face: bytes | None, figures: list[tuple[str, str]], title: str, notes: list[str]
+    ) -> None:
+        super().__init__(text, {}, figures, title, [], notes)
+        self._face = face
+        arrays: dict[str, NDArray[Any]] = {}
+        if totals is not None and face is not None:
+            arrays |= _by_inclination(totals)
+            with np.load(io.BytesIO(face), allow_pickle=False) as kernel:
+                # Those of one number or text are in ``data``.
+                arrays |= {name: kernel[name] for name in kernel.files if name not in ("format", "hash", "index")}
+        if self.data["waves"]:
+            rows = self.data["waves"]
+            arrays |= {name: np.array([row[name] for row in rows], float) for name in rows[0]}
+        for one in arrays.values():
+            one.flags.writeable = False
+        self._arrays = arrays
+
+    def face(self) -> bytes | None:
+        """Returns the content of ``face.npz``, a layer of a display (key ``file``); None without rays."""
+        return self._face
+
+    def __repr__(self) -> str:
+        roads = [name for name, there in (("rays", self._face is not None), ("waves", bool(self.data["waves"]))) if there]
+        return f"<papilio.Surface {self.title!r}: by {' and '.join(roads)}>"
+
+
+def gonio(
+    surface: str | PathLike[str], *, set: Mapping[str, Any] | None = None, preview: bool = False
+) -> Surface:
+    """Measures a surface by its geometry: the output of ``papilio gonio``.
+
+    Args:
+        surface: path of a file with the table ``[microgeometry]``.
+        set: values to set first, ``{key: value}`` with keys such as "microgeometry.rms_nm".
+        preview: whether to follow a ninth of the rays.
+
+    Returns:
+        Reflected and transmitted light, the kernel, and what waves do, by name.
+
+    Raises:
+        ScenarioError: for mistakes in the file, with their places.
+        ArgumentError: if the surface cannot be measured, or its rays contradict reciprocity or the conservation of energy.
+        KeyboardInterrupt: on Ctrl-C.
+
+    Example:
+        >>> found = papilio.gonio("surfaces/hemispheres.toml", set={"microgeometry.rays": 640})
+        >>> found["transmitted"].shape == (2, found["theta_deg"].size)
+        True
+        >>> bool((found["reflected"] + found["transmitted"] < 1 + 1e-9).all())
+        True
+    """
+    path = _checked_path("surface", surface)
+    if set is not None and not isinstance(set, Mapping):
+        raise ArgumentError(f"set: expected a dict of paths and values, not {described(set)}")
+    if not isinstance(preview, bool):
+        raise ArgumentError(f"preview: expected True or False, not {described(preview)}")
+    overrides = [f"{key}={_toml.inline(_toml.plain(value, str(key)))}" for key, value in (set or {}).items()]
+    core = _papilio.Surface(path, overrides, preview, Path(path).name)
+    found = Surface(core.json(), core.totals(), core.face(), core.figures(), core.title, core.notes())
+    _messages.warn(found.warnings)
+    return found
+
+
+def _by_inclination(totals: bytes) -> dict[str, NDArray[Any]]:
+    """Returns the columns of ``totals.csv``, shape [side, inclination]."""
+    head, *lines = totals.decode().splitlines()
+    names = head.split(",")[1:]
+    # Its lines are those of light from above, then those of light from below.
+    values = np.array([line.split(",")[1:] for line in lines], float).reshape(2, -1, len(names))
+    columns = {name: values[:, :, column].copy() for column, name in enumerate(names)}
+    return columns | {"theta_deg": columns["theta_deg"][0].copy()}

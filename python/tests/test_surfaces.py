@@ -1,0 +1,57 @@
+"""Measured surfaces are those of the program."""
+
+import copy
+import io
+import pickle
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import papilio
+import pytest
+from conftest import ROOT
+
+SURFACES = ROOT / "surfaces"
+FEW = {"microgeometry.rays": 640, "microgeometry.rms_nm": 300.0, "microgeometry.road": "both"}
+
+
+def test_surface_is_that_of_the_program(program: Path, tmp_path: Path) -> None:
+    found = papilio.gonio(SURFACES / "etched.toml", set=FEW)
+    keys = ("microgeometry.rays=640", "microgeometry.rms_nm=300.0", 'microgeometry.road="both"')
+    command = [program, "gonio", str(SURFACES / "etched.toml"), "--out", str(tmp_path)]
+    subprocess.run(command + [word for key in keys for word in ("--set", key)], capture_output=True, check=True)
+    assert found.to_json() == (tmp_path / "audit.json").read_text()
+    assert found.face() == (tmp_path / "face.npz").read_bytes()
+    lines = (tmp_path / "totals.csv").read_text().splitlines()
+    column = lines[0].split(",").index("transmitted")
+    assert [float(line.split(",")[column]) for line in lines[1:]] == found["transmitted"].reshape(-1).tolist()
+    for name, figure in found.figures().items():
+        assert figure.svg == (tmp_path / f"{name}.svg").read_text()
+    assert list(found.figures()) == ["totals", "psd", "cutoff", "waves"]
+    with np.load(io.BytesIO(found.face())) as kernel:
+        assert np.array_equal(found["scattered"], kernel["scattered"])
+    assert found["haze"].shape == found["wavelength_nm"].shape == (7,) and np.all((found["haze"] > 0) & (found["haze"] < 1))
+    again = pickle.loads(pickle.dumps(copy.copy(found)))
+    assert again.to_json() == found.to_json() and np.array_equal(again["reflected"], found["reflected"])
+
+
+def test_preview_has_a_ninth_of_the_rays() -> None:
+    rays = [papilio.gonio(SURFACES / "hemispheres.toml", set={"microgeometry.rays": 5760}, preview=short).data["rays"] for short in (False, True)]
+    assert rays[0] == 9 * rays[1]
+
+
+def test_waves_alone_have_no_kernel() -> None:
+    found = papilio.gonio(SURFACES / "hazy.toml", set={"microgeometry.wavelength_nm": [550]})
+    assert found.face() is None and "transmitted" not in found and found["haze"].shape == (1,)
+    assert repr(found) == "<papilio.Surface 'Exponential face with the haze of H78': by waves>"
+
+
+def test_mistakes_are_named(scenarios: Path) -> None:
+    with pytest.raises(papilio.ScenarioError, match="this is the scenario of a display, not a surface"):
+        papilio.gonio(scenarios / "indoor.toml")
+    with pytest.raises(papilio.ScenarioError, match="microgeometry.rms_nm"):
+        papilio.gonio(SURFACES / "etched.toml", set={"microgeometry.rms_nm": -1})
+    with pytest.raises(papilio.ArgumentError, match="set: expected a dict"):
+        papilio.gonio(SURFACES / "etched.toml", set=["microgeometry.rays=640"])  # type: ignore[arg-type]
+    with pytest.raises(papilio.ArgumentError, match="preview: expected True or False"):
+        papilio.gonio(SURFACES / "etched.toml", preview=9)  # type: ignore[arg-type]
