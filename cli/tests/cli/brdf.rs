@@ -161,7 +161,10 @@ fn mistakes_in_options_are_reported_before_anything_is_computed() {
 #[test]
 fn a_display_without_scattering_has_no_haze() {
     let folder = tempfile::tempdir().unwrap();
-    let output = brdf("antiglare", folder.path(), &[]);
+    let mut command = papilio();
+    command.arg("brdf").arg(scenario("antiglare")).arg("--out").arg(folder.path());
+    // With this grid of wavelengths, the sum of the light differs from the mirror component in the last digit.
+    let output = command.args(["--step", "15", "--set", "spectrum.step_nm=40"]).output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(!fs::read_to_string(folder.path().join("reflection.csv")).unwrap().contains('-'));
 }
