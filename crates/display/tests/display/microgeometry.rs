@@ -98,7 +98,7 @@ fn a_flat_face_is_that_of_fresnel() {
 
 /// An etched face of rms slope 0.05 sqrt(2) is roughness of alpha = 2 rms/correlation = 0.1, but for the bands of 2.5 deg, by which its kernel
 /// widens lobes: in diffuse light within 1 % (its heights are correlated, those of roughness are not), on the flank of
-/// the mirror image of a lamp within 8 %.
+/// the mirror image of a lamp within 8 % (5.6 % at 60 deg; with bands half as wide, 1.2 %, by Monte Carlo within 0.2 %).
 #[test]
 fn an_etched_face_is_roughness() {
     let etched = face("surface = \"etched.toml\"\nrays = 6400");
