@@ -97,6 +97,38 @@ fn closed_form_is_linear_in_distance() {
     assert!(pupil[1] < 0.9 * pinhole[1], "{pupil:?} {pinhole:?}");
 }
 
+/// Below a surface with Gaussian heights, the face is that of the surface: slope sqrt(2) rms/l along an axis; as a table [sparkle] would describe it.
+#[test]
+fn the_face_of_a_surface_is_its_antiglare_face() {
+    let run = |more: &[&str]| -> serde_json::Value {
+        let sets = [
+            "display.layers.0.rays=640",
+            "display.layers.0.correlation_um=40",
+            "display.matrix.ppi=300",
+            "lighting.directed.0.radius_deg=2",
+            "viewer.theta_deg=0",
+        ];
+        let mut command = papilio();
+        command.arg("sparkle").arg(scenario("etched-face")).arg("--json");
+        command.args(sets.iter().chain(more).flat_map(|set| ["--set", set]));
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let file: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        file["rows"][0].clone()
+    };
+    let of_surface = run(&["sparkle.replicates=4"]);
+    assert_eq!(of_surface["correlation_um"], 40.0);
+    assert!((of_surface["slope_rms"].as_f64().unwrap() - 0.0125 * 2_f64.sqrt()).abs() < 1e-12);
+    let of_table = run(&["sparkle={ replicates = 4, slope_rms = 0.0176776695296637, correlation_um = 40 }"]);
+    let number = |row: &serde_json::Value, name: &str| row[name].as_f64().unwrap();
+    for name in ["ppd", "ppd_matrix", "ppd_lamp", "gap_mm"] {
+        let [a, b] = [&of_surface, &of_table].map(|row| number(row, name));
+        assert!((a - b).abs() < 1e-9, "{name}: {a} {b}");
+    }
+    let rougher = run(&["sparkle.replicates=4", "display.layers.0.rms_nm=1000"]);
+    assert!((number(&rougher, "slope_rms") / number(&of_surface, "slope_rms") - 2.0).abs() < 1e-9);
+}
+
 #[test]
 fn incomplete_scenarios_are_refused_with_their_place() {
     for (sets, expected) in [

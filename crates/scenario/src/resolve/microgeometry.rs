@@ -1,6 +1,6 @@
 //! `model = "microgeometry"`: a face by its geometry, read from a file or measured by rays.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 use std::sync::{Mutex, PoisonError};
 
 use papilio_diagnostics::Diagnostic;
@@ -13,7 +13,7 @@ use papilio_microgeometry::{
 use papilio_optics::lobe::{BalancedLobe, FaceLight};
 use papilio_spectra::Spectrum;
 
-use super::Resolver;
+use super::{GaussianFace, Resolver};
 use crate::describe::diffuser::FaceOfSurface;
 use crate::library::Library;
 use crate::origin::Origin;
@@ -58,6 +58,13 @@ impl Resolver<'_> {
             }
             (None, Some(name)) => {
                 let surface = self.surface(path, face, name, index)?;
+                if let Surface::Random(random) = &surface.surface
+                    && let &Heights::Gaussian { rms_um, correlation_um } = random.spectrum()
+                {
+                    let slope_rms = SQRT_2 * rms_um / correlation_um;
+                    let heights = GaussianFace { origin: face.origin, slope_rms, correlation_um };
+                    self.gaussian_faces.push((path.to_owned(), heights));
+                }
                 if !surface.by_rays {
                     return self.by_waves(face, &surface, index);
                 }

@@ -98,8 +98,21 @@ struct Resolver<'a> {
     unbounded: Vec<unbounded::Unbounded>,
     /// Whether a diffuser that loses light has no described reflection.
     reflects_nothing: bool,
+    /// Surfaces by their geometry that have Gaussian heights, by the key of their layer.
+    gaussian_faces: Vec<(String, GaussianFace)>,
     /// Whether the display has a matrix, and lengths have a purpose besides absorption.
     has_matrix: bool,
+}
+
+/// A face with Gaussian heights of the correlation exp(-r²/l²), between two layers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct GaussianFace {
+    /// Place in the file.
+    origin: Origin,
+    /// Root mean square slope along one axis.
+    slope_rms: f64,
+    /// The length l, um.
+    correlation_um: f64,
 }
 
 /// Which picture is requested.
@@ -152,6 +165,7 @@ impl<'a> Resolver<'a> {
             inputs: BTreeMap::new(),
             maps: Vec::new(),
             unbounded: Vec::new(),
+            gaussian_faces: Vec::new(),
             reflects_nothing: false,
             has_matrix: false,
         })

@@ -5,7 +5,7 @@ use papilio_display::scene::{self, Interface, Layers, Ready, Scene};
 use papilio_display::spatial::Antiglare;
 use papilio_optics::RandomFace;
 
-use super::Resolver;
+use super::{GaussianFace, Resolver};
 use crate::describe::File;
 use crate::describe::layers::{Layer, Rough, Slopes};
 use crate::describe::sparkle::{CorrelationLengths, FaceGaps, Sparkle};
@@ -18,12 +18,12 @@ use crate::tree::Node;
 const INDEX_NM: f64 = 555.0;
 
 impl Resolver<'_> {
-    /// Resolves the antiglare face: that of `[sparkle]`, or a rough layer whose correlation length is known; `None` if neither is
-    /// described.
+    /// Resolves the antiglare face: that of `[sparkle]`, or a layer with Gaussian heights whose correlation length is known; `None` if
+    /// neither is described.
     pub(super) fn sparkle(&mut self, file: &File, scene: &Scene) -> Option<Antiglare> {
-        let rough = self.rough_face(file, scene);
+        let face = self.known_face(file, scene);
         let table = file.sparkle.value.as_ref();
-        if table.is_none() && rough.is_none() {
+        if table.is_none() && face.is_none() {
             return None;
         }
         let defaults;
@@ -41,10 +41,10 @@ impl Resolver<'_> {
             Some(FaceGaps::One(gap)) => vec![gap.0],
             Some(FaceGaps::List(list)) => self.listed(list, |gap| gap.0, table.gap_mm.origin)?,
         };
-        let (slope_rms, correlation_um, layer) = match rough {
-            Some((rough, layer)) if !own => {
-                let alone = rough.correlation_um.value.as_ref().map(|length| vec![length.0]);
-                (rough.alpha.0 / std::f64::consts::SQRT_2, self.correlation(table)?.or(alone)?, layer)
+        let (slope_rms, correlation_um, layer) = match face {
+            Some((face, layer)) if !own => {
+                let lengths = self.correlation(table)?.unwrap_or_else(|| vec![face.correlation_um]);
+                (face.slope_rms, lengths, layer)
             }
             _ => {
                 let slope_rms = self.slope(table, at, scene)?;
@@ -117,23 +117,51 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the rough layer whose correlation length is known, with the number of its layer in the scene.
-    fn rough_face<'f>(&mut self, file: &'f File, scene: &Scene) -> Option<(&'f Rough, usize)> {
+    /// Returns the layer with Gaussian heights whose correlation length is known, with its number in the scene: a rough one, or a surface by
+    /// its geometry.
+    fn known_face(&mut self, file: &File, scene: &Scene) -> Option<(GaussianFace, usize)> {
         let Layers::General(resolved) = &scene.display.layers else { return None };
         let layers: &[Spanned<Layer>] = file.display.value.layers.value.as_deref()?;
-        let known = |layer: &'f Spanned<Layer>| -> Option<&'f Rough> {
-            match &layer.value {
-                Layer::Rough(rough) if rough.correlation_um.value.is_some() => Some(rough),
+        let mut found = Vec::new();
+        for (number, layer) in layers.iter().enumerate() {
+            let face = match &layer.value {
+                Layer::Rough(rough) => self.rough_face(rough)?,
+                Layer::Diffuser(_) => {
+                    let key = format!("display.layers.{number}");
+                    self.gaussian_faces.iter().find(|(of, _)| *of == key).map(|(_, face)| *face)
+                }
                 _ => None,
-            }
-        };
-        let mut faces = layers.iter().enumerate().filter_map(|(number, layer)| Some((number, known(layer)?)));
-        let (number, rough) = faces.next()?;
-        if let Some((_, second)) = faces.next() {
-            let wrong = Diagnostic::new("more than one rough layer has a `correlation_um`");
-            self.err(&second.correlation_um, wrong.hint("sparkle is that of one face: remove one of them"));
+            };
+            found.extend(face.map(|face| (number, face)));
+        }
+        if let [_, (_, second), ..] = found[..] {
+            let wrong = Diagnostic::new("more than one face has heights with a known correlation length");
+            self.errors.push(second.origin, wrong.hint("sparkle is that of one face: remove one of them"));
             return None;
         }
+        let (number, face) = found.pop()?;
+        // Media without an interface above them have one in the scene: the face is found as the same among those of its kind.
+        let is_rough = matches!(layers[number].value, Layer::Rough(_));
+        let in_file = |layer: &&Spanned<Layer>| match layer.value {
+            Layer::Rough(_) => is_rough,
+            Layer::Diffuser(_) => !is_rough,
+            _ => false,
+        };
+        let in_scene = |layer: &scene::Layer| match &layer.interface {
+            Interface::Rough { .. } | Interface::Ready(Ready::Rough(_)) => is_rough,
+            Interface::Ready(
+                Ready::Diffuser(_) | Ready::Reflecting(_) | Ready::Scatter(_) | Ready::Wave(_),
+            ) => !is_rough,
+            _ => false,
+        };
+        let before = layers[..number].iter().filter(in_file).count();
+        let mut faces = resolved.iter().enumerate().filter(|(_, layer)| in_scene(layer));
+        faces.nth(before).map(|(number, _)| (face, number))
+    }
+
+    /// The face of a rough layer; the inner `None` if its correlation length is not known.
+    fn rough_face(&mut self, rough: &Rough) -> Option<Option<GaussianFace>> {
+        let Some(length) = &rough.correlation_um.value else { return Some(None) };
         if *rough.distribution != Slopes::Beckmann {
             let wrong = Diagnostic::new(
                 "`correlation_um` describes a face with Gaussian heights, whose slopes are not GGX",
@@ -145,13 +173,9 @@ impl Resolver<'_> {
             );
             return None;
         }
-        // Media without an interface above them have one in the scene: the face is found as the same among the rough ones.
-        let before = layers[..number].iter().filter(|layer| matches!(layer.value, Layer::Rough(_))).count();
-        let is_rough = |layer: &scene::Layer| {
-            matches!(layer.interface, Interface::Rough { .. } | Interface::Ready(Ready::Rough(_)))
-        };
-        let mut faces = resolved.iter().enumerate().filter(|(_, layer)| is_rough(layer));
-        faces.nth(before).map(|(number, _)| (rough, number))
+        let slope_rms = rough.alpha.0 / std::f64::consts::SQRT_2;
+        let origin = rough.correlation_um.origin;
+        Some(Some(GaussianFace { origin, slope_rms, correlation_um: length.0 }))
     }
 }
 
