@@ -107,3 +107,18 @@ fn sharpness_is_a_metric_of_sweeps_and_searches() {
     let (output, _) = run("sweep", &["--set", "sweep.metrics=[\"ppd\"]"]);
     assert!(!output.status.success() && stderr(&output).contains("[sparkle]"), "{}", stderr(&output));
 }
+
+/// A face by waves has twenty lobes at each wavelength: sharpness below it is left to Monte Carlo, at once and with its hint.
+#[test]
+fn sharpness_below_a_face_by_waves_is_left_to_monte_carlo() {
+    let mtf = |solver: &[&str]| {
+        let sets = ["--set", "spectrum.step_nm=100", "--set", "viewer.theta_deg=8", "--json"];
+        papilio().arg("mtf").arg(scenario("hazy-face")).args(sets).args(solver).output().unwrap()
+    };
+    let refused = mtf(&[]);
+    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+    let message = stderr(&refused);
+    assert!(message.contains("faces by waves") && message.contains("monte-carlo"), "{message}");
+    let computed = mtf(&["--solver", "monte-carlo", "--set", "solver.paths=2048"]);
+    assert!(computed.status.success(), "{}", stderr(&computed));
+}

@@ -26,6 +26,9 @@ const ALONG: f64 = 0.95;
 /// Most nodes times orders, positive and negative.
 const MOST_NUMBERS: usize = 1 << 18;
 
+/// Most lobes of light in one way: faces by waves have some twenty, whose orders take minutes.
+const MOST_LOBES: usize = 4;
+
 /// Orders that are dropped, relative to the accuracy of the level.
 const DROPPED: f64 = 0.5;
 
@@ -95,6 +98,9 @@ impl Kernels {
                 None | Some(Action::Regular | Action::Clear { .. }) => {}
                 Some(Action::Kernels(kernels)) if kernels.iter().all(Vec::is_empty) => {}
                 Some(Action::Slab { .. }) => return Err(NotCovered::Slab),
+                Some(Action::Kernels(kernels)) if kernels.iter().any(|lobes| lobes.len() > MOST_LOBES) => {
+                    return Err(NotCovered::Waves);
+                }
                 Some(action @ (Action::Whole { .. } | Action::Kernels(_))) => {
                     elements.push(element);
                     ways.push(action);

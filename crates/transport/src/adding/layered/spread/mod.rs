@@ -20,8 +20,8 @@
 //!   light of each kind of pixel.
 //!
 //! # Limits
-//! Interfaces that scatter, and clear or absorbing media. Media that scatter and pixels with kernels of their own are left to Monte
-//! Carlo.
+//! Interfaces that scatter, and clear or absorbing media. Media that scatter, faces by waves and pixels with kernels of their own are left
+//! to Monte Carlo.
 
 mod chain;
 mod crossing;
@@ -72,6 +72,8 @@ const RETURNED: f64 = 1e-6;
 pub enum NotCovered {
     /// A medium scatters.
     Slab,
+    /// A face scatters each wavelength by lobes of its own, too many for all frequencies of a pattern.
+    Waves,
     /// The pixel scatters by kernels.
     Pixel,
     /// There are too many directions and orders.
@@ -97,6 +99,7 @@ impl std::fmt::Display for NotCovered {
                 "mirror-like pixels that light meets more than a hundred times below general layers"
             }
             Self::Slab => "layers that scatter in their volume",
+            Self::Waves => "faces by waves, whose lobes depend on the wavelength",
             Self::Pixel => "pixels that scatter by a measured kernel",
             Self::TooMany => {
                 "scatterers this narrow, or lights of so many directions, between general layers"
