@@ -15,7 +15,7 @@ use crate::{Failure, report};
 /// Explains the missing face.
 const NO_FACE: &str = "the scenario describes no antiglare face: the table [sparkle] is missing\n  \
     = note: expected slope_rms or haze of the face, and its correlation_um; or a rough layer with distribution = \"beckmann\" and \
-    correlation_um; or a layer with surface = \"gaussian\" in the file of its geometry\n  \
+    correlation_um; or a single layer with surface = \"gaussian\" in the file of its geometry\n  \
     = help: for example --set sparkle.haze=0.05 --set sparkle.correlation_um=[8,15,30]; a gloss number determines neither";
 
 pub(crate) fn sparkle(arguments: &SpatialCommand) -> Result<(), Failure> {

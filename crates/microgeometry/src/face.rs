@@ -5,8 +5,8 @@
 
 use papilio_optics::scatter::{RingKernel, Rings, Scatter};
 
+use crate::balance::balance;
 use crate::bands::{AZIMUTHS, Bands};
-use crate::kernel::balanced;
 use crate::{Kernel, MicrogeometryError, Side};
 
 /// Light of a band, as a fraction of it, that counts as rounding: kernels are balanced to it.
@@ -99,7 +99,7 @@ impl FaceTable {
         let regular = self.regular_reflected.iter().zip(&self.regular_transmitted);
         let wanted: Vec<f64> =
             weights.iter().zip(regular).map(|(w, (r, t))| w * (1.0 - r - t).max(0.0)).collect();
-        balanced(&mut light, &wanted);
+        balance(&mut light, &wanted);
         let block = |from: Side, to: Side| {
             let rows = bands.of(from).flat_map(|i| {
                 let weight = weights[i];

@@ -3,8 +3,9 @@
 //! **Laws.** Light of a band fills its directions uniformly, so that the light M that goes from band a to band b, per étendue, is that which goes
 //! from b to a (reciprocity, at each difference of azimuths), and uniform light stays uniform (conservation of energy). Rays know neither law:
 //! how well they obey is the test of the tracer. Then the mean of both ways, weighted by their variances, makes the kernel reciprocal, and a
-//! factor for each band balances the light (Sinkhorn and Knopp 1967, in its symmetric form).
+//! factor for each band balances the light ([`crate::balance`]).
 
+use crate::balance::balance;
 use crate::bands::{AZIMUTHS, Bands};
 use crate::goniometer::{Measured, Replicate};
 use crate::{MicrogeometryError, REPLICATES};
@@ -14,9 +15,6 @@ const MOST_Z: f64 = 3.0;
 
 /// Relative error of light up to which it is compared with that of the reverse way.
 const KNOWN: f64 = 0.3;
-
-/// Rounds of balancing.
-const ROUNDS: usize = 200;
 
 /// Share of the light whose patches count for the error of the kernel.
 const MOST_OF_LIGHT: f64 = 0.99;
@@ -174,7 +172,7 @@ impl Kernel {
                 area[band] * (kept - self.regular_reflected[band] - self.regular_transmitted[band]).max(0.0)
             })
             .collect();
-        balanced(&mut self.scattered, &wanted);
+        balance(&mut self.scattered, &wanted);
         // Where nothing is scattered, the mean of both ways of regular transmission leaves the rest to the reflection.
         for (band, row) in self.scattered.chunks_exact(count * AZIMUTHS).enumerate() {
             if row.iter().all(|light| *light == 0.0) {
@@ -221,26 +219,6 @@ impl Kernel {
     /// Number of azimuths between 0 and 180 deg.
     pub fn azimuths(&self) -> usize {
         AZIMUTHS
-    }
-}
-
-/// Scales symmetric light between bands, `[from][to][azimuth]`, by a factor for each band, until that of each band is what is wanted.
-pub(crate) fn balanced(light: &mut [f64], wanted: &[f64]) {
-    let row = wanted.len() * AZIMUTHS;
-    for _ in 0..ROUNDS {
-        let factor = |(row, wanted): (&[f64], &f64)| {
-            let sum: f64 = row.iter().sum();
-            if sum > 0.0 { (wanted / sum).sqrt() } else { 1.0 }
-        };
-        let factors: Vec<f64> = light.chunks_exact(row).zip(wanted).map(factor).collect();
-        for (from, row) in light.chunks_exact_mut(row).enumerate() {
-            for (to, cells) in row.chunks_exact_mut(AZIMUTHS).enumerate() {
-                cells.iter_mut().for_each(|light| *light *= factors[from] * factors[to]);
-            }
-        }
-        if factors.iter().all(|factor| (factor - 1.0).abs() < 1e-13) {
-            break;
-        }
     }
 }
 

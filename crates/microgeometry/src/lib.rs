@@ -4,6 +4,7 @@
 //! ([`Waves`]). Lengths are in micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
 //! [`Coating`] is what lies on the facets.
 
+mod balance;
 mod bands;
 mod caps;
 mod coating;

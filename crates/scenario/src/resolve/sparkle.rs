@@ -117,29 +117,33 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the layer with Gaussian heights whose correlation length is known, with its number in the scene: a rough one, or a surface by
-    /// its geometry.
+    /// Returns the layer with Gaussian heights whose correlation length is known, with its number in the scene: a rough one with
+    /// `correlation_um`, or else the only surface by its geometry.
     fn known_face(&mut self, file: &File, scene: &Scene) -> Option<(GaussianFace, usize)> {
         let Layers::General(resolved) = &scene.display.layers else { return None };
         let layers: &[Spanned<Layer>] = file.display.value.layers.value.as_deref()?;
-        let mut found = Vec::new();
+        let (mut rough, mut surfaces) = (Vec::new(), Vec::new());
         for (number, layer) in layers.iter().enumerate() {
-            let face = match &layer.value {
-                Layer::Rough(rough) => self.rough_face(rough)?,
+            match &layer.value {
+                Layer::Rough(one) => rough.extend(self.rough_face(one)?.map(|face| (number, face))),
                 Layer::Diffuser(_) => {
                     let key = format!("display.layers.{number}");
-                    self.gaussian_faces.iter().find(|(of, _)| *of == key).map(|(_, face)| *face)
+                    let face = self.gaussian_faces.iter().find(|(of, _)| *of == key);
+                    surfaces.extend(face.map(|(_, face)| (number, *face)));
                 }
-                _ => None,
-            };
-            found.extend(face.map(|face| (number, face)));
+                _ => {}
+            }
         }
-        if let [_, (_, second), ..] = found[..] {
-            let wrong = Diagnostic::new("more than one face has heights with a known correlation length");
+        if let [_, (_, second), ..] = rough[..] {
+            let wrong = Diagnostic::new("more than one rough layer has a `correlation_um`");
             self.errors.push(second.origin, wrong.hint("sparkle is that of one face: remove one of them"));
             return None;
         }
-        let (number, face) = found.pop()?;
+        // Surfaces by their geometry have a correlation length whether or not anybody asks for sparkle: of several, none is preferred.
+        let (number, face) = match (&rough[..], &surfaces[..]) {
+            ([one], _) | ([], [one]) => *one,
+            _ => return None,
+        };
         // Media without an interface above them have one in the scene: the face is found as the same among those of its kind.
         let is_rough = matches!(layers[number].value, Layer::Rough(_));
         let in_file = |layer: &&Spanned<Layer>| match layer.value {

@@ -307,6 +307,29 @@ fn faces_are_layers_between_known_media() {
     }
 }
 
+/// A display may have several faces with Gaussian heights: none of them is the antiglare face then; a single one is.
+#[test]
+fn several_gaussian_faces_are_no_antiglare_face() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../surfaces");
+    let face = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\nsurface = \"etched.toml\"\nrays = 64\n";
+    let medium = |index: f64| format!("[[display.layers]]\nkind = \"medium\"\nindex = {index}\n");
+    let rest = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.5, black = 0.1 }\n[lighting]\n\
+                illuminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1\n";
+    let sparkle = |layers: String, more: &str| {
+        let text = format!("{layers}{rest}{more}");
+        let scenario = papilio_scenario::Scenario::from_text(&text, "d.toml", &folder, &[]);
+        scenario.and_then(|scenario| scenario.resolve()).map(|found| found.sparkle)
+    };
+    let one = format!("{face}{}", medium(1.5));
+    let two = format!("{one}{face}{}", medium(1.3));
+    assert_eq!(sparkle(one, "").unwrap().unwrap().correlation_mm, [0.01]);
+    assert_eq!(sparkle(two.clone(), "").unwrap(), None);
+    let own = sparkle(two.clone(), "[sparkle]\nslope_rms = 0.03\ncorrelation_um = 8\n").unwrap().unwrap();
+    assert_eq!((own.slope_rms, own.layer), (0.03, 0));
+    let message = sparkle(two, "[sparkle]\nreplicates = 4\n").unwrap_err().to_string();
+    assert!(message.contains("the key `slope_rms` is missing"), "{message}");
+}
+
 /// The road, and the wavelengths of waves.
 #[test]
 fn surfaces_are_measured_by_rays_or_waves() {
