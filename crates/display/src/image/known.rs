@@ -1,6 +1,9 @@
 //! Pictures in single lights that are known already: another mixture of lights needs no computation.
 
+use std::sync::Arc;
+
 use papilio_colour::Observer;
+use papilio_fourier::StatePicture;
 
 use super::ImageSettings;
 use super::held::{HeldPicture, Lit};
@@ -20,6 +23,8 @@ const MOST: usize = 8;
 pub struct KnownLights {
     /// The picture to which the lights belong.
     picture: Option<HeldPicture>,
+    /// The transform of the picture.
+    transform: Option<Arc<StatePicture>>,
     lights: Vec<KnownLight>,
 }
 
@@ -48,7 +53,7 @@ impl KnownLights {
         control: &Control<'_>,
     ) -> Result<Vec<(f64, &KnownLight)>, DisplayError> {
         if self.picture.as_ref() != Some(picture) {
-            *self = Self { picture: Some(picture.clone()), lights: Vec::new() };
+            *self = Self { picture: Some(picture.clone()), ..Self::default() };
         }
         let wanted: Vec<(Scene, f64)> = alone.iter().map(Alone::with_unit_illuminance).collect();
         let missing = alone.iter().zip(&wanted).filter(|(_, (of, _))| self.position(of).is_none());
@@ -61,7 +66,8 @@ impl KnownLights {
                 missing.iter().zip(&lit).map(|((one, _), lit)| (&one.scene, &lit.palette)).collect();
             let several = Several { missed: FEW, without_lamps: true, by_paths: false };
             let shown = Picture { size: picture.size, states: &picture.states, wholes: &[] };
-            let layers = Layers::new(&scenes, shown, picture.surround, several, control)?;
+            let layers =
+                Layers::new(&scenes, shown, picture.surround, several, &mut self.transform, control)?;
             let found: Vec<KnownLight> = missing
                 .iter()
                 .zip(&lit)

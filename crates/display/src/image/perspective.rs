@@ -104,7 +104,7 @@ impl Eye {
         let lit: Vec<_> = known.iter().map(|page| (&page.scene, &page.lit.palette)).collect();
         let several = Several { missed: CLOSE, without_lamps: true, by_paths: true };
         let Picture { size, states, .. } = picture;
-        let layers = Layers::new(&lit, picture, settings.surround, several, control)?;
+        let layers = Layers::new(&lit, picture, settings.surround, several, &mut None, control)?;
         stopped(control)?;
         let shares = [0, 1].map(|k| {
             let polynomials = Polynomials::new(counts[k]);

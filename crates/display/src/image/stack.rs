@@ -3,6 +3,9 @@
 //! What is seen of the states of a picture is linear in the colours and kernels of light and view. Those of many scenes that share
 //! their display are therefore mixtures of a few ([`Shapes`]), and so are their pictures: only these few are computed.
 
+use std::sync::Arc;
+
+use papilio_fourier::StatePicture;
 use papilio_transport::spatial::Shapes;
 
 use crate::DisplayError;
@@ -45,7 +48,7 @@ pub(super) struct Several {
 }
 
 /// Light that is missed where the error shall be negligible.
-pub(super) const FEW: f64 = 1e-5;
+pub(super) const FEW: f64 = 1e-4;
 
 impl Several {
     /// One scene, as it is.
@@ -84,17 +87,19 @@ pub(super) fn seen(
     surround: PictureSurround,
     control: &Control<'_>,
 ) -> Result<Seen, DisplayError> {
-    let layers = Layers::new(&[(scene, palette)], picture, surround, Several::ONE, control)?;
+    let layers = Layers::new(&[(scene, palette)], picture, surround, Several::ONE, &mut None, control)?;
     layers.seen_in_each().pop().ok_or(DisplayError::NoWhite { what: "a picture" })
 }
 
 impl Layers {
-    /// Prepares scenes, each with the colours of pages, for a picture of the states of a palette.
+    /// Prepares scenes, each with the colours of pages, for a picture of the states of a palette. What `known` has of the transform of the picture
+    /// is not computed again.
     pub(super) fn new(
         lit: &[(&Scene, &Palette)],
         Picture { size, states, wholes }: Picture<'_>,
         surround: PictureSurround,
         several: Several,
+        known: &mut Option<Arc<StatePicture>>,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
         let (scene, palette) = lit.first().ok_or(DisplayError::NoWhite { what: "a picture" })?;
@@ -107,17 +112,17 @@ impl Layers {
             pages.push(colours_of_pages(scene, palette, several.without_lamps)?);
         }
         let mut error = lit.iter().map(|(_, palette)| palette.error()).fold(0.0, f64::max);
-        let blurred = |blur: Blur, error: &mut f64| {
+        let mut blurred = |blur: Blur, error: &mut f64| {
             let blur = blur.with_wholes(wholes);
             let mut shown = vec![0.0; names.len()];
             states.iter().for_each(|state| shown[usize::from(*state)] += 1.0 / states.len() as f64);
             *error += blur.error(&shown);
             let rows = blur.rows(&pages, &shown);
-            let picture = blur.picture(&states, size[0], surround);
+            let picture = blur.picture(&states, size[0], surround, known);
             (Kind::Diffuser(Box::new((blur, picture))), rows)
         };
         let Several { without_lamps, .. } = several;
-        let by_paths = |error: &mut f64| {
+        let mut by_paths = |error: &mut f64| {
             let found = match several.by_paths {
                 true => Blur::by_paths(&scenes, &pages, without_lamps, control)?,
                 false => None,
@@ -147,13 +152,16 @@ impl Layers {
         } else {
             by_paths(&mut error)?
         };
-        // The numbers of a row belong to X, Y, Z and to all states; a pixel has one of them at each place.
-        let apart = (3 * names.len()) as f64;
-        let Shapes { shapes, mixtures, missed } = Shapes::of(&rows, apart * several.missed);
-        if scenes.len() > 1 {
+        let (few, mixtures) = if scenes.len() == 1 {
+            (rows, vec![vec![1.0]])
+        } else {
+            // The numbers of a row belong to X, Y, Z and to all states; a pixel has one of them at each place.
+            let apart = (3 * names.len()) as f64;
+            let Shapes { shapes, mixtures, missed } = Shapes::of(&rows, apart * several.missed);
             error += missed / apart;
-        }
-        Ok(Self { kind, columns: size[0], states, few: shapes, mixtures, error })
+            (shapes, mixtures)
+        };
+        Ok(Self { kind, columns: size[0], states, few, mixtures, error })
     }
 
     /// Weights of these pictures, for each scene.
@@ -172,14 +180,14 @@ impl Layers {
     }
 
     /// Computes the pictures one by one, each with its number: X, Y and Z of each pixel, rows from the top.
-    pub(super) fn each(&self, mut found: impl FnMut(usize, &[[f32; 3]])) {
+    pub(super) fn each(&self, mut found: impl FnMut(usize, Vec<[f32; 3]>)) {
         match &self.kind {
             Kind::Pages => {
                 for (number, row) in self.few.iter().enumerate() {
                     let colours: Vec<[f32; 3]> =
                         row.as_chunks().0.iter().map(|one| one.map(single)).collect();
                     let pixels = self.states.iter().map(|state| colours[usize::from(*state)]);
-                    found(number, &pixels.collect::<Vec<_>>());
+                    found(number, pixels.collect());
                 }
             }
             Kind::Diffuser(blurred) => {
@@ -187,7 +195,7 @@ impl Layers {
                 // Two planes are transformed at once: two pictures have three pairs.
                 for (pair, rows) in self.few.chunks(2).enumerate() {
                     for (more, pixels) in blur.seen(picture, rows).into_iter().enumerate() {
-                        found(2 * pair + more, &pixels);
+                        found(2 * pair + more, pixels);
                     }
                 }
             }
@@ -195,7 +203,7 @@ impl Layers {
                 for (number, row) in self.few.iter().enumerate() {
                     let pixels = picture.seen(row);
                     let rows = pixels.chunks_exact(self.columns).rev().flatten().copied();
-                    found(number, &rows.collect::<Vec<_>>());
+                    found(number, rows.collect());
                 }
             }
         }
@@ -203,21 +211,33 @@ impl Layers {
 
     /// Computes the picture of each scene.
     pub(super) fn seen_in_each(&self) -> Vec<Seen> {
-        let black = || Seen {
-            pixels: vec![[0.0; 3]; self.states.len()],
-            error: self.error,
-            neighbours_light: self.have_neighbours_light(),
-        };
-        let mut all: Vec<Seen> = self.mixtures.iter().map(|_| black()).collect();
-        self.each(|number, part| {
-            for (seen, weights) in all.iter_mut().zip(&self.mixtures) {
-                let weight = weights[number] as f32;
-                for (sum, more) in seen.pixels.iter_mut().zip(part) {
-                    (0..3).for_each(|k| sum[k] += weight * more[k]);
+        let mut all: Vec<Vec<[f32; 3]>> = vec![Vec::new(); self.mixtures.len()];
+        self.each(|number, part| match &mut all[..] {
+            // The picture of a single scene is its own only part.
+            [only] => *only = part,
+            all => {
+                for (sums, weights) in all.iter_mut().zip(&self.mixtures) {
+                    add(sums, weights[number] as f32, &part);
                 }
             }
         });
-        all
+        let seen = |pixels: Vec<[f32; 3]>| Seen {
+            pixels,
+            error: self.error,
+            neighbours_light: self.have_neighbours_light(),
+        };
+        all.into_iter().map(seen).collect()
+    }
+}
+
+/// Adds a picture with a weight to a sum, which may still be empty.
+fn add(sums: &mut Vec<[f32; 3]>, weight: f32, part: &[[f32; 3]]) {
+    if sums.is_empty() {
+        *sums = part.iter().map(|pixel| pixel.map(|value| weight * value)).collect();
+        return;
+    }
+    for (sum, more) in sums.as_flattened_mut().iter_mut().zip(part.as_flattened()) {
+        *sum += weight * more;
     }
 }
 

@@ -7,6 +7,8 @@
 //! pictures and wide areas have the colours of pages. Fine detail has the gain of a mixture of its states; the difference is a part of the error.
 //! Light from beyond the reach of the kernels is that of the mean of the picture.
 
+use std::sync::Arc;
+
 use papilio_fourier::{KernelShapes, StatePicture};
 use papilio_transport::spatial::{Peak, PixelSquare, Shapes};
 use papilio_transport::{Panel, Reflector, Stack, Top};
@@ -54,7 +56,7 @@ pub(crate) struct Blur {
 
 /// A picture below a diffuser.
 pub(crate) struct BlurredPicture {
-    picture: StatePicture,
+    picture: Arc<StatePicture>,
     shapes: KernelShapes,
 }
 
@@ -159,14 +161,24 @@ impl Blur {
         self.shapes.shapes.len()
     }
 
-    /// Transforms a picture of states, rows from the top.
-    pub(crate) fn picture(&self, states: &[u8], columns: usize, surround: PictureSurround) -> BlurredPicture {
+    /// Transforms a picture of states, rows from the top, unless it is the one that is `known`; afterwards it is.
+    pub(crate) fn picture(
+        &self,
+        states: &[u8],
+        columns: usize,
+        surround: PictureSurround,
+        known: &mut Option<Arc<StatePicture>>,
+    ) -> BlurredPicture {
         let reach = self.squares.iter().map(PixelSquare::reach).max().unwrap_or(0);
         let margin = match surround {
             PictureSurround::Repeat => [0; 2],
             PictureSurround::BlackMask => [reach; 2],
         };
-        let picture = StatePicture::new(states, columns, self.states, margin);
+        let is_same = |known: &Arc<StatePicture>| known.is_of(states, columns, self.states, margin);
+        let picture = known.take().filter(is_same);
+        let picture =
+            picture.unwrap_or_else(|| Arc::new(StatePicture::new(states, columns, self.states, margin)));
+        *known = Some(Arc::clone(&picture));
         let shapes = picture.shapes(self.shapes(), |shape, add| {
             for (square, light) in self.squares.iter().zip(&self.shapes.shapes[shape]) {
                 let each = light / (square.side * square.side) as f64;
@@ -209,14 +221,8 @@ impl Blur {
             own.map(|(value, light)| if *light > 0.0 { value / light } else { 0.0 }).collect()
         };
         let mixture: Vec<f64> = rows.iter().flat_map(weights).collect();
-        let planes = blurred.picture.seen(&blurred.shapes, &mixture);
-        let colours = |(row, planes): (&Vec<f64>, &[Vec<f32>])| {
-            let far = [0, 1, 2].map(|k| row[row.len() - 3 + k] as f32);
-            let [x, y, z] = [0, 1, 2].map(|k| &planes[k]);
-            let pixels = x.iter().zip(y).zip(z);
-            pixels.map(|((x, y), z)| [x + far[0], y + far[1], z + far[2]]).collect()
-        };
-        rows.iter().zip(planes.chunks_exact(3)).map(colours).collect()
+        let far = |row: &Vec<f64>| [3, 2, 1].map(|back| row[row.len() - back] as f32);
+        blurred.picture.seen(&blurred.shapes, &mixture, &rows.iter().map(far).collect::<Vec<_>>())
     }
 
     /// Largest error of X, Y and Z: what shapes miss, and that of fine detail, where each state has the gain of a mixture of all.

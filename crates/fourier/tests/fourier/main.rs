@@ -82,11 +82,18 @@ fn pictures_of_states_are_convolved_with_the_kernels_of_their_states() {
         let states = StatePicture::new(&picture, columns, 3, margin);
         let shapes =
             states.shapes(3, |shape, add| SHAPES[shape].iter().for_each(|(at, light)| add(*at, *light)));
-        let seen = states.seen(&shapes, &mixture);
-        assert_eq!(seen.len(), 3);
-        for (quantity, plane) in seen.iter().enumerate() {
-            for (at, value) in plane.iter().enumerate() {
-                let mut sum = 0.0;
+        assert!(states.is_of(&picture, columns, 3, margin) && !states.is_of(&picture, columns, 4, margin));
+        let everywhere = [[0.5, -1.0, 2.0], [0.0; 3]];
+        let seen = states.seen(&shapes, &mixture.repeat(2), &everywhere);
+        assert_eq!(seen.len(), 2);
+        for (same, pixel) in seen
+            .iter()
+            .zip(everywhere)
+            .flat_map(|(picture, same)| picture.iter().enumerate().map(move |pixel| (same, pixel)))
+        {
+            let (at, values) = pixel;
+            for (quantity, value) in values.iter().enumerate() {
+                let mut sum = f64::from(same[quantity]);
                 for (shape, [x, y], light) in SHAPES
                     .iter()
                     .enumerate()

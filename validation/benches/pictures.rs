@@ -1,0 +1,103 @@
+//! Pictures, end to end, on one core: `cargo bench -p papilio-validation --bench pictures`.
+//!
+//! `whole` decides the states of a picture and computes what is seen of it, with all differences; `seen` does so for given states, without
+//! reading or writing files. `held` is a picture that the panel holds while light or view change, as the server of the page computes it.
+
+#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use divan::Bencher;
+use papilio_display::image::{HeldPicture, KnownLights, Screen, image};
+use papilio_display::scene::Scene;
+use papilio_display::{Control, Prepared};
+use papilio_scenario::{ImageRequest, Resolved, Scenario};
+use papilio_spectra::{LightSpectrum, Spectrum};
+
+/// As in the program.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+/// The page's preview, and a panel of 10.3 inch.
+const SIZES: [[usize; 2]; 2] = [[936, 702], [1872, 1404]];
+
+fn main() {
+    divan::main();
+}
+
+fn with_picture(name: &str, [columns, rows]: [usize; 2]) -> Resolved {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let edits = [
+        format!("image.file='{}'", folder.join("data/chelsea.png").display()),
+        format!("display.matrix.pixels=[{columns},{rows}]"),
+        "image.fit='cover'".to_owned(),
+        "image.perspective=false".to_owned(),
+    ];
+    let file = folder.join(name).with_extension("toml");
+    Scenario::load(&file, &edits).unwrap().resolve_with_picture().unwrap()
+}
+
+fn on_one_core(stop: &AtomicBool) -> Control<'_> {
+    Control { threads: Some(1), progress: &|_| {}, stop }
+}
+
+/// Shows a picture repeatedly, each time with a larger change of the scene.
+fn held(bencher: Bencher<'_, '_>, size: [usize; 2], change: impl Fn(&mut Scene, f64)) {
+    let mut resolved = with_picture("matrix", size);
+    let ImageRequest { source, settings } = resolved.image.take().unwrap();
+    let scene = resolved.scene;
+    let stop = AtomicBool::new(false);
+    let control = on_one_core(&stop);
+    let picture = HeldPicture::new(&scene, &source, &settings, &control).unwrap();
+    let (mut prepared, mut known) = (Prepared::new(&scene).unwrap(), KnownLights::default());
+    picture.factors_with(&scene, &mut prepared, &mut known, &control).unwrap();
+    let mut times = 0.0;
+    let next = || {
+        let mut next = scene.clone();
+        times += 1.0;
+        change(&mut next, times);
+        next
+    };
+    bencher
+        .with_inputs(next)
+        .bench_local_refs(|scene| picture.factors_with(scene, &mut prepared, &mut known, &control).unwrap());
+}
+
+#[divan::bench(args = SIZES, sample_count = 10)]
+fn held_illuminance(bencher: Bencher<'_, '_>, size: [usize; 2]) {
+    held(bencher, size, |scene, times| scene.lighting.illuminance_lx += times);
+}
+
+#[divan::bench(args = SIZES, sample_count = 10)]
+fn held_lamp(bencher: Bencher<'_, '_>, size: [usize; 2]) {
+    held(bencher, size, |scene, times| scene.lighting.directed[0].theta_deg -= 0.1 * times);
+}
+
+#[divan::bench(args = SIZES, sample_count = 10)]
+fn held_spectrum(bencher: Bencher<'_, '_>, size: [usize; 2]) {
+    held(bencher, size, |scene, times| {
+        let warmer = |light: &LightSpectrum| -> LightSpectrum {
+            let warmer = |(k, value): (usize, &f64)| value * (1.0 + 1e-3 * times * k as f64);
+            Spectrum::from_values(light.iter().enumerate().map(warmer).collect()).into()
+        };
+        scene.lighting.diffuse_spectrum = warmer(&scene.lighting.diffuse_spectrum);
+        scene.lighting.directed[0].spectrum = warmer(&scene.lighting.directed[0].spectrum);
+    });
+}
+
+#[divan::bench(args = SIZES, sample_count = 10)]
+fn held_view(bencher: Bencher<'_, '_>, size: [usize; 2]) {
+    held(bencher, size, |scene, times| scene.viewer.theta_deg[0] += 0.1 * times);
+}
+
+#[divan::bench(args = ["matrix", "six-ink", "reader"], sample_count = 3)]
+fn whole(bencher: Bencher<'_, '_>, name: &str) {
+    let resolved = with_picture(name, SIZES[1]);
+    let request = resolved.image.as_ref().unwrap();
+    let stop = AtomicBool::new(false);
+    bencher.bench_local(|| {
+        let screen = Screen::default();
+        image(&resolved.scene, &request.source, &request.settings, screen, &on_one_core(&stop)).unwrap()
+    });
+}
