@@ -33,12 +33,8 @@ struct Spectrum {
 /// Columns that are transformed together: as many complex numbers as a line of the cache has.
 const COLUMNS: usize = 8;
 
-/// Columns and the opposite ones, each with all rows.
-struct Columns {
-    here: Vec<Complex32>,
-    there: Vec<Complex32>,
-    scratch: Vec<Complex32>,
-}
+/// Rows that are transformed together.
+const ROWS: usize = 32;
 
 impl Transform {
     fn new(count: [usize; 2]) -> Self {
@@ -53,13 +49,6 @@ impl Transform {
         (0..half).step_by(COLUMNS).map(move |first| (first, COLUMNS.min(half - first)))
     }
 
-    fn columns(&self) -> Columns {
-        let rows = self.count[1];
-        let scratch = self.along[1].iter().map(|along| along.get_inplace_scratch_len()).max().unwrap_or(0);
-        let [here, there] = [(); 2].map(|()| vec![Complex32::ZERO; COLUMNS * rows]);
-        Columns { here, there, scratch: vec![Complex32::ZERO; scratch] }
-    }
-
     fn opposite(&self, column: usize) -> usize {
         if column == 0 { 0 } else { self.count[0] - column }
     }
@@ -69,21 +58,23 @@ impl Transform {
         let [width, height] = self.count;
         self.along[0][0].process(&mut rows);
         let mut both = [(); 2].map(|()| Spectrum::zero((width / 2 + 1) * height));
-        let mut columns = self.columns();
+        let mut scratch = vec![Complex32::ZERO; self.along[1][0].get_inplace_scratch_len()];
+        let mut columns = [(); 2].map(|()| vec![Complex32::ZERO; COLUMNS * height]);
         for (first, count) in self.blocks() {
             if numbers.len() < height {
-                columns.here.fill(Complex32::ZERO);
-                columns.there.fill(Complex32::ZERO);
+                columns.iter_mut().for_each(|columns| columns.fill(Complex32::ZERO));
             }
             for (number, row) in numbers.iter().zip(rows.chunks_exact(width)) {
                 for k in 0..count {
-                    columns.here[k * height + number] = row[first + k];
-                    columns.there[k * height + number] = row[self.opposite(first + k)];
+                    columns[0][k * height + number] = row[first + k];
+                    columns[1][k * height + number] = row[self.opposite(first + k)];
                 }
             }
-            columns.transform(&*self.along[1][0], count * height);
+            for columns in &mut columns {
+                self.along[1][0].process_with_scratch(&mut columns[..count * height], &mut scratch);
+            }
             let [one, other] = both.each_mut().map(|one| one.columns_mut(first, count, height));
-            let pairs = columns.here.chunks_exact(height).zip(columns.there.chunks_exact(height));
+            let pairs = columns[0].chunks_exact(height).zip(columns[1].chunks_exact(height));
             for (((here, there), (re, im)), (other_re, other_im)) in pairs.zip(one).zip(other) {
                 for row in 0..height {
                     let (here, there) = (here[row], there[if row == 0 { 0 } else { height - row }]);
@@ -95,48 +86,61 @@ impl Transform {
         both
     }
 
-    /// Computes planes, `[row][column]`, from the spectra of their real and imaginary parts, which `spectra` writes for some of the frequencies
-    /// of a half, those of the real part of each plane before those of the imaginary part.
-    fn inverse(&self, planes: &mut [Vec<Complex32>], mut spectra: impl FnMut(Range<usize>, &mut [Spectrum])) {
+    /// Computes the first `rows` rows of planes, `[column][row]`, from the spectra of their real and imaginary parts, which `spectra` writes for
+    /// some of the frequencies of a half, those of the real part of each plane before those of the imaginary part. `found` is called with
+    /// each row: its number, and its values in all planes.
+    fn inverse(
+        &self,
+        planes: &mut [Vec<Complex32>],
+        rows: usize,
+        mut spectra: impl FnMut(Range<usize>, &mut [Spectrum]),
+        mut found: impl FnMut(usize, &[&[Complex32]]),
+    ) {
         let [width, height] = self.count;
-        let mut columns = self.columns();
+        let [along_rows, along_columns] = [&self.along[0][1], &self.along[1][1]];
+        let length = along_rows.get_inplace_scratch_len().max(along_columns.get_inplace_scratch_len());
+        let mut scratch = vec![Complex32::ZERO; length];
         let mut parts: Vec<Spectrum> =
             planes.iter().flat_map(|_| [(); 2]).map(|()| Spectrum::zero(COLUMNS * height)).collect();
         for (first, count) in self.blocks() {
             spectra(first * height..(first + count) * height, &mut parts);
-            for (plane, parts) in planes.iter_mut().zip(parts.as_chunks().0) {
-                columns.pack(parts, height);
-                columns.transform(&*self.along[1][1], count * height);
-                for (number, row) in plane.chunks_exact_mut(width).enumerate() {
-                    for k in 0..count {
-                        row[self.opposite(first + k)] = columns.there[k * height + number];
-                        row[first + k] = columns.here[k * height + number];
+            for (plane, [real, imaginary]) in planes.iter_mut().zip(parts.as_chunks().0) {
+                let (low, high) = plane.split_at_mut((width / 2 + 1) * height);
+                for k in 0..count {
+                    let all = [&real.re, &real.im, &imaginary.re, &imaginary.im];
+                    let [a, b, c, d] = all.map(|part| &part[k * height..][..height]);
+                    let here = &mut low[(first + k) * height..][..height];
+                    for row in 0..height {
+                        here[row] = Complex32::new(a[row] - d[row], b[row] + c[row]);
                     }
+                    along_columns.process_with_scratch(here, &mut scratch);
+                    // The first column, and the middle one of an even number, are opposite to themselves.
+                    let Some(opposite) = self.opposite(first + k).checked_sub(width / 2 + 1) else {
+                        continue;
+                    };
+                    let there = &mut high[opposite * height..][..height];
+                    for row in 0..height {
+                        there[if row == 0 { 0 } else { height - row }] =
+                            Complex32::new(a[row] + d[row], c[row] - b[row]);
+                    }
+                    along_columns.process_with_scratch(there, &mut scratch);
                 }
             }
         }
-        planes.iter_mut().for_each(|plane| self.along[0][1].process(plane));
-    }
-}
-
-impl Columns {
-    /// Transforms the first `length` numbers of both.
-    fn transform(&mut self, along: &dyn Fft<f32>, length: usize) {
-        for columns in [&mut self.here, &mut self.there] {
-            along.process_with_scratch(&mut columns[..length], &mut self.scratch);
-        }
-    }
-
-    /// Columns of a complex plane from those of its real and its imaginary part.
-    fn pack(&mut self, [real, imaginary]: &[Spectrum; 2], height: usize) {
-        let parts = [&real.re, &real.im, &imaginary.re, &imaginary.im].map(|part| part.chunks_exact(height));
-        let [a, b, c, d] = parts;
-        let columns = self.here.chunks_exact_mut(height).zip(self.there.chunks_exact_mut(height));
-        for ((here, there), (((a, b), c), d)) in columns.zip(a.zip(b).zip(c).zip(d)) {
-            for row in 0..height {
-                here[row] = Complex32::new(a[row] - d[row], b[row] + c[row]);
-                there[if row == 0 { 0 } else { height - row }] =
-                    Complex32::new(a[row] + d[row], c[row] - b[row]);
+        let mut lines = vec![vec![Complex32::ZERO; ROWS * width]; planes.len()];
+        for first in (0..rows).step_by(ROWS) {
+            let count = ROWS.min(rows - first);
+            for (plane, lines) in planes.iter().zip(&mut lines) {
+                for (number, column) in plane.chunks_exact(height).enumerate() {
+                    for (k, value) in column[first..first + count].iter().enumerate() {
+                        lines[k * width + number] = *value;
+                    }
+                }
+                along_rows.process_with_scratch(&mut lines[..count * width], &mut scratch);
+            }
+            for k in 0..count {
+                let row: Vec<&[Complex32]> = lines.iter().map(|lines| &lines[k * width..][..width]).collect();
+                found(first + k, &row);
             }
         }
     }
@@ -242,40 +246,57 @@ impl StatePicture {
         KernelShapes { spectra: (0..count).step_by(2).flat_map(of_pair).take(count).collect() }
     }
 
-    /// Computes pictures of three quantities each. `mixture` has the weight of each shape in the kernel of each state,
-    /// `[picture][quantity][state][shape]`; `everywhere` is added to all pixels of a picture.
+    /// Computes pictures of three quantities each, one after the other, and calls `found` with the number of each and its pixels. `mixtures` has
+    /// the weight of each shape in the kernel of each state for each picture, `[quantity][state][shape]`; `everywhere` is added to all
+    /// pixels of a picture.
     pub fn seen(
         &self,
         shapes: &KernelShapes,
-        mixture: &[f64],
+        mixtures: &[Vec<f64>],
         everywhere: &[[f32; 3]],
-    ) -> Vec<Vec<[f32; 3]>> {
+        mut found: impl FnMut(usize, &mut Vec<[f32; 3]>),
+    ) {
         let [width, height] = self.transform.count;
         let (states, shapes) = (&self.spectra[..], &shapes.spectra[..]);
-        let of_quantity = states.len() * shapes.len();
         let scale = 1.0 / (width * height) as f64;
-        let mixture: Vec<f32> = mixture.iter().map(|value| (value * scale) as f32).collect();
-        let quantities: Vec<&[f32]> =
-            if of_quantity == 0 { Vec::new() } else { mixture.chunks_exact(of_quantity).collect() };
-        let mut pictures: Vec<Vec<[f32; 3]>> =
-            everywhere.iter().map(|same| vec![*same; self.picture.len()]).collect();
-        let mut planes = vec![vec![Complex32::ZERO; width * height]; quantities.len().div_ceil(2)];
-        self.transform.inverse(&mut planes, |frequencies, spectra| {
-            let mixtures = &quantities;
-            pulp::Arch::new().dispatch(Products { states, shapes, mixtures, frequencies, spectra });
-        });
-        for quantity in 0..quantities.len() {
-            let Some(picture) = pictures.get_mut(quantity / 3) else { break };
-            let rows = planes[quantity / 2].chunks_exact(width);
-            for (line, row) in picture.chunks_exact_mut(self.columns).zip(rows) {
-                for (pixel, value) in line.iter_mut().zip(row) {
-                    pixel[quantity % 3] += if quantity % 2 == 0 { value.re } else { value.im };
+        let at_once = PICTURES.min(mixtures.len());
+        let mut planes = vec![vec![Complex32::ZERO; width * height]; (3 * at_once).div_ceil(2)];
+        let mut pictures = vec![Vec::new(); at_once];
+        for (number, (mixtures, everywhere)) in
+            mixtures.chunks(PICTURES).zip(everywhere.chunks(PICTURES)).enumerate()
+        {
+            let mixtures: Vec<f32> =
+                mixtures.iter().flatten().map(|weight| (weight * scale) as f32).collect();
+            let mixtures: Vec<&[f32]> = mixtures.chunks_exact((states.len() * shapes.len()).max(1)).collect();
+            for (picture, same) in pictures.iter_mut().zip(everywhere) {
+                picture.clear();
+                picture.resize(self.picture.len(), *same);
+            }
+            let products = |frequencies, spectra: &mut [Spectrum]| {
+                let mixtures = &mixtures;
+                pulp::Arch::new().dispatch(Products { states, shapes, mixtures, frequencies, spectra });
+            };
+            let add = |row: usize, values: &[&[Complex32]]| {
+                for quantity in 0..mixtures.len() {
+                    let pixels = &mut pictures[quantity / 3][row * self.columns..][..self.columns];
+                    let (values, k) = (values[quantity / 2], quantity % 3);
+                    match quantity % 2 {
+                        0 => pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel[k] += value.re),
+                        _ => pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel[k] += value.im),
+                    }
                 }
+            };
+            let rows = self.picture.len() / self.columns;
+            self.transform.inverse(&mut planes[..mixtures.len().div_ceil(2)], rows, products, add);
+            for (more, picture) in pictures.iter_mut().enumerate().take(everywhere.len()) {
+                found(PICTURES * number + more, picture);
             }
         }
-        pictures
     }
 }
+
+/// Pictures that are computed at once: two planes are transformed at once, and two pictures have three pairs.
+const PICTURES: usize = 2;
 
 /// Spectra of what is seen of some quantities, at some frequencies: for each state the mixture of the shapes, times the coverage. Compiled for
 /// the vectors of each processor.

@@ -180,30 +180,25 @@ impl Layers {
     }
 
     /// Computes the pictures one by one, each with its number: X, Y and Z of each pixel, rows from the top.
-    pub(super) fn each(&self, mut found: impl FnMut(usize, Vec<[f32; 3]>)) {
+    pub(super) fn each(&self, mut found: impl FnMut(usize, &mut Vec<[f32; 3]>)) {
         match &self.kind {
             Kind::Pages => {
                 for (number, row) in self.few.iter().enumerate() {
                     let colours: Vec<[f32; 3]> =
                         row.as_chunks().0.iter().map(|one| one.map(single)).collect();
                     let pixels = self.states.iter().map(|state| colours[usize::from(*state)]);
-                    found(number, pixels.collect());
+                    found(number, &mut pixels.collect());
                 }
             }
             Kind::Diffuser(blurred) => {
                 let (blur, picture) = &**blurred;
-                // Two planes are transformed at once: two pictures have three pairs.
-                for (pair, rows) in self.few.chunks(2).enumerate() {
-                    for (more, pixels) in blur.seen(picture, rows).into_iter().enumerate() {
-                        found(2 * pair + more, pixels);
-                    }
-                }
+                blur.seen(picture, &self.few, found);
             }
             Kind::Paper(picture) => {
                 for (number, row) in self.few.iter().enumerate() {
                     let pixels = picture.seen(row);
                     let rows = pixels.chunks_exact(self.columns).rev().flatten().copied();
-                    found(number, rows.collect());
+                    found(number, &mut rows.collect());
                 }
             }
         }
@@ -214,10 +209,10 @@ impl Layers {
         let mut all: Vec<Vec<[f32; 3]>> = vec![Vec::new(); self.mixtures.len()];
         self.each(|number, part| match &mut all[..] {
             // The picture of a single scene is its own only part.
-            [only] => *only = part,
+            [only] => *only = std::mem::take(part),
             all => {
                 for (sums, weights) in all.iter_mut().zip(&self.mixtures) {
-                    add(sums, weights[number] as f32, &part);
+                    add(sums, weights[number] as f32, part);
                 }
             }
         });

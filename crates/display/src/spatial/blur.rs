@@ -213,16 +213,22 @@ impl Blur {
         pages.iter().enumerate().map(of_scene).collect()
     }
 
-    /// X, Y and Z of each pixel for each row of [`rows`](Self::rows).
-    pub(crate) fn seen(&self, blurred: &BlurredPicture, rows: &[Vec<f64>]) -> Vec<Vec<[f32; 3]>> {
+    /// Computes X, Y and Z of each pixel for each row of [`rows`](Self::rows), and calls `found` with its number and them.
+    pub(crate) fn seen(
+        &self,
+        blurred: &BlurredPicture,
+        rows: &[Vec<f64>],
+        found: impl FnMut(usize, &mut Vec<[f32; 3]>),
+    ) {
         let light = self.light();
         let weights = |row: &Vec<f64>| -> Vec<f64> {
             let own = row[..row.len() - 3].iter().zip(light.iter().cycle());
             own.map(|(value, light)| if *light > 0.0 { value / light } else { 0.0 }).collect()
         };
-        let mixture: Vec<f64> = rows.iter().flat_map(weights).collect();
         let far = |row: &Vec<f64>| [3, 2, 1].map(|back| row[row.len() - back] as f32);
-        blurred.picture.seen(&blurred.shapes, &mixture, &rows.iter().map(far).collect::<Vec<_>>())
+        let mixtures: Vec<Vec<f64>> = rows.iter().map(weights).collect();
+        let far: Vec<[f32; 3]> = rows.iter().map(far).collect();
+        blurred.picture.seen(&blurred.shapes, &mixtures, &far, found);
     }
 
     /// Largest error of X, Y and Z: what shapes miss, and that of fine detail, where each state has the gain of a mixture of all.

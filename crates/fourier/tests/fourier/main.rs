@@ -83,9 +83,14 @@ fn pictures_of_states_are_convolved_with_the_kernels_of_their_states() {
         let shapes =
             states.shapes(3, |shape, add| SHAPES[shape].iter().for_each(|(at, light)| add(*at, *light)));
         assert!(states.is_of(&picture, columns, 3, margin) && !states.is_of(&picture, columns, 4, margin));
-        let everywhere = [[0.5, -1.0, 2.0], [0.0; 3]];
-        let seen = states.seen(&shapes, &mixture.repeat(2), &everywhere);
-        assert_eq!(seen.len(), 2);
+        let everywhere = [[0.5, -1.0, 2.0], [0.0; 3], [1.0, 0.25, -0.5]];
+        let mut seen = Vec::new();
+        let mixtures = [mixture.clone(), mixture.clone(), mixture.clone()];
+        states.seen(&shapes, &mixtures, &everywhere, |number, pixels| {
+            assert_eq!(number, seen.len());
+            seen.push(pixels.clone());
+        });
+        assert_eq!(seen.len(), 3);
         for (same, pixel) in seen
             .iter()
             .zip(everywhere)
