@@ -1,24 +1,29 @@
-//! `papilio gonio`: a virtual goniometer measures a surface.
+//! `papilio gonio`: a virtual goniometer measures a surface; an interrupted measurement can be resumed.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use papilio_figures::of_surface;
 use papilio_formats::{
-    SurfaceAuditFile, write_cutoffs, write_face, write_file, write_json, write_psd, write_totals, write_waves,
+    GonioHead, JournalRows, SurfaceAuditFile, journal_name, write_cutoffs, write_face, write_file,
+    write_json, write_psd, write_totals, write_waves,
 };
 use papilio_microgeometry::{
-    ByWaves, Coating, Goniometer, Kernel, LEAST_G, MOST_SLOPE, Measured, MicrogeometryError, REPLICATES,
-    Side, Statistics, Total, Waves,
+    ByRays, ByWaves, Coating, Findings, Goniometer, LEAST_G, MOST_SLOPE, Measured, Measurement,
+    MicrogeometryError, Part, Side, Statistics,
 };
 use papilio_scenario::{ResolvedSurface, SurfaceScenario};
 
 use crate::arguments::Gonio;
+use crate::journal::open_rows;
 use crate::numbers::{digits, measured};
-use crate::progress::Progress;
-use crate::{Failure, folder, input, interrupt, output, print_notes, report, terminal};
+use crate::parallel::compute_parallel;
+use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report, terminal};
+
+/// Names of journals begin with this.
+const STEM: &str = "gonio";
 
 /// All files that a measurement may write, and the names of its figures.
 const FILES: [&str; 6] = ["audit.json", "totals.csv", "face.npz", "psd.csv", "cutoff.csv", "waves.csv"];
@@ -35,19 +40,17 @@ pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
         (None, true) => None,
         _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),
     };
-    interrupt::catch_ctrl_c();
-    let Some(found) = Found::measured(&resolved, arguments.workers.threads)? else {
-        return Err(Failure::Interrupted("no file was written"));
-    };
-    let goniometer = &resolved.goniometer;
+    let mut journal = folder.as_deref().map(|folder| open_journal(folder, &resolved)).transpose()?;
+    let measurement = &resolved.measurement;
+    let found = measure(measurement, &mut journal, arguments.workers.threads);
+    if let (Some(folder), Err(Failure::Input(_))) = (&folder, &found) {
+        discard(journal.take(), folder)?;
+    }
+    let found = found?;
+    let goniometer = &measurement.goniometer;
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let audit = SurfaceAuditFile::new(
-        [env!("CARGO_PKG_VERSION"), &title, &resolved.hash],
-        goniometer,
-        found.rays.as_ref().map(|rays| (&rays.kernel.audit, &rays.totals[..])),
-        found.waves.as_ref(),
-        found.statistics.as_ref(),
-    );
+    let audit =
+        SurfaceAuditFile::new([env!("CARGO_PKG_VERSION"), &title, &resolved.hash], goniometer, &found);
     let mut stdout = terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &audit)?;
@@ -56,138 +59,129 @@ pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
     }
     stdout.flush()?;
     if let Some(folder) = &folder {
-        let write = || found.write(folder, (&title, &resolved), &audit, arguments.png);
+        let write = || {
+            let names = write(&found, folder, (&title, &resolved), &audit, arguments.png)?;
+            discard(journal, folder)?;
+            Ok::<_, Failure>(names)
+        };
         folder.print_written(&interrupt::uninterrupted(write)?);
     }
     print_notes(&resolved.notes);
     Ok(())
 }
 
-/// What was measured.
-struct Found {
-    rays: Option<Rays>,
-    waves: Option<ByWaves>,
-    statistics: Option<Statistics>,
+/// Opens the journal of a measurement in a folder.
+fn open_journal(folder: &Path, resolved: &ResolvedSurface) -> Result<JournalRows<GonioHead>, Failure> {
+    output::make_folder(folder)?;
+    let head = GonioHead {
+        papilio: env!("CARGO_PKG_VERSION").to_owned(),
+        hash: resolved.hash.clone(),
+        rays: resolved.measurement.goniometer.rays,
+    };
+    open_rows(folder, STEM, None, head, &[])
 }
 
-/// What was measured by rays.
-struct Rays {
-    totals: Vec<Total>,
-    kernel: Kernel,
+/// Removes a journal from which nothing is to be resumed, and its folder, if it is empty.
+fn discard(journal: Option<JournalRows<GonioHead>>, folder: &Path) -> Result<(), Failure> {
+    drop(journal);
+    output::remove(folder, |name| name == journal_name(STEM, None))?;
+    // A folder with other files stays.
+    let _ = std::fs::remove_dir(folder);
+    Ok(())
 }
 
-impl Found {
-    /// Measures a surface on several threads; `None` if it was interrupted.
-    fn measured(resolved: &ResolvedSurface, threads: Option<u16>) -> Result<Option<Self>, Failure> {
-        let ResolvedSurface { surface, goniometer, waves_nm, .. } = resolved;
-        let stop = || interrupt::STOP.load(Ordering::Relaxed);
-        let statistics = surface.statistics().map_err(failure)?;
-        let mut found = Self { rays: None, waves: None, statistics };
-        if !waves_nm.is_empty() {
-            let index = [goniometer.index_above, goniometer.index_below];
-            let waves = Waves { index, wavelengths_nm: waves_nm.clone() };
-            let screen = |number| waves.screen(surface, number, &stop);
-            let Some(screens) = on_threads(Waves::screens(surface), "phase screens", threads, &screen)?
-            else {
-                return Ok(None);
-            };
-            found.waves = Some(waves.combined(surface, &screens));
-        }
-        if resolved.by_rays {
-            let replicate = |number| goniometer.replicate(surface, number, &stop);
-            let Some(replicates) = on_threads(REPLICATES, "replicates", threads, &replicate)? else {
-                return Ok(None);
-            };
-            let totals = goniometer.totals(&replicates).map_err(failure)?;
-            found.rays = Some(Rays { totals, kernel: goniometer.kernel(&replicates).map_err(failure)? });
-        }
-        Ok(Some(found))
-    }
-
-    /// Writes all files and returns their names.
-    fn write(
-        &self,
-        folder: &Path,
-        (title, resolved): (&str, &ResolvedSurface),
-        audit: &SurfaceAuditFile<'_>,
-        png: bool,
-    ) -> Result<Vec<String>, Failure> {
-        output::make_folder(folder)?;
-        // Those of an earlier road would be mistaken for results of this one.
-        output::remove(folder, |name| FILES.contains(&name) || output::is_figure_of(&FIGURES, name))?;
-        let mut names = Vec::new();
-        let mut file = |name: &str| {
-            names.push(name.to_owned());
-            folder.join(name)
-        };
-        write_file(&file("audit.json"), |out| write_json(out, audit))?;
-        if let Some(Rays { totals, kernel }) = &self.rays {
-            write_file(&file("totals.csv"), |out| write_totals(out, totals))?;
-            let index = [resolved.goniometer.index_above, resolved.goniometer.index_below];
-            let coated = resolved.goniometer.coating != Coating::None;
-            write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, kernel, coated))?;
-        }
-        if let Some(statistics) = &self.statistics {
-            write_file(&file("psd.csv"), |out| write_psd(out, statistics))?;
-            write_file(&file("cutoff.csv"), |out| write_cutoffs(out, statistics))?;
-        }
-        if let Some(waves) = &self.waves {
-            write_file(&file("waves.csv"), |out| write_waves(out, waves))?;
-        }
-        let totals = self.rays.as_ref().map(|rays| &rays.totals[..]);
-        let figures = of_surface(totals, self.statistics.as_ref(), self.waves.as_ref(), title);
-        names.extend(output::write_figures(folder, figures, png)?);
-        Ok(names)
-    }
-}
-
-/// Computes the parts of a measurement, `count` of them, on several threads; `None` if it was interrupted.
-fn on_threads<T: Send>(
-    count: u64,
-    unit: &'static str,
+/// Measures what the journal does not contain.
+fn measure(
+    measurement: &Measurement,
+    journal: &mut Option<JournalRows<GonioHead>>,
     threads: Option<u16>,
-    part: &(impl Fn(u64) -> Result<T, MicrogeometryError> + Sync),
-) -> Result<Option<Vec<T>>, Failure> {
-    let available = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = threads.map_or(available, usize::from).clamp(1, count as usize);
-    let next = AtomicU64::new(0);
-    let progress = Mutex::new(Progress::new(count as usize, unit));
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            if number >= count {
-                return Ok(found);
-            }
-            found.push((number, part(number)?));
-            if let Ok(mut progress) = progress.lock() {
-                progress.done(true);
-            }
+) -> Result<Findings, Failure> {
+    let parts = compute(measurement, journal, threads)?;
+    let all = measurement.parts();
+    if parts.len() == all {
+        return measurement.findings(parts.into_values().collect()).map_err(failure);
+    }
+    if journal.is_none() {
+        return Err(Failure::Interrupted("nothing was written"));
+    }
+    print_message(&format!("{} of {all} parts are finished and saved", parts.len()));
+    Err(Failure::Interrupted("run the same command again to resume"))
+}
+
+/// Computes the parts of a measurement that its journal does not contain, and saves them there. Ends early if interrupted.
+fn compute(
+    measurement: &Measurement,
+    journal: &mut Option<JournalRows<GonioHead>>,
+    threads: Option<u16>,
+) -> Result<BTreeMap<usize, Part>, Failure> {
+    let saved = |number| {
+        let numbers = journal.as_ref()?.get(number)?;
+        Some((number, measurement.part_of(number, numbers)?))
+    };
+    let mut parts: BTreeMap<usize, Part> = (0..measurement.parts()).filter_map(saved).collect();
+    if !parts.is_empty() {
+        let [known, all] = [parts.len(), measurement.parts()];
+        print_message(&format!("{known} of {all} parts are known from the interrupted measurement"));
+    }
+    let missing: Vec<usize> = (0..measurement.parts()).filter(|number| !parts.contains_key(number)).collect();
+    let stop = || interrupt::STOP.load(Ordering::Relaxed);
+    let worker = |_| {
+        |number| match measurement.part(number, &stop) {
+            Ok(part) => Ok(Some((number, part))),
+            Err(MicrogeometryError::Interrupted) => Ok(None),
+            Err(other) => Err(failure(other)),
         }
     };
-    let parts = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        let parts =
-            workers.into_iter().map(|worker| worker.join().unwrap_or(Err(MicrogeometryError::Interrupted)));
-        parts.collect::<Result<Vec<_>, MicrogeometryError>>()
-    });
-    match parts {
-        Err(MicrogeometryError::Interrupted) => Ok(None),
-        Err(other) => Err(failure(other)),
-        Ok(parts) => {
-            // The result does not depend on the threads.
-            let mut all: Vec<(u64, T)> = parts.into_iter().flatten().collect();
-            all.sort_by_key(|(number, _)| *number);
-            Ok(Some(all.into_iter().map(|(_, part)| part).collect()))
+    compute_parallel(&missing, "parts", threads, worker, |(number, part)| {
+        if let Some(journal) = journal {
+            journal.add(number, part.numbers())?;
         }
+        parts.insert(number, part);
+        Ok(true)
+    })?;
+    Ok(parts)
+}
+
+/// Writes all files and returns their names.
+fn write(
+    found: &Findings,
+    folder: &Path,
+    (title, resolved): (&str, &ResolvedSurface),
+    audit: &SurfaceAuditFile<'_>,
+    png: bool,
+) -> Result<Vec<String>, Failure> {
+    output::make_folder(folder)?;
+    // Those of an earlier road would be mistaken for results of this one.
+    output::remove(folder, |name| FILES.contains(&name) || output::is_figure_of(&FIGURES, name))?;
+    let mut names = Vec::new();
+    let mut file = |name: &str| {
+        names.push(name.to_owned());
+        folder.join(name)
+    };
+    write_file(&file("audit.json"), |out| write_json(out, audit))?;
+    if let Some(ByRays { totals, kernel }) = &found.rays {
+        write_file(&file("totals.csv"), |out| write_totals(out, totals))?;
+        let goniometer = &resolved.measurement.goniometer;
+        let index = [goniometer.index_above, goniometer.index_below];
+        let coated = goniometer.coating != Coating::None;
+        write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, kernel, coated))?;
     }
+    if let Some(statistics) = &found.statistics {
+        write_file(&file("psd.csv"), |out| write_psd(out, statistics))?;
+        write_file(&file("cutoff.csv"), |out| write_cutoffs(out, statistics))?;
+    }
+    if let Some(waves) = &found.waves {
+        write_file(&file("waves.csv"), |out| write_waves(out, waves))?;
+    }
+    names.extend(output::write_figures(folder, of_surface(found, title), png)?);
+    Ok(names)
 }
 
 fn failure(wrong: MicrogeometryError) -> Failure {
     Failure::Input(wrong.to_string())
 }
 
-fn text(title: &str, goniometer: &Goniometer, found: &Found) -> String {
+fn text(title: &str, goniometer: &Goniometer, found: &Findings) -> String {
     let mut text = format!(
         "{}\n\nindex {} above, {} below\n",
         report::plain(title),
@@ -212,7 +206,7 @@ fn text(title: &str, goniometer: &Goniometer, found: &Found) -> String {
     text
 }
 
-fn rays_text(Rays { totals, kernel }: &Rays) -> String {
+fn rays_text(ByRays { totals, kernel }: &ByRays) -> String {
     let head = [
         "light from",
         "inclination, deg",
@@ -265,7 +259,7 @@ fn rays_text(Rays { totals, kernel }: &Rays) -> String {
 }
 
 /// Waves, and whether they or rays hold.
-fn waves_text(waves: &ByWaves, rays: Option<&Rays>) -> String {
+fn waves_text(waves: &ByWaves, rays: Option<&ByRays>) -> String {
     let head =
         ["wavelength, nm", "g", "straight through, %", "as by a mirror, %", "haze, %", "closed form, %"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];

@@ -278,7 +278,15 @@ class Sparkle:
 
 @final
 class Surface:
-    def __new__(cls, path: str, overrides: Sequence[str], preview: bool, name: str) -> Surface: ...
+    def __new__(
+        cls,
+        path: str,
+        overrides: Sequence[str],
+        preview: bool,
+        name: str,
+        threads: int | None = ...,
+        progress: Callable[[dict[str, Any]], object] | None = ...,
+    ) -> Surface: ...
     def json(self) -> str: ...
     def totals(self) -> bytes | None: ...
     def face(self) -> bytes | None: ...

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _messages, _papilio, _toml
+from . import _papilio, _toml
 from ._arguments import described
 from .errors import ArgumentError
 from .scenario import _checked_path
+from .running import Progress, checked_threads, reporting
 from .spatial import _Written
 
 __all__ = ["Surface", "gonio"]
@@ -58,7 +59,12 @@ class Surface(_Written):
 
 
 def gonio(
-    surface: str | PathLike[str], *, set: Mapping[str, Any] | None = None, preview: bool = False
+    surface: str | PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    preview: bool = False,
+    threads: int | None = None,
+    progress: Progress | bool | None = None,
 ) -> Surface:
     """Measures a surface by its geometry: the output of ``papilio gonio``.
 
@@ -66,6 +72,8 @@ def gonio(
         surface: path of a file with the table ``[microgeometry]``.
         set: values to set first, ``{key: value}`` with keys such as "microgeometry.rms_nm".
         preview: whether to follow a ninth of the rays.
+        threads: number of threads; None: one for each processor. The results do not depend on it.
+        progress: function that is called a few times a second, or True for a line on the terminal.
 
     Returns:
         Reflected and transmitted light, the kernel, and what waves do, by name.
@@ -88,10 +96,9 @@ def gonio(
     if not isinstance(preview, bool):
         raise ArgumentError(f"preview: expected True or False, not {described(preview)}")
     overrides = [f"{key}={_toml.inline(_toml.plain(value, str(key)))}" for key, value in (set or {}).items()]
-    core = _papilio.Surface(path, overrides, preview, Path(path).name)
-    found = Surface(core.json(), core.totals(), core.face(), core.figures(), core.title, core.notes())
-    _messages.warn(found.warnings)
-    return found
+    with reporting(progress, "parts") as tell:
+        core = _papilio.Surface(path, overrides, preview, Path(path).name, checked_threads(threads), tell)
+    return Surface(core.json(), core.totals(), core.face(), core.figures(), core.title, core.notes())
 
 
 def _by_inclination(totals: bytes) -> dict[str, NDArray[Any]]:

@@ -55,3 +55,14 @@ def test_mistakes_are_named(scenarios: Path) -> None:
         papilio.gonio(SURFACES / "etched.toml", set=["microgeometry.rays=640"])  # type: ignore[arg-type]
     with pytest.raises(papilio.ArgumentError, match="preview: expected True or False"):
         papilio.gonio(SURFACES / "etched.toml", preview=9)  # type: ignore[arg-type]
+
+
+def test_threads_and_progress() -> None:
+    told: list[dict[str, int]] = []
+    few = {**FEW, "microgeometry.wavelength_nm": [550.0]}
+    one = papilio.gonio(SURFACES / "etched.toml", set=few, threads=1, progress=told.append)
+    assert told[-1]["done"] <= told[-1]["of"] == 8 + 32
+    assert [now["done"] for now in told] == sorted(now["done"] for now in told)
+    assert papilio.gonio(SURFACES / "etched.toml", set=few, threads=3).face() == one.face()
+    with pytest.raises(papilio.ArgumentError, match="threads"):
+        papilio.gonio(SURFACES / "etched.toml", threads=0)

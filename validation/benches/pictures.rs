@@ -1,7 +1,7 @@
 //! Pictures, end to end, on one core: `cargo bench -p papilio-validation --bench pictures`.
 //!
-//! `whole` decides the states of a picture and computes what is seen of it, with all differences; `seen` does so for given states, without
-//! reading or writing files. `held` is a picture that the panel holds while light or view change, as the server of the page computes it.
+//! `whole` decides the states of a picture and computes what is seen of it, with all differences, without reading or writing files. `held_...`
+//! is a picture that the panel holds while light or view change, as the server of the page computes it, without its response.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
@@ -14,13 +14,14 @@ use papilio_display::scene::Scene;
 use papilio_display::{Control, Prepared};
 use papilio_scenario::{ImageRequest, Resolved, Scenario};
 use papilio_spectra::{LightSpectrum, Spectrum};
+use papilio_validation::more_and_more;
 
 /// As in the program.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// The page's preview, and a panel of 10.3 inch.
-const SIZES: [[usize; 2]; 2] = [[936, 702], [1872, 1404]];
+/// The picture of the page, one of 0.66 megapixels, and a panel of 10.3 inch.
+const SIZES: [[usize; 2]; 3] = [[480, 360], [936, 702], [1872, 1404]];
 
 fn main() {
     divan::main();
@@ -52,15 +53,8 @@ fn held(bencher: Bencher<'_, '_>, size: [usize; 2], change: impl Fn(&mut Scene, 
     let picture = HeldPicture::new(&scene, &source, &settings, &control).unwrap();
     let (mut prepared, mut known) = (Prepared::new(&scene).unwrap(), KnownLights::default());
     picture.factors_with(&scene, &mut prepared, &mut known, &control).unwrap();
-    let mut times = 0.0;
-    let next = || {
-        let mut next = scene.clone();
-        times += 1.0;
-        change(&mut next, times);
-        next
-    };
     bencher
-        .with_inputs(next)
+        .with_inputs(more_and_more(&scene, change))
         .bench_local_refs(|scene| picture.factors_with(scene, &mut prepared, &mut known, &control).unwrap());
 }
 
@@ -93,7 +87,7 @@ fn held_view(bencher: Bencher<'_, '_>, size: [usize; 2]) {
 
 #[divan::bench(args = ["matrix", "six-ink", "reader"], sample_count = 3)]
 fn whole(bencher: Bencher<'_, '_>, name: &str) {
-    let resolved = with_picture(name, SIZES[1]);
+    let resolved = with_picture(name, SIZES[2]);
     let request = resolved.image.as_ref().unwrap();
     let stop = AtomicBool::new(false);
     bencher.bench_local(|| {

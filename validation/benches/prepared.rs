@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use divan::Bencher;
 use papilio_display::scene::{Layers, Method, Pixel, Scene, Stop, Thickness};
 use papilio_display::{BrdfGrid, ConeGrid, Control, Prepared, brdf, cone};
-use papilio_validation::{run_on, scenario};
+use papilio_validation::{more_and_more, run_on, scenario};
 
 /// As in the program.
 #[global_allocator]
@@ -34,14 +34,9 @@ fn changed(bencher: Bencher<'_, '_>, name: &str, change: impl Fn(&mut Scene, f64
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
     let mut prepared = Prepared::new(&scene).unwrap();
     prepared.run(&scene, &control).unwrap();
-    let mut times = 0.0;
-    let next = || {
-        let mut next = scene.clone();
-        times += 1.0;
-        change(&mut next, times);
-        next
-    };
-    bencher.with_inputs(next).bench_local_refs(|scene| prepared.run(scene, &control).unwrap());
+    bencher
+        .with_inputs(more_and_more(&scene, change))
+        .bench_local_refs(|scene| prepared.run(scene, &control).unwrap());
 }
 
 #[divan::bench(args = ["indoor", "overcast", "sunny", "table-pixel", "epaper", "reference-pixel", "slab", "rough-glass", "cover-glass"])]

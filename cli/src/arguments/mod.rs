@@ -93,11 +93,12 @@ pub(crate) enum Command {
                       It writes palette.json, and the colours as .gpl, .css, .ase, .act and for dithering tools. docs/palette.md \
                       describes them.")]
     Palette(PaletteCommand),
-    /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light
+    /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light; can be resumed
     #[command(after_help = "Examples:\n  \
                       papilio gonio surfaces/hemispheres.toml\n  \
                       papilio gonio surfaces/etched.toml --preview --set microgeometry.rms_nm=400\n\n\
-                      It writes totals.csv, audit.json and the kernel of both sides, face.npz. docs/gonio.md describes them.")]
+                      It writes totals.csv, audit.json and the kernel of both sides, face.npz. docs/gonio.md describes them. \
+                      Each finished part is saved: to resume an interrupted measurement, run the same command again.")]
     Gonio(Gonio),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \

@@ -2,6 +2,10 @@
 
 use std::fs;
 use std::path::Path;
+#[cfg(unix)]
+use std::process::{Command, Stdio};
+#[cfg(unix)]
+use std::time::Duration;
 
 use serde_json::Value;
 
@@ -53,6 +57,65 @@ fn a_surface_is_measured() {
     assert!(
         audit["reciprocity_z"].as_f64().unwrap() < 1.3 && audit["energy_z"].as_array().unwrap().len() == 92
     );
+}
+
+/// A measurement that gets Ctrl-C keeps its finished parts, and ends in the same bytes as an uninterrupted one. A preview does not use them.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_measurement_is_resumed() {
+    let surface = Path::new(env!("CARGO_MANIFEST_DIR")).join("../surfaces/hemispheres.toml");
+    let folder = tempfile::tempdir().unwrap();
+    let [resumed, at_once, preview] = ["resumed", "at-once", "preview"].map(|name| folder.path().join(name));
+    let command = |out: &Path, more: &[&str]| {
+        let mut command = papilio();
+        command.arg("gonio").arg(&surface).args(["--set", "microgeometry.rays=9600"]);
+        command.args(["--set", "microgeometry.incidence_deg=[0]", "--threads", "1"]).args(more);
+        command.arg("--out").arg(out).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    };
+    let child = command(&resumed, &[]).spawn().unwrap();
+    let journal = resumed.join("gonio.jsonl");
+    while fs::read(&journal).unwrap_or_default().iter().filter(|byte| **byte == b'\n').count() < 3 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stderr(&output).contains("of 32 parts are finished and saved"), "{}", stderr(&output));
+    assert_eq!(names(&resumed), ["gonio.jsonl"]);
+    fs::create_dir(&preview).unwrap();
+    fs::copy(&journal, preview.join("gonio.jsonl")).unwrap();
+
+    let output = command(&resumed, &[]).output().unwrap();
+    assert!(stderr(&output).contains("of 32 parts are known from the interrupted"), "{}", stderr(&output));
+    assert!(command(&at_once, &[]).output().unwrap().status.success());
+    assert_eq!(names(&resumed), names(&at_once));
+    for name in ["totals.csv", "audit.json", "face.npz"] {
+        assert!(fs::read(resumed.join(name)).unwrap() == fs::read(at_once.join(name)).unwrap(), "{name}");
+    }
+    let output = command(&preview, &["--preview"]).output().unwrap();
+    assert!(!stderr(&output).contains("are known"), "{}", stderr(&output));
+    let moved: Vec<String> =
+        names(&preview).into_iter().filter(|name| name.starts_with("gonio.jsonl")).collect();
+    assert_eq!(moved, ["gonio.jsonl.before"], "the journal of the longer measurement stays");
+}
+
+/// What cannot be measured leaves neither a journal nor a folder.
+#[test]
+fn a_measurement_that_fails_leaves_no_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("s.toml");
+    let text = "[microgeometry]\nsurface = \"height-map\"\nfile = \"heights.csv\"\n\
+                pixel_um = [1.0]\nroad = \"waves\"\nindex_above = 1.0\nindex_below = 1.5\n";
+    fs::write(&file, text).unwrap();
+    // More heights than a phase screen may have.
+    let row = vec!["0.1"; 2100].join(",") + "\n";
+    fs::write(folder.path().join("heights.csv"), row.repeat(2100)).unwrap();
+    let out = folder.path().join("out");
+    let output = papilio().arg("gonio").arg(&file).arg("--out").arg(&out).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("phase screen"), "{}", stderr(&output));
+    assert!(!out.exists());
 }
 
 /// A mesh of corner cubes with a grey mirror: rho^3 of the light along the normal returns, and all else is absorbed. Its kernel is no layer.

@@ -1,20 +1,15 @@
 //! Figures of `papilio gonio`: a surface measured by rays and by waves, and its heights.
 
-use papilio_microgeometry::{ByWaves, Side, Statistics, Total, WaveShares};
+use papilio_microgeometry::{ByWaves, Findings, Side, Statistics, Total, WaveShares};
 
 use crate::{Chart, ChartCurve, Hue, chart};
 
 /// All figures of a measurement, by name: `totals` of rays, `psd` and `cutoff` of heights, `waves`.
-pub fn of_surface(
-    totals: Option<&[Total]>,
-    statistics: Option<&Statistics>,
-    waves: Option<&ByWaves>,
-    title: &str,
-) -> Vec<(String, String)> {
-    let totals = totals.map(|totals| ("totals", totals_figure(title, totals)));
-    let psd = statistics.map(|statistics| ("psd", psd_figure(title, statistics)));
-    let cutoff = statistics.map(|statistics| ("cutoff", cutoff_figure(title, statistics)));
-    let waves = waves.map(|waves| ("waves", waves_figure(title, waves)));
+pub fn of_surface(Findings { rays, waves, statistics }: &Findings, title: &str) -> Vec<(String, String)> {
+    let totals = rays.as_ref().map(|rays| ("totals", totals_figure(title, &rays.totals)));
+    let psd = statistics.as_ref().map(|statistics| ("psd", psd_figure(title, statistics)));
+    let cutoff = statistics.as_ref().map(|statistics| ("cutoff", cutoff_figure(title, statistics)));
+    let waves = waves.as_ref().map(|waves| ("waves", waves_figure(title, waves)));
     let all = [totals, psd, cutoff, waves].into_iter().flatten();
     all.map(|(name, figure)| (name.to_owned(), figure)).collect()
 }

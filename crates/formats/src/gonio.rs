@@ -1,14 +1,27 @@
-//! Output files of `papilio gonio`: `totals.csv`, `waves.csv`, `audit.json` and `face.npz`.
+//! Output files of `papilio gonio`: `totals.csv`, `waves.csv`, `audit.json` and `face.npz`; head of its journal.
 
 use std::io::{self, Write};
 
-use papilio_microgeometry::{Audit, ByWaves, Goniometer, Kernel, Side, Statistics, Total, WaveShares};
+use papilio_microgeometry::{
+    ByRays, ByWaves, Findings, Goniometer, Kernel, Side, Statistics, Total, WaveShares,
+};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use zip::ZipWriter;
 
 use crate::face_read::{COATED, FORMAT};
 use crate::npy::{Items, stored, write_npy};
+
+/// First line of the journal of a measurement, `gonio.jsonl`: identifies the measurement to which the parts belong.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GonioHead {
+    /// Version of the program.
+    pub papilio: String,
+    /// SHA-256 of the file and the bytes of its maps.
+    pub hash: String,
+    /// Rays of each replicate, which are fewer in a preview.
+    pub rays: u64,
+}
 
 /// Content of `audit.json`.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -133,17 +146,14 @@ impl From<&WaveShares> for WaveRow {
 }
 
 impl<'a> SurfaceAuditFile<'a> {
-    /// The file of an audit, of totals for the haze along the normal, and of waves.
+    /// The file of a measurement by an instrument.
     pub fn new(
         [papilio, title, hash]: [&'a str; 3],
         goniometer: &Goniometer,
-        rays: Option<(&'a Audit, &[Total])>,
-        waves: Option<&ByWaves>,
-        heights: Option<&Statistics>,
+        Findings { rays, waves, statistics }: &'a Findings,
     ) -> Self {
-        let haze = rays
-            .and_then(|(_, totals)| totals.iter().find(|total| total.theta_deg == 0.0))
-            .map(|one| one.haze);
+        let along = rays.as_ref().and_then(|rays| rays.totals.iter().find(|total| total.theta_deg == 0.0));
+        let haze = along.map(|one| one.haze);
         Self {
             papilio,
             title,
@@ -151,7 +161,7 @@ impl<'a> SurfaceAuditFile<'a> {
             index_above: goniometer.index_above,
             index_below: goniometer.index_below,
             seed: goniometer.seed,
-            rays: rays.map(|(audit, _)| RaysAudit {
+            rays: rays.as_ref().map(|ByRays { kernel: Kernel { audit, .. }, .. }| RaysAudit {
                 rays: audit.rays,
                 dropped_rays: audit.dropped_rays,
                 energy_z: &audit.energy_z,
@@ -164,9 +174,9 @@ impl<'a> SurfaceAuditFile<'a> {
             }),
             haze_by_rays: haze.map(|haze| haze.value),
             haze_by_rays_error: haze.map(|haze| haze.error),
-            slope_rms: waves.map(|waves| waves.slope_rms),
-            waves: waves.map_or_else(Vec::new, |waves| waves.shares.iter().map(WaveRow::from).collect()),
-            heights: heights.map(HeightsRow::from),
+            slope_rms: waves.as_ref().map(|waves| waves.slope_rms),
+            waves: waves.iter().flat_map(|waves| &waves.shares).map(WaveRow::from).collect(),
+            heights: statistics.as_ref().map(HeightsRow::from),
         }
     }
 }

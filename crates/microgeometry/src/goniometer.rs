@@ -7,13 +7,14 @@
 //! these. A random surface has another realisation in each replicate, so that its own variation is a part of the error.
 //!
 //! **Threads.** Replicates are independent: [`Goniometer::replicate`] may be called in any order on any thread, and
-//! [`Goniometer::totals`] combines them.
+//! [`Goniometer::totals`] combines them. [`Measurement`](crate::Measurement) does so.
 
 use std::f64::consts::PI;
 
 use papilio_sampling::{SampleStream, Sampler};
 
 use crate::bands::{AZIMUTHS, Bands};
+use crate::measurement::on_threads;
 use crate::path::{Facets, Leaves, follow};
 use crate::ray::{Face, Ray, Side};
 use crate::{Coating, Kernel, MicrogeometryError, Surface};
@@ -117,6 +118,13 @@ impl Replicate {
     pub fn rays(&self) -> u64 {
         self.rays
     }
+
+    /// All of it as numbers, for [`Goniometer::replicate_of`].
+    pub(crate) fn numbers(&self) -> Vec<f64> {
+        let Self { rows, scattered, regular, absorbed, lost, rays } = self;
+        let parts = [rows.as_flattened(), scattered, regular.as_flattened(), absorbed];
+        [&parts.concat()[..], &[*lost, *rays as f64]].concat()
+    }
 }
 
 impl Goniometer {
@@ -199,22 +207,25 @@ impl Goniometer {
         surface: &Surface,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<Replicate>, MicrogeometryError> {
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let part = |thread: usize| {
-            let numbers = (thread as u64..REPLICATES).step_by(threads);
-            numbers.map(|number| Ok((number, self.replicate(surface, number, &stop)?))).collect()
-        };
-        let parts: Result<Vec<Vec<_>>, _> = std::thread::scope(|scope| {
-            let part = &part;
-            let workers: Vec<_> = (0..threads).map(|thread| scope.spawn(move || part(thread))).collect();
-            let parts = workers
-                .into_iter()
-                .map(|worker| worker.join().unwrap_or(Err(MicrogeometryError::Interrupted)));
-            parts.collect()
-        });
-        let mut all: Vec<(u64, Replicate)> = parts?.into_iter().flatten().collect();
-        all.sort_by_key(|(number, _)| *number);
-        Ok(all.into_iter().map(|(_, replicate)| replicate).collect())
+        on_threads(REPLICATES as usize, None, &|number| self.replicate(surface, number as u64, &stop))
+    }
+
+    /// The replicate with these [`numbers`](Replicate::numbers); `None` if their count is wrong.
+    pub(crate) fn replicate_of(&self, numbers: &[f64]) -> Option<Replicate> {
+        let count = self.bands().count();
+        let (rows, rest) = numbers.split_at_checked(2 * self.incidence_deg.len() * QUANTITIES)?;
+        let (scattered, rest) = rest.split_at_checked(count * count * AZIMUTHS)?;
+        let (regular, rest) = rest.split_at_checked(2 * count)?;
+        let (absorbed, rest) = rest.split_at_checked(count)?;
+        let &[lost, rays] = rest else { return None };
+        Some(Replicate {
+            rows: rows.as_chunks().0.to_vec(),
+            scattered: scattered.to_vec(),
+            regular: regular.as_chunks().0.to_vec(),
+            absorbed: absorbed.to_vec(),
+            lost,
+            rays: rays as u64,
+        })
     }
 
     /// Follows light that fills the directions of a band uniformly.

@@ -19,6 +19,7 @@ mod heights;
 mod kernel;
 #[cfg(test)]
 mod laws_tests;
+mod measurement;
 mod mesh;
 #[cfg(test)]
 mod mesh_tests;
@@ -43,6 +44,7 @@ pub use face::{FaceKernels, FaceTable};
 pub use goniometer::{Goniometer, Measured, REPLICATES, Replicate, Total};
 pub use height_map::{HeightMap, HeightStatistics};
 pub use kernel::{Audit, Kernel};
+pub use measurement::{ByRays, Findings, Measurement, Part};
 pub use mesh::Mesh;
 pub use random::{RandomHeights, Spectrum};
 pub use ray::Side;

@@ -76,6 +76,13 @@ pub struct WaveScreen {
     shares: Vec<[f64; 3]>,
 }
 
+impl WaveScreen {
+    /// All of it as numbers, for [`Waves::screen_of`].
+    pub(crate) fn numbers(&self) -> Vec<f64> {
+        [&[self.slope_rms, self.rms_um], self.shares.as_flattened()].concat()
+    }
+}
+
 impl Waves {
     /// Number of realisations: several of random surfaces.
     pub fn screens(surface: &Surface) -> u64 {
@@ -114,6 +121,14 @@ impl Waves {
         let [x, y] = statistics.slope_rms;
         let shares = self.wavelengths_nm.iter().map(share).collect::<Result<_, _>>()?;
         Ok(WaveScreen { slope_rms: x.max(y), rms_um: statistics.rms_um, shares })
+    }
+
+    /// The realisation with these [`numbers`](WaveScreen::numbers); `None` if their count is wrong.
+    pub(crate) fn screen_of(&self, numbers: &[f64]) -> Option<WaveScreen> {
+        let ([slope_rms, rms_um], shares) = numbers.split_first_chunk()?;
+        let shares = shares.as_chunks().0.to_vec();
+        let fits = numbers.len() == 2 + 3 * self.wavelengths_nm.len();
+        fits.then_some(WaveScreen { slope_rms: *slope_rms, rms_um: *rms_um, shares })
     }
 
     /// Combines realisations. Errors are standard errors over these; none for a surface that is not random.

@@ -1,7 +1,7 @@
 //! Chapter 2: a diffuser of glass bumps (figures 2.11, 2.12), and the same as a plane with a BSDF (figure 2.15).
 
 use papilio_figures::{Chart, ChartCurve, Hue, chart};
-use papilio_microgeometry::{Kernel, MOST_SLOPE, Side, Total, Waves};
+use papilio_microgeometry::{ByRays, Kernel, MOST_SLOPE, Measurement, MicrogeometryError, Side, Total};
 use papilio_scenario::SurfaceScenario;
 
 use crate::displays::{Bench, ReproductionError, of};
@@ -53,12 +53,11 @@ pub(crate) fn sections(bench: &Bench<'_>) -> Result<Vec<Section>, ReproductionEr
     bench.write("bumps.toml", DISPLAY)?;
     let surface = SurfaceScenario::load(&bench.path("hemispheres.toml"), &[RAYS.to_owned()])?.resolve()?;
     let stop = || bench.control().stop.load(std::sync::atomic::Ordering::Relaxed);
-    let replicates = surface.goniometer.replicates(&surface.surface, &stop)?;
-    let totals = surface.goniometer.totals(&replicates)?;
-    let kernel = surface.goniometer.kernel(&replicates)?;
-    let waves = Waves { index: [1.0, 1.5], wavelengths_nm: vec![450.0, 550.0, 650.0] };
-    let screen = waves.screen(&surface.surface, 0, &stop)?;
-    let waves = waves.combined(&surface.surface, &[screen]);
+    let measurement = Measurement { waves_nm: vec![450.0, 550.0, 650.0], ..surface.measurement };
+    let findings = measurement.measured(None, &stop, &|| {})?;
+    let (Some(ByRays { totals, kernel }), Some(waves)) = (findings.rays, findings.waves) else {
+        return Err(MicrogeometryError::Interrupted.into());
+    };
 
     let mut shares = Table::new(&[
         "light from above, inclination (deg)",

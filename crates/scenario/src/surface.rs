@@ -10,7 +10,8 @@ use std::path::Path;
 use papilio_diagnostics::Diagnostic;
 use papilio_formats::{DataFile, LARGEST_FILE, read_heights};
 use papilio_microgeometry::{
-    Caps, Goniometer, HeightMap, Lattice, MicrogeometryError, REPLICATES, RandomHeights, Spectrum, Surface,
+    Caps, Goniometer, HeightMap, Lattice, Measurement, MicrogeometryError, REPLICATES, RandomHeights,
+    Spectrum, Surface,
 };
 use serde_json::{Value, json};
 
@@ -39,14 +40,8 @@ pub struct SurfaceScenario {
 /// A surface that can be measured.
 #[derive(Debug, Clone)]
 pub struct ResolvedSurface {
-    /// The surface.
-    pub surface: Surface,
-    /// The instrument.
-    pub goniometer: Goniometer,
-    /// Whether it is measured by rays.
-    pub by_rays: bool,
-    /// Wavelengths at which it is measured by waves, nm; none: it is not.
-    pub waves_nm: Vec<f64>,
+    /// The surface, and how it is measured.
+    pub measurement: Measurement,
     /// Title of the file.
     pub title: Option<String>,
     /// Notes: consequences that are worth knowing, and not wrong.
@@ -60,7 +55,8 @@ pub struct ResolvedSurface {
 impl ResolvedSurface {
     /// The same with a ninth of the rays, and three times the error.
     pub fn preview(mut self) -> Self {
-        self.goniometer.rays = self.goniometer.rays.div_ceil(9);
+        let rays = &mut self.measurement.goniometer.rays;
+        *rays = rays.div_ceil(9);
         self
     }
 }
@@ -180,10 +176,7 @@ impl SurfaceScenario {
             notes.extend(mesh.notes());
         }
         Ok(ResolvedSurface {
-            surface,
-            goniometer,
-            by_rays: common.road != Road::Waves,
-            waves_nm,
+            measurement: Measurement { surface, goniometer, by_rays: common.road != Road::Waves, waves_nm },
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             notes,
             hash: sha256(canonical.to_string().as_bytes()),

@@ -47,12 +47,9 @@ pub(super) struct Several {
     pub(super) by_paths: bool,
 }
 
-/// Light that is missed where the error shall be negligible.
-pub(super) const FEW: f64 = 1e-4;
-
 impl Several {
-    /// One scene, as it is.
-    const ONE: Self = Self { missed: FEW, without_lamps: false, by_paths: true };
+    /// One scene, as it is, with a negligible error.
+    const ONE: Self = Self { missed: 1e-5, without_lamps: false, by_paths: true };
 }
 
 /// A picture below the layers of several scenes, which have the same display and differ in light or view.

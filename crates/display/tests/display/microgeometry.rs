@@ -53,6 +53,13 @@ fn both_solvers_agree_below_a_face() {
         assert!((white - 1.0).abs() < 1e-6, "{white} {grid}");
     }
     let medium = |index: f64| format!("[[display.layers]]\nkind = \"medium\"\nindex = {index}\n");
+    // Between two dense media hardly any light is reflected: both sides exchange almost all of it.
+    let etched = face("surface = \"etched.toml\"\nrays = 640");
+    for dense in [&etched, &hemispheres].map(|face| format!("{etched}{}{face}", medium(1.3))) {
+        for (white, _, grid) in factors(&dense, 1.0, DIFFUSE, "adding") {
+            assert!((white - 1.0).abs() < 1e-6, "{white} {grid}");
+        }
+    }
     // Dents of a glass above a gap of air; and bumps below such a gap, which turns back all light beyond |beta| = 1.
     let upside_down = format!(
         "[[display.layers]]\nkind = \"fresnel\"\n{}{hemispheres}{}[[display.layers]]\nkind = \"fresnel\"\n",

@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 use super::folder::{foreign_journal_error, journal_name, open_journal, read_journals, tidy_journals};
 use super::{Journal, JournalNumber, JournalRow, LockedJournal};
 use crate::error::FormatError;
+use crate::gonio::GonioHead;
 use crate::sweep::SweepHead;
 use crate::tolerance::ToleranceHead;
 
@@ -27,6 +28,12 @@ pub trait RowsHead: PartialEq + Serialize + DeserializeOwned {
 }
 
 impl RowsHead for ToleranceHead {
+    fn is_of(&self, other: &Self) -> bool {
+        self == other
+    }
+}
+
+impl RowsHead for GonioHead {
     fn is_of(&self, other: &Self) -> bool {
         self == other
     }

@@ -72,48 +72,55 @@ fn transfer_function_of_one_changes_nothing() {
 const SHAPES: [&[([i64; 2], f64)]; 3] =
     [&[([0, 0], 0.5), ([1, 0], 0.25)], &[([0, 1], 0.3), ([-9, 2], 0.1)], &[([2, -3], 0.7)]];
 
-/// Three quantities, three states, by sums over the pixels: with repetitions and with a margin without light.
+/// Three pictures of three quantities, three states, by sums over the pixels: with repetitions and with a margin without light, for odd and
+/// even numbers of columns and rows, in one and in several blocks.
 #[test]
 fn pictures_of_states_are_convolved_with_the_kernels_of_their_states() {
-    let (columns, rows) = (7, 5);
-    let picture: Vec<u8> = (0..columns * rows).map(|k| (k * k % 11 % 3) as u8).collect();
-    let mixture: Vec<f64> = (0..27).map(|k| 0.1 * f64::from(k) - 1.0).collect();
-    for margin in [[0, 0], [9, 3]] {
+    for (size, margin) in [([7, 5], [0, 0]), ([7, 5], [9, 3]), ([40, 70], [0, 0]), ([37, 66], [9, 3])] {
+        let [columns, rows] = size;
+        let picture: Vec<u8> = (0..columns * rows).map(|k| (k * k % 11 % 3) as u8).collect();
         let states = StatePicture::new(&picture, columns, 3, margin);
+        assert!(states.is_of(&picture, columns, 3, margin));
+        let mut other = picture.clone();
+        other[columns] = (other[columns] + 1) % 3;
+        assert!(!states.is_of(&other, columns, 3, margin), "another picture");
+        assert!(!states.is_of(&picture, rows, 3, margin), "another shape");
+        assert!(!states.is_of(&picture, columns, 4, margin), "more states");
+        assert!(!states.is_of(&picture, columns, 3, [9, 4]), "another margin");
         let shapes =
             states.shapes(3, |shape, add| SHAPES[shape].iter().for_each(|(at, light)| add(*at, *light)));
-        assert!(states.is_of(&picture, columns, 3, margin) && !states.is_of(&picture, columns, 4, margin));
         let everywhere = [[0.5, -1.0, 2.0], [0.0; 3], [1.0, 0.25, -0.5]];
-        let mut seen = Vec::new();
-        let mixtures = [mixture.clone(), mixture.clone(), mixture.clone()];
-        states.seen(&shapes, &mixtures, &everywhere, |number, pixels| {
-            assert_eq!(number, seen.len());
-            seen.push(pixels.clone());
-        });
-        assert_eq!(seen.len(), 3);
-        for (same, pixel) in seen
-            .iter()
-            .zip(everywhere)
-            .flat_map(|(picture, same)| picture.iter().enumerate().map(move |pixel| (same, pixel)))
-        {
-            let (at, values) = pixel;
-            for (quantity, value) in values.iter().enumerate() {
-                let mut sum = f64::from(same[quantity]);
-                for (shape, [x, y], light) in SHAPES
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(k, all)| all.iter().map(move |(at, light)| (k, *at, light)))
-                {
+        let mixtures: Vec<Vec<f64>> =
+            [0.1, 0.07, 0.03].map(|slope| (0..27).map(|k| slope * f64::from(k) - 1.0).collect()).to_vec();
+        let wanted = |number: usize, at: usize, quantity: usize| {
+            let mut sum = f64::from(everywhere[number][quantity]);
+            for (shape, lights) in SHAPES.iter().enumerate() {
+                for ([x, y], light) in *lights {
                     // Upwards is towards earlier rows.
-                    let (column, row) = ((at % columns) as i64 + x, (at / columns) as i64 - y);
-                    let inside = (0..7).contains(&column) && (0..5).contains(&row);
-                    if inside || margin[0] == 0 {
-                        let there = row.rem_euclid(5) as usize * columns + column.rem_euclid(7) as usize;
-                        sum += light * mixture[(quantity * 3 + usize::from(picture[there])) * 3 + shape];
+                    let there = [(at % columns) as i64 + x, (at / columns) as i64 - y];
+                    let [column, row] = [0, 1].map(|k| there[k].rem_euclid(size[k] as i64));
+                    if there == [column, row] || margin == [0, 0] {
+                        let state = usize::from(picture[row as usize * columns + column as usize]);
+                        sum += light * mixtures[number][(quantity * 3 + state) * 3 + shape];
                     }
                 }
-                assert!((f64::from(*value) - sum).abs() < 1e-6, "{margin:?} {quantity} {at}: {value} {sum}");
             }
-        }
+            sum
+        };
+        let mut pictures = 0;
+        states.seen(&shapes, &mixtures, &everywhere, |number, pixels| {
+            assert_eq!((number, pixels.len()), (pictures, picture.len()));
+            pictures += 1;
+            for (at, values) in pixels.iter().enumerate() {
+                for (quantity, value) in values.iter().enumerate() {
+                    let wanted = wanted(number, at, quantity);
+                    let off = (f64::from(*value) - wanted).abs();
+                    // Pictures have single precision.
+                    let most = 1e-6 * wanted.abs().max(1.0);
+                    assert!(off < most, "{size:?} {margin:?} {number} {quantity} {at}: {value} {wanted}");
+                }
+            }
+        });
+        assert_eq!(pictures, 3);
     }
 }

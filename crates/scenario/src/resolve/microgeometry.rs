@@ -58,14 +58,14 @@ impl Resolver<'_> {
             }
             (None, Some(name)) => {
                 let surface = self.surface(path, face, name, index)?;
-                if let Surface::Random(random) = &surface.surface
+                if let Surface::Random(random) = &surface.measurement.surface
                     && let &Heights::Gaussian { rms_um, correlation_um } = random.spectrum()
                 {
                     let slope_rms = SQRT_2 * rms_um / correlation_um;
                     let heights = GaussianFace { origin: face.origin, slope_rms, correlation_um };
                     self.gaussian_faces.push((path.to_owned(), heights));
                 }
-                if !surface.by_rays {
+                if !surface.measurement.by_rays {
                     return self.by_waves(face, &surface, index);
                 }
                 let kernels = self.face_of_surface(face, &surface)?;
@@ -156,7 +156,7 @@ impl Resolver<'_> {
         surface: &ResolvedSurface,
         index: [f64; 2],
     ) -> Option<Interface> {
-        let random = match &surface.surface {
+        let random = match &surface.measurement.surface {
             Surface::Random(random) => Some(random.spectrum()),
             _ => None,
         };
@@ -226,7 +226,7 @@ impl Resolver<'_> {
         let surface = SurfaceScenario::from_text(&text, name, library, &overrides)
             .and_then(|surface| surface.resolve());
         match surface {
-            Ok(surface) if surface.goniometer.coating != Coating::None => {
+            Ok(surface) if surface.measurement.goniometer.coating != Coating::None => {
                 let wrong = Diagnostic::new("the facets of this surface are coated")
                     .expected("a surface without `coating`")
                     .hint("its kernel is that of one wavelength, and a layer has the same kernel at all wavelengths; `papilio gonio` measures it");
@@ -246,7 +246,7 @@ impl Resolver<'_> {
 
     /// Measures a surface by rays.
     fn face_of_surface(&mut self, face: &FaceOfSurface, surface: &ResolvedSurface) -> Option<FaceKernels> {
-        let rays = surface.goniometer.rays * REPLICATES;
+        let rays = surface.measurement.goniometer.rays * REPLICATES;
         let most = match self.library {
             Library::Memory { .. } => MOST_RAYS_IN_MEMORY,
             _ => MOST_RAYS,
@@ -286,8 +286,8 @@ fn measured(surface: &ResolvedSurface) -> Measured {
     let wrong =
         |error: MicrogeometryError| Diagnostic::new(format!("the surface cannot be measured: {error}"));
     // Totals at single inclinations are not needed.
-    let goniometer = Goniometer { incidence_deg: Vec::new(), ..surface.goniometer.clone() };
-    let replicates = goniometer.replicates(&surface.surface, &|| false).map_err(wrong)?;
+    let goniometer = Goniometer { incidence_deg: Vec::new(), ..surface.measurement.goniometer.clone() };
+    let replicates = goniometer.replicates(&surface.measurement.surface, &|| false).map_err(wrong)?;
     let kernel = goniometer.kernel(&replicates).map_err(wrong)?;
     let index = [goniometer.index_above, goniometer.index_below];
     let kernels = FaceTable::new(index, &kernel).kernels().map_err(wrong)?;

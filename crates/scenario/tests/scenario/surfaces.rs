@@ -9,7 +9,7 @@ const CAPS: &str =
     "[microgeometry]\nsurface = \"caps\"\npitch_um = 4.5\nradius_um = 2.25\naperture_radius_um = 2.25\n";
 
 fn resolved(text: &str, folder: &Path) -> Result<Surface, ScenarioErrors> {
-    Ok(SurfaceScenario::from_text(text, "s.toml", folder, &[])?.resolve()?.surface)
+    Ok(SurfaceScenario::from_text(text, "s.toml", folder, &[])?.resolve()?.measurement.surface)
 }
 
 fn wrong(text: &str, folder: &Path) -> String {
@@ -25,7 +25,7 @@ fn shipped_surfaces_resolve() {
         if path.extension().is_some_and(|extension| extension == "toml") {
             let found = SurfaceScenario::load(&path, &[]).and_then(|surface| surface.resolve());
             let found = found.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-            assert!(found.title.is_some() && found.goniometer.incidence_deg.len() == 18);
+            assert!(found.title.is_some() && found.measurement.goniometer.incidence_deg.len() == 18);
             count += 1;
         }
     }
@@ -62,7 +62,7 @@ fn coatings_are_resolved() {
     let coating = |keys: &str| {
         let text = format!("{CAPS}coating = {{ {keys} }}\n");
         let scenario = SurfaceScenario::from_text(&text, "s.toml", Path::new(""), &[]);
-        scenario.and_then(|scenario| scenario.resolve()).map(|found| found.goniometer.coating)
+        scenario.and_then(|scenario| scenario.resolve()).map(|found| found.measurement.goniometer.coating)
     };
     assert_eq!(coating("kind = \"mirror\"").unwrap(), Coating::Mirror { reflectance: 1.0 });
     let Coating::Metal { index } =
@@ -128,7 +128,7 @@ fn meshes_and_volumes_are_resolved() {
     let scenario =
         SurfaceScenario::from_text(&mesh("flat.obj", "um_per_unit = 1000\n"), "s.toml", folder.path(), &[]);
     let found = scenario.and_then(|scenario| scenario.resolve()).unwrap();
-    let Surface::Mesh(flat) = &found.surface else { panic!("no mesh") };
+    let Surface::Mesh(flat) = &found.measurement.surface else { panic!("no mesh") };
     assert_eq!((flat.triangles(), flat.period_um()), (2, [2000.0, 1000.0]));
     assert!(found.notes.iter().any(|note| note.contains("were turned")), "{:?}", found.notes);
     assert!(found.canonical["inputs"]["flat.obj"].is_string());
@@ -326,6 +326,12 @@ fn several_gaussian_faces_are_no_antiglare_face() {
     assert_eq!(sparkle(two.clone(), "").unwrap(), None);
     let own = sparkle(two.clone(), "[sparkle]\nslope_rms = 0.03\ncorrelation_um = 8\n").unwrap().unwrap();
     assert_eq!((own.slope_rms, own.layer), (0.03, 0));
+    // A rough layer with `correlation_um` is asked for: it is preferred, and a second one is refused.
+    let rough = "[[display.layers]]\nkind = \"rough\"\ndistribution = \"beckmann\"\nalpha = 0.03\ncorrelation_um = 8\n";
+    let preferred = format!("{two}{rough}{}", medium(1.5));
+    assert_eq!(sparkle(preferred.clone(), "").unwrap().unwrap().correlation_mm, [0.008]);
+    let message = sparkle(format!("{preferred}{rough}{}", medium(1.3)), "").unwrap_err().to_string();
+    assert!(message.contains("more than one rough layer has a `correlation_um`"), "{message}");
     let message = sparkle(two, "[sparkle]\nreplicates = 4\n").unwrap_err().to_string();
     assert!(message.contains("the key `slope_rms` is missing"), "{message}");
 }
@@ -336,7 +342,7 @@ fn surfaces_are_measured_by_rays_or_waves() {
     let road = |keys: &str| {
         let found = SurfaceScenario::from_text(&format!("{CAPS}{keys}"), "s.toml", Path::new(""), &[]);
         let found = found.and_then(|surface| surface.resolve()).unwrap();
-        (found.by_rays, found.waves_nm)
+        (found.measurement.by_rays, found.measurement.waves_nm)
     };
     assert_eq!(road(""), (true, vec![]));
     assert_eq!(road("road = \"waves\"\nwavelength_nm = [450, 650]\n"), (false, vec![450.0, 650.0]));

@@ -1,0 +1,223 @@
+//! A complete measurement of a surface: statistics of its heights, and what waves and rays show.
+//!
+//! **Parts.** The work is divided into independent parts, which may be computed in any order on any thread: first the realisations of phase
+//! screens, then the replicates of rays. A finished part can be saved as numbers and read again; the result is the same to the last bit.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::goniometer::Replicate;
+use crate::waves::WaveScreen;
+use crate::{ByWaves, Goniometer, Kernel, MicrogeometryError, REPLICATES, Statistics, Surface, Total, Waves};
+
+/// A surface, and how it is measured.
+#[derive(Debug, Clone)]
+pub struct Measurement {
+    /// The surface.
+    pub surface: Surface,
+    /// The instrument.
+    pub goniometer: Goniometer,
+    /// Whether it is measured by rays.
+    pub by_rays: bool,
+    /// Wavelengths at which it is measured by waves, nm; none: it is not.
+    pub waves_nm: Vec<f64>,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Findings {
+    /// What rays show.
+    pub rays: Option<ByRays>,
+    /// What waves show.
+    pub waves: Option<ByWaves>,
+    /// Statistics of the heights, if the surface has one height at each place.
+    pub statistics: Option<Statistics>,
+}
+
+/// A surface measured by rays.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ByRays {
+    /// Where light of each side and inclination goes.
+    pub totals: Vec<Total>,
+    /// From all directions to all directions.
+    pub kernel: Kernel,
+}
+
+/// A finished part of a measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part(Kind);
+
+#[derive(Debug, Clone, PartialEq)]
+enum Kind {
+    Screen(WaveScreen),
+    Replicate(Replicate),
+}
+
+impl Part {
+    /// The part as numbers, for [`Measurement::part_of`].
+    pub fn numbers(&self) -> Vec<f64> {
+        match &self.0 {
+            Kind::Screen(screen) => screen.numbers(),
+            Kind::Replicate(replicate) => replicate.numbers(),
+        }
+    }
+}
+
+impl Measurement {
+    /// Number of parts.
+    pub fn parts(&self) -> usize {
+        self.screens() + if self.by_rays { REPLICATES as usize } else { 0 }
+    }
+
+    /// Computes a part, `number` from 0 to below [`parts`](Self::parts). `stop` is called often; true interrupts.
+    ///
+    /// # Errors
+    /// Surfaces that cannot be made or measured; [`MicrogeometryError::Interrupted`].
+    pub fn part(&self, number: usize, stop: &dyn Fn() -> bool) -> Result<Part, MicrogeometryError> {
+        let kind = match number.checked_sub(self.screens()) {
+            None => Kind::Screen(self.waves().screen(&self.surface, number as u64, stop)?),
+            Some(number) => Kind::Replicate(self.goniometer.replicate(&self.surface, number as u64, stop)?),
+        };
+        Ok(Part(kind))
+    }
+
+    /// The part that was saved as these numbers; `None` if they are not of this measurement.
+    pub fn part_of(&self, number: usize, numbers: &[f64]) -> Option<Part> {
+        match number.checked_sub(self.screens()) {
+            None => self.waves().screen_of(numbers).map(Kind::Screen),
+            Some(_) => self.goniometer.replicate_of(numbers).map(Kind::Replicate),
+        }
+        .map(Part)
+    }
+
+    /// Combines all parts, in the order of their numbers.
+    ///
+    /// # Errors
+    /// Surfaces without statistics; lost rays; a kernel that contradicts reciprocity or the conservation of energy.
+    pub fn findings(&self, parts: Vec<Part>) -> Result<Findings, MicrogeometryError> {
+        let statistics = self.surface.statistics()?;
+        let (mut screens, mut replicates) = (Vec::new(), Vec::new());
+        for part in parts {
+            match part.0 {
+                Kind::Screen(screen) => screens.push(screen),
+                Kind::Replicate(replicate) => replicates.push(replicate),
+            }
+        }
+        let by_rays = || {
+            let totals = self.goniometer.totals(&replicates)?;
+            Ok(ByRays { totals, kernel: self.goniometer.kernel(&replicates)? })
+        };
+        Ok(Findings {
+            rays: self.by_rays.then(by_rays).transpose()?,
+            waves: (!screens.is_empty()).then(|| self.waves().combined(&self.surface, &screens)),
+            statistics,
+        })
+    }
+
+    /// Computes all parts on a number of threads (all processors if `None`) and combines them. `finished` is called after each part.
+    ///
+    /// # Errors
+    /// Those of [`part`](Self::part) and [`findings`](Self::findings).
+    pub fn measured(
+        &self,
+        threads: Option<usize>,
+        stop: &(dyn Fn() -> bool + Sync),
+        finished: &(dyn Fn() + Sync),
+    ) -> Result<Findings, MicrogeometryError> {
+        let part = |number| {
+            let part = self.part(number, stop)?;
+            finished();
+            Ok(part)
+        };
+        self.findings(on_threads(self.parts(), threads, &part)?)
+    }
+
+    fn waves(&self) -> Waves {
+        let index = [self.goniometer.index_above, self.goniometer.index_below];
+        Waves { index, wavelengths_nm: self.waves_nm.clone() }
+    }
+
+    /// Number of phase screens.
+    fn screens(&self) -> usize {
+        if self.waves_nm.is_empty() { 0 } else { Waves::screens(&self.surface) as usize }
+    }
+}
+
+/// The results of `part` for the numbers 0 to below `count`, computed on a number of threads (all processors if `None`).
+pub(crate) fn on_threads<T: Send>(
+    count: usize,
+    threads: Option<usize>,
+    part: &(impl Fn(usize) -> Result<T, MicrogeometryError> + Sync),
+) -> Result<Vec<T>, MicrogeometryError> {
+    let available = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = threads.unwrap_or_else(available).clamp(1, count.max(1));
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let numbers = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)));
+        let mine = numbers.take_while(|number| *number < count);
+        mine.map(|number| Ok((number, part(number)?))).collect()
+    };
+    let found: Result<Vec<Vec<_>>, _> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        let lost = MicrogeometryError::Interrupted;
+        workers.into_iter().map(|worker| worker.join().unwrap_or(Err(lost.clone()))).collect()
+    });
+    let mut all: Vec<(usize, T)> = found?.into_iter().flatten().collect();
+    all.sort_by_key(|(number, _)| *number);
+    Ok(all.into_iter().map(|(_, part)| part).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Coating, RandomHeights, Spectrum};
+
+    fn measurement() -> Measurement {
+        let spectrum = Spectrum::Gaussian { rms_um: 0.2, correlation_um: 4.0 };
+        Measurement {
+            surface: Surface::Random(RandomHeights::new(spectrum, 3).unwrap()),
+            goniometer: Goniometer {
+                index_above: 1.0,
+                index_below: 1.5,
+                coating: Coating::None,
+                incidence_deg: vec![0.0, 60.0],
+                rays: 4,
+                seed: 5,
+            },
+            by_rays: true,
+            waves_nm: vec![450.0, 650.0],
+        }
+    }
+
+    /// Parts that were saved, in any order, give the result of one computation to the last bit.
+    #[test]
+    fn saved_parts_give_the_same_result() {
+        let of = measurement();
+        let at_once = of.measured(Some(2), &|| false, &|| {}).unwrap();
+        let part = |number: usize| of.part(number, &|| false).unwrap();
+        let mut saved: Vec<(usize, Vec<f64>)> =
+            (0..of.parts()).rev().map(|number| (number, part(number).numbers())).collect();
+        saved.reverse();
+        let parts: Option<Vec<Part>> =
+            saved.iter().map(|(number, numbers)| of.part_of(*number, numbers)).collect();
+        assert_eq!(of.findings(parts.unwrap()).unwrap(), at_once);
+        assert!(at_once.rays.is_some() && at_once.waves.is_some() && at_once.statistics.is_some());
+    }
+
+    /// Numbers of another measurement are not taken.
+    #[test]
+    fn numbers_of_another_kind_are_refused() {
+        let of = measurement();
+        let (screen, replicate) = (0, of.parts() - 1);
+        let numbers = of.part(replicate, &|| false).unwrap().numbers();
+        assert_eq!(of.part_of(screen, &numbers), None);
+        assert_eq!(of.part_of(replicate, &numbers[1..]), None);
+        let other = Measurement { waves_nm: vec![550.0], ..measurement() };
+        assert_eq!(other.part_of(screen, &of.part(screen, &|| false).unwrap().numbers()), None);
+    }
+
+    #[test]
+    fn interruption_ends_all_threads() {
+        let stopped = measurement().measured(None, &|| true, &|| {});
+        assert_eq!(stopped, Err(MicrogeometryError::Interrupted));
+    }
+}
