@@ -1,7 +1,8 @@
-//! Pictures, end to end, on one core: `cargo bench -p papilio-validation --bench pictures`.
+//! Pictures, end to end: `cargo bench -p papilio-validation --bench pictures`.
 //!
-//! `whole` decides the states of a picture and computes what is seen of it, with all differences, without reading or writing files. `held_...`
-//! is a picture that the panel holds while light or view change, as the server of the page computes it, without its response.
+//! `whole` decides the states of a picture and computes what is seen of it, with all differences, without reading or writing files, on one core.
+//! `held_...` is a picture that the panel holds while light or view change, as the server of the page computes it, without its response, on one
+//! and two cores.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
@@ -39,17 +40,17 @@ fn with_picture(name: &str, [columns, rows]: [usize; 2]) -> Resolved {
     Scenario::load(&file, &edits).unwrap().resolve_with_picture().unwrap()
 }
 
-fn on_one_core(stop: &AtomicBool) -> Control<'_> {
-    Control { threads: Some(1), progress: &|_| {}, stop }
+fn on_cores(threads: usize, stop: &AtomicBool) -> Control<'_> {
+    Control { threads: Some(threads), progress: &|_| {}, stop }
 }
 
 /// Shows a picture repeatedly, each time with a larger change of the scene.
-fn held(bencher: Bencher<'_, '_>, size: [usize; 2], change: impl Fn(&mut Scene, f64)) {
+fn held(bencher: Bencher<'_, '_>, size: [usize; 2], threads: usize, change: impl Fn(&mut Scene, f64)) {
     let mut resolved = with_picture("matrix", size);
     let ImageRequest { source, settings } = resolved.image.take().unwrap();
     let scene = resolved.scene;
     let stop = AtomicBool::new(false);
-    let control = on_one_core(&stop);
+    let control = on_cores(threads, &stop);
     let picture = HeldPicture::new(&scene, &source, &settings, &control).unwrap();
     let (mut prepared, mut known) = (Prepared::new(&scene).unwrap(), KnownLights::default());
     picture.factors_with(&scene, &mut prepared, &mut known, &control).unwrap();
@@ -58,19 +59,19 @@ fn held(bencher: Bencher<'_, '_>, size: [usize; 2], change: impl Fn(&mut Scene, 
         .bench_local_refs(|scene| picture.factors_with(scene, &mut prepared, &mut known, &control).unwrap());
 }
 
-#[divan::bench(args = SIZES, sample_count = 10)]
-fn held_illuminance(bencher: Bencher<'_, '_>, size: [usize; 2]) {
-    held(bencher, size, |scene, times| scene.lighting.illuminance_lx += times);
+#[divan::bench(args = SIZES, consts = [1, 2], sample_count = 10)]
+fn held_illuminance<const THREADS: usize>(bencher: Bencher<'_, '_>, size: [usize; 2]) {
+    held(bencher, size, THREADS, |scene, times| scene.lighting.illuminance_lx += times);
 }
 
-#[divan::bench(args = SIZES, sample_count = 10)]
-fn held_lamp(bencher: Bencher<'_, '_>, size: [usize; 2]) {
-    held(bencher, size, |scene, times| scene.lighting.directed[0].theta_deg -= 0.1 * times);
+#[divan::bench(args = SIZES, consts = [1, 2], sample_count = 10)]
+fn held_lamp<const THREADS: usize>(bencher: Bencher<'_, '_>, size: [usize; 2]) {
+    held(bencher, size, THREADS, |scene, times| scene.lighting.directed[0].theta_deg -= 0.1 * times);
 }
 
-#[divan::bench(args = SIZES, sample_count = 10)]
-fn held_spectrum(bencher: Bencher<'_, '_>, size: [usize; 2]) {
-    held(bencher, size, |scene, times| {
+#[divan::bench(args = SIZES, consts = [1, 2], sample_count = 10)]
+fn held_spectrum<const THREADS: usize>(bencher: Bencher<'_, '_>, size: [usize; 2]) {
+    held(bencher, size, THREADS, |scene, times| {
         let warmer = |light: &LightSpectrum| -> LightSpectrum {
             let warmer = |(k, value): (usize, &f64)| value * (1.0 + 1e-3 * times * k as f64);
             Spectrum::from_values(light.iter().enumerate().map(warmer).collect()).into()
@@ -80,9 +81,9 @@ fn held_spectrum(bencher: Bencher<'_, '_>, size: [usize; 2]) {
     });
 }
 
-#[divan::bench(args = SIZES, sample_count = 10)]
-fn held_view(bencher: Bencher<'_, '_>, size: [usize; 2]) {
-    held(bencher, size, |scene, times| scene.viewer.theta_deg[0] += 0.1 * times);
+#[divan::bench(args = SIZES, consts = [1, 2], sample_count = 10)]
+fn held_view<const THREADS: usize>(bencher: Bencher<'_, '_>, size: [usize; 2]) {
+    held(bencher, size, THREADS, |scene, times| scene.viewer.theta_deg[0] += 0.1 * times);
 }
 
 #[divan::bench(args = ["matrix", "six-ink", "reader"], sample_count = 3)]
@@ -92,6 +93,6 @@ fn whole(bencher: Bencher<'_, '_>, name: &str) {
     let stop = AtomicBool::new(false);
     bencher.bench_local(|| {
         let screen = Screen::default();
-        image(&resolved.scene, &request.source, &request.settings, screen, &on_one_core(&stop)).unwrap()
+        image(&resolved.scene, &request.source, &request.settings, screen, &on_cores(1, &stop)).unwrap()
     });
 }

@@ -4,6 +4,8 @@
 //! scene's light is not D65, the colour of a surface is first [adapted to D65](Xyz::adapted_to_d65), so that paper is shown as white.
 //! Display P3 has the primaries of SMPTE RP 431-2, and the white and transfer function of sRGB.
 
+use std::sync::LazyLock;
+
 use crate::matrix::{Matrix, inverse, times};
 use crate::{D65_WHITE, Xyz};
 
@@ -60,8 +62,60 @@ impl ScreenSpace {
 
     /// Converts relative values under D65 to encoded bytes, clipped to the gamut.
     pub fn bytes(self, colour: Xyz) -> [u8; 3] {
-        self.linear(colour).map(|value| (255.0 * encoded_in_range(value)).round() as u8)
+        self.linear(colour).map(encoded_byte)
     }
+}
+
+/// Encodes a linear component by the sRGB transfer function as the nearest byte, clipped to 0 to 1.
+pub fn encoded_byte(linear: f64) -> u8 {
+    BYTES.of(linear)
+}
+
+/// Bytes of linear components, without the power function.
+static BYTES: LazyLock<Bytes> = LazyLock::new(Bytes::new);
+
+/// A table of encoded bytes.
+struct Bytes {
+    /// The smallest component that has at least each byte; the last is NaN, which no component reaches.
+    from: [f64; 257],
+    /// Byte of the least component of each of [`CELLS`](Self::CELLS) cells of 0 to 1, and of 1.
+    of_cell: Vec<u8>,
+}
+
+impl Bytes {
+    /// Cells are shorter than a byte.
+    const CELLS: usize = 4096;
+
+    fn new() -> Self {
+        let mut from = [f64::NEG_INFINITY; 257];
+        from[256] = f64::NAN;
+        for byte in 1..=255 {
+            let (mut below, mut least) = (0.0, 1.0);
+            // Until both are neighbours.
+            loop {
+                let middle = 0.5 * (below + least);
+                if middle <= below || middle >= least {
+                    break;
+                }
+                *(if computed_byte(middle) < byte { &mut below } else { &mut least }) = middle;
+            }
+            from[usize::from(byte)] = least;
+        }
+        let of_cell = (0..=Self::CELLS).map(|cell| computed_byte(cell as f64 / Self::CELLS as f64)).collect();
+        Self { from, of_cell }
+    }
+
+    fn of(&self, linear: f64) -> u8 {
+        // Conversion to whole numbers makes 0 of negative ones and of NaN.
+        let cell = ((linear * Self::CELLS as f64) as usize).min(Self::CELLS);
+        let byte = self.of_cell[cell];
+        byte + u8::from(linear >= self.from[usize::from(byte) + 1])
+    }
+}
+
+/// Encodes a linear component as the nearest byte by its definition.
+fn computed_byte(linear: f64) -> u8 {
+    (255.0 * encoded_in_range(linear)).round() as u8
 }
 
 impl Xyz {
@@ -114,6 +168,19 @@ mod tests {
         assert_eq!((D65_WHITE * 0.184_187).srgb_clipped(), [119; 3]);
         // Red primary: Y = 0.2126 at x = 0.64, y = 0.33.
         assert_eq!(Xyz { x: 0.4124, y: 0.2126, z: 0.0193 }.srgb_clipped(), [255, 0, 0]);
+    }
+
+    #[test]
+    fn bytes_of_the_table_are_those_of_the_definition() {
+        let table = Bytes::new();
+        let edges = table.from.iter().flat_map(|edge| [edge.next_down(), *edge, edge.next_up()]);
+        let cells = (0..=4 * Bytes::CELLS).map(|k| k as f64 / (4 * Bytes::CELLS) as f64);
+        let others = [f64::INFINITY, -1.0, -0.0, 1e-300, 0.5, 1.0 + 1e-12, 7.0, f64::NAN];
+        for linear in edges.chain(cells).chain(others) {
+            assert_eq!(encoded_byte(linear), computed_byte(linear), "{linear}");
+        }
+        // A component crosses at most one edge within a cell.
+        assert!(table.of_cell.windows(2).all(|pair| pair[1] - pair[0] <= 1));
     }
 
     /// The matrix of W3C's CSS Color 4, whose white has four digits: x = 0.3127, y = 0.3290. Its Z is larger than ours by 2.1e-4, and rows of the

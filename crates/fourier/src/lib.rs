@@ -4,6 +4,7 @@
 
 mod mirrored;
 mod states;
+mod threads;
 
 use std::sync::Arc;
 

@@ -18,6 +18,8 @@ use std::sync::Arc;
 use num_complex::Complex32;
 use rustfft::{Fft, FftPlanner};
 
+use crate::threads::{each, ranges};
+
 /// Fourier transforms of real planes of one size, in single precision.
 struct Transform {
     count: [usize; 2],
@@ -43,10 +45,15 @@ impl Transform {
         Self { count, along }
     }
 
-    /// First columns of the blocks of a half, and their numbers.
-    fn blocks(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let half = self.count[0] / 2 + 1;
-        (0..half).step_by(COLUMNS).map(move |first| (first, COLUMNS.min(half - first)))
+    /// First columns of the blocks among columns of a half, and their numbers.
+    fn blocks(columns: &Range<usize>) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let end = columns.end;
+        columns.clone().step_by(COLUMNS).map(move |first| (first, COLUMNS.min(end - first)))
+    }
+
+    /// Number of columns of a half.
+    fn half(&self) -> usize {
+        self.count[0] / 2 + 1
     }
 
     fn opposite(&self, column: usize) -> usize {
@@ -60,7 +67,7 @@ impl Transform {
         let mut both = [(); 2].map(|()| Spectrum::zero((width / 2 + 1) * height));
         let mut scratch = vec![Complex32::ZERO; self.along[1][0].get_inplace_scratch_len()];
         let mut columns = [(); 2].map(|()| vec![Complex32::ZERO; COLUMNS * height]);
-        for (first, count) in self.blocks() {
+        for (first, count) in Self::blocks(&(0..self.half())) {
             if numbers.len() < height {
                 columns.iter_mut().for_each(|columns| columns.fill(Complex32::ZERO));
             }
@@ -86,57 +93,92 @@ impl Transform {
         both
     }
 
-    /// Computes the first `rows` rows of planes, `[column][row]`, from the spectra of their real and imaginary parts, which `spectra` writes for
-    /// some of the frequencies of a half, those of the real part of each plane before those of the imaginary part. `found` is called with
-    /// each row: its number, and its values in all planes.
-    fn inverse(
+    /// Transforms the columns of planes, `[column][row]`, from the spectra of their real and imaginary parts, which `spectra` writes for some of
+    /// the frequencies of a half, those of the real part of each plane before those of the imaginary part.
+    fn columns_back(
         &self,
         planes: &mut [Vec<Complex32>],
-        rows: usize,
-        mut spectra: impl FnMut(Range<usize>, &mut [Spectrum]),
-        mut found: impl FnMut(usize, &[&[Complex32]]),
+        threads: usize,
+        spectra: impl Fn(Range<usize>, &mut [Spectrum]) + Sync,
     ) {
         let [width, height] = self.count;
-        let [along_rows, along_columns] = [&self.along[0][1], &self.along[1][1]];
-        let length = along_rows.get_inplace_scratch_len().max(along_columns.get_inplace_scratch_len());
-        let mut scratch = vec![Complex32::ZERO; length];
+        let half = self.half();
+        let ranges = ranges(half, COLUMNS, threads);
+        // Each thread has columns of the half and those opposite to them, of each plane.
+        let mut parts: Vec<Vec<ColumnsOfPlane<'_>>> = ranges.iter().map(|_| Vec::new()).collect();
+        for plane in planes {
+            let (mut low, mut high) = plane.split_at_mut(half * height);
+            for (part, range) in parts.iter_mut().zip(&ranges) {
+                let first_opposite = width.saturating_sub(range.end - 1).max(half) - half;
+                let (here, rest) = std::mem::take(&mut low).split_at_mut(range.len() * height);
+                low = rest;
+                let there;
+                (high, there) = std::mem::take(&mut high).split_at_mut(first_opposite * height);
+                part.push(ColumnsOfPlane { here, there, first_opposite });
+            }
+        }
+        let items = ranges.into_iter().zip(parts).collect();
+        each(items, |(columns, mut planes)| self.columns_back_of(&columns, &mut planes, &spectra));
+    }
+
+    /// Transforms some columns of a half, and those opposite to them.
+    fn columns_back_of(
+        &self,
+        columns: &Range<usize>,
+        planes: &mut [ColumnsOfPlane<'_>],
+        spectra: &impl Fn(Range<usize>, &mut [Spectrum]),
+    ) {
+        let height = self.count[1];
+        let along = &self.along[1][1];
+        let mut scratch = vec![Complex32::ZERO; along.get_inplace_scratch_len()];
         let mut parts: Vec<Spectrum> =
             planes.iter().flat_map(|_| [(); 2]).map(|()| Spectrum::zero(COLUMNS * height)).collect();
-        for (first, count) in self.blocks() {
+        for (first, count) in Self::blocks(columns) {
             spectra(first * height..(first + count) * height, &mut parts);
             for (plane, [real, imaginary]) in planes.iter_mut().zip(parts.as_chunks().0) {
-                let (low, high) = plane.split_at_mut((width / 2 + 1) * height);
                 for k in 0..count {
                     let all = [&real.re, &real.im, &imaginary.re, &imaginary.im];
                     let [a, b, c, d] = all.map(|part| &part[k * height..][..height]);
-                    let here = &mut low[(first + k) * height..][..height];
+                    let here = &mut plane.here[(first - columns.start + k) * height..][..height];
                     for row in 0..height {
                         here[row] = Complex32::new(a[row] - d[row], b[row] + c[row]);
                     }
-                    along_columns.process_with_scratch(here, &mut scratch);
+                    along.process_with_scratch(here, &mut scratch);
                     // The first column, and the middle one of an even number, are opposite to themselves.
-                    let Some(opposite) = self.opposite(first + k).checked_sub(width / 2 + 1) else {
+                    let Some(opposite) = self.opposite(first + k).checked_sub(self.half()) else {
                         continue;
                     };
-                    let there = &mut high[opposite * height..][..height];
+                    let there = &mut plane.there[(opposite - plane.first_opposite) * height..][..height];
                     for row in 0..height {
                         there[if row == 0 { 0 } else { height - row }] =
                             Complex32::new(a[row] + d[row], c[row] - b[row]);
                     }
-                    along_columns.process_with_scratch(there, &mut scratch);
+                    along.process_with_scratch(there, &mut scratch);
                 }
             }
         }
+    }
+
+    /// Transforms some rows of planes whose columns are transformed, and calls `found` with each row: its number, and its values in all planes.
+    fn rows_back(
+        &self,
+        planes: &[Vec<Complex32>],
+        rows: Range<usize>,
+        mut found: impl FnMut(usize, &[&[Complex32]]),
+    ) {
+        let [width, height] = self.count;
+        let along = &self.along[0][1];
+        let mut scratch = vec![Complex32::ZERO; along.get_inplace_scratch_len()];
         let mut lines = vec![vec![Complex32::ZERO; ROWS * width]; planes.len()];
-        for first in (0..rows).step_by(ROWS) {
-            let count = ROWS.min(rows - first);
+        for first in rows.clone().step_by(ROWS) {
+            let count = ROWS.min(rows.end - first);
             for (plane, lines) in planes.iter().zip(&mut lines) {
                 for (number, column) in plane.chunks_exact(height).enumerate() {
                     for (k, value) in column[first..first + count].iter().enumerate() {
                         lines[k * width + number] = *value;
                     }
                 }
-                along_rows.process_with_scratch(&mut lines[..count * width], &mut scratch);
+                along.process_with_scratch(&mut lines[..count * width], &mut scratch);
             }
             for k in 0..count {
                 let row: Vec<&[Complex32]> = lines.iter().map(|lines| &lines[k * width..][..width]).collect();
@@ -144,6 +186,14 @@ impl Transform {
             }
         }
     }
+}
+
+/// Columns of a half of a plane, and those opposite to them.
+struct ColumnsOfPlane<'a> {
+    here: &'a mut [Complex32],
+    there: &'a mut [Complex32],
+    /// Number of the first column of `there` in the other half.
+    first_opposite: usize,
 }
 
 impl Spectrum {
@@ -187,8 +237,8 @@ impl fmt::Debug for StatePicture {
 
 impl StatePicture {
     /// Transforms a picture of `states` states with rows of `columns`, from the top; `margin` is the number of columns and rows without a
-    /// state between its repetitions.
-    pub fn new(picture: &[u8], columns: usize, states: usize, margin: [usize; 2]) -> Self {
+    /// state between its repetitions. `threads` is that of threads, here and below; the result does not depend on it.
+    pub fn new(picture: &[u8], columns: usize, states: usize, margin: [usize; 2], threads: usize) -> Self {
         let size = [columns, picture.len() / columns];
         let count = [0, 1].map(|k| if margin[k] == 0 { size[k] } else { smooth(size[k] + margin[k]) });
         let transform = Transform::new(count);
@@ -206,7 +256,7 @@ impl StatePicture {
             }
             transform.forward(&numbers, rows)
         };
-        let spectra = (0..states).step_by(2).flat_map(of_pair).take(states).collect();
+        let spectra = in_pairs(states, threads, of_pair);
         Self { transform, picture: picture.to_vec(), columns, margin, spectra }
     }
 
@@ -223,7 +273,12 @@ impl StatePicture {
 
     /// Transforms shapes of kernels. `add` is called for each shape with a function that adds light of the pixel at an offset (to the right,
     /// upwards) from the one that is seen.
-    pub fn shapes(&self, count: usize, add: impl Fn(usize, &mut dyn FnMut([i64; 2], f64))) -> KernelShapes {
+    pub fn shapes(
+        &self,
+        count: usize,
+        threads: usize,
+        add: impl Fn(usize, &mut dyn FnMut([i64; 2], f64)) + Sync,
+    ) -> KernelShapes {
         let [columns, rows] = self.transform.count;
         let of_pair = |first: usize| {
             // Row by row, because most rows are empty.
@@ -243,7 +298,7 @@ impl StatePicture {
             let numbers: Vec<usize> = (0..rows).filter(|row| !lines[*row].is_empty()).collect();
             self.transform.forward(&numbers, lines.concat())
         };
-        KernelShapes { spectra: (0..count).step_by(2).flat_map(of_pair).take(count).collect() }
+        KernelShapes { spectra: in_pairs(count, threads, of_pair) }
     }
 
     /// Computes pictures of three quantities each, one after the other, and calls `found` with the number of each and its pixels. `mixtures` has
@@ -254,6 +309,7 @@ impl StatePicture {
         shapes: &KernelShapes,
         mixtures: &[Vec<f64>],
         everywhere: &[[f32; 3]],
+        threads: usize,
         mut found: impl FnMut(usize, &mut Vec<[f32; 3]>),
     ) {
         let [width, height] = self.transform.count;
@@ -272,27 +328,50 @@ impl StatePicture {
                 picture.clear();
                 picture.resize(self.picture.len(), *same);
             }
-            let products = |frequencies, spectra: &mut [Spectrum]| {
+            let planes = &mut planes[..mixtures.len().div_ceil(2)];
+            self.transform.columns_back(planes, threads, |frequencies, spectra| {
                 let mixtures = &mixtures;
                 pulp::Arch::new().dispatch(Products { states, shapes, mixtures, frequencies, spectra });
-            };
-            let add = |row: usize, values: &[&[Complex32]]| {
-                for quantity in 0..mixtures.len() {
-                    let pixels = &mut pictures[quantity / 3][row * self.columns..][..self.columns];
-                    let (values, k) = (values[quantity / 2], quantity % 3);
-                    match quantity % 2 {
-                        0 => pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel[k] += value.re),
-                        _ => pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel[k] += value.im),
-                    }
+            });
+            let mut rest: Vec<&mut [[f32; 3]]> = pictures.iter_mut().map(Vec::as_mut_slice).collect();
+            let mut items = Vec::new();
+            for rows in ranges(self.picture.len() / self.columns, ROWS, threads) {
+                let mut of_rows = Vec::new();
+                for rest in rest.iter_mut().take(everywhere.len()) {
+                    let (mine, others) = std::mem::take(rest).split_at_mut(rows.len() * self.columns);
+                    of_rows.push(mine);
+                    *rest = others;
                 }
-            };
-            let rows = self.picture.len() / self.columns;
-            self.transform.inverse(&mut planes[..mixtures.len().div_ceil(2)], rows, products, add);
+                items.push((rows, of_rows));
+            }
+            each(items, |(rows, mut pictures)| {
+                self.transform.rows_back(planes, rows.clone(), |row, values| {
+                    for quantity in 0..mixtures.len() {
+                        let first = (row - rows.start) * self.columns;
+                        let pixels = &mut pictures[quantity / 3][first..][..self.columns];
+                        let (values, k) = (values[quantity / 2], quantity % 3);
+                        match quantity % 2 {
+                            0 => {
+                                pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel[k] += value.re)
+                            }
+                            _ => {
+                                pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel[k] += value.im)
+                            }
+                        }
+                    }
+                });
+            });
             for (more, picture) in pictures.iter_mut().enumerate().take(everywhere.len()) {
                 found(PICTURES * number + more, picture);
             }
         }
     }
+}
+
+/// Spectra of which `of_pair` computes two at once, that of the even number and the next.
+fn in_pairs(count: usize, threads: usize, of_pair: impl Fn(usize) -> [Spectrum; 2] + Sync) -> Vec<Spectrum> {
+    let of_range = |range: Range<usize>| range.step_by(2).flat_map(&of_pair).collect::<Vec<Spectrum>>();
+    each(ranges(count, 2, threads), of_range).into_iter().flatten().take(count).collect()
 }
 
 /// Pictures that are computed at once: two planes are transformed at once, and two pictures have three pairs.

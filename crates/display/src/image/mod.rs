@@ -44,7 +44,7 @@ pub use known::KnownLights;
 pub use lamps::LampImage;
 pub use papilio_colour::ScreenSpace;
 use papilio_colour::mapping::{Intent, MapSpace};
-use papilio_colour::{Adaptation, D65_WHITE, Xyz};
+use papilio_colour::{Adaptation, D65_WHITE, Xyz, encoded_byte};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
 use perspective::Eye;
 use rendering::{Rendered, Rendering};
@@ -241,9 +241,6 @@ pub fn image(
         ScreenWhite::Perfect => to_screen,
         ScreenWhite::Display => Adaptation::between(rendering.white, D65_WHITE).unwrap_or(to_screen),
     };
-    let is_clipped = |xyz: &&Xyz| {
-        screen.space.linear(**xyz).iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value))
-    };
     let fraction = |number: usize| number as f64 / seen.len() as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / seen.len() as f64;
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
@@ -263,8 +260,8 @@ pub fn image(
         (count, false) => Some(samples::seen(scene, picture, &palette, count, settings, control)?),
     };
     let shown = sampled.as_ref().unwrap_or(&seen);
-    let adapted: Vec<Xyz> = shown.iter().map(|sample| shown_as.apply(colour(*sample))).collect();
-    let clipped = adapted.iter().filter(is_clipped).count() as f64 / adapted.len() as f64;
+    let OnScreen { bytes: on_screen, linear, clipped } =
+        OnScreen::of(shown, &shown_as, &to_screen, screen.space);
     let numbers = ImageNumbers {
         light: LightSummary::of(scene, &result),
         view,
@@ -274,7 +271,7 @@ pub fn image(
         out_of_gamut_fraction: fraction(seen.len() - inside),
         mapping_error_delta_e_2000: rendering.table_error().map(|error| error.p95),
         cut_fraction: fraction(cut),
-        clipped_fraction: clipped,
+        clipped_fraction: clipped as f64 / shown.len() as f64,
         mean_XYZ: [mean(0), mean(1), mean(2)],
         pixels_per_degree: per_degree,
         against_source,
@@ -285,11 +282,6 @@ pub fn image(
         warnings,
         rooms: Vec::new(),
     };
-    let linear = shown
-        .iter()
-        .map(|sample| to_screen.apply(colour(*sample)).linear_srgb().map(|value| value as f32))
-        .collect();
-    let on_screen = adapted.into_iter().map(|colour| screen.space.bytes(colour)).collect();
     let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;
     let space = screen.space;
     let seen = sampled.unwrap_or(seen);
@@ -307,6 +299,35 @@ pub fn image(
         numbers,
         palette,
     })
+}
+
+/// What is seen, for a screen.
+struct OnScreen {
+    /// Encoded red, green and blue.
+    bytes: Vec<[u8; 3]>,
+    /// Linear red, green and blue with sRGB's primaries.
+    linear: Vec<[f32; 3]>,
+    /// Number of samples that the screen cannot show.
+    clipped: usize,
+}
+
+impl OnScreen {
+    /// `shown_as` adapts X, Y, Z to what is white on the screen, `to_screen` to D65.
+    fn of(seen: &[[f32; 3]], shown_as: &Adaptation, to_screen: &Adaptation, space: ScreenSpace) -> Self {
+        let is_same = shown_as == to_screen && space == ScreenSpace::Srgb;
+        let mut found = Self { bytes: Vec::new(), linear: Vec::new(), clipped: 0 };
+        found.bytes.reserve_exact(seen.len());
+        found.linear.reserve_exact(seen.len());
+        for sample in seen {
+            let on_screen = space.linear(shown_as.apply(colour(*sample)));
+            let is_clipped = on_screen.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
+            found.clipped += usize::from(is_clipped);
+            found.bytes.push(on_screen.map(encoded_byte));
+            let linear = if is_same { on_screen } else { to_screen.apply(colour(*sample)).linear_srgb() };
+            found.linear.push(linear.map(|value| value as f32));
+        }
+        found
+    }
 }
 
 impl ImageResult {

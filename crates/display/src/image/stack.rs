@@ -115,7 +115,7 @@ impl Layers {
             states.iter().for_each(|state| shown[usize::from(*state)] += 1.0 / states.len() as f64);
             *error += blur.error(&shown);
             let rows = blur.rows(&pages, &shown);
-            let picture = blur.picture(&states, size[0], surround, known);
+            let picture = blur.picture(&states, size[0], surround, known, control.thread_count());
             (Kind::Diffuser(Box::new((blur, picture))), rows)
         };
         let Several { without_lamps, .. } = several;

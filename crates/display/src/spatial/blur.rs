@@ -58,6 +58,8 @@ pub(crate) struct Blur {
 pub(crate) struct BlurredPicture {
     picture: Arc<StatePicture>,
     shapes: KernelShapes,
+    /// Number of threads.
+    threads: usize,
 }
 
 impl Blur {
@@ -161,13 +163,14 @@ impl Blur {
         self.shapes.shapes.len()
     }
 
-    /// Transforms a picture of states, rows from the top, unless it is the one that is `known`; afterwards it is.
+    /// Transforms a picture of states, rows from the top, unless it is the one that is `known`; afterwards it is. `threads` is that of threads.
     pub(crate) fn picture(
         &self,
         states: &[u8],
         columns: usize,
         surround: PictureSurround,
         known: &mut Option<Arc<StatePicture>>,
+        threads: usize,
     ) -> BlurredPicture {
         let reach = self.squares.iter().map(PixelSquare::reach).max().unwrap_or(0);
         let margin = match surround {
@@ -176,17 +179,17 @@ impl Blur {
         };
         let is_same = |known: &Arc<StatePicture>| known.is_of(states, columns, self.states, margin);
         let picture = known.take().filter(is_same);
-        let picture =
-            picture.unwrap_or_else(|| Arc::new(StatePicture::new(states, columns, self.states, margin)));
+        let picture = picture
+            .unwrap_or_else(|| Arc::new(StatePicture::new(states, columns, self.states, margin, threads)));
         *known = Some(Arc::clone(&picture));
-        let shapes = picture.shapes(self.shapes(), |shape, add| {
+        let shapes = picture.shapes(self.shapes(), threads, |shape, add| {
             for (square, light) in self.squares.iter().zip(&self.shapes.shapes[shape]) {
                 let each = light / (square.side * square.side) as f64;
                 // A point spread says where the light of a pixel goes: it comes from the opposite place.
                 square.each_pixel(|[right, up]| add([-right, -up], each));
             }
         });
-        BlurredPicture { picture, shapes }
+        BlurredPicture { picture, shapes, threads }
     }
 
     /// Numbers in which what is seen in each scene is linear: the mixture of shapes of each kernel, `[X, Y, Z][state][shape]`, times the
@@ -228,7 +231,7 @@ impl Blur {
         let far = |row: &Vec<f64>| [3, 2, 1].map(|back| row[row.len() - back] as f32);
         let mixtures: Vec<Vec<f64>> = rows.iter().map(weights).collect();
         let far: Vec<[f32; 3]> = rows.iter().map(far).collect();
-        blurred.picture.seen(&blurred.shapes, &mixtures, &far, found);
+        blurred.picture.seen(&blurred.shapes, &mixtures, &far, blurred.threads, found);
     }
 
     /// Largest error of X, Y and Z: what shapes miss, and that of fine detail, where each state has the gain of a mixture of all.

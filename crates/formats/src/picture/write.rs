@@ -3,7 +3,7 @@
 use std::io::{self, Cursor, Write};
 
 use exr::prelude::{Encoding as ExrEncoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
-use png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
+use png::{BitDepth, ColorType, DeflateCompression, Encoder, SrgbRenderingIntent};
 
 /// Writes the states of a picture as an indexed PNG, 8 bits a pixel: `palette` has the encoded sRGB colour of each state, and the
 /// pixels the number of their state. The first row is at the top.
@@ -45,6 +45,8 @@ pub fn write_rgb_png(
     let mut encoder = Encoder::new(out, width, height);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
+    // More effort hardly makes halftones smaller.
+    encoder.set_deflate_compression(DeflateCompression::Level(1));
     if !is_display_p3 {
         encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
         return finish(encoder, pixels.as_flattened());

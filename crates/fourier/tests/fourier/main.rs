@@ -73,13 +73,21 @@ const SHAPES: [&[([i64; 2], f64)]; 3] =
     [&[([0, 0], 0.5), ([1, 0], 0.25)], &[([0, 1], 0.3), ([-9, 2], 0.1)], &[([2, -3], 0.7)]];
 
 /// Three pictures of three quantities, three states, by sums over the pixels: with repetitions and with a margin without light, for odd and
-/// even numbers of columns and rows, in one and in several blocks.
+/// even numbers of columns and rows, in one and in several blocks, on one and several threads.
 #[test]
 fn pictures_of_states_are_convolved_with_the_kernels_of_their_states() {
-    for (size, margin) in [([7, 5], [0, 0]), ([7, 5], [9, 3]), ([40, 70], [0, 0]), ([37, 66], [9, 3])] {
+    let sizes = [
+        ([7, 5], [0, 0], 3),
+        ([7, 5], [9, 3], 2),
+        ([40, 70], [0, 0], 1),
+        ([40, 70], [0, 0], 3),
+        ([37, 66], [9, 3], 4),
+        ([1, 2], [0, 0], 2),
+    ];
+    for (size, margin, threads) in sizes {
         let [columns, rows] = size;
         let picture: Vec<u8> = (0..columns * rows).map(|k| (k * k % 11 % 3) as u8).collect();
-        let states = StatePicture::new(&picture, columns, 3, margin);
+        let states = StatePicture::new(&picture, columns, 3, margin, threads);
         assert!(states.is_of(&picture, columns, 3, margin));
         let mut other = picture.clone();
         other[columns] = (other[columns] + 1) % 3;
@@ -87,8 +95,8 @@ fn pictures_of_states_are_convolved_with_the_kernels_of_their_states() {
         assert!(!states.is_of(&picture, rows, 3, margin), "another shape");
         assert!(!states.is_of(&picture, columns, 4, margin), "more states");
         assert!(!states.is_of(&picture, columns, 3, [9, 4]), "another margin");
-        let shapes =
-            states.shapes(3, |shape, add| SHAPES[shape].iter().for_each(|(at, light)| add(*at, *light)));
+        let shapes = states
+            .shapes(3, threads, |shape, add| SHAPES[shape].iter().for_each(|(at, light)| add(*at, *light)));
         let everywhere = [[0.5, -1.0, 2.0], [0.0; 3], [1.0, 0.25, -0.5]];
         let mixtures: Vec<Vec<f64>> =
             [0.1, 0.07, 0.03].map(|slope| (0..27).map(|k| slope * f64::from(k) - 1.0).collect()).to_vec();
@@ -108,7 +116,7 @@ fn pictures_of_states_are_convolved_with_the_kernels_of_their_states() {
             sum
         };
         let mut pictures = 0;
-        states.seen(&shapes, &mixtures, &everywhere, |number, pixels| {
+        states.seen(&shapes, &mixtures, &everywhere, threads, |number, pixels| {
             assert_eq!((number, pixels.len()), (pictures, picture.len()));
             pictures += 1;
             for (at, values) in pixels.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Evaluation of `[optimize]`: from its description to a search.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Method as Solver, Scene};
+use papilio_display::scene::{Method as Solver, MetricSource, Scene};
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 
@@ -13,6 +13,7 @@ use crate::mistake::{self, tidy};
 use crate::origin::Origin;
 use crate::path::KeyPath;
 use crate::read::{Read, Spanned};
+use crate::scenario::Scenario;
 use crate::set::Change;
 use crate::tree::Node;
 use crate::varied::{ParameterisedScenario, ParsedScenario, STUDY_TABLES, VariedKey};
@@ -95,7 +96,16 @@ impl Reader {
         let constraints: Option<Vec<Vec<_>>> = constraints.into_iter().collect();
         let both =
             std::mem::take(&mut self.errors).finish(objectives.zip(constraints), &self.base.sources)?;
-        let hash = hash(spec, &scenes);
+        let (objectives, constraints) = both;
+        let quantities = objectives.iter().flat_map(|one| one.parts.iter().map(|(_, quantity)| quantity));
+        let mut quantities = quantities.chain(constraints.iter().flatten().map(|one| &one.quantity));
+        // The content of a picture belongs to the hash.
+        let of_picture = quantities.any(|one| one.quantity.source() == MetricSource::Image);
+        let pictured = match of_picture {
+            true => conditions.iter().map(|one| hash_with_picture(&one.varied, &found)).collect(),
+            false => Ok(Vec::new()),
+        }?;
+        let hash = hash(spec, &scenes, &pictured);
         Ok(Optimisation {
             method: match spec.method.value {
                 describe::Method::Gradient => SearchMethod::Gradient,
@@ -108,8 +118,8 @@ impl Reader {
             points: spec.points.0 as usize,
             variables: found.into_iter().map(|one| one.variable).collect(),
             conditions,
-            objectives: both.0,
-            constraints: both.1.concat(),
+            objectives,
+            constraints: constraints.concat(),
             title,
             hash,
             notes: self.base.notes()?,
@@ -318,20 +328,34 @@ fn condition_scene(
     varied: &ParameterisedScenario,
     found: &[ReadVariable],
 ) -> Result<ConditionScene, ScenarioErrors> {
-    let values: Vec<Json> = found
-        .iter()
-        .flat_map(|one| one.variable.values(one.variable.start()).into_iter().map(|(_, value)| value))
-        .collect();
-    let resolved = varied.scenario(&values)?.resolve()?;
+    let resolved = at_start(varied, found)?.resolve()?;
     let states = resolved.scene.display.state_names();
     Ok(ConditionScene { scene: resolved.scene, states, hash: resolved.hash })
 }
 
-/// Computes the hash of a search: of its description and its scenarios.
-fn hash(spec: &describe::Optimize, known: &[ConditionScene]) -> String {
+/// The hash of a condition at the starting point, with the picture of `[image]`.
+fn hash_with_picture(
+    varied: &ParameterisedScenario,
+    found: &[ReadVariable],
+) -> Result<String, ScenarioErrors> {
+    Ok(at_start(varied, found)?.resolve_with_picture()?.hash)
+}
+
+/// The scenario of a condition at the starting point.
+fn at_start(varied: &ParameterisedScenario, found: &[ReadVariable]) -> Result<Scenario, ScenarioErrors> {
+    let values: Vec<Json> = found
+        .iter()
+        .flat_map(|one| one.variable.values(one.variable.start()).into_iter().map(|(_, value)| value))
+        .collect();
+    varied.scenario(&values)
+}
+
+/// Computes the hash of a search: of its description, its scenarios and their pictures.
+fn hash(spec: &describe::Optimize, known: &[ConditionScene], pictured: &[String]) -> String {
     let mut digest = Sha256::new();
     digest.update(serde_json::to_string(spec).unwrap_or_default());
     known.iter().for_each(|known| digest.update(&known.hash));
+    pictured.iter().for_each(|hash| digest.update(hash));
     hex(&digest.finalize())
 }
 

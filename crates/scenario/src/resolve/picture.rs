@@ -1,18 +1,22 @@
 //! The picture of `[image]` on the pixels of the panel: a file, a page of text, or a test pattern.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use papilio_colour::D65_WHITE;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::image::SourceImage;
 use papilio_display::readability::DEFAULT_TEXT_HEIGHT_MM;
 use papilio_display::scene::Scene;
-use papilio_formats::{LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, SourcePicture, read_picture};
+use papilio_formats::{
+    FormatError, LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, SourcePicture, Warned, read_picture,
+};
 use papilio_imaging::text::{Font, X_HEIGHT};
 use papilio_imaging::{Fit, TestPattern, fitted};
 
 use super::Resolver;
 use crate::describe::File;
 use crate::describe::image::{Image, ImageFit, ImagePattern, SourceSpace};
-use crate::library::sha256;
+use crate::library::{MemoryFile, sha256};
 use crate::mistake;
 use crate::origin::Origin;
 
@@ -31,9 +35,65 @@ const MOST_SPOKES: f64 = 3600.0;
 /// Millimetres in a point.
 const POINT_MM: f64 = 25.4 / 72.0;
 
+/// Largest number of pixels of a picture that is kept after it was read.
+const MOST_KEPT_PIXELS: usize = 1 << 24;
+
+/// The picture that was read last in this process: the designs of a study show the same one.
+static LAST: Mutex<Option<Arc<FilePicture>>> = Mutex::new(None);
+
+/// A picture that was read from a file.
+pub(super) struct FilePicture {
+    /// SHA-256 of the file.
+    sha256: String,
+    space: SourceSpace,
+    picture: SourcePicture,
+    warnings: Vec<String>,
+    /// The picture on the last number of pixels that was requested.
+    fitted: Mutex<Option<FittedPicture>>,
+}
+
+struct FittedPicture {
+    to: [usize; 2],
+    fit: Fit,
+    pixels: Vec<[f32; 3]>,
+}
+
+impl FilePicture {
+    /// Reads a picture, unless it is the last one that was read.
+    fn read(file: &MemoryFile, space: SourceSpace) -> Result<Arc<Self>, FormatError> {
+        let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_it = |last: &&Arc<Self>| last.space == space && last.sha256 == file.sha256();
+        if let Some(last) = last().as_ref().filter(is_it) {
+            return Ok(Arc::clone(last));
+        }
+        let rgb = match space {
+            SourceSpace::Srgb => RgbSpace::srgb(),
+            SourceSpace::DisplayP3 => RgbSpace::display_p3(),
+            SourceSpace::Rec2020 => RgbSpace::rec_2020(),
+        };
+        let Warned { value: picture, warnings } = read_picture(file.file(), &rgb)?;
+        let is_kept = picture.columns() * picture.rows() <= MOST_KEPT_PIXELS;
+        let sha256 = file.sha256().to_owned();
+        let read = Arc::new(Self { sha256, space, picture, warnings, fitted: Mutex::new(None) });
+        *last() = is_kept.then(|| Arc::clone(&read));
+        Ok(read)
+    }
+
+    fn fitted(&self, to: [usize; 2], fit: Fit) -> Vec<[f32; 3]> {
+        let mut kept = self.fitted.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kept) = kept.as_ref().filter(|kept| (kept.to, kept.fit) == (to, fit)) {
+            return kept.pixels.clone();
+        }
+        let size = [self.picture.columns(), self.picture.rows()];
+        let pixels = fitted(size, |row| self.picture.row(row), to, fit, white());
+        *kept = (pixels.len() <= MOST_KEPT_PIXELS).then(|| FittedPicture { to, fit, pixels: pixels.clone() });
+        pixels
+    }
+}
+
 /// A picture before it is fitted to the panel.
 pub(super) enum Photograph<'a> {
-    File(SourcePicture),
+    File(Arc<FilePicture>),
     /// X, Y, Z of a picture in memory.
     Given(&'a SourceImage),
 }
@@ -41,17 +101,19 @@ pub(super) enum Photograph<'a> {
 impl Photograph<'_> {
     fn size(&self) -> [usize; 2] {
         match self {
-            Self::File(picture) => [picture.columns(), picture.rows()],
+            Self::File(file) => [file.picture.columns(), file.picture.rows()],
             Self::Given(picture) => [picture.columns, picture.pixels.len() / picture.columns.max(1)],
         }
     }
 
     fn fitted(&self, to: [usize; 2], fit: Fit) -> Vec<[f32; 3]> {
-        let row = |row: usize| match self {
-            Self::File(picture) => picture.row(row),
-            Self::Given(picture) => picture.pixels[row * picture.columns..][..picture.columns].to_vec(),
-        };
-        fitted(self.size(), row, to, fit, white())
+        match self {
+            Self::File(file) => file.fitted(to, fit),
+            Self::Given(picture) => {
+                let row = |row: usize| picture.pixels[row * picture.columns..][..picture.columns].to_vec();
+                fitted(self.size(), row, to, fit, white())
+            }
+        }
     }
 }
 
@@ -158,18 +220,13 @@ impl Resolver<'_> {
         pixels
     }
 
-    fn photograph(&mut self, image: &Image, name: &str) -> Option<SourcePicture> {
-        let space = match image.source_space.value {
-            SourceSpace::Srgb => RgbSpace::srgb(),
-            SourceSpace::DisplayP3 => RgbSpace::display_p3(),
-            SourceSpace::Rec2020 => RgbSpace::rec_2020(),
-        };
+    fn photograph(&mut self, image: &Image, name: &str) -> Option<Arc<FilePicture>> {
         let origin = image.file.origin;
         let opened = self.open_within(name, origin, LARGEST_PICTURE_FILE)?;
-        match read_picture(opened.file(), &space) {
+        match FilePicture::read(&opened, image.source_space.value) {
             Ok(picture) => {
                 self.notes.extend(picture.warnings.iter().map(|warning| format!("{name}: {warning}")));
-                Some(picture.value)
+                Some(picture)
             }
             Err(error) => {
                 self.errors.push_data(origin, error);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use papilio_scenario::{Optimisation, SearchAim, SearchMethod, SearchRange};
+use papilio_scenario::{Optimisation, Scenario, SearchAim, SearchMethod, SearchRange};
 
 use crate::common::{GOOD, changed_in};
 
@@ -81,6 +81,67 @@ fn hash_changes_only_with_the_search() {
     {
         assert_ne!(own, hash(&changed_in(&whole(), &[(from, to)])), "{to}");
     }
+}
+
+/// A display with two states that shows a picture, and a search for the white that shows it best.
+const PICTURED: &str = r#"
+[display.pixel]
+model = "uniform"
+kind = "lambertian"
+reflectance = { white = 0.6, black = 0.03 }
+[display.matrix]
+ppi = 100
+pixels = [2, 1]
+[lighting]
+illuminance_lx = 500
+spectrum = "D65"
+[viewer]
+theta_deg = 0
+[image]
+file = "picture.png"
+[optimize]
+[[optimize.variables]]
+key = "display.pixel.reflectance.white"
+bounds = [0.5, 0.8]
+[[optimize.objectives]]
+metric = "METRIC"
+aim = "minimise"
+"#;
+
+/// The content of a picture belongs to a search that looks at it, and to its designs: a changed file is read again.
+#[test]
+fn a_changed_picture_is_another_search() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |pixels: &[[u8; 3]]| {
+        let mut bytes = Vec::new();
+        papilio_formats::write_rgb_png(&mut bytes, 2, pixels, false).unwrap();
+        std::fs::write(folder.path().join("picture.png"), bytes).unwrap();
+    };
+    let hashes = || {
+        ["flip_mean", "white.Y"].map(|metric| {
+            let text = PICTURED.replace("METRIC", metric);
+            Optimisation::from_text(&text, "test.toml", folder.path(), &[]).unwrap().hash
+        })
+    };
+    let picture = |set: &[&str]| {
+        let set: Vec<String> = set.iter().map(|one| (*one).to_owned()).collect();
+        let text = PICTURED.split("[optimize]").next().unwrap();
+        let scenario = Scenario::from_text(text, "test.toml", folder.path(), &set).unwrap();
+        scenario.resolve_with_picture().unwrap().image.unwrap().source.pixels
+    };
+    write(&[[255; 3], [0; 3]]);
+    let (first, shown) = (hashes(), picture(&[]));
+    assert_eq!(first, hashes());
+    assert_eq!(shown, picture(&[]));
+    assert!(shown[0][1] > 0.99 && shown[1][1] < 0.01, "{shown:?}");
+    // It is kept, but not on another number of pixels or with other contents.
+    assert_eq!(picture(&["display.matrix.pixels=[4,2]"]).len(), 8);
+    assert_eq!(picture(&[]), shown);
+    write(&[[255, 0, 0], [0; 3]]);
+    assert_ne!(picture(&[]), shown);
+    let second = hashes();
+    assert_ne!(first[0], second[0]);
+    assert_eq!(first[1], second[1], "a search that does not look at the picture");
 }
 
 #[test]
