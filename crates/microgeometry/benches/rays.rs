@@ -1,4 +1,4 @@
-//! Rays through surfaces: one call follows 32 x 256 rays for each of the inclinations of one run, and those of all bands of the kernel.
+//! Rays through surfaces: a replicate of a measurement, at two inclinations from each side and in all bands of the kernel.
 
 #![allow(missing_docs, reason = "a benchmark")]
 
@@ -10,7 +10,8 @@ fn main() {
     divan::main();
 }
 
-const RAYS: u64 = 256;
+/// Rays of each inclination and band: so many that the preparation of the surface hardly counts.
+const RAYS: u64 = 4096;
 
 fn replicate(bencher: divan::Bencher<'_, '_>, surface: &Surface) {
     let goniometer = Goniometer {
@@ -27,14 +28,14 @@ fn replicate(bencher: divan::Bencher<'_, '_>, surface: &Surface) {
         .bench(|| goniometer.replicate(surface, 0, &|| false).is_ok());
 }
 
-#[divan::bench]
+#[divan::bench(sample_count = 10)]
 fn hemispheres(bencher: divan::Bencher<'_, '_>) {
     let caps = Caps { pitch_um: 4.5, radius_um: 2.25, aperture_um: 2.25, lattice: Lattice::Square };
     replicate(bencher, &Surface::Caps(caps));
 }
 
 /// A map of 1024 x 1024 heights in memory.
-#[divan::bench]
+#[divan::bench(sample_count = 10)]
 fn height_map(bencher: divan::Bencher<'_, '_>) {
     let face = RandomHeights::new(Spectrum::Gaussian { rms_um: 0.5, correlation_um: 10.0 }, 1);
     let map = face.and_then(|face| face.realisation(0)).map(|map| {

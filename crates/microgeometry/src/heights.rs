@@ -19,6 +19,8 @@ const BLOCK: usize = 8;
 #[derive(Debug)]
 pub(crate) struct Triangles<'a> {
     map: &'a HeightMap,
+    /// Cells per um along x and y.
+    per_um: [f64; 2],
     lowest: f64,
     highest: f64,
     /// Largest slope: a ray that goes away more steeply never comes back to the surface.
@@ -32,25 +34,26 @@ impl<'a> Triangles<'a> {
         let heights = map.heights_um();
         let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let mut all = Self { map, lowest, highest, steepest: 0.0, blocks: blocks(map) };
+        let per_um = map.pitch_um().map(f64::recip);
+        let mut all = Self { map, per_um, lowest, highest, steepest: 0.0, blocks: blocks(map) };
         all.steepest = all.largest_slope();
         all
     }
 
     /// Largest slope of all triangles, and a little more against rounding.
     fn largest_slope(&self) -> f64 {
-        let pitch = self.map.pitch_um();
         let (columns, rows) = (self.map.columns() as i64, self.map.rows() as i64);
         let mut largest = 0.0_f64;
         for row in 0..rows {
             for column in 0..columns {
+                let corners = self.corners([column, row]);
                 for is_upper in [false, true] {
-                    let [x, y] = self.plane([column, row], is_upper).slopes;
-                    largest = largest.max((x / pitch[0]).hypot(y / pitch[1]));
+                    let [x, y] = [0, 1].map(|k| corners.plane(is_upper).slopes[k] * self.per_um[k]);
+                    largest = largest.max(x * x + y * y);
                 }
             }
         }
-        largest * (1.0 + 1e-9)
+        largest.sqrt() * (1.0 + 1e-9)
     }
 
     /// With or without blocks.
@@ -68,8 +71,9 @@ impl<'a> Triangles<'a> {
         self.blocks.get(at[1] * count[0] + at[0]).copied()
     }
 
-    /// Height at the middle of the ray's place in a cell, and slopes per cell, of the triangle below or above the diagonal.
-    fn plane(&self, cell: [i64; 2], is_upper: bool) -> Plane {
+    /// Heights at the corners of a cell.
+    #[inline]
+    fn corners(&self, cell: [i64; 2]) -> Corners {
         let (columns, rows) = (self.map.columns() as i64, self.map.rows() as i64);
         let column = |k: i64| if (0..columns).contains(&k) { k } else { k.rem_euclid(columns) } as usize;
         let row = |k: i64| if (0..rows).contains(&k) { k } else { k.rem_euclid(rows) } as usize;
@@ -77,14 +81,24 @@ impl<'a> Triangles<'a> {
             ([column(cell[0]), column(cell[0] + 1)], [row(cell[1]), row(cell[1] + 1)]);
         let heights = self.map.heights_um();
         let at = |x: usize, y: usize| heights[y * columns as usize + x];
-        let (a, b) = (at(right, low), at(left, high));
+        Corners([[at(left, low), at(right, low)], [at(left, high), at(right, high)]])
+    }
+}
+
+/// Heights at the corners of a cell, `[low, high][left, right]`.
+#[derive(Debug, Clone, Copy)]
+struct Corners([[f64; 2]; 2]);
+
+impl Corners {
+    /// The triangle below or above the diagonal.
+    #[inline]
+    fn plane(&self, is_upper: bool) -> Plane {
+        let [[corner, right], [left, opposite]] = self.0;
         if is_upper {
-            let corner = at(right, high);
-            let slopes = [corner - b, corner - a];
-            Plane { height: corner - slopes[0] - slopes[1], slopes }
+            let slopes = [opposite - left, opposite - right];
+            Plane { height: opposite - slopes[0] - slopes[1], slopes }
         } else {
-            let corner = at(left, low);
-            Plane { height: corner, slopes: [a - corner, b - corner] }
+            Plane { height: corner, slopes: [right - corner, left - corner] }
         }
     }
 }
@@ -124,25 +138,29 @@ impl Face for Triangles<'_> {
     }
 
     fn next(&self, ray: &Ray, side: Side) -> Met {
-        let pitch = self.map.pitch_um();
-        // In cells along x and y; z stays in um, and so does the way.
-        let from = [ray.at[0] / pitch[0], ray.at[1] / pitch[1]];
-        let along = [ray.along[0] / pitch[0], ray.along[1] / pitch[1]];
-        let sign = if side == Side::Above { 1.0 } else { -1.0 };
-        // The way after which the ray is beyond all heights of its side.
-        let (end, leaves) = match side {
-            Side::Above if ray.along[2] > 0.0 => ((self.highest - ray.at[2]) / ray.along[2], true),
-            Side::Below if ray.along[2] < 0.0 => ((self.lowest - ray.at[2]) / ray.along[2], true),
-            _ => (f64::INFINITY, false),
+        let leaves = match side {
+            Side::Above => ray.along[2] > 0.0,
+            Side::Below => ray.along[2] < 0.0,
         };
-        let across = (ray.along[0] * ray.along[0] + ray.along[1] * ray.along[1]).sqrt();
-        if leaves && (end <= 0.0 || ray.along[2].abs() > self.steepest * across) {
+        let across_squared = ray.along[0] * ray.along[0] + ray.along[1] * ray.along[1];
+        if leaves && ray.along[2] * ray.along[2] > self.steepest * self.steepest * across_squared {
             return Met::Nothing;
         }
+        // The way after which the ray is beyond all heights of its side.
+        let last = if side == Side::Above { self.highest } else { self.lowest };
+        let end = if leaves { (last - ray.at[2]) / ray.along[2] } else { f64::INFINITY };
+        if end <= 0.0 {
+            return Met::Nothing;
+        }
+        // In cells along x and y; z stays in um, and so does the way.
+        let from = [ray.at[0] * self.per_um[0], ray.at[1] * self.per_um[1]];
+        let along = [ray.along[0] * self.per_um[0], ray.along[1] * self.per_um[1]];
+        let sign = if side == Side::Above { 1.0 } else { -1.0 };
         let mut edges = Edges::of_triangles(from, along);
         let mut way = 0.0_f64;
         let mut height = None;
         let mut known = None;
+        let mut corners: Option<([i64; 2], Corners)> = None;
         for _ in 0..MOST_EDGES {
             let cell = [edges[0].number, edges[1].number];
             let block = cell.map(|number| number >> BLOCK.trailing_zeros());
@@ -182,7 +200,11 @@ impl Face for Triangles<'_> {
             }
             let until = edges[0].way.min(edges[1].way).min(edges[2].way);
             if until > way {
-                let plane = self.plane(cell, edges[2].number > cell[0] + cell[1]);
+                let here = match corners {
+                    Some((known, here)) if known == cell => here,
+                    _ => corners.insert((cell, self.corners(cell))).1,
+                };
+                let plane = here.plane(edges[2].number > cell[0] + cell[1]);
                 let slope = sign * (ray.along[2] - plane.slopes[0] * along[0] - plane.slopes[1] * along[1]);
                 // Rounding may put a ray that starts on the surface behind it.
                 let before = height.unwrap_or_else(|| {
@@ -194,7 +216,8 @@ impl Face for Triangles<'_> {
                 let after = before + slope * (until - way);
                 if after < 0.0 {
                     let hit = way + before / -slope;
-                    let normal = normalised([-plane.slopes[0] / pitch[0], -plane.slopes[1] / pitch[1], 1.0]);
+                    let [x, y] = [0, 1].map(|k| -plane.slopes[k] * self.per_um[k]);
+                    let normal = normalised([x, y, 1.0]);
                     return Met::Facet { at: moved(ray.at, hit, ray.along), normal };
                 }
                 if leaves && until >= end {

@@ -6,7 +6,7 @@
 use papilio_sampling::SampleStream;
 
 use crate::Coating;
-use crate::ray::{Face, Met, Ray, Side, dot, moved, normalised};
+use crate::ray::{Face, Met, Ray, Side, dot, moved, renormalised};
 
 /// Facets after which light counts as lost: far beyond any order that matters.
 const MOST_FACETS: u32 = 100_000;
@@ -191,14 +191,14 @@ impl Facet {
         let towards = if side == Side::Above { normal } else { normal.map(|part| -part) };
         // Rounding may put a grazing ray behind its facet.
         let cosine = (-dot(along, towards)).max(0.0);
-        let reflected = normalised(moved(along, 2.0 * cosine, towards));
+        let reflected = renormalised(moved(along, 2.0 * cosine, towards));
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let split = media.coating.split([from, to], side, from * sine);
         let ratio = from / to;
         let behind = 1.0 - (ratio * sine).powi(2);
         if behind > 0.0 && split.transmittance > 0.0 {
             let refracted =
-                normalised(moved(along.map(|part| ratio * part), ratio * cosine - behind.sqrt(), towards));
+                renormalised(moved(along.map(|part| ratio * part), ratio * cosine - behind.sqrt(), towards));
             return Self {
                 reflectance: split.reflectance,
                 transmittance: split.transmittance,

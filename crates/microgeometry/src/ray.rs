@@ -68,5 +68,13 @@ pub(crate) fn moved(a: [f64; 3], t: f64, b: [f64; 3]) -> [f64; 3] {
 
 pub(crate) fn normalised(a: [f64; 3]) -> [f64; 3] {
     let length = dot(a, a).sqrt();
+    // Divided, because the normal of a horizontal facet must be exactly vertical.
     a.map(|value| value / length)
+}
+
+/// A vector whose length differs from 1 by rounding, with less of that.
+pub(crate) fn renormalised(a: [f64; 3]) -> [f64; 3] {
+    // The first terms of 1/length.
+    let per_length = 1.5 - 0.5 * dot(a, a);
+    a.map(|value| value * per_length)
 }
