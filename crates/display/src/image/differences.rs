@@ -47,7 +47,8 @@ impl Difference {
 }
 
 impl PictureDifferences {
-    /// Compares what is seen, with rows of `columns` in a light of this white, with other pictures; `to_screen` adapts it to D65.
+    /// Compares what is seen, with rows of `columns` in a light of this white, with other pictures, on two threads if there are so many; `to_screen`
+    /// adapts it to D65.
     ///
     /// # Errors
     /// If the white has no X, Y or Z.
@@ -58,8 +59,9 @@ impl PictureDifferences {
         white: Xyz,
         to_screen: &Adaptation,
         pixels_per_degree: Option<f64>,
+        threads: usize,
     ) -> Result<[Self; 2], ColourError> {
-        let picture = |pixels: &[[f32; 3]], of: &dyn Fn(Xyz) -> [f64; 3]| {
+        let picture = |pixels: &[[f32; 3]], of: &(dyn Fn(Xyz) -> [f64; 3] + Sync)| {
             let mut planes = [0; 3].map(|_| Vec::with_capacity(pixels.len()));
             for pixel in pixels {
                 planes.iter_mut().zip(of(colour(*pixel))).for_each(|(plane, value)| plane.push(value));
@@ -68,36 +70,54 @@ impl PictureDifferences {
         };
         let xyz = |pixels| picture(pixels, &Xyz::to_array);
         let own = xyz(seen)?.into_lab(white)?;
-        let plain = |other| Ok(Difference::of(own.delta_e_2000(&xyz(other)?.into_lab(white)?)?));
-        let [one, other] = [plain(others[0])?, plain(others[1])?];
+        let mut differences = both(threads, |k| {
+            let plain = Difference::of(own.delta_e_2000(&xyz(others[k])?.into_lab(white)?)?);
+            Ok(Self {
+                delta_e_2000_mean: plain.mean,
+                delta_e_2000_p50: plain.p50,
+                delta_e_2000_p95: plain.p95,
+                scielab_mean: None,
+                scielab_p95: None,
+                flip_mean: None,
+            })
+        })?;
         drop(own);
-        let mut differences = [one, other].map(|plain| Self {
-            delta_e_2000_mean: plain.mean,
-            delta_e_2000_p50: plain.p50,
-            delta_e_2000_p95: plain.p95,
-            scielab_mean: None,
-            scielab_p95: None,
-            flip_mean: None,
-        });
         let Some(per_degree) = pixels_per_degree else { return Ok(differences) };
         let [own, one, other] = scielab([xyz(seen)?, xyz(others[0])?, xyz(others[1])?], white, per_degree)?;
-        for (differences, other) in differences.iter_mut().zip([one, other]) {
-            let blurred = Difference::of(own.delta_e_2000(&other)?);
+        let blurred = both(threads, |k| Ok(Difference::of(own.delta_e_2000([&one, &other][k])?)))?;
+        for (differences, blurred) in differences.iter_mut().zip(blurred) {
             (differences.scielab_mean, differences.scielab_p95) = (Some(blurred.mean), Some(blurred.p95));
         }
-        drop(own);
+        drop((own, one, other));
         let flip = |pixels| {
             let rgb = picture(pixels, &|pixel| to_screen.apply(pixel).linear_srgb())?;
             Ok::<_, ColourError>(FlipPicture::new(&rgb, per_degree))
         };
         let own = flip(seen)?;
-        for (differences, other) in differences.iter_mut().zip(others) {
-            let values = own.differences(&flip(other)?)?;
-            differences.flip_mean =
-                Some(values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len() as f64);
+        let flips = both(threads, |k| {
+            let values = own.differences(&flip(others[k])?)?;
+            Ok(values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len() as f64)
+        })?;
+        for (differences, flip) in differences.iter_mut().zip(flips) {
+            differences.flip_mean = Some(flip);
         }
         Ok(differences)
     }
+}
+
+/// The results of `of` for 0 and 1, at the same time if there are two threads.
+fn both<T: Send>(
+    threads: usize,
+    of: impl Fn(usize) -> Result<T, ColourError> + Sync,
+) -> Result<[T; 2], ColourError> {
+    if threads < 2 {
+        return Ok([of(0)?, of(1)?]);
+    }
+    let [one, other] = std::thread::scope(|scope| {
+        let other = scope.spawn(|| of(1));
+        [of(0), other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))]
+    });
+    Ok([one?, other?])
 }
 
 #[cfg(test)]
@@ -117,9 +137,12 @@ mod tests {
             .map(|(k, pixel)| pixel.map(|one| one * (1.0 - k as f32 / 200.0)))
             .collect();
         let against = |other: &[[f32; 3]]| {
-            let both = [other, &grey[..]];
-            let [one, none] =
-                PictureDifferences::against(&grey, both, 8, D65_WHITE, &same, Some(40.0)).unwrap();
+            let pair = [other, &grey[..]];
+            let with = |threads| {
+                PictureDifferences::against(&grey, pair, 8, D65_WHITE, &same, Some(40.0), threads).unwrap()
+            };
+            let [one, none] = with(1);
+            assert_eq!(with(2), [one, none]);
             assert_eq!((none.delta_e_2000_p95, none.flip_mean), (0.0, Some(0.0)));
             // One plane is the real part of a transform, its equal the imaginary part of another: rounding differs.
             assert!(none.scielab_mean.unwrap() < 1e-12, "{none:?}");

@@ -244,8 +244,10 @@ pub fn image(
     let fraction = |number: usize| number as f64 / seen.len() as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / seen.len() as f64;
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
+    let others = [&wanted[..], &mapped[..]];
+    let threads = control.thread_count();
     let [against_source, against_mapped] =
-        PictureDifferences::against(&seen, [&wanted, &mapped], size[0], white, &to_screen, per_degree)?;
+        PictureDifferences::against(&seen, others, size[0], white, &to_screen, per_degree, threads)?;
     let mut warnings = result.warnings.clone();
     if error > LARGE_ERROR {
         warnings.push(format!(

@@ -1,46 +1,55 @@
-//! ICC profiles of displays and cameras: three primaries with their transfer functions, or grey (ICC.1:2022, 8.3 and 8.4).
+//! ICC profiles: a table, or three primaries with their transfer functions, or grey (ICC.1:2022, 8.2 to 8.4).
 //!
-//! Profiles that consist of tables alone (printers, CMYK) are not read.
+//! A table comes first, as in other programs: its author has put into it what primaries cannot describe.
 
 use super::colour_space::{adaptation, d65, product, transposed};
-use super::source::ColourEncoding;
+use super::icc_table::IccTable;
+use super::source::{ColourEncoding, Light};
 use super::transfer::Transfer;
 
 /// White of the profile connection space, D50.
-const D50: [f64; 3] = [0.9642, 1.0, 0.8249];
+pub(super) const D50: [f64; 3] = [0.9642, 1.0, 0.8249];
 
 /// Why a profile is not used.
-pub(super) const NOT_USED: &str = "its ICC profile has no primaries with transfer functions";
+pub(super) const NOT_USED: &str = "its ICC profile is not one for its colours, or is damaged";
 
-/// Reads a profile for a picture of three colours, or of grey.
-pub(super) fn read(profile: &[u8], is_coloured: bool) -> Option<ColourEncoding> {
+/// Reads a profile for a picture of grey (1), three colours (3) or CMYK (4).
+pub(super) fn read(profile: &[u8], inputs: usize) -> Option<ColourEncoding> {
     let profile = Profile { bytes: profile };
-    if profile.at(36, 4)? != b"acsp" || profile.at(20, 4)? != b"XYZ " && is_coloured {
+    let is_of_inks = profile.at(16, 4)? == b"CMYK";
+    if profile.at(36, 4)? != b"acsp" || is_of_inks != (inputs == 4) {
         return None;
     }
     let name = profile.name().unwrap_or_else(|| "ICC profile".to_owned());
-    if !is_coloured {
+    if let Some(table) = IccTable::read(&profile, inputs) {
+        let to_d65 = adaptation(D50, d65())?;
+        return Some(ColourEncoding { name, light: Light::Table { table, to_d65 } });
+    }
+    if inputs == 1 {
         let grey = profile.curve(b"kTRC")?;
-        let xyz_from_rgb = [[0.0; 3]; 3];
-        return Some(ColourEncoding { name, transfers: [0; 3].map(|_| grey.clone()), xyz_from_rgb });
+        let light = Light::Matrix { transfers: [0; 3].map(|_| grey.clone()), xyz_from_rgb: [[0.0; 3]; 3] };
+        return Some(ColourEncoding { name, light });
+    }
+    if inputs != 3 || profile.at(20, 4)? != b"XYZ " {
+        return None;
     }
     let transfers = [profile.curve(b"rTRC")?, profile.curve(b"gTRC")?, profile.curve(b"bTRC")?];
     let columns = [profile.colour(b"rXYZ")?, profile.colour(b"gXYZ")?, profile.colour(b"bXYZ")?];
     let xyz_from_rgb = product(adaptation(D50, d65())?, transposed(columns));
-    Some(ColourEncoding { name, transfers, xyz_from_rgb })
+    Some(ColourEncoding { name, light: Light::Matrix { transfers, xyz_from_rgb } })
 }
 
-struct Profile<'a> {
+pub(super) struct Profile<'a> {
     bytes: &'a [u8],
 }
 
 impl Profile<'_> {
-    fn at(&self, start: usize, length: usize) -> Option<&[u8]> {
+    pub(super) fn at(&self, start: usize, length: usize) -> Option<&[u8]> {
         self.bytes.get(start..start.checked_add(length)?)
     }
 
     /// The content of a tag.
-    fn tag(&self, name: &[u8; 4]) -> Option<&[u8]> {
+    pub(super) fn tag(&self, name: &[u8; 4]) -> Option<&[u8]> {
         let count = number(self.at(128, 4)?)? as usize;
         let entries = self.bytes.get(132..)?.chunks_exact(12).take(count);
         let entry = entries.into_iter().find(|entry| entry.starts_with(name))?;
@@ -54,47 +63,7 @@ impl Profile<'_> {
     }
 
     fn curve(&self, name: &[u8; 4]) -> Option<Transfer> {
-        let tag = self.tag(name)?;
-        match tag.get(..4)? {
-            b"curv" => {
-                let count = number(tag.get(8..12)?)? as usize;
-                let steps = tag.get(12..)?.get(..count.checked_mul(2)?)?;
-                let steps: Vec<u16> =
-                    steps.as_chunks().0.iter().map(|two| u16::from_be_bytes(*two)).collect();
-                Some(match steps[..] {
-                    [] => Transfer::Linear,
-                    [gamma] => Transfer::Gamma(f64::from(gamma) / 256.0),
-                    _ => Transfer::Table(steps),
-                })
-            }
-            b"para" => {
-                let value = |k: usize| fixed(tag.get(12 + 4 * k..16 + 4 * k)?);
-                let g = value(0)?;
-                Some(match tag.get(8..10)? {
-                    [0, 0] => Transfer::Gamma(g),
-                    [0, 1] => {
-                        let (a, b) = (value(1)?, value(2)?);
-                        Transfer::Parametric([g, a, b, 0.0, -b / a, 0.0, 0.0])
-                    }
-                    [0, 2] => {
-                        let (a, b, c) = (value(1)?, value(2)?, value(3)?);
-                        Transfer::Parametric([g, a, b, 0.0, -b / a, c, c])
-                    }
-                    [0, 3] => Transfer::Parametric([g, value(1)?, value(2)?, value(3)?, value(4)?, 0.0, 0.0]),
-                    [0, 4] => Transfer::Parametric([
-                        g,
-                        value(1)?,
-                        value(2)?,
-                        value(3)?,
-                        value(4)?,
-                        value(5)?,
-                        value(6)?,
-                    ]),
-                    _ => return None,
-                })
-            }
-            _ => None,
-        }
+        Transfer::of_icc(self.tag(name)?).map(|(curve, _)| curve)
     }
 
     /// The description: its printable characters, 80 at most.
@@ -118,11 +87,11 @@ impl Profile<'_> {
     }
 }
 
-fn number(bytes: &[u8]) -> Option<u32> {
+pub(super) fn number(bytes: &[u8]) -> Option<u32> {
     Some(u32::from_be_bytes(bytes.try_into().ok()?))
 }
 
 /// A number in units of 1/65536.
-fn fixed(bytes: &[u8]) -> Option<f64> {
+pub(super) fn fixed(bytes: &[u8]) -> Option<f64> {
     Some(f64::from(i32::from_be_bytes(bytes.try_into().ok()?)) / 65536.0)
 }

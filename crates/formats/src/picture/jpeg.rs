@@ -32,12 +32,16 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
         return Err(PictureProblem::CutOff { format: "JPEG" });
     }
     let mut warnings = Vec::new();
-    let (channels, output) = match decoder.input_colorspace() {
-        Some(ColorSpace::Luma) => (1, ColorSpace::Luma),
-        Some(ColorSpace::YCbCr | ColorSpace::RGB) => (3, ColorSpace::RGB),
-        Some(ColorSpace::CMYK | ColorSpace::YCCK) => {
-            let warning = "this picture is in CMYK; it is converted by R = (1 - C)(1 - K), without a profile";
-            warnings.push(warning.to_owned());
+    let profile = decoder.icc_profile();
+    let of_inks = profile.as_ref().and_then(|profile| icc::read(profile, 4));
+    let (channels, output) = match (decoder.input_colorspace(), &of_inks) {
+        (Some(ColorSpace::Luma), _) => (1, ColorSpace::Luma),
+        (Some(ColorSpace::YCbCr | ColorSpace::RGB), _) => (3, ColorSpace::RGB),
+        (Some(inks @ (ColorSpace::CMYK | ColorSpace::YCCK)), Some(_)) => (4, inks),
+        (Some(ColorSpace::CMYK | ColorSpace::YCCK), None) => {
+            let why = if profile.is_some() { icc::NOT_USED } else { "it has no ICC profile" };
+            warnings
+                .push(format!("this picture is in CMYK, and {why}; it is converted by R = (1 - C)(1 - K)"));
             (3, ColorSpace::RGB)
         }
         _ => {
@@ -47,13 +51,32 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
             });
         }
     };
-    let is_converted = !warnings.is_empty();
-    let encoding = encoding(decoder.icc_profile(), is_converted, channels > 1, untagged, &mut warnings)?;
+    let encoding = match of_inks.filter(|_| channels == 4) {
+        Some(of_inks) => of_inks,
+        None => {
+            let is_converted = !warnings.is_empty();
+            encoding(profile.filter(|_| !is_converted), channels, untagged, &mut warnings)?
+        }
+    };
     let orientation = decoder.exif().map_or(1, |data| exif::orientation(data));
     decoder.set_options(options.jpeg_set_out_colorspace(output));
-    let samples = decoder.decode().map_err(refused)?;
+    let mut samples = decoder.decode().map_err(refused)?;
+    if channels == 4 {
+        samples.as_chunks_mut().0.iter_mut().for_each(|pixel| *pixel = inks(*pixel, output));
+    }
     let picture = SourcePicture::new([columns, rows], channels, Samples::Eight(samples), &encoding)?;
     Ok(Warned { value: picture.upright(orientation), warnings })
+}
+
+/// C, M, Y, K, 255 for full ink, of the numbers in a file: Adobe's programs write inks inverted, and so do all others.
+fn inks([a, b, c, k]: [u8; 4], space: ColorSpace) -> [u8; 4] {
+    if space != ColorSpace::YCCK {
+        return [a, b, c, k].map(|stored| 255 - stored);
+    }
+    // Inverted inks are stored as Y, Cb, Cr of their complement (JFIF).
+    let [y, blue, red] = [f32::from(a), f32::from(b) - 128.0, f32::from(c) - 128.0];
+    let byte = |value: f32| value.round().clamp(0.0, 255.0) as u8;
+    [byte(y + 1.402 * red), byte(y - 0.344_136 * blue - 0.714_136 * red), byte(y + 1.772 * blue), 255 - k]
 }
 
 fn damaged(message: &str) -> PictureProblem {
@@ -62,13 +85,12 @@ fn damaged(message: &str) -> PictureProblem {
 
 fn encoding(
     profile: Option<Vec<u8>>,
-    is_converted: bool,
-    is_coloured: bool,
+    channels: usize,
     untagged: &RgbSpace,
     warnings: &mut Vec<String>,
 ) -> Result<ColourEncoding, PictureProblem> {
-    if let Some(profile) = profile.filter(|_| !is_converted) {
-        match icc::read(&profile, is_coloured) {
+    if let Some(profile) = profile {
+        match icc::read(&profile, channels) {
             Some(encoding) => return Ok(encoding),
             None => warnings.push(format!("{}; it is ignored", icc::NOT_USED)),
         }

@@ -6,6 +6,7 @@
 mod colour_space;
 mod exif;
 mod icc;
+mod icc_table;
 mod jpeg;
 mod png_read;
 mod problem;

@@ -110,7 +110,7 @@ fn encoding(
         }
     }
     if let Some(profile) = &info.icc_profile {
-        match icc::read(profile, is_coloured) {
+        match icc::read(profile, if is_coloured { 3 } else { 1 }) {
             Some(encoding) => return Ok(encoding),
             None => warnings.push(format!("{}; it is ignored", icc::NOT_USED)),
         }

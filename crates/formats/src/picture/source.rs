@@ -1,6 +1,7 @@
 //! A picture in memory with the samples of its file.
 
 use super::colour_space::{RgbSpace, d65};
+use super::icc_table::IccTable;
 use super::problem::PictureProblem;
 use super::transfer::Transfer;
 
@@ -9,8 +10,10 @@ use super::transfer::Transfer;
 pub struct SourcePicture {
     columns: usize,
     rows: usize,
-    /// Values of a pixel: grey, grey and opacity, three colours, three colours and opacity.
+    /// Values of a pixel: grey, grey and opacity, three colours, three colours and opacity, CMYK.
     channels: usize,
+    /// Those of its colour: all, or all but the opacity.
+    inputs: usize,
     samples: Samples,
     encoding: Encoding,
     /// Name of its colour space.
@@ -45,25 +48,43 @@ impl Samples {
 pub(super) struct ColourEncoding {
     /// Name for messages.
     pub(super) name: String,
-    /// Transfer functions of red, green and blue.
-    pub(super) transfers: [Transfer; 3],
-    /// From linear red, green and blue to X, Y, Z under D65.
-    pub(super) xyz_from_rgb: [[f64; 3]; 3],
+    pub(super) light: Light,
+}
+
+/// From the numbers of a picture to X, Y, Z under D65.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Light {
+    /// Red, green and blue by transfer functions and a matrix; grey by the first of them.
+    Matrix {
+        /// Of red, green and blue.
+        transfers: [Transfer; 3],
+        /// From linear red, green and blue to X, Y, Z under D65.
+        xyz_from_rgb: [[f64; 3]; 3],
+    },
+    /// The table of a profile.
+    Table {
+        table: IccTable,
+        /// From X, Y, Z under D50 to those under D65.
+        to_d65: [[f64; 3]; 3],
+    },
 }
 
 impl ColourEncoding {
     /// That of a colour space.
     pub(super) fn of(space: &RgbSpace) -> Option<Self> {
         let transfers = [0; 3].map(|_| space.transfer.clone());
-        Some(Self { name: space.name.clone(), transfers, xyz_from_rgb: space.xyz_from_rgb()? })
+        let light = Light::Matrix { transfers, xyz_from_rgb: space.xyz_from_rgb()? };
+        Some(Self { name: space.name.clone(), light })
     }
 }
 
-/// Linear light of each encoded number by colour, and the matrix to X, Y, Z.
+/// From each encoded number to X, Y, Z.
 #[derive(Debug, Clone, PartialEq)]
-struct Encoding {
-    light: [Vec<f32>; 3],
-    xyz_from_rgb: [[f32; 3]; 3],
+enum Encoding {
+    /// Linear light of each number by colour, and the matrix to X, Y, Z.
+    Matrix { light: [Vec<f32>; 3], xyz_from_rgb: [[f32; 3]; 3] },
+    /// The table of a profile, and the matrix to D65.
+    Table { table: Box<IccTable>, to_d65: [[f64; 3]; 3] },
 }
 
 impl SourcePicture {
@@ -81,15 +102,22 @@ impl SourcePicture {
             });
         }
         let largest = samples.largest();
-        let [red, green, blue] = &encoding.transfers;
-        let first = red.table(largest);
-        let others =
-            [green, blue].map(|other| if other == red { first.clone() } else { other.table(largest) });
-        let [second, third] = others;
-        let light = [first, second, third];
-        let xyz_from_rgb = encoding.xyz_from_rgb.map(|row| row.map(|value| value as f32));
-        let encoded = Encoding { light, xyz_from_rgb };
-        Ok(Self { columns, rows, channels, samples, encoding: encoded, space: encoding.name.clone() })
+        let (inputs, encoded) = match &encoding.light {
+            Light::Matrix { transfers: [red, green, blue], xyz_from_rgb } => {
+                let first = red.table(largest);
+                let others = [green, blue]
+                    .map(|other| if other == red { first.clone() } else { other.table(largest) });
+                let [second, third] = others;
+                let xyz_from_rgb = xyz_from_rgb.map(|row| row.map(|value| value as f32));
+                let light = [first, second, third];
+                (if channels > 2 { 3 } else { 1 }, Encoding::Matrix { light, xyz_from_rgb })
+            }
+            Light::Table { table, to_d65 } => {
+                (table.inputs(), Encoding::Table { table: Box::new(table.clone()), to_d65: *to_d65 })
+            }
+        };
+        let space = encoding.name.clone();
+        Ok(Self { columns, rows, channels, inputs, samples, encoding: encoded, space })
     }
 
     /// Pixels in a row.
@@ -128,22 +156,34 @@ impl SourcePicture {
     fn converted<T: Copy + Into<u16>>(&self, values: &[T]) -> Vec<[f32; 3]> {
         let white = d65().map(|value| value as f32);
         let largest = f32::from(self.samples.largest());
-        let is_coloured = self.channels > 2;
+        let colour = |pixel: &[T]| match &self.encoding {
+            Encoding::Matrix { light, xyz_from_rgb } => {
+                let light = |k: usize| light[k].get(usize::from(pixel[k].into())).copied().unwrap_or(0.0);
+                match self.inputs {
+                    1 => white.map(|value| value * light(0)),
+                    _ => {
+                        let rgb = [light(0), light(1), light(2)];
+                        xyz_from_rgb.map(|row| row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2])
+                    }
+                }
+            }
+            Encoding::Table { table, to_d65 } => {
+                let mut device = [0.0; 4];
+                for (device, value) in device.iter_mut().zip(pixel) {
+                    *device = f64::from((*value).into()) / f64::from(largest);
+                }
+                let xyz = table.xyz(&device[..self.inputs]);
+                to_d65.map(|row| (row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2]) as f32)
+            }
+        };
         let pixel = |pixel: &[T]| {
-            let light =
-                |k: usize| self.encoding.light[k].get(usize::from(pixel[k].into())).copied().unwrap_or(0.0);
-            let xyz = if is_coloured {
-                let rgb = [light(0), light(1), light(2)];
-                self.encoding.xyz_from_rgb.map(|row| row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2])
-            } else {
-                white.map(|value| value * light(0))
-            };
-            if self.channels.is_multiple_of(2) {
-                let opacity = f32::from(pixel[self.channels - 1].into());
-                let opacity = opacity / largest;
-                std::array::from_fn(|k| white[k] + opacity * (xyz[k] - white[k]))
-            } else {
-                xyz
+            let xyz = colour(pixel);
+            match pixel.get(self.inputs) {
+                Some(opacity) => {
+                    let opacity = f32::from((*opacity).into()) / largest;
+                    std::array::from_fn(|k| white[k] + opacity * (xyz[k] - white[k]))
+                }
+                None => xyz,
             }
         };
         values.chunks_exact(self.channels).map(pixel).collect()
@@ -151,7 +191,7 @@ impl SourcePicture {
 
     /// Whether a pixel is not opaque.
     pub(super) fn is_transparent(&self) -> bool {
-        let has_opacity = self.channels.is_multiple_of(2);
+        let has_opacity = self.channels > self.inputs;
         has_opacity
             && match &self.samples {
                 Samples::Eight(values) => {

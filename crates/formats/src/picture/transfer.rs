@@ -1,5 +1,7 @@
 //! Transfer functions: from the numbers of a file to linear light.
 
+use super::icc::{fixed, number};
+
 /// Transfer function of a colour channel: linear light, 0 to 1, of an encoded number, 0 to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Transfer {
@@ -40,6 +42,44 @@ impl Transfer {
             }
         };
         if light.is_nan() { 0.0 } else { light.clamp(0.0, 1.0) }
+    }
+
+    /// A curve of an ICC profile (`curveType`, `parametricCurveType`), and the number of its bytes.
+    pub(super) fn of_icc(tag: &[u8]) -> Option<(Self, usize)> {
+        match tag.get(..4)? {
+            b"curv" => {
+                let count = number(tag.get(8..12)?)? as usize;
+                let bytes = tag.get(12..)?.get(..count.checked_mul(2)?)?;
+                let steps: Vec<u16> =
+                    bytes.as_chunks().0.iter().map(|two| u16::from_be_bytes(*two)).collect();
+                let curve = match steps[..] {
+                    [] => Self::Linear,
+                    [gamma] => Self::Gamma(f64::from(gamma) / 256.0),
+                    _ => Self::Table(steps),
+                };
+                Some((curve, 12 + bytes.len()))
+            }
+            b"para" => {
+                let value = |k: usize| fixed(tag.get(12 + 4 * k..16 + 4 * k)?);
+                let values = |count: usize| (0..count).map(value).collect::<Option<Vec<f64>>>();
+                let count = match tag.get(8..10)? {
+                    [0, 0] => 1,
+                    [0, kind @ 1..=3] => usize::from(*kind) + 2,
+                    [0, 4] => 7,
+                    _ => return None,
+                };
+                let curve = match values(count)?[..] {
+                    [g] => Self::Gamma(g),
+                    [g, a, b] => Self::Parametric([g, a, b, 0.0, -b / a, 0.0, 0.0]),
+                    [g, a, b, c] => Self::Parametric([g, a, b, 0.0, -b / a, c, c]),
+                    [g, a, b, c, d] => Self::Parametric([g, a, b, c, d, 0.0, 0.0]),
+                    [g, a, b, c, d, e, f] => Self::Parametric([g, a, b, c, d, e, f]),
+                    _ => return None,
+                };
+                Some((curve, 12 + 4 * count))
+            }
+            _ => None,
+        }
     }
 
     /// Linear light of all whole numbers up to `largest`.

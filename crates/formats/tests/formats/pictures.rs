@@ -11,7 +11,7 @@ use papilio_formats::{
 };
 use papilio_testing::Dice;
 
-use samples::{Jpeg, Png, exif, profile, srgb_profile};
+use samples::{Jpeg, Png, Table, exif, profile, srgb_profile};
 
 fn read(bytes: &[u8]) -> Result<Warned<SourcePicture>, String> {
     let file = DataFile { name: "photo.png".into(), bytes: bytes.to_vec() };
@@ -145,6 +145,113 @@ fn icc_profile_of_srgb_is_srgb() {
     let tagged = Png::new([256, 1], 8, 2).chunk(b"iCCP", &tagged).data(&[0], &data);
     for (tagged, plain) in read(&tagged).unwrap().value.row(0).into_iter().zip(plain) {
         assert_near(tagged, plain, 5e-4);
+    }
+}
+
+/// Light of sRGB.
+fn srgb_light(value: f64) -> f64 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// A picture of many colours with a profile, and without.
+fn with_and_without(profile: &[u8]) -> [Vec<[f32; 3]>; 2] {
+    let data: Vec<u8> = (0..=255).flat_map(|k: u8| [k, 255 - k, k / 2]).collect();
+    let profile = [&b"x\0\0"[..], &samples::zlib(profile)].concat();
+    let tagged = read(&Png::new([256, 1], 8, 2).chunk(b"iCCP", &profile).data(&[0], &data)).unwrap();
+    assert!(tagged.warnings.is_empty(), "{:?}", tagged.warnings);
+    let plain = read(&Png::new([256, 1], 8, 2).data(&[0], &data)).unwrap();
+    [tagged.value.row(0), plain.value.row(0)]
+}
+
+/// sRGB as tables of all kinds: X, Y, Z are linear in light, so that two nodes along each axis are exact.
+#[test]
+fn icc_tables_of_srgb_are_srgb() {
+    let columns = [[0.43607, 0.22249, 0.01392], [0.38515, 0.71687, 0.09708], [0.14307, 0.06061, 0.71410]];
+    let colour = |rgb: &[f64]| {
+        [0, 1, 2].map(|row| (0..3).map(|k| columns[k][row] * rgb[k]).sum::<f64>() * 32768.0 / 65535.0)
+    };
+    // Numbers of 8 bits are in steps of 0.008 of X, Y, Z, and dark sRGB in steps of 0.004.
+    for (table, most) in
+        [(Table::Lut8, 0.012), (Table::Lut16, 1e-3), (Table::AToB, 1e-3), (Table::Matrix, 1e-3)]
+    {
+        let profile = samples::table_profile(table, [b"RGB ", b"XYZ "], srgb_light, colour);
+        let [tagged, plain] = with_and_without(&profile);
+        for (tagged, plain) in tagged.into_iter().zip(plain) {
+            assert_near(tagged, plain, most);
+        }
+    }
+}
+
+/// Numbers that are L*, a*, b*: those of versions 2 and 4 differ.
+#[test]
+fn icc_tables_may_have_lab() {
+    for (table, most) in [(Table::Lut8, 0.02), (Table::Lut16, 1e-4), (Table::AToB, 1e-4)] {
+        let [scale, zero] = if table == Table::Lut16 { [65280.0, 256.0 * 255.0] } else { [65535.0, 65535.0] };
+        let colour =
+            |lab: &[f64]| [lab[0] * scale / 65535.0, lab[1] * zero / 65535.0, lab[2] * zero / 65535.0];
+        let profile = samples::table_profile(table, [b"RGB ", b"Lab "], |value| value, colour);
+        // L* = 50.196, a* = 20, b* = -30 by the formulas of CIE 15, adapted by Bradford's matrix from ICC's white to D65.
+        let data = [128, 148, 98];
+        let tagged = [&b"x\0\0"[..], &samples::zlib(&profile)].concat();
+        let picture = read(&Png::new([1, 1], 8, 2).chunk(b"iCCP", &tagged).data(&[0], &data)).unwrap();
+        assert_near(picture.value.row(0)[0], [0.22505, 0.18796, 0.40973], most);
+    }
+}
+
+/// Inks by a table: C, M, Y, K as Adobe's programs write them, and as Y, Cb, Cr, K.
+#[test]
+fn cmyk_has_the_colours_of_its_profile() {
+    let inks = |inks: &[f64]| {
+        let [c, m, y, k] = [inks[0], inks[1], inks[2], inks[3]];
+        let white = [0.9642, 1.0, 0.8249];
+        let left = [[0.85, 0.5, 0.05], [0.75, 0.7, 0.02], [0.2, 0.6, 0.8]];
+        [0, 1, 2].map(|q| {
+            let paper = white[q] * (1.0 - left[q][0] * c) * (1.0 - left[q][1] * m) * (1.0 - left[q][2] * y);
+            paper * (1.0 - 0.95 * k)
+        })
+    };
+    let colour = |of: &[f64]| inks(of).map(|value| value * 32768.0 / 65535.0);
+    for table in [Table::Lut16, Table::AToB] {
+        let profile = samples::table_profile(table, [b"CMYK", b"XYZ "], |value| value, colour);
+        let of = |block: [u8; 4], adobe: u8| -> [f32; 3] {
+            let jpeg = Jpeg { adobe: Some(adobe), profile: profile.clone(), ..Jpeg::new(4, &[block]) };
+            let picture = read(&jpeg.bytes()).unwrap();
+            assert!(picture.warnings.is_empty(), "{:?}", picture.warnings);
+            picture.value.row(0)[0]
+        };
+        // C 0.2, M 0.6, Y 0.4, K 0.1: inverted 204, 102, 153, 229.5.
+        let stored = [204, 102, 153, 230];
+        let given = stored.map(|stored: u8| 1.0 - f64::from(stored) / 255.0);
+        let [x, y, z] = inks(&given);
+        // Bradford's matrix from ICC's white to D65, by a separate program.
+        let expected = [
+            0.955513 * x - 0.023073 * y + 0.063309 * z,
+            -0.028325 * x + 1.009943 * y + 0.021054 * z,
+            0.012329 * x - 0.020535 * y + 1.330714 * z,
+        ];
+        let expected = expected.map(|value| value as f32);
+        assert_near(of(stored, 0), expected, 2e-3);
+        // Y, Cb, Cr of the complements 51, 153, 102.
+        assert_near(of([117, 120, 81, 230], 2), expected, 0.01);
+        // Paper.
+        assert_near(of([255; 4], 0), D65, 2e-3);
+    }
+    let without = read(&Jpeg { adobe: Some(0), ..Jpeg::new(4, &[[255, 0, 0, 255]]) }.bytes()).unwrap();
+    assert!(without.warnings[0].contains("it has no ICC profile"), "{:?}", without.warnings);
+}
+
+/// A damaged table is ignored, with a warning, wherever it ends.
+#[test]
+fn damaged_icc_tables_are_ignored() {
+    for table in [Table::Lut8, Table::Lut16, Table::AToB] {
+        let profile =
+            samples::table_profile(table, [b"RGB ", b"XYZ "], srgb_light, |rgb| [rgb[0], rgb[1], rgb[2]]);
+        for length in (37..profile.len()).step_by(37) {
+            let tagged = [&b"x\0\0"[..], &samples::zlib(&profile[..length])].concat();
+            let picture =
+                read(&Png::new([1, 1], 8, 2).chunk(b"iCCP", &tagged).data(&[0], &[1, 2, 3])).unwrap();
+            assert!(picture.warnings.iter().any(|text| text.contains("it is ignored")), "{length}");
+        }
     }
 }
 

@@ -165,11 +165,11 @@ pub(super) fn exif(orientation: u8) -> Vec<u8> {
     bytes
 }
 
-/// A profile of these tags.
-fn profile_of(space: &[u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
+/// A profile of these tags, for the numbers of a device, with colours as `XYZ ` or `Lab `.
+fn profile_of(device: &[u8; 4], colours: &[u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
     let mut bytes = vec![0; 128];
-    bytes[16..20].copy_from_slice(space);
-    bytes[20..24].copy_from_slice(b"XYZ ");
+    bytes[16..20].copy_from_slice(device);
+    bytes[20..24].copy_from_slice(colours);
     bytes[36..40].copy_from_slice(b"acsp");
     bytes.extend((tags.len() as u32).to_be_bytes());
     let mut at = 132 + 12 * tags.len();
@@ -209,10 +209,86 @@ pub(super) fn profile(by: [f64; 3], transfer: &[f64]) -> Vec<u8> {
         (b"bTRC", curve.clone()),
         (b"kTRC", curve),
     ];
-    profile_of(b"RGB ", &tags)
+    profile_of(b"RGB ", b"XYZ ", &tags)
 }
 
 /// sRGB as a profile.
 pub(super) fn srgb_profile() -> Vec<u8> {
     profile([0.0; 3], &[2.4, 1.0 / 1.055, 0.055 / 1.055, 1.0 / 12.92, 0.04045])
+}
+
+/// How a table is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Table {
+    Lut8,
+    Lut16,
+    AToB,
+    /// Without a grid.
+    Matrix,
+}
+
+/// A profile that is a table: for each corner of the cube of numbers, linear light of `decoded`, its colour from 0 to 1.
+pub(super) fn table_profile(
+    table: Table,
+    [device, colours]: [&[u8; 4]; 2],
+    decoded: impl Fn(f64) -> f64,
+    colour: impl Fn(&[f64]) -> [f64; 3],
+) -> Vec<u8> {
+    let inputs: usize = if device == b"CMYK" { 4 } else { 3 };
+    let corners = (0..1_usize << inputs).map(|corner| {
+        (0..inputs).map(|axis| f64::from(u8::from(corner >> (inputs - 1 - axis) & 1 == 1))).collect()
+    });
+    let nodes: Vec<f64> = corners.flat_map(|corner: Vec<f64>| colour(&corner)).collect();
+    let bytes = |values: &[f64]| -> Vec<u8> {
+        match table {
+            Table::Lut8 => values.iter().map(|value| (255.0 * value).round() as u8).collect(),
+            _ => values.iter().flat_map(|value| ((65535.0 * value).round() as u16).to_be_bytes()).collect(),
+        }
+    };
+    let curve =
+        |steps: usize| bytes(&(0..steps).map(|k| decoded(k as f64 / (steps - 1) as f64)).collect::<Vec<_>>());
+    let identity =
+        |steps: usize| bytes(&(0..steps).map(|k| k as f64 / (steps - 1) as f64).collect::<Vec<_>>());
+    let head = |kind: &[u8; 4]| [&kind[..], &[0; 4], &[inputs as u8, 3]].concat();
+    let unused: Vec<u8> = fixed(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]).collect();
+    let data = match table {
+        Table::Lut8 => {
+            let parts = [head(b"mft1"), vec![2, 0], unused, curve(256).repeat(inputs), bytes(&nodes)];
+            [parts.concat(), identity(256).repeat(3)].concat()
+        }
+        Table::Lut16 => {
+            let counts = [1024_u16, 2].map(u16::to_be_bytes).concat();
+            let parts =
+                [head(b"mft2"), vec![2, 0], unused, counts, curve(1024).repeat(inputs), bytes(&nodes)];
+            [parts.concat(), identity(2).repeat(3)].concat()
+        }
+        Table::AToB | Table::Matrix => {
+            let linear = b"curv\0\0\0\0\0\0\0\0".repeat(3);
+            let mut sampled = [&b"curv\0\0\0\0"[..], &1025_u32.to_be_bytes(), &curve(1025)].concat();
+            sampled.extend([0; 2]);
+            let has_grid = table == Table::AToB;
+            let m = if has_grid { linear.clone() } else { sampled.repeat(3) };
+            // The matrix of the colours of single numbers.
+            let of_one = |k: usize| colour(&[0, 1, 2].map(|axis| f64::from(u8::from(axis == k))));
+            let columns = [0, 1, 2].map(|k| if has_grid { [0.0; 3] } else { of_one(k) });
+            let elements = |row: usize, column: usize| {
+                if has_grid { f64::from(u8::from(row == column)) } else { columns[column][row] }
+            };
+            let matrix: Vec<f64> = (0..9).map(|k| elements(k / 3, k % 3)).chain([0.0; 3]).collect();
+            let grid = [&[2; 4][..inputs], &vec![0; 16 - inputs], &[2, 0, 0, 0], &bytes(&nodes)].concat();
+            let mut parts = vec![linear, fixed(&matrix).collect(), m];
+            if has_grid {
+                parts.extend([grid, sampled.repeat(inputs)]);
+            }
+            let mut at = 32;
+            let mut offsets = [0_u32; 5];
+            for (offset, part) in offsets.iter_mut().zip(&parts) {
+                *offset = at;
+                at += part.len() as u32;
+            }
+            let offsets: Vec<u8> = offsets.into_iter().flat_map(u32::to_be_bytes).collect();
+            [head(b"mAB "), vec![0; 2], offsets, parts.concat()].concat()
+        }
+    };
+    profile_of(device, colours, &[(b"A2B0", data)])
 }
