@@ -23,7 +23,7 @@ pub(super) fn read(profile: &[u8], inputs: usize) -> Option<ColourEncoding> {
     let name = profile.name().unwrap_or_else(|| "ICC profile".to_owned());
     if let Some(table) = IccTable::read(&profile, inputs) {
         let to_d65 = adaptation(D50, d65())?;
-        return Some(ColourEncoding { name, light: Light::Table { table, to_d65 } });
+        return Some(ColourEncoding { name, light: Light::Table { table: Box::new(table), to_d65 } });
     }
     if inputs == 1 {
         let grey = profile.curve(b"kTRC")?;

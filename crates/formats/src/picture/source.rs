@@ -63,7 +63,7 @@ pub(super) enum Light {
     },
     /// The table of a profile.
     Table {
-        table: IccTable,
+        table: Box<IccTable>,
         /// From X, Y, Z under D50 to those under D65.
         to_d65: [[f64; 3]; 3],
     },
@@ -113,7 +113,7 @@ impl SourcePicture {
                 (if channels > 2 { 3 } else { 1 }, Encoding::Matrix { light, xyz_from_rgb })
             }
             Light::Table { table, to_d65 } => {
-                (table.inputs(), Encoding::Table { table: Box::new(table.clone()), to_d65: *to_d65 })
+                (table.inputs(), Encoding::Table { table: table.clone(), to_d65: *to_d65 })
             }
         };
         let space = encoding.name.clone();
