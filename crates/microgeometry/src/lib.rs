@@ -1,7 +1,7 @@
 //! From the geometry of a surface to its scattering: a virtual goniometer.
 //!
 //! A [`Surface`] between two media, or a slab with particles, is measured by rays ([`Goniometer`]), a face also by waves along the normal
-//! ([`Waves`]). Lengths are in micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
+//! ([`ByWaves`]). Lengths are in micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
 //! [`Coating`] is what lies on the facets.
 
 mod balance;
@@ -52,4 +52,4 @@ pub use statistics::Statistics;
 pub use surface::Surface;
 pub use volume::Volume;
 pub use wave_lobes::{WaveLobe, wave_lobes};
-pub use waves::{ByWaves, LEAST_G, MOST_SLOPE, WaveScreen, WaveShares, Waves};
+pub use waves::{ByWaves, LEAST_G, MOST_SLOPE, WaveShares};

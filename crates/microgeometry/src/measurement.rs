@@ -6,8 +6,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::goniometer::Replicate;
-use crate::waves::WaveScreen;
-use crate::{ByWaves, Goniometer, Kernel, MicrogeometryError, REPLICATES, Statistics, Surface, Total, Waves};
+use crate::waves::{WaveScreen, Waves};
+use crate::{ByWaves, Goniometer, Kernel, MicrogeometryError, REPLICATES, Statistics, Surface, Total};
 
 /// A surface, and how it is measured.
 #[derive(Debug, Clone)]

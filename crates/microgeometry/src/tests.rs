@@ -1,6 +1,6 @@
 //! The virtual goniometer against closed forms, published values and laws.
 
-use crate::waves::closed_form_haze;
+use crate::waves::{Waves, closed_form_haze};
 use crate::*;
 
 const GLASS: f64 = 1.5;

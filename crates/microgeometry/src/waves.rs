@@ -60,7 +60,7 @@ pub const LEAST_G: f64 = 10.0;
 
 /// A measurement by waves along the normal.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Waves {
+pub(crate) struct Waves {
     /// Index of the media above and below.
     pub index: [f64; 2],
     /// Wavelengths in air, nm.
@@ -69,7 +69,7 @@ pub struct Waves {
 
 /// Results of a realisation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WaveScreen {
+pub(crate) struct WaveScreen {
     slope_rms: f64,
     rms_um: f64,
     /// Straight part, mirror part and haze by wavelength.
@@ -85,7 +85,7 @@ impl WaveScreen {
 
 impl Waves {
     /// Number of realisations: several of random surfaces.
-    pub fn screens(surface: &Surface) -> u64 {
+    pub(crate) fn screens(surface: &Surface) -> u64 {
         if surface.is_random() { SCREENS } else { 1 }
     }
 
@@ -93,7 +93,7 @@ impl Waves {
     ///
     /// # Errors
     /// Surfaces that cannot be made, or have too many heights; [`MicrogeometryError::Interrupted`].
-    pub fn screen(
+    pub(crate) fn screen(
         &self,
         surface: &Surface,
         number: u64,
@@ -132,7 +132,7 @@ impl Waves {
     }
 
     /// Combines realisations. Errors are standard errors over these; none for a surface that is not random.
-    pub fn combined(&self, surface: &Surface, screens: &[WaveScreen]) -> ByWaves {
+    pub(crate) fn combined(&self, surface: &Surface, screens: &[WaveScreen]) -> ByWaves {
         let of = |of: &dyn Fn(&WaveScreen) -> f64| match screens {
             [one] => Measured { value: of(one), error: 0.0 },
             all => Measured::of(all.iter().map(of)),

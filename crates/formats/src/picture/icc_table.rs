@@ -44,14 +44,22 @@ enum Space {
 }
 
 impl IccTable {
-    /// The table of a profile for this number of inputs: for relative colorimetry, or the perceptual one. `None` if there is none, or it is
-    /// damaged.
+    /// The table of a profile for grey (1), RGB (3) or CMYK (4): for relative colorimetry, or the perceptual one. `None` if there is none, or it
+    /// is damaged.
     pub(super) fn read(profile: &Profile<'_>, inputs: usize) -> Option<Self> {
         let is_lab = match profile.at(20, 4)? {
             b"Lab " => true,
             b"XYZ " => false,
             _ => return None,
         };
+        let device: &[u8] = match inputs {
+            1 => b"GRAY",
+            3 => b"RGB ",
+            _ => b"CMYK",
+        };
+        if profile.at(16, 4)? != device {
+            return None;
+        }
         let tag = profile.tag(b"A2B1").or_else(|| profile.tag(b"A2B0"))?;
         if usize::from(*tag.get(8)?) != inputs || *tag.get(9)? != 3 || inputs > MOST_INPUTS {
             return None;
@@ -81,12 +89,14 @@ impl IccTable {
             rest = left;
             Some(numbers(taken, bytes))
         };
-        let mut curve = |count: usize| Some(Transfer::Table(take(count).filter(|steps| steps.len() > 1)?));
-        let before = (0..inputs).map(|_| curve(counts[0])).collect::<Option<Vec<_>>>()?;
+        let before: Vec<Vec<u16>> = (0..inputs).map(|_| take(counts[0])).collect::<Option<_>>()?;
         let nodes = vec![side; inputs];
         let values = triples(take(3 * count_of(&nodes)?)?);
-        let mut curve = |count: usize| Some(Transfer::Table(take(count).filter(|steps| steps.len() > 1)?));
-        let after = [curve(counts[1])?, curve(counts[1])?, curve(counts[1])?];
+        let after = [take(counts[1])?, take(counts[1])?, take(counts[1])?];
+        let curve = |steps: Vec<u16>| (steps.len() > 1).then_some(Transfer::Table(steps));
+        let before = before.into_iter().map(curve).collect::<Option<_>>()?;
+        let [x, y, z] = after.map(curve);
+        let after = [x?, y?, z?];
         Some(Self { before, nodes, values, middle: None, after, space })
     }
 
