@@ -21,7 +21,14 @@ use crate::spatial::{SpatialOutput, show};
 use crate::{Failure, report};
 
 pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
-    let resolved = arguments.command.scenario(arguments.picture_key())?.resolve_with_picture()?;
+    let picture = arguments.picture_key();
+    let resolved =
+        arguments.command.scenario(picture.clone())?.resolve_with_picture().map_err(
+            |errors| match &picture {
+                Some(key) => errors.in_argument(key),
+                None => errors,
+            },
+        )?;
     let no_picture = || Failure::Input("the scenario names no picture".to_owned());
     let request = resolved.image.as_ref().ok_or_else(no_picture)?;
     let white = match arguments.relative_to {

@@ -244,7 +244,12 @@ fn wrong_input_is_answered() {
         let output = image(&scenario("six-ink"), &arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(stderr(&output).contains(part), "{arguments:?}: {}", stderr(&output));
+        // The user wrote an argument, not the `--set` that it becomes.
+        let names_set = arguments[0] != good && stderr(&output).contains("--set");
+        assert!(!names_set, "{}", stderr(&output));
     }
+    let samples = image(&scenario("printed-filter"), &[good, "--set", "image.samples_per_pixel=3"]);
+    assert!(stderr(&samples).contains("remove `samples_per_pixel`"), "{}", stderr(&samples));
     let none = image(&scenario("epaper"), &[]);
     assert!(stderr(&none).contains("papilio image SCENARIO PICTURE"), "{}", stderr(&none));
 }

@@ -52,6 +52,19 @@ impl ScenarioErrors {
         self
     }
 
+    /// Makes errors in the file that this text of `--set` names errors in an argument of the command: they do not mention the text.
+    #[must_use]
+    pub fn in_argument(mut self, set: &str) -> Self {
+        let is_set = |place: &Place| place.spot.as_ref().is_some_and(|spot| spot.text == set);
+        for error in self.errors.iter_mut().filter(|error| error.asked_for_at.as_ref().is_some_and(is_set)) {
+            error.asked_for_at = None;
+            if error.kind == MistakeKind::Unreadable {
+                error.diagnostic.hint = Some("give the path of the file".to_owned());
+            }
+        }
+        self
+    }
+
     /// Sets the note of each error.
     pub(crate) fn noted(mut self, note: impl Fn(&ScenarioError) -> Option<String>) -> Self {
         self.errors.iter_mut().for_each(|error| error.note = note(error));
@@ -97,9 +110,12 @@ impl ScenarioError {
             (MistakeKind::Unreadable, Some(_), _) => Some(
                 self.diagnostic.hint.as_deref().unwrap_or("paths in a scenario are relative to its folder"),
             ),
-            (MistakeKind::Unreadable, None, _) => {
-                Some("give the path of a scenario, for example scenarios/indoor.toml")
-            }
+            (MistakeKind::Unreadable, None, _) => Some(
+                self.diagnostic
+                    .hint
+                    .as_deref()
+                    .unwrap_or("give the path of a scenario, for example scenarios/indoor.toml"),
+            ),
             // The user did not write this number: it was drawn, or is the rest of a sum.
             (MistakeKind::OutOfRange, _, Some(_)) => None,
             _ => self.diagnostic.hint.as_deref(),

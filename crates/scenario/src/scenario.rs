@@ -280,6 +280,10 @@ impl Resolved {
                 // No solver has a pixel that spreads light.
                 let wrong = if key.ends_with("spread_um") {
                     wrong.expected("0 um").hint("remove `spread_um`")
+                } else if key.ends_with("samples_per_pixel") {
+                    wrong
+                        .expected("1")
+                        .hint("remove `samples_per_pixel`: each pixel has its mean colour then")
                 } else {
                     wrong
                         .expected("mirror-like or Lambertian pixels below a diffuser or a flat face")

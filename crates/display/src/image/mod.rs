@@ -8,6 +8,7 @@
 //! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs` |
 //! | a state for each pixel | `halftone.rs`, `masks.rs`, `search.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
+//! | pixels below a colour filter | `filter.rs` |
 //! | each part of the panel in its own direction | `perspective.rs` |
 //! | mirror images of round lamps | `lamps.rs` |
 //! | how far that is from the picture | `differences.rs` |
@@ -19,6 +20,7 @@
 
 mod differences;
 mod exact;
+mod filter;
 mod halftone;
 mod held;
 mod known;

@@ -43,6 +43,10 @@ pub(super) fn seen(
     if samples > MOST {
         return Err(DisplayError::TooManySamples { per_pixel, samples, most: MOST });
     }
+    if scene.display.filter().is_some() {
+        let what = "samples in pixels below a colour filter".to_owned();
+        return Err(DisplayError::PlacesNotComputed { what, key: "image.samples_per_pixel".to_owned() });
+    }
     let divided = Divided::new(scene, per_pixel)?;
     let numbers = stack::numbers(&scene.display.state_names(), palette);
     let mut states = Vec::with_capacity(samples);

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use papilio_fourier::StatePicture;
 use papilio_transport::spatial::Shapes;
 
+use super::filter::error_of_mixture;
 use crate::DisplayError;
 use crate::lamp_images;
 use crate::palette::{Palette, PaletteColour};
@@ -111,8 +112,7 @@ impl Layers {
         let mut error = lit.iter().map(|(_, palette)| palette.error()).fold(0.0, f64::max);
         let mut blurred = |blur: Blur, error: &mut f64| {
             let blur = blur.with_wholes(wholes);
-            let mut shown = vec![0.0; names.len()];
-            states.iter().for_each(|state| shown[usize::from(*state)] += 1.0 / states.len() as f64);
+            let shown = shares_of(&states, names.len());
             *error += blur.error(&shown);
             let rows = blur.rows(&pages, &shown);
             let picture = blur.picture(&states, size[0], surround, known, control.thread_count());
@@ -131,7 +131,10 @@ impl Layers {
             *error += of_paths;
             Ok::<_, DisplayError>(blurred(blur, error))
         };
-        let (kind, rows) = if let Some(blur) = Blur::new(&scenes, several.missed, without_lamps)? {
+        let (kind, rows) = if scene.display.filter().is_some() {
+            error += error_of_mixture(scene, &pages[0], &shares_of(&states, names.len()), control)?;
+            (Kind::Pages, of_pages(&pages))
+        } else if let Some(blur) = Blur::new(&scenes, several.missed, without_lamps)? {
             blurred(blur, &mut error)
         } else if is_paper(scene) {
             if surround == PictureSurround::BlackMask {
@@ -222,6 +225,13 @@ impl Layers {
     }
 }
 
+/// Fraction of the pixels in each state.
+fn shares_of(states: &[u8], count: usize) -> Vec<f64> {
+    let mut shares = vec![0.0; count];
+    states.iter().for_each(|state| shares[usize::from(*state)] += 1.0 / states.len() as f64);
+    shares
+}
+
 /// Adds a picture with a weight to a sum, which may still be empty.
 fn add(sums: &mut Vec<[f32; 3]>, weight: f32, part: &[[f32; 3]]) {
     if sums.is_empty() {
@@ -238,7 +248,7 @@ fn is_paper(scene: &Scene) -> bool {
     let is_paper =
         matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
     let is_glass = scene.display.index_above_pixel().max() > 1.0;
-    is_paper && is_glass && scene.display.matrix.as_ref().is_some_and(|matrix| matrix.filter.is_none())
+    is_paper && is_glass && scene.display.matrix.is_some()
 }
 
 /// X, Y and Z of pages of all states of a display; 0 for those that are not in the palette. The mirror images of lamps can be left out.

@@ -65,7 +65,7 @@ pub(crate) struct BlurredPicture {
 impl Blur {
     /// Computes the kernels of the only view of each scene in all its light. The scenes have the same display, and differ in light or view.
     /// Shapes may miss a little of the light of a kernel, relative to a perfect white; the images of round lamps in mirror-like pixels can
-    /// be left out. `None` if no diffuser spreads light, or its places are not known.
+    /// be left out. `None` if no diffuser spreads light, below a colour filter, or if places are not known.
     pub(crate) fn new(
         scenes: &[&Scene],
         missed: f64,
@@ -74,6 +74,9 @@ impl Blur {
         let Some(matrix) = scenes.first().and_then(|scene| scene.display.matrix.as_ref()) else {
             return Ok(None);
         };
+        if matrix.filter.is_some() {
+            return Ok(None);
+        }
         let setups =
             scenes.iter().map(|scene| Setup::new(scene)).collect::<Result<Vec<Setup>, DisplayError>>()?;
         let digits = (MORE_DIGITS - missed.ln()).clamp(DIGITS[0], DIGITS[1]);

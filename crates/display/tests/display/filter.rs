@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use papilio_display::image::{ImageResult, ImageSettings, Screen, SourceImage, image};
 use papilio_display::spatial::{CrosstalkResult, Figure, crosstalk, walk};
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario};
@@ -65,6 +66,34 @@ fn clear_filter_leaves_the_display_as_it_is() {
         let ledger = &with.views[0].ledger.get("white").unwrap();
         near("energy", ledger.returned + ledger.unaccounted, 1.0, 1e-9);
     }
+}
+
+/// A picture of white and black columns below a clear filter: pixels have the colours of pages, and the error contains the light that the face
+/// returns to neighbours, known from the limits of fine and of wide patterns (Clapper and Yule) and from the same picture without filter.
+/// The face reflects 0.04.
+#[test]
+fn pictures_below_a_filter_have_the_colours_of_pages() {
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    let states: Vec<u8> = (0..64).map(|k| k % 2).collect();
+    let shown = |matrix: &str| -> ImageResult {
+        let scene = resolved(&[&glass("fresnel", 0.5), PAPER, LIGHT, matrix, view]).scene;
+        let names = ["white", "black"].map(str::to_owned).to_vec();
+        let settings =
+            ImageSettings { given: Some(states.clone()), states: names, ..ImageSettings::default() };
+        let source = SourceImage { columns: 8, pixels: vec![[0.5; 3]; 64] };
+        let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+        image(&scene, &source, &settings, Screen::default(), &control).unwrap()
+    };
+    let [below, without] =
+        [filter(30.0, CLEAR), "[display.matrix]\npitch_um = 84.67\n".to_owned()].map(|matrix| shown(&matrix));
+    assert!(!below.numbers.neighbours_light && without.numbers.neighbours_light);
+    near("white", f64::from(below.seen[0][1]), 0.04 + 0.362_048, 4e-4);
+    near("black", f64::from(below.seen[1][1]), 0.04 + 0.011_837, 4e-4);
+    let y_of_white = below.palette.white_XYZ[1] / below.palette.white_XYZ.into_iter().fold(0.0, f64::max);
+    near("error", below.numbers.error * y_of_white, 0.186_943 - 0.150_298, 1e-3);
+    let mean = |one: &ImageResult| one.seen.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / 64.0;
+    let lost = mean(&below) - mean(&without);
+    assert!(lost > 0.5 * below.numbers.error && lost < below.numbers.error, "{lost} {}", below.numbers.error);
 }
 
 /// Height over width of a stripe of 0.5, 1 and 2 under a coated face, diffuse light: light that entered by the own stripe (closed
