@@ -79,8 +79,20 @@ const PICTURES: [Picture; 20] = [
     (&["sparkle"], "antiglare.toml", &["sparkle.svg"], "antiglare-"),
     (&["palette", "--rooms=D65,FL11"], "six-ink.toml", &["palette.svg"], "inks-"),
     (&["image", "--relative-to=display"], "six-ink.toml", &["seen.png"], "inks-"),
-    (&["image", "--rooms=office,daylight", "--relative-to=display"], "page.toml", &["rooms.png"], "page-"),
+    (&["image", "--rooms=FL11,D65", "--relative-to=display"], "page.toml", &["rooms.png"], "page-"),
     (&["image", "--relative-to=display"], "reader.toml", &["seen.png"], "reader-"),
+    (
+        &[
+            "image",
+            "--set=image.file=\"scenarios/data/chelsea.png\"",
+            "--set=display.matrix.pixels=[64,44]",
+            "--set=image.fit=\"cover\"",
+            "--set=image.samples_per_pixel=6",
+        ],
+        "matrix.toml",
+        &["seen.png"],
+        "sub-pixels-",
+    ),
 ];
 
 /// Runs the task.

@@ -4,7 +4,8 @@
 //! that have no state yet. In linear light the mean over an area is then kept: what a display shows is additive.
 //!
 //! **Sources.** R. W. Floyd and L. Steinberg, Proc. SID 17(2), 75 (1976); J. F. Jarvis, C. N. Judice and W. H. Ninke, Computer
-//! Graphics and Image Processing 5, 13 (1976); P. Stucki, IBM Research Report RZ1060 (1981); F. Sierra (1989).
+//! Graphics and Image Processing 5, 13 (1976); P. Stucki, IBM Research Report RZ1060 (1981); F. Sierra (1989,
+//! 1990); D. Burkes (1988).
 //!
 //! **Arithmetic.** Errors are whole numbers of a unit (about 6e-8 of the palette's largest coordinate), and the parts of an error
 //! add up to it exactly. Therefore the ledger is exact: wanted = shown + lost, to the last unit. The result is the same on every
@@ -25,11 +26,16 @@ pub enum DiffusionKernel {
     Stucki,
     /// Sierra: 32 parts to ten neighbours.
     Sierra,
+    /// Sierra's Filter Lite: 4 parts to three neighbours. The quickest.
+    SierraLite,
+    /// Burkes: Stucki's first two rows, 32 parts to seven neighbours.
+    Burkes,
 }
 
 impl DiffusionKernel {
     /// All kernels.
-    pub const ALL: [Self; 4] = [Self::FloydSteinberg, Self::Jarvis, Self::Stucki, Self::Sierra];
+    pub const ALL: [Self; 6] =
+        [Self::FloydSteinberg, Self::Jarvis, Self::Stucki, Self::Sierra, Self::SierraLite, Self::Burkes];
 
     /// Name in scenario files.
     pub fn name(self) -> &'static str {
@@ -38,6 +44,8 @@ impl DiffusionKernel {
             Self::Jarvis => "jarvis",
             Self::Stucki => "stucki",
             Self::Sierra => "sierra",
+            Self::SierraLite => "sierra-lite",
+            Self::Burkes => "burkes",
         }
     }
 }
@@ -169,6 +177,8 @@ impl ErrorDiffusion {
             DiffusionKernel::Jarvis => picture.diffused(&palette, &JARVIS),
             DiffusionKernel::Stucki => picture.diffused(&palette, &STUCKI),
             DiffusionKernel::Sierra => picture.diffused(&palette, &SIERRA),
+            DiffusionKernel::SierraLite => picture.diffused(&palette, &SIERRA_LITE),
+            DiffusionKernel::Burkes => picture.diffused(&palette, &BURKES),
         })
     }
 }
@@ -205,6 +215,9 @@ const JARVIS: [Part; 12] = parts(
     ],
     48,
 );
+const SIERRA_LITE: [Part; 3] = parts([(1, 0, 2), (-1, 1, 1), (0, 1, 1)], 4);
+const BURKES: [Part; 7] =
+    parts([(1, 0, 8), (2, 0, 4), (-2, 1, 2), (-1, 1, 4), (0, 1, 8), (1, 1, 4), (2, 1, 2)], 32);
 const STUCKI: [Part; 12] = parts(
     [
         (1, 0, 8),
@@ -423,9 +436,14 @@ mod tests {
     /// The published parts add up to one, and below the row they are the same on both sides.
     #[test]
     fn kernel_parts_add_up_and_are_symmetric() {
-        for (kernel, symmetric) in
-            [(&FLOYD_STEINBERG[..], false), (&JARVIS, true), (&STUCKI, true), (&SIERRA, true)]
-        {
+        for (kernel, symmetric) in [
+            (&FLOYD_STEINBERG[..], false),
+            (&JARVIS, true),
+            (&STUCKI, true),
+            (&SIERRA, true),
+            (&SIERRA_LITE, false),
+            (&BURKES, true),
+        ] {
             let sum: i64 = kernel.iter().map(|(.., part)| part).sum();
             assert!((sum - (1 << 32)).abs() <= 6);
             for (along, down, part) in kernel {
@@ -433,6 +451,11 @@ mod tests {
                 let mirrored = kernel.iter().any(|(x, y, other)| (-x, y, other) == (*along, down, part));
                 assert!(!symmetric || *down == 0 || mirrored);
             }
+        }
+        // Burkes' kernel is that of Stucki without its third row, 32 of 42 parts.
+        for ((x, y, part), (of_stucki_x, of_stucki_y, of_stucki)) in BURKES.into_iter().zip(STUCKI) {
+            assert_eq!((x, y), (of_stucki_x, of_stucki_y));
+            assert!((32 * part - 42 * of_stucki).abs() <= 42);
         }
     }
 }

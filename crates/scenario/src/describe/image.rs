@@ -143,14 +143,18 @@ choice! {
 choice! {
     /// Weights of error diffusion.
     ErrorKernel {
-        /// Floyd and Steinberg (1976).
+        /// That of Floyd and Steinberg (1976).
         FloydSteinberg = "floyd-steinberg",
-        /// Jarvis, Judice and Ninke (1976).
+        /// That of Jarvis, Judice and Ninke (1976).
         Jarvis = "jarvis",
-        /// Stucki (1981).
+        /// That of Stucki (1981).
         Stucki = "stucki",
-        /// Sierra (1989).
+        /// That of Sierra (1989).
         Sierra = "sierra",
+        /// That of Sierra's Filter Lite (1990), the quickest.
+        SierraLite = "sierra-lite",
+        /// That of Burkes (1988).
+        Burkes = "burkes",
     }
 }
 

@@ -96,6 +96,8 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
             ErrorKernel::Jarvis => DiffusionKernel::Jarvis,
             ErrorKernel::Stucki => DiffusionKernel::Stucki,
             ErrorKernel::Sierra => DiffusionKernel::Sierra,
+            ErrorKernel::SierraLite => DiffusionKernel::SierraLite,
+            ErrorKernel::Burkes => DiffusionKernel::Burkes,
         },
         scan: match image.scan.value {
             ErrorScan::Serpentine => Scan::Serpentine,
