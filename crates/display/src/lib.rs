@@ -98,6 +98,7 @@ mod setup;
 mod single_view;
 pub mod spatial;
 mod target;
+mod threads;
 mod viewers;
 
 pub use ambient_light::{AmbientLight, AmbientSource, ambient_light};

@@ -134,7 +134,8 @@ impl Layers {
         let (kind, rows) = if scene.display.filter().is_some() {
             error += error_of_mixture(scene, &pages[0], &shares_of(&states, names.len()), control)?;
             (Kind::Pages, of_pages(&pages))
-        } else if let Some(blur) = Blur::new(&scenes, several.missed, without_lamps)? {
+        } else if let Some(blur) = Blur::new(&scenes, several.missed, without_lamps, control.thread_count())?
+        {
             blurred(blur, &mut error)
         } else if is_paper(scene) {
             if surround == PictureSurround::BlackMask {
@@ -227,9 +228,9 @@ impl Layers {
 
 /// Fraction of the pixels in each state.
 fn shares_of(states: &[u8], count: usize) -> Vec<f64> {
-    let mut shares = vec![0.0; count];
-    states.iter().for_each(|state| shares[usize::from(*state)] += 1.0 / states.len() as f64);
-    shares
+    let mut counts = vec![0_usize; count];
+    states.iter().for_each(|state| counts[usize::from(*state)] += 1);
+    counts.into_iter().map(|one| one as f64 / states.len() as f64).collect()
 }
 
 /// Adds a picture with a weight to a sum, which may still be empty.

@@ -22,6 +22,7 @@ use crate::lamp_images;
 use crate::meter::{Meter, PixelLight};
 use crate::scene::Scene;
 use crate::setup::Setup;
+use crate::threads::each;
 
 /// What lies beyond the borders of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -65,11 +66,12 @@ pub(crate) struct BlurredPicture {
 impl Blur {
     /// Computes the kernels of the only view of each scene in all its light. The scenes have the same display, and differ in light or view.
     /// Shapes may miss a little of the light of a kernel, relative to a perfect white; the images of round lamps in mirror-like pixels can
-    /// be left out. `None` if no diffuser spreads light, below a colour filter, or if places are not known.
+    /// be left out. `threads` is that of threads. `None` if no diffuser spreads light, below a colour filter, or if places are not known.
     pub(crate) fn new(
         scenes: &[&Scene],
         missed: f64,
         without_lamps: bool,
+        threads: usize,
     ) -> Result<Option<Self>, DisplayError> {
         let Some(matrix) = scenes.first().and_then(|scene| scene.display.matrix.as_ref()) else {
             return Ok(None);
@@ -77,35 +79,33 @@ impl Blur {
         if matrix.filter.is_some() {
             return Ok(None);
         }
-        let setups =
-            scenes.iter().map(|scene| Setup::new(scene)).collect::<Result<Vec<Setup>, DisplayError>>()?;
         let digits = (MORE_DIGITS - missed.ln()).clamp(DIGITS[0], DIGITS[1]);
-        let mut lit_by = Vec::new();
-        for setup in &setups {
-            let Stack::Panel(panel) = &setup.stack else { return Ok(None) };
-            if !is_covered(panel) {
-                return Ok(None);
-            }
-            lit_by.push(responses(setup, panel, matrix.pitch_mm, digits)?);
-        }
-        let peaks: Vec<Peak> = lit_by.iter().flatten().flat_map(LobeResponse::all_peaks).collect();
+        let lit = each(scenes, threads, |scene| {
+            let setup = Setup::new(scene)?;
+            let found = responses(&setup, matrix.pitch_mm, digits)?;
+            Ok::<_, DisplayError>(found.map(|found| (setup, found)))
+        });
+        let lit: Option<Vec<(Setup, Vec<LobeResponse>)>> =
+            lit.into_iter().collect::<Result<Vec<_>, DisplayError>>()?.into_iter().collect();
+        let Some(lit) = lit else { return Ok(None) };
+        let responses = lit.iter().flat_map(|(_, responses)| responses);
+        let peaks: Vec<Peak> = responses.flat_map(LobeResponse::all_peaks).collect();
         let farthest = peaks.iter().map(|peak| peak.at_mm[0].hypot(peak.at_mm[1])).fold(0.0, f64::max);
-        let thickness_mm = setups[0].scene.display.lengths_mm()?.last().copied().unwrap_or_default();
+        let thickness_mm = lit[0].0.scene.display.lengths_mm()?.last().copied().unwrap_or_default();
         let squares = PixelSquare::about(&peaks, matrix.pitch_mm, REACH * thickness_mm + farthest);
         let borders: Vec<_> = squares.iter().map(|square| square.borders_mm(matrix.pitch_mm)).collect();
-        let states = setups[0].states.len();
+        let states = lit[0].0.states.len();
         let own = squares.iter().position(|square| *square == PixelSquare::OWN);
-        let middle = setups.len() / 2;
-        let of_middle = gains(&setups[middle], &lit_by[middle]);
-        let (mut kernels, mut all_gains) = (Vec::new(), Vec::new());
-        for (setup, lit_by) in setups.iter().zip(&lit_by) {
+        let (middle, of_middle) = {
+            let (setup, responses) = &lit[lit.len() / 2];
+            (&setup.scene.lighting, gains(setup, responses))
+        };
+        let found = each(&lit, threads, |(setup, responses)| {
             // Gains hardly depend on the view.
-            match setup.scene.lighting == setups[middle].scene.lighting {
-                true => all_gains.extend_from_slice(&of_middle),
-                false => all_gains.extend(gains(setup, lit_by)),
-            }
+            let gains =
+                if setup.scene.lighting == *middle { of_middle.clone() } else { gains(setup, responses) };
             let mut sums: Vec<Vec<f64>> = vec![vec![0.0; squares.len()]; 3 * states];
-            for response in lit_by {
+            for response in responses {
                 for (sum, more) in sums.iter_mut().zip(response.rectangles(&borders)) {
                     sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
                 }
@@ -116,21 +116,22 @@ impl Blur {
                     own.into_iter().for_each(|own| sum[own] -= image.pixel[state][quantity]);
                 }
             }
-            kernels.extend(sums);
-        }
+            (sums, gains)
+        });
+        let (kernels, gains): (Vec<Vec<Vec<f64>>>, Vec<Vec<f64>>) = found.into_iter().unzip();
         Ok(Some(Self {
             squares,
-            shapes: Shapes::of(&kernels, missed),
+            shapes: Shapes::of(&kernels.concat(), missed),
             states,
             wholes: (0..states).collect(),
-            gains: all_gains,
+            gains: gains.concat(),
         }))
     }
 
     /// Spread of the brightest state of a scene in Y: the part of its light in each pixel up to `reach` pixels away, by rows. `None` as for
     /// [`new`](Self::new).
     pub(crate) fn spread_of_white(scene: &Scene, reach: i64) -> Result<Option<Vec<f64>>, DisplayError> {
-        let Some(blur) = Self::new(&[scene], ROUGH, false)? else { return Ok(None) };
+        let Some(blur) = Self::new(&[scene], ROUGH, false, 1)? else { return Ok(None) };
         let kernels = &blur.shapes.mixtures[blur.states..][..blur.states];
         let light = kernels.iter().map(|kernel| (kernel, blur.near(kernel)));
         let Some((kernel, all)) = light.max_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(None) };
@@ -282,19 +283,25 @@ fn gains(setup: &Setup, lit_by: &[LobeResponse]) -> Vec<f64> {
     once.iter().zip(via_pixel).map(|(once, all)| if *once > 0.0 { all / once } else { 1.0 }).collect()
 }
 
-/// What the view sees of each light by place, in X, Y and Z.
+/// What the view sees of each light by place, in X, Y and Z; `None` below other layers than a diffuser.
 fn responses(
     setup: &Setup,
-    panel: &Panel,
     pitch_mm: [f64; 2],
     digits: f64,
-) -> Result<Vec<LobeResponse>, DisplayError> {
-    let Some(view) = setup.views.first() else { return Ok(Vec::new()) };
+) -> Result<Option<Vec<LobeResponse>>, DisplayError> {
+    let Stack::Panel(panel) = &setup.stack else { return Ok(None) };
+    if !is_covered(panel) {
+        return Ok(None);
+    }
+    let Some(view) = setup.views.first() else { return Ok(Some(Vec::new())) };
     let lengths_mm = setup.scene.display.lengths_mm()?;
     let level = Level { digits, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]) };
     let lit = Lit { panel, lengths_mm: &lengths_mm, view, level };
     let lights = Meter::new(setup).pixel_lights().into_iter().filter(PixelLight::is_seen);
-    lights.map(|light| lobe::of_quantities(lit, &setup.sources[light.source], &light.weights)).collect()
+    lights
+        .map(|light| lobe::of_quantities(lit, &setup.sources[light.source], &light.weights))
+        .collect::<Result<_, _>>()
+        .map(Some)
 }
 
 /// Whether a lobe spreads the light of pixels with a known reflectance.
