@@ -51,5 +51,5 @@ pub use ray::Side;
 pub use statistics::Statistics;
 pub use surface::Surface;
 pub use volume::Volume;
-pub use wave_lobes::{WaveLobe, wave_lobes};
+pub use wave_lobes::{Correlation, WaveLobe, wave_lobes};
 pub use waves::{ByWaves, LEAST_G, MOST_SLOPE, WaveShares};

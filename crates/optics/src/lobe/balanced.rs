@@ -1,4 +1,4 @@
-//! A k-correlation lobe at a flat face, balanced so that it scatters exactly what the face transmits or reflects.
+//! A lobe at a flat face, balanced so that it scatters exactly what the face transmits or reflects.
 //!
 //! **Model.** Light at a face between two media is scattered with the density `K(a, b) = x(|a|) x(|b|) L(|b - a|)` over direction cosines, L the
 //! lobe and x a factor that solves `x(a) ∫ x(b) L(|b - a|) d²b = F(a)` over the disc of directions, F being Fresnel's transmittance or reflectance
@@ -10,7 +10,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::KCorrelation;
+use papilio_sampling::warp;
+
+use super::{Gaussian, KCorrelation};
 use crate::Beta;
 use crate::interface::fresnel_reflectance;
 
@@ -44,10 +46,64 @@ impl FaceLight {
     }
 }
 
+/// The shape of a lobe about the direction that the light had.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FaceLobe {
+    /// Behind heights with the correlation exp(-r/l), in the end.
+    KCorrelation(KCorrelation),
+    /// Behind heights with a Gaussian correlation.
+    Gaussian(Gaussian),
+}
+
+impl FaceLobe {
+    /// Returns the width, direction cosines.
+    pub fn width(&self) -> f64 {
+        match *self {
+            Self::KCorrelation(KCorrelation { width }) | Self::Gaussian(Gaussian { width }) => width,
+        }
+    }
+
+    /// Returns the density at the square of a distance, per unit area of direction cosines.
+    #[inline(always)]
+    pub fn at_squared_distance(&self, squared: f64) -> f64 {
+        match self {
+            Self::KCorrelation(lobe) => lobe.at_squared_distance(squared),
+            Self::Gaussian(lobe) => lobe.at_squared_distance(squared),
+        }
+    }
+
+    /// Returns the fraction of the lobe within a distance of the direction that the light had.
+    pub fn fraction_within(&self, radius: f64) -> f64 {
+        match self {
+            Self::KCorrelation(lobe) => lobe.fraction_within(radius),
+            Self::Gaussian(lobe) => lobe.fraction_within(radius),
+        }
+    }
+
+    /// Returns the mean of the density between directions of these `|beta|` over the difference of their azimuths.
+    pub fn mean_over_azimuth(&self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::KCorrelation(lobe) => lobe.mean_over_azimuth(a, b),
+            Self::Gaussian(lobe) => lobe.mean_over_azimuth(a, b),
+        }
+    }
+
+    /// Returns the direction at the distance within which a fraction of the light lies, and at a fraction of a turn.
+    pub fn direction_at(&self, from: Beta, fraction: f64, turn: f64) -> Beta {
+        match self {
+            Self::KCorrelation(lobe) => lobe.sample_direction(from, [1.0 - fraction, turn]),
+            Self::Gaussian(lobe) => {
+                let (x, y) = warp::polar(lobe.distance_of(fraction), turn);
+                from + Beta { x, y }
+            }
+        }
+    }
+}
+
 /// A balanced lobe.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BalancedLobe {
-    lobe: KCorrelation,
+    lobe: FaceLobe,
     light: FaceLight,
     /// x over sqrt(F) at equal steps of the arcsine, from half a step on.
     factors: Vec<f64>,
@@ -63,10 +119,10 @@ const END: [f64; 3] = [13.0 / 12.0, 7.0 / 8.0, 25.0 / 24.0];
 const ROUNDS: usize = 60;
 
 impl BalancedLobe {
-    /// Balances the k-correlation lobe of a width, direction cosines.
-    pub fn new(width: f64, light: FaceLight) -> Self {
+    /// Balances a lobe.
+    pub fn new(lobe: FaceLobe, light: FaceLight) -> Self {
         let radius = light.radius();
-        let nodes = (4.0 * PI * radius / width).clamp(NODES[0], NODES[1]) as usize;
+        let nodes = (4.0 * PI * radius / lobe.width()).clamp(NODES[0], NODES[1]) as usize;
         let step = FRAC_PI_2 / nodes as f64;
         let at = |k: usize| ((k as f64 + 0.5) * step).sin_cos();
         let beta: Vec<f64> = (0..nodes).map(|k| radius * at(k).0).collect();
@@ -75,7 +131,6 @@ impl BalancedLobe {
         let weight = |k: usize| END.get(k.min(nodes - 1 - k)).copied().unwrap_or(1.0) * step;
         let area: Vec<f64> =
             (0..nodes).map(|k| 2.0 * PI * radius * radius * at(k).0 * at(k).1 * weight(k)).collect();
-        let lobe = KCorrelation { width };
         let mut mean = vec![0.0; nodes * nodes];
         for i in 0..nodes {
             for j in 0..=i {
@@ -106,7 +161,7 @@ impl BalancedLobe {
     }
 
     /// The lobe before it is balanced.
-    pub fn lobe(&self) -> KCorrelation {
+    pub fn lobe(&self) -> FaceLobe {
         self.lobe
     }
 
@@ -149,8 +204,11 @@ mod tests {
             FaceLight::Reflected([1.0, 1.5]),
             FaceLight::Reflected([1.5, 1.0]),
         ] {
-            for width in [0.03, 0.3, 3.0] {
-                let one = BalancedLobe::new(width, light);
+            let lobes = [0.03, 0.3, 3.0].map(|width| {
+                [FaceLobe::KCorrelation(KCorrelation { width }), FaceLobe::Gaussian(Gaussian { width })]
+            });
+            for lobe in lobes.into_iter().flatten() {
+                let (one, width) = (BalancedLobe::new(lobe, light), lobe.width());
                 for from in [0.0, 0.31, 0.8 * light.radius()] {
                     let (rings, turns) = (4000, 256);
                     let sum: f64 = (0..rings)
@@ -167,7 +225,7 @@ mod tests {
                                 let other = turned.sum::<f64>() / f64::from(turns);
                                 assert!(
                                     (mean / other - 1.0).abs() < 1e-9,
-                                    "{width} {from} {length}: {mean} {other}"
+                                    "{lobe:?} {from} {length}: {mean} {other}"
                                 );
                             }
                             let area = 2.0 * PI * light.radius().powi(2) * t.sin() * t.cos() * FRAC_PI_2
@@ -175,7 +233,7 @@ mod tests {
                             one.factor(from) * one.factor(length) * mean * area
                         })
                         .sum();
-                    assert!((sum - light.at(from)).abs() < 1e-4, "{light:?} {width} {from}: {sum}");
+                    assert!((sum - light.at(from)).abs() < 1e-4, "{light:?} {lobe:?} {from}: {sum}");
                 }
             }
         }

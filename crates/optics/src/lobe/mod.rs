@@ -6,10 +6,12 @@
 //! are reciprocal and are sampled exactly: `evaluate` and `density` are the same number.
 
 mod balanced;
+mod gaussian;
 mod k_correlation;
 mod lambertian;
 
-pub use balanced::{BalancedLobe, FaceLight};
+pub use balanced::{BalancedLobe, FaceLight, FaceLobe};
+pub use gaussian::Gaussian;
 pub use k_correlation::KCorrelation;
 pub use lambertian::Lambertian;
 

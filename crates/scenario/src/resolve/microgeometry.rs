@@ -7,10 +7,10 @@ use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace, WaveFace, WaveLight};
 use papilio_formats::read_face;
 use papilio_microgeometry::{
-    Coating, FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES, Spectrum as Heights,
-    Surface, WaveLobe, wave_lobes,
+    Coating, Correlation, FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES,
+    Spectrum as Heights, Surface, WaveLobe, wave_lobes,
 };
-use papilio_optics::lobe::{BalancedLobe, FaceLight};
+use papilio_optics::lobe::{BalancedLobe, FaceLight, FaceLobe};
 use papilio_spectra::Spectrum;
 
 use super::{GaussianFace, Resolver};
@@ -160,13 +160,24 @@ impl Resolver<'_> {
             Surface::Random(random) => Some(random.spectrum()),
             _ => None,
         };
-        let Some(&Heights::Exponential { rms_um, correlation_um, .. }) = random else {
-            let wrong =
-                Diagnostic::new("this surface cannot be a layer of a display with `road = \"waves\"`")
-                    .expected("`surface = \"exponential\"`, whose lobes are known in closed form")
-                    .hint("road = \"rays\" follows rays through any surface, without wavelengths");
-            self.errors.push(face.surface.origin, wrong);
-            return None;
+        let (correlation, rms_um, correlation_um) = match random {
+            Some(&Heights::Exponential { rms_um, correlation_um, .. }) => {
+                (Correlation::Exponential, rms_um, correlation_um)
+            }
+            Some(&Heights::Gaussian { rms_um, correlation_um }) => {
+                (Correlation::Gaussian, rms_um, correlation_um)
+            }
+            _ => {
+                let wrong = Diagnostic::new(
+                    "this surface cannot be a layer of a display with `road = \"waves\"`",
+                )
+                .expected(
+                    "`surface = \"exponential\"` or `\"gaussian\"`, whose lobes are known in closed form",
+                )
+                .hint("road = \"rays\" follows rays through any surface, without wavelengths");
+                self.errors.push(face.surface.origin, wrong);
+                return None;
+            }
         };
         let [above, below] = index;
         let kinds = [
@@ -176,8 +187,8 @@ impl Resolver<'_> {
         ];
         let lights = kinds.map(|(light, path)| {
             let phase = 2.0 * PI * path.abs() * rms_um;
-            let lobes = wave_lobes(phase, correlation_um, &self.grid.wavelengths_nm());
-            let one = |lobe: WaveLobe| (balanced(lobe.width(), light), Spectrum::from_values(lobe.fractions));
+            let lobes = wave_lobes(correlation, phase, correlation_um, &self.grid.wavelengths_nm());
+            let one = |lobe: WaveLobe| (balanced(lobe.lobe, light), Spectrum::from_values(lobe.fractions));
             WaveLight::new(lobes.into_iter().map(one).collect(), self.grid.len())
         });
         Some(Ready::Wave(Box::new(WaveFace::new(lights))).into())
@@ -262,13 +273,13 @@ impl Resolver<'_> {
 }
 
 /// A balanced lobe, unless it is known.
-fn balanced(width: f64, light: FaceLight) -> BalancedLobe {
+fn balanced(lobe: FaceLobe, light: FaceLight) -> BalancedLobe {
     let kept = || BALANCED.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = |lobe: &&BalancedLobe| lobe.lobe().width == width && lobe.light() == light;
+    let known = |other: &&BalancedLobe| other.lobe() == lobe && other.light() == light;
     if let Some(lobe) = kept().iter().find(known) {
         return lobe.clone();
     }
-    let lobe = BalancedLobe::new(width, light);
+    let lobe = BalancedLobe::new(lobe, light);
     let mut kept = kept();
     kept.push(lobe.clone());
     let surplus = kept.len().saturating_sub(MOST_LOBES);

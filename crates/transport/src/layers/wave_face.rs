@@ -8,8 +8,8 @@
 //! **Limits.** The fractions are those along the normal. Transmission is scattered among the directions that both media have: light beyond the
 //! limit of total reflection leaves only after the face has reflected it within the limit.
 
+use papilio_optics::Beta;
 use papilio_optics::lobe::BalancedLobe;
-use papilio_optics::{Beta, Scatterer};
 use papilio_spectra::Spectrum;
 
 use super::{Arrival, Channel, Colours, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
@@ -51,7 +51,7 @@ impl WaveLight {
     }
 
     fn narrowest(&self) -> Option<f64> {
-        self.lobes.iter().map(|lobe| lobe.lobe().width).reduce(f64::min)
+        self.lobes.iter().map(|lobe| lobe.lobe().width()).reduce(f64::min)
     }
 
     /// Density of each lobe from one direction to another.
@@ -102,8 +102,7 @@ impl WaveLight {
             rest < 0.0
         });
         let lobe = self.lobes.get(chosen.unwrap_or(self.lobes.len().saturating_sub(1)))?;
-        // A lobe takes the fraction 1 - u of its light to be within the distance.
-        let to = lobe.lobe().sample(from, [1.0 - u * within(lobe, from), v, 0.0, 0.0])?.direction;
+        let to = lobe.lobe().direction_at(from, u * within(lobe, from), v);
         (to.length() < lobe.light().radius()).then_some(to)
     }
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 
-use papilio_optics::lobe::{BalancedLobe, FaceLight};
+use papilio_optics::lobe::{BalancedLobe, FaceLight, FaceLobe, Gaussian, KCorrelation};
 use papilio_sampling::Sampler;
 use papilio_spectra::Spectrum;
 use papilio_transport::{
@@ -16,8 +16,14 @@ use crate::layers::{beam, estimate, views};
 const BINS: usize = 3;
 const GLASS: f64 = 1.5;
 
+/// The lobe of a width.
+type Shape = fn(f64) -> FaceLobe;
+
+const SHAPES: [Shape; 2] =
+    [|width| FaceLobe::KCorrelation(KCorrelation { width }), |width| FaceLobe::Gaussian(Gaussian { width })];
+
 /// A face between air and glass whose lobes scatter more and wider light at each wavelength: `fractions[lobe][wavelength]`.
-fn face(widths: [f64; 2], fractions: [[f64; BINS]; 2]) -> Interface {
+fn face(shape: Shape, widths: [f64; 2], fractions: [[f64; BINS]; 2]) -> Interface {
     let kinds = [
         (FaceLight::Transmitted([1.0, GLASS]), 1.0),
         (FaceLight::Reflected([1.0, GLASS]), 4.0),
@@ -25,7 +31,8 @@ fn face(widths: [f64; 2], fractions: [[f64; BINS]; 2]) -> Interface {
     ];
     let lights = kinds.map(|(light, wider)| {
         let lobes = widths.iter().zip(fractions).filter(|(_, of)| of.iter().any(|one| *one > 0.0));
-        let lobes = lobes.map(|(width, of)| (BalancedLobe::new(wider * width, light), of.to_vec().into()));
+        let lobes =
+            lobes.map(|(width, of)| (BalancedLobe::new(shape(wider * width), light), of.to_vec().into()));
         WaveLight::new(lobes.collect(), BINS)
     });
     Interface::Wave(Box::new(WaveFace::new(lights)))
@@ -53,15 +60,17 @@ const COLOURED: [[f64; BINS]; 2] = [[0.2, 0.5, 0.3], [0.7, 0.1, 0.0]];
 #[test]
 fn nothing_is_lost() {
     let eyes = [view(0.0), view(35.0), view(70.0)];
-    let stack = display(face([0.05, 0.2], COLOURED), paper(1.0));
-    for estimate in views(1, &stack, &eyes, &[Source::Diffuse]) {
-        for bin in 0..BINS {
-            let white = seen(&estimate, 0, bin);
-            assert!((white - 1.0).abs() < 1e-4, "{white} at wavelength {bin}");
+    for shape in SHAPES {
+        let stack = display(face(shape, [0.05, 0.2], COLOURED), paper(1.0));
+        for estimate in views(1, &stack, &eyes, &[Source::Diffuse]) {
+            for bin in 0..BINS {
+                let white = seen(&estimate, 0, bin);
+                assert!((white - 1.0).abs() < 1e-4, "{white} at wavelength {bin}, {:?}", shape(1.0));
+            }
         }
     }
     let sources = [Source::Diffuse, beam(-30.0, 0.0)];
-    let faces = [face([0.05, 0.2], [[1e-9; BINS], [0.0; BINS]]), Interface::Fresnel];
+    let faces = [face(SHAPES[0], [0.05, 0.2], [[1e-9; BINS], [0.0; BINS]]), Interface::Fresnel];
     let [smooth, flat] = faces.map(|face| estimate(1, &display(face, paper(0.6)), view(20.0), &sources));
     for source in 0..2 {
         let (a, b) = (seen(&smooth, source, 0), seen(&flat, source, 0));
@@ -80,8 +89,12 @@ fn both_solvers_agree_at_each_wavelength() {
         inactive_absorptance: Spectrum::from_values(vec![0.0; BINS]),
     };
     let sources = [Source::Diffuse, beam(-25.0, 0.0)];
-    for (name, base) in [("paper", paper(0.6)), ("mirror", above_mirror)] {
-        let stack = display(face([0.08, 0.25], COLOURED), base);
+    for (name, base, shape) in [
+        ("paper", paper(0.6), SHAPES[0]),
+        ("mirror", above_mirror.clone(), SHAPES[0]),
+        ("mirror below Gaussian lobes", above_mirror, SHAPES[1]),
+    ] {
+        let stack = display(face(shape, [0.08, 0.25], COLOURED), base);
         let truth = estimate(2, &stack, view(12.0), &sources);
         let runs = RefCell::new(HashMap::<u64, Vec<Estimate>>::new());
         for source in 0..2 {

@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use papilio_optics::lobe::Lobe;
+use papilio_optics::lobe::{FaceLobe, Gaussian, KCorrelation, Lobe};
 
 use papilio_optics::with_widest_simd;
 
@@ -25,23 +25,46 @@ const DIGITS: f64 = 20.0;
 /// sequence.
 #[derive(Debug, Clone)]
 pub(super) struct LobeOrders {
-    lobe: Lobe,
-    /// Radius of the disc of a Lambertian lobe.
-    disc: f64,
+    shape: Shape,
     /// First of the computed orders.
     first: usize,
     batch: Vec<Matrix>,
 }
 
+#[derive(Debug, Clone, Copy)]
+enum Shape {
+    KCorrelation {
+        width: f64,
+    },
+    Gaussian(Gaussian),
+    /// Within a disc of this radius.
+    Lambertian {
+        disc: f64,
+    },
+}
+
 impl LobeOrders {
     /// Begins the orders of a lobe; `disc` is the radius of the disc of a Lambertian one, 1 for that of air.
     pub(super) fn new(lobe: Lobe, disc: f64) -> Self {
-        Self { lobe, disc, first: 0, batch: Vec::new() }
+        let shape = match lobe {
+            Lobe::KCorrelation { width } => Shape::KCorrelation { width },
+            Lobe::Lambertian => Shape::Lambertian { disc },
+        };
+        Self { shape, first: 0, batch: Vec::new() }
+    }
+
+    /// Begins the orders of the lobe of a face.
+    pub(super) fn of_face(lobe: FaceLobe) -> Self {
+        let shape = match lobe {
+            FaceLobe::KCorrelation(KCorrelation { width }) => Shape::KCorrelation { width },
+            FaceLobe::Gaussian(gaussian) => Shape::Gaussian(gaussian),
+        };
+        Self { shape, first: 0, batch: Vec::new() }
     }
 
     /// Returns the kernel of this order.
     pub(super) fn order(&mut self, order: usize, grid: &Grid) -> Option<&Matrix> {
-        if matches!(self.lobe, Lobe::Lambertian) && order > 0 {
+        if matches!(self.shape, Shape::Lambertian { .. }) && order > 0 {
             return None;
         }
         if !(self.first..self.first + self.batch.len()).contains(&order) {
@@ -53,23 +76,46 @@ impl LobeOrders {
     fn fill(&mut self, first: usize, grid: &Grid) {
         let len = grid.len();
         self.first = first;
-        match self.lobe {
-            Lobe::Lambertian => {
-                let area = PI * self.disc * self.disc;
-                let inside = |i: usize| if grid.beta[i] <= self.disc { grid.scale[i] } else { 0.0 };
+        match self.shape {
+            Shape::Lambertian { disc } => {
+                let area = PI * disc * disc;
+                let inside = |i: usize| if grid.beta[i] <= disc { grid.scale[i] } else { 0.0 };
                 self.batch = vec![Matrix::from_fn(len, len, |i, j| inside(i) * inside(j) / area)];
             }
-            Lobe::KCorrelation { width } => self.batch = k_correlation(width, first, grid),
+            Shape::KCorrelation { width } => self.batch = k_correlation(width, first, grid),
+            Shape::Gaussian(lobe) => self.batch = gaussian(lobe, first, grid),
         }
     }
+}
+
+/// Number of the order after the last one of a batch that begins with `first`. Those before are computed again.
+fn end_of_batch(first: usize, len: usize) -> usize {
+    let fits = MOST_BYTES / (8 * len * len).max(1);
+    first + first.clamp(LEAST_BATCH, fits.max(LEAST_BATCH))
+}
+
+/// Computes some orders of a Gaussian lobe, from number `first` on.
+fn gaussian(lobe: Gaussian, first: usize, grid: &Grid) -> Vec<Matrix> {
+    let len = grid.len();
+    let count = end_of_batch(first, len);
+    let mut batch = vec![Matrix::zeros(len, len); count - first];
+    let mut values = vec![0.0; count];
+    for j in 0..len {
+        for i in 0..=j {
+            lobe.orders(grid.beta[i], grid.beta[j], &mut values);
+            for (matrix, value) in batch.iter_mut().zip(&values[first..]) {
+                matrix.column_mut(j)[i] = grid.scale[i] * grid.scale[j] * value;
+            }
+        }
+    }
+    batch.iter_mut().for_each(Matrix::mirror_upper);
+    batch
 }
 
 /// Computes some orders of the k-correlation lobe, from number `first` on.
 fn k_correlation(width: f64, first: usize, grid: &Grid) -> Vec<Matrix> {
     let len = grid.len();
-    // Those before are computed again.
-    let fits = MOST_BYTES / (8 * len * len).max(1);
-    let count = first + first.clamp(LEAST_BATCH, fits.max(LEAST_BATCH));
+    let count = end_of_batch(first, len);
     let farthest = grid.beta.iter().copied().fold(0.0, f64::max);
     // Successive orders decrease by this in the logarithm, or more.
     let decay = 2.0 * (0.5 * width / farthest.max(width)).asinh();

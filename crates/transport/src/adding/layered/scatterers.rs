@@ -149,7 +149,7 @@ impl<'a> Scatterers<'a> {
                 ..lobe
             }),
             Scatterer::Balanced(balanced) => Scatterer::Balanced(Balanced {
-                orders: LobeOrders::new(balanced.lobe.lobe().into(), 1.0),
+                orders: LobeOrders::of_face(balanced.lobe.lobe()),
                 factors: balanced.factors[grid.regular..].to_vec(),
                 missing: balanced.missing[grid.regular..].to_vec(),
                 ..balanced
@@ -293,8 +293,7 @@ impl LobeBetween {
 impl<'a> Balanced<'a> {
     fn new(lobe: &'a BalancedLobe, grid: &Grid) -> Self {
         let factors: Vec<f64> = grid.beta.iter().map(|beta| lobe.factor(*beta)).collect();
-        let mut all =
-            Self { lobe, factors, orders: LobeOrders::new(lobe.lobe().into(), 1.0), missing: Vec::new() };
+        let mut all = Self { lobe, factors, orders: LobeOrders::of_face(lobe.lobe()), missing: Vec::new() };
         if let Some(kernel) = all.kernel(0, grid) {
             let found = |j: usize| -> f64 {
                 let column = kernel.column(j)[..grid.regular].iter().zip(&grid.scale);
