@@ -6,9 +6,11 @@ use papilio_display::image::{
     ImageInRoom, ImageResult, ImageSettings, PictureDifferences, Screen, ScreenSpace, ScreenWhite, Sharpness,
     image,
 };
-use papilio_display::palette::bytes;
+use papilio_display::palette::{PaletteColour, bytes};
 use papilio_display::{DisplayError, LightSummary};
-use papilio_formats::{TitledFile, write_file, write_indexed_png, write_rgb_png, write_scene_exr};
+use papilio_formats::{
+    TitledFile, device_colour, write_file, write_indexed_png, write_rgb_png, write_scene_exr,
+};
 use papilio_imaging::ImagingError;
 use papilio_imaging::text::{Font, Setting};
 use papilio_scenario::Resolved;
@@ -55,7 +57,7 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
         let numbers =
             rooms.iter().map(|(room, one)| ImageInRoom { room: room.clone(), numbers: one.numbers.clone() });
         here.numbers.rooms = numbers.collect();
-        Ok(ImageOutput { rooms, here })
+        Ok(ImageOutput { rooms, here, device_colours: arguments.device_colours })
     })
 }
 
@@ -63,6 +65,8 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
 struct ImageOutput {
     here: ImageResult,
     rooms: Vec<(String, ImageResult)>,
+    /// Whether states.png has the usual codes of states.
+    device_colours: bool,
 }
 
 /// Columns between the pictures of several rooms.
@@ -169,7 +173,11 @@ impl SpatialOutput for ImageOutput {
         names.push("seen.exr".to_owned());
         if !states.is_empty() {
             let colours = palette.colours.iter();
-            let palette: Vec<[u8; 3]> = colours.map(|one| one.srgb.map_or([0; 3], bytes)).collect();
+            let shown = |one: &PaletteColour| {
+                let device = device_colour(&one.state).filter(|_| self.device_colours);
+                device.unwrap_or_else(|| one.srgb.map_or([0; 3], bytes))
+            };
+            let palette: Vec<[u8; 3]> = colours.map(shown).collect();
             write_file(&folder.join("states.png"), |out| write_indexed_png(out, *columns, states, &palette))?;
             names.push("states.png".to_owned());
         }
@@ -196,7 +204,7 @@ fn text(title: &str, result: &ImageResult) -> String {
     let neighbours = if numbers.neighbours_light {
         "contains the light that the layers return from each pixel to others"
     } else {
-        "each pixel has the colour of a page of its state: light of its neighbours is not contained"
+        "each pixel has the colour of a uniform area of its state, without light from its neighbours"
     };
     let distance = match numbers.pixels_per_degree {
         Some(per_degree) => format!("at {per_degree:.1} pixels in a degree\n"),
@@ -208,8 +216,7 @@ fn text(title: &str, result: &ImageResult) -> String {
         format!("square-root integral of white (Barten): {x} along x, {y} along y\n")
     });
     format!(
-        "{}\n\n{columns} x {lines} pixels in light of {}; {neighbours}\n{}\n{}{distance}{sharpness}\ncolours that no mixture of \
-         the states has: {} of the pixels; clipped in seen.png: {}\n",
+        "{}\n\n{columns} x {lines} pixels in light of {}; {neighbours}\n{}\n{}{distance}{sharpness}\ncolours outside the gamut: {} of the pixels; clipped in seen.png: {}\n",
         report::plain(title),
         light(&numbers.light),
         report::table(&rows),

@@ -85,13 +85,10 @@ impl SpatialOutput for PaletteOutput {
     }
 
     fn table(&self, title: &str) -> String {
-        let LightSummary { illuminance_lx, colour_temperature_k, .. } = self.result.light;
-        let temperature = colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
-        let (theta, phi) = (self.result.view.theta_deg, self.result.view.phi_deg);
-        let azimuth = if phi == 0.0 { String::new() } else { format!(", azimuth {phi} deg") };
         format!(
-            "{}\n\ncolours seen from {theta} deg{azimuth}, in light of {illuminance_lx} lx{temperature}\n{}{}",
+            "{}\n\ncolours {}\n{}{}",
             report::plain(title),
+            self.light_and_view(),
             report::table(&self.rows()),
             self.rows_of_rooms(),
         )
@@ -101,7 +98,12 @@ impl SpatialOutput for PaletteOutput {
         let colours = self.result.palette.colours.iter();
         let colours: Vec<_> =
             colours.filter_map(|one| Some((one.state.as_str(), bytes(self.srgb(one)?)))).collect();
-        let title = folder.file_name().map_or("papilio".into(), |name| name.to_string_lossy());
+        let name = folder.file_name().map_or("papilio".into(), |name| name.to_string_lossy());
+        let white = match self.relative_to {
+            RelativeTo::White => "a perfect white",
+            RelativeTo::Display => "the white of the display",
+        };
+        let title = format!("{name}, {}, relative to {white}", self.light_and_view());
         let mut names = Vec::new();
         for (name, content) in palette_files(&title, &colours) {
             write_file(&folder.join(name), |out| out.write_all(&content))?;
@@ -120,6 +122,29 @@ impl SpatialOutput for PaletteOutput {
 }
 
 impl PaletteOutput {
+    /// Such as `seen from 0 deg, in light of 150 lx, 2734 K`.
+    fn light_and_view(&self) -> String {
+        let LightSummary { illuminance_lx, colour_temperature_k, .. } = self.result.light;
+        let temperature = colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
+        let (theta, phi) = (self.result.view.theta_deg, self.result.view.phi_deg);
+        let azimuth = if phi == 0.0 { String::new() } else { format!(", azimuth {phi} deg") };
+        format!("seen from {theta} deg{azimuth}, in light of {illuminance_lx} lx{temperature}")
+    }
+
+    /// A line for each room whose colours are those of an earlier one: presets of rooms have the same spectrum.
+    fn equal_rooms(&self) -> String {
+        let rooms = &self.result.rooms.0;
+        let hexes = |at: usize| rooms[at].1.iter().map(|(_, there)| &there.colour.hex).collect::<Vec<_>>();
+        let line = |at: usize| {
+            let same = (0..at).find(|earlier| hexes(*earlier) == hexes(at))?;
+            let (name, other) = (&rooms[at].0, &rooms[same].0);
+            Some(format!(
+                "{name} has the colours of {other}: the spectrum is the same; name an illuminant, such as FL11 or LED-B1\n"
+            ))
+        };
+        (1..rooms.len()).filter_map(line).collect()
+    }
+
     fn rows(&self) -> Vec<Vec<String>> {
         let head = ["state", "X", "Y", "Z", "L*", "a*", "b*", "sRGB", "relative to the display"];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
@@ -158,8 +183,9 @@ impl PaletteOutput {
             std::iter::once(one.state.clone()).chain(there).collect()
         }));
         format!(
-            "\nin other rooms: sRGB, and the CIEDE2000 difference from the colour above\n{}",
-            report::table(&rows)
+            "\nin other rooms: sRGB, and the CIEDE2000 difference from the colour above\n{}{}",
+            report::table(&rows),
+            self.equal_rooms()
         )
     }
 }

@@ -54,6 +54,9 @@ pub(crate) fn show<R: SpatialOutput>(
     resolved: &Resolved,
     compute: impl FnOnce(&Control<'_>) -> Result<R, DisplayError>,
 ) -> Result<(), Failure> {
+    if arguments.png && !papilio_figures::HAS_PNG {
+        return Err(papilio_figures::PngError::NotBuilt.into());
+    }
     let folder = arguments.folder(&resolved.hash)?;
     let result = with_progress(resolved, arguments.workers.threads, compute)?;
     let result = result.ok_or(Failure::Interrupted("no file was written"))?;

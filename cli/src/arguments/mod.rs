@@ -82,14 +82,14 @@ pub(crate) enum Command {
     #[command(after_help = "Examples:\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n  \
-                      papilio image scenarios/page.toml --rooms office,daylight\n\n\
+                      papilio image scenarios/page.toml --rooms FL11,D65\n\n\
                       It writes seen.png and seen.exr, what the reader sees; states.png, the state of each pixel; and image.json. \
                       docs/image.md describes them.")]
     Image(ImageCommand),
     /// Compute the palette of a display: the colours of all states in this light and in other rooms, for other programs too
     #[command(after_help = "Examples:\n  \
                       papilio palette scenarios/six-ink.toml\n  \
-                      papilio palette scenarios/six-ink.toml --rooms office,living-room,daylight --relative-to display\n\n\
+                      papilio palette scenarios/six-ink.toml --rooms D65,FL11 --relative-to display\n\n\
                       It writes palette.json, and the colours as .gpl, .css, .ase, .act and for dithering tools. docs/palette.md \
                       describes them.")]
     Palette(PaletteCommand),

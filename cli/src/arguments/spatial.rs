@@ -62,6 +62,9 @@ pub(crate) struct ImageCommand {
     /// Also show what the panel holds in the light of these presets, or with the spectra of these CIE illuminants; the view remains
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) rooms: Vec<String>,
+    /// Give states.png the usual codes of states, #000000 for black and #ff0000 for red, instead of the colours that are seen
+    #[arg(long)]
+    pub(crate) device_colours: bool,
 }
 
 impl ImageCommand {

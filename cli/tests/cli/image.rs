@@ -225,6 +225,26 @@ fn neighbours_light_each_other_below_glass() {
     assert!(stderr(&missing).contains("thickness_mm"), "{}", stderr(&missing));
 }
 
+/// States may have the codes by which tools of panels recognise inks.
+#[test]
+fn states_have_device_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = picture(folder.path(), &[[90; 3]]);
+    let out = folder.path().join("out");
+    let palette = |more: &[&str]| {
+        let arguments = [&[good.to_str().unwrap(), "--out", out.to_str().unwrap()], more].concat();
+        let output = image(&scenario("six-ink"), &arguments);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let bytes = fs::read(out.join("states.png")).unwrap();
+        let at = bytes.windows(4).position(|part| part == b"PLTE").unwrap() + 4;
+        bytes[at..at + 18].to_vec()
+    };
+    let codes = [0, 0, 0, 255, 255, 255, 255, 255, 0, 255, 0, 0, 0, 0, 255, 0, 255, 0];
+    assert_eq!(palette(&["--device-colours"]), codes);
+    let seen = palette(&[]);
+    assert!(seen.iter().all(|value| *value < 200) && seen[0] > 20, "{seen:?}");
+}
+
 #[test]
 fn wrong_input_is_answered() {
     let folder = tempfile::tempdir().unwrap();

@@ -122,5 +122,10 @@ fn wrong_input_is_answered_with_its_place() {
         answer(good, &["--set", "viewer.theta_deg=[0,10]"])
             .contains("computed for one view, and these are 2")
     );
-    assert!(answer(good, &["--set", "display.pixel.illuminant=\"D5O\""]).contains("D5O"));
+    // Spectra do not need the illuminant, but a wrong name is a mistake.
+    let spectra = "state,wavelength_nm,reflectance_factor\nwhite,380,0.5\nwhite,780,0.5\nblack,380,0.1\nblack,780,0.1\n";
+    for csv in [good, spectra] {
+        let text = answer(csv, &["--set", "display.pixel.illuminant=\"D5O\""]);
+        assert!(text.contains("there is no light named `D5O`"), "{text}");
+    }
 }

@@ -4,4 +4,4 @@ mod read;
 mod swatches;
 
 pub use read::{PaletteTable, read_palette};
-pub use swatches::palette_files;
+pub use swatches::{device_colour, palette_files};

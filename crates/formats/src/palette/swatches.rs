@@ -17,17 +17,22 @@ use serde_json::json;
 const ACT_COLOURS: usize = 256;
 
 /// What a panel is sent for states with usual names; other states are sent the colour that is seen.
-const DEVICE: [(&str, &str); 9] = [
-    ("black", "#000000"),
-    ("white", "#ffffff"),
-    ("red", "#ff0000"),
-    ("green", "#00ff00"),
-    ("blue", "#0000ff"),
-    ("yellow", "#ffff00"),
-    ("cyan", "#00ffff"),
-    ("magenta", "#ff00ff"),
-    ("orange", "#ff8000"),
+const DEVICE: [(&str, [u8; 3]); 9] = [
+    ("black", [0, 0, 0]),
+    ("white", [255, 255, 255]),
+    ("red", [255, 0, 0]),
+    ("green", [0, 255, 0]),
+    ("blue", [0, 0, 255]),
+    ("yellow", [255, 255, 0]),
+    ("cyan", [0, 255, 255]),
+    ("magenta", [255, 0, 255]),
+    ("orange", [255, 128, 0]),
 ];
+
+/// Returns the usual code of a state, pure red for `red`; `None` for other names.
+pub fn device_colour(state: &str) -> Option<[u8; 3]> {
+    DEVICE.iter().find(|(name, _)| *name == state).map(|(_, colour)| *colour)
+}
 
 /// Returns names and contents of all files with the colours `(state, bytes)`.
 pub fn palette_files(title: &str, colours: &[(&str, [u8; 3])]) -> Vec<(&'static str, Vec<u8>)> {
@@ -92,13 +97,11 @@ fn act(colours: &[(&str, [u8; 3])]) -> Vec<u8> {
 }
 
 fn epdoptimize(colours: &[(&str, [u8; 3])]) -> String {
-    let device =
-        |state: &str| DEVICE.iter().find(|(name, _)| *name == state).map(|(_, hex)| (*hex).to_owned());
     let list: Vec<_> = colours
         .iter()
         .map(|(state, colour)| {
-            let seen = hex(*colour);
-            json!({ "name": state, "color": seen, "deviceColor": device(state).unwrap_or(seen.clone()) })
+            let device = device_colour(state).unwrap_or(*colour);
+            json!({ "name": state, "color": hex(*colour), "deviceColor": hex(device) })
         })
         .collect();
     format!("{:#}\n", serde_json::Value::Array(list))

@@ -27,6 +27,13 @@ impl Resolver<'_> {
             PaletteTable::Lab(states) => states.len(),
         };
         self.limit(&pixel.file, "states", count, 256)?;
+        // Spectra do not need the illuminant, but a wrong name is a mistake.
+        let [first, last] = RANGE_NM;
+        let grid = Grid::new(first, last, STEP_NM).ok()?;
+        let Ok(light) = illuminant(&pixel.illuminant.value, &grid) else {
+            self.err(&pixel.illuminant, mistake::unknown_light(&pixel.illuminant.value));
+            return None;
+        };
         let states = match table {
             PaletteTable::Spectra(states) => {
                 let spectra = states.into_iter();
@@ -41,7 +48,7 @@ impl Resolver<'_> {
                 ));
                 states
                     .into_iter()
-                    .map(|(name, lab)| self.smoothest(pixel, name, lab))
+                    .map(|(name, lab)| self.smoothest(pixel, (&grid, &light), name, lab))
                     .collect::<Option<_>>()?
             }
         };
@@ -67,16 +74,17 @@ impl Resolver<'_> {
         self.sampled(&pixel.file, pixel.file.origin, table.on(&self.grid))
     }
 
-    fn smoothest(&mut self, pixel: &PalettePixel, name: String, lab: Lab) -> Option<(String, Spectrum)> {
+    fn smoothest(
+        &mut self,
+        pixel: &PalettePixel,
+        (grid, light): (&Grid, &Spectrum),
+        name: String,
+        lab: Lab,
+    ) -> Option<(String, Spectrum)> {
         let [first, last] = RANGE_NM;
-        let grid = Grid::new(first, last, STEP_NM).ok()?;
-        let Ok(light) = illuminant(&pixel.illuminant.value, &grid) else {
-            self.err(&pixel.illuminant, mistake::unknown_light(&pixel.illuminant.value));
-            return None;
-        };
-        let observer = Observer::new(&grid).ok()?;
-        let white = observer.xyz(&light);
-        let spectrum = observer.smoothest(&light, lab.xyz(white * (1.0 / white.y)));
+        let observer = Observer::new(grid).ok()?;
+        let white = observer.xyz(light);
+        let spectrum = observer.smoothest(light, lab.xyz(white * (1.0 / white.y)));
         let Some(spectrum) = spectrum else {
             let [l, a, b] = [lab.l, lab.a, lab.b].map(tidy);
             let wrong = Diagnostic::new(format!("no surface has the colour of state `{name}`, L* {l}, a* {a}, b* {b}"))
