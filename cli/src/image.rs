@@ -215,8 +215,14 @@ fn text(title: &str, result: &ImageResult) -> String {
         let [x, y] = [0, 1].map(|k| format!("{:.1} JND of {:.1}", sqri_jnd[k], sqri_ideal_jnd[k]));
         format!("square-root integral of white (Barten): {x} along x, {y} along y\n")
     });
+    let luminous = result.palette.colours.iter().map(|one| one.Y);
+    let (darkest, lightest) = (luminous.clone().fold(f64::INFINITY, f64::min), luminous.fold(0.0, f64::max));
+    let contrast =
+        if darkest > 0.0 { format!(", contrast {:.1}", lightest / darkest) } else { String::new() };
     format!(
-        "{}\n\n{columns} x {lines} pixels in light of {}; {neighbours}\n{}\n{}{distance}{sharpness}\ncolours outside the gamut: {} of the pixels; clipped in seen.png: {}\n",
+        "{}\n\n{columns} x {lines} pixels in light of {}; {neighbours}\n{}luminance of the lightest state {lightest:.3}, of the darkest \
+         {darkest:.3} of a perfect white{contrast}\n\n{}{distance}{sharpness}\ncolours outside the gamut: {} of the pixels; clipped in \
+         seen.png: {}\n",
         report::plain(title),
         light(&numbers.light),
         report::table(&rows),

@@ -249,7 +249,7 @@ function Legend() {
         ? "Without a halftone, there are no states for the panel to download."
         : head.neighbours_light
         ? "Light that the layers return from each pixel to others is contained."
-        : "Each pixel has the colour of a page of its state: light of its neighbours is not contained."}
+        : "Each pixel has the colour of a uniform area of its state, without light from its neighbours."}
       {!isSizeKnown.value && ` The size of the pixels (display.matrix) is not given: the eye is drawn ${FAR} widths away.`}
       <Images />
       {head.warnings.map((warning) => (
