@@ -46,8 +46,9 @@ test("saved and reopened scenario is equal to the byte", async () => {
 
 test("link contains the whole scenario", async () => {
   const page = await on.visit(CLIPBOARD);
+  const first = await figure(page, GAMUT);
   await type(page, "display.diffuser.haze", "0.44");
-  const then = await changed(page, GAMUT, await figure(page, GAMUT));
+  const then = await changed(page, GAMUT, first);
   const other = await on.visit({}, new URL(await copied(page)).hash);
   await settled(other);
   assert.equal(await figure(other, GAMUT), then);
@@ -257,8 +258,9 @@ test("drag is one step of undo and redo", async () => {
 
 test("design survives a reload and a kill of the server", async () => {
   const page = await on.visit();
+  const first = await figure(page, GAMUT);
   await type(page, "display.diffuser.haze", "0.33");
-  const then = await changed(page, GAMUT, await figure(page, GAMUT));
+  const then = await changed(page, GAMUT, first);
   await settled(page);
   const scenario = await saved(page);
   await on.restart();
