@@ -72,7 +72,7 @@ fn text(title: &str, result: &SparkleResult) -> String {
     let least = beyond.map(|row| row.rays_valid_from_um).fold(0.0, f64::max);
     let limit = if least > 0.0 {
         format!(
-            "* below sqrt(lambda gap/(2 n)), up to {least:.1} um here: rays are no reference, waves differ from them by up to 20 %\n"
+            "* details below sqrt(lambda gap/(2 n)), up to {least:.1} um here: rays are no reference, waves differ from them by up to 20 %\n"
         )
     } else {
         String::new()

@@ -39,6 +39,11 @@ impl HeightMap {
         Ok(Self { columns, pitch_um, heights_um })
     }
 
+    /// A flat face.
+    pub fn flat() -> Self {
+        Self { columns: 1, pitch_um: [1.0; 2], heights_um: vec![0.0] }
+    }
+
     /// The same places with other heights, as many as before.
     pub(crate) fn with_heights(&self, heights_um: Vec<f64>) -> Self {
         Self { columns: self.columns, pitch_um: self.pitch_um, heights_um }
@@ -57,6 +62,11 @@ impl HeightMap {
     /// Distances between heights along x and y, um.
     pub fn pitch_um(&self) -> [f64; 2] {
         self.pitch_um
+    }
+
+    /// Width and height of the rectangle, um.
+    pub fn period_um(&self) -> [f64; 2] {
+        [self.pitch_um[0] * self.columns as f64, self.pitch_um[1] * self.rows() as f64]
     }
 
     /// All heights by rows, um.
@@ -101,6 +111,16 @@ impl HeightMap {
         let below: Vec<Vec<f64>> = doubled.collect();
         let heights_um = below.iter().chain(below.iter().rev()).flatten().copied().collect();
         Self { columns: 2 * self.columns, pitch_um: self.pitch_um, heights_um }
+    }
+
+    /// A part of this many columns and rows, from a column and row on; beyond its edges the map repeats. None of the numbers may be 0.
+    #[must_use]
+    pub fn part(&self, first: [usize; 2], count: [usize; 2]) -> Self {
+        let row = |row: usize| {
+            let start = (first[1] + row) % self.rows() * self.columns;
+            (0..count[0]).map(move |column| self.heights_um[start + (first[0] + column) % self.columns])
+        };
+        Self { columns: count[0], pitch_um: self.pitch_um, heights_um: (0..count[1]).flat_map(row).collect() }
     }
 
     /// Statistics of the heights and of the slopes between neighbours.

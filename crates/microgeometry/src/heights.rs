@@ -129,8 +129,7 @@ struct Plane {
 
 impl Face for Triangles<'_> {
     fn period_um(&self) -> [f64; 2] {
-        let pitch = self.map.pitch_um();
-        [pitch[0] * self.map.columns() as f64, pitch[1] * self.map.rows() as f64]
+        self.map.period_um()
     }
 
     fn heights_um(&self) -> [f64; 2] {

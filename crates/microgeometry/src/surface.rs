@@ -33,10 +33,7 @@ impl Surface {
         of: impl FnOnce(&dyn Face) -> T,
     ) -> Result<T, MicrogeometryError> {
         match self {
-            Self::Flat => {
-                let flat = HeightMap::new(1, [1.0; 2], vec![0.0])?;
-                Ok(of(&Triangles::new(&flat)))
-            }
+            Self::Flat => Ok(of(&Triangles::new(&HeightMap::flat()))),
             Self::Caps(caps) => Ok(of(&Balls::new(caps, replicate)?)),
             Self::Heights(map) => Ok(of(&Triangles::new(map))),
             Self::Random(random) => Ok(of(&Triangles::new(&random.realisation(replicate)?))),
@@ -57,8 +54,8 @@ impl Surface {
         }
     }
 
-    /// Whether each replicate is another realisation.
-    pub(crate) fn is_random(&self) -> bool {
+    /// Returns true if each replicate is another realisation.
+    pub fn is_random(&self) -> bool {
         matches!(
             self,
             Self::Random(_) | Self::Volume(_) | Self::Caps(Caps { lattice: Lattice::Random { .. }, .. })
@@ -77,10 +74,14 @@ impl Surface {
         Ok(Some(Statistics::of(&map)))
     }
 
-    /// Heights of a period of a replicate, for waves and statistics.
-    pub(crate) fn heights(&self, replicate: u64) -> Result<HeightMap, MicrogeometryError> {
+    /// Heights of a period of a replicate, for waves, statistics and sparkle: as fine as the waves of the surface need, which is coarser
+    /// than rays do.
+    ///
+    /// # Errors
+    /// Surfaces without heights: meshes and volumes; those that cannot be made.
+    pub fn heights(&self, replicate: u64) -> Result<HeightMap, MicrogeometryError> {
         match self {
-            Self::Flat => HeightMap::new(1, [1.0; 2], vec![0.0]),
+            Self::Flat => Ok(HeightMap::flat()),
             Self::Caps(caps) => Balls::new(caps, replicate)?.sampled(),
             Self::Heights(map) => Ok(map.clone()),
             Self::Random(random) => random.for_waves()?.realisation(replicate),

@@ -42,6 +42,8 @@ pub struct SurfaceScenario {
 pub struct ResolvedSurface {
     /// The surface, and how it is measured.
     pub measurement: Measurement,
+    /// Whether it is a height map with its mirror images.
+    pub is_mirrored: bool,
     /// Title of the file.
     pub title: Option<String>,
     /// Notes: consequences that are worth knowing, and not wrong.
@@ -175,7 +177,11 @@ impl SurfaceScenario {
         if let Surface::Mesh(mesh) = &surface {
             notes.extend(mesh.notes());
         }
+        let described = &self.file.microgeometry.value;
+        let is_mirrored =
+            matches!(described, Microgeometry::HeightMap(map) if map.value.period.value == MapPeriod::Mirror);
         Ok(ResolvedSurface {
+            is_mirrored,
             measurement: Measurement { surface, goniometer, by_rays: common.road != Road::Waves, waves_nm },
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             notes,

@@ -54,7 +54,8 @@ pub use crosstalk::{
 };
 pub use mtf::mtf;
 pub(crate) use mtf::sharpness;
-pub use papilio_transport::spatial::Precision;
+pub use papilio_transport::spatial::sparkle::{Face, Relief, Tile};
+pub use papilio_transport::spatial::{Cells, Precision};
 pub use patterns::{PatternKind, PatternMean, Patterns};
 pub(crate) use picture::LitPicture;
 pub use picture::{Picture, PictureColours, picture};

@@ -10,11 +10,11 @@
 
 use papilio_colour::Observer;
 use papilio_colour::reader::contrast_sensitivity;
-use papilio_optics::{Beta, RandomFace};
+use papilio_optics::Beta;
 use papilio_spectra::Spectrum;
 use papilio_transport::spatial::Gap;
 use papilio_transport::spatial::sparkle::{
-    Deflection, Effort, Matrix, Panel, Pixel, Plan, Pupil, Room, Source, Window, band_contrast, closed,
+    Deflection, Effort, Face, Matrix, Panel, Pixel, Plan, Pupil, Room, Source, Window, band_contrast, closed,
 };
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -49,10 +49,8 @@ const PIXELS: usize = 1024;
 /// An antiglare face, and how its sparkle is estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Antiglare {
-    /// Root mean square slope along one axis, above 0.
-    pub slope_rms: f64,
-    /// Distances at which the correlation of heights is 1/e, mm, above 0; one or more.
-    pub correlation_mm: Vec<f64>,
+    /// Its heights; one face or more, to compare.
+    pub faces: Vec<Face>,
     /// Distances of face and pixels, mm, in the medium above the pixels; empty: the media of the display below the face.
     pub gap_mm: Vec<f64>,
     /// Number of the layer whose interface is the face, among general layers.
@@ -74,14 +72,14 @@ pub struct SparkleResult {
     pub pupil_mm: f64,
     /// Distance of the eye, mm.
     pub distance_mm: f64,
-    /// One row for each view, gap and correlation length; the last varies fastest.
+    /// One row for each view, gap and face; the last varies fastest.
     pub rows: Vec<SparkleRow>,
     /// Pixels below the faces of each row, for figures.
     #[serde(skip)]
     pub maps: Vec<SparkleMap>,
 }
 
-/// Sparkle for one view, gap and correlation length.
+/// Sparkle for one view, gap and face.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SparkleRow {
     /// Inclination of the view, degrees.
@@ -110,19 +108,22 @@ pub struct SparkleRow {
     pub mean_over_duty: f64,
     /// Standard error of `mean_over_duty`.
     pub mean_over_duty_error: f64,
-    /// Matrix term in closed form; null for a plane of view that is neither along x nor along y.
+    /// Matrix term in closed form; null for heights that are not Gaussian, and for a plane of view that is neither along x nor along y.
     pub ppd_closed_form: Option<f64>,
     /// Largest product of the contrast of sparkle within an octave and of the eye's contrast sensitivity: above 1, sparkle is
     /// above threshold. Null without light.
     pub contrast_times_sensitivity: Option<f64>,
-    /// Correlation length from which rays are within 2 % of waves, sqrt(λ d/(2 n)) at 555 nm, um; below it `ppd` is no reference.
+    /// Size of structures from which rays are within 2 % of waves, sqrt(λ d/(2 n)) at 555 nm, um; below it `ppd` is no reference.
     pub rays_valid_from_um: f64,
+    /// Size of the structures that bend light, um: sqrt(2) times the rms height over the rms slope; the correlation length of a Gaussian
+    /// face.
+    pub detail_um: f64,
 }
 
 impl SparkleRow {
     /// Returns true if the face is so fine that waves differ from the rays of the result.
     pub fn is_beyond_rays(&self) -> bool {
-        self.correlation_um < self.rays_valid_from_um
+        self.detail_um < self.rays_valid_from_um
     }
 
     /// Returns the metrics of the row, for sweeps and searches.
@@ -153,7 +154,7 @@ pub struct SparkleMap {
     pub values: Vec<f64>,
 }
 
-/// Computes the sparkle of the pixels of a display in the state `white`, for each view, gap and correlation length.
+/// Computes the sparkle of the pixels of a display in the state `white`, for each view, gap and face.
 ///
 /// # Errors
 /// If the scene is invalid; without a matrix, without a state `white`; if a length between face and pixels is missing; if another layer
@@ -172,7 +173,7 @@ pub fn sparkle(
     let mut workers = None;
     let pool = Workers::wanted(&mut workers, control.threads.unwrap_or(0))?;
     let media = gaps(scene, face)?;
-    let rows = media.len() * face.correlation_mm.len();
+    let rows = media.len() * face.faces.len();
     let mut result = SparkleResult {
         state: STATE,
         pitch_um: matrix.pitch_mm.map(|pitch| 1e3 * pitch),
@@ -185,14 +186,14 @@ pub fn sparkle(
         let beta = view.field.axis_towards();
         let windows = windows(scene, matrix, view.theta_deg)?;
         for media in &media {
-            for correlation_mm in &face.correlation_mm {
+            for heights in &face.faces {
                 let (views_done, done) = (result.rows.len() / rows, result.rows.len() % rows);
                 (control.progress)(Progress {
                     share_of_view: Some(done as f64 / rows as f64),
                     ..Progress::of_views(views_done, setup.views.len())
                 });
                 let panel = Panel {
-                    face: RandomFace { slope_rms: face.slope_rms, correlation_mm: *correlation_mm },
+                    face: heights.clone(),
                     media: media.clone(),
                     matrix: windows.clone(),
                     pixel: kind(&scene.display.pixel),
@@ -234,12 +235,18 @@ fn row(
     let places = deflection.place_per_beta_mm;
     let blur = [places[0], places[2]].map(|place| 0.5 * panel.pupil.radius() * place);
     let duty = panel.matrix.mean();
+    let ppd_closed_form = match panel.face {
+        Face::Gaussian(face) => {
+            closed::pixel_power_deviation(face, deflection.per_slope_mm(), &panel.matrix, blur)
+        }
+        Face::Relief(_) => None,
+    };
     let row = SparkleRow {
         theta_deg: view.theta_deg,
         phi_deg: view.phi_deg,
         gap_mm: panel.media.iter().map(|medium| medium.thickness_mm).sum(),
-        correlation_um: 1e3 * panel.face.correlation_mm,
-        slope_rms: panel.face.slope_rms,
+        correlation_um: 1e3 * panel.face.correlation_mm(),
+        slope_rms: panel.face.slope_rms(),
         ppd: found.all.ppd,
         ppd_matrix: found.matrix.ppd,
         ppd_lamp: found.source.ppd,
@@ -248,14 +255,10 @@ fn row(
         ppd_lamp_error: found.source.standard_error,
         mean_over_duty: found.matrix.mean / duty,
         mean_over_duty_error: found.matrix.mean_error / duty,
-        ppd_closed_form: closed::pixel_power_deviation(
-            panel.face,
-            deflection.per_slope_mm(),
-            &panel.matrix,
-            blur,
-        ),
+        ppd_closed_form,
         contrast_times_sensitivity: None,
         rays_valid_from_um: 1e3 * rays_valid_from_mm(&panel.media),
+        detail_um: 1e3 * panel.face.detail_mm(),
     };
     Ok((row, SparkleMap::new(&faces, plan.columns_and_rows(), found.all.mean)))
 }

@@ -120,7 +120,7 @@ impl Resolver<'_> {
                 names: vec![PIXEL.to_owned()],
                 areas: Some(vec![1.0]),
                 fill_factor: 1.0,
-                table: "display.pixel, whose states are those of the whole pixel",
+                table: "display.pixel",
                 causes: Vec::new(),
             }),
         }

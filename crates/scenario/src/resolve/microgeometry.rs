@@ -1,7 +1,7 @@
 //! `model = "microgeometry"`: a face by its geometry, read from a file or measured by rays.
 
 use std::f64::consts::{PI, SQRT_2};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace, WaveFace, WaveLight};
@@ -13,7 +13,8 @@ use papilio_microgeometry::{
 use papilio_optics::lobe::{BalancedLobe, FaceLight, FaceLobe};
 use papilio_spectra::Spectrum;
 
-use super::{GaussianFace, Resolver};
+use super::relief::SurfaceRelief;
+use super::{FaceHeights, KnownFace, Resolver};
 use crate::describe::diffuser::FaceOfSurface;
 use crate::library::Library;
 use crate::origin::Origin;
@@ -58,18 +59,17 @@ impl Resolver<'_> {
             }
             (None, Some(name)) => {
                 let surface = self.surface(path, face, name, index)?;
-                if let Surface::Random(random) = &surface.measurement.surface
-                    && let &Heights::Gaussian { rms_um, correlation_um } = random.spectrum()
-                {
-                    let slope_rms = SQRT_2 * rms_um / correlation_um;
-                    let heights = GaussianFace { origin: face.origin, slope_rms, correlation_um };
-                    self.gaussian_faces.push((path.to_owned(), heights));
+                let found = match surface.measurement.by_rays {
+                    true => {
+                        let kernels = self.face_of_surface(face, &surface)?;
+                        self.by_rays(kernels)
+                    }
+                    false => self.by_waves(face, &surface, index)?,
+                };
+                if let Some(heights) = heights_of(surface) {
+                    self.known_faces.push((path.to_owned(), KnownFace { origin: face.origin, heights }));
                 }
-                if !surface.measurement.by_rays {
-                    return self.by_waves(face, &surface, index);
-                }
-                let kernels = self.face_of_surface(face, &surface)?;
-                Some(self.by_rays(kernels))
+                Some(found)
             }
             (file, _) => {
                 let wrong = match file {
@@ -270,6 +270,18 @@ impl Resolver<'_> {
         };
         measured.map_err(|wrong| self.errors.push(face.surface.origin, wrong)).ok()
     }
+}
+
+/// The heights of a surface, for sparkle.
+fn heights_of(surface: ResolvedSurface) -> Option<FaceHeights> {
+    if let Surface::Random(random) = &surface.measurement.surface
+        && let &Heights::Gaussian { rms_um, correlation_um } = random.spectrum()
+    {
+        let slope_rms = SQRT_2 * rms_um / correlation_um;
+        return Some(FaceHeights::Gaussian { slope_rms, correlation_um });
+    }
+    let relief = SurfaceRelief::new(surface.measurement.surface, surface.is_mirrored)?;
+    Some(FaceHeights::Surface(Arc::new(relief)))
 }
 
 /// A balanced lobe, unless it is known.

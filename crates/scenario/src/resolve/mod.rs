@@ -21,6 +21,7 @@ mod pattern;
 mod picture;
 mod pixel;
 mod reflection;
+mod relief;
 mod sampling;
 mod sparkle;
 mod stack;
@@ -32,6 +33,7 @@ pub use measure::VirtualMeasurement;
 pub(crate) use measure::measurement;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::image::SourceImage;
@@ -39,6 +41,7 @@ use papilio_display::scene::{self, Scene, Strategy};
 use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_spectra::Grid;
 
+use self::relief::SurfaceRelief;
 use crate::describe::solver::{self, Solver};
 use crate::describe::{File, metrics};
 use crate::error::{Errors, ScenarioErrors};
@@ -98,21 +101,31 @@ struct Resolver<'a> {
     unbounded: Vec<unbounded::Unbounded>,
     /// Whether a diffuser that loses light has no described reflection.
     reflects_nothing: bool,
-    /// Surfaces by their geometry that have Gaussian heights, by the key of their layer.
-    gaussian_faces: Vec<(String, GaussianFace)>,
+    /// Surfaces by their geometry that have heights, by the key of their layer.
+    known_faces: Vec<(String, KnownFace)>,
     /// Whether the display has a matrix, and lengths have a purpose besides absorption.
     has_matrix: bool,
 }
 
-/// A face with Gaussian heights of the correlation exp(-r²/l²), between two layers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct GaussianFace {
+/// A face between two layers whose heights are known.
+#[derive(Debug, Clone)]
+struct KnownFace {
     /// Place in the file.
     origin: Origin,
-    /// Root mean square slope along one axis.
-    slope_rms: f64,
-    /// The length l, um.
-    correlation_um: f64,
+    heights: FaceHeights,
+}
+
+#[derive(Debug, Clone)]
+enum FaceHeights {
+    /// Gaussian heights of the correlation exp(-r²/l²).
+    Gaussian {
+        /// Root mean square slope along one axis.
+        slope_rms: f64,
+        /// The length l, um.
+        correlation_um: f64,
+    },
+    /// Those of any other surface.
+    Surface(Arc<SurfaceRelief>),
 }
 
 /// Which picture is requested.
@@ -165,7 +178,7 @@ impl<'a> Resolver<'a> {
             inputs: BTreeMap::new(),
             maps: Vec::new(),
             unbounded: Vec::new(),
-            gaussian_faces: Vec::new(),
+            known_faces: Vec::new(),
             reflects_nothing: false,
             has_matrix: false,
         })

@@ -2,10 +2,10 @@
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{self, Interface, Layers, Ready, Scene};
-use papilio_display::spatial::Antiglare;
+use papilio_display::spatial::{Antiglare, Face};
 use papilio_optics::RandomFace;
 
-use super::{GaussianFace, Resolver};
+use super::{FaceHeights, KnownFace, Resolver};
 use crate::describe::File;
 use crate::describe::layers::{Layer, Rough, Slopes};
 use crate::describe::sparkle::{CorrelationLengths, FaceGaps, Sparkle};
@@ -18,8 +18,7 @@ use crate::tree::Node;
 const INDEX_NM: f64 = 555.0;
 
 impl Resolver<'_> {
-    /// Resolves the antiglare face: that of `[sparkle]`, or a layer with Gaussian heights whose correlation length is known; `None` if
-    /// neither is described.
+    /// Resolves the antiglare face: that of `[sparkle]`, or a layer whose heights are known; `None` if neither is described.
     pub(super) fn sparkle(&mut self, file: &File, scene: &Scene) -> Option<Antiglare> {
         let face = self.known_face(file, scene);
         let table = file.sparkle.value.as_ref();
@@ -41,11 +40,22 @@ impl Resolver<'_> {
             Some(FaceGaps::One(gap)) => vec![gap.0],
             Some(FaceGaps::List(list)) => self.listed(list, |gap| gap.0, table.gap_mm.origin)?,
         };
-        let (slope_rms, correlation_um, layer) = match face {
-            Some((face, layer)) if !own => {
-                let lengths = self.correlation(table)?.unwrap_or_else(|| vec![face.correlation_um]);
-                (face.slope_rms, lengths, layer)
-            }
+        let (faces, layer) = match face {
+            Some((face, layer)) if !own => match face.heights {
+                FaceHeights::Gaussian { slope_rms, correlation_um } => {
+                    let lengths = self.correlation(table)?.unwrap_or_else(|| vec![correlation_um]);
+                    (gaussian(slope_rms, lengths), layer)
+                }
+                FaceHeights::Surface(relief) => {
+                    if table.correlation_um.is_some() {
+                        let wrong = Diagnostic::new("`correlation_um` cannot change the heights of the surface in this display")
+                            .hint("remove it, or add `slope_rms`: both describe a Gaussian face, which then takes the place of the surface");
+                        self.err(&table.correlation_um, wrong);
+                        return None;
+                    }
+                    (vec![Face::Relief(relief)], layer)
+                }
+            },
             _ => {
                 let slope_rms = self.slope(table, at, scene)?;
                 let Some(lengths) = self.correlation(table)? else {
@@ -56,12 +66,11 @@ impl Resolver<'_> {
                     self.errors.push(at, with_reason(wrong));
                     return None;
                 };
-                (slope_rms, lengths, 0)
+                (gaussian(slope_rms, lengths), 0)
             }
         };
         Some(Antiglare {
-            slope_rms,
-            correlation_mm: correlation_um.into_iter().map(|length| 1e-3 * length).collect(),
+            faces,
             gap_mm,
             layer,
             pupil_mm: table.pupil_mm.0,
@@ -117,9 +126,9 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the layer with Gaussian heights whose correlation length is known, with its number in the scene: a rough one with
+    /// Returns the layer whose heights are known, with its number in the scene: a rough one with
     /// `correlation_um`, or else the only surface by its geometry.
-    fn known_face(&mut self, file: &File, scene: &Scene) -> Option<(GaussianFace, usize)> {
+    fn known_face(&mut self, file: &File, scene: &Scene) -> Option<(KnownFace, usize)> {
         let Layers::General(resolved) = &scene.display.layers else { return None };
         let layers: &[Spanned<Layer>] = file.display.value.layers.value.as_deref()?;
         let (mut rough, mut surfaces) = (Vec::new(), Vec::new());
@@ -128,20 +137,20 @@ impl Resolver<'_> {
                 Layer::Rough(one) => rough.extend(self.rough_face(one)?.map(|face| (number, face))),
                 Layer::Diffuser(_) => {
                     let key = format!("display.layers.{number}");
-                    let face = self.gaussian_faces.iter().find(|(of, _)| *of == key);
-                    surfaces.extend(face.map(|(_, face)| (number, *face)));
+                    let face = self.known_faces.iter().find(|(of, _)| *of == key);
+                    surfaces.extend(face.map(|(_, face)| (number, face.clone())));
                 }
                 _ => {}
             }
         }
-        if let [_, (_, second), ..] = rough[..] {
+        if let [_, (_, second), ..] = &rough[..] {
             let wrong = Diagnostic::new("more than one rough layer has a `correlation_um`");
             self.errors.push(second.origin, wrong.hint("sparkle is that of one face: remove one of them"));
             return None;
         }
-        // Surfaces by their geometry have a correlation length whether or not anybody asks for sparkle: of several, none is preferred.
+        // Surfaces by their geometry have heights whether or not anybody asks for sparkle: of several, none is preferred.
         let (number, face) = match (&rough[..], &surfaces[..]) {
-            ([one], _) | ([], [one]) => *one,
+            ([one], _) | ([], [one]) => one.clone(),
             _ => return None,
         };
         // Media without an interface above them have one in the scene: the face is found as the same among those of its kind.
@@ -164,7 +173,7 @@ impl Resolver<'_> {
     }
 
     /// The face of a rough layer; the inner `None` if its correlation length is not known.
-    fn rough_face(&mut self, rough: &Rough) -> Option<Option<GaussianFace>> {
+    fn rough_face(&mut self, rough: &Rough) -> Option<Option<KnownFace>> {
         let Some(length) = &rough.correlation_um.value else { return Some(None) };
         if *rough.distribution != Slopes::Beckmann {
             let wrong = Diagnostic::new(
@@ -178,9 +187,15 @@ impl Resolver<'_> {
             return None;
         }
         let slope_rms = rough.alpha.0 / std::f64::consts::SQRT_2;
-        let origin = rough.correlation_um.origin;
-        Some(Some(GaussianFace { origin, slope_rms, correlation_um: length.0 }))
+        let heights = FaceHeights::Gaussian { slope_rms, correlation_um: length.0 };
+        Some(Some(KnownFace { origin: rough.correlation_um.origin, heights }))
     }
+}
+
+/// Gaussian faces of these correlation lengths, um.
+fn gaussian(slope_rms: f64, correlation_um: Vec<f64>) -> Vec<Face> {
+    let face = |length| Face::Gaussian(RandomFace { slope_rms, correlation_mm: 1e-3 * length });
+    correlation_um.into_iter().map(face).collect()
 }
 
 /// Adds why the slope and the correlation length of a face are not guessed.

@@ -322,14 +322,15 @@ fn several_gaussian_faces_are_no_antiglare_face() {
     };
     let one = format!("{face}{}", medium(1.5));
     let two = format!("{one}{face}{}", medium(1.3));
-    assert_eq!(sparkle(one, "").unwrap().unwrap().correlation_mm, [0.01]);
+    let correlation = |found: papilio_display::spatial::Antiglare| found.faces[0].correlation_mm();
+    assert_eq!(correlation(sparkle(one, "").unwrap().unwrap()), 0.01);
     assert_eq!(sparkle(two.clone(), "").unwrap(), None);
     let own = sparkle(two.clone(), "[sparkle]\nslope_rms = 0.03\ncorrelation_um = 8\n").unwrap().unwrap();
-    assert_eq!((own.slope_rms, own.layer), (0.03, 0));
+    assert_eq!((own.faces[0].slope_rms(), own.layer), (0.03, 0));
     // A rough layer with `correlation_um` is asked for: it is preferred, and a second one is refused.
     let rough = "[[display.layers]]\nkind = \"rough\"\ndistribution = \"beckmann\"\nalpha = 0.03\ncorrelation_um = 8\n";
     let preferred = format!("{two}{rough}{}", medium(1.5));
-    assert_eq!(sparkle(preferred.clone(), "").unwrap().unwrap().correlation_mm, [0.008]);
+    assert_eq!(correlation(sparkle(preferred.clone(), "").unwrap().unwrap()), 0.008);
     let message = sparkle(format!("{preferred}{rough}{}", medium(1.3)), "").unwrap_err().to_string();
     assert!(message.contains("more than one rough layer has a `correlation_um`"), "{message}");
     let message = sparkle(two, "[sparkle]\nreplicates = 4\n").unwrap_err().to_string();

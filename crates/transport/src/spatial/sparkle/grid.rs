@@ -8,6 +8,8 @@ use super::super::Cells;
 pub(super) struct Grid<T> {
     pub(super) cells: Cells,
     pub(super) values: Vec<T>,
+    /// Cells per mm along x and y.
+    per_mm: [f64; 2],
 }
 
 impl Cells {
@@ -22,19 +24,19 @@ impl Cells {
     pub(super) fn size(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.period_mm[axis] / self.count[axis] as f64)
     }
+}
+
+impl<T> Grid<T> {
+    pub(super) fn new(cells: Cells, values: Vec<T>) -> Self {
+        Self { cells, values, per_mm: cells.size().map(f64::recip) }
+    }
 
     /// The four cells whose middles surround a place, each with its weight.
+    #[inline]
     pub(super) fn around(&self, place: [f64; 2]) -> [(usize, f64); 4] {
-        let size = self.size();
-        let [(x0, x1, u), (y0, y1, v)] = [0, 1].map(|axis| {
-            let count = self.count[axis] as i64;
-            let at = place[axis] / size[axis] - 0.5;
-            let lower = at.floor();
-            let cell = (lower as i64).rem_euclid(count) as usize;
-            let next = if cell + 1 == self.count[axis] { 0 } else { cell + 1 };
-            (cell, next, at - lower)
-        });
-        let columns = self.count[0];
+        let (x0, x1, u) = self.beside(0, place[0]);
+        let (y0, y1, v) = self.beside(1, place[1]);
+        let columns = self.cells.count[0];
         [
             (y0 * columns + x0, (1.0 - u) * (1.0 - v)),
             (y0 * columns + x1, u * (1.0 - v)),
@@ -42,12 +44,32 @@ impl Cells {
             (y1 * columns + x1, u * v),
         ]
     }
+
+    /// Numbers of the cells along an axis on both sides of a coordinate, and the weight of the second.
+    #[inline]
+    fn beside(&self, axis: usize, coordinate: f64) -> (usize, usize, f64) {
+        let count = self.cells.count[axis];
+        let at = coordinate * self.per_mm[axis] - 0.5;
+        let lower = floor(at);
+        let cell = lower as i64;
+        let cell =
+            if (0..count as i64).contains(&cell) { cell } else { cell.rem_euclid(count as i64) } as usize;
+        let next = if cell + 1 == count { 0 } else { cell + 1 };
+        (cell, next, at - lower)
+    }
+}
+
+/// The largest whole number that is not above a number of less than 2^63: without the call that `f64::floor` is on old processors.
+#[inline]
+pub(super) fn floor(value: f64) -> f64 {
+    let whole = value as i64 as f64;
+    if whole > value { whole - 1.0 } else { whole }
 }
 
 impl<T: Copy + std::ops::Mul<f64, Output = T> + std::iter::Sum> Grid<T> {
     /// Value at a place.
     pub(super) fn at(&self, place: [f64; 2]) -> T {
-        self.cells.around(place).into_iter().map(|(cell, weight)| self.values[cell] * weight).sum()
+        self.around(place).into_iter().map(|(cell, weight)| self.values[cell] * weight).sum()
     }
 }
 

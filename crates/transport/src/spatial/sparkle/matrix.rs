@@ -1,5 +1,7 @@
 //! The matrix of windows on the pixel plane.
 
+use super::grid::floor;
+
 /// A lit rectangle of each pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
@@ -90,7 +92,7 @@ impl Stripe {
     /// Length of the stripe from its lower edge to a place.
     #[inline]
     fn up_to(&self, place: f64) -> f64 {
-        let periods = (place * self.per_pitch).floor();
+        let periods = floor(place * self.per_pitch);
         periods * self.width + (place - periods * self.pitch).min(self.width)
     }
 }

@@ -12,6 +12,7 @@
 //!
 //! - [`Plan`]: rays through random faces, the estimate that holds without restrictions;
 //! - [`closed`]: the matrix term of Gaussian faces in closed form;
+//! - [`Face`]: Gaussian heights, or a [`Relief`]: measured ones, and those of any other surface;
 //! - [`Deflection`], [`Matrix`], [`Room`], [`Pupil`]: what they depend on.
 //!
 //! **Parameters.** Everything is in mm, the frequencies in cycles per mm. Sparkle depends on the product of slope and
@@ -31,6 +32,7 @@ mod faces;
 mod grid;
 mod matrix;
 mod plan;
+mod relief;
 mod replicate;
 mod room;
 mod statistics;
@@ -41,5 +43,6 @@ pub use deflection::{Deflection, Pupil};
 pub use faces::FaceSampler;
 pub use matrix::{Matrix, Window};
 pub use plan::{Effort, Panel, Plan, SparkleError};
+pub use relief::{Face, Relief, Tile};
 pub use room::{Pixel, Room, Source};
 pub use statistics::{Deviation, Moments, Sparkle, band_contrast};

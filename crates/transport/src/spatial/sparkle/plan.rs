@@ -2,12 +2,15 @@
 
 use std::fmt;
 
-use papilio_optics::{Beta, RandomFace};
+use num_complex::Complex64;
+use papilio_optics::Beta;
+use papilio_sampling::{SampleStream, Sampler};
 
 use super::super::{Cells, Gap};
 use super::Matrix;
 use super::deflection::{Deflection, Pupil, directions};
 use super::faces::FaceSampler;
+use super::relief::{Face, ReliefSampler};
 use super::room::{Pixel, Room};
 use super::statistics::{Deviation, Moments, Sparkle};
 
@@ -15,7 +18,7 @@ use super::statistics::{Deviation, Moments, Sparkle};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// The face.
-    pub face: RandomFace,
+    pub face: Face,
     /// Media between face and pixel plane, that of the face first.
     pub media: Vec<Gap>,
     /// The lit windows.
@@ -68,6 +71,11 @@ pub enum SparkleError {
         /// The largest number.
         most: f64,
     },
+    /// A relief is too steep.
+    Steep {
+        /// Its root mean square slope.
+        slope_rms: f64,
+    },
 }
 
 impl fmt::Display for SparkleError {
@@ -79,6 +87,11 @@ impl fmt::Display for SparkleError {
                 "one face needs {cells:.1e} cells (expected {most:.1e} at most): the correlation length is too far below the \
                  pitch or above it, or a source is too small for a pinhole"
             ),
+            Self::Steep { slope_rms } => write!(
+                f,
+                "the face has an rms slope of {slope_rms:.2} (expected {STEEPEST} at most): sparkle is computed for faces that light \
+                 meets once on its way, and does not hold for steep bumps"
+            ),
         }
     }
 }
@@ -88,11 +101,20 @@ impl std::error::Error for SparkleError {}
 /// Largest number of cells of a face: about 100 MB for each source.
 const MOST_CELLS: f64 = 4e6;
 
+/// Largest root mean square slope of a relief.
+const STEEPEST: f64 = 0.3;
+
 /// A period of a face in correlation lengths: waves of longer periods have 1e-3 of the power of slopes.
 const PERIOD: f64 = 8.0;
 
 /// Most rings of points in the pupil, and in a source.
 const MOST_RINGS: f64 = 6.0;
+
+/// Where the slopes of a replicate come from.
+enum Slopes {
+    Random(FaceSampler),
+    Relief(ReliefSampler),
+}
 
 /// Prepared estimate: [`Plan::replicate`] for each replicate, on any thread, then [`Plan::sparkle`].
 pub struct Plan {
@@ -101,7 +123,7 @@ pub struct Plan {
     pub(super) cells: Cells,
     /// Cells of a pixel along x and y.
     pub(super) of_pixel: [usize; 2],
-    pub(super) sampler: FaceSampler,
+    sampler: Slopes,
     pub(super) view: Deflection,
     /// Views of the pupil: directions relative to the middle, places on the pixel plane relative to those of the middle.
     pub(super) pupil: Vec<(Beta, [f64; 2])>,
@@ -117,7 +139,7 @@ impl Plan {
     pub fn new(panel: Panel, effort: Effort) -> Result<Self, SparkleError> {
         check(&panel, &effort)?;
         let view = Deflection::new(&panel.media, panel.view);
-        let (cells, of_pixel) = cells(&panel, &view, &effort)?;
+        let (cells, of_pixel, sampler) = cells(&panel, &view, &effort)?;
         let rings = pupil_rings(&panel, &view);
         let pupil = directions(panel.view, panel.pupil.radius(), rings)
             .into_iter()
@@ -126,30 +148,38 @@ impl Plan {
         let entering = panel.room.sources.iter().map(|source| {
             let deflection = Deflection::new(&panel.media, source.beta);
             let reach = source.radius() * largest(deflection.place_per_beta_mm);
-            let rings = (3.0 * reach / panel.face.correlation_mm).ceil().clamp(1.0, MOST_RINGS) as usize;
+            let rings = (3.0 * reach / panel.face.detail_mm()).ceil().clamp(1.0, MOST_RINGS) as usize;
             (source.illuminance, deflection, directions(source.beta, source.radius(), rings))
         });
-        Ok(Self {
-            effort,
-            cells,
-            of_pixel,
-            sampler: FaceSampler::new(panel.face, cells),
-            view,
-            pupil,
-            entering: entering.collect(),
-            panel,
-        })
+        Ok(Self { effort, cells, of_pixel, sampler, view, pupil, entering: entering.collect(), panel })
     }
 
     /// Number of pixels of one replicate.
     pub fn pixels(&self) -> usize {
-        self.cells.len() / (self.of_pixel[0] * self.of_pixel[1])
+        self.columns_and_rows().iter().product()
+    }
+
+    /// Slopes of the face of one replicate: along x the real parts, along y the imaginary parts.
+    pub(super) fn slopes(&self, numbers: &SampleStream) -> Vec<Complex64> {
+        match &self.sampler {
+            Slopes::Random(face) => face.slopes(numbers),
+            Slopes::Relief(relief) => relief.slopes(numbers),
+        }
     }
 
     /// Sparkle of the [`Moments`] of all replicates, in their order.
+    ///
+    /// Of a face of which a certain area is known, replicates are not independent: the errors contain those of the pixels that this
+    /// area holds.
     pub fn sparkle(&self, replicates: &[[Moments; 3]]) -> Sparkle {
-        let deviation =
-            |k: usize| Deviation::new(&replicates.iter().map(|moments| moments[k]).collect::<Vec<_>>());
+        let known = self.panel.face.relief().and_then(|relief| relief.area_mm2());
+        let apart = self.panel.matrix.pitch_mm.map(|pitch| pitch.max(2.0 * self.panel.face.correlation_mm()));
+        let independent = known.map(|area| (area / (apart[0] * apart[1])).max(1.0));
+        let deviation = |k: usize| {
+            let moments: Vec<_> = replicates.iter().map(|moments| moments[k]).collect();
+            let found = Deviation::new(&moments);
+            independent.map_or(found, |pixels| found.of_independent(pixels))
+        };
         Sparkle { all: deviation(0), matrix: deviation(1), source: deviation(2) }
     }
 
@@ -161,15 +191,21 @@ impl Plan {
 }
 
 fn check(panel: &Panel, effort: &Effort) -> Result<(), SparkleError> {
+    if let Some(relief) = panel.face.relief()
+        && relief.slope_rms() > STEEPEST
+    {
+        return Err(SparkleError::Steep { slope_rms: relief.slope_rms() });
+    }
     let light = panel.room.diffuse + panel.room.sources.iter().map(|source| source.illuminance).sum::<f64>();
     let mut ranges = vec![
-        ("slope_rms", panel.face.slope_rms, panel.face.slope_rms > 0.0, "a number above 0"),
+        ("slope_rms", panel.face.slope_rms(), panel.face.slope_rms() > 0.0, "a number above 0"),
         (
             "correlation length, mm,",
-            panel.face.correlation_mm,
-            panel.face.correlation_mm > 0.0,
+            panel.face.correlation_mm(),
+            panel.face.correlation_mm() > 0.0,
             "a number above 0",
         ),
+        ("size of details, mm,", panel.face.detail_mm(), panel.face.detail_mm() > 0.0, "a number above 0"),
         ("diffuse illuminance", panel.room.diffuse, panel.room.diffuse >= 0.0, "0 or more"),
         ("|beta| of the view", panel.view.length(), panel.view.squared() < 1.0, "below 1"),
         ("pupil, mm,", panel.pupil.diameter_mm, panel.pupil.diameter_mm >= 0.0, "0 or more"),
@@ -215,35 +251,65 @@ fn check(panel: &Panel, effort: &Effort) -> Result<(), SparkleError> {
     wrong.map_or(Ok(()), |(what, value, _, expected)| Err(SparkleError::Range { what, value, expected }))
 }
 
-/// Cells of a face, and of a pixel.
-fn cells(panel: &Panel, view: &Deflection, effort: &Effort) -> Result<(Cells, [usize; 2]), SparkleError> {
+/// Cells of a face, and of a pixel, and the slopes on them.
+fn cells(
+    panel: &Panel,
+    view: &Deflection,
+    effort: &Effort,
+) -> Result<(Cells, [usize; 2], Slopes), SparkleError> {
     let pitch = panel.matrix.pitch_mm;
     let width = cell_width(panel, view, effort);
     let of_pixel = pitch.map(|pitch| smooth((pitch / width).ceil()));
     let per_pixel = of_pixel[0] * of_pixel[1];
-    let least = pitch.map(|pitch| (PERIOD * panel.face.correlation_mm / pitch).ceil().max(1.0));
+    let least = pitch.map(|pitch| (PERIOD * panel.face.detail_mm() / pitch).ceil().max(1.0));
     let affordable = MOST_CELLS / per_pixel;
+    let too_fine = |pixels: f64| SparkleError::TooFine { cells: pixels * per_pixel, most: MOST_CELLS };
     if least[0] * least[1] > affordable {
-        return Err(SparkleError::TooFine { cells: least[0] * least[1] * per_pixel, most: MOST_CELLS });
+        return Err(too_fine(least[0] * least[1]));
     }
     let wanted = (effort.pixels as f64 / effort.replicates as f64).ceil().min(affordable);
     // About square in pixels, unless the correlation length demands another number along an axis.
     let columns = wanted.sqrt().ceil().max(least[0]).min((affordable / least[1]).floor());
     let rows = (wanted / columns).ceil().max(least[1]).min((affordable / columns).floor());
-    let count = [columns * of_pixel[0], rows * of_pixel[1]].map(|count| count as usize);
+    let whole = of_pixel.map(|count| count as usize);
     let period_mm = [columns * pitch[0], rows * pitch[1]];
-    Ok((Cells { count, period_mm }, of_pixel.map(|count| count as usize)))
+    let relief = match &panel.face {
+        Face::Gaussian(face) => {
+            let count = [columns * of_pixel[0], rows * of_pixel[1]].map(|count| count as usize);
+            let cells = Cells { count, period_mm };
+            return Ok((cells, whole, Slopes::Random(FaceSampler::new(*face, cells))));
+        }
+        Face::Relief(relief) => relief,
+    };
+    // The cells are as large as a piece of the face, which is no whole number of pixels: the rest of the last ones is not used. A piece
+    // that is smaller than a pixel repeats.
+    let tile = relief.tile(&SampleStream::new(Sampler::Random, effort.seed, 0), period_mm).cells;
+    let size = [0, 1].map(|axis| pitch[axis] / of_pixel[axis]);
+    let of_tile = [0, 1].map(|axis| (tile.period_mm[axis] / size[axis]).round().max(1.0));
+    let repeats = [0, 1].map(|axis| (of_pixel[axis] / of_tile[axis]).ceil());
+    let count = [0, 1].map(|axis| repeats[axis] * of_tile[axis]);
+    // A piece may be a little larger than wanted.
+    if count[0] * count[1] > 1.5 * MOST_CELLS {
+        return Err(too_fine(count[0] * count[1] / per_pixel));
+    }
+    let cells = Cells {
+        count: count.map(|count| count as usize),
+        period_mm: [0, 1].map(|axis| count[axis] * size[axis]),
+    };
+    let repeats = repeats.map(|count| count as usize);
+    let sampler = ReliefSampler::new(relief.clone(), period_mm, tile, repeats, cells);
+    Ok((cells, whole, Slopes::Relief(sampler)))
 }
 
 /// Largest width of a cell, mm.
 fn cell_width(panel: &Panel, view: &Deflection, effort: &Effort) -> f64 {
-    let correlation = panel.face.correlation_mm;
+    let correlation = panel.face.detail_mm();
     let even = correlation / effort.samples as f64;
     if panel.pixel != Pixel::Mirror {
         return even;
     }
     // From one cell to the next, rays move by less than the radius of the source or pupil.
-    let bend = view.bend * panel.face.slope_rms;
+    let bend = view.bend * panel.face.slope_rms();
     let sources = panel.room.sources.iter().map(|source| {
         let radius = source.radius().hypot(panel.pupil.radius());
         0.25 * correlation * radius / bend
@@ -255,7 +321,7 @@ fn cell_width(panel: &Panel, view: &Deflection, effort: &Effort) -> f64 {
 fn pupil_rings(panel: &Panel, view: &Deflection) -> usize {
     let radius = panel.pupil.radius();
     let reach = radius * largest(view.place_per_beta_mm);
-    let mut rings = (3.0 * reach / panel.face.correlation_mm).ceil().max(1.0);
+    let mut rings = (3.0 * reach / panel.face.detail_mm()).ceil().max(1.0);
     if panel.pixel == Pixel::Mirror {
         let smallest = panel.room.sources.iter().map(|source| source.radius()).fold(f64::INFINITY, f64::min);
         rings = rings.max((1.5 * radius / smallest).ceil());

@@ -35,7 +35,7 @@ impl Plan {
     /// windows, of the room from a uniform pixel plane.
     pub fn light_of_pixels(&self, replicate: u64) -> Vec<[f64; 3]> {
         let numbers = SampleStream::new(Sampler::Random, self.effort.seed, replicate);
-        let slopes = Grid { cells: self.cells, values: self.sampler.slopes(&numbers) };
+        let slopes = Grid::new(self.cells, self.slopes(&numbers));
         let light = Light::new(&self.panel.room, self.panel.pixel, &self.view, &slopes, &self.entering);
         let windows = self.panel.matrix.over(self.cells.size());
         let per_slope = self.view.per_slope_mm();
@@ -43,7 +43,11 @@ impl Plan {
         let mut sums = vec![[0.0; 3]; pixels[0] * pixels[1]];
         for (cell, slope) in slopes.values.iter().enumerate() {
             let [column, row] = [cell % self.cells.count[0], cell / self.cells.count[0]];
-            let pixel = row / self.of_pixel[1] * pixels[0] + column / self.of_pixel[0];
+            let [right, up] = [column / self.of_pixel[0], row / self.of_pixel[1]];
+            if right >= pixels[0] || up >= pixels[1] {
+                continue;
+            }
+            let pixel = up * pixels[0] + right;
             let [x, y] = self.cells.middle(cell);
             let [u, v] = applied(per_slope, [slope.re, slope.im]);
             for (beta, shift) in &self.pupil {

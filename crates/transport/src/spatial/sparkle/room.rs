@@ -96,7 +96,7 @@ impl Image {
             let bent = (slope + other) * view.bend;
             source.place(view.beta - Beta { x: bent.re, y: bent.im } - source.beta)
         };
-        let middles = Grid { cells: slopes.cells, values: (0..slopes.cells.len()).map(place).collect() };
+        let middles = Grid::new(slopes.cells, (0..slopes.cells.len()).map(place).collect());
         let with_slope = |cell: usize| {
             let [x, y] = [[1, 0], [0, 1]].map(|step| middles.difference(cell, step));
             [middles.values[cell], x, y]
@@ -108,10 +108,20 @@ impl Image {
     ///
     /// The rim is a ramp as wide as the cell, at a radius that keeps the area of the disc; a source that is smaller than the cell
     /// becomes a cone of the same integral. The mean is correct in either case.
+    #[inline]
     fn coverage(&self, cell: usize, view: Complex64) -> f64 {
         let [place, x, y] = self.places[cell];
         let place = place + view;
-        let radius = place.norm().max(1e-12);
+        let square = place.norm_sqr();
+        // Half of the change of the radius over the cell is not larger than this: most rays find all of the source or nothing.
+        let most = 0.5 * (x.l1_norm() + y.l1_norm());
+        if square > (1.0 + most).powi(2) && most < 0.5 {
+            return 0.0;
+        }
+        if square < (0.9 - most).powi(2) && most < 0.5 {
+            return 1.0;
+        }
+        let radius = square.sqrt().max(1e-12);
         // Half of the change of the radius over the cell.
         let half = 0.5 * [x, y].map(|step| (place.conj() * step).re.abs()).iter().sum::<f64>() / radius;
         let half = half.max(1e-12);
@@ -140,8 +150,7 @@ impl Light {
                 Self::Images { diffuse: room.diffuse, sources }
             }
             Pixel::Lambertian => {
-                let mut irradiance =
-                    Grid { cells: slopes.cells, values: vec![room.diffuse; slopes.cells.len()] };
+                let mut irradiance = Grid::new(slopes.cells, vec![room.diffuse; slopes.cells.len()]);
                 for (illuminance, deflection, directions) in entering {
                     let part = illuminance / directions.len() as f64;
                     for direction in directions {
@@ -185,7 +194,7 @@ impl Grid<f64> {
         for (cell, slope) in slopes.values.iter().enumerate() {
             let [x, y] = self.cells.middle(cell);
             let [u, v] = applied(beam.per_slope_mm(), [slope.re, slope.im]);
-            for (there, weight) in self.cells.around([x + u + shift[0], y + v + shift[1]]) {
+            for (there, weight) in self.around([x + u + shift[0], y + v + shift[1]]) {
                 self.values[there] += irradiance * weight;
             }
         }

@@ -71,6 +71,15 @@ impl Deviation {
             mean_error: without(&Moments::mean),
         }
     }
+
+    /// The same deviation with the errors that this number of independent pixels has besides: `ppd/sqrt(2 pixels)`, and that of their mean.
+    pub(super) fn of_independent(self, pixels: f64) -> Self {
+        Self {
+            standard_error: self.standard_error.hypot(self.ppd / (2.0 * pixels).sqrt()),
+            mean_error: self.mean_error.hypot(self.mean * self.ppd / pixels.sqrt()),
+            ..self
+        }
+    }
 }
 
 /// Sparkle of a panel.

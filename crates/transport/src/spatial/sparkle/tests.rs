@@ -13,7 +13,7 @@ const DUTY: f64 = 0.026 * 0.076 / (0.084 * 0.084);
 
 fn panel(thickness_mm: f64, slope_rms: f64, correlation_mm: f64) -> Panel {
     Panel {
-        face: RandomFace { slope_rms, correlation_mm },
+        face: Face::Gaussian(RandomFace { slope_rms, correlation_mm }),
         media: vec![Gap { index: 1.5, thickness_mm }],
         matrix: Matrix::single(0.084, 0.026, 0.076),
         pixel: Pixel::Mirror,
@@ -33,9 +33,16 @@ fn run(panel: &Panel, pixels: usize) -> Sparkle {
     Plan::new(panel.clone(), effort(pixels)).unwrap().run()
 }
 
+fn gaussian(panel: &Panel) -> RandomFace {
+    match panel.face {
+        Face::Gaussian(face) => face,
+        Face::Relief(_) => panic!("a relief"),
+    }
+}
+
 fn exact(panel: &Panel) -> f64 {
     let per_slope = Deflection::new(&panel.media, panel.view).per_slope_mm();
-    closed::pixel_power_deviation(panel.face, per_slope, &panel.matrix, [0.0; 2]).unwrap()
+    closed::pixel_power_deviation(gaussian(panel), per_slope, &panel.matrix, [0.0; 2]).unwrap()
 }
 
 /// The cells' own error is 0.2/36 of the PPD.
@@ -67,7 +74,7 @@ fn known_panels_have_known_deviations() {
         assert_deviation(&what, &found, exact);
         assert!((found.mean - DUTY).abs() < SIGMA * found.mean_error, "{what}: {found:?}, duty {DUTY}");
         let deflection = Deflection::new(&panel.media, panel.view).per_slope_mm()[0];
-        match closed::of_one_window(panel.face, deflection, 0.026, 0.076, 0.004) {
+        match closed::of_one_window(gaussian(&panel), deflection, 0.026, 0.076, 0.004) {
             Some(form) => {
                 assert!((form / exact - 1.0).abs() < 0.05, "{what}: {form} {exact}");
                 assert!((form - small).abs() < 6e-5, "{what}: {form} {small}");
@@ -120,7 +127,7 @@ fn windows_of_several_weights_have_deviation_of_their_series() {
     panel.view = Beta::towards(35.0, 90.0, 1.0);
     assert_deviation("stripes from above", &run(&panel, 320).matrix, exact(&panel));
     let between = Deflection::new(&panel.media, Beta::towards(35.0, 45.0, 1.0)).per_slope_mm();
-    assert!(closed::pixel_power_deviation(panel.face, between, &panel.matrix, [0.0; 2]).is_none());
+    assert!(closed::pixel_power_deviation(gaussian(&panel), between, &panel.matrix, [0.0; 2]).is_none());
 }
 
 /// Small deflections have deviations in proportion, also where edges of windows meet within the correlation length: their overlaps
@@ -152,7 +159,8 @@ fn pupil_lowers_sparkle() {
     let view = Deflection::new(&panel.media, panel.view);
     let blur = 0.5 * panel.pupil.radius() * view.place_per_beta_mm[0];
     let lower =
-        closed::pixel_power_deviation(panel.face, view.per_slope_mm(), &panel.matrix, [blur; 2]).unwrap();
+        closed::pixel_power_deviation(gaussian(&panel), view.per_slope_mm(), &panel.matrix, [blur; 2])
+            .unwrap();
     assert!(lower < 0.9 * pinhole, "{lower} {pinhole}");
     let found = run(&panel, 320).matrix;
     assert!((found.ppd - lower).abs() < SIGMA * found.standard_error + 0.03 * lower, "{found:?} {lower}");
@@ -285,8 +293,11 @@ fn impossible_panels_are_refused() {
     };
     assert!(with(&|_| {}).is_none());
     let range = |error: Option<SparkleError>| matches!(error, Some(SparkleError::Range { .. }));
-    assert!(range(with(&|panel| panel.face.slope_rms = 0.0)));
-    assert!(range(with(&|panel| panel.face.correlation_mm = f64::NAN)));
+    let other = |slope_rms, correlation_mm| {
+        with(&move |panel| panel.face = Face::Gaussian(RandomFace { slope_rms, correlation_mm }))
+    };
+    assert!(range(other(0.0, 0.015)));
+    assert!(range(other(0.03, f64::NAN)));
     assert!(range(with(&|panel| panel.view = Beta { x: 1.0, y: 0.0 })));
     assert!(range(with(&|panel| panel.matrix.windows[0].rectangle_mm[2] = 1.0)));
     assert!(range(with(&|panel| panel.matrix.windows.clear())));
@@ -294,7 +305,7 @@ fn impossible_panels_are_refused() {
     assert!(range(with(&|panel| panel.room.diffuse = 0.0)));
     assert!(range(with(&|panel| panel.media[0].index = 1.0)));
     // A thousandth of a pixel.
-    let error = with(&|panel| panel.face.correlation_mm = 8.4e-5).unwrap();
+    let error = other(0.03, 8.4e-5).unwrap();
     assert!(
         matches!(error, SparkleError::TooFine { .. }) && error.to_string().contains("correlation length")
     );
