@@ -143,3 +143,21 @@ fn shown(command: &Command) -> String {
     let words = std::iter::once(program).chain(command.get_args());
     words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
 }
+
+/// Variables with which cargo takes the crates that `cargo clippy -- FLAGS` has checked for checked, where a command needs them: without
+/// them, `cargo doc` checks all of them again.
+///
+/// They are those that `cargo clippy` sets itself. If another version sets others, the crates are checked once more.
+pub(crate) fn checked_by_clippy(flags: &str) -> Vec<(&'static str, String)> {
+    let sysroot = command("rustc", ["--print", "sysroot"]).output().ok();
+    let sysroot = sysroot.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
+    let driver = sysroot.map(|sysroot| Path::new(&sysroot).join("bin").join("clippy-driver"));
+    let Some(driver) = driver.map(|driver| driver.with_extension(std::env::consts::EXE_EXTENSION)) else {
+        return Vec::new();
+    };
+    if !driver.is_file() {
+        return Vec::new();
+    }
+    let flags = flags.split(' ').map(|flag| format!("{flag}__CLIPPY_HACKERY__")).collect();
+    vec![("CLIPPY_ARGS", flags), ("RUSTC_WORKSPACE_WRAPPER", driver.to_string_lossy().into_owned())]
+}

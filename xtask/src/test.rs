@@ -127,7 +127,9 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     let mut lints = cargo(["clippy", "--workspace", "--all-targets"]);
     lints.args(features(of_page)).args(["--", "-D", "warnings"]);
     let mut docs = cargo(["doc", "--workspace", "--no-deps"]);
-    docs.args(features(of_page)).env("RUSTDOCFLAGS", "-D warnings");
+    docs.args(features(of_page))
+        .env("RUSTDOCFLAGS", "-D warnings")
+        .envs(shell::checked_by_clippy("-D warnings"));
     let texts = [Job::check("  lints", lints), Job::check("  documentation", docs)];
     if of_page == page::EVERYDAY {
         let [mut longest, mut rest, mut examples] = [tests(), tests(), tests()];
