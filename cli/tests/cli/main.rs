@@ -27,6 +27,7 @@ mod new;
 mod optimize;
 mod palette;
 mod pixel;
+mod project;
 mod run;
 mod serve;
 mod sparkle;
