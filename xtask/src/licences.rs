@@ -1,8 +1,8 @@
 //! `cargo xtask licences`: THIRD-PARTY.md, the licences of everything that is distributed with Papilio.
 //!
 //! The lists come from `cargo tree`, `cargo metadata` and the lock file of the page, the texts from the packages themselves. Of a
-//! package that may be used under Apache 2.0, this licence is taken: its text is in the repository. A test of the program
-//! (`cli/tests/cli/project.rs`) compares the lists with both lock files.
+//! package that may be used under Apache 2.0, this licence is taken: its text is in the repository. A test
+//! (`xtask/tests/xtask/project.rs`) compares the lists with both lock files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -78,8 +78,10 @@ pub(crate) fn licences() -> Outcome {
 /// The crates that programs link to, on any system, and all other crates of the lock file.
 fn crates() -> Result<(Packages, BTreeSet<Package>), String> {
     let metadata = output(&["metadata", "--format-version", "1", "--locked"])?;
-    let metadata: Value = serde_json::from_str(&metadata).map_err(|error| format!("cargo metadata: {error}"))?;
-    let mut known: Packages = metadata["packages"].as_array().into_iter().flatten().filter_map(described).collect();
+    let metadata: Value =
+        serde_json::from_str(&metadata).map_err(|error| format!("cargo metadata: {error}"))?;
+    let mut known: Packages =
+        metadata["packages"].as_array().into_iter().flatten().filter_map(described).collect();
     let mut tree = vec!["tree", "--edges", "normal", "--target", "all", "--all-features", "--locked"];
     tree.extend(["--prefix", "none", "--format", "{p}"]);
     DISTRIBUTED.iter().for_each(|name| tree.extend(["--package", name]));
@@ -135,17 +137,16 @@ fn scripts() -> Result<Packages, String> {
     let described = packages.map(|(place, about)| {
         let text = |key: &str| about[key].as_str().unwrap_or_default().to_owned();
         let name = place.rsplit_once("node_modules/").map_or(&**place, |(_, name)| name).to_owned();
-        let about =
-            About { licence: text("license"), authors: String::new(), folder: folder.join(place) };
+        let about = About { licence: text("license"), authors: String::new(), folder: folder.join(place) };
         (Package { name, version: text("version") }, about)
     });
     Ok(described.collect())
 }
 
 fn table(title: &str, packages: &Packages) -> String {
-    let rows = packages.iter().map(|(Package { name, version }, about)| {
-        format!("| {name} | {version} | {} |\n", about.licence)
-    });
+    let rows = packages
+        .iter()
+        .map(|(Package { name, version }, about)| format!("| {name} | {version} | {} |\n", about.licence));
     let rows: String = rows.collect();
     format!("## {title}\n\n| package | version | licence |\n|---|---|---|\n{rows}\n")
 }
@@ -176,21 +177,24 @@ fn texts_of(package: &Package, about: &About) -> Result<Vec<String>, String> {
         let is_licence = ["LICEN", "COPYING", "UNLICENSE"].iter().any(|begin| file.starts_with(begin));
         file.starts_with("NOTICE") || (is_licence && !offers_apache && !file.contains("APACHE"))
     };
-    let entries = fs::read_dir(&about.folder)
-        .map_err(|error| format!("{name}: {}: {error}; `cargo fetch` and `npm ci` install it", about.folder.display()))?;
+    let entries = fs::read_dir(&about.folder).map_err(|error| {
+        format!("{name}: {}: {error}; `cargo fetch` and `npm ci` install it", about.folder.display())
+    })?;
     let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     files.retain(|path| {
         path.is_file() && path.file_name().is_some_and(|file| is_text(&file.to_string_lossy()))
     });
     files.sort();
-    let read = |path: &PathBuf| fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()));
+    let read =
+        |path: &PathBuf| fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()));
     let texts = files.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     if !texts.is_empty() || offers_apache {
         return Ok(texts.iter().map(|text| tidied(text)).collect());
     }
     // The package has no text: that of its licence, with its authors.
     let fault = || format!("{name} has no text of its licence {}", about.licence);
-    let standard = (about.licence == "MIT").then(|| fs::read_to_string(root().join("LICENSE-MIT"))).ok_or_else(fault)?;
+    let standard =
+        (about.licence == "MIT").then(|| fs::read_to_string(root().join("LICENSE-MIT"))).ok_or_else(fault)?;
     let standard = standard.map_err(|error| format!("LICENSE-MIT: {error}"))?;
     let (_, terms) = standard.split_once("\n\nPermission").ok_or_else(fault)?;
     Ok(vec![tidied(&format!("MIT License\n\nCopyright (c) {}\n\nPermission{terms}", about.authors))])

@@ -49,7 +49,11 @@ const TASKS: [Task; 12] = [
     ),
     ("peers", "measure the speed of Papilio and other programs, for docs/peers.md", peers::peers),
     ("docs", "write the tables of docs/ that are generated from the code", docs),
-    ("licences", "write THIRD-PARTY.md: the licences of all that is distributed, with their texts", licences::licences),
+    (
+        "licences",
+        "write THIRD-PARTY.md: the licences of all that is distributed, with their texts",
+        licences::licences,
+    ),
     ("deny", "check licences, advisories and sources of all dependencies", deny),
     ("bench", "run all benchmarks", bench),
     ("picture", "make the pictures of docs/pictures again", pictures::pictures),

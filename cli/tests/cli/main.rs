@@ -27,7 +27,6 @@ mod new;
 mod optimize;
 mod palette;
 mod pixel;
-mod project;
 mod run;
 mod serve;
 mod sparkle;

@@ -158,10 +158,13 @@ pub(crate) fn new_value(path: &[&str], word: &str) -> Option<NewValue> {
 
 /// Returns [`RENAMED`] as a table of Markdown, for the documentation.
 pub(crate) fn table() -> String {
-    let places = |places: &[&str]| places.iter().map(|place| format!("`{place}`")).collect::<Vec<_>>().join(", ");
+    let places =
+        |places: &[&str]| places.iter().map(|place| format!("`{place}`")).collect::<Vec<_>>().join(", ");
     let rows = RENAMED.iter().map(|row| match row {
         Key { tables, old, new } => format!("| key | {} | `{old}` | `{new}` |\n", places(tables)),
-        Choice { keys, old, new } => format!("| value | {} | `\"{old}\"` | `{}` |\n", places(keys), new.written()),
+        Choice { keys, old, new } => {
+            format!("| value | {} | `\"{old}\"` | `{}` |\n", places(keys), new.written())
+        }
     });
     let head = "| what | of | old | new |\n|---|---|---|---|\n".to_owned();
     std::iter::once(head).chain(rows).collect()

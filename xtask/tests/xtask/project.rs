@@ -1,5 +1,5 @@
 //! The lists of the project: every shipped file of data has its source in docs/provenance.md, every package its licence in
-//! THIRD-PARTY.md.
+//! THIRD-PARTY.md; CITATION.cff states the present version.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -36,7 +36,8 @@ fn files(folder: &str, without: &[&str]) -> BTreeSet<String> {
 
 /// The names in the first cells of the table of a section.
 fn listed(page: &str, section: &str) -> BTreeSet<String> {
-    let (_, rest) = page.split_once(&format!("## `{section}`")).unwrap_or_else(|| panic!("no section {section}"));
+    let (_, rest) =
+        page.split_once(&format!("## `{section}`")).unwrap_or_else(|| panic!("no section {section}"));
     let rows = rest.split("\n## ").next().unwrap().lines().filter(|line| line.starts_with("| `"));
     let cells = rows.map(|row| row.split(" | ").next().unwrap());
     cells.flat_map(|cell| cell.split('`').skip(1).step_by(2)).map(str::to_owned).collect()
@@ -59,9 +60,23 @@ fn files_of_data_are_those_of_the_page_of_provenance() {
     }
 }
 
+#[test]
+fn version_of_the_citation_is_that_of_the_workspace() {
+    let version = |name: &str, key: &str| {
+        let text = read(name);
+        let value = text
+            .lines()
+            .find_map(|line| line.strip_prefix(key))
+            .unwrap_or_else(|| panic!("{name}: no {key}"));
+        value.trim_matches('"').to_owned()
+    };
+    assert_eq!(version("CITATION.cff", "version: "), version("Cargo.toml", "version = "));
+}
+
 /// Names and versions in the rows or items of THIRD-PARTY.md below a heading.
 fn packages(page: &str, heading: &str) -> BTreeSet<(String, String)> {
-    let (_, rest) = page.split_once(&format!("\n## {heading}\n")).unwrap_or_else(|| panic!("no heading {heading}"));
+    let (_, rest) =
+        page.split_once(&format!("\n## {heading}\n")).unwrap_or_else(|| panic!("no heading {heading}"));
     let lines = rest.split("\n## ").next().unwrap().lines();
     let words = lines.filter_map(|line| {
         let row = line.strip_prefix("| ").filter(|row| !row.starts_with("package |"));
