@@ -67,7 +67,7 @@ pub(crate) fn licences() -> Outcome {
     others.iter().for_each(|Package { name, version }| text += &format!("- {name} {version}\n"));
     text += "\n## Texts\n";
     for (licence, packages) in texts(linked.iter().chain(&scripts))? {
-        text += &format!("\n### {}\n\n```text\n{licence}\n```\n", packages.join(", "));
+        text += &format!("\n### {}\n\n{}\n", packages.join(", "), indented(&licence));
     }
     let path = root().join("THIRD-PARTY.md");
     fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -198,6 +198,12 @@ fn texts_of(package: &Package, about: &About) -> Result<Vec<String>, String> {
     let standard = standard.map_err(|error| format!("LICENSE-MIT: {error}"))?;
     let (_, terms) = standard.split_once("\n\nPermission").ok_or_else(fault)?;
     Ok(vec![tidied(&format!("MIT License\n\nCopyright (c) {}\n\nPermission{terms}", about.authors))])
+}
+
+/// A text as a block of Markdown.
+fn indented(text: &str) -> String {
+    let line = |line: &str| if line.is_empty() { String::new() } else { format!("    {line}") };
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// A text without blank ends of lines, so that equal texts are equal.
