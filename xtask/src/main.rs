@@ -6,6 +6,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
 
 mod count;
+mod licences;
 mod oracle;
 mod package;
 mod page;
@@ -24,7 +25,7 @@ use shell::{Needs, Outcome, cargo};
 /// Name, description and function of a task.
 type Task = (&'static str, &'static str, fn() -> Outcome);
 
-const TASKS: [Task; 11] = [
+const TASKS: [Task; 12] = [
     (
         "test",
         "run all checks: format, lints, tests, documentation, three example scenarios, web page, Python package",
@@ -48,6 +49,11 @@ const TASKS: [Task; 11] = [
     ),
     ("peers", "measure the speed of Papilio and other programs, for docs/peers.md", peers::peers),
     ("docs", "write the tables of docs/ that are generated from the code", docs),
+    (
+        "licences",
+        "write THIRD-PARTY.md: the licences of all that is distributed, with their texts",
+        licences::licences,
+    ),
     ("deny", "check licences, advisories and sources of all dependencies", deny),
     ("bench", "run all benchmarks", bench),
     ("picture", "make the pictures of docs/pictures again", pictures::pictures),
@@ -115,7 +121,7 @@ fn docs() -> Outcome {
         (
             "papilio-scenario",
             "scenario",
-            "tables_of_materials_and_illuminants_in_the_docs_are_those_of_the_program",
+            "tables_of_materials_illuminants_and_old_names_in_the_docs_are_those_of_the_program",
         ),
         ("papilio-formats", "formats", "table_of_formats_in_the_docs_is_that_of_the_readers"),
     ] {

@@ -209,42 +209,32 @@ const LONG: [&str; 11] = [
     "gonio",
 ];
 
-/// The commands of README and of docs/first-steps.md run as they are pasted, in the order of the pages.
+/// The commands of README run as they are pasted, in its order.
 #[cfg(unix)]
 #[test]
-fn commands_of_the_first_pages_run_as_pasted() {
+fn commands_of_readme_run_as_pasted() {
     let program = Path::new(env!("CARGO_BIN_EXE_papilio")).parent().unwrap();
     let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
-    for page in ["README.md", "docs/first-steps.md"] {
-        let folder = tempfile::tempdir().unwrap();
-        let here = folder.path();
-        for examples in ["scenarios", "surfaces"] {
-            std::os::unix::fs::symlink(repository().join(examples), here.join(examples)).unwrap();
-        }
-        // Files of the reader.
-        fs::write(here.join("Cr.csv"), "wl,n\n0.38,2\n0.78,3\n\nwl,k\n0.38,3\n0.78,3.3\n").unwrap();
-        let lobe = |deg: f64| 0.1 / (0.01 + deg.to_radians().sin().powi(2)).powf(1.5) / 7.0;
-        let rows: String =
-            (0..=180).map(|k| 0.5 * f64::from(k)).map(|deg| format!("{deg},{:.6}\n", lobe(deg))).collect();
-        fs::write(here.join("scan.csv"), format!("theta_deg,btdf\n{rows}")).unwrap();
-        let text = fs::read_to_string(repository().join(page)).unwrap();
-        let blocks = text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
-        let lines: Vec<&str> =
-            blocks.flat_map(str::lines).filter(|line| line.starts_with("papilio ")).collect();
-        assert!(lines.len() >= 12, "{page}: {lines:?}");
-        for line in lines {
-            let command = line.split("  #").next().unwrap().split(" | jq").next().unwrap();
-            let is_long = LONG.iter().any(|word| command.split_whitespace().any(|found| found == *word));
-            let command = if is_long { format!("{} --help", command.trim()) } else { command.to_owned() };
-            let mut shell = Command::new("sh");
-            let shell =
-                shell.env("NO_COLOR", "1").env("PATH", &path).current_dir(here).arg("-c").arg(&command);
-            let output = shell.output().unwrap();
-            assert!(output.status.success(), "{page}: {line}\n{}", stderr(&output));
-            // Files of the repository that are named exist.
-            let is_example = |word: &&str| word.starts_with("scenarios/") || word.starts_with("surfaces/");
-            let files = command.split_whitespace().filter(is_example);
-            files.for_each(|file| assert!(repository().join(file).exists(), "{page}: {line}"));
-        }
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for examples in ["scenarios", "surfaces"] {
+        std::os::unix::fs::symlink(repository().join(examples), here.join(examples)).unwrap();
+    }
+    let text = fs::read_to_string(repository().join("README.md")).unwrap();
+    let blocks = text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let lines: Vec<&str> = blocks.flat_map(str::lines).filter(|line| line.starts_with("papilio ")).collect();
+    assert!(lines.len() >= 12, "{lines:?}");
+    for line in lines {
+        let command = line.split("  #").next().unwrap().split(" | jq").next().unwrap();
+        let is_long = LONG.iter().any(|word| command.split_whitespace().any(|found| found == *word));
+        let command = if is_long { format!("{} --help", command.trim()) } else { command.to_owned() };
+        let mut shell = Command::new("sh");
+        let shell = shell.env("NO_COLOR", "1").env("PATH", &path).current_dir(here).arg("-c").arg(&command);
+        let output = shell.output().unwrap();
+        assert!(output.status.success(), "{line}\n{}", stderr(&output));
+        // Files of the repository that are named exist.
+        let is_example = |word: &&str| word.starts_with("scenarios/") || word.starts_with("surfaces/");
+        let files = command.split_whitespace().filter(is_example);
+        files.for_each(|file| assert!(repository().join(file).exists(), "{line}"));
     }
 }

@@ -165,11 +165,16 @@ pub fn illuminant_sheet(name: &str) -> Result<IlluminantSheet, Diagnostic> {
     })
 }
 
-/// Replaces the tables of materials and illuminants in a page of documentation: the text between `<!-- materials -->` and
-/// `<!-- end of materials -->`, and the same of illuminants. `None` if an end is missing.
+/// Replaces the tables of materials, illuminants and old names in a page of documentation: the text between `<!-- materials -->`
+/// and `<!-- end of materials -->`, and the same of `illuminants` and `old names`. `None` if an end is missing.
 pub fn with_catalogue_tables(page: &str) -> Option<String> {
     let mut page = page.to_owned();
-    for (kind, table) in [("materials", material_table()), ("illuminants", illuminant_table())] {
+    let tables = [
+        ("materials", material_table()),
+        ("illuminants", illuminant_table()),
+        ("old names", crate::renamed::table()),
+    ];
+    for (kind, table) in tables {
         let (begin, end) = (format!("<!-- {kind} -->\n"), format!("<!-- end of {kind} -->"));
         if let Some((before, rest)) = page.split_once(&begin) {
             let (_, after) = rest.split_once(&end)?;

@@ -156,6 +156,20 @@ pub(crate) fn new_value(path: &[&str], word: &str) -> Option<NewValue> {
     })
 }
 
+/// Returns [`RENAMED`] as a table of Markdown, for the documentation.
+pub(crate) fn table() -> String {
+    let places =
+        |places: &[&str]| places.iter().map(|place| format!("`{place}`")).collect::<Vec<_>>().join(", ");
+    let rows = RENAMED.iter().map(|row| match row {
+        Key { tables, old, new } => format!("| key | {} | `{old}` | `{new}` |\n", places(tables)),
+        Choice { keys, old, new } => {
+            format!("| value | {} | `\"{old}\"` | `{}` |\n", places(keys), new.written())
+        }
+    });
+    let head = "| what | of | old | new |\n|---|---|---|---|\n".to_owned();
+    std::iter::once(head).chain(rows).collect()
+}
+
 /// True if `path` matches one of the patterns, in which `*` is any single key.
 fn is_any_of(path: &[&str], patterns: &[&str]) -> bool {
     patterns.iter().any(|pattern| {

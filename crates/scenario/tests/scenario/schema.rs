@@ -120,10 +120,14 @@ fn tables_of_keys_in_the_docs_are_those_of_the_grammar() {
     assert!(made == page, "docs/scenario.md is out of date, run `cargo xtask docs`: {differs:?}");
 }
 
-/// The lists of materials and illuminants in the docs. `cargo xtask docs` writes them.
+/// The lists of materials, illuminants and old names in the docs. `cargo xtask docs` writes them.
 #[test]
-fn tables_of_materials_and_illuminants_in_the_docs_are_those_of_the_program() {
-    for (name, marker) in [("films.md", "<!-- materials -->"), ("light.md", "<!-- illuminants -->")] {
+fn tables_of_materials_illuminants_and_old_names_in_the_docs_are_those_of_the_program() {
+    for (name, marker) in [
+        ("films.md", "<!-- materials -->"),
+        ("light.md", "<!-- illuminants -->"),
+        ("versions.md", "<!-- old names -->"),
+    ] {
         let path = shipped().join("../docs").join(name);
         let page = std::fs::read_to_string(&path).unwrap();
         assert!(page.contains(marker), "{name}");
