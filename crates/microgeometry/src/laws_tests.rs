@@ -18,6 +18,7 @@ fn goniometer(index: [f64; 2], rays: u64, seed: u64) -> Goniometer {
         index_below: index[1],
         coating: Coating::None,
         incidence_deg: Vec::new(),
+        azimuths: None,
         rays,
         seed,
     }
