@@ -203,6 +203,28 @@ mod tests {
         }
     }
 
+    /// Conjugate gradients find the factors of Cholesky's steps; light that no factors can balance is refused with what is missing.
+    #[test]
+    fn factors_of_many_patches_are_those_of_bands() {
+        let bands = 12;
+        for within in [1.0, 1e-3] {
+            let mut light = two_groups(bands, within);
+            let between: Vec<f64> = light.chunks_exact(AZIMUTHS).map(|cells| cells.iter().sum()).collect();
+            let mut wanted = vec![1.0; bands];
+            wanted[5] = 0.0;
+            balance(&mut light, &wanted);
+            let found = factors(&between, &wanted).unwrap();
+            for (cell, balanced) in light.chunks_exact(AZIMUTHS).enumerate() {
+                let expected: f64 = balanced.iter().sum();
+                let scaled = found[cell / bands] * found[cell % bands] * between[cell];
+                assert!((scaled - expected).abs() < 1e-8, "{within}: {scaled} {expected}");
+            }
+        }
+        // The first patch exchanges light with the others only, which are to have less than it.
+        let star = [0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+        assert!(factors(&star, &[3.0, 1.0, 1.0]).is_err_and(|missing| missing > 0.1));
+    }
+
     /// Dark bands stay dark, and a band that is to have nothing loses its light; the others are balanced all the same.
     #[test]
     fn bands_without_light() {

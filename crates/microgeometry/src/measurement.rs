@@ -253,7 +253,7 @@ mod tests {
     use super::*;
     use crate::{Coating, RandomHeights, Spectrum};
 
-    fn measurement() -> Measurement {
+    fn measurement(azimuths: Option<usize>) -> Measurement {
         let spectrum = Spectrum::Gaussian { rms_um: 0.2, correlation_um: 4.0 };
         Measurement {
             surface: Surface::Random(RandomHeights::new(spectrum, 3).unwrap()),
@@ -262,7 +262,7 @@ mod tests {
                 index_below: 1.5,
                 coating: Coating::None,
                 incidence_deg: vec![0.0, 60.0],
-                azimuths: None,
+                azimuths,
                 rays: 4,
                 seed: 5,
             },
@@ -274,7 +274,12 @@ mod tests {
     /// Parts that were saved, in any order, give the result of one computation to the last bit.
     #[test]
     fn saved_parts_give_the_same_result() {
-        let of = measurement();
+        for azimuths in [None, Some(4)] {
+            saved_in_parts(&measurement(azimuths));
+        }
+    }
+
+    fn saved_in_parts(of: &Measurement) {
         let at_once = of.measured(Some(2), &|| false, &|| {}).unwrap();
         let part = |number: usize| of.part(number, &|| false).unwrap();
         let mut saved: Vec<(usize, Vec<f64>)> =
@@ -284,24 +289,28 @@ mod tests {
         saved.iter().for_each(|(number, numbers)| parts.add(*number, of.part_of(*number, numbers).unwrap()));
         assert_eq!(parts.parts(), of.parts());
         assert_eq!(of.findings(parts).unwrap(), at_once);
-        assert!(at_once.rays.is_some() && at_once.waves.is_some() && at_once.statistics.is_some());
+        assert!(at_once.waves.is_some() && at_once.statistics.is_some());
+        assert_eq!(at_once.rays.unwrap().by_azimuth.is_some(), of.goniometer.azimuths.is_some());
     }
 
     /// Numbers of another measurement are not taken.
     #[test]
     fn numbers_of_another_kind_are_refused() {
-        let of = measurement();
+        let of = measurement(Some(4));
         let (screen, replicate) = (0, of.parts() - 1);
         let numbers = of.part(replicate, &|| false).unwrap().numbers();
         assert_eq!(of.part_of(screen, &numbers), None);
         assert_eq!(of.part_of(replicate, &numbers[1..]), None);
-        let other = Measurement { waves_nm: vec![550.0], ..measurement() };
+        for azimuths in [None, Some(6)] {
+            assert_eq!(measurement(azimuths).part_of(replicate, &numbers), None);
+        }
+        let other = Measurement { waves_nm: vec![550.0], ..of.clone() };
         assert_eq!(other.part_of(screen, &of.part(screen, &|| false).unwrap().numbers()), None);
     }
 
     #[test]
     fn interruption_ends_all_threads() {
-        let stopped = measurement().measured(None, &|| true, &|| {});
+        let stopped = measurement(None).measured(None, &|| true, &|| {});
         assert_eq!(stopped, Err(MicrogeometryError::Interrupted));
     }
 }
