@@ -115,7 +115,12 @@ fn conjugate_gradients(light: &[f64], factors: &[f64], sums: &[f64], mut missing
         }
         let mut turned = times(light, factors, &along);
         turned.iter_mut().zip(sums).zip(&along).for_each(|((turned, sum), along)| *turned += sum * along);
-        let length = size / product(&along, &turned);
+        let bend = product(&along, &turned);
+        // Two groups that exchange light only with each other can both be scaled, one up and one down, without any change.
+        if bend <= f64::EPSILON * size {
+            break;
+        }
+        let length = size / bend;
         step.iter_mut().zip(&along).for_each(|(step, along)| *step += length * along);
         missing.iter_mut().zip(&turned).for_each(|(missing, turned)| *missing -= length * turned);
         let next = scaled(&missing);
