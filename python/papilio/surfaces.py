@@ -52,7 +52,8 @@ class Surface(_Written):
                 # Those of one number or text are in ``data``.
                 arrays |= {name: kernel[name] for name in kernel.files if name not in ("format", "hash", "index")}
             if by_azimuth is not None:
-                arrays |= _by_azimuth(by_azimuth, arrays["phi_deg"].size)
+                # Names that both have are those of the kernel, as without azimuths.
+                arrays = _by_azimuth(by_azimuth, arrays["phi_deg"].size) | arrays
         if self.data["waves"]:
             rows = self.data["waves"]
             arrays |= {name: np.array([row[name] for row in rows], float) for name in rows[0]}

@@ -194,7 +194,6 @@ fn lattices_have_their_symmetries() {
         let found = sums.into_means();
         let scores = turned(&found, own);
         // Cells of one patch share its rays, and few rays have skewed errors: a tenth of the scores counts as independent.
-        // Cells of one patch share its rays: a tenth of the scores counts as independent. Few rays have larger errors where they have more light
         // by chance, so that scores are smaller than Student's: only their upper bound is a test.
         let bounds = mean_square_bounds(1.07, 2.6, 0.1 * scores.len() as f64);
         assert!(
