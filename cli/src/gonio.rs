@@ -1,18 +1,17 @@
 //! `papilio gonio`: a virtual goniometer measures a surface; an interrupted measurement can be resumed.
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use papilio_figures::of_surface;
 use papilio_formats::{
-    GonioHead, JournalRows, SurfaceAuditFile, journal_name, write_cutoffs, write_face, write_file,
-    write_json, write_psd, write_totals, write_waves,
+    AzimuthAudit, GonioHead, JournalRows, SurfaceAuditFile, journal_name, write_cutoffs, write_face,
+    write_file, write_json, write_psd, write_totals, write_waves,
 };
 use papilio_microgeometry::{
-    ByRays, ByWaves, Coating, Findings, Goniometer, LEAST_G, MOST_SLOPE, Measured, Measurement,
-    MicrogeometryError, Part, Side, Statistics,
+    ByRays, ByWaves, Coating, Collected, Findings, Goniometer, LEAST_G, MOST_SLOPE, Measured, Measurement,
+    MicrogeometryError, Side, Statistics,
 };
 use papilio_scenario::{ResolvedSurface, SurfaceScenario};
 
@@ -26,8 +25,9 @@ use crate::{Failure, folder, input, interrupt, output, print_message, print_note
 const STEM: &str = "gonio";
 
 /// All files that a measurement may write, and the names of its figures.
-const FILES: [&str; 6] = ["audit.json", "totals.csv", "face.npz", "psd.csv", "cutoff.csv", "waves.csv"];
-const FIGURES: [&str; 4] = ["totals", "psd", "cutoff", "waves"];
+const FILES: [&str; 7] =
+    ["audit.json", "totals.csv", "totals_by_azimuth.csv", "face.npz", "psd.csv", "cutoff.csv", "waves.csv"];
+const FIGURES: [&str; 5] = ["totals", "azimuths", "psd", "cutoff", "waves"];
 
 pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
     let mut overrides = arguments.scenario.set.clone();
@@ -98,13 +98,13 @@ fn measure(
 ) -> Result<Findings, Failure> {
     let parts = compute(measurement, journal, threads)?;
     let all = measurement.parts();
-    if parts.len() == all {
-        return measurement.findings(parts.into_values().collect()).map_err(failure);
+    if parts.parts() == all {
+        return measurement.findings(parts).map_err(failure);
     }
     if journal.is_none() {
         return Err(Failure::Interrupted("nothing was written"));
     }
-    print_message(&format!("{} of {all} parts are finished and saved", parts.len()));
+    print_message(&format!("{} of {all} parts are finished and saved", parts.parts()));
     Err(Failure::Interrupted("run the same command again to resume"))
 }
 
@@ -113,17 +113,20 @@ fn compute(
     measurement: &Measurement,
     journal: &mut Option<JournalRows<GonioHead>>,
     threads: Option<u16>,
-) -> Result<BTreeMap<usize, Part>, Failure> {
-    let saved = |number| {
-        let numbers = journal.as_ref()?.get(number)?;
-        Some((number, measurement.part_of(number, numbers)?))
-    };
-    let mut parts: BTreeMap<usize, Part> = (0..measurement.parts()).filter_map(saved).collect();
-    if !parts.is_empty() {
-        let [known, all] = [parts.len(), measurement.parts()];
+) -> Result<Collected, Failure> {
+    let mut parts = measurement.collected().map_err(failure)?;
+    let mut missing = Vec::new();
+    for number in 0..measurement.parts() {
+        let saved = journal.as_mut().and_then(|journal| journal.take(number));
+        match saved.and_then(|numbers| measurement.part_of(number, &numbers)) {
+            Some(part) => parts.add(number, part),
+            None => missing.push(number),
+        }
+    }
+    if parts.parts() > 0 {
+        let [known, all] = [parts.parts(), measurement.parts()];
         print_message(&format!("{known} of {all} parts are known from the interrupted measurement"));
     }
-    let missing: Vec<usize> = (0..measurement.parts()).filter(|number| !parts.contains_key(number)).collect();
     let stop = || interrupt::STOP.load(Ordering::Relaxed);
     let worker = |_| {
         |number| match measurement.part(number, &stop) {
@@ -134,9 +137,9 @@ fn compute(
     };
     compute_parallel(&missing, "parts", threads, worker, |(number, part)| {
         if let Some(journal) = journal {
-            journal.add(number, part.numbers())?;
+            journal.save(number, &part.numbers())?;
         }
-        parts.insert(number, part);
+        parts.add(number, part);
         Ok(true)
     })?;
     Ok(parts)
@@ -159,12 +162,15 @@ fn write(
         folder.join(name)
     };
     write_file(&file("audit.json"), |out| write_json(out, audit))?;
-    if let Some(ByRays { totals, kernel }) = &found.rays {
-        write_file(&file("totals.csv"), |out| write_totals(out, totals))?;
+    if let Some(rays) = &found.rays {
+        write_file(&file("totals.csv"), |out| write_totals(out, &rays.totals))?;
+        if let Some(by_azimuth) = &rays.by_azimuth {
+            write_file(&file("totals_by_azimuth.csv"), |out| write_totals(out, &by_azimuth.totals))?;
+        }
         let goniometer = &resolved.measurement.goniometer;
         let index = [goniometer.index_above, goniometer.index_below];
         let coated = goniometer.coating != Coating::None;
-        write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, kernel, coated))?;
+        write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, rays, coated))?;
     }
     if let Some(statistics) = &found.statistics {
         write_file(&file("psd.csv"), |out| write_psd(out, statistics))?;
@@ -206,7 +212,7 @@ fn text(title: &str, goniometer: &Goniometer, found: &Findings) -> String {
     text
 }
 
-fn rays_text(ByRays { totals, kernel }: &ByRays) -> String {
+fn rays_text(ByRays { totals, kernel, by_azimuth }: &ByRays) -> String {
     let head = [
         "light from",
         "inclination, deg",
@@ -241,11 +247,10 @@ fn rays_text(ByRays { totals, kernel }: &ByRays) -> String {
         rows.iter_mut().for_each(|row| row.truncate(row.len() - 1));
     }
     let audit = &kernel.audit;
-    let energy = (audit.energy_z.iter().map(|z| z * z).sum::<f64>() / audit.energy_z.len() as f64).sqrt();
-    format!(
+    let mut text = format!(
         "\nby rays; beyond: directions that do not exist in air; regular: exactly as by a flat face\n{}\n{} rays, {} of \
          them lost; kernel of {} x {} bands, mean error {:.1} % of the patches with 99 % of the light\nreciprocity: {:.2} standard errors (root \
-         mean square of {} pairs), energy: {energy:.2}; moved to obey both: {:.2} % of the light\n",
+         mean square of {} pairs), energy: {:.2}; moved to obey both: {:.2} % of the light\n",
         report::table(&rows),
         audit.rays,
         audit.dropped_rays,
@@ -254,8 +259,30 @@ fn rays_text(ByRays { totals, kernel }: &ByRays) -> String {
         100.0 * audit.relative_error,
         audit.reciprocity_z_rms,
         audit.reciprocity_tests,
+        audit.energy_z_rms(),
         100.0 * (audit.moved_by_symmetry + audit.moved_by_balance),
-    )
+    );
+    if let Some(by_azimuth) = by_azimuth {
+        let AzimuthAudit {
+            azimuth_deg,
+            patches,
+            energy_z,
+            reciprocity_z,
+            reciprocity_tests,
+            moved_by_symmetry,
+            moved_by_balance,
+            relative_error,
+            ..
+        } = AzimuthAudit::from(&by_azimuth.kernel);
+        let percent = |share: f64| 100.0 * share;
+        text += &format!(
+            "by azimuth, steps of {azimuth_deg} deg: kernel of {patches} x {patches} patches, mean error {:.0} %\nreciprocity: {reciprocity_z:.2} \
+             standard errors ({reciprocity_tests} pairs), energy: {energy_z:.2}; moved to obey both: {:.1} % of the light\n",
+            percent(relative_error),
+            percent(moved_by_symmetry + moved_by_balance),
+        );
+    }
+    text
 }
 
 /// Waves, and whether they or rays hold.

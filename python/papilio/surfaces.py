@@ -27,12 +27,21 @@ class Surface(_Written):
     By rays: ``found["theta_deg"]``, shape [inclination], are the inclinations of the light, and ``found["reflected"]``,
     ``found["transmitted"]`` and the other columns of ``totals.csv``, with their standard errors ``found["reflected_error"]``, have the shape
     [side, inclination]; sides are above, below. ``found["scattered"]`` and the other arrays of ``face.npz`` are the kernel, shape
-    [band of arrival, band of departure, azimuth]. By waves: ``found["wavelength_nm"]``, ``found["straight"]``, ``found["mirror"]``, ``found["haze"]``
+    [band of arrival, band of departure, azimuth]. With ``azimuth_deg``, ``found["phi_deg"]`` are the azimuths of the light,
+    ``found["reflected_by_azimuth"]`` and so on have the shape [side, inclination, azimuth], and ``found["scattered_by_azimuth"]`` has the shape
+    [band of arrival, its azimuth, band of departure, its azimuth]. By waves: ``found["wavelength_nm"]``, ``found["straight"]``, ``found["mirror"]``, ``found["haze"]``
     and their errors have the shape [wavelength]; "haze_closed_form" is NaN without one. Arrays are read-only. It can be copied and pickled.
     """
 
     def __init__(
-        self, text: str, totals: bytes | None, face: bytes | None, figures: list[tuple[str, str]], title: str, notes: list[str]
+        self,
+        text: str,
+        totals: bytes | None,
+        by_azimuth: bytes | None,
+        face: bytes | None,
+        figures: list[tuple[str, str]],
+        title: str,
+        notes: list[str],
     ) -> None:
         super().__init__(text, {}, figures, title, [], notes)
         self._face = face
@@ -42,6 +51,9 @@ class Surface(_Written):
             with np.load(io.BytesIO(face), allow_pickle=False) as kernel:
                 # Those of one number or text are in ``data``.
                 arrays |= {name: kernel[name] for name in kernel.files if name not in ("format", "hash", "index")}
+            if by_azimuth is not None:
+                # Names that both have are those of the kernel, as without azimuths.
+                arrays = _by_azimuth(by_azimuth, arrays["phi_deg"].size) | arrays
         if self.data["waves"]:
             rows = self.data["waves"]
             arrays |= {name: np.array([row[name] for row in rows], float) for name in rows[0]}
@@ -98,14 +110,26 @@ def gonio(
     overrides = [f"{key}={_toml.inline(_toml.plain(value, str(key)))}" for key, value in (set or {}).items()]
     with reporting(progress, "parts") as tell:
         core = _papilio.Surface(path, overrides, preview, Path(path).name, checked_threads(threads), tell)
-    return Surface(core.json(), core.totals(), core.face(), core.figures(), core.title, core.notes())
+    return Surface(core.json(), core.totals(), core.totals_by_azimuth(), core.face(), core.figures(), core.title, core.notes())
 
 
 def _by_inclination(totals: bytes) -> dict[str, NDArray[Any]]:
     """Returns the columns of ``totals.csv``, shape [side, inclination]."""
+    columns = _columns(totals)
+    return columns | {"theta_deg": columns["theta_deg"][0].copy()}
+
+
+def _by_azimuth(totals: bytes, azimuths: int) -> dict[str, NDArray[Any]]:
+    """Returns the columns of ``totals_by_azimuth.csv``, shape [side, inclination, azimuth]."""
+    columns = {name: column for name, column in _columns(totals).items() if name not in ("theta_deg", "phi_deg")}
+    named = {name.replace("_error", "") + "_by_azimuth" + "_error" * name.endswith("_error"): column for name, column in columns.items()}
+    return {name: column.reshape(2, -1, azimuths) for name, column in named.items()}
+
+
+def _columns(totals: bytes) -> dict[str, NDArray[Any]]:
+    """Returns the columns of a file of totals but the first, shape [side, line]."""
     head, *lines = totals.decode().splitlines()
     names = head.split(",")[1:]
     # Its lines are those of light from above, then those of light from below.
     values = np.array([line.split(",")[1:] for line in lines], float).reshape(2, -1, len(names))
-    columns = {name: values[:, :, column].copy() for column, name in enumerate(names)}
-    return columns | {"theta_deg": columns["theta_deg"][0].copy()}
+    return {name: values[:, :, column].copy() for column, name in enumerate(names)}

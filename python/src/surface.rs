@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use papilio_figures::of_surface;
 use papilio_formats::{SurfaceAuditFile, write_face, write_totals};
-use papilio_microgeometry::{ByRays, Coating, Findings, MicrogeometryError};
+use papilio_microgeometry::{ByAzimuth, ByRays, Coating, Findings, MicrogeometryError};
 use papilio_scenario::{ResolvedSurface, SurfaceScenario};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -23,6 +23,8 @@ pub(crate) struct Surface {
     json: String,
     /// The contents of `totals.csv` and `face.npz`, of a surface that was measured by rays.
     rays: Option<[Vec<u8>; 2]>,
+    /// The content of `totals_by_azimuth.csv`, if there is one.
+    by_azimuth: Option<Vec<u8>>,
     figures: Figures,
 }
 
@@ -67,6 +69,11 @@ impl Surface {
         self.rays.as_ref().map(|[totals, _]| PyBytes::new(py, totals))
     }
 
+    /// The content of `totals_by_azimuth.csv`; `None` without azimuths.
+    fn totals_by_azimuth<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
+        self.by_azimuth.as_ref().map(|totals| PyBytes::new(py, totals))
+    }
+
     /// The content of `face.npz`; `None` without rays.
     fn face<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
         self.rays.as_ref().map(|[_, face]| PyBytes::new(py, face))
@@ -91,18 +98,24 @@ fn files_of(resolved: &ResolvedSurface, title: String, found: &Findings) -> PyRe
     let head = [env!("CARGO_PKG_VERSION"), &title, &resolved.hash];
     let json = text(&SurfaceAuditFile::new(head, &resolved.measurement.goniometer, found))?;
     let figures = of_surface(found, &title);
-    let rays = found.rays.as_ref().map(|rays| tables(resolved, rays)).transpose();
-    let rays = rays.map_err(|error| errors::internal(&error.to_string()))?;
-    Ok(Surface { title, notes: resolved.notes.clone(), json, rays, figures })
+    let failed = |error: std::io::Error| errors::internal(&error.to_string());
+    let rays = found.rays.as_ref().map(|rays| tables(resolved, rays)).transpose().map_err(failed)?;
+    let by_azimuth = found.rays.as_ref().and_then(|rays| rays.by_azimuth.as_ref());
+    let totals = |found: &ByAzimuth| {
+        let mut file = Vec::new();
+        write_totals(&mut file, &found.totals).map(|()| file)
+    };
+    let by_azimuth = by_azimuth.map(totals).transpose().map_err(failed)?;
+    Ok(Surface { title, notes: resolved.notes.clone(), json, rays, by_azimuth, figures })
 }
 
 /// The contents of `totals.csv` and `face.npz`.
-fn tables(resolved: &ResolvedSurface, ByRays { totals, kernel }: &ByRays) -> std::io::Result<[Vec<u8>; 2]> {
+fn tables(resolved: &ResolvedSurface, rays: &ByRays) -> std::io::Result<[Vec<u8>; 2]> {
     let goniometer = &resolved.measurement.goniometer;
     let index = [goniometer.index_above, goniometer.index_below];
     let coated = goniometer.coating != Coating::None;
     let mut files = [Vec::new(), Vec::new()];
-    write_totals(&mut files[0], totals)?;
-    write_face(&mut files[1], &resolved.hash, index, kernel, coated)?;
+    write_totals(&mut files[0], &rays.totals)?;
+    write_face(&mut files[1], &resolved.hash, index, rays, coated)?;
     Ok(files)
 }

@@ -40,6 +40,26 @@ def test_preview_has_a_ninth_of_the_rays() -> None:
     assert rays[0] == 9 * rays[1]
 
 
+def test_azimuths_have_their_own_arrays(program: Path, tmp_path: Path) -> None:
+    keys = {"microgeometry.rays": 3200, "microgeometry.azimuth_deg": 90, "microgeometry.incidence_deg": [0, 30, 70]}
+    found = papilio.gonio(SURFACES / "prisms.toml", set=keys)
+    command = [program, "gonio", str(SURFACES / "prisms.toml"), "--out", str(tmp_path)]
+    subprocess.run(command + [word for key, value in keys.items() for word in ("--set", f"{key}={value}")], capture_output=True, check=True)
+    assert found.face() == (tmp_path / "face.npz").read_bytes()
+    assert found["phi_deg"].tolist() == [0, 90, 180, 270]
+    bands = found["scattered"].shape[0]
+    assert found["scattered_by_azimuth"].shape == found["error_by_azimuth"].shape == (bands, 4, bands, 4)
+    transmitted = found["transmitted_by_azimuth"]
+    assert transmitted.shape == found["transmitted_by_azimuth_error"].shape == (2, 3, 4)
+    # From below, light along the prisms is totally reflected, and light across them at 30 deg is not.
+    assert np.all(transmitted[1, 1:, [1, 3]] == 0) and np.all(transmitted[1, 1, [0, 2]] > 0.7)
+    again = pickle.loads(pickle.dumps(found))
+    assert np.array_equal(again["scattered_by_azimuth"], found["scattered_by_azimuth"])
+    assert again.data["by_azimuth"]["azimuth_deg"] == 90 and list(found.figures())[:2] == ["totals", "azimuths"]
+    with pytest.raises(papilio.ScenarioError, match="no whole number of steps of 50 deg"):
+        papilio.gonio(SURFACES / "prisms.toml", set={"microgeometry.azimuth_deg": 50})
+
+
 def test_waves_alone_have_no_kernel() -> None:
     found = papilio.gonio(SURFACES / "hazy.toml", set={"microgeometry.wavelength_nm": [550]})
     assert found.face() is None and "transmitted" not in found and found["haze"].shape == (1,)

@@ -59,6 +59,86 @@ fn a_surface_is_measured() {
     );
 }
 
+/// With azimuths, a measurement writes the same files and two more; a display uses the mean over azimuths and says so. Steps that are not
+/// possible are refused with their place.
+#[test]
+fn a_surface_is_measured_by_azimuth() {
+    let surface = Path::new(env!("CARGO_MANIFEST_DIR")).join("../surfaces/prisms.toml");
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let measured = |out: &str, azimuth: &str| {
+        let mut command = papilio();
+        command.current_dir(here).arg("gonio").arg(&surface).args(["--set", "microgeometry.rays=3200"]);
+        command
+            .args(["--set", "microgeometry.incidence_deg=[30]", "--set"])
+            .arg(format!("microgeometry.azimuth_deg={azimuth}"));
+        command.args(["--out", out]).output().unwrap()
+    };
+    let output = measured("face", "45");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("by azimuth, steps of 45 deg: kernel of 736 x 736 patches"), "{text}");
+    let own = ["audit.json", "azimuths.svg", "face.npz", "totals.csv", "totals.svg", "totals_by_azimuth.csv"];
+    assert_eq!(names(&here.join("face")), own);
+    let totals = fs::read_to_string(here.join("face/totals_by_azimuth.csv")).unwrap();
+    let lines: Vec<Vec<&str>> = totals.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(
+        lines[0][..6],
+        ["from", "theta_deg", "phi_deg", "reflected", "reflected_beyond", "transmitted"]
+    );
+    assert_eq!(lines.len(), 1 + 2 * 8);
+    for line in &lines[9..] {
+        let is_along = ["90", "270"].contains(&line[2]);
+        assert_eq!((line[0], line[5] == "0"), ("below", is_along), "{line:?}");
+    }
+    let audit: Value = serde_json::from_slice(&fs::read(here.join("face/audit.json")).unwrap()).unwrap();
+    assert!(audit["by_azimuth"]["reciprocity_z"].as_f64().unwrap() < 1.3, "{audit}");
+
+    // Without azimuths, what is in both is the same, but for the number of rays.
+    let none = here.join("prisms.toml");
+    let text = fs::read_to_string(&surface)
+        .unwrap()
+        .replace("azimuth_deg = 15\n", "rays = 3200\nincidence_deg = [30]\n");
+    fs::write(&none, text).unwrap();
+    fs::copy(surface.with_extension("obj"), here.join("prisms.obj")).unwrap();
+    let output =
+        papilio().current_dir(here).args(["gonio", "prisms.toml", "--out", "turned"]).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(names(&here.join("turned")), ["audit.json", "face.npz", "totals.csv", "totals.svg"]);
+    let [a, b] = ["face", "turned"].map(|name| fs::read(here.join(name).join("totals.csv")).unwrap());
+    assert!(a == b);
+
+    let display = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\nfile = \"face/face.npz\"\n[[display.layers]]\nkind = \
+                   \"medium\"\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 1, black = 0 }\n\
+                   [lighting]\nilluminance_lx = 500\nspectrum = \"E\"\ndiffuse = 1\n";
+    fs::write(here.join("d.toml"), display).unwrap();
+    let run = |file: &str| {
+        let set = format!("display.layers.0.file={file:?}");
+        let output =
+            papilio().current_dir(here).args(["run", "d.toml", "--json", "--set", &set]).output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (result["views"].clone(), stderr(&output))
+    };
+    let ((views, notes), (same, none)) = (run("face/face.npz"), run("turned/face.npz"));
+    assert_eq!(views, same);
+    assert!(
+        notes.contains("in steps of 45 deg; a layer of a display uses its mean over all azimuths"),
+        "{notes}"
+    );
+    assert!(!none.contains("azimuth"), "{none}");
+
+    for (azimuth, expected) in
+        [("50", "no whole number of steps of 50 deg"), ("5", "the finest whole step is 12 deg")]
+    {
+        let output = measured("refused", azimuth);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(expected) && message.contains("microgeometry.azimuth_deg"), "{message}");
+        assert!(!here.join("refused").exists());
+    }
+}
+
 /// A measurement that gets Ctrl-C keeps its finished parts, and ends in the same bytes as an uninterrupted one. A preview does not use them.
 #[cfg(unix)]
 #[test]

@@ -1,17 +1,56 @@
 //! Figures of `papilio gonio`: a surface measured by rays and by waves, and its heights.
 
-use papilio_microgeometry::{ByWaves, Findings, Side, Statistics, Total, WaveShares};
+use papilio_microgeometry::{AzimuthKernel, ByWaves, Findings, Side, Statistics, Total, WaveShares};
 
 use crate::{Chart, ChartCurve, Hue, chart};
 
-/// All figures of a measurement, by name: `totals` of rays, `psd` and `cutoff` of heights, `waves`.
+/// All figures of a measurement, by name: `totals` and `azimuths` of rays, `psd` and `cutoff` of heights, `waves`.
 pub fn of_surface(Findings { rays, waves, statistics }: &Findings, title: &str) -> Vec<(String, String)> {
     let totals = rays.as_ref().map(|rays| ("totals", totals_figure(title, &rays.totals)));
+    let by_azimuth = rays.as_ref().and_then(|rays| rays.by_azimuth.as_ref());
+    let azimuths = by_azimuth.map(|found| ("azimuths", azimuths_figure(title, &found.kernel)));
     let psd = statistics.as_ref().map(|statistics| ("psd", psd_figure(title, statistics)));
     let cutoff = statistics.as_ref().map(|statistics| ("cutoff", cutoff_figure(title, statistics)));
     let waves = waves.as_ref().map(|waves| ("waves", waves_figure(title, waves)));
-    let all = [totals, psd, cutoff, waves].into_iter().flatten();
+    let all = [totals, azimuths, psd, cutoff, waves].into_iter().flatten();
     all.map(|(name, figure)| (name.to_owned(), figure)).collect()
+}
+
+/// |beta| from which the bands hold light that is trapped below a flat face: 1, but for rounding.
+const BEYOND: f64 = 1.0 - 1e-9;
+
+/// Scattered light by the azimuth to which it goes, for light from above within 2.5 deg of the normal.
+fn azimuths_figure(title: &str, kernel: &AzimuthKernel) -> String {
+    let (patches, count) = (&kernel.patches, kernel.patches.azimuths());
+    let curve = |name: &str, hue: usize, is_of: fn(Side, f64) -> bool| {
+        let percent = |at: usize| {
+            // The first band is that of the normal.
+            let rows = kernel.scattered.chunks_exact(patches.count()).take(count);
+            let cells = rows.flat_map(|row| row.iter().enumerate().skip(at).step_by(count));
+            let seen = cells.filter(|(patch, _)| {
+                let (there, [from, _]) = patches.band(*patch);
+                is_of(there, from)
+            });
+            100.0 / count as f64 * seen.map(|(_, light)| f64::from(*light)).sum::<f64>()
+        };
+        let middles = patches.phi_deg().into_iter().chain([360.0]);
+        let points = middles.enumerate().map(|(at, deg)| (deg, percent(at % count))).collect();
+        ChartCurve { name: name.to_owned(), hue: Hue::Group(hue), dashed: false, marks: false, points }
+    };
+    let mut curves = vec![
+        curve("scattered R", 0, |side, _| side == Side::Above),
+        curve("scattered T", 1, |side, from| side == Side::Below && from < BEYOND),
+        curve("trapped T", 2, |side, from| side == Side::Below && from >= BEYOND),
+    ];
+    curves.retain(|curve| curve.points.iter().any(|(_, light)| *light > 0.0));
+    let all = Chart {
+        x: "azimuth to which light along the normal goes (deg)".to_owned(),
+        y: format!("light in steps of {} deg (%)", 360.0 / count as f64),
+        logarithmic: false,
+        at_least: vec![0.0],
+        curves,
+    };
+    chart(&all, title)
 }
 
 /// Power spectral density against frequency.

@@ -13,14 +13,18 @@ pub(crate) const FORMAT: &str = "papilio-face 1";
 /// The array that only the kernel of a coated surface has: what its facets absorb of each band.
 pub(crate) const COATED: &str = "absorbed";
 
+/// The array that only a kernel by azimuth has: the azimuths in the middle of its patches.
+pub(crate) const AZIMUTHS: &str = "phi_deg";
+
 /// Difference of the edges of bands that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Reads `face.npz`.
+/// Reads `face.npz`. Of a kernel by azimuth, this is the mean over all azimuths of the surface, which the file contains as well; then the number of
+/// azimuths is returned, too.
 ///
 /// # Errors
 /// Files that are no such archive, or whose arrays contradict each other.
-pub fn read_face(file: &DataFile) -> Result<FaceTable, FormatError> {
+pub fn read_face(file: &DataFile) -> Result<(FaceTable, Option<usize>), FormatError> {
     if !is_npz(file) {
         return Err(wrong_kind(file));
     }
@@ -59,8 +63,12 @@ pub fn read_face(file: &DataFile) -> Result<FaceTable, FormatError> {
             return Err(arrays.unsound(name, "these are not the bands of its indices"));
         }
     }
+    let azimuths = match arrays.has(AZIMUTHS) {
+        true => Some(arrays.numbers(AZIMUTHS)?.values.len()),
+        false => None,
+    };
     match table.kernels() {
-        Ok(_) => Ok(table),
+        Ok(_) => Ok((table, azimuths)),
         Err(wrong) => Err(arrays.unsound("scattered", &wrong.to_string())),
     }
 }

@@ -1,15 +1,16 @@
-//! Output files of `papilio gonio`: `totals.csv`, `waves.csv`, `audit.json` and `face.npz`; head of its journal.
+//! Output files of `papilio gonio`: `totals.csv`, `totals_by_azimuth.csv`, `waves.csv`, `audit.json` and `face.npz`; head of its journal.
 
 use std::io::{self, Write};
 
 use papilio_microgeometry::{
-    ByRays, ByWaves, Findings, Goniometer, Kernel, Side, Statistics, Total, WaveShares,
+    Audit, AzimuthKernel, ByAzimuth, ByRays, ByWaves, Findings, Goniometer, Side, Statistics, Total,
+    WaveShares,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use zip::ZipWriter;
 
-use crate::face_read::{COATED, FORMAT};
+use crate::face_read::{AZIMUTHS, COATED, FORMAT};
 use crate::npy::{Items, stored, write_npy};
 
 /// First line of the journal of a measurement, `gonio.jsonl`: identifies the measurement to which the parts belong.
@@ -104,6 +105,69 @@ pub struct RaysAudit<'a> {
     pub moved_by_balance: f64,
     /// Mean relative standard error of the patches with 99 % of the light.
     pub relative_error: f64,
+    /// The same by azimuth; absent where the surface is turned about its normal.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_azimuth: Option<AzimuthAudit>,
+}
+
+impl<'a> RaysAudit<'a> {
+    fn new(audit: &'a Audit, by_azimuth: Option<&ByAzimuth>) -> Self {
+        Self {
+            rays: audit.rays,
+            dropped_rays: audit.dropped_rays,
+            energy_z: &audit.energy_z,
+            reciprocity_z: audit.reciprocity_z_rms,
+            reciprocity_z_largest: audit.reciprocity_z_largest,
+            reciprocity_tests: audit.reciprocity_tests,
+            moved_by_symmetry: audit.moved_by_symmetry,
+            moved_by_balance: audit.moved_by_balance,
+            relative_error: audit.relative_error,
+            by_azimuth: by_azimuth.map(|found| AzimuthAudit::from(&found.kernel)),
+        }
+    }
+}
+
+/// How well rays obey the laws by azimuth.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub struct AzimuthAudit {
+    /// Step of azimuth, degrees.
+    pub azimuth_deg: f64,
+    /// Patches of directions, on both sides.
+    pub patches: usize,
+    /// Of uniform light, which leaves every patch of directions as it came: root mean square of the differences over their standard errors; about
+    /// 1, above 3 is refused.
+    pub energy_z: f64,
+    /// Number of patches whose light is known well enough for this.
+    pub energy_tests: usize,
+    /// Root mean square of the differences of the light of both ways between two patches over their standard errors; about 1, above 3 is refused.
+    pub reciprocity_z: f64,
+    /// The largest of these differences.
+    pub reciprocity_z_largest: f64,
+    /// Number of pairs of patches that were compared.
+    pub reciprocity_tests: usize,
+    /// Fraction of the light that was moved by taking the mean of both ways.
+    pub moved_by_symmetry: f64,
+    /// Fraction of the light that was moved by balancing.
+    pub moved_by_balance: f64,
+    /// Mean relative standard error of the pairs of patches with 99 % of the light.
+    pub relative_error: f64,
+}
+
+impl From<&AzimuthKernel> for AzimuthAudit {
+    fn from(AzimuthKernel { patches, audit, .. }: &AzimuthKernel) -> Self {
+        Self {
+            azimuth_deg: 360.0 / patches.azimuths() as f64,
+            patches: patches.count(),
+            energy_z: audit.energy_z_rms(),
+            energy_tests: audit.energy_z.len(),
+            reciprocity_z: audit.reciprocity_z_rms,
+            reciprocity_z_largest: audit.reciprocity_z_largest,
+            reciprocity_tests: audit.reciprocity_tests,
+            moved_by_symmetry: audit.moved_by_symmetry,
+            moved_by_balance: audit.moved_by_balance,
+            relative_error: audit.relative_error,
+        }
+    }
 }
 
 /// What waves do along the normal, at a wavelength: a line of `waves.csv`. Errors are standard errors over realisations.
@@ -161,17 +225,7 @@ impl<'a> SurfaceAuditFile<'a> {
             index_above: goniometer.index_above,
             index_below: goniometer.index_below,
             seed: goniometer.seed,
-            rays: rays.as_ref().map(|ByRays { kernel: Kernel { audit, .. }, .. }| RaysAudit {
-                rays: audit.rays,
-                dropped_rays: audit.dropped_rays,
-                energy_z: &audit.energy_z,
-                reciprocity_z: audit.reciprocity_z_rms,
-                reciprocity_z_largest: audit.reciprocity_z_largest,
-                reciprocity_tests: audit.reciprocity_tests,
-                moved_by_symmetry: audit.moved_by_symmetry,
-                moved_by_balance: audit.moved_by_balance,
-                relative_error: audit.relative_error,
-            }),
+            rays: rays.as_ref().map(|rays| RaysAudit::new(&rays.kernel.audit, rays.by_azimuth.as_ref())),
             haze_by_rays: haze.map(|haze| haze.value),
             haze_by_rays_error: haze.map(|haze| haze.error),
             slope_rms: waves.as_ref().map(|waves| waves.slope_rms),
@@ -231,7 +285,7 @@ fn name(side: Side) -> &'static str {
     }
 }
 
-/// Writes `totals.csv`: a line for each side and inclination of the light.
+/// Writes `totals.csv`: a line for each side and inclination of the light; or `totals_by_azimuth.csv`, with an azimuth each.
 ///
 /// # Errors
 /// Those of `out`.
@@ -249,6 +303,7 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
         "transmitted_near",
     ];
     let mut head = vec!["from".to_owned(), "theta_deg".to_owned()];
+    head.extend(totals.iter().find_map(|total| total.phi_deg).map(|_| "phi_deg".to_owned()));
     head.extend(quantities.map(str::to_owned));
     head.extend(quantities.map(|name| format!("{name}_error")));
     csv.write_record(head).map_err(io::Error::other)?;
@@ -265,6 +320,7 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
             total.transmitted_near,
         ];
         let mut line = vec![name(total.from).to_owned(), total.theta_deg.to_string()];
+        line.extend(total.phi_deg.map(|deg| deg.to_string()));
         line.extend(values.iter().map(|one| one.value.to_string()));
         line.extend(values.iter().map(|one| one.error.to_string()));
         csv.write_record(line).map_err(io::Error::other)?;
@@ -272,7 +328,8 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
     csv.flush()
 }
 
-/// Writes `face.npz`: the kernel of a surface as NumPy arrays. That of a coated one contains what its facets absorb.
+/// Writes `face.npz`: the kernel of a surface as NumPy arrays, also by azimuth if it was measured. That of a coated one contains what its facets
+/// absorb.
 ///
 /// # Errors
 /// Those of `out`.
@@ -280,7 +337,7 @@ pub fn write_face(
     out: impl Write,
     hash: &str,
     index: [f64; 2],
-    kernel: &Kernel,
+    ByRays { kernel, by_azimuth, .. }: &ByRays,
     coated: bool,
 ) -> io::Result<()> {
     let mut archive = ZipWriter::new_stream(out);
@@ -308,6 +365,19 @@ pub fn write_face(
     array("regular_transmitted", &[count], Items::Double(&kernel.regular_transmitted))?;
     if coated {
         array(COATED, &[count], Items::Double(&kernel.absorbed))?;
+    }
+    if let Some(ByAzimuth { kernel, .. }) = by_azimuth {
+        let phi_deg = kernel.patches.phi_deg();
+        array(AZIMUTHS, &[phi_deg.len()], Items::Double(&phi_deg))?;
+        let patches = [count, phi_deg.len()];
+        let shape = [patches, patches].concat();
+        array("scattered_by_azimuth", &shape, Items::Single(&[&kernel.scattered]))?;
+        array("error_by_azimuth", &shape, Items::Single(&[&kernel.errors]))?;
+        array("regular_reflected_by_azimuth", &patches, Items::Double(&kernel.regular_reflected))?;
+        array("regular_transmitted_by_azimuth", &patches, Items::Double(&kernel.regular_transmitted))?;
+        if coated {
+            array("absorbed_by_azimuth", &patches, Items::Double(&kernel.absorbed))?;
+        }
     }
     archive.finish()?.flush()
 }

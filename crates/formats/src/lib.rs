@@ -30,7 +30,7 @@
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
 //! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
-//! | [`SurfaceAuditFile`] with [`write_json`], [`write_totals`], [`write_face`] | `audit.json`, `totals.csv`, `face.npz` of a surface |
+//! | [`SurfaceAuditFile`] with [`write_json`], [`write_totals`], [`write_face`] | `audit.json`, `totals.csv`, `totals_by_azimuth.csv`, `face.npz` of a surface |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
 //! | [`write_bsdf_klems`] | `display-STATE.xml` |
 //! | [`write_bsdf_radiant`] | `display-STATE.bsdf` |
@@ -115,8 +115,8 @@ pub use error::{FormatError, Problem};
 pub use face_read::read_face;
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use gonio::{
-    GonioHead, SurfaceAuditFile, surface_audit_schema, write_cutoffs, write_face, write_psd, write_totals,
-    write_waves,
+    AzimuthAudit, GonioHead, SurfaceAuditFile, surface_audit_schema, write_cutoffs, write_face, write_psd,
+    write_totals, write_waves,
 };
 pub use index::{read_index, read_index_within};
 pub use journal::{

@@ -19,6 +19,7 @@ fn replicate(bencher: divan::Bencher<'_, '_>, surface: &Surface) {
         index_below: 1.5,
         coating: Coating::None,
         incidence_deg: vec![0.0, 60.0],
+        azimuths: None,
         rays: RAYS,
         seed: 1,
     };

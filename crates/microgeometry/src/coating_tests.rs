@@ -16,7 +16,15 @@ const SILVER: Complex64 = Complex64::new(0.06, 3.6);
 
 fn goniometer(coating: Coating, incidence_deg: &[f64], rays: u64) -> Goniometer {
     let [index_above, index_below] = INDEX;
-    Goniometer { index_above, index_below, coating, incidence_deg: incidence_deg.to_vec(), rays, seed: 7 }
+    Goniometer {
+        index_above,
+        index_below,
+        coating,
+        incidence_deg: incidence_deg.to_vec(),
+        azimuths: None,
+        rays,
+        seed: 7,
+    }
 }
 
 fn replicates(of: &Goniometer, surface: &Surface) -> Vec<Replicate> {

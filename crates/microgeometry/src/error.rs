@@ -100,6 +100,30 @@ pub enum MicrogeometryError {
         /// The limit.
         most: f64,
     },
+    /// A kernel by azimuth cannot have these azimuths.
+    #[error(
+        "a kernel of {bands} bands cannot have {azimuths} azimuths in a turn (expected an even number, and at most {most} patches of directions): \
+         the finest whole step is {finest} deg",
+        most = crate::patches::MOST_PATCHES
+    )]
+    Azimuths {
+        /// Azimuths that were asked for.
+        azimuths: usize,
+        /// Bands on both sides.
+        bands: usize,
+        /// The smallest step that is possible, whole degrees.
+        finest: usize,
+    },
+    /// A kernel by azimuth cannot be balanced.
+    #[error(
+        "the kernel by azimuth cannot be balanced: {:.2} % of the light of a patch of directions is missing (expected none): more `rays`, or wider \
+         steps of azimuth",
+        100.0 * missing
+    )]
+    Unbalanced {
+        /// The largest fraction of the light of a patch that is missing.
+        missing: f64,
+    },
     /// A surface has too many heights for a phase screen.
     #[error(
         "a phase screen of {columns} x {rows} heights is too large (expected at most {most} heights): a smaller part of the map, or \

@@ -14,7 +14,9 @@ use std::f64::consts::PI;
 use papilio_sampling::{SampleStream, Sampler};
 
 use crate::bands::{AZIMUTHS, Bands};
+use crate::by_azimuth::{BandByAzimuth, LightByAzimuth, directions};
 use crate::measurement::on_threads;
+use crate::patches::Patches;
 use crate::path::{Facets, Leaves, follow};
 use crate::ray::{Face, Ray, Side};
 use crate::{Coating, Kernel, MicrogeometryError, Surface};
@@ -36,6 +38,8 @@ pub struct Goniometer {
     pub coating: Coating,
     /// Inclinations of the light in its own medium, degrees, 0 to below 90.
     pub incidence_deg: Vec<f64>,
+    /// Number of azimuths in a turn, even, by which light is measured as well; `None`: the surface is turned about its normal.
+    pub azimuths: Option<usize>,
     /// Rays of each replicate for each inclination and side, and for each band of the kernel.
     pub rays: u64,
     /// Seed.
@@ -49,6 +53,8 @@ pub struct Total {
     pub from: Side,
     /// Inclination of the light in its medium, degrees.
     pub theta_deg: f64,
+    /// Azimuth of its propagation, degrees from x towards y; `None`: it has all azimuths.
+    pub phi_deg: Option<f64>,
     /// Fraction that is reflected.
     pub reflected: Measured,
     /// Fraction that is reflected with |beta| above 1: towards directions that do not exist in air.
@@ -69,6 +75,35 @@ pub struct Total {
     pub transmitted_near: Measured,
     /// Haze in air: of the transmitted light with |beta| up to 1, the fraction that is not `transmitted_near`.
     pub haze: Measured,
+}
+
+impl Total {
+    /// The means of a row of replicates: light of a side, an inclination and an azimuth.
+    pub(crate) fn of(
+        replicates: &[&[[f64; QUANTITIES]]],
+        row: usize,
+        (from, theta_deg, phi_deg): (Side, f64, Option<f64>),
+    ) -> Self {
+        let of = |quantity: usize| Measured::of(replicates.iter().map(move |rows| rows[row][quantity]));
+        Self {
+            from,
+            theta_deg,
+            phi_deg,
+            reflected: of(0),
+            reflected_beyond: of(1),
+            transmitted: of(2),
+            transmitted_beyond: of(3),
+            regular_reflected: of(4),
+            regular_transmitted: of(5),
+            absorbed: of(8),
+            mean_facets: of(6),
+            transmitted_near: of(7),
+            haze: Measured::of(replicates.iter().map(move |rows| {
+                let [_, _, transmitted, beyond, _, _, _, near, _] = rows[row];
+                if transmitted > beyond { 1.0 - near / (transmitted - beyond) } else { 0.0 }
+            })),
+        }
+    }
 }
 
 /// |beta| from the normal beyond which transmitted light is haze: that of 2.5 deg in air (ASTM D1003).
@@ -109,9 +144,12 @@ pub struct Replicate {
     /// Light that was lost, and rays.
     pub(crate) lost: f64,
     pub(crate) rays: u64,
+    /// Light by azimuth, if it is measured.
+    pub(crate) by_azimuth: Option<LightByAzimuth>,
 }
 
-const QUANTITIES: usize = 9;
+/// Number of quantities of a row.
+pub(crate) const QUANTITIES: usize = 9;
 
 impl Replicate {
     /// Rays that were followed.
@@ -121,9 +159,10 @@ impl Replicate {
 
     /// All of it as numbers, for [`Goniometer::replicate_of`].
     pub(crate) fn numbers(&self) -> Vec<f64> {
-        let Self { rows, scattered, regular, absorbed, lost, rays } = self;
+        let Self { rows, scattered, regular, absorbed, lost, rays, by_azimuth } = self;
         let parts = [rows.as_flattened(), scattered, regular.as_flattened(), absorbed];
-        [&parts.concat()[..], &[*lost, *rays as f64]].concat()
+        let by_azimuth = by_azimuth.as_ref().map(LightByAzimuth::numbers).unwrap_or_default();
+        [&parts.concat()[..], &[*lost, *rays as f64], &by_azimuth].concat()
     }
 }
 
@@ -149,12 +188,22 @@ impl Goniometer {
             }
         }
         self.coating.check()?;
+        let patches = self.patches()?;
         surface.with_face(number, |face| {
             let bands = self.bands();
             let mut found = self.rows(face, number, stop)?;
+            found.by_azimuth = patches
+                .as_ref()
+                .map(|patches| self.rows_by_azimuth(face, patches, (&mut found, number), stop))
+                .transpose()?;
             let numbers = SampleStream::new(Sampler::Sobol, self.seed, number).independent();
             for band in 0..bands.count() {
-                self.scatter(face, &bands, band, &numbers.part(band as u64), &mut found, stop)?;
+                let mut by_azimuth = patches.as_ref().map(|patches| BandByAzimuth::new(patches, band));
+                let numbers = numbers.part(band as u64);
+                self.scatter(face, &bands, band, &numbers, (&mut found, by_azimuth.as_mut()), stop)?;
+                if let (Some(all), Some(one)) = (&mut found.by_azimuth, &by_azimuth) {
+                    all.add(one);
+                }
             }
             Ok(found)
         })?
@@ -176,17 +225,39 @@ impl Goniometer {
             absorbed: vec![0.0; count],
             lost: 0.0,
             rays: 0,
+            by_azimuth: None,
         };
         for side in Side::ALL {
             for theta_deg in &self.incidence_deg {
                 let numbers = numbers.part(found.rows.len() as u64);
-                let row = self.row(face, side, *theta_deg, &numbers, stop)?;
+                let row = self.row(face, (side, *theta_deg, None), (&numbers, self.rays), stop)?;
                 found.lost += row.1;
                 found.rays += self.rays;
                 found.rows.push(row.0);
             }
         }
         Ok(found)
+    }
+
+    /// The inclinations by azimuth, which have their share of the rays of an inclination each.
+    fn rows_by_azimuth(
+        &self,
+        face: &dyn Face,
+        patches: &Patches,
+        (found, number): (&mut Replicate, u64),
+        stop: &dyn Fn() -> bool,
+    ) -> Result<LightByAzimuth, MicrogeometryError> {
+        let rays = self.rays.div_ceil(patches.azimuths() as u64);
+        let numbers = SampleStream::new(Sampler::Sobol, self.seed, number).part(ROWS_BY_AZIMUTH);
+        let mut all = LightByAzimuth::default();
+        for (side, theta_deg, phi_deg) in directions(&self.incidence_deg, patches) {
+            let numbers = numbers.part(all.rows.len() as u64);
+            let row = self.row(face, (side, theta_deg, Some(phi_deg)), (&numbers, rays), stop)?;
+            found.lost += row.1;
+            found.rays += rays;
+            all.rows.push(row.0);
+        }
+        Ok(all)
     }
 
     /// The totals of a surface, without its kernel.
@@ -217,7 +288,14 @@ impl Goniometer {
         let (scattered, rest) = rest.split_at_checked(count * count * AZIMUTHS)?;
         let (regular, rest) = rest.split_at_checked(2 * count)?;
         let (absorbed, rest) = rest.split_at_checked(count)?;
-        let &[lost, rays] = rest else { return None };
+        let (&[lost, rays], rest) = rest.split_first_chunk()?;
+        let by_azimuth = match self.patches().ok()? {
+            Some(patches) => {
+                Some(LightByAzimuth::of(&patches, 2 * self.incidence_deg.len() * patches.azimuths(), rest)?)
+            }
+            None if rest.is_empty() => None,
+            None => return None,
+        };
         Some(Replicate {
             rows: rows.as_chunks().0.to_vec(),
             scattered: scattered.to_vec(),
@@ -225,6 +303,7 @@ impl Goniometer {
             absorbed: absorbed.to_vec(),
             lost,
             rays: rays as u64,
+            by_azimuth,
         })
     }
 
@@ -235,7 +314,7 @@ impl Goniometer {
         bands: &Bands,
         from: usize,
         numbers: &SampleStream,
-        found: &mut Replicate,
+        (found, mut by_azimuth): (&mut Replicate, Option<&mut BandByAzimuth<'_>>),
         stop: &dyn Fn() -> bool,
     ) -> Result<(), MicrogeometryError> {
         let (side, [least, most]) = bands.band(from);
@@ -252,20 +331,32 @@ impl Goniometer {
             let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
             let ray = start(face, side, [sine, cosine], [x, y], azimuth);
             let came = [ray.along[0], ray.along[1]];
+            if let Some(by_azimuth) = &mut by_azimuth {
+                by_azimuth.begin(azimuth);
+            }
             let stays = follow(face, self.facets(), &ray, side, (numbers, path), &mut |leaves| {
                 let Leaves { side: to, along, weight, regular: is_regular, .. } = leaves;
                 if is_regular {
                     regular[from][usize::from(to != side)] += weight * weight_of_ray;
+                    if let Some(by_azimuth) = &mut by_azimuth {
+                        by_azimuth.regular(to != side, weight);
+                    }
                     return;
                 }
                 let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
                 let turned = (came[0] * along[1] - came[1] * along[0]).abs();
                 let turn = turned.atan2(came[0] * along[0] + came[1] * along[1]) / PI;
                 let azimuth = ((turn * AZIMUTHS as f64) as usize).min(AZIMUTHS - 1);
-                row[bands.number(to, self.index_of(to) * length) * AZIMUTHS + azimuth] +=
-                    weight * weight_of_ray;
+                let band = bands.number(to, self.index_of(to) * length);
+                row[band * AZIMUTHS + azimuth] += weight * weight_of_ray;
+                if let Some(by_azimuth) = &mut by_azimuth {
+                    by_azimuth.scatter(band, [along[0], along[1]], weight);
+                }
             });
             *lost += stays.lost;
+            if let Some(by_azimuth) = &mut by_azimuth {
+                by_azimuth.absorb(stays.absorbed);
+            }
             absorbed[from] += stays.absorbed * weight_of_ray;
         }
         *rays += self.rays;
@@ -275,6 +366,14 @@ impl Goniometer {
     /// Bands of the kernel.
     fn bands(&self) -> Bands {
         Bands::new(self.index())
+    }
+
+    /// Patches of the kernel by azimuth, if it is asked for.
+    ///
+    /// # Errors
+    /// Azimuths that cannot be measured.
+    pub fn patches(&self) -> Result<Option<Patches>, MicrogeometryError> {
+        self.azimuths.map(|azimuths| Patches::new(self.bands(), azimuths)).transpose()
     }
 
     /// The kernel of the surface: light from all directions to all directions, on both sides.
@@ -289,20 +388,20 @@ impl Goniometer {
     fn row(
         &self,
         face: &dyn Face,
-        side: Side,
-        theta_deg: f64,
-        numbers: &SampleStream,
+        (side, theta_deg, phi_deg): (Side, f64, Option<f64>),
+        (numbers, rays): (&SampleStream, u64),
         stop: &dyn Fn() -> bool,
     ) -> Result<([f64; QUANTITIES], f64), MicrogeometryError> {
         let (sine, cosine) = theta_deg.to_radians().sin_cos();
         let mut sums = [0.0; QUANTITIES];
         let mut lost = 0.0;
         let near = haze_beta();
-        for path in 0..self.rays {
+        for path in 0..rays {
             if path % STOP_EVERY == 0 && stop() {
                 return Err(MicrogeometryError::Interrupted);
             }
             let [x, y, azimuth, _] = numbers.block(path, 0);
+            let azimuth = phi_deg.map_or(azimuth, |deg| deg / 360.0);
             let ray = start(face, side, [sine, cosine], [x, y], azimuth);
             let stays = follow(face, self.facets(), &ray, side, (numbers, path), &mut |leaves| {
                 let Leaves { side: to, along, weight, regular, facets } = leaves;
@@ -318,7 +417,7 @@ impl Goniometer {
             sums[6] += stays.absorbed_facets;
             sums[8] += stays.absorbed;
         }
-        Ok((sums.map(|sum| sum / self.rays as f64), lost))
+        Ok((sums.map(|sum| sum / rays as f64), lost))
     }
 
     /// Combines replicates.
@@ -333,27 +432,8 @@ impl Goniometer {
         }
         let directions =
             Side::ALL.into_iter().flat_map(|from| self.incidence_deg.iter().map(move |deg| (from, *deg)));
-        let total = |(row, (from, theta_deg)): (usize, (Side, f64))| {
-            let of =
-                |quantity: usize| Measured::of(replicates.iter().map(move |one| one.rows[row][quantity]));
-            Total {
-                from,
-                theta_deg,
-                reflected: of(0),
-                reflected_beyond: of(1),
-                transmitted: of(2),
-                transmitted_beyond: of(3),
-                regular_reflected: of(4),
-                regular_transmitted: of(5),
-                absorbed: of(8),
-                mean_facets: of(6),
-                transmitted_near: of(7),
-                haze: Measured::of(replicates.iter().map(move |one| {
-                    let [_, _, transmitted, beyond, _, _, _, near, _] = one.rows[row];
-                    if transmitted > beyond { 1.0 - near / (transmitted - beyond) } else { 0.0 }
-                })),
-            }
-        };
+        let rows: Vec<&[[f64; QUANTITIES]]> = replicates.iter().map(|one| &one.rows[..]).collect();
+        let total = |(row, (from, theta_deg))| Total::of(&rows, row, (from, theta_deg, None));
         Ok(directions.enumerate().map(total).collect())
     }
 
@@ -375,6 +455,9 @@ impl Goniometer {
         }
     }
 }
+
+/// Part of the random numbers of inclinations by azimuth.
+const ROWS_BY_AZIMUTH: u64 = 0x617a_696d_7574_6873;
 
 /// Rays between two looks at whether the measurement is to be stopped.
 const STOP_EVERY: u64 = 4096;

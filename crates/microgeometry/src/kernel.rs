@@ -14,7 +14,7 @@ use crate::{MicrogeometryError, REPLICATES};
 const MOST_Z: f64 = 3.0;
 
 /// Relative error of light up to which it is compared with that of the reverse way.
-const KNOWN: f64 = 0.3;
+pub(crate) const KNOWN: f64 = 0.3;
 
 /// Share of the light whose patches count for the error of the kernel.
 const MOST_OF_LIGHT: f64 = 0.99;
@@ -62,6 +62,40 @@ pub struct Audit {
     pub rays: u64,
 }
 
+impl Audit {
+    /// The audit of replicates before their kernel is known.
+    pub(crate) fn of_rays(replicates: &[Replicate]) -> Self {
+        Self {
+            energy_z: Vec::new(),
+            reciprocity_z_rms: 0.0,
+            reciprocity_z_largest: 0.0,
+            reciprocity_tests: 0,
+            moved_by_symmetry: 0.0,
+            moved_by_balance: 0.0,
+            relative_error: 0.0,
+            dropped_rays: replicates.iter().map(|one| one.lost).sum(),
+            rays: replicates.iter().map(|one| one.rays).sum(),
+        }
+    }
+
+    /// Root mean square of `energy_z`.
+    pub fn energy_z_rms(&self) -> f64 {
+        (self.energy_z.iter().map(|z| z * z).sum::<f64>() / self.energy_z.len().max(1) as f64).sqrt()
+    }
+
+    /// Fails for a kernel that contradicts a law: reciprocity or the conservation of energy, by these names.
+    pub(crate) fn check(&self, [reciprocity, energy]: [&'static str; 2]) -> Result<(), MicrogeometryError> {
+        let tests = [
+            (reciprocity, self.reciprocity_z_rms, self.reciprocity_tests),
+            (energy, self.energy_z_rms(), self.energy_z.len()),
+        ];
+        match tests.into_iter().find(|(_, z_rms, _)| *z_rms > MOST_Z) {
+            Some((law, z_rms, count)) => Err(MicrogeometryError::Law { law, z_rms, count, most: MOST_Z }),
+            None => Ok(()),
+        }
+    }
+}
+
 impl Kernel {
     /// Combines replicates.
     pub(crate) fn new(bands: &Bands, replicates: &[Replicate]) -> Result<Self, MicrogeometryError> {
@@ -79,14 +113,8 @@ impl Kernel {
         }
         let audit = Audit {
             energy_z: energy_z(bands, replicates, &area),
-            dropped_rays: replicates.iter().map(|one| one.lost).sum(),
-            rays: replicates.iter().map(|one| one.rays).sum(),
             relative_error: relative_error(&light, &errors),
-            reciprocity_z_rms: 0.0,
-            reciprocity_z_largest: 0.0,
-            reciprocity_tests: 0,
-            moved_by_symmetry: 0.0,
-            moved_by_balance: 0.0,
+            ..Audit::of_rays(replicates)
         };
         let regular = |way: usize| -> Vec<f64> {
             (0..count)
@@ -110,7 +138,8 @@ impl Kernel {
         rows.for_each(|(row, area)| row.iter_mut().for_each(|light| *light /= area));
         let rows = kernel.errors.chunks_exact_mut(count * AZIMUTHS).zip(&area);
         rows.for_each(|(row, area)| row.iter_mut().for_each(|error| *error /= area));
-        kernel.checked()
+        kernel.audit.check(["reciprocity", "the conservation of energy"])?;
+        Ok(kernel)
     }
 
     /// Compares both ways, and takes their mean.
@@ -176,26 +205,12 @@ impl Kernel {
         // Where nothing is scattered, the mean of both ways of regular transmission leaves the rest to the reflection.
         for (band, row) in self.scattered.chunks_exact(count * AZIMUTHS).enumerate() {
             if row.iter().all(|light| *light == 0.0) {
-                self.regular_reflected[band] = 1.0 - self.regular_transmitted[band];
+                self.regular_reflected[band] = 1.0 - self.absorbed[band] - self.regular_transmitted[band];
             }
         }
         let moved: f64 = before.iter().zip(&self.scattered).map(|(a, b)| (a - b).abs()).sum();
         let all: f64 = before.iter().sum();
         self.audit.moved_by_balance = if all > 0.0 { moved / all } else { 0.0 };
-    }
-
-    /// Fails for a kernel that contradicts a law.
-    fn checked(self) -> Result<Self, MicrogeometryError> {
-        let Audit { energy_z, reciprocity_z_rms, reciprocity_tests, .. } = &self.audit;
-        let energy_rms = (energy_z.iter().map(|z| z * z).sum::<f64>() / energy_z.len().max(1) as f64).sqrt();
-        let tests = [
-            ("reciprocity", *reciprocity_z_rms, *reciprocity_tests),
-            ("the conservation of energy", energy_rms, energy_z.len()),
-        ];
-        match tests.into_iter().find(|(_, z_rms, _)| *z_rms > MOST_Z) {
-            Some((law, z_rms, count)) => Err(MicrogeometryError::Law { law, z_rms, count, most: MOST_Z }),
-            None => Ok(self),
-        }
     }
 
     /// The |beta| within which half of the light along the normal from above is transmitted, of all that goes to |beta| up to 1.
@@ -256,7 +271,7 @@ fn energy_z(bands: &Bands, replicates: &[Replicate], area: &[f64]) -> Vec<f64> {
 }
 
 /// Mean relative error of the patches with most of the light.
-fn relative_error(light: &[f64], errors: &[f64]) -> f64 {
+pub(crate) fn relative_error(light: &[f64], errors: &[f64]) -> f64 {
     let mut patches: Vec<(f64, f64)> =
         light.iter().copied().zip(errors.iter().copied()).filter(|(light, _)| *light > 0.0).collect();
     patches.sort_by(|a, b| b.0.total_cmp(&a.0));

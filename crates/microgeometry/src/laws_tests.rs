@@ -18,6 +18,7 @@ fn goniometer(index: [f64; 2], rays: u64, seed: u64) -> Goniometer {
         index_below: index[1],
         coating: Coating::None,
         incidence_deg: Vec::new(),
+        azimuths: None,
         rays,
         seed,
     }
@@ -27,7 +28,7 @@ fn replicates(of: &Goniometer, surface: &Surface) -> Vec<Replicate> {
     (0..REPLICATES).map(|number| of.replicate(surface, number, &|| false).unwrap()).collect()
 }
 
-fn caps(lattice: Lattice, aperture_um: f64, radius_um: f64) -> Surface {
+pub(crate) fn caps(lattice: Lattice, aperture_um: f64, radius_um: f64) -> Surface {
     Surface::Caps(Caps { pitch_um: 4.5, radius_um, aperture_um, lattice })
 }
 
@@ -216,7 +217,7 @@ fn diffuse_transmittance_is_the_same_in_both_directions() {
 }
 
 /// A random height map: waves of several directions through one of several functions, with its own pitches and slopes.
-fn random_map(number: u64) -> HeightMap {
+pub(crate) fn random_map(number: u64) -> HeightMap {
     let mut dice = Dice::new(50, number);
     let [columns, rows] = [0, 1].map(|_| 8 + dice.below(17));
     let waves: Vec<[f64; 4]> = (0..1 + dice.below(5))

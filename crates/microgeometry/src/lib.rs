@@ -4,8 +4,12 @@
 //! ([`ByWaves`]). Lengths are in micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
 //! [`Coating`] is what lies on the facets.
 
+mod azimuth_kernel;
+#[cfg(test)]
+mod azimuth_tests;
 mod balance;
 mod bands;
+mod by_azimuth;
 mod caps;
 mod coating;
 #[cfg(test)]
@@ -23,6 +27,7 @@ mod measurement;
 mod mesh;
 #[cfg(test)]
 mod mesh_tests;
+mod patches;
 mod path;
 mod random;
 mod ray;
@@ -36,6 +41,7 @@ mod volume_tests;
 mod wave_lobes;
 mod waves;
 
+pub use azimuth_kernel::AzimuthKernel;
 pub use bands::Bands;
 pub use caps::{Caps, Lattice};
 pub use coating::{Coating, Films};
@@ -44,8 +50,9 @@ pub use face::{FaceKernels, FaceTable};
 pub use goniometer::{Goniometer, Measured, REPLICATES, Replicate, Total};
 pub use height_map::{HeightMap, HeightStatistics};
 pub use kernel::{Audit, Kernel};
-pub use measurement::{ByRays, Findings, Measurement, Part};
+pub use measurement::{ByAzimuth, ByRays, Collected, Findings, Measurement, Part};
 pub use mesh::Mesh;
+pub use patches::Patches;
 pub use random::{RandomHeights, Spectrum};
 pub use ray::Side;
 pub use statistics::Statistics;

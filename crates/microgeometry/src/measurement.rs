@@ -3,11 +3,17 @@
 //! **Parts.** The work is divided into independent parts, which may be computed in any order on any thread: first the realisations of phase
 //! screens, then the replicates of rays. A finished part can be saved as numbers and read again; the result is the same to the last bit.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
+use crate::by_azimuth::{AzimuthSums, directions};
 use crate::goniometer::Replicate;
+use crate::kernel::Audit;
 use crate::waves::{WaveScreen, Waves};
-use crate::{ByWaves, Goniometer, Kernel, MicrogeometryError, REPLICATES, Statistics, Surface, Total};
+use crate::{
+    AzimuthKernel, ByWaves, Goniometer, Kernel, MicrogeometryError, REPLICATES, Statistics, Surface, Total,
+};
 
 /// A surface, and how it is measured.
 #[derive(Debug, Clone)]
@@ -40,6 +46,17 @@ pub struct ByRays {
     pub totals: Vec<Total>,
     /// From all directions to all directions.
     pub kernel: Kernel,
+    /// The same by azimuth, if it was asked for.
+    pub by_azimuth: Option<ByAzimuth>,
+}
+
+/// A surface measured by azimuth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ByAzimuth {
+    /// Where light of each side, inclination and azimuth goes.
+    pub totals: Vec<Total>,
+    /// From all directions to all directions.
+    pub kernel: AzimuthKernel,
 }
 
 /// A finished part of a measurement.
@@ -50,6 +67,42 @@ pub struct Part(Kind);
 enum Kind {
     Screen(WaveScreen),
     Replicate(Replicate),
+}
+
+/// Parts of a measurement, in any order. They are combined in that of their numbers: the result is the same to the last bit.
+#[derive(Debug)]
+pub struct Collected {
+    /// Parts that came before those with smaller numbers.
+    waiting: BTreeMap<usize, Part>,
+    /// Number of the next part to be combined.
+    next: usize,
+    screens: Vec<WaveScreen>,
+    replicates: Vec<Replicate>,
+    by_azimuth: Option<AzimuthSums>,
+}
+
+impl Collected {
+    /// Adds a part with its number; each comes once.
+    pub fn add(&mut self, number: usize, part: Part) {
+        self.waiting.insert(number, part);
+        while let Some(part) = self.waiting.remove(&self.next) {
+            self.next += 1;
+            match part.0 {
+                Kind::Screen(screen) => self.screens.push(screen),
+                Kind::Replicate(mut replicate) => {
+                    if let (Some(sums), Some(light)) = (&mut self.by_azimuth, replicate.by_azimuth.take()) {
+                        sums.add(light);
+                    }
+                    self.replicates.push(replicate);
+                }
+            }
+        }
+    }
+
+    /// Number of parts so far.
+    pub fn parts(&self) -> usize {
+        self.next + self.waiting.len()
+    }
 }
 
 impl Part {
@@ -89,22 +142,34 @@ impl Measurement {
         .map(Part)
     }
 
-    /// Combines all parts, in the order of their numbers.
+    /// No parts yet.
+    ///
+    /// # Errors
+    /// Azimuths that cannot be measured.
+    pub fn collected(&self) -> Result<Collected, MicrogeometryError> {
+        let sums = |patches| AzimuthSums::new(patches, self.goniometer.rays);
+        Ok(Collected {
+            waiting: BTreeMap::new(),
+            next: 0,
+            screens: Vec::new(),
+            replicates: Vec::new(),
+            by_azimuth: self.goniometer.patches()?.filter(|_| self.by_rays).map(sums),
+        })
+    }
+
+    /// What all parts show.
     ///
     /// # Errors
     /// Surfaces without statistics; lost rays; a kernel that contradicts reciprocity or the conservation of energy.
-    pub fn findings(&self, parts: Vec<Part>) -> Result<Findings, MicrogeometryError> {
+    pub fn findings(&self, parts: Collected) -> Result<Findings, MicrogeometryError> {
+        debug_assert_eq!(parts.next, self.parts());
         let statistics = self.surface.statistics()?;
-        let (mut screens, mut replicates) = (Vec::new(), Vec::new());
-        for part in parts {
-            match part.0 {
-                Kind::Screen(screen) => screens.push(screen),
-                Kind::Replicate(replicate) => replicates.push(replicate),
-            }
-        }
+        let Collected { screens, replicates, by_azimuth, .. } = parts;
         let by_rays = || {
             let totals = self.goniometer.totals(&replicates)?;
-            Ok(ByRays { totals, kernel: self.goniometer.kernel(&replicates)? })
+            let kernel = self.goniometer.kernel(&replicates)?;
+            let by_azimuth = by_azimuth.map(|sums| self.by_azimuth(sums, &replicates)).transpose()?;
+            Ok(ByRays { totals, kernel, by_azimuth })
         };
         Ok(Findings {
             rays: self.by_rays.then(by_rays).transpose()?,
@@ -123,12 +188,29 @@ impl Measurement {
         stop: &(dyn Fn() -> bool + Sync),
         finished: &(dyn Fn() + Sync),
     ) -> Result<Findings, MicrogeometryError> {
+        let collected = Mutex::new(self.collected()?);
         let part = |number| {
             let part = self.part(number, stop)?;
+            collected.lock().unwrap_or_else(PoisonError::into_inner).add(number, part);
             finished();
-            Ok(part)
+            Ok(())
         };
-        self.findings(on_threads(self.parts(), threads, &part)?)
+        on_threads(self.parts(), threads, &part)?;
+        self.findings(collected.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// The kernel by azimuth and its totals.
+    fn by_azimuth(
+        &self,
+        sums: AzimuthSums,
+        replicates: &[Replicate],
+    ) -> Result<ByAzimuth, MicrogeometryError> {
+        let rows: Vec<_> = sums.rows.iter().map(Vec::as_slice).collect();
+        let directions = directions(&self.goniometer.incidence_deg, &sums.patches).enumerate();
+        let totals = directions
+            .map(|(row, (side, theta, phi))| Total::of(&rows, row, (side, theta, Some(phi))))
+            .collect();
+        Ok(ByAzimuth { totals, kernel: AzimuthKernel::new(sums, Audit::of_rays(replicates))? })
     }
 
     fn waves(&self) -> Waves {
@@ -171,7 +253,7 @@ mod tests {
     use super::*;
     use crate::{Coating, RandomHeights, Spectrum};
 
-    fn measurement() -> Measurement {
+    fn measurement(azimuths: Option<usize>) -> Measurement {
         let spectrum = Spectrum::Gaussian { rms_um: 0.2, correlation_um: 4.0 };
         Measurement {
             surface: Surface::Random(RandomHeights::new(spectrum, 3).unwrap()),
@@ -180,6 +262,7 @@ mod tests {
                 index_below: 1.5,
                 coating: Coating::None,
                 incidence_deg: vec![0.0, 60.0],
+                azimuths,
                 rays: 4,
                 seed: 5,
             },
@@ -191,33 +274,43 @@ mod tests {
     /// Parts that were saved, in any order, give the result of one computation to the last bit.
     #[test]
     fn saved_parts_give_the_same_result() {
-        let of = measurement();
+        for azimuths in [None, Some(4)] {
+            saved_in_parts(&measurement(azimuths));
+        }
+    }
+
+    fn saved_in_parts(of: &Measurement) {
         let at_once = of.measured(Some(2), &|| false, &|| {}).unwrap();
         let part = |number: usize| of.part(number, &|| false).unwrap();
         let mut saved: Vec<(usize, Vec<f64>)> =
             (0..of.parts()).rev().map(|number| (number, part(number).numbers())).collect();
-        saved.reverse();
-        let parts: Option<Vec<Part>> =
-            saved.iter().map(|(number, numbers)| of.part_of(*number, numbers)).collect();
-        assert_eq!(of.findings(parts.unwrap()).unwrap(), at_once);
-        assert!(at_once.rays.is_some() && at_once.waves.is_some() && at_once.statistics.is_some());
+        saved.swap(3, 9);
+        let mut parts = of.collected().unwrap();
+        saved.iter().for_each(|(number, numbers)| parts.add(*number, of.part_of(*number, numbers).unwrap()));
+        assert_eq!(parts.parts(), of.parts());
+        assert_eq!(of.findings(parts).unwrap(), at_once);
+        assert!(at_once.waves.is_some() && at_once.statistics.is_some());
+        assert_eq!(at_once.rays.unwrap().by_azimuth.is_some(), of.goniometer.azimuths.is_some());
     }
 
     /// Numbers of another measurement are not taken.
     #[test]
     fn numbers_of_another_kind_are_refused() {
-        let of = measurement();
+        let of = measurement(Some(4));
         let (screen, replicate) = (0, of.parts() - 1);
         let numbers = of.part(replicate, &|| false).unwrap().numbers();
         assert_eq!(of.part_of(screen, &numbers), None);
         assert_eq!(of.part_of(replicate, &numbers[1..]), None);
-        let other = Measurement { waves_nm: vec![550.0], ..measurement() };
+        for azimuths in [None, Some(6)] {
+            assert_eq!(measurement(azimuths).part_of(replicate, &numbers), None);
+        }
+        let other = Measurement { waves_nm: vec![550.0], ..of.clone() };
         assert_eq!(other.part_of(screen, &of.part(screen, &|| false).unwrap().numbers()), None);
     }
 
     #[test]
     fn interruption_ends_all_threads() {
-        let stopped = measurement().measured(None, &|| true, &|| {});
+        let stopped = measurement(None).measured(None, &|| true, &|| {});
         assert_eq!(stopped, Err(MicrogeometryError::Interrupted));
     }
 }

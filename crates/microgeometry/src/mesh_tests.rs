@@ -15,7 +15,15 @@ type Triangle = [[f64; 3]; 3];
 
 fn goniometer(coating: Coating, incidence_deg: &[f64], rays: u64) -> Goniometer {
     let [index_above, index_below] = INDEX;
-    Goniometer { index_above, index_below, coating, incidence_deg: incidence_deg.to_vec(), rays, seed: 4 }
+    Goniometer {
+        index_above,
+        index_below,
+        coating,
+        incidence_deg: incidence_deg.to_vec(),
+        azimuths: None,
+        rays,
+        seed: 4,
+    }
 }
 
 fn replicates(of: &Goniometer, surface: &Surface) -> Vec<Replicate> {

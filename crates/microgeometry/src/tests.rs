@@ -11,6 +11,7 @@ fn measured(surface: &Surface, incidence_deg: &[f64], rays: u64) -> Vec<Total> {
         index_below: GLASS,
         coating: Coating::None,
         incidence_deg: incidence_deg.to_vec(),
+        azimuths: None,
         rays,
         seed: papilio_testing::seeds(),
     };
@@ -79,6 +80,7 @@ fn small_gaussian_slopes_have_the_closed_form() {
         index_below: GLASS,
         coating: Coating::None,
         incidence_deg: Vec::new(),
+        azimuths: None,
         rays: 80,
         seed: 1,
     };

@@ -23,6 +23,7 @@ fn goniometer(incidence_deg: &[f64], rays: u64) -> Goniometer {
         index_below: MATRIX,
         coating: Coating::None,
         incidence_deg: incidence_deg.to_vec(),
+        azimuths: None,
         rays,
         seed: 9,
     }

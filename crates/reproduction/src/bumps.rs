@@ -55,7 +55,7 @@ pub(crate) fn sections(bench: &Bench<'_>) -> Result<Vec<Section>, ReproductionEr
     let stop = || bench.control().stop.load(std::sync::atomic::Ordering::Relaxed);
     let measurement = Measurement { waves_nm: vec![450.0, 550.0, 650.0], ..surface.measurement };
     let findings = measurement.measured(None, &stop, &|| {})?;
-    let (Some(ByRays { totals, kernel }), Some(waves)) = (findings.rays, findings.waves) else {
+    let (Some(ByRays { totals, kernel, .. }), Some(waves)) = (findings.rays, findings.waves) else {
         return Err(MicrogeometryError::Interrupted.into());
     };
 

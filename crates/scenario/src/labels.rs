@@ -200,6 +200,7 @@ mod tests {
             ("display.layers.2.haze", "Haze of layer 3"),
             ("display.layers.0.film.1.thickness_nm", "Thickness of film 2 (nm)"),
             ("microgeometry.coating.reflectance", "Reflectance of the facets"),
+            ("microgeometry.azimuth_deg", "Steps of azimuth (deg)"),
             ("lighting.preset", "Lighting preset"),
             ("lighting.diffuse", "Diffuse fraction"),
             ("lighting.illuminance_lx", "Illuminance (lx)"),

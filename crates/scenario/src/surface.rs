@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use crate::describe::microgeometry::{
     self as described, CapLattice, FaceCoating, MapPeriod, Microgeometry, Road, SurfaceFile,
 };
-use crate::describe::numbers::{Inclination, SurfaceLength, Wavelength};
+use crate::describe::numbers::{AzimuthStep, Inclination, SurfaceLength, Wavelength};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, MemoryFile, Missing, sha256};
 use crate::origin::Origin;
@@ -67,6 +67,7 @@ impl ResolvedSurface {
 struct Common<'a> {
     index: [f64; 2],
     incidence_deg: &'a Spanned<Vec<Spanned<Inclination>>>,
+    azimuth_deg: &'a Spanned<Option<AzimuthStep>>,
     coating: Option<(&'a FaceCoating, Origin)>,
     road: Road,
     /// Place of the key `road`.
@@ -82,6 +83,7 @@ macro_rules! common {
         Common {
             index: [$kind.index_above.0, $kind.index_below.0],
             incidence_deg: &$kind.incidence_deg,
+            azimuth_deg: &$kind.azimuth_deg,
             coating: $kind.coating.as_ref().map(|coating| (coating, $kind.coating.origin)),
             road: $kind.road.value,
             road_at: $kind.road.origin,
@@ -154,15 +156,22 @@ impl SurfaceScenario {
             errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
         }
         let incidence_deg = incidences(common.incidence_deg, &mut errors);
+        let azimuths = azimuths(common.azimuth_deg, common.road, &mut errors);
         let coating = errors.finish(coating, &self.sources)?;
         let goniometer = Goniometer {
             index_above: common.index[0],
             index_below: common.index[1],
             coating,
             incidence_deg,
+            azimuths,
             rays: common.rays.div_ceil(REPLICATES),
             seed: common.seed,
         };
+        if let Err(wrong) = goniometer.patches() {
+            let mut errors = Errors::default();
+            errors.push(common.azimuth_deg.origin, Diagnostic::new(wrong.to_string()));
+            errors.check(&self.sources)?;
+        }
         let waves_nm = match (common.road, common.wavelength_nm) {
             (Road::Rays, _) => Vec::new(),
             (_, []) => (8..15).map(|step| 50.0 * f64::from(step)).collect(),
@@ -240,6 +249,7 @@ impl SurfaceScenario {
                 let common = Common {
                     index: [index; 2],
                     incidence_deg: &volume.incidence_deg,
+                    azimuth_deg: &volume.azimuth_deg,
                     coating: None,
                     road: Road::Rays,
                     road_at: volume.origin,
@@ -371,6 +381,23 @@ impl SurfaceScenario {
         };
         self.root.place_of(key)
     }
+}
+
+/// Number of azimuths in a turn.
+fn azimuths(step: &Spanned<Option<AzimuthStep>>, road: Road, errors: &mut Errors) -> Option<usize> {
+    let deg = step.value?.0;
+    let half = 180.0 / deg;
+    let wrong = if road == Road::Waves {
+        Diagnostic::new("waves do not tell azimuths").expected("`road = \"rays\"` or `\"both\"`")
+    } else if (half - half.round()).abs() > 1e-9 {
+        Diagnostic::new(format!("180 deg are no whole number of steps of {deg} deg"))
+            .expected("steps such as 15, 20 or 30 deg")
+            .hint("light that goes back has the azimuth + 180 deg, which must be one of the others")
+    } else {
+        return Some(2 * half.round() as usize);
+    };
+    errors.push(step.origin, wrong);
+    None
 }
 
 /// Inclinations, each once and within the hemisphere.

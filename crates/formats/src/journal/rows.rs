@@ -100,6 +100,11 @@ impl<H: RowsHead> JournalRows<H> {
         self.known.get(&row).map(Vec::as_slice)
     }
 
+    /// Returns the numbers of a row, if they are known, and forgets them.
+    pub fn take(&mut self, row: usize) -> Option<Vec<f64>> {
+        self.known.remove(&row)
+    }
+
     /// Saves a row. The operating system has it before this function returns.
     ///
     /// # Errors
@@ -108,6 +113,14 @@ impl<H: RowsHead> JournalRows<H> {
         self.journal.add(&line(row, &values))?;
         self.known.insert(row, values);
         Ok(())
+    }
+
+    /// Saves a row as [`add`](Self::add), but does not keep it in memory.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn save(&mut self, row: usize, values: &[f64]) -> Result<(), FormatError> {
+        self.journal.add(&line(row, values))
     }
 
     /// Rewrites the journal with these rows, in this order, and no others.

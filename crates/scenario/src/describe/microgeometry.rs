@@ -4,7 +4,7 @@ use super::Title;
 use super::display::MaterialSpec;
 use super::layers::CoatingFilm;
 use super::numbers::{
-    Count, Inclination, Index, InnerShare, RmsHeight, Seed, Share, SurfaceLength, Wavelength,
+    AzimuthStep, Count, Inclination, Index, InnerShare, RmsHeight, Seed, Share, SurfaceLength, Wavelength,
 };
 use crate::grammar::{choice, kinds, table};
 use crate::read::Spanned;
@@ -56,6 +56,9 @@ macro_rules! surface {
                 coating: Option<FaceCoating>,
                 /// Inclinations of the light, in its own medium. Default: 0 to 85 deg in steps of 5 deg.
                 incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
+                /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg. Default: the surface is turned about its
+                /// normal.
+                azimuth_deg as "Steps of azimuth": Option<AzimuthStep>,
                 /// By rays, by waves, or by both.
                 road as "Road": Road = Road::Rays,
                 /// Wavelengths of waves. Default: 400 to 700 nm in steps of 50 nm.
@@ -172,6 +175,8 @@ table! {
         matrix_index as "Index of the matrix": Index = Index(1.5),
         /// Inclinations of the light, in the matrix. Default: 0 to 85 deg in steps of 5 deg.
         incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
+        /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg. Default: the slab is turned about its normal.
+        azimuth_deg as "Steps of azimuth": Option<AzimuthStep>,
         /// Rays from each side at each inclination.
         rays as "Rays": Count<64, { 1 << 36 }> = Count(200_000),
         /// Seed of rays and places.

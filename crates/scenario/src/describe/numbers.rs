@@ -80,6 +80,10 @@ number!(
     Azimuth, Range::from_to(-360.0, 360.0).unit("degrees")
 );
 number!(
+    /// A step of azimuth, degrees.
+    AzimuthStep, Range::from_to(1.0, 180.0).unit("degrees")
+);
+number!(
     /// The full angle of a field of view, degrees.
     FieldAngle, Range::from_to(0.0, 180.0).unit("degrees")
 );

@@ -61,6 +61,7 @@ impl Resolver<'_> {
                 let surface = self.surface(path, face, name, index)?;
                 let found = match surface.measurement.by_rays {
                     true => {
+                        self.note_azimuths(&format!("`{name}`"), surface.measurement.goniometer.azimuths);
                         let kernels = self.face_of_surface(face, &surface)?;
                         self.by_rays(kernels)
                     }
@@ -128,8 +129,8 @@ impl Resolver<'_> {
             return None;
         }
         let kept = self.open(name, at)?;
-        let table = match read_face(kept.file()) {
-            Ok(table) => table,
+        let (table, azimuths) = match read_face(kept.file()) {
+            Ok(found) => found,
             Err(error) => {
                 self.errors.push_data(at, error);
                 return None;
@@ -145,8 +146,20 @@ impl Resolver<'_> {
             self.errors.push(at, wrong);
             return None;
         }
+        self.note_azimuths(&format!("`{name}`"), azimuths);
         // The reader has checked it.
         table.kernels().ok()
+    }
+
+    /// Notes that a layer does not have the azimuths of its surface.
+    fn note_azimuths(&mut self, name: &str, azimuths: Option<usize>) {
+        if let Some(azimuths) = azimuths {
+            self.notes.push(format!(
+                "{name} has its kernel by azimuth, in steps of {} deg; a layer of a display uses its mean over all azimuths, that of the surface \
+                 turned about its normal",
+                360.0 / azimuths as f64
+            ));
+        }
     }
 
     /// A face by waves: lobes that differ by wavelength.
@@ -309,7 +322,8 @@ fn measured(surface: &ResolvedSurface) -> Measured {
     let wrong =
         |error: MicrogeometryError| Diagnostic::new(format!("the surface cannot be measured: {error}"));
     // Totals at single inclinations are not needed.
-    let goniometer = Goniometer { incidence_deg: Vec::new(), ..surface.measurement.goniometer.clone() };
+    let goniometer =
+        Goniometer { incidence_deg: Vec::new(), azimuths: None, ..surface.measurement.goniometer.clone() };
     let replicates = goniometer.replicates(&surface.measurement.surface, &|| false).map_err(wrong)?;
     let kernel = goniometer.kernel(&replicates).map_err(wrong)?;
     let index = [goniometer.index_above, goniometer.index_below];
