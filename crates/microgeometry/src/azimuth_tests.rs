@@ -170,7 +170,7 @@ fn turned(found: &AzimuthMeans, by: usize) -> Vec<f64> {
     let azimuths = patches.azimuths();
     let turned = |patch: usize| patch / azimuths * azimuths + (patch + by) % azimuths;
     let mut scores = Vec::new();
-    for from in (0..count).filter(|from| from % azimuths / by % 2 == 0) {
+    for from in (0..count).filter(|from| (from % azimuths / by).is_multiple_of(2)) {
         for to in 0..count {
             let cells = [from * count + to, turned(from) * count + turned(to)];
             let [a, b] = cells.map(|cell| (found.light[cell], found.errors[cell]));
@@ -190,7 +190,7 @@ fn mean_square(scores: &[f64]) -> f64 {
 #[test]
 fn lattices_have_their_symmetries() {
     for (lattice, own, other) in [(Lattice::Square, 3, 2), (Lattice::Hexagonal, 2, 3)] {
-        let (_, sums) = measured(&goniometer(12, 200, 5), &caps(lattice.clone(), 2.25, 2.25));
+        let (_, sums) = measured(&goniometer(12, 200, 5), &caps(lattice, 2.25, 2.25));
         let found = sums.into_means();
         let scores = turned(&found, own);
         // Cells of one patch share its rays, and few rays have skewed errors: a tenth of the scores counts as independent.
@@ -277,12 +277,10 @@ fn random_maps_obey_the_laws_by_azimuth() {
             let sum =
                 row.iter().map(|light| f64::from(*light)).sum::<f64>() + regular + found.absorbed[patch];
             assert!((sum - 1.0).abs() < 1e-6, "map {number}: patch {patch} keeps {sum}");
-            for to in 0..count {
-                let back = patches.reversed(to) * count + patches.reversed(patch);
-                let [there, back] = [
-                    patches.area(patch) * f64::from(row[to]),
-                    patches.area(to) * f64::from(found.scattered[back]),
-                ];
+            for (to, light) in row.iter().enumerate() {
+                let back = found.scattered[patches.reversed(to) * count + patches.reversed(patch)];
+                let there = patches.area(patch) * f64::from(*light);
+                let back = patches.area(to) * f64::from(back);
                 assert!((there - back).abs() < 1e-6 * there.max(1e-9), "map {number}: {there} {back}");
             }
         }
