@@ -14,6 +14,7 @@ mod compare;
 mod cone;
 mod crosstalk;
 mod diffuser;
+mod docs_blocks;
 mod figures;
 mod fine_detail;
 mod first_steps;
