@@ -126,6 +126,7 @@ fn docs() -> Outcome {
             "tables_of_materials_and_illuminants_in_the_docs_are_those_of_the_program",
         ),
         ("papilio-formats", "formats", "table_of_formats_in_the_docs_is_that_of_the_readers"),
+        ("papilio", "cli", "reference::"),
     ] {
         let mut written = cargo(["test", "--package", package, "--test", test, name]);
         written.env("PAPILIO_WRITE_DOCS", "1");
@@ -165,7 +166,8 @@ mod tests {
             for rest in text.split("cargo xtask ").skip(1) {
                 let end = rest.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(rest.len());
                 let name = &rest[..end];
-                let is_known = TASKS.iter().any(|(known, ..)| *known == name) || [SERVE.0, PAIRS.0].contains(&name);
+                let is_known =
+                    TASKS.iter().any(|(known, ..)| *known == name) || [SERVE.0, PAIRS.0].contains(&name);
                 assert!(is_known || name.is_empty(), "{}: there is no task `{name}`", path.display());
                 found += usize::from(is_known);
             }

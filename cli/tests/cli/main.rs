@@ -28,6 +28,7 @@ mod new;
 mod optimize;
 mod palette;
 mod pixel;
+mod reference;
 mod run;
 mod serve;
 mod sparkle;

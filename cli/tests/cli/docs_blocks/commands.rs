@@ -18,18 +18,37 @@ pub(super) struct Line<'a> {
 /// Commands that are not run: their beginning, and what tests them.
 const ELSEWHERE: [(&str, &str); 4] = [
     ("cargo ", "xtask's tests check the names of tasks; CI runs them"),
-    ("pip install ", "`cargo xtask python` installs the package; python/tests/test_docs.py checks the names of extras"),
+    (
+        "pip install ",
+        "`cargo xtask python` installs the package; python/tests/test_docs.py checks the names of extras",
+    ),
     ("target/python/bin/python python/tests/", "`cargo xtask python` runs these tests"),
     ("papilio serve", "it does not end: only its arguments are checked here; tests/cli/serve.rs starts it"),
 ];
 
 /// Words of commands that take more than a second in the development profile, or that need a feature that it lacks.
-const LONG: [&str; 10] =
-    ["--cone", "sweep", "optimize", "tolerance", "validate", "study", "sparkle", "monte-carlo", "--png", "--parquet"];
+const LONG: [&str; 15] = [
+    "--cone",
+    "fit",
+    "steps",
+    "measure",
+    "calibrate",
+    "optimize",
+    "tolerance",
+    "validate",
+    "study",
+    "sparkle",
+    "gonio",
+    "brdf",
+    "monte-carlo",
+    "--png",
+    "--parquet",
+];
 
 /// Endings of names of files.
 const ENDINGS: [&str; 14] = [
-    ".csv", ".svg", ".json", ".html", ".npz", ".npy", ".png", ".toml", ".exr", ".xml", ".bsdf", ".parquet", ".jpg", ".gpl",
+    ".csv", ".svg", ".json", ".html", ".npz", ".npy", ".png", ".toml", ".exr", ".xml", ".bsdf", ".parquet",
+    ".jpg", ".gpl",
 ];
 
 /// What became of a command.
@@ -51,8 +70,12 @@ pub(super) fn lines(block: &str) -> Vec<Line<'_>> {
             begun += first;
             continue;
         }
-        let (command, comment) = line.split_once("  #").or_else(|| line.strip_prefix('#').map(|all| ("", all))).unwrap_or((line, ""));
-        let text = (std::mem::take(&mut begun) + command.trim()).replace("cargo run --release -- ", "papilio ");
+        let (command, comment) = line
+            .split_once("  #")
+            .or_else(|| line.strip_prefix('#').map(|all| ("", all)))
+            .unwrap_or((line, ""));
+        let text =
+            (std::mem::take(&mut begun) + command.trim()).replace("cargo run --release -- ", "papilio ");
         if !text.is_empty() {
             found.push(Line { text, comment });
         }
@@ -83,6 +106,16 @@ impl Shell<'_> {
             }
             return Ok(elsewhere.map_or(Fate::Parsed, |(_, by)| Fate::Elsewhere(by)));
         }
+        let (first, tool) = line
+            .text
+            .split_once(" | ")
+            .map_or((&*line.text, None), |(first, tool)| (first, tool.split(' ').next()));
+        if tool.is_some_and(|tool| {
+            !self.run(&format!("command -v {tool}")).is_ok_and(|found| found.status.success())
+        }) {
+            self.run(first)?;
+            return Ok(Fate::Elsewhere("this machine lacks a tool that reads the output"));
+        }
         let output = self.run(&line.text)?;
         if output.status.code() != Some(exit) {
             let text = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -98,7 +131,10 @@ impl Shell<'_> {
     pub(super) fn run(&self, line: &str) -> Result<Output, String> {
         let path = std::env::var("PATH").unwrap_or_default();
         let mut shell = Command::new("sh");
-        shell.env("NO_COLOR", "1").env("HOME", self.folder).env("PATH", format!("{}:{path}", self.program.display()));
+        shell
+            .env("NO_COLOR", "1")
+            .env("HOME", self.folder)
+            .env("PATH", format!("{}:{path}", self.program.display()));
         shell.current_dir(self.folder).args(["-c", line]).output().map_err(|error| error.to_string())
     }
 
@@ -125,7 +161,9 @@ impl Shell<'_> {
         let set = of.try_get_many::<String>("set").ok().flatten();
         let set: Vec<String> = set.into_iter().flatten().cloned().collect();
         // A file that an earlier command writes, which was not run either.
-        let Some(file) = file.filter(|file| exit == 0 && (file.exists() || !file.starts_with(self.folder.join("out")))) else {
+        let Some(file) =
+            file.filter(|file| exit == 0 && (file.exists() || !file.starts_with(self.folder.join("out"))))
+        else {
             return Ok(());
         };
         let checked = match name {
@@ -133,9 +171,8 @@ impl Shell<'_> {
             "optimize" => Optimisation::load(&file, &set).map(drop),
             "tolerance" => Tolerance::load(&file, &set).map(drop),
             "gonio" => SurfaceScenario::load(&file, &set).and_then(|surface| surface.resolve()).map(drop),
-            "run" | "brdf" | "sparkle" | "mtf" | "crosstalk" | "image" | "palette" | "sampling" | "pixel" | "serve" => {
-                Scenario::load(&file, &set).and_then(|scenario| scenario.resolve()).map(drop)
-            }
+            "run" | "brdf" | "sparkle" | "mtf" | "crosstalk" | "image" | "palette" | "sampling" | "pixel"
+            | "serve" => Scenario::load(&file, &set).and_then(|scenario| scenario.resolve()).map(drop),
             _ => Ok(()),
         };
         checked.map_err(|errors| errors.to_string())
@@ -143,14 +180,19 @@ impl Shell<'_> {
 
     /// Fails if a file that a command or its comment names does not exist, or if a folder of results is empty.
     fn check_files(&self, words: &[String], comment: &str) -> Result<(), String> {
-        let is_file = |word: &&str| ENDINGS.iter().any(|end| word.ends_with(end)) && !word.contains(['=', '*', ':']);
+        let is_file =
+            |word: &&str| ENDINGS.iter().any(|end| word.ends_with(end)) && !word.contains(['=', '*', ':']);
         let named = words.iter().map(String::as_str).filter(is_file);
-        let in_comment = comment.split([' ', ',', ';', '(', ')', '`']).map(|word| word.trim_end_matches('.')).filter(is_file);
+        let in_comment = comment
+            .split([' ', ',', ';', '(', ')', '`'])
+            .map(|word| word.trim_end_matches('.'))
+            .filter(is_file);
         let missing = |name: &&str| !self.folder.join(name).exists();
         if let Some(name) = named.clone().find(missing) {
             return Err(format!("{name} does not exist after the command"));
         }
-        if let Some(name) = in_comment.filter(missing).find(|name| !exists_in(&self.folder.join("out"), name)) {
+        if let Some(name) = in_comment.filter(missing).find(|name| !exists_in(&self.folder.join("out"), name))
+        {
             return Err(format!("{name}, of the comment, does not exist after the command"));
         }
         let out = words.iter().position(|word| word == "--out").and_then(|at| words.get(at + 1));
@@ -173,7 +215,8 @@ fn exists_in(folder: &Path, name: &str) -> bool {
 
 /// Compares what a page shows with the output of a command: standard error, if it is a message.
 pub(super) fn compare_output(shown: &str, output: &Output) -> Result<(), String> {
-    let is_message = ["error", "warning", "note"].iter().any(|word| shown.starts_with(word));
+    let first = shown.split_whitespace().find(|word| *word != "...").unwrap_or_default();
+    let is_message = ["error", "warning", "note"].iter().any(|word| first.starts_with(word));
     let bytes = if is_message { &output.stderr } else { &output.stdout };
     compare(shown, &String::from_utf8_lossy(bytes))
 }

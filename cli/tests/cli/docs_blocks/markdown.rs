@@ -38,7 +38,9 @@ impl Block {
     pub(super) fn replaced(&self) -> Result<String, String> {
         self.notes.iter().try_fold(self.text.clone(), |text, note| match note {
             Note::Replace(old, new) if text.contains(old) => Ok(text.replace(old, new)),
-            Note::Replace(old, _) => Err(format!("the block does not contain `{old}`, which is to be replaced")),
+            Note::Replace(old, _) => {
+                Err(format!("the block does not contain `{old}`, which is to be replaced"))
+            }
             _ => Ok(text),
         })
     }
@@ -52,7 +54,8 @@ pub(super) fn blocks(page: &str) -> Result<Vec<Block>, String> {
         let at = |error: String| format!("line {number}: {error}");
         let indent = line.len() - line.trim_start().len();
         if let Some(comment) = line.trim_start().strip_prefix("<!--") {
-            let comment = whole_comment(comment, &mut lines).ok_or_else(|| at("the comment has no end".to_owned()))?;
+            let comment =
+                whole_comment(comment, &mut lines).ok_or_else(|| at("the comment has no end".to_owned()))?;
             notes.extend(note(&comment).map_err(at)?);
         } else if let Some(language) = line.trim_start().strip_prefix("```") {
             let mut text = String::new();

@@ -57,7 +57,11 @@ fn copy(from: &Path, to: &Path) {
     fs::create_dir_all(to).unwrap();
     for entry in fs::read_dir(from).unwrap().flatten() {
         let target = to.join(entry.file_name());
-        if entry.path().is_dir() { copy(&entry.path(), &target) } else { drop(fs::copy(entry.path(), target).unwrap()) }
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target)
+        } else {
+            drop(fs::copy(entry.path(), target).unwrap())
+        }
     }
 }
 
@@ -114,7 +118,9 @@ impl Page<'_> {
             }
             "math" | "mermaid" => Ok(()),
             "" => Err("the block has no language".to_owned()),
-            other => Err(format!("the test needs a comment for a block in `{other}`: docs/writing.md lists them")),
+            other => {
+                Err(format!("the test needs a comment for a block in `{other}`: docs/writing.md lists them"))
+            }
         }
     }
 
@@ -127,7 +133,8 @@ impl Page<'_> {
     fn commands(&mut self, block: &Block, text: &str) -> Result<(), String> {
         self.count("sh");
         let is_long = block.notes.contains(&Note::Long);
-        let exit = block.notes.iter().find_map(|note| if let Note::Exit(code) = note { Some(*code) } else { None });
+        let exit =
+            block.notes.iter().find_map(|note| if let Note::Exit(code) = note { Some(*code) } else { None });
         let lines = commands::lines(text);
         if lines.is_empty() {
             return Err("the block has no command".to_owned());
@@ -149,14 +156,19 @@ impl Page<'_> {
     }
 
     fn output(&mut self, block: &Block, text: &str) -> Result<(), String> {
-        let of = block.notes.iter().find_map(|note| if let Note::Output(command) = note { Some(command) } else { None });
+        let of = block
+            .notes
+            .iter()
+            .find_map(|note| if let Note::Output(command) = note { Some(command) } else { None });
         let found = match of {
             Some(command) => self.outputs.iter().rev().find(|(line, _)| line == command),
             None => self.outputs.last(),
         };
         let (command, output) = found.ok_or("no command stands before this output")?;
         match output {
-            Some(output) => compare_output(text, output).map_err(|error| format!("output of {command}: {error}"))?,
+            Some(output) => {
+                compare_output(text, output).map_err(|error| format!("output of {command}: {error}"))?
+            }
             None if self.shell.runs_long => return Err(format!("{command} was not run")),
             None => {}
         }
@@ -165,11 +177,17 @@ impl Page<'_> {
     }
 
     fn scenario(&self, block: &Block, text: &str) -> Result<(), String> {
-        let mut base = block.notes.iter().filter_map(|note| if let Note::Base(file) = note { Some(file) } else { None });
-        let mut files = block.notes.iter().filter_map(|note| if let Note::File(file, None) = note { Some(file) } else { None });
+        let mut base =
+            block.notes.iter().filter_map(|note| if let Note::Base(file) = note { Some(file) } else { None });
+        let mut files = block
+            .notes
+            .iter()
+            .filter_map(|note| if let Note::File(file, None) = note { Some(file) } else { None });
         let base = base.next();
         let place = base.or_else(|| files.next()).map_or(Path::new(""), |file| Path::new(file));
-        let read = |file: &String| fs::read_to_string(self.shell.folder.join(file)).map_err(|error| format!("{file}: {error}"));
+        let read = |file: &String| {
+            fs::read_to_string(self.shell.folder.join(file)).map_err(|error| format!("{file}: {error}"))
+        };
         let base = base.map(read).transpose()?;
         let folder = self.shell.folder.join(place.parent().unwrap_or(Path::new("")));
         scenarios::resolve(text, base.as_deref(), &folder)
@@ -180,8 +198,12 @@ impl Page<'_> {
 fn is_excerpt(text: &str, file: &str) -> Result<(), String> {
     let whole = fs::read_to_string(repository().join(file)).map_err(|error| format!("{file}: {error}"))?;
     let mut lines = whole.lines().map(str::trim);
-    let mut missing = text.lines().map(|line| line.split("  //").next().unwrap_or(line).trim()).filter(|line| !line.is_empty());
-    match missing.find(|shown| !lines.any(|line| line.split("  //").next().unwrap_or(line).trim() == *shown)) {
+    let mut missing = text
+        .lines()
+        .map(|line| line.split("  //").next().unwrap_or(line).trim())
+        .filter(|line| !line.is_empty());
+    match missing.find(|shown| !lines.any(|line| line.split("  //").next().unwrap_or(line).trim() == *shown))
+    {
         Some(line) => Err(format!("{file} does not have the line `{line}` there")),
         None => Ok(()),
     }
@@ -196,9 +218,12 @@ fn test_page(name: &str) -> (Counts, Vec<(Duration, String)>, Vec<String>) {
     };
     let folder = tempfile::tempdir().unwrap();
     if !blocks.is_empty() {
-        ["scenarios", "surfaces"].iter().for_each(|part| copy(&repository().join(part), &folder.path().join(part)));
+        ["scenarios", "surfaces"]
+            .iter()
+            .for_each(|part| copy(&repository().join(part), &folder.path().join(part)));
     }
-    let program = std::env::var_os(PROGRAM).map_or_else(|| PathBuf::from(env!("CARGO_BIN_EXE_papilio")), PathBuf::from);
+    let program =
+        std::env::var_os(PROGRAM).map_or_else(|| PathBuf::from(env!("CARGO_BIN_EXE_papilio")), PathBuf::from);
     let program = repository().join(program);
     let runs_long = std::env::var_os(ALL).is_some();
     let shell = Shell { folder: folder.path(), program: program.parent().unwrap(), runs_long };
@@ -236,10 +261,19 @@ fn blocks_of_the_documentation_run_and_their_outputs_are_those_shown() {
     let (counts, mut times, wrong) = found.into_inner().unwrap();
     times.sort();
     let slow = times.iter().rev().take(20).map(|(time, line)| format!("{:.1} s  {line}", time.as_secs_f64()));
-    assert!(wrong.is_empty(), "{}\n\n{counts:?}\n{}", wrong.join("\n\n"), slow.collect::<Vec<_>>().join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "{}\n\n{counts:?}\n{}",
+        wrong.join("\n\n"),
+        slow.collect::<Vec<_>>().join("\n")
+    );
     if one.is_none() {
-        for (what, least) in [("sh", 58), ("toml", 20), ("outputs", 6), ("commands run", 60), ("python", 24)] {
-            assert!(counts.get(what).is_some_and(|count| *count >= least), "at least {least} {what}: {counts:?}");
+        for (what, least) in [("sh", 58), ("toml", 20), ("outputs", 6), ("commands run", 60), ("python", 24)]
+        {
+            assert!(
+                counts.get(what).is_some_and(|count| *count >= least),
+                "at least {least} {what}: {counts:?}"
+            );
         }
         assert!(counts.get("skipped").is_none_or(|count| *count < 10), "few blocks are skipped: {counts:?}");
     }

@@ -9,8 +9,11 @@ const OMITTED: &str = "...";
 /// Compares an output with the text of a page: word by word, with numbers as [`same_word`] compares them. `...` stands for any number of
 /// words.
 pub(super) fn compare(shown: &str, printed: &str) -> Result<(), String> {
-    let words: Vec<Word<'_>> =
-        shown.lines().enumerate().flat_map(|(line, text)| text.split_whitespace().map(move |word| (line, word))).collect();
+    let words: Vec<Word<'_>> = shown
+        .lines()
+        .enumerate()
+        .flat_map(|(line, text)| text.split_whitespace().map(move |word| (line, word)))
+        .collect();
     let printed: Vec<&str> = printed.split_whitespace().collect();
     let parts: Vec<&[Word<'_>]> = words.split(|(_, word)| *word == OMITTED).collect();
     let last = parts.len() - 1;
@@ -23,7 +26,9 @@ pub(super) fn compare(shown: &str, printed: &str) -> Result<(), String> {
             (_, true) => (end.unwrap_or(0).max(from), end),
             (_, false) => (from, end),
         };
-        let found = starts.1.and_then(|last| (starts.0..=last).find(|start| equal_words(part, &printed[*start..]) == part.len()));
+        let found = starts.1.and_then(|last| {
+            (starts.0..=last).find(|start| equal_words(part, &printed[*start..]) == part.len())
+        });
         match found {
             Some(start) => from = start + part.len(),
             None => return Err(difference(shown, part, &printed[from..], index == 0)),
@@ -40,14 +45,19 @@ fn equal_words(expected: &[Word<'_>], printed: &[&str]) -> usize {
 /// Describes where the longest beginning of `part` in the output ends.
 fn difference(shown: &str, part: &[Word<'_>], printed: &[&str], at_start: bool) -> String {
     let starts = if at_start { 0..=0 } else { 0..=printed.len() };
-    let best = starts.max_by_key(|start| (equal_words(part, &printed[*start..]), printed.len() - start)).unwrap_or(0);
+    let best = starts
+        .max_by_key(|start| (equal_words(part, &printed[*start..]), printed.len() - start))
+        .unwrap_or(0);
     let equal = equal_words(part, &printed[best..]);
     let around = |words: &[&str]| words.iter().skip(equal).take(12).copied().collect::<Vec<_>>().join(" ");
     let found = around(&printed[best..]);
     match part.get(equal) {
         Some((line, word)) => {
             let text = shown.lines().nth(*line).unwrap_or_default().trim();
-            format!("line {} of the block, `{text}`: `{word}` is shown, the program prints `{found} ...`", line + 1)
+            format!(
+                "line {} of the block, `{text}`: `{word}` is shown, the program prints `{found} ...`",
+                line + 1
+            )
         }
         None => format!("the program also prints `{found} ...`; omit it with a line `...`"),
     }
@@ -110,7 +120,10 @@ fn equal_outputs_are_accepted() {
 fn different_outputs_are_reported_with_their_line() {
     let printed = "Title\n\nstate   Y\n white 0.5862 (3 %)\n black 0.0248\nend\n";
     for (shown, says) in [
-        ("Title\nstate Y\nwhite 0.5864 (3 %)\n...", "line 3 of the block, `white 0.5864 (3 %)`: `0.5864` is shown"),
+        (
+            "Title\nstate Y\nwhite 0.5864 (3 %)\n...",
+            "line 3 of the block, `white 0.5864 (3 %)`: `0.5864` is shown",
+        ),
         ("Title\nstate Y\nwhite 0.586 (3 %)\n...", "`0.586` is shown"),
         ("Title\nstate Y\nwhite 0.5862 (4 %)\n...", "`(4` is shown"),
         ("Title\n", "also prints `state Y"),

@@ -19,7 +19,11 @@ pub(super) fn resolve(text: &str, base: Option<&str>, folder: &Path) -> Result<(
             return SurfaceScenario::from_text(&text, "block", folder, &none)?.resolve().map(drop);
         }
         let scenario = Scenario::from_text(&text, "block", folder, &none)?;
-        if has("image") { scenario.resolve_with_picture()? } else { scenario.resolve()? };
+        if has("image") {
+            scenario.resolve_with_picture()?
+        } else {
+            scenario.resolve()?
+        };
         if has("sweep") {
             let sweep = Sweep::from_text(&text, "block", folder, &none)?;
             sweep.scenario(sweep.len() - 1)?.resolve()?;
@@ -47,7 +51,10 @@ fn merged(base: &str, fragment: &str) -> Result<String, String> {
         if done.iter().any(|before| path.starts_with(before)) {
             continue;
         }
-        let value = path.iter().try_fold(&Value::Table(new.clone()), |value, key| value.get(key).ok_or(*key)).cloned();
+        let value = path
+            .iter()
+            .try_fold(&Value::Table(new.clone()), |value, key| value.get(key).ok_or(*key))
+            .cloned();
         let value = value.map_err(|key| format!("the test does not find `{key}` of `{}`", path.join(".")))?;
         set(&mut all, &path, value)?;
         done.push(path);
@@ -91,8 +98,14 @@ fn tables_of_a_fragment_take_the_place_of_those_of_its_base() {
     let base = "a = 1\nb = 2\n[c]\nx = 1\ny = 2\n[c.d]\nz = 3\n[[e]]\nk = 1\n[[e]]\nk = 2\n";
     for (fragment, expected) in [
         ("[c]\nx = 5\n", "a = 1\nb = 2\n[c]\nx = 5\n[[e]]\nk = 1\n[[e]]\nk = 2\n"),
-        ("[c.d]\nw = [\n  1,\n]\n", "a = 1\nb = 2\n[c]\nx = 1\ny = 2\n[c.d]\nw = [1]\n[[e]]\nk = 1\n[[e]]\nk = 2\n"),
-        ("a = 7\nc.y = 3\n[[e]]\nk = 9\n[e.f]\ng = 1\n", "a = 7\nb = 2\n[c]\nx = 1\ny = 3\n[c.d]\nz = 3\n[[e]]\nk = 9\nf.g = 1\n"),
+        (
+            "[c.d]\nw = [\n  1,\n]\n",
+            "a = 1\nb = 2\n[c]\nx = 1\ny = 2\n[c.d]\nw = [1]\n[[e]]\nk = 1\n[[e]]\nk = 2\n",
+        ),
+        (
+            "a = 7\nc.y = 3\n[[e]]\nk = 9\n[e.f]\ng = 1\n",
+            "a = 7\nb = 2\n[c]\nx = 1\ny = 3\n[c.d]\nz = 3\n[[e]]\nk = 9\nf.g = 1\n",
+        ),
     ] {
         assert_eq!(parse(&merged(base, fragment).unwrap()), parse(expected), "{fragment}");
     }
