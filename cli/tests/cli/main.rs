@@ -14,6 +14,8 @@ mod compare;
 mod cone;
 mod crosstalk;
 mod diffuser;
+// The commands are those of a Unix shell.
+#[cfg(unix)]
 mod docs_blocks;
 mod figures;
 mod fine_detail;

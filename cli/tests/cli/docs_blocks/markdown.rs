@@ -23,6 +23,29 @@ pub(super) enum Note {
     Skip(String),
 }
 
+impl Note {
+    pub(super) fn base(&self) -> Option<&str> {
+        if let Self::Base(file) = self { Some(file) } else { None }
+    }
+
+    /// Name of the file whose content is the block.
+    pub(super) fn shown_file(&self) -> Option<&str> {
+        if let Self::File(name, None) = self { Some(name) } else { None }
+    }
+
+    pub(super) fn output(&self) -> Option<&str> {
+        if let Self::Output(command) = self { Some(command) } else { None }
+    }
+
+    pub(super) fn exit(&self) -> Option<i32> {
+        if let Self::Exit(code) = self { Some(*code) } else { None }
+    }
+
+    pub(super) fn from(&self) -> Option<&str> {
+        if let Self::From(file) = self { Some(file) } else { None }
+    }
+}
+
 /// A fenced block of code.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Block {
@@ -34,6 +57,11 @@ pub(super) struct Block {
 }
 
 impl Block {
+    /// What the first of its comments says that `of` reads.
+    pub(super) fn find<'a, T>(&'a self, of: impl Fn(&'a Note) -> Option<T>) -> Option<T> {
+        self.notes.iter().find_map(of)
+    }
+
     /// The text after the replacements for the test.
     pub(super) fn replaced(&self) -> Result<String, String> {
         self.notes.iter().try_fold(self.text.clone(), |text, note| match note {
