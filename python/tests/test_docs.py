@@ -66,6 +66,8 @@ def test_blocks_of_page_run(page, program, monkeypatch, tmp_path):
             names = run_doctest(code, names, page)
         else:
             exec(compile(code, page, "exec"), names)
+    if "client" in names:
+        names["client"].shutdown()  # a cluster of the page, in this process
 
 
 def test_blocks_of_pages_are_found_and_few_are_skipped():
