@@ -40,7 +40,8 @@ pub(super) fn reference(mut program: Command) -> String {
         let about = command.get_about().map(ToString::to_string).unwrap_or_default();
         let _ = write!(text, "\n## {name}\n\n{}.\n", about.trim_end_matches('.'));
         if !command.has_subcommands() || has_arguments(command) {
-            let usage = command.clone().render_usage().to_string();
+            let mut command = (*command).clone();
+            let usage = command.render_usage().to_string();
             let usages = usage.trim_start_matches("Usage:").lines().map(|line| format!("`{}`", line.trim()));
             let _ = write!(text, "\nUsage: {}\n", usages.collect::<Vec<_>>().join(" or "));
         }
