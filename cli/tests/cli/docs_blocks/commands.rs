@@ -150,7 +150,7 @@ impl Shell<'_> {
         Ok(words.split_terminator('\0').map(str::to_owned).collect())
     }
 
-    /// Checks the arguments of the program, and the scenario that they name.
+    /// Checks the arguments of the program, and the keys and values of the scenario that they name.
     fn check(&self, words: &[String], exit: i32) -> Result<(), String> {
         let parsed = papilio_cli::command().try_get_matches_from(words).map_err(|error| error.to_string())?;
         let (mut name, mut of) = ("", &parsed);
@@ -158,21 +158,20 @@ impl Shell<'_> {
             (name, of) = (inner, matches);
         }
         let file = of.try_get_one::<PathBuf>("file").ok().flatten().map(|file| self.folder.join(file));
+        let shipped = ["scenarios", "surfaces"].map(|part| self.folder.join(part));
         let set = of.try_get_many::<String>("set").ok().flatten();
         let set: Vec<String> = set.into_iter().flatten().cloned().collect();
-        // A file that an earlier command writes, which was not run either.
-        let Some(file) =
-            file.filter(|file| exit == 0 && (file.exists() || !file.starts_with(self.folder.join("out"))))
-        else {
-            return Ok(());
-        };
+        // A file that an earlier command writes may not be there: that one was not run either.
+        let is_there =
+            |file: &PathBuf| exit == 0 && (file.exists() || shipped.iter().any(|of| file.starts_with(of)));
+        let Some(file) = file.filter(is_there) else { return Ok(()) };
         let checked = match name {
             "sweep" => Sweep::load(&file, &set).map(drop),
             "optimize" => Optimisation::load(&file, &set).map(drop),
             "tolerance" => Tolerance::load(&file, &set).map(drop),
-            "gonio" => SurfaceScenario::load(&file, &set).and_then(|surface| surface.resolve()).map(drop),
+            "gonio" => SurfaceScenario::load(&file, &set).map(drop),
             "run" | "brdf" | "sparkle" | "mtf" | "crosstalk" | "image" | "palette" | "sampling" | "pixel"
-            | "serve" => Scenario::load(&file, &set).and_then(|scenario| scenario.resolve()).map(drop),
+            | "serve" => Scenario::load(&file, &set).map(drop),
             _ => Ok(()),
         };
         checked.map_err(|errors| errors.to_string())

@@ -133,7 +133,7 @@ fn after_help(command: &Command) -> String {
         let lines = lines.join("\n");
         if !is_command {
             let paragraphs = lines.split("\n\n").filter(|text| !text.trim().is_empty());
-            paragraphs.for_each(|paragraph| text += &format!("\n{}\n", paragraph.trim()));
+            paragraphs.for_each(|paragraph| text += &format!("\n{}\n", linked(paragraph.trim())));
             continue;
         }
         text += "\n<!-- long -->\n";
@@ -146,4 +146,15 @@ fn after_help(command: &Command) -> String {
         let _ = write!(text, "```sh\n{}\n```\n", lines.trim());
     }
     text
+}
+
+/// A text whose names of pages, `docs/brdf.md`, are links.
+fn linked(text: &str) -> String {
+    let link = |word: &str| {
+        let page = word.strip_prefix("docs/").and_then(|rest| rest.find(".md").map(|end| &rest[..end + 3]));
+        page.map_or(word.to_owned(), |page| {
+            word.replacen(&format!("docs/{page}"), &format!("[docs/{page}]({page})"), 1)
+        })
+    };
+    text.split(' ').map(link).collect::<Vec<_>>().join(" ")
 }

@@ -3,12 +3,15 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use papilio_display::image::ImageMetrics;
 use papilio_display::metric_label;
+use papilio_display::result::{StateValues, ViewMetrics};
 use papilio_display::scene::Metric;
+use papilio_display::spatial::{CrosstalkMetrics, SharpnessMetrics, SparkleMetrics, SpatialScalars};
+use schemars::schema_for;
 use serde_json::Value;
 
 use super::cell;
-use super::fields::schemas;
 
 /// Tables of metrics, by what computes them.
 pub(super) fn tables() -> String {
@@ -39,21 +42,26 @@ fn row(name: &str, documented: &BTreeMap<String, String>) -> String {
     // A metric of a state has its label there.
     let label = metric_label(name).unwrap_or_else(|| panic!("`{name}` has no label"));
     let unit = if label.unit.is_empty() { "1" } else { &label.unit };
-    let definition = documented.get(name).unwrap_or_else(|| panic!("`{name}` is not documented in a schema"));
+    let definition = documented.get(name).unwrap_or_else(|| panic!("`{name}` is not documented"));
     format!("| `{name}` | {} | {unit} | {} |\n", cell(&label.quantity), cell(definition))
 }
 
-/// Descriptions of the fields of all results, by name; the same name has the same meaning wherever it is a metric.
+/// Documentation of all metrics, by name.
 fn documented() -> BTreeMap<String, String> {
+    let tables = [
+        schema_for!(ViewMetrics),
+        schema_for!(StateValues),
+        schema_for!(SharpnessMetrics),
+        schema_for!(SpatialScalars),
+        schema_for!(CrosstalkMetrics),
+        schema_for!(SparkleMetrics),
+        schema_for!(ImageMetrics),
+    ];
     let mut found = BTreeMap::new();
-    for (.., schema) in schemas() {
-        let inner = schema["$defs"].as_object().into_iter().flat_map(|all| all.values());
-        for table in inner.chain([&schema]) {
-            for (name, field) in table["properties"].as_object().into_iter().flatten() {
-                if let Some(text) = field["description"].as_str() {
-                    found.entry(name.clone()).or_insert_with(|| text.to_owned());
-                }
-            }
+    for table in tables {
+        for (name, field) in table.to_value()["properties"].as_object().into_iter().flatten() {
+            let text = field["description"].as_str().unwrap_or_default().to_owned();
+            found.insert(name.clone(), text);
         }
     }
     found
