@@ -50,7 +50,10 @@ impl Page<'_> {
             "text" if !is_file => self.output(block, &text),
             "toml" => {
                 self.count("toml");
-                self.scenario(block, &text)
+                let start = Instant::now();
+                let resolved = self.scenario(block, &text);
+                self.times.push((start.elapsed(), format!("{}:{}", self.name, block.line)));
+                resolved
             }
             "python" => {
                 self.count("python");
@@ -124,7 +127,8 @@ impl Page<'_> {
         };
         let base = base.map(read).transpose()?;
         let folder = self.shell.folder.join(place.parent().unwrap_or(Path::new("")));
-        scenarios::resolve(text, base.as_deref(), &folder)
+        let is_resolved = self.shell.runs_long || !block.notes.contains(&Note::Long);
+        scenarios::check(text, base.as_deref(), &folder, is_resolved)
     }
 }
 

@@ -5,8 +5,8 @@ use std::path::Path;
 use papilio_scenario::{Optimisation, Scenario, ScenarioErrors, SurfaceScenario, Sweep, Tolerance};
 use toml::{Table, Value};
 
-/// Resolves a scenario, or a fragment in place of the tables of its base.
-pub(super) fn resolve(text: &str, base: Option<&str>, folder: &Path) -> Result<(), String> {
+/// Reads a scenario, or a fragment in place of the tables of its base, and resolves it.
+pub(super) fn check(text: &str, base: Option<&str>, folder: &Path, is_resolved: bool) -> Result<(), String> {
     let text = match base {
         Some(base) => merged(base, text)?,
         None => text.to_owned(),
@@ -16,14 +16,15 @@ pub(super) fn resolve(text: &str, base: Option<&str>, folder: &Path) -> Result<(
     let none: [String; 0] = [];
     let check = || -> Result<(), ScenarioErrors> {
         if has("microgeometry") {
-            return SurfaceScenario::from_text(&text, "block", folder, &none)?.resolve().map(drop);
+            let surface = SurfaceScenario::from_text(&text, "block", folder, &none)?;
+            return if is_resolved { surface.resolve().map(drop) } else { Ok(()) };
         }
         let scenario = Scenario::from_text(&text, "block", folder, &none)?;
-        if has("image") {
-            scenario.resolve_with_picture()?
-        } else {
-            scenario.resolve()?
-        };
+        match (is_resolved, has("image")) {
+            (true, true) => drop(scenario.resolve_with_picture()?),
+            (true, false) => drop(scenario.resolve()?),
+            (false, _) => {}
+        }
         if has("sweep") {
             let sweep = Sweep::from_text(&text, "block", folder, &none)?;
             sweep.scenario(sweep.len() - 1)?.resolve()?;
