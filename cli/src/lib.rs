@@ -182,6 +182,12 @@ fn missing_feature(command: &Command) -> Option<String> {
     }
 }
 
+/// Returns the definition of the command line: all commands with their arguments, options, defaults and help. The tests make
+/// docs/cli.md from it.
+pub fn command() -> clap::Command {
+    <Arguments as clap::CommandFactory>::command()
+}
+
 /// Runs the program with its arguments, the first of which is its own name; returns the exit code.
 pub fn main(arguments: &[OsString]) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {

@@ -1,30 +1,79 @@
-"""The examples of docs/python.md and of the README."""
+"""Every block of Python of the documentation: it runs, and the results that it shows are compared.
+
+docs/writing.md describes the comments above the blocks; all other blocks are tested by cli/tests/cli/docs_blocks.
+"""
 
 import doctest
+import os
 import re
+import shutil
+import subprocess
 import sys
+import textwrap
 
 import pytest
 from conftest import ROOT
 
+COMMENT = r"<!--(?:(?!-->).)*-->"
+BLOCK = re.compile(rf"(?P<notes>(?:^ *{COMMENT}\s*)*)^ *```python\n(?P<code>.*?)^ *```$", re.MULTILINE | re.DOTALL)
+
 
 def blocks(page):
-    return re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    """The notes (name, value) and the code of each block of Python of a page."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    for found in BLOCK.finditer(text):
+        notes = re.findall(r"<!-- *(\w+):? *((?:(?!-->).)*?) *-->", found["notes"], re.DOTALL)
+        yield notes, textwrap.dedent(found["code"])
 
 
-@pytest.mark.parametrize(("page", "least"), [("docs/python.md", 6), ("README.md", 1)])
-def test_examples_of_pages_run(page, least, monkeypatch):
-    monkeypatch.chdir(ROOT)
-    shown, names = blocks(page), {}
-    assert len(shown) >= least
-    for block in shown:  # each block uses the names of the preceding ones
-        block = block.replace(", 100)", ", 20)")  # 400 designs instead of 10,000: the same code
-        test = doctest.DocTestParser().get_doctest(block, names, page, page, 0)
-        said = []
-        runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
-        failed, _ = runner.run(test, out=said.append, clear_globs=False)
-        names = test.globs
-        assert failed == 0, "".join(said)
+PAGES = sorted(
+    str(path.relative_to(ROOT))
+    for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
+    if path.name != "CHANGELOG.md" and any(blocks(path.relative_to(ROOT)))
+)
+
+
+def run_doctest(code, names, page):
+    test = doctest.DocTestParser().get_doctest(code, names, page, page, 0)
+    said = []
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    failed, _ = runner.run(test, out=said.append, clear_globs=False)
+    assert failed == 0, "".join(said)
+    return test.globs
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_blocks_of_page_run(page, program, monkeypatch, tmp_path):
+    for folder in ("scenarios", "surfaces"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", f"{(ROOT / program).parent}{os.pathsep}{os.environ['PATH']}")
+    names = {}
+    for notes, code in blocks(page):  # each block uses the names of the preceding ones
+        known = dict(notes)
+        assert set(known) <= {"setup", "replace", "skip", "long"}, (page, notes)
+        assert known.get("skip") != "", f"{page}: a skipped block needs a reason"
+        if "skip" in known or ("long" in known and "PAPILIO_DOCS_ALL" not in os.environ):
+            continue
+        for name, value in notes:
+            if name == "setup":
+                subprocess.run(value, shell=True, check=True, capture_output=True)
+            if name == "replace":
+                old, new = value.split(" -> ")
+                assert old in code, (page, value)
+                code = code.replace(old, new)
+        if code.startswith(">>>"):
+            names = run_doctest(code, names, page)
+        else:
+            exec(compile(code, page, "exec"), names)
+    if "client" in names:
+        names["client"].shutdown()  # a cluster of the page, in this process
+
+
+def test_blocks_of_pages_are_found_and_few_are_skipped():
+    notes = [dict(notes) for page in PAGES for notes, _ in blocks(page)]
+    assert len(notes) >= 24, len(notes)
+    assert sum("skip" in known for known in notes) <= 2
 
 
 def test_python_version_is_consistent_and_tested():

@@ -33,7 +33,7 @@ const TASKS: [Task; 12] = [
     ),
     (
         "full",
-        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, and all tests of the page and of Python; then oracle and deny",
+        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, all commands of the documentation, and all tests of the page and of Python; then oracle and deny",
         full,
     ),
     ("page", "build the page of the web app, and run all its tests in Chromium", page::page),
@@ -110,8 +110,16 @@ fn exit_code(outcome: Outcome) -> ExitCode {
 fn full() -> Outcome {
     test::with_more(test::SEEDS, 2000)?;
     package::package()?;
+    blocks()?;
     oracle::oracle()?;
     deny()
+}
+
+/// Runs all commands of the documentation, those that take long too, with the release program, which the package was compared with.
+fn blocks() -> Outcome {
+    let mut blocks = cargo(["test", "--package", "papilio", "--test", "cli", "docs_blocks"]);
+    blocks.env("PAPILIO_DOCS_ALL", "1").env("PAPILIO_DOCS_PROGRAM", shell::papilio());
+    shell::run(blocks)
 }
 
 /// The tests that compare these tables write them when they are told to.
@@ -124,6 +132,7 @@ fn docs() -> Outcome {
             "tables_of_materials_illuminants_and_old_names_in_the_docs_are_those_of_the_program",
         ),
         ("papilio-formats", "formats", "table_of_formats_in_the_docs_is_that_of_the_readers"),
+        ("papilio", "cli", "reference::"),
     ] {
         let mut written = cargo(["test", "--package", package, "--test", test, name]);
         written.env("PAPILIO_WRITE_DOCS", "1");
@@ -139,4 +148,36 @@ fn bench() -> Outcome {
 fn deny() -> Outcome {
     shell::need(Needs { tool: &["cargo", "deny"], install: "cargo install cargo-deny --locked" })?;
     shell::run(cargo(["deny", "--workspace", "check"]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every `cargo xtask TASK` of the documentation is a task. The commands are not run there: they run the tests.
+    #[test]
+    fn tasks_named_in_the_documentation_exist() {
+        let mut folders = vec![shell::root().join("docs")];
+        let mut pages = vec![shell::root().join("README.md"), shell::root().join("ARCHITECTURE.md")];
+        while let Some(folder) = folders.pop() {
+            for path in folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path()) {
+                if path.is_dir() { folders.push(path) } else { pages.push(path) }
+            }
+        }
+        pages.push(shell::root().join("CONTRIBUTING.md"));
+        pages.retain(|path| path.extension().is_some_and(|end| end == "md") && path.exists());
+        let mut found = 0;
+        for path in pages {
+            let text = std::fs::read_to_string(&path).unwrap_or_default();
+            for rest in text.split("cargo xtask ").skip(1) {
+                let end = rest.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(rest.len());
+                let name = &rest[..end];
+                let is_known =
+                    TASKS.iter().any(|(known, ..)| *known == name) || [SERVE.0, PAIRS.0].contains(&name);
+                assert!(is_known || name.is_empty(), "{}: there is no task `{name}`", path.display());
+                found += usize::from(is_known);
+            }
+        }
+        assert!(found > 20, "{found}");
+    }
 }

@@ -28,6 +28,9 @@ const DESIGNS: (&str, &str) = ("PAPILIO_DESIGNS", "100000");
 /// Notebooks of docs/notebooks to run; without this variable, none.
 const NOTEBOOKS: (&str, &str) = ("PAPILIO_NOTEBOOKS", "all");
 
+/// Blocks of the documentation that take long; without this variable, none.
+const LONG_BLOCKS: (&str, &str) = ("PAPILIO_DOCS_ALL", "1");
+
 /// Build profile of the extension module.
 #[derive(Clone, Copy)]
 pub(crate) enum Profile {
@@ -92,7 +95,7 @@ pub(crate) fn tests(environment: &Environment, profile: Profile) -> Command {
     let mut tests = command(environment.python(), arguments);
     tests.env("PAPILIO", profile.papilio());
     if matches!(profile, Profile::Release) {
-        tests.envs([DESIGNS, NOTEBOOKS]);
+        tests.envs([DESIGNS, NOTEBOOKS, LONG_BLOCKS]);
     }
     tests
 }

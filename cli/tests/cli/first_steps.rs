@@ -1,8 +1,8 @@
-//! The first day: README's commands, new scenarios, quiet runs, a scenario from standard input, completions, the page of a run.
+//! The first day: new scenarios, quiet runs, a scenario from standard input, completions, the page of a run.
 
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use crate::common::{stderr, stdout};
@@ -14,10 +14,6 @@ fn papilio_in(folder: &Path, arguments: &[&str]) -> Output {
         .args(arguments)
         .output()
         .unwrap()
-}
-
-fn repository() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
 }
 
 /// Every display in every light is written as a scenario that runs without a warning.
@@ -192,49 +188,4 @@ fn page_of_a_run_is_complete_and_self_contained() {
     assert_eq!(unique.len(), ids.len());
     let refused = papilio_in(here, &["run", "s.toml", "--report", "--json"]);
     assert_eq!(refused.status.code(), Some(2));
-}
-
-/// Commands of the pages that take long, or do not end: only their options are checked.
-const LONG: [&str; 11] = [
-    "--cone",
-    "sweep",
-    "optimize",
-    "tolerance",
-    "validate",
-    "study",
-    "serve",
-    "sparkle",
-    "brdf",
-    "monte-carlo",
-    "gonio",
-];
-
-/// The commands of README run as they are pasted, in its order.
-#[cfg(unix)]
-#[test]
-fn commands_of_readme_run_as_pasted() {
-    let program = Path::new(env!("CARGO_BIN_EXE_papilio")).parent().unwrap();
-    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    for examples in ["scenarios", "surfaces"] {
-        std::os::unix::fs::symlink(repository().join(examples), here.join(examples)).unwrap();
-    }
-    let text = fs::read_to_string(repository().join("README.md")).unwrap();
-    let blocks = text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
-    let lines: Vec<&str> = blocks.flat_map(str::lines).filter(|line| line.starts_with("papilio ")).collect();
-    assert!(lines.len() >= 12, "{lines:?}");
-    for line in lines {
-        let command = line.split("  #").next().unwrap().split(" | jq").next().unwrap();
-        let is_long = LONG.iter().any(|word| command.split_whitespace().any(|found| found == *word));
-        let command = if is_long { format!("{} --help", command.trim()) } else { command.to_owned() };
-        let mut shell = Command::new("sh");
-        let shell = shell.env("NO_COLOR", "1").env("PATH", &path).current_dir(here).arg("-c").arg(&command);
-        let output = shell.output().unwrap();
-        assert!(output.status.success(), "{line}\n{}", stderr(&output));
-        // Files of the repository that are named exist.
-        let is_example = |word: &&str| word.starts_with("scenarios/") || word.starts_with("surfaces/");
-        let files = command.split_whitespace().filter(is_example);
-        files.for_each(|file| assert!(repository().join(file).exists(), "{line}"));
-    }
 }

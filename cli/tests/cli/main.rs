@@ -14,6 +14,9 @@ mod compare;
 mod cone;
 mod crosstalk;
 mod diffuser;
+// The commands are those of a Unix shell.
+#[cfg(unix)]
+mod docs_blocks;
 mod figures;
 mod fine_detail;
 mod first_steps;
@@ -27,6 +30,7 @@ mod new;
 mod optimize;
 mod palette;
 mod pixel;
+mod reference;
 mod run;
 mod serve;
 mod sparkle;

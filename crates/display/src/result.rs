@@ -224,9 +224,9 @@ pub struct StateValues {
     /// Luminous reflectance factor under the diffuse light alone, including front reflection (Feng 2012,
     /// eq. 3-1); null without diffuse light.
     pub R_hemi: Option<f64>,
-    /// The same under each directed source alone.
+    /// Luminous reflectance factor under each directed source alone.
     pub R_dir: Vec<Option<f64>>,
-    /// The same under each environment alone.
+    /// Luminous reflectance factor under each environment alone.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub R_environment: Vec<Option<f64>>,
     /// Reflectance factors under each light alone, if `metrics.spectra_by_light` is set.

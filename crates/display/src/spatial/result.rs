@@ -21,7 +21,7 @@ pub struct Sharpness {
 pub struct MtfResult {
     /// Spatial frequencies in the plane of the panel, cycles per mm.
     pub frequency_per_mm: Vec<f64>,
-    /// The same for the eye at `viewer.distance_mm`, cycles per degree.
+    /// `frequency_per_mm` for the eye at `viewer.distance_mm`, cycles per degree.
     pub cycles_per_degree: Vec<f64>,
     /// Period of a pixel along x and y, um; null without a matrix.
     pub pitch_um: Option<[f64; 2]>,
@@ -108,7 +108,7 @@ pub struct MtfState {
     pub error: SpatialScalars,
     /// Light by frequency, in all light.
     pub otf: Curves,
-    /// The same for each light: `diffuse`, `directed.0`, `environment.0`, ...
+    /// Curves of each light: `diffuse`, `directed.0`, `environment.0`, ...
     pub by_light: Named<Curves>,
     /// Line and edge along x and y, by light, as `spread.csv`.
     #[serde(skip)]

@@ -30,5 +30,6 @@ mod picture;
 mod picture_samples;
 mod placed;
 mod prepared;
+mod shown;
 mod sub_pixels;
 mod viewing_cone;

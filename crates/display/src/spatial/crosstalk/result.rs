@@ -33,7 +33,7 @@ pub struct CrosstalkView {
     /// Shares in all light.
     #[serde(flatten)]
     pub shares: Shares,
-    /// The same for each light: `diffuse`, `directed.0`, `environment.0`, ...
+    /// The shares in each light: `diffuse`, `directed.0`, `environment.0`, ...
     pub by_light: Named<Shares>,
     /// Colours of uniform pages, stripes, a line and text.
     pub patterns: Vec<PatternColours>,

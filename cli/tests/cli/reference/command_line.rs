@@ -1,0 +1,160 @@
+//! The page of the command line, from the definitions of its commands.
+
+use std::fmt::Write;
+
+use clap::{Arg, ArgAction, Command};
+
+use super::cell;
+
+/// Files of the reader in the examples: words of a command, and what makes the file.
+const FILES: [(&str, &str); 6] = [
+    ("photograph.jpg", "cp scenarios/data/chelsea.png photograph.jpg"),
+    ("scan.csv", "cp scenarios/data/synthetic-scan.csv scan.csv"),
+    ("old.toml", "cp scenarios/indoor.toml old.toml"),
+    ("sample.bsdf", "cp scenarios/data/H78.bsdf sample.bsdf; cp scenarios/data/H65.bsdf white.bsdf"),
+    ("office.toml", "rm -f office.toml"),
+    ("reader.toml", "rm -f reader.toml"),
+];
+
+/// Describes all commands.
+pub(super) fn reference(mut program: Command) -> String {
+    program.build();
+    let mut text = String::new();
+    let all = commands(&program, "papilio");
+    text += "| command | purpose |\n|---|---|\n";
+    for (name, command) in
+        all.iter().filter(|(_, command)| !command.has_subcommands() || has_arguments(command))
+    {
+        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+        let _ = writeln!(text, "| [`{name}`](#{}) | {} |", name.replace(' ', "-"), cell(&about));
+    }
+    text += "\nEvery command has the options\n\n";
+    let global: Vec<&Arg> = program.get_arguments().filter(|option| is_shown(option)).collect();
+    text += &table("option", &global);
+    text += &after_help(&program);
+    for (name, command) in &all {
+        let global = |option: &&Arg| is_shown(option) && !option.is_global_set();
+        let arguments: Vec<&Arg> = command.get_arguments().filter(global).collect();
+        let (positional, options): (Vec<&Arg>, Vec<&Arg>) =
+            arguments.into_iter().partition(|argument| argument.is_positional());
+        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+        let _ = write!(text, "\n## {name}\n\n{}.\n", about.trim_end_matches('.'));
+        if !command.has_subcommands() || has_arguments(command) {
+            let mut command = (*command).clone();
+            let usage = command.render_usage().to_string();
+            let usages = usage.trim_start_matches("Usage:").lines().map(|line| format!("`{}`", line.trim()));
+            let _ = write!(text, "\nUsage: {}\n", usages.collect::<Vec<_>>().join(" or "));
+        }
+        for (what, list) in [("argument", positional), ("option", options)] {
+            if !list.is_empty() {
+                text.push('\n');
+                text += &table(what, &list);
+            }
+        }
+        text += &after_help(command);
+    }
+    text
+}
+
+fn has_arguments(command: &Command) -> bool {
+    command.get_positionals().next().is_some()
+}
+
+/// All commands below one, with their names, in the order of the help.
+fn commands<'a>(command: &'a Command, name: &str) -> Vec<(String, &'a Command)> {
+    let mut all = Vec::new();
+    for inner in command.get_subcommands().filter(|inner| inner.get_name() != "help" && !inner.is_hide_set())
+    {
+        let name = format!("{name} {}", inner.get_name());
+        all.push((name.clone(), inner));
+        all.extend(commands(inner, &name));
+    }
+    all
+}
+
+fn is_shown(argument: &Arg) -> bool {
+    !argument.is_hide_set() && !["help", "version"].contains(&argument.get_id().as_str())
+}
+
+fn table(what: &str, arguments: &[&Arg]) -> String {
+    let mut text = format!("| {what} | meaning |\n|---|---|\n");
+    for argument in arguments {
+        let mut meaning = argument.get_help().map(ToString::to_string).unwrap_or_default();
+        let takes_values = matches!(argument.get_action(), ArgAction::Set | ArgAction::Append);
+        let values = argument.get_possible_values();
+        if takes_values && !values.is_empty() {
+            let shown = values.iter().filter(|value| !value.is_hide_set());
+            let shown = shown.map(|value| match value.get_help() {
+                Some(help) => format!("`{}`: {help}", value.get_name()),
+                None => format!("`{}`", value.get_name()),
+            });
+            let _ = write!(meaning, ". Values: {}", shown.collect::<Vec<_>>().join("; "));
+        }
+        let default = argument.get_default_values();
+        if takes_values && !default.is_empty() {
+            let default: Vec<_> = default.iter().map(|value| value.to_string_lossy()).collect();
+            let _ = write!(meaning, " [default: {}]", default.join(","));
+        }
+        let _ = writeln!(text, "| `{}` | {} |", cell(&name(argument, takes_values)), cell(&meaning));
+    }
+    text
+}
+
+/// An argument as a reader types it.
+fn name(argument: &Arg, takes_values: bool) -> String {
+    let value = match argument.get_value_names() {
+        Some(names) => names.iter().map(ToString::to_string).collect::<Vec<_>>().join(" "),
+        None => argument.get_id().as_str().to_uppercase(),
+    };
+    let Some(long) = argument.get_long() else {
+        return if argument.is_required_set() { format!("<{value}>") } else { format!("[{value}]") };
+    };
+    let short = argument.get_short().map(|short| format!("-{short}, ")).unwrap_or_default();
+    let value = if takes_values { format!(" <{value}>") } else { String::new() };
+    format!("{short}--{long}{value}")
+}
+
+/// The examples and remarks at the end of a help text: commands as blocks that the tests run.
+fn after_help(command: &Command) -> String {
+    let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let mut parts: Vec<(bool, Vec<&str>)> = Vec::new();
+    let mut goes_on = false;
+    for line in help.lines() {
+        let line = line.trim().trim_start_matches("Examples:").trim_start_matches("Example:").trim();
+        let is_command = goes_on || line.starts_with("papilio ");
+        goes_on = is_command && line.ends_with('\\');
+        match parts.last_mut() {
+            Some((of_commands, lines)) if *of_commands == is_command => lines.push(line),
+            _ => parts.push((is_command, vec![line])),
+        }
+    }
+    let mut text = String::new();
+    for (is_command, lines) in parts {
+        let lines = lines.join("\n");
+        if !is_command {
+            let paragraphs = lines.split("\n\n").filter(|text| !text.trim().is_empty());
+            paragraphs.for_each(|paragraph| text += &format!("\n{}\n", linked(paragraph.trim())));
+            continue;
+        }
+        text += "\n<!-- long -->\n";
+        if command.get_name() == "completions" {
+            text += "<!-- skip: each path is one of its shell; cli/tests/cli/first_steps.rs tests the scripts -->\n";
+        }
+        for (_, setup) in FILES.iter().filter(|(word, _)| lines.contains(word)) {
+            let _ = writeln!(text, "<!-- setup: {setup} -->");
+        }
+        let _ = write!(text, "```sh\n{}\n```\n", lines.trim());
+    }
+    text
+}
+
+/// A text whose names of pages, `docs/brdf.md`, are links.
+fn linked(text: &str) -> String {
+    let link = |word: &str| {
+        let page = word.strip_prefix("docs/").and_then(|rest| rest.find(".md").map(|end| &rest[..end + 3]));
+        page.map_or(word.to_owned(), |page| {
+            word.replacen(&format!("docs/{page}"), &format!("[docs/{page}]({page})"), 1)
+        })
+    };
+    text.split(' ').map(link).collect::<Vec<_>>().join(" ")
+}
