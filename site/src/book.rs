@@ -5,7 +5,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
-use papilio_diagnostics::{Diagnostic, did_you_mean};
+use papilio_diagnostics::{Diagnostic, did_you_mean, suggestion};
 
 use crate::document::{Document, Link};
 use crate::links::{Destination, folder};
@@ -69,12 +69,17 @@ impl Book {
         })
     }
 
-    /// URL in the site of a link of the page `source`; `None` for a link into the web.
-    pub(crate) fn url(&self, source: &str, link: &str) -> Option<(String, Option<String>)> {
+    /// Path and anchor to which a link of the page `source` leads; `None` for a link into the web.
+    pub(crate) fn target(&self, source: &str, link: &str) -> Option<(String, Option<String>)> {
         match Destination::read(source, link).ok()? {
             Destination::Web => None,
-            Destination::Local { path, anchor } => Some((self.nodes.get(&path)?.url(&path), anchor)),
+            Destination::Local { path, anchor } => Some((path, anchor)),
         }
+    }
+
+    /// URL in the site of a path of the repository; "" if the site does not have it.
+    pub(crate) fn url(&self, path: &str) -> String {
+        self.nodes.get(path).map(|node| node.url(path)).unwrap_or_default()
     }
 }
 
@@ -158,9 +163,10 @@ impl Loader<'_> {
                     Some(Node::Page(target)) if !target.has_anchor(&anchor) => {
                         let known = target.headings.iter().map(|heading| heading.anchor.as_str());
                         Diagnostic::new(format!("{path} has no heading with the anchor `{anchor}`"))
-                            .hint_if(did_you_mean(&anchor, known))
+                            .hint(suggestion(&anchor, known, "anchors"))
                     }
-                    Some(Node::Page(_)) | None => continue,
+                    // The documentation of the crates has anchors of its own.
+                    Some(Node::Page(_) | Node::Crate(_)) | None => continue,
                     Some(_) => Diagnostic::new("only pages have anchors"),
                 };
                 problems.push(Problem::in_text(&page.source, &page.text, range.clone(), wrong));

@@ -22,6 +22,8 @@ pub(crate) struct Document {
     pub(crate) sections: Vec<Section>,
     /// The first paragraph, shortened.
     pub(crate) description: String,
+    /// HTML of the outputs of a notebook.
+    pub(crate) outputs: Vec<String>,
 }
 
 /// A heading with its anchor.
@@ -78,9 +80,9 @@ impl Document {
         }
         let title = title.unwrap_or_else(|| source.to_owned());
         let description = shortened(&one_line(&description), DESCRIPTION);
-        let document =
-            Self { source: source.to_owned(), title, headings, links, sections, description, text: String::new() };
-        (Self { text, ..document }, problems)
+        let outputs = Vec::new();
+        let source = source.to_owned();
+        (Self { source, title, headings, links, sections, description, outputs, text }, problems)
     }
 
     /// True if the page has a heading with this anchor.

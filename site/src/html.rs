@@ -5,6 +5,7 @@ use pulldown_cmark::{CodeBlockKind, CowStr, Event, HeadingLevel, Parser, Tag, Ta
 use crate::document::{Document, Heading, options};
 use crate::highlight::highlight;
 use crate::math::mathml;
+use crate::notebook::OUTPUT;
 
 /// Returns the text with the characters that HTML reserves replaced.
 pub(crate) fn escape(text: &str) -> String {
@@ -133,7 +134,8 @@ impl<'a> Renderer<'a> {
             CodeBlockKind::Indented => "",
         };
         let block = match language {
-            "math" => mathml(&code, true).unwrap_or_default(),
+            "math" => format!("<div class=\"equation\">{}</div>\n", mathml(&code, true).unwrap_or_default()),
+            OUTPUT => code.trim().parse().ok().and_then(|number: usize| self.page.outputs.get(number)).cloned().unwrap_or_default(),
             _ => code_block(&code, language),
         };
         self.html(block);
@@ -141,7 +143,7 @@ impl<'a> Renderer<'a> {
 
     fn picture(&mut self, link: &str, title: &str, alternative: &str) {
         let attributes = self.surroundings.picture(link);
-        let image = format!("<img {attributes} alt=\"{}\" loading=\"lazy\">", escape(alternative));
+        let image = format!("<img {attributes} alt=\"{}\">", escape(alternative));
         if !self.as_figure {
             return self.inline(image);
         }

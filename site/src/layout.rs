@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use crate::book::Book;
 use crate::html::escape;
 use crate::links::relative;
+use crate::whole;
 
 /// Template of all pages.
 const TEMPLATE: &str = include_str!("../assets/page.html");
@@ -38,6 +39,7 @@ pub(crate) fn page(book: &Book, content: &Content<'_>) -> String {
         "contents" => contents(content),
         "body" => content.body.to_owned(),
         "steps" => steps(book, content),
+        "whole" => relative(content.url, whole::URL),
         "source" => source(content),
         _ => String::new(),
     })
@@ -55,19 +57,19 @@ fn filled(template: &str, value: &dyn Fn(&str) -> String) -> String {
     page
 }
 
-/// All pages by parts; the part of the current page is open.
+/// All pages by parts; the part of the current page is open, and on the first page, all are.
 fn navigation(book: &Book, content: &Content<'_>) -> String {
     let mut html = String::new();
+    let is_start = book.order.first().is_some_and(|path| path == content.source);
     for (title, entries) in book.parts() {
-        let is_open = entries.iter().any(|(_, path)| *path == content.source);
+        let is_open = is_start || entries.iter().any(|(_, path)| *path == content.source);
         if !title.is_empty() {
             let open = if is_open { " open" } else { "" };
             let _ = write!(html, "<details{open}><summary>{}</summary>", escape(title));
         }
         html += "<ul>";
         for (entry, path) in entries {
-            let Some(node) = book.nodes.get(path) else { continue };
-            let url = relative(content.url, &node.url(path));
+            let url = relative(content.url, &book.url(path));
             let current = if path == content.source { " aria-current=\"page\"" } else { "" };
             let nested = if entry.depth > 0 { " class=\"nested\"" } else { "" };
             let _ = write!(html, "<li{nested}><a href=\"{url}\"{current}>{}</a></li>", escape(&entry.title));
@@ -103,7 +105,7 @@ fn steps(book: &Book, content: &Content<'_>) -> String {
         let at = at.filter(|at| *at < book.order.len());
         let found = at.and_then(|at| Some((book.order.get(at)?, entries.get(at)?)));
         let Some((path, entry)) = found else { return String::new() };
-        let url = book.nodes.get(path).map(|node| relative(content.url, &node.url(path))).unwrap_or_default();
+        let url = relative(content.url, &book.url(path));
         let title = escape(&entry.title);
         format!("<a class=\"{class}\" rel=\"{class}\" href=\"{url}\"><small>{words}</small> {title}</a>")
     };

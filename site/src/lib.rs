@@ -22,10 +22,12 @@ mod layout;
 mod links;
 mod math;
 mod node;
+mod notebook;
 mod picture;
 mod search;
 mod site;
 mod summary;
+mod whole;
 
 use std::fmt;
 use std::ops::Range;

@@ -1,5 +1,7 @@
 //! Destinations of links, in the repository and in the site.
 
+use std::fmt::Write as _;
+
 use papilio_diagnostics::Diagnostic;
 
 /// What a link refers to.
@@ -80,8 +82,15 @@ fn decoded(text: &str) -> String {
 
 /// A path as part of a URL.
 pub(crate) fn encoded(path: &str) -> String {
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
-    path.bytes().map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
+    let mut url = String::with_capacity(path.len());
+    for byte in path.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte) {
+            url.push(char::from(byte));
+        } else {
+            let _ = write!(url, "%{byte:02X}");
+        }
+    }
+    url
 }
 
 /// URL of one file of the site relative to another.

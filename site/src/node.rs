@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::book::names_in;
 use crate::document::Document;
-use crate::{Problem, Sources};
+use crate::{Problem, Sources, notebook};
 
 /// A file or folder to which a page refers.
 #[derive(Debug, Clone)]
@@ -17,9 +17,17 @@ pub(crate) enum Node {
     Folder(Vec<String>),
     /// A text, shown as a page and offered as a file.
     Text(String),
+    /// A crate whose documentation is part of the site, by its name in paths.
+    Crate(String),
     /// Any other file, such as a picture.
     File,
 }
+
+/// Folder of the Python package.
+const PYTHON: &str = "python/papilio/";
+
+/// Folder of the documentation of the crates in the site.
+pub(crate) const RUST: &str = "api/rust";
 
 /// A longer text is only offered as a file; in bytes.
 const LONGEST_TEXT: u64 = 200_000;
@@ -34,8 +42,10 @@ impl Node {
         if full.is_dir() {
             return Ok((Self::Folder(listed(&full)), Vec::new()));
         }
-        if extension(path) == "md" {
-            let (page, problems) = Document::read(path, fs::read_to_string(full)?);
+        if let Some(name) = documented_crate(sources, path) {
+            return Ok((Self::Crate(name), Vec::new()));
+        }
+        if let Some((page, problems)) = page(sources, path)? {
             return Ok((Self::Page(page), problems));
         }
         let is_short = fs::metadata(&full)?.len() <= LONGEST_TEXT;
@@ -59,17 +69,44 @@ impl Node {
         let place = place(path);
         match self {
             Self::Page(_) => {
+                let place = path.strip_prefix(PYTHON).map_or(place, |name| format!("api/python/{name}"));
                 let stem = place.rsplit_once('.').map_or(&*place, |(stem, _)| stem);
-                match stem.strip_suffix("README").filter(|_| path.starts_with("docs/")) {
+                let of_folder = stem.strip_suffix("README").filter(|_| path.starts_with("docs/"));
+                match of_folder.or_else(|| stem.strip_suffix("__init__")) {
                     Some(folder) => format!("{folder}index.html"),
                     None => format!("{stem}.html"),
                 }
             }
             Self::Folder(_) => format!("{}/index.html", place.trim_end_matches('/')),
             Self::Text(_) => format!("{place}.html"),
+            Self::Crate(name) => format!("{RUST}/{name}/index.html"),
             Self::File => place,
         }
     }
+}
+
+/// Reads a page: Markdown, a notebook, or the reference of a Python module; `None` for other files.
+fn page(sources: &Sources, path: &str) -> io::Result<Option<(Document, Vec<Problem>)>> {
+    let full = sources.root.join(path);
+    match extension(path) {
+        "md" => Ok(Some(Document::read(path, fs::read_to_string(full)?))),
+        "ipynb" => Ok(notebook::read(path, &fs::read_to_string(full)?)),
+        "py" => {
+            let module = path.strip_prefix(PYTHON).and_then(|name| name.strip_suffix(".py"));
+            let written = sources.python.as_ref().zip(module).map(|(folder, name)| folder.join(name).with_extension("md"));
+            let Some(written) = written.filter(|written| written.is_file()) else { return Ok(None) };
+            Ok(Some(Document::read(path, fs::read_to_string(written)?)))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Name of the crate whose root this file is, if its documentation is part of the site.
+fn documented_crate(sources: &Sources, path: &str) -> Option<String> {
+    let documentation = sources.rust.as_ref()?;
+    let name = path.strip_prefix("crates/")?.strip_suffix("/src/lib.rs")?;
+    let name = format!("papilio_{}", name.replace('-', "_"));
+    documentation.join(&name).join("index.html").is_file().then_some(name)
 }
 
 /// Path of a file's copy in the site: files of `docs` are at its top.

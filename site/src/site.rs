@@ -11,14 +11,16 @@ use crate::document::{Document, Heading};
 use crate::html::{Surroundings, code_block, escape, render};
 use crate::layout::{self, Content};
 use crate::links::relative;
-use crate::node::{Node, extension, place};
-use crate::{Problem, Sources, picture, search};
+use crate::node::{Node, RUST, extension, place};
+use crate::{Problem, Sources, picture, search, whole};
 
 /// The site, before it is written.
 #[derive(Debug, Default)]
 pub struct Site {
     texts: BTreeMap<String, String>,
     copies: BTreeMap<String, PathBuf>,
+    /// The documentation of the crates.
+    rust: Option<PathBuf>,
     web: Vec<(String, String)>,
 }
 
@@ -28,10 +30,11 @@ pub struct Site {
 /// All mistakes in the pages, by file and line.
 pub fn build(sources: &Sources) -> Result<Site, Vec<Problem>> {
     let book = Book::read(sources)?;
-    let mut site = Site::default();
+    let mut site = Site { rust: sources.rust.clone(), ..Site::default() };
     for (path, node) in &book.nodes {
         site.add(sources, &book, path, node);
     }
+    site.texts.insert(whole::URL.to_owned(), whole::page(sources, &book));
     site.texts.insert("assets/index.js".to_owned(), search::index(&book));
     for (name, text) in ASSETS {
         site.texts.insert(format!("assets/{name}"), text.to_owned());
@@ -73,20 +76,25 @@ impl Site {
         for (path, from) in &self.copies {
             fs::copy(from, with_folder(folder, path)?)?;
         }
-        Ok(())
+        self.rust.as_ref().map_or(Ok(()), |rust| copy_folder(rust, &folder.join(RUST)))
     }
 
     fn add(&mut self, sources: &Sources, book: &Book, path: &str, node: &Node) {
         let url = node.url(path);
-        let name = path.rsplit('/').next().unwrap_or(path);
-        let content = Content { url: &url, source: path, title: name, ..Content::default() };
+        let content = Content { url: &url, source: path, title: path, ..Content::default() };
         let text = match node {
-            Node::Page(page) => page_of(sources, book, page, content),
+            Node::Page(page) => {
+                if extension(path) == "ipynb" {
+                    self.copies.insert(place(path), sources.root.join(path));
+                }
+                page_of(sources, book, page, content)
+            }
             Node::Folder(names) => folder_of(book, path, names, content),
             Node::Text(text) => {
                 self.copies.insert(place(path), sources.root.join(path));
                 text_of(book, path, text, content)
             }
+            Node::Crate(_) => return,
             Node::File => {
                 self.copies.insert(place(path), sources.root.join(path));
                 return;
@@ -103,8 +111,22 @@ fn with_folder(folder: &Path, path: &str) -> io::Result<PathBuf> {
     Ok(full)
 }
 
+fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let target = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() { copy_folder(&entry.path(), &target)? } else { fs::copy(entry.path(), target).map(drop)? }
+    }
+    Ok(())
+}
+
 fn page_of(sources: &Sources, book: &Book, page: &Document, content: Content<'_>) -> String {
-    let body = render(page, &OnItsOwn { sources, book, page, url: content.url });
+    let mut body = render(page, &OnItsOwn { sources, book, page, url: content.url });
+    if extension(&page.source) == "ipynb" {
+        let file = relative(content.url, &place(&page.source));
+        body += &format!("<p><a href=\"{file}\" download>Download this notebook</a></p>\n");
+    }
     let contents =
         page.headings.iter().map(|heading| (heading.level, heading.anchor.clone(), heading.text.clone()));
     let contents = contents.collect();
@@ -153,18 +175,16 @@ struct OnItsOwn<'a> {
 
 impl Surroundings for OnItsOwn<'_> {
     fn link(&self, link: &str) -> String {
-        match self.book.url(&self.page.source, link) {
-            Some((url, Some(anchor))) if url == self.url => format!("#{anchor}"),
-            Some((url, anchor)) => {
-                let anchor = anchor.map(|anchor| format!("#{anchor}")).unwrap_or_default();
-                relative(self.url, &url) + &anchor
-            }
-            None => link.to_owned(),
+        let Some((path, anchor)) = self.book.target(&self.page.source, link) else { return link.to_owned() };
+        let anchor = anchor.map(|anchor| format!("#{anchor}")).unwrap_or_default();
+        if path == self.page.source && !anchor.is_empty() {
+            return anchor;
         }
+        relative(self.url, &self.book.url(&path)) + &anchor
     }
 
     fn picture(&self, link: &str) -> String {
-        picture_of(self.sources, self.book, self.page, link, self.url)
+        picture_of(self.sources, self.book, self.page, link, self.url) + " loading=\"lazy\""
     }
 
     fn anchor(&self, heading: &Heading) -> String {
@@ -172,13 +192,11 @@ impl Surroundings for OnItsOwn<'_> {
     }
 }
 
-fn picture_of(sources: &Sources, book: &Book, page: &Document, link: &str, url: &str) -> String {
-    let Some((target, _)) = book.url(&page.source, link) else { return String::new() };
-    let file = crate::links::Destination::read(&page.source, link).ok().and_then(|to| match to {
-        crate::links::Destination::Local { path, .. } => fs::read(sources.root.join(path)).ok(),
-        crate::links::Destination::Web => None,
-    });
-    let size = file.as_deref().and_then(picture::size);
+/// Attributes of a picture: its address, and its size in pixels.
+pub(crate) fn picture_of(sources: &Sources, book: &Book, page: &Document, link: &str, url: &str) -> String {
+    let Some((path, _)) = book.target(&page.source, link) else { return String::new() };
+    let file = fs::read(sources.root.join(&path)).unwrap_or_default();
+    let size = picture::size(&file);
     let size = size.map(|(width, height)| format!(" width=\"{width}\" height=\"{height}\"")).unwrap_or_default();
-    format!("src=\"{}\"{size}", relative(url, &target))
+    format!("src=\"{}\"{size}", escape(&relative(url, &book.url(&path))))
 }

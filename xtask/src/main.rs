@@ -15,6 +15,7 @@ mod pictures;
 mod python;
 mod serve;
 mod shell;
+mod site;
 mod test;
 
 use std::process::ExitCode;
@@ -60,6 +61,12 @@ const SERVE: (&str, &str) = (
     "build the page of the web app and the program, and start it: cargo xtask serve [FILE] [--open]",
 );
 
+/// The task with an option.
+const SITE: (&str, &str) = (
+    "site",
+    "build the documentation site into target/site, and check its links; with the documentation of the crates: cargo xtask site --api",
+);
+
 /// The task with the paths of two programs.
 const PAIRS: (&str, &str) =
     ("bench-pairs", "compare the processor time of two programs, in turn: cargo xtask bench-pairs OLD NEW");
@@ -71,6 +78,9 @@ fn main() -> ExitCode {
     if name.as_deref() == Some(SERVE.0) {
         return exit_code(serve::serve(&rest));
     }
+    if name.as_deref() == Some(SITE.0) {
+        return exit_code(site::site(&rest));
+    }
     if name.as_deref() == Some(PAIRS.0) {
         return exit_code(pairs::pairs(&rest));
     }
@@ -79,7 +89,7 @@ fn main() -> ExitCode {
     match (task, name, extra) {
         (Some((.., run)), _, None) => exit_code(run()),
         (None, None, _) => {
-            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, PAIRS]);
+            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, SITE, PAIRS]);
             all.for_each(|(name, description)| println!("cargo xtask {name:<8} {description}"));
             ExitCode::SUCCESS
         }
