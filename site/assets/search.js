@@ -1,17 +1,24 @@
 // Ranks the sections of the index for a query. Used by site.js in the page, and by the tests in Node.js.
 //
-// A section is [address, title of its page, heading, part, text]. The score is BM25, where a word in the title or the heading counts
-// as several in the text. The last word of a query may be the beginning of a word; a plural matches its singular.
+// A section is [address, title of its page, heading, part, text, terms that it explains]. The score is BM25, where a word in the title,
+// the heading or the terms counts as several in the text. The last word of a query may be the beginning of a word; a plural matches its singular.
 (() => {
   "use strict";
 
   const IN_TITLE = 6;
   const IN_HEADING = 8;
-  /** BM25: saturation with the number of occurrences, and the effect of the length. */
+  const IN_TERMS = 4;
+  /** BM25: saturation with the number of occurrences, and the effect of the length (of its root: tables of keys are long). */
   const SATURATION = 1.2;
-  const LENGTH = 0.6;
+  const LENGTH = 0.4;
   /** Weight of a word of which the query is only the beginning. */
   const BEGINNING = 0.6;
+  /** Score of the last section that is shown, relative to the first. */
+  const LEAST = 0.15;
+  /** Weight of sections whose title and heading have all words of the query. */
+  const NAMED = 1.5;
+  /** Weights of pages that have many words, and are rarely what is meant: the list of changes, references of functions. */
+  const weightOf = ([address, , , part]) => (part === "Project" ? 0.4 : address.startsWith("api/") ? 0.6 : 1);
 
   const words = (text) => text.toLowerCase().normalize("NFKD").replace(/\p{M}/gu, "").match(/[\p{L}\p{N}]+/gu) ?? [];
 
@@ -23,7 +30,7 @@
   };
 
   /** Weighted count of each word in a section. */
-  const counts = ([, title, heading, , text]) => {
+  const counts = ([, title, heading, , text, terms]) => {
     const found = new Map();
     const add = (from, weight) => {
       for (const word of words(from)) found.set(stem(word), (found.get(stem(word)) ?? 0) + weight);
@@ -31,6 +38,7 @@
     add(title, heading === "" ? IN_TITLE + IN_HEADING : IN_TITLE);
     add(heading, IN_HEADING);
     add(text, 1);
+    add(terms, IN_TERMS);
     return found;
   };
 
@@ -47,7 +55,8 @@
       return length;
     });
     const mean = lengths.reduce((sum, length) => sum + length, 0) / Math.max(1, lengths.length);
-    return { sections, postings, lengths, mean };
+    const names = sections.map(([, title, heading]) => new Set(words(`${title} ${heading}`).map(stem)));
+    return { sections, postings, lengths, mean, names };
   };
 
   /** Words of the index that match a word of the query, with a weight. */
@@ -69,7 +78,7 @@
       const all = index.postings.get(known);
       const rarity = Math.log(1 + (index.sections.length - all.length + 0.5) / (all.length + 0.5));
       for (const [number, count] of all) {
-        const length = 1 - LENGTH + (LENGTH * index.lengths[number]) / index.mean;
+        const length = 1 - LENGTH + LENGTH * Math.sqrt(index.lengths[number] / index.mean);
         const score = (weight * rarity * count * (SATURATION + 1)) / (count + SATURATION * length);
         best.set(number, Math.max(best.get(number) ?? 0, score));
       }
@@ -77,19 +86,24 @@
     return best;
   };
 
-  /** Sections that have all words of the query, best first; if there are none, those that have most of them. */
+  /** Sections that have words of the query, best first. A section without one of them counts much less. */
   const search = (index, query, limit = 20) => {
     const asked = words(query);
     const totals = new Map();
     asked.forEach((word, at) => {
       for (const [number, score] of scores(index, word, at === asked.length - 1)) {
-        const [found, sum] = totals.get(number) ?? [0, 0];
-        totals.set(number, [found + 1, sum + score]);
+        const total = totals.get(number) ?? { found: 0, score: 0 };
+        totals.set(number, { found: total.found + 1, score: total.score + score });
       }
     });
-    const most = Math.max(0, ...[...totals.values()].map(([found]) => found));
-    const ranked = [...totals].filter(([, [found]]) => found === most).sort((a, b) => b[1][1] - a[1][1] || a[0] - b[0]);
-    return ranked.slice(0, limit).map(([number]) => index.sections[number]);
+    const rank = ([number, { found, score }]) => {
+      const isNamed = asked.every((word) => index.names[number].has(stem(word)));
+      return [number, score * (found / asked.length) ** 3 * weightOf(index.sections[number]) * (isNamed ? NAMED : 1)];
+    };
+    const ranked = [...totals].map(rank).sort((a, b) => b[1] - a[1] || a[0] - b[0]);
+    const least = (ranked[0]?.[1] ?? 0) * LEAST;
+    const shown = ranked.filter(([, score]) => score > least).slice(0, limit);
+    return shown.map(([number]) => index.sections[number]);
   };
 
   /** The part of a text around the first word of the query, as pieces: [text, is it a word of the query]. */

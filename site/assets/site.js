@@ -135,7 +135,9 @@
     const lines = text.split("\n").filter((line) => /^(>>>|\.\.\.)( |$)/.test(line));
     return `${lines.map((line) => line.slice(4)).join("\n").trimEnd()}\n`;
   };
-  for (const block of document.querySelectorAll(".code")) {
+  // Browsers allow it to pages of this machine and of servers with https.
+  const blocks = navigator.clipboard ? document.querySelectorAll(".code:not(.output)") : [];
+  for (const block of blocks) {
     const button = element("button", { type: "button", class: "copy" }, "Copy");
     button.addEventListener("click", async () => {
       try {
@@ -182,5 +184,8 @@
     addEventListener("scroll", mark, { passive: true });
   }
 
-  document.querySelector(".pages [aria-current]")?.scrollIntoView({ block: "nearest" });
+  // The current page is visible in a long navigation. (`scrollIntoView` would also move the place where Tab begins.)
+  const pages = document.querySelector(".pages");
+  const current = pages.querySelector("[aria-current]");
+  if (current && current.offsetTop > pages.clientHeight - 80) pages.scrollTop = current.offsetTop - pages.clientHeight / 2;
 })();

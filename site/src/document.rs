@@ -48,6 +48,8 @@ pub(crate) struct Section {
     /// Number of the heading above it; `None` before the first.
     pub(crate) heading: Option<usize>,
     pub(crate) text: String,
+    /// First cells of the rows of tables: the terms and keys that the section explains.
+    pub(crate) terms: String,
 }
 
 /// Markdown as GitHub reads it.
@@ -71,7 +73,10 @@ impl Document {
             reader.event(&event, range);
         }
         let Reader { mut problems, headings, links, mut sections, description, .. } = reader;
-        sections.iter_mut().for_each(|section| section.text = one_line(&section.text));
+        for section in &mut sections {
+            section.text = one_line(&section.text);
+            section.terms = one_line(&section.terms);
+        }
         sections.retain(|section| !section.text.is_empty() || section.heading.is_some());
         let title = headings.iter().find(|heading| heading.level == 1).map(|heading| heading.text.clone());
         if title.is_none() {
@@ -107,6 +112,9 @@ struct Reader<'a> {
     /// True in the first paragraph after the title.
     describes: bool,
     described: bool,
+    /// Number of the cell in its row of a table, from 1; from 2 in the row of column names.
+    cell: usize,
+    in_cell: bool,
 }
 
 impl Reader<'_> {
@@ -118,8 +126,12 @@ impl Reader<'_> {
                 self.described |= std::mem::take(&mut self.describes);
                 self.push(" ");
             }
+            Event::End(TagEnd::TableCell) => {
+                self.push(" ");
+                self.in_cell = false;
+            }
             // Words of different blocks and cells stay apart.
-            Event::End(TagEnd::Item | TagEnd::TableCell | TagEnd::CodeBlock) | Event::SoftBreak | Event::HardBreak => {
+            Event::End(TagEnd::Item | TagEnd::CodeBlock) | Event::SoftBreak | Event::HardBreak => {
                 self.push(" ");
             }
             Event::Text(text) | Event::Code(text) => self.push(text),
@@ -138,6 +150,12 @@ impl Reader<'_> {
         match tag {
             Tag::Heading { .. } => self.heading = Some(String::new()),
             Tag::Paragraph => self.describes = !self.described && !self.headings.is_empty(),
+            Tag::TableRow => self.cell = 0,
+            Tag::TableHead => self.cell = 1,
+            Tag::TableCell => {
+                self.cell += 1;
+                self.in_cell = true;
+            }
             Tag::Link { link_type: LinkType::Email, .. } => {}
             Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. } => {
                 self.links.push(Link { destination: dest_url.to_string(), range });
@@ -161,7 +179,7 @@ impl Reader<'_> {
         }
         let anchor = self.anchors.next(&text);
         self.headings.push(Heading { level, anchor, text });
-        self.sections.push(Section { heading: Some(self.headings.len() - 1), text: String::new() });
+        self.sections.push(Section { heading: Some(self.headings.len() - 1), ..Section::default() });
     }
 
     fn push(&mut self, text: &str) {
@@ -175,7 +193,13 @@ impl Reader<'_> {
         if self.sections.is_empty() {
             self.sections.push(Section::default());
         }
-        self.sections.last_mut().into_iter().for_each(|section| section.text += text);
+        let is_term = self.in_cell && self.cell == 1;
+        for section in self.sections.last_mut() {
+            section.text += text;
+            if is_term {
+                section.terms += text;
+            }
+        }
     }
 
     /// HTML in a page is for `<br>`, `<kbd>` and the like. What links must be Markdown: only that is checked.
@@ -224,7 +248,7 @@ mod tests {
         assert_eq!((page.title.as_str(), page.description.as_str()), ("A film", "First page."));
         assert_eq!(page.headings[1], Heading { level: 2, anchor: "more".into(), text: "More".into() });
         assert_eq!(page.links[0].destination, "b.md#c");
-        assert_eq!(page.sections[1], Section { heading: Some(1), text: "Text x^2 a b 1 2".into() });
+        assert_eq!(page.sections[1], Section { heading: Some(1), text: "Text x^2 a b 1 2".into(), terms: "1".into() });
         assert!(page.has_anchor("a-film") && !page.has_anchor("film"));
     }
 

@@ -20,13 +20,13 @@ pub(crate) fn index(book: &Book) -> String {
     format!("window.papilioIndex = {};\n", serde_json::Value::from(sections))
 }
 
-/// Adds the sections of a page: address, title of the page, heading, part of the site, text.
+/// Adds the sections of a page: address, title of the page, heading, part of the site, text, terms.
 fn add(page: &Document, part: &str, url: &str, sections: &mut Vec<serde_json::Value>) {
     for section in &page.sections {
         let heading = section.heading.and_then(|number| page.headings.get(number));
         let below_title = heading.filter(|heading| heading.level > 1);
         let address = below_title.map_or_else(|| url.to_owned(), |heading| format!("{url}#{}", heading.anchor));
         let heading = below_title.map_or("", |heading| heading.text.as_str());
-        sections.push(json!([address, page.title, heading, part, section.text]));
+        sections.push(json!([address, page.title, heading, part, section.text, section.terms]));
     }
 }

@@ -33,7 +33,7 @@ const TASKS: [Task; 11] = [
     ),
     (
         "full",
-        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, and all tests of the page and of Python; then oracle and deny",
+        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, all tests of the page, of the documentation site and of Python; then oracle and deny",
         full,
     ),
     ("page", "build the page of the web app, and run all its tests in Chromium", page::page),
@@ -113,6 +113,7 @@ fn exit_code(outcome: Outcome) -> ExitCode {
 
 fn full() -> Outcome {
     test::with_more(test::SEEDS, 2000)?;
+    shell::run(site::browser_tests(&page::browser()?)?)?;
     package::package()?;
     oracle::oracle()?;
     deny()

@@ -121,15 +121,17 @@ fn files_of_the_repository_are_pages_and_files() {
 fn index_of_the_search_has_every_section_of_every_page() {
     let script = &SITE.texts()["assets/index.js"];
     let json = script.strip_prefix("window.papilioIndex = ").unwrap().trim_end().trim_end_matches(';');
-    let sections: Vec<[String; 5]> = serde_json::from_str(json).unwrap();
+    let sections: Vec<[String; 6]> = serde_json::from_str(json).unwrap();
     let addresses: BTreeSet<&str> = sections.iter().map(|section| section[0].as_str()).collect();
     assert_eq!(addresses.len(), sections.len(), "an address is twice in the index");
     for address in ["index.html", "films.html", "films.html#materials", "scenario.html#displayglass", "repository/README.html"] {
         assert!(addresses.contains(address), "{address}");
     }
-    let [_, page, heading, part, text] =
+    let [_, page, heading, part, text, _] =
         sections.iter().find(|section| section[0] == "films.html#speed").unwrap();
     assert_eq!([page, heading, part], ["Films", "Speed", "Theory"]);
+    let explained = |term: &str| sections.iter().filter(|section| section[5].split(' ').any(|word| word == term)).count();
+    assert!(explained("contrast_ratio") > 0 && explained("conoscopic") > 0);
     assert!(text.len() > 100 && !text.contains("  ") && !text.contains('\n'));
 }
 
