@@ -302,6 +302,39 @@ def page(package: Package, module: str) -> str:
     return "\n\n".join(block for block in blocks if block) + "\n"
 
 
+def anchors(module: str, text: str) -> dict[str, str]:
+    """Returns a link for each name that a page documents: ``films.power``, ``Scenario.load``."""
+    count: dict[str, int] = {}
+    found = {}
+    for name in re.findall(r"^#{3,4} `(.+)`$", text, flags=re.MULTILINE):
+        slug = name.lower().replace(".", "")
+        number = count.get(slug, 0)
+        count[slug] = number + 1
+        prefix = "" if module == "__init__" else f"{module}."
+        found[prefix + name] = f"{module}.py#{slug}" + (f"-{number}" if number else "")
+    return found
+
+
+def linked(module: str, text: str, known: dict[str, str]) -> str:
+    """Returns a page in which names of the package lead to their documentation; names of arguments stay as they are."""
+
+    def link(match: re.Match[str]) -> str:
+        name = match[1].removeprefix("papilio.")
+        target = known.get(f"{module}.{name}") or known.get(name)
+        # A word in lower case may be an argument of the same name.
+        is_sure = target and (name[0].isupper() or "." in match[1] or module != "__init__")
+        return f"[`{match[1]}`]({target})" if is_sure else match[0]
+
+    lines, is_code = [], False
+    for line in text.split("\n"):
+        is_code ^= line.startswith("```")
+        start = re.match(r"- `[^`]*`: ", line)
+        at = start.end() if start else 0
+        plain = is_code or line.startswith(("#", "|", "```"))
+        lines.append(line if plain else line[:at] + re.sub(r"(?<!\[)`([\w.]+)`", link, line[at:]))
+    return "\n".join(lines)
+
+
 def main() -> None:
     """Writes the pages of the package and of its public modules."""
     out = Path(sys.argv[1])
@@ -309,8 +342,10 @@ def main() -> None:
     package = Package()
     exported = package.module("__init__").exported()
     names = ["__init__", *(name for name in exported if is_module(name) and package.find("__init__", name) is None)]
-    for name in names:
-        (out / f"{name}.md").write_text(page(package, name), encoding="utf-8")
+    pages = {name: page(package, name) for name in names}
+    known = {target: link for name, text in pages.items() for target, link in anchors(name, text).items()}
+    for name, text in pages.items():
+        (out / f"{name}.md").write_text(linked(name, text, known), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -136,7 +136,7 @@
     return `${lines.map((line) => line.slice(4)).join("\n").trimEnd()}\n`;
   };
   // Browsers allow it to pages of this machine and of servers with https.
-  const blocks = navigator.clipboard ? document.querySelectorAll(".code:not(.output)") : [];
+  const blocks = navigator.clipboard ? document.querySelectorAll(".code:not(.result)") : [];
   for (const block of blocks) {
     const button = element("button", { type: "button", class: "copy" }, "Copy");
     button.addEventListener("click", async () => {
@@ -179,6 +179,10 @@
     const mark = () => {
       const read = targets.findLastIndex((target) => target && target.getBoundingClientRect().top < 140);
       links.forEach((link, number) => link.classList.toggle("here", number === read));
+      const at = links[read];
+      if (!at || !isWide.matches) return;
+      const [top, bottom] = [at.offsetTop - contents.scrollTop, at.offsetTop + at.offsetHeight - contents.scrollTop];
+      if (top < 0 || bottom > contents.clientHeight) contents.scrollTop = at.offsetTop - contents.clientHeight / 2;
     };
     mark();
     addEventListener("scroll", mark, { passive: true });

@@ -105,7 +105,9 @@ impl Loader<'_> {
                         false => Some(Diagnostic::new("this page has two entries")),
                     }
                 }
-                Ok(_) => Some(Diagnostic::new("this is no page of the site").expected("a file of the repository")),
+                Ok(_) => {
+                    Some(Diagnostic::new("this is no page of the site").expected("a file of the repository"))
+                }
                 Err(wrong) => Some(wrong),
             };
             if let Some(problem) = problem {
@@ -218,7 +220,8 @@ fn pages_below(root: &Path, path: &str, found: &mut Vec<String>) {
 /// Names in a folder, in order; none if it cannot be read.
 pub(crate) fn names_in(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }

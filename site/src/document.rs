@@ -194,7 +194,7 @@ impl Reader<'_> {
             self.sections.push(Section::default());
         }
         let is_term = self.in_cell && self.cell == 1;
-        for section in self.sections.last_mut() {
+        if let Some(section) = self.sections.last_mut() {
             section.text += text;
             if is_term {
                 section.terms += text;
@@ -205,7 +205,9 @@ impl Reader<'_> {
     /// HTML in a page is for `<br>`, `<kbd>` and the like. What links must be Markdown: only that is checked.
     fn html(&mut self, html: &str, range: Range<usize>) {
         let lower = html.to_lowercase();
-        if ["href", "src=", "<script", "<style"].iter().any(|word| lower.contains(word)) && !lower.starts_with("<!--") {
+        if ["href", "src=", "<script", "<style"].iter().any(|word| lower.contains(word))
+            && !lower.starts_with("<!--")
+        {
             let wrong = Diagnostic::new("HTML that refers to something else")
                 .hint("write links and pictures in Markdown, where they are checked");
             self.report(range, wrong);
@@ -242,13 +244,17 @@ mod tests {
 
     #[test]
     fn page_has_title_headings_links_sections_and_description() {
-        let (page, problems) =
-            read("# A `film`\n\nFirst [page](b.md#c).\n\n## More\n\nText $x^2$\n\n| a | b |\n|---|---|\n| 1 | 2 |\n");
+        let (page, problems) = read(
+            "# A `film`\n\nFirst [page](b.md#c).\n\n## More\n\nText $x^2$\n\n| a | b |\n|---|---|\n| 1 | 2 |\n",
+        );
         assert!(problems.is_empty(), "{problems:?}");
         assert_eq!((page.title.as_str(), page.description.as_str()), ("A film", "First page."));
         assert_eq!(page.headings[1], Heading { level: 2, anchor: "more".into(), text: "More".into() });
         assert_eq!(page.links[0].destination, "b.md#c");
-        assert_eq!(page.sections[1], Section { heading: Some(1), text: "Text x^2 a b 1 2".into(), terms: "1".into() });
+        assert_eq!(
+            page.sections[1],
+            Section { heading: Some(1), text: "Text x^2 a b 1 2".into(), terms: "1".into() }
+        );
         assert!(page.has_anchor("a-film") && !page.has_anchor("film"));
     }
 

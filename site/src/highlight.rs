@@ -36,9 +36,9 @@ const RUST: Rules = Rules {
     comment: "//",
     quotes: &["\""],
     keywords: &[
-        "as", "async", "await", "break", "const", "continue", "crate", "else", "enum", "false", "fn", "for", "if",
-        "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub", "ref", "return", "self", "Self", "static",
-        "struct", "super", "trait", "true", "type", "unsafe", "use", "where", "while",
+        "as", "async", "await", "break", "const", "continue", "crate", "else", "enum", "false", "fn", "for",
+        "if", "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub", "ref", "return", "self",
+        "Self", "static", "struct", "super", "trait", "true", "type", "unsafe", "use", "where", "while",
     ],
 };
 
@@ -86,7 +86,8 @@ fn toml_line(line: &str) -> String {
     }
     let is_key = |c: char| c.is_ascii_alphanumeric() || "_-.\"' ".contains(c);
     let mut value = line;
-    if let Some((key, _)) = line.split_once('=').filter(|(key, _)| !key.is_empty() && key.chars().all(is_key)) {
+    if let Some((key, _)) = line.split_once('=').filter(|(key, _)| !key.is_empty() && key.chars().all(is_key))
+    {
         span("key", key, &mut written);
         value = &line[key.len()..];
     }
@@ -118,17 +119,18 @@ fn tokens(code: &str, rules: &Rules, special: impl Fn(&str, &str) -> Option<&'st
         let (rest, before) = (&code[at..], &code[..at]);
         let begins_word = !before.ends_with(|c: char| c.is_alphanumeric() || c == '_');
         let word = word_at(rest);
-        let (length, class) = if rest.starts_with(rules.comment) && before.chars().last().is_none_or(char::is_whitespace) {
-            (rest.find('\n').unwrap_or(rest.len()), Some("comment"))
-        } else if let Some(quote) = rules.quotes.iter().find(|quote| rest.starts_with(**quote)) {
-            (string_length(rest, quote), Some("string"))
-        } else if begins_word && !word.is_empty() {
-            let keyword = rules.keywords.contains(&word).then_some("keyword");
-            let number = first.is_ascii_digit().then_some("number");
-            (word.len(), special(rest, before).or(keyword).or(number))
-        } else {
-            (first.len_utf8(), None)
-        };
+        let (length, class) =
+            if rest.starts_with(rules.comment) && before.chars().last().is_none_or(char::is_whitespace) {
+                (rest.find('\n').unwrap_or(rest.len()), Some("comment"))
+            } else if let Some(quote) = rules.quotes.iter().find(|quote| rest.starts_with(**quote)) {
+                (string_length(rest, quote), Some("string"))
+            } else if begins_word && !word.is_empty() {
+                let keyword = rules.keywords.contains(&word).then_some("keyword");
+                let number = first.is_ascii_digit().then_some("number");
+                (word.len(), special(rest, before).or(keyword).or(number))
+            } else {
+                (first.len_utf8(), None)
+            };
         match class {
             Some(class) => span(class, &rest[..length], &mut written),
             None => written += &escape(&rest[..length]),
@@ -143,7 +145,8 @@ fn word_at(rest: &str) -> &str {
     let is_number = rest.starts_with(|c: char| c.is_ascii_digit());
     let inside = |c: char| c.is_alphanumeric() || c == '_' || (is_number && c == '.');
     let dashes = rest.len() - rest.trim_start_matches('-').len();
-    let is_option = (1..=2).contains(&dashes) && rest[dashes..].starts_with(|c: char| c.is_ascii_alphabetic());
+    let is_option =
+        (1..=2).contains(&dashes) && rest[dashes..].starts_with(|c: char| c.is_ascii_alphabetic());
     let start = if is_option { dashes } else { 0 };
     let inside = |c: char| inside(c) || (is_option && c == '-');
     let end = rest[start..].find(|c| !inside(c)).map_or(rest.len(), |end| start + end);
@@ -192,11 +195,15 @@ mod tests {
 
     #[test]
     fn toml_shows_tables_keys_strings_and_comments() {
-        let shown = highlight("[display.pixel]  # the pixel\nmodel = \"film\"\narea = { red = 0.5 }\n", "toml");
+        let shown =
+            highlight("[display.pixel]  # the pixel\nmodel = \"film\"\narea = { red = 0.5 }\n", "toml");
         assert!(shown.contains(r#"<span class="table">[display.pixel]</span>"#), "{shown}");
         assert!(shown.contains(r#"<span class="comment"># the pixel</span>"#), "{shown}");
         assert!(shown.contains(r#"<span class="string">&quot;film&quot;</span>"#), "{shown}");
-        assert!(shown.contains(r#"<span class="key">red</span> = <span class="number">0.5</span>"#), "{shown}");
+        assert!(
+            shown.contains(r#"<span class="key">red</span> = <span class="number">0.5</span>"#),
+            "{shown}"
+        );
     }
 
     #[test]
@@ -211,7 +218,10 @@ mod tests {
     #[test]
     fn python_session_separates_code_and_output() {
         let shown = highlight(">>> for x in a:\n...     x\n'text'\n", "python");
-        assert!(shown.contains(r#"<span class="prompt">&gt;&gt;&gt; </span><span class="keyword">for</span>"#), "{shown}");
+        assert!(
+            shown.contains(r#"<span class="prompt">&gt;&gt;&gt; </span><span class="keyword">for</span>"#),
+            "{shown}"
+        );
         assert!(shown.contains(r#"<span class="output">'text'</span>"#), "{shown}");
     }
 

@@ -135,7 +135,13 @@ impl<'a> Renderer<'a> {
         };
         let block = match language {
             "math" => format!("<div class=\"equation\">{}</div>\n", mathml(&code, true).unwrap_or_default()),
-            OUTPUT => code.trim().parse().ok().and_then(|number: usize| self.page.outputs.get(number)).cloned().unwrap_or_default(),
+            OUTPUT => code
+                .trim()
+                .parse()
+                .ok()
+                .and_then(|number: usize| self.page.outputs.get(number))
+                .cloned()
+                .unwrap_or_default(),
             _ => code_block(&code, language),
         };
         self.html(block);

@@ -7,6 +7,9 @@ use crate::html::escape;
 use crate::links::relative;
 use crate::whole;
 
+/// Name of the template in the folder of the assets.
+pub(crate) const TEMPLATE_NAME: &str = "page.html";
+
 /// Template of all pages.
 const TEMPLATE: &str = include_str!("../assets/page.html");
 
@@ -30,7 +33,11 @@ pub(crate) struct Content<'a> {
 pub(crate) fn page(book: &Book, content: &Content<'_>) -> String {
     let root = "../".repeat(content.url.matches('/').count());
     let description = if content.description.is_empty() { content.title } else { content.description };
-    let title = if content.title == "Papilio" { "Papilio".to_owned() } else { format!("{} · Papilio", content.title) };
+    let title = if content.title == "Papilio" {
+        "Papilio".to_owned()
+    } else {
+        format!("{} · Papilio", content.title)
+    };
     filled(TEMPLATE, &|name| match name {
         "root" => root.clone(),
         "title" => escape(&title),
@@ -89,7 +96,9 @@ fn contents(content: &Content<'_>) -> String {
     if inner.len() < 2 {
         return String::new();
     }
-    let mut html = "<nav class=\"contents\" aria-label=\"On this page\"><details><summary>On this page</summary><ul>".to_owned();
+    let mut html =
+        "<nav class=\"contents\" aria-label=\"On this page\"><details><summary>On this page</summary><ul>"
+            .to_owned();
     for (level, anchor, text) in inner {
         let nested = if *level == 3 { " class=\"nested\"" } else { "" };
         let _ = write!(html, "<li{nested}><a href=\"#{}\">{}</a></li>", escape(anchor), escape(text));
@@ -126,7 +135,9 @@ mod tests {
 
     #[test]
     fn values_of_a_template_are_not_filled_again() {
-        let page = filled("<p>{{a}} {{b}}</p>", &|name| if name == "a" { "{{b}}".into() } else { name.to_uppercase() });
+        let page = filled("<p>{{a}} {{b}}</p>", &|name| {
+            if name == "a" { "{{b}}".into() } else { name.to_uppercase() }
+        });
         assert_eq!(page, "<p>{{b}} B</p>");
     }
 }

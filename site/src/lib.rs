@@ -13,7 +13,6 @@
 //! **Out of scope**: other Markdown than GitHub's, more than one site.
 
 mod anchors;
-mod assets;
 mod book;
 mod document;
 mod highlight;

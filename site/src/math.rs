@@ -35,8 +35,16 @@ mod tests {
     fn equation_becomes_mathml_with_its_source() {
         let written = mathml(r"\frac{L}{n^2}", false).unwrap();
         assert!(written.starts_with("<math"), "{written}");
-        assert!(written.contains("<mfrac><mrow><mi>L</mi></mrow><mrow><msup><mi>n</mi><mn>2</mn></msup></mrow></mfrac>"), "{written}");
-        assert!(written.contains(r#"<annotation encoding="application/x-tex">\frac{L}{n^2}</annotation>"#), "{written}");
+        assert!(
+            written.contains(
+                "<mfrac><mrow><mi>L</mi></mrow><mrow><msup><mi>n</mi><mn>2</mn></msup></mrow></mfrac>"
+            ),
+            "{written}"
+        );
+        assert!(
+            written.contains(r#"<annotation encoding="application/x-tex">\frac{L}{n^2}</annotation>"#),
+            "{written}"
+        );
         assert!(mathml("x", true).unwrap().contains("display=\"block\""));
     }
 

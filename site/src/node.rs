@@ -93,7 +93,11 @@ fn page(sources: &Sources, path: &str) -> io::Result<Option<(Document, Vec<Probl
         "ipynb" => Ok(notebook::read(path, &fs::read_to_string(full)?)),
         "py" => {
             let module = path.strip_prefix(PYTHON).and_then(|name| name.strip_suffix(".py"));
-            let written = sources.python.as_ref().zip(module).map(|(folder, name)| folder.join(name).with_extension("md"));
+            let written = sources
+                .python
+                .as_ref()
+                .zip(module)
+                .map(|(folder, name)| folder.join(name).with_extension("md"));
             let Some(written) = written.filter(|written| written.is_file()) else { return Ok(None) };
             Ok(Some(Document::read(path, fs::read_to_string(written)?)))
         }
@@ -123,5 +127,8 @@ pub(crate) fn extension(path: &str) -> &str {
 fn listed(folder: &Path) -> Vec<String> {
     let mut names = names_in(folder);
     names.retain(|name| !name.starts_with('.'));
-    names.into_iter().map(|name| if folder.join(&name).is_dir() { format!("{name}/") } else { name }).collect()
+    names
+        .into_iter()
+        .map(|name| if folder.join(&name).is_dir() { format!("{name}/") } else { name })
+        .collect()
 }

@@ -49,7 +49,7 @@ fn output(output: &Value) -> Option<String> {
     let form = |kind: &str| data.get(kind).map(joined).filter(|text| !text.is_empty());
     let alternative = escape(&form("text/plain").unwrap_or_default());
     let picture = |address: String| {
-        format!("<figure class=\"output\"><img src=\"{address}\" alt=\"{alternative}\"></figure>\n")
+        format!("<figure class=\"result\"><img src=\"{address}\" alt=\"{alternative}\"></figure>\n")
     };
     if let Some(svg) = form("image/svg+xml") {
         return Some(picture(format!("data:image/svg+xml,{}", encoded(&svg))));
@@ -60,11 +60,11 @@ fn output(output: &Value) -> Option<String> {
     if let Some(html) = form("text/html") {
         // A heading of an output is none of the page.
         let html = html.replace("<h4>", "<p><strong>").replace("</h4>", "</strong></p>");
-        return Some(format!("<div class=\"output table\">{html}</div>\n"));
+        return Some(format!("<div class=\"result table\">{html}</div>\n"));
     }
     let text = form("text/plain").unwrap_or_else(|| joined(&output["text"]));
     let shown = highlight::highlight(&text, "text");
-    (!text.is_empty()).then(|| format!("<div class=\"code output\"><pre><code>{shown}</code></pre></div>\n"))
+    (!text.is_empty()).then(|| format!("<div class=\"code result\"><pre><code>{shown}</code></pre></div>\n"))
 }
 
 /// A text, which a notebook may split into lines.

@@ -15,7 +15,7 @@ pub(crate) fn size(bytes: &[u8]) -> Option<(u32, u32)> {
 fn attribute(tag: &str, name: &str) -> Option<u32> {
     let (_, value) = tag.split_once(&format!(" {name}=\""))?;
     let number: f64 = value.split('"').next()?.trim_end_matches("px").parse().ok()?;
-    (number >= 1.0 && number < 1e5).then_some(number.round() as u32)
+    (1.0..1e5).contains(&number).then_some(number.round() as u32)
 }
 
 #[cfg(test)]

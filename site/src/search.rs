@@ -25,7 +25,8 @@ fn add(page: &Document, part: &str, url: &str, sections: &mut Vec<serde_json::Va
     for section in &page.sections {
         let heading = section.heading.and_then(|number| page.headings.get(number));
         let below_title = heading.filter(|heading| heading.level > 1);
-        let address = below_title.map_or_else(|| url.to_owned(), |heading| format!("{url}#{}", heading.anchor));
+        let address =
+            below_title.map_or_else(|| url.to_owned(), |heading| format!("{url}#{}", heading.anchor));
         let heading = below_title.map_or("", |heading| heading.text.as_str());
         sections.push(json!([address, page.title, heading, part, section.text, section.terms]));
     }

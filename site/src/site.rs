@@ -5,14 +5,16 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::assets::ASSETS;
-use crate::book::Book;
+use crate::book::{Book, names_in};
 use crate::document::{Document, Heading};
 use crate::html::{Surroundings, code_block, escape, render};
 use crate::layout::{self, Content};
 use crate::links::relative;
 use crate::node::{Node, RUST, extension, place};
 use crate::{Problem, Sources, picture, search, whole};
+
+/// Style sheets, scripts and fonts of the site itself, and the template of its pages.
+const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
 
 /// The site, before it is written.
 #[derive(Debug, Default)]
@@ -36,8 +38,9 @@ pub fn build(sources: &Sources) -> Result<Site, Vec<Problem>> {
     }
     site.texts.insert(whole::URL.to_owned(), whole::page(sources, &book));
     site.texts.insert("assets/index.js".to_owned(), search::index(&book));
-    for (name, text) in ASSETS {
-        site.texts.insert(format!("assets/{name}"), text.to_owned());
+    let assets = Path::new(ASSETS);
+    for name in names_in(assets).into_iter().filter(|name| name != layout::TEMPLATE_NAME) {
+        site.copies.insert(format!("assets/{name}"), assets.join(name));
     }
     for (link, pages) in &book.web {
         site.web.extend(pages.iter().map(|page| (link.clone(), page.clone())));
@@ -116,7 +119,11 @@ fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
     for entry in fs::read_dir(from)? {
         let entry = entry?;
         let target = to.join(entry.file_name());
-        if entry.file_type()?.is_dir() { copy_folder(&entry.path(), &target)? } else { fs::copy(entry.path(), target).map(drop)? }
+        if entry.file_type()?.is_dir() {
+            copy_folder(&entry.path(), &target)?
+        } else {
+            fs::copy(entry.path(), target).map(drop)?
+        }
     }
     Ok(())
 }
@@ -197,6 +204,7 @@ pub(crate) fn picture_of(sources: &Sources, book: &Book, page: &Document, link: 
     let Some((path, _)) = book.target(&page.source, link) else { return String::new() };
     let file = fs::read(sources.root.join(&path)).unwrap_or_default();
     let size = picture::size(&file);
-    let size = size.map(|(width, height)| format!(" width=\"{width}\" height=\"{height}\"")).unwrap_or_default();
+    let size =
+        size.map(|(width, height)| format!(" width=\"{width}\" height=\"{height}\"")).unwrap_or_default();
     format!("src=\"{}\"{size}", escape(&relative(url, &book.url(&path))))
 }

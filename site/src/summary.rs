@@ -110,8 +110,12 @@ mod tests {
         let summary = Summary::read("SUMMARY.md", text).unwrap();
         let titles: Vec<_> = summary.parts.iter().map(|part| part.title.as_str()).collect();
         assert_eq!(titles, ["", "How-to"]);
-        let entries: Vec<_> = summary.entries().map(|entry| (&*entry.title, &*entry.link, entry.depth)).collect();
-        assert_eq!(entries, [("Papilio", "README.md", 0), ("Films", "films.md", 0), ("Speed", "how-to/speed.md", 1)]);
+        let entries: Vec<_> =
+            summary.entries().map(|entry| (&*entry.title, &*entry.link, entry.depth)).collect();
+        assert_eq!(
+            entries,
+            [("Papilio", "README.md", 0), ("Films", "films.md", 0), ("Speed", "how-to/speed.md", 1)]
+        );
     }
 
     #[test]

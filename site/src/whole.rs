@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 
+use crate::Sources;
 use crate::book::Book;
 use crate::document::{Document, Heading};
 use crate::html::{Surroundings, escape, render};
 use crate::layout::{self, Content};
 use crate::links::relative;
 use crate::site::picture_of;
-use crate::Sources;
 
 /// URL of the page.
 pub(crate) const URL: &str = "all.html";
@@ -18,7 +18,8 @@ pub(crate) fn page(sources: &Sources, book: &Book) -> String {
     let mut list = String::new();
     let mut sections = String::new();
     for (part, entries) in book.parts() {
-        let pages: Vec<_> = entries.iter().filter_map(|(_, path)| book.page(path)).filter(|page| is_part(page)).collect();
+        let pages: Vec<_> =
+            entries.iter().filter_map(|(_, path)| book.page(path)).filter(|page| is_part(page)).collect();
         if pages.is_empty() {
             continue;
         }
@@ -36,7 +37,10 @@ pub(crate) fn page(sources: &Sources, book: &Book) -> String {
     }
     let body = format!("<h1>Papilio, all pages</h1>\n<div class=\"list\">{list}</div>\n{sections}");
     let description = "All pages of Papilio's documentation as one, to print or to read without a network.";
-    layout::page(book, &Content { url: URL, title: "All pages", description, body: &body, ..Content::default() })
+    layout::page(
+        book,
+        &Content { url: URL, title: "All pages", description, body: &body, ..Content::default() },
+    )
 }
 
 /// Pages of the code's own files are left out.
@@ -65,7 +69,8 @@ impl Surroundings for Within<'_> {
             (Some(page), Some(anchor)) => format!("#{}--{anchor}", name(page)),
             (Some(page), None) => format!("#{}", name(page)),
             (None, anchor) => {
-                relative(URL, &self.book.url(&path)) + &anchor.map(|anchor| format!("#{anchor}")).unwrap_or_default()
+                relative(URL, &self.book.url(&path))
+                    + &anchor.map(|anchor| format!("#{anchor}")).unwrap_or_default()
             }
         }
     }

@@ -89,7 +89,8 @@ fn main() -> ExitCode {
     match (task, name, extra) {
         (Some((.., run)), _, None) => exit_code(run()),
         (None, None, _) => {
-            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, SITE, PAIRS]);
+            let all =
+                TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, SITE, PAIRS]);
             all.for_each(|(name, description)| println!("cargo xtask {name:<8} {description}"));
             ExitCode::SUCCESS
         }

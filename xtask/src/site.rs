@@ -40,7 +40,10 @@ fn build(out: &Path, with_crates: bool) -> Outcome {
 
 /// Writes the reference of the Python package, and returns its folder. Without Python, the site shows the sources of its modules.
 fn python_reference() -> Result<Option<PathBuf>, String> {
-    let python = Needs { tool: &["python3"], install: "install Python 3.11 or later for the reference of the package" };
+    let python = Needs {
+        tool: &["python3"],
+        install: "install Python 3.11 or later for the reference of the package",
+    };
     if let Err(missing) = shell::need(python) {
         println!("site: {missing}");
         return Ok(None);

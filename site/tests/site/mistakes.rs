@@ -34,12 +34,16 @@ fn mistake(page: &str) -> String {
 #[test]
 fn page_in_a_folder_is_linked_from_and_to_others() {
     let files = [
-        ("docs/how-to/page.md", "# Page\n\nSee [start](../README.md#a-section), [data](../../data/x.toml), [it](#part).\n\n## Part\n"),
+        (
+            "docs/how-to/page.md",
+            "# Page\n\nSee [start](../README.md#a-section), [data](../../data/x.toml), [it](#part).\n\n## Part\n",
+        ),
         ("data/x.toml", "a = 1\n"),
     ];
     let site = built("- [Page](how-to/page.md)\n", &files).unwrap();
     let page = &site.texts()["how-to/page.html"];
-    for link in ["../index.html#a-section", "../repository/data/x.toml.html", "#part", "../assets/style.css"] {
+    for link in ["../index.html#a-section", "../repository/data/x.toml.html", "#part", "../assets/style.css"]
+    {
         assert!(page.contains(&format!("href=\"{link}\"")), "{link}");
     }
     assert!(site.texts()["index.html"].contains("<a class=\"next\" rel=\"next\" href=\"how-to/page.html\">"));
@@ -50,12 +54,17 @@ fn page_without_entry_and_entry_without_page_are_refused() {
     let problems = built("", &[("docs/theory/films.md", "# Films\n")]).unwrap_err();
     assert_eq!(
         problems,
-        ["error: this page has no entry in docs/SUMMARY.md\n --> docs/theory/films.md\n  = help: add a line \
-          `- [Title](theory/films.md)` to the part to which it belongs"]
+        [
+            "error: this page has no entry in docs/SUMMARY.md\n --> docs/theory/films.md\n  = help: add a line \
+          `- [Title](theory/films.md)` to the part to which it belongs"
+        ]
     );
     let problems = built("- [Films](flims.md)\n- [Start](README.md)\n", &[]).unwrap_err();
     assert_eq!(problems.len(), 2);
-    assert!(problems[0].starts_with("error: the repository has no file `docs/flims.md`\n --> docs/SUMMARY.md:5:1\n"));
+    assert!(
+        problems[0]
+            .starts_with("error: the repository has no file `docs/flims.md`\n --> docs/SUMMARY.md:5:1\n")
+    );
     assert!(problems[1].starts_with("error: this page has two entries\n --> docs/SUMMARY.md:6:1\n"));
 }
 
