@@ -7,6 +7,9 @@ use crate::highlight::highlight;
 use crate::math::mathml;
 use crate::notebook::OUTPUT;
 
+/// Longest word of code that is not broken; in characters.
+const LONGEST_WORD: usize = 24;
+
 /// Returns the text with the characters that HTML reserves replaced.
 pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -86,6 +89,9 @@ impl<'a> Renderer<'a> {
             // The page has been checked: its equations can be written.
             Event::InlineMath(latex) => self.inline(mathml(&latex, false).unwrap_or_default()),
             Event::DisplayMath(latex) => self.inline(mathml(&latex, true).unwrap_or_default()),
+            Event::Code(code) => self.inline(inline_code(&code)),
+            // Without a label, a box to tick says nothing to a screen reader.
+            Event::TaskListMarker(is_done) => self.inline(if is_done { "☑ " } else { "☐ " }.to_owned()),
             // Comments are for the tools that write the page.
             Event::Html(html) if html.trim_start().starts_with("<!--") => {}
             other => self.out.push(other),
@@ -175,6 +181,13 @@ pub(crate) fn code_block(code: &str, language: &str) -> String {
     let class = escape(class);
     let shown = highlight(code, language);
     format!("<div class=\"code\"><pre><code class=\"language-{class}\">{shown}</code></pre></div>\n")
+}
+
+/// Code in a sentence. A short word of it, such as an option, is not broken at its hyphens.
+fn inline_code(code: &str) -> String {
+    let is_word = code.chars().count() <= LONGEST_WORD && !code.contains(' ');
+    let class = if is_word { " class=\"word\"" } else { "" };
+    format!("<code{class}>{}</code>", escape(code))
 }
 
 /// The events before this end.

@@ -39,7 +39,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<String, String> {
     site.write(&out).map_err(|error| format!("{}: {error}", out.display()))?;
     let pages = site.texts().keys().filter(|path| path.ends_with(".html")).count();
     Ok(format!(
-        "{pages} pages, {} files and {} links into the web (not requested) in {}",
+        "{pages} pages, {} files and {} links into the web (listed in web-links.txt, not requested) in {}",
         site.copies().len(),
         site.web_links().len(),
         out.join("index.html").display()

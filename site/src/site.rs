@@ -16,6 +16,9 @@ use crate::{Problem, Sources, picture, search, whole};
 /// Style sheets, scripts and fonts of the site itself, and the template of its pages.
 const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
 
+/// List of all links into the web, each with a page that has it.
+const WEB: &str = "web-links.txt";
+
 /// The site, before it is written.
 #[derive(Debug, Default)]
 pub struct Site {
@@ -45,6 +48,8 @@ pub fn build(sources: &Sources) -> Result<Site, Vec<Problem>> {
     for (link, pages) in &book.web {
         site.web.extend(pages.iter().map(|page| (link.clone(), page.clone())));
     }
+    let web = site.web.iter().map(|(link, page)| format!("{link}\t{page}\n"));
+    site.texts.insert(WEB.to_owned(), web.collect());
     Ok(site)
 }
 

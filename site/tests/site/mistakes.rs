@@ -7,16 +7,10 @@ use papilio_site::{Site, Sources, build};
 
 /// Builds the site of a repository with these files; `docs/README.md` and its entry are always there.
 fn built(summary: &str, files: &[(&str, &str)]) -> Result<Site, Vec<String>> {
-    let folder = tempfile::tempdir().unwrap();
-    let write = |path: &str, text: &str| {
-        let full = folder.path().join(path);
-        fs::create_dir_all(full.parent().unwrap()).unwrap();
-        fs::write(full, text).unwrap();
-    };
-    write("docs/SUMMARY.md", &format!("[Start](README.md)\n\n# Part\n\n{summary}"));
-    write("docs/README.md", "# Start\n\nThe first page.\n\n## A section\n");
-    files.iter().for_each(|(path, text)| write(path, text));
-    site_of(folder.path())
+    let summary = format!("[Start](README.md)\n\n# Part\n\n{summary}");
+    let start = "# Start\n\nThe first page.\n\n## A section\n";
+    let first = [("docs/SUMMARY.md", summary.as_str()), ("docs/README.md", start)];
+    site_of(repository(&[&first, files].concat()).path())
 }
 
 fn site_of(root: &Path) -> Result<Site, Vec<String>> {
@@ -104,11 +98,12 @@ fn links_into_the_web_are_listed_and_not_changed() {
     let site = built("", &[("docs/README.md", "# Start\n\n[web](https://example.org/a?b=1&c=2)\n")]).unwrap();
     assert_eq!(site.web_links(), [("https://example.org/a?b=1&c=2".to_owned(), "docs/README.md".to_owned())]);
     assert!(site.texts()["index.html"].contains("href=\"https://example.org/a?b=1&amp;c=2\""));
+    assert_eq!(site.texts()["web-links.txt"], "https://example.org/a?b=1&c=2\tdocs/README.md\n");
 }
 
 #[test]
 fn equations_tables_pictures_and_code_become_html_without_scripts() {
-    let page = "# Page\n\nAn $x^2$.\n\n$$\\frac{1}{2}$$\n\n![A bar](bar.svg \"Its caption\")\n\n| a |\n|---|\n| 1 |\n\n```toml\na = 1\n```\n";
+    let page = "# Page\n\nAn $x^2$.\n\n$$\\frac{1}{2}$$\n\n![A bar](bar.svg \"Its caption\")\n\n| a |\n|---|\n| `--a` |\n\n- [x] done\n\n```toml\na = 1\n```\n";
     let picture = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"3\" height=\"4\"></svg>";
     let site = built("- [Page](page.md)\n", &[("docs/page.md", page), ("docs/bar.svg", picture)]).unwrap();
     let html = &site.texts()["page.html"];
@@ -117,6 +112,8 @@ fn equations_tables_pictures_and_code_become_html_without_scripts() {
         "<div class=\"equation\"><math display=\"block\">",
         "<figure><a href=\"bar.svg\"><img src=\"bar.svg\" width=\"3\" height=\"4\" loading=\"lazy\" alt=\"A bar\"></a><figcaption>Its caption</figcaption></figure>",
         "<div class=\"table\"><table>",
+        "<td><code class=\"word\">--a</code></td>",
+        "<li>☑ done</li>",
         "<code class=\"language-toml\"><span class=\"key\">a </span>=",
     ] {
         assert!(html.contains(part), "{part}\n{html}");
@@ -124,22 +121,45 @@ fn equations_tables_pictures_and_code_become_html_without_scripts() {
     assert!(site.texts()["all.html"].contains("<img src=\"bar.svg\" width=\"3\" height=\"4\" alt"));
 }
 
+/// Writes the files of a repository into a new folder.
+fn repository(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (path, text) in files {
+        let full = folder.path().join(path);
+        fs::create_dir_all(full.parent().unwrap()).unwrap();
+        fs::write(full, text).unwrap();
+    }
+    folder
+}
+
 #[test]
 fn reference_of_a_python_module_stands_in_the_place_of_its_source() {
-    let folder = tempfile::tempdir().unwrap();
-    let root = folder.path();
-    for (path, text) in [
+    let folder = repository(&[
         ("docs/SUMMARY.md", "- [Start](README.md)\n- [Films](../python/papilio/films.py)\n"),
         ("docs/README.md", "# Start\n\nText.\n"),
         ("python/papilio/films.py", "\"\"\"Films.\"\"\"\n"),
         ("written/films.md", "# `papilio.films`\n\nCoherent films.\n"),
-    ] {
-        fs::create_dir_all(root.join(path).parent().unwrap()).unwrap();
-        fs::write(root.join(path), text).unwrap();
-    }
-    let site = site_of(root).unwrap();
+    ]);
+    let site = site_of(folder.path()).unwrap();
     assert!(site.texts()["repository/python/papilio/films.py.html"].contains("Films."));
-    let python = Some(root.join("written"));
-    let site = build(&Sources { root: root.to_owned(), python, rust: None }).unwrap();
+    let python = Some(folder.path().join("written"));
+    let site = build(&Sources { root: folder.path().to_owned(), python, rust: None }).unwrap();
     assert!(site.texts()["api/python/films.html"].contains("Coherent films."));
+}
+
+#[test]
+fn documentation_of_a_crate_stands_in_the_place_of_its_first_file() {
+    let folder = repository(&[
+        ("docs/SUMMARY.md", "- [Start](README.md)\n"),
+        ("docs/README.md", "# Start\n\n[optics](../crates/optics/src/lib.rs)\n"),
+        ("crates/optics/src/lib.rs", "//! Optics.\n"),
+        ("doc/papilio_optics/index.html", "<p>Optics</p>"),
+    ]);
+    let site = site_of(folder.path()).unwrap();
+    assert!(site.texts()["index.html"].contains("href=\"repository/crates/optics/src/lib.rs.html\""));
+    let rust = Some(folder.path().join("doc"));
+    let site = build(&Sources { root: folder.path().to_owned(), python: None, rust }).unwrap();
+    assert!(site.texts()["index.html"].contains("href=\"api/rust/papilio_optics/index.html\""));
+    site.write(&folder.path().join("site")).unwrap();
+    assert!(folder.path().join("site/api/rust/papilio_optics/index.html").is_file());
 }
