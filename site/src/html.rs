@@ -41,6 +41,12 @@ pub(crate) fn render(page: &Document, surroundings: &dyn Surroundings) -> String
     renderer.all(&mut Parser::new_ext(&page.text, options()));
     let mut html = String::new();
     pulldown_cmark::html::push_html(&mut html, renderer.out.into_iter());
+    // An empty cell above a column is no heading of it.
+    for aligned in
+        ["", " style=\"text-align: left\"", " style=\"text-align: center\"", " style=\"text-align: right\""]
+    {
+        html = html.replace(&format!("<th{aligned}></th>"), "<td></td>");
+    }
     html
 }
 
