@@ -61,10 +61,10 @@ const SERVE: (&str, &str) = (
     "build the page of the web app and the program, and start it: cargo xtask serve [FILE] [--open]",
 );
 
-/// The task with an option.
+/// The task with options.
 const SITE: (&str, &str) = (
     "site",
-    "build the documentation site into target/site, and check its links; with the documentation of the crates: cargo xtask site --api",
+    "build the documentation site into target/site; --api: with the documentation of the crates; --check: test it in a browser",
 );
 
 /// The task with the paths of two programs.
@@ -114,7 +114,7 @@ fn exit_code(outcome: Outcome) -> ExitCode {
 
 fn full() -> Outcome {
     test::with_more(test::SEEDS, 2000)?;
-    shell::run(site::browser_tests(&page::browser()?)?)?;
+    site::check()?;
     package::package()?;
     oracle::oracle()?;
     deny()

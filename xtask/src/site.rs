@@ -12,17 +12,18 @@ fn folder() -> PathBuf {
     shell::target().join("site")
 }
 
-/// Builds the site. With the argument `--api`, it contains the documentation of the crates.
+/// Builds the site. With the argument `--api`, it contains the documentation of the crates; with `--check`, it is tested in a browser.
 pub(crate) fn site(arguments: &[String]) -> Outcome {
-    let with_crates = match arguments {
-        [] => false,
-        [option] if option == "--api" => true,
-        _ => return Err("usage: cargo xtask site [--api]".to_owned()),
-    };
-    if with_crates {
+    let known = ["--api", "--check"];
+    if arguments.iter().any(|argument| !known.contains(&argument.as_str())) {
+        return Err("usage: cargo xtask site [--api] [--check]".to_owned());
+    }
+    let has = |option: &str| arguments.iter().any(|argument| argument == option);
+    if has("--api") {
         shell::run(cargo(["doc", "--workspace", "--no-deps", "--no-default-features"]))?;
     }
-    build(&folder(), with_crates)
+    build(&folder(), has("--api"))?;
+    if has("--check") { check() } else { Ok(()) }
 }
 
 /// Builds the site into a folder.
@@ -55,13 +56,15 @@ fn python_reference() -> Result<Option<PathBuf>, String> {
     Ok(Some(pages))
 }
 
-/// Builds a site for its tests in a browser, and returns them; axe-core and playwright-core are those of the web app's page.
-pub(crate) fn browser_tests(browser: &Path) -> Result<Command, String> {
+/// Builds the site and tests it in a browser, with the packages of the web app's page: axe-core and playwright-core.
+pub(crate) fn check() -> Outcome {
+    let browser = page::browser()?;
+    page::install()?;
     let site = shell::target().join("site-tested");
     build(&site, false)?;
     let mut tests = command("node", ["--test", "site/tests/browser.test.mjs"]);
     tests.env("SITE", site).env("CHROMIUM", browser).env("PAGE", page::folder());
-    Ok(tests)
+    shell::run(tests)
 }
 
 /// Tests of the search in the index of the site, without a browser.
