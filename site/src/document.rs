@@ -79,7 +79,7 @@ impl Document {
         }
         sections.retain(|section| !section.text.is_empty() || section.heading.is_some());
         let title = headings.iter().find(|heading| heading.level == 1).map(|heading| heading.text.clone());
-        if title.is_none() {
+        if title.is_none() && has_outline(source) {
             let missing = Diagnostic::new("the page has no title").hint("begin it with a line `# Title`");
             problems.push(Problem::whole(source, missing));
         }
@@ -90,10 +90,20 @@ impl Document {
         (Self { source, title, headings, links, sections, description, outputs, text }, problems)
     }
 
+    /// True if the text begins with its title.
+    pub(crate) fn has_title(&self) -> bool {
+        self.headings.iter().any(|heading| heading.level == 1)
+    }
+
     /// True if the page has a heading with this anchor.
     pub(crate) fn has_anchor(&self, anchor: &str) -> bool {
         self.headings.iter().any(|heading| heading.anchor == anchor)
     }
+}
+
+/// True for pages of the documentation, which need a title and sections below it; other texts of the repository are shown as they are.
+fn has_outline(source: &str) -> bool {
+    source.starts_with("docs/")
 }
 
 /// What has been read of a page so far.
@@ -167,6 +177,17 @@ impl Reader<'_> {
     fn end_heading(&mut self, level: HeadingLevel, range: Range<usize>) {
         let text = one_line(&self.heading.take().unwrap_or_default());
         let level = level as usize;
+        self.check_outline(level, range);
+        let anchor = self.anchors.next(&text);
+        self.headings.push(Heading { level, anchor, text });
+        self.sections.push(Section { heading: Some(self.headings.len() - 1), ..Section::default() });
+    }
+
+    /// Refuses a heading that does not fit those above it.
+    fn check_outline(&mut self, level: usize, range: Range<usize>) {
+        if !has_outline(self.source) {
+            return;
+        }
         let above = self.headings.last().map_or(0, |heading| heading.level);
         if level > above + 1 {
             let skipped = Diagnostic::new(format!("a heading of level {level} follows one of level {above}"))
@@ -177,9 +198,6 @@ impl Reader<'_> {
             let second = Diagnostic::new("the page has a second title").hint("a section begins with `##`");
             self.report(range, second);
         }
-        let anchor = self.anchors.next(&text);
-        self.headings.push(Heading { level, anchor, text });
-        self.sections.push(Section { heading: Some(self.headings.len() - 1), ..Section::default() });
     }
 
     fn push(&mut self, text: &str) {

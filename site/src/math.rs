@@ -4,6 +4,8 @@ use papilio_diagnostics::Diagnostic;
 use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser, Storage, push_mathml};
 
+use crate::html::escape;
+
 /// Returns the MathML of an equation; `block` for an equation on a line of its own.
 pub(crate) fn mathml(latex: &str, block: bool) -> Result<String, Diagnostic> {
     // GitHub also accepts $`...`$.
@@ -16,15 +18,40 @@ pub(crate) fn mathml(latex: &str, block: bool) -> Result<String, Diagnostic> {
         return Err(Diagnostic::new(format!("this equation cannot be read: {first}"))
             .hint("equations are written in LaTeX with amsmath, as GitHub shows them; write a dollar sign of the text as \\$"));
     }
+    let annotation = escape(latex);
     let config = RenderConfig {
         display_mode: if block { DisplayMode::Block } else { DisplayMode::Inline },
-        annotation: Some(latex),
+        annotation: Some(&annotation),
         ..RenderConfig::default()
     };
     let mut written = String::new();
     push_mathml(&mut written, events.into_iter(), config)
         .map_err(|error| Diagnostic::new(format!("this equation cannot be written as MathML: {error}")))?;
-    Ok(written)
+    Ok(with_sides(&written.replace("<mo><</mo>", "<mo>&lt;</mo>"), latex))
+}
+
+/// Bars that open and close, as the crate writes them.
+const BARS: [&str; 2] = [
+    "<mo symmetric=\"false\" stretchy=\"false\">|</mo>",
+    "<mo symmetric=\"false\" stretchy=\"false\">‖</mo>",
+];
+
+/// States for each bar of `\lvert` and `\rvert` on which side it stands. Otherwise, a browser sets it as an operator, with blanks.
+fn with_sides(mathml: &str, latex: &str) -> String {
+    let mut written = String::with_capacity(mathml.len());
+    let mut rest = mathml;
+    let commands = latex.split('\\').skip(1);
+    for form in commands.filter_map(|command| match command.get(..5) {
+        Some("lvert" | "lVert") => Some("prefix"),
+        Some("rvert" | "rVert") => Some("postfix"),
+        _ => None,
+    }) {
+        let Some(at) = BARS.iter().filter_map(|bar| rest.find(bar)).min() else { break };
+        let start = at + "<mo".len();
+        written += &format!("{} form=\"{form}\"", &rest[..start]);
+        rest = &rest[start..];
+    }
+    written + rest
 }
 
 #[cfg(test)]
@@ -46,6 +73,16 @@ mod tests {
             "{written}"
         );
         assert!(mathml("x", true).unwrap().contains("display=\"block\""));
+    }
+
+    #[test]
+    fn bars_state_their_side_and_comparisons_are_escaped() {
+        let written = mathml(r"\lvert a \rvert \le \lVert b \rVert < c<d", false).unwrap();
+        let forms: Vec<_> =
+            written.split("form=\"").skip(1).filter_map(|part| part.split('"').next()).collect();
+        assert_eq!(forms, ["prefix", "postfix", "prefix", "postfix"], "{written}");
+        assert!(written.contains("<mo>&lt;</mo>") && !written.contains("<d"), "{written}");
+        assert!(written.contains("&lt; c&lt;d</annotation>"), "{written}");
     }
 
     #[test]

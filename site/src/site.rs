@@ -135,6 +135,9 @@ fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
 
 fn page_of(sources: &Sources, book: &Book, page: &Document, content: Content<'_>) -> String {
     let mut body = render(page, &OnItsOwn { sources, book, page, url: content.url });
+    if !page.has_title() {
+        body = format!("<h1>{}</h1>\n{body}", escape(&page.title));
+    }
     if extension(&page.source) == "ipynb" {
         let file = relative(content.url, &place(&page.source));
         body += &format!("<p><a href=\"{file}\" download>Download this notebook</a></p>\n");

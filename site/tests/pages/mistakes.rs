@@ -94,6 +94,18 @@ fn anchor_that_was_misspelled_gets_a_suggestion() {
 }
 
 #[test]
+fn text_of_the_repository_without_a_title_gets_its_path() {
+    let files = [
+        ("docs/README.md", "# Start\n\n[font](../font/README.md)\n"),
+        ("font/README.md", "### Source\n\nText.\n"),
+    ];
+    let site = built("", &files).unwrap();
+    assert!(
+        site.texts()["repository/font/README.html"].contains("<h1>font/README.md</h1>\n<h3 id=\"source\">")
+    );
+}
+
+#[test]
 fn links_into_the_web_are_listed_and_not_changed() {
     let site = built("", &[("docs/README.md", "# Start\n\n[web](https://example.org/a?b=1&c=2)\n")]).unwrap();
     assert_eq!(site.web_links(), [("https://example.org/a?b=1&c=2".to_owned(), "docs/README.md".to_owned())]);
