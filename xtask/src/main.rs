@@ -16,6 +16,7 @@ mod pictures;
 mod python;
 mod serve;
 mod shell;
+mod site;
 mod test;
 
 use std::process::ExitCode;
@@ -33,7 +34,7 @@ const TASKS: [Task; 12] = [
     ),
     (
         "full",
-        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, all commands of the documentation, and all tests of the page and of Python; then oracle and deny",
+        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, all commands of the documentation, and all tests of the page, of the documentation site and of Python; then oracle and deny",
         full,
     ),
     ("page", "build the page of the web app, and run all its tests in Chromium", page::page),
@@ -66,6 +67,12 @@ const SERVE: (&str, &str) = (
     "build the page of the web app and the program, and start it: cargo xtask serve [FILE] [--open]",
 );
 
+/// The task with options.
+const SITE: (&str, &str) = (
+    "site",
+    "build the documentation site into target/site; --api: with the documentation of the crates; --check: test it in a browser",
+);
+
 /// The task with the paths of two programs.
 const PAIRS: (&str, &str) =
     ("bench-pairs", "compare the processor time of two programs, in turn: cargo xtask bench-pairs OLD NEW");
@@ -77,6 +84,9 @@ fn main() -> ExitCode {
     if name.as_deref() == Some(SERVE.0) {
         return exit_code(serve::serve(&rest));
     }
+    if name.as_deref() == Some(SITE.0) {
+        return exit_code(site::site(&rest));
+    }
     if name.as_deref() == Some(PAIRS.0) {
         return exit_code(pairs::pairs(&rest));
     }
@@ -85,7 +95,8 @@ fn main() -> ExitCode {
     match (task, name, extra) {
         (Some((.., run)), _, None) => exit_code(run()),
         (None, None, _) => {
-            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, PAIRS]);
+            let all =
+                TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, SITE, PAIRS]);
             all.for_each(|(name, description)| println!("cargo xtask {name:<8} {description}"));
             ExitCode::SUCCESS
         }
@@ -109,6 +120,7 @@ fn exit_code(outcome: Outcome) -> ExitCode {
 
 fn full() -> Outcome {
     test::with_more(test::SEEDS, 2000)?;
+    site::check()?;
     package::package()?;
     blocks()?;
     oracle::oracle()?;

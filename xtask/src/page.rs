@@ -33,11 +33,14 @@ pub(crate) fn folder() -> PathBuf {
 
 /// Builds the page into `web/page/dist`.
 pub(crate) fn build() -> Outcome {
-    shell::need(NPM)?;
-    if !is_installed(&folder()) {
-        shell::run(npm(["ci"]))?;
-    }
+    install()?;
     shell::run(npm(["run", "build"]))
+}
+
+/// Installs the packages of the lock file, if they are not installed.
+pub(crate) fn install() -> Outcome {
+    shell::need(NPM)?;
+    if is_installed(&folder()) { Ok(()) } else { shell::run(npm(["ci"])) }
 }
 
 /// Path of the browser for the tests, or the reason why the page cannot be tested.

@@ -11,6 +11,7 @@ use crate::count::{Count, Job};
 use crate::package::{self, Profile};
 use crate::page;
 use crate::shell::{self, Needs, Outcome, cargo, command};
+use crate::site;
 
 /// Number of seeds of the statistical tests in `cargo xtask full`; 8 in `cargo xtask test`.
 pub(crate) const SEEDS: u64 = 480;
@@ -122,6 +123,7 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     let mut others = Vec::new();
     if let Some(browser) = &browser {
         others.push(Job::tests("  page, unit tests", page::unit_tests()));
+        others.push(Job::tests("  site, search", site::search_tests()));
         others.push(Job::tests("  page, in a browser", page::end_to_end(of_page, browser)));
     }
     let mut lints = cargo(["clippy", "--workspace", "--all-targets"]);
