@@ -13,9 +13,12 @@ mod pairs;
 mod peers;
 mod pictures;
 mod python;
+mod release;
 mod serve;
 mod shell;
 mod test;
+mod versions;
+mod workflows;
 
 use std::process::ExitCode;
 
@@ -24,7 +27,7 @@ use shell::{Needs, Outcome, cargo};
 /// Name, description and function of a task.
 type Task = (&'static str, &'static str, fn() -> Outcome);
 
-const TASKS: [Task; 11] = [
+const TASKS: &[Task] = &[
     (
         "test",
         "run all checks: format, lints, tests, documentation, three example scenarios, web page, Python package",
@@ -32,7 +35,7 @@ const TASKS: [Task; 11] = [
     ),
     (
         "full",
-        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, and all tests of the page and of Python; then oracle and deny",
+        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, and all tests of the page and of Python; then oracle, workflows and deny",
         full,
     ),
     ("page", "build the page of the web app, and run all its tests in Chromium", page::page),
@@ -47,8 +50,11 @@ const TASKS: [Task; 11] = [
         oracle::oracle,
     ),
     ("peers", "measure the speed of Papilio and other programs, for docs/peers.md", peers::peers),
-    ("docs", "write the tables of docs/ that are generated from the code", docs),
+    ("docs", "write what is generated from the code: tables of docs/, and README.md of each crate", docs),
     ("deny", "check licences, advisories and sources of all dependencies", deny),
+    ("workflows", "check the workflows of .github and the container file", workflows::workflows),
+    ("oldest-rust", "compile everything with the oldest Rust that the manifests allow", versions::oldest_rust),
+    ("semver", "compare what the published crates offer with the last version", versions::semver),
     ("bench", "run all benchmarks", bench),
     ("picture", "make the pictures of docs/pictures again", pictures::pictures),
     ("accuracy", "measure accuracy against time of both solvers, for docs/pictures", pictures::accuracy),
@@ -58,6 +64,12 @@ const TASKS: [Task; 11] = [
 const SERVE: (&str, &str) = (
     "serve",
     "build the page of the web app and the program, and start it: cargo xtask serve [FILE] [--open]",
+);
+
+/// The task with parts and a system.
+const RELEASE: (&str, &str) = (
+    "release",
+    "make packages for users in target/packages, and install and run each: cargo xtask release [program] [wheel] [sdist] [crates] [sums] [--target TRIPLE]",
 );
 
 /// The task with the paths of two programs.
@@ -71,6 +83,9 @@ fn main() -> ExitCode {
     if name.as_deref() == Some(SERVE.0) {
         return exit_code(serve::serve(&rest));
     }
+    if name.as_deref() == Some(RELEASE.0) {
+        return exit_code(release::release(&rest));
+    }
     if name.as_deref() == Some(PAIRS.0) {
         return exit_code(pairs::pairs(&rest));
     }
@@ -79,7 +94,7 @@ fn main() -> ExitCode {
     match (task, name, extra) {
         (Some((.., run)), _, None) => exit_code(run()),
         (None, None, _) => {
-            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, PAIRS]);
+            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, RELEASE, PAIRS]);
             all.for_each(|(name, description)| println!("cargo xtask {name:<8} {description}"));
             ExitCode::SUCCESS
         }
@@ -105,6 +120,7 @@ fn full() -> Outcome {
     test::with_more(test::SEEDS, 2000)?;
     package::package()?;
     oracle::oracle()?;
+    workflows::workflows()?;
     deny()
 }
 
@@ -118,6 +134,7 @@ fn docs() -> Outcome {
             "tables_of_materials_and_illuminants_in_the_docs_are_those_of_the_program",
         ),
         ("papilio-formats", "formats", "table_of_formats_in_the_docs_is_that_of_the_readers"),
+        ("xtask", "xtask", "readme_of_each_crate_is_the_tour_of_its_library"),
     ] {
         let mut written = cargo(["test", "--package", package, "--test", test, name]);
         written.env("PAPILIO_WRITE_DOCS", "1");
