@@ -49,10 +49,8 @@ pub(super) fn make(target: Option<&str>) -> Outcome {
 
 /// The triple of this machine.
 pub(super) fn host() -> Result<String, String> {
-    let about = shell::run_apart(command("rustc", ["--version", "--verbose"]));
-    about.outcome?;
-    let line = about.texts[0].lines().find_map(|line| line.strip_prefix("host: "));
-    line.map(str::to_owned).ok_or_else(|| "rustc --version does not name its host".to_owned())
+    let host = shell::run_apart(command("rustc", ["--print", "host-tuple"]));
+    host.outcome.map(|()| host.texts[0].trim().to_owned())
 }
 
 /// The system with the same processor and musl, if its library is installed.

@@ -29,19 +29,27 @@ impl Manifest {
     }
 }
 
-/// All packages that are compiled, those of others too, as `cargo metadata` describes them.
-pub(crate) static METADATA: LazyLock<Value> = LazyLock::new(|| {
+/// The packages that are compiled for this machine, those of others too, as `cargo metadata` describes them.
+pub(crate) fn compiled() -> Vec<Value> {
+    let host = Command::new("rustc").args(["--print", "host-tuple"]).output().unwrap();
+    metadata(&["--filter-platform", String::from_utf8(host.stdout).unwrap().trim()])
+}
+
+static OWN: LazyLock<Vec<Value>> = LazyLock::new(|| metadata(&["--no-deps"]));
+
+fn metadata(options: &[&str]) -> Vec<Value> {
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["metadata", "--format-version", "1", "--offline"]).current_dir(root());
+    cargo.args(["metadata", "--format-version", "1", "--locked"]).args(options).current_dir(root());
     let output = cargo.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-});
+    let mut about: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let Value::Array(packages) = about["packages"].take() else { panic!("cargo metadata lists packages") };
+    packages
+}
 
 /// The packages of the workspace.
 pub(crate) fn all() -> Vec<Manifest> {
-    let packages = METADATA["packages"].as_array().unwrap();
-    let own = packages.iter().filter(|package| package["source"].is_null()).map(|about| Manifest {
+    let own = OWN.iter().map(|about| Manifest {
         name: about["name"].as_str().unwrap().to_owned(),
         folder: PathBuf::from(about["manifest_path"].as_str().unwrap()).parent().unwrap().to_owned(),
         about: about.clone(),

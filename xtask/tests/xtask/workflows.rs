@@ -9,8 +9,14 @@ use crate::{read, root};
 const WORKFLOWS: [&str; 3] = ["check", "release", "site"];
 
 /// First words of steps that need the machines of the workflow: they install what it builds with, or act on the project's pages.
-const ELSEWHERE: [&str; 5] =
-    ["rustup target add ", "sudo apt-get install ", "gh release create ", "mkdir python && mv packages/", "cargo publish --workspace "];
+const ELSEWHERE: [&str; 6] = [
+    "rustup target add ",
+    "sudo apt-get install ",
+    "gh release create ",
+    "mkdir python && mv packages/",
+    "cargo publish --workspace ",
+    "cargo xtask site",
+];
 
 fn workflow(name: &str) -> Yaml {
     YamlLoader::load_from_str(&read(&format!(".github/workflows/{name}.yml"))).unwrap().remove(0)
@@ -48,12 +54,14 @@ fn steps_are_tasks_of_the_project() {
     let commands: Vec<&str> = readme.lines().map(|line| line.split("  #").next().unwrap().trim()).collect();
     let mut of_tasks = 0;
     for (job, run) in steps("run") {
+        if ELSEWHERE.iter().any(|start| run.starts_with(start)) {
+            continue;
+        }
         if let Some(rest) = run.strip_prefix("cargo xtask ") {
             of_tasks += 1;
             assert!(tasks.contains(&rest.split(' ').next().unwrap()), "{job}: `{run}` is no task");
         } else {
-            let elsewhere = ELSEWHERE.iter().any(|start| run.starts_with(start));
-            assert!(elsewhere || commands.contains(&run.as_str()), "{job}: `{run}` is neither a task nor in README.md");
+            assert!(commands.contains(&run.as_str()), "{job}: `{run}` is neither a task nor in README.md");
         }
     }
     assert!(of_tasks > 8, "{of_tasks}");
