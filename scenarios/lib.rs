@@ -50,7 +50,8 @@ mod tests {
     #[test]
     fn files_are_found_by_their_path_and_others_are_not() {
         assert!(file("surfaces/hemispheres.toml").is_some() && file("scenarios/data/H65.bsdf").is_some());
-        for other in ["scenarios/lib.rs", "scenarios/README.md", "scenarios/../Cargo.toml", "indoor.toml", ""] {
+        for other in ["scenarios/lib.rs", "scenarios/README.md", "scenarios/../Cargo.toml", "indoor.toml", ""]
+        {
             assert!(file(other).is_none(), "{other}");
         }
         assert!(paths().all(|path| file(&path).is_some()));

@@ -20,5 +20,8 @@ fn write(command: &clap::Command, arguments: &Man) -> Result<(), Failure> {
     let page = Page::new(command.clone());
     let path = arguments.out.join(page.get_filename());
     write_file(&path, |mut out| page.render(&mut out)).map_err(Failure::Write)?;
-    command.get_subcommands().filter(|command| !command.is_hide_set()).try_for_each(|command| write(command, arguments))
+    command
+        .get_subcommands()
+        .filter(|command| !command.is_hide_set())
+        .try_for_each(|command| write(command, arguments))
 }

@@ -53,7 +53,11 @@ const TASKS: &[Task] = &[
     ("docs", "write what is generated from the code: tables of docs/, and README.md of each crate", docs),
     ("deny", "check licences, advisories and sources of all dependencies", deny),
     ("workflows", "check the workflows of .github and the container file", workflows::workflows),
-    ("oldest-rust", "compile everything with the oldest Rust that the manifests allow", versions::oldest_rust),
+    (
+        "oldest-rust",
+        "compile everything with the oldest Rust that the manifests allow",
+        versions::oldest_rust,
+    ),
     ("semver", "compare what the published crates offer with the last version", versions::semver),
     ("bench", "run all benchmarks", bench),
     ("picture", "make the pictures of docs/pictures again", pictures::pictures),
@@ -94,7 +98,10 @@ fn main() -> ExitCode {
     match (task, name, extra) {
         (Some((.., run)), _, None) => exit_code(run()),
         (None, None, _) => {
-            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, RELEASE, PAIRS]);
+            let all = TASKS
+                .iter()
+                .map(|(name, description, _)| (*name, *description))
+                .chain([SERVE, RELEASE, PAIRS]);
             all.for_each(|(name, description)| println!("cargo xtask {name:<8} {description}"));
             ExitCode::SUCCESS
         }

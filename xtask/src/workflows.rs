@@ -17,6 +17,7 @@ pub(crate) fn workflows() -> Outcome {
     actionlint.arg(".github/workflows/*.yml");
     shell::run(actionlint)?;
     let environment = Environment::new("lint", &HADOLINT)?;
-    let hadolint = environment.python().with_file_name("hadolint").with_extension(std::env::consts::EXE_EXTENSION);
+    let hadolint =
+        environment.python().with_file_name("hadolint").with_extension(std::env::consts::EXE_EXTENSION);
     shell::run(command(hadolint, ["Containerfile"]))
 }

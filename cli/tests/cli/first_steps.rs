@@ -154,7 +154,9 @@ fn manual_has_a_page_for_each_command_with_its_options() {
         assert!(page("papilio.1").contains(command.split('-').next().unwrap()), "{command}");
         assert!(page(&format!("papilio-{command}.1")).contains(".SH OPTIONS"), "{command}");
     }
-    assert!(page("papilio-run.1").contains("fB\\-\\-solver") && !here.join("share/man1/papilio-help.1").exists());
+    assert!(
+        page("papilio-run.1").contains("fB\\-\\-solver") && !here.join("share/man1/papilio-help.1").exists()
+    );
     fs::write(here.join("file"), "").unwrap();
     let failed = papilio_in(here, &["man", "--out", "file"]);
     assert_eq!(failed.status.code(), Some(2), "{}", stderr(&failed));

@@ -71,7 +71,10 @@ pub(super) fn python(package: &Path, build: Option<&str>) -> Outcome {
         // With Rust, and with the compiled libraries of the other tasks.
         Some(options) => {
             let mut install = Command::new(programs.join("python"));
-            install.env("MATURIN_PEP517_ARGS", options).env("CARGO_TARGET_DIR", shell::target()).current_dir(here);
+            install
+                .env("MATURIN_PEP517_ARGS", options)
+                .env("CARGO_TARGET_DIR", shell::target())
+                .current_dir(here);
             install
         }
     };
@@ -119,7 +122,11 @@ fn serves_the_page(mut program: Command) -> Outcome {
     let _ = server.wait();
     let page = page.map_err(|error| format!("papilio serve: {error}"))?;
     // The page loads its script; the text that replaces a missing page has none.
-    if page.contains("<script") { Ok(()) } else { Err(format!("papilio serve: no page in the program:\n{page}")) }
+    if page.contains("<script") {
+        Ok(())
+    } else {
+        Err(format!("papilio serve: no page in the program:\n{page}"))
+    }
 }
 
 /// The start page of the server that prints its address.

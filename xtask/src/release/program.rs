@@ -60,7 +60,9 @@ fn musl(host: &str) -> Option<String> {
     if Path::new(library.texts[0].trim()).is_dir() {
         return Some(musl);
     }
-    println!("The library of {musl} is not installed: the program is linked statically with the C library of this machine.");
+    println!(
+        "The library of {musl} is not installed: the program is linked statically with the C library of this machine."
+    );
     None
 }
 

@@ -30,7 +30,9 @@ pub(super) fn make(target: Option<&str>) -> Outcome {
     shell::run(build)?;
     let wheel = only(is_old, "wheel")?;
     if target.ends_with("musl") && target != host {
-        println!("The wheel for {target} is not checked: the Python of this machine needs another C library.");
+        println!(
+            "The wheel for {target} is not checked: the Python of this machine needs another C library."
+        );
         return Ok(());
     }
     check::python(&wheel, None)
@@ -43,7 +45,10 @@ pub(super) fn make_source() -> Outcome {
     replace(|file| file == name)?;
     shell::run(maturin(&["sdist"])?)?;
     // In the profile of the tests, whose libraries are mostly compiled already.
-    check::python(&only(|file| file == name, "source distribution")?, Some("--profile dev --no-default-features"))
+    check::python(
+        &only(|file| file == name, "source distribution")?,
+        Some("--profile dev --no-default-features"),
+    )
 }
 
 /// A command of maturin, which finds zig next to itself.
@@ -53,7 +58,8 @@ fn maturin(arguments: &[&str]) -> Result<Command, String> {
     let all = ["-m", "maturin"].into_iter().chain(arguments.iter().copied());
     let mut maturin = command(&python, all.chain(["--manifest-path", "python/Cargo.toml"]));
     maturin.arg("--out").arg(folder());
-    let found: Vec<PathBuf> = std::env::var_os("PATH").map(|all| std::env::split_paths(&all).collect()).unwrap_or_default();
+    let found: Vec<PathBuf> =
+        std::env::var_os("PATH").map(|all| std::env::split_paths(&all).collect()).unwrap_or_default();
     let folders = python.parent().map(PathBuf::from).into_iter().chain(found);
     let path = std::env::join_paths(folders).map_err(|error| format!("PATH: {error}"))?;
     maturin.env("PATH", path);
@@ -67,9 +73,27 @@ fn maturin(arguments: &[&str]) -> Result<Command, String> {
 fn platform(target: &str) -> &'static str {
     let is_arm = target.starts_with("aarch64");
     match target {
-        _ if target.ends_with("-linux-gnu") => if is_arm { "manylinux2014_aarch64" } else { "manylinux2014_x86_64" },
-        _ if target.ends_with("-linux-musl") => if is_arm { "musllinux_1_2_aarch64" } else { "musllinux_1_2_x86_64" },
-        _ if target.contains("darwin") => if is_arm { "macosx_11_0_arm64" } else { "x86_64" },
+        _ if target.ends_with("-linux-gnu") => {
+            if is_arm {
+                "manylinux2014_aarch64"
+            } else {
+                "manylinux2014_x86_64"
+            }
+        }
+        _ if target.ends_with("-linux-musl") => {
+            if is_arm {
+                "musllinux_1_2_aarch64"
+            } else {
+                "musllinux_1_2_x86_64"
+            }
+        }
+        _ if target.contains("darwin") => {
+            if is_arm {
+                "macosx_11_0_arm64"
+            } else {
+                "x86_64"
+            }
+        }
         _ => "win",
     }
 }

@@ -42,13 +42,19 @@ fn public_crates_have_what_the_registry_asks_for() {
         assert!((1..=5).contains(&keywords.len()), "{name}: at most five keywords: {keywords:?}");
         for word in keywords {
             let plain = |letter: char| letter.is_ascii_alphanumeric() || "-_+".contains(letter);
-            assert!(word.len() <= 20 && word.starts_with(char::is_alphabetic) && word.chars().all(plain), "{name}: {word}");
+            assert!(
+                word.len() <= 20 && word.starts_with(char::is_alphabetic) && word.chars().all(plain),
+                "{name}: {word}"
+            );
         }
         let categories = package.list("categories");
         assert!((1..=5).contains(&categories.len()), "{name}: {categories:?}");
         assert!(categories.iter().all(|category| CATEGORIES.contains(category)), "{name}: {categories:?}");
         // No address is known yet where the project could be found (RELEASING.md).
-        assert!(["repository", "homepage", "documentation"].iter().all(|key| package.about[*key].is_null()), "{name}");
+        assert!(
+            ["repository", "homepage", "documentation"].iter().all(|key| package.about[*key].is_null()),
+            "{name}"
+        );
     }
 }
 

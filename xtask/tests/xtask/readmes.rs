@@ -52,8 +52,14 @@ fn page(package: &Manifest) -> String {
         "\n## Papilio\n\nThis crate belongs to Papilio, which simulates the appearance of reflective displays. All its crates have the same version; \
          `RELEASING.md` of the project states what versions promise.\n",
     );
-    page.push_str("\nLicensed under either of Apache 2.0 (`LICENSE-APACHE`) or MIT (`LICENSE-MIT`), at your option.");
+    page.push_str(
+        "\nLicensed under either of Apache 2.0 (`LICENSE-APACHE`) or MIT (`LICENSE-MIT`), at your option.",
+    );
     for (file, sentence) in [
+        (
+            "page/package.json",
+            "The page, if the package carries it, contains Roboto (Apache 2.0), and Preact and uPlot (MIT).",
+        ),
         ("fonts/LICENSE", "The fonts in `fonts` are under Apache 2.0 (`fonts/LICENSE`)."),
         ("LICENSE-BOOST", "The coefficients of `erfc` are under the licence of Boost (`LICENSE-BOOST`)."),
         ("data/README.md", "The tables in `data` have sources and licences of their own (`data/README.md`)."),
@@ -96,7 +102,8 @@ fn without_links(line: &str) -> String {
         text.push_str(before);
         // Code that is no link is copied.
         let is_code = from.starts_with('`');
-        let end = if is_code { from[1..].find('`').map(|end| end + 2) } else { from.find(']').map(|end| end + 1) };
+        let end =
+            if is_code { from[1..].find('`').map(|end| end + 2) } else { from.find(']').map(|end| end + 1) };
         let (whole, after) = from.split_at(end.unwrap_or(from.len()));
         rest = after;
         let target = after.strip_prefix('(').and_then(|after| after.split_once(')'));

@@ -21,7 +21,10 @@ fn all_packages_have_one_version() {
     // The Python package takes the version of its crate.
     let python: toml::Table = read("python/pyproject.toml").parse().unwrap();
     let dynamic = python["project"]["dynamic"].as_array().unwrap();
-    assert!(dynamic.iter().any(|key| key.as_str() == Some("version")) && !python["project"].as_table().unwrap().contains_key("version"));
+    assert!(
+        dynamic.iter().any(|key| key.as_str() == Some("version"))
+            && !python["project"].as_table().unwrap().contains_key("version")
+    );
     let Ok(citation) = std::fs::read_to_string(root().join("CITATION.cff")) else { return };
     let cited = citation.lines().find_map(|line| line.strip_prefix("version:")).unwrap();
     assert_eq!(cited.trim().trim_matches('"'), version, "CITATION.cff");
@@ -48,7 +51,12 @@ fn no_library_needs_a_newer_rust_than_this_project() {
     for package in compiled() {
         let Some(theirs) = package["rust_version"].as_str() else { continue };
         known += 1;
-        assert!(number(theirs)[..2] <= ours[..2], "{} {} needs Rust {theirs}", package["name"], package["version"]);
+        assert!(
+            number(theirs)[..2] <= ours[..2],
+            "{} {} needs Rust {theirs}",
+            package["name"],
+            package["version"]
+        );
     }
     assert!(known > 100, "cargo metadata lists the libraries");
 }

@@ -49,7 +49,8 @@ fn steps(key: &str) -> Vec<(String, String)> {
 fn steps_are_tasks_of_the_project() {
     let list = Command::new(env!("CARGO_BIN_EXE_xtask")).output().unwrap();
     let list = String::from_utf8(list.stdout).unwrap();
-    let tasks: Vec<&str> = list.lines().filter_map(|line| line.strip_prefix("cargo xtask ")?.split(' ').next()).collect();
+    let tasks: Vec<&str> =
+        list.lines().filter_map(|line| line.strip_prefix("cargo xtask ")?.split(' ').next()).collect();
     let readme = read("README.md");
     let commands: Vec<&str> = readme.lines().map(|line| line.split("  #").next().unwrap().trim()).collect();
     let mut of_tasks = 0;
@@ -66,7 +67,10 @@ fn steps_are_tasks_of_the_project() {
     }
     assert!(of_tasks > 8, "{of_tasks}");
     // The check is that of README.md.
-    assert!(commands.contains(&"cargo xtask test") && steps("run").iter().any(|(_, run)| run == "cargo xtask test"));
+    assert!(
+        commands.contains(&"cargo xtask test")
+            && steps("run").iter().any(|(_, run)| run == "cargo xtask test")
+    );
 }
 
 /// The words after `cargo xtask release` are parts that the task knows, for systems of the table.
@@ -81,7 +85,10 @@ fn parts_of_a_release_are_those_of_the_task() {
         assert!(systems.iter().any(|system| system["target"].as_str().unwrap().ends_with(end)), "{end}");
     }
     for (job, run) in steps("run") {
-        let Some(parts) = run.strip_prefix("cargo xtask release ").filter(|parts| !parts.contains("${{")) else { continue };
+        let Some(parts) = run.strip_prefix("cargo xtask release ").filter(|parts| !parts.contains("${{"))
+        else {
+            continue;
+        };
         assert!(parts.split(' ').all(is_part), "{job}: {run}");
     }
 }
@@ -97,7 +104,9 @@ fn workflows_have_the_least_rights_and_no_secrets() {
     }
     for (job, about) in jobs() {
         assert!(about["timeout-minutes"].as_i64().is_some(), "{job} has no time limit");
-        let writes = about["permissions"].as_hash().is_some_and(|rights| rights.values().any(|right| right.as_str() == Some("write")));
+        let writes = about["permissions"]
+            .as_hash()
+            .is_some_and(|rights| rights.values().any(|right| right.as_str() == Some("write")));
         // What others see afterwards happens for a tag, as a draft, or when a person starts the workflow.
         assert!(!writes || !about["if"].is_badvalue(), "{job} writes without a condition");
     }
@@ -118,11 +127,16 @@ fn actions_are_pinned_by_version() {
 fn container_copies_files_of_the_archive() {
     let program = read("xtask/src/release/program.rs");
     let mut copied = 0;
-    for line in read("Containerfile").lines().filter_map(|line| line.strip_prefix("COPY ").map(str::to_owned)) {
+    for line in read("Containerfile").lines().filter_map(|line| line.strip_prefix("COPY ").map(str::to_owned))
+    {
         let names: Vec<&str> = line.split(' ').collect();
         for name in &names[..names.len() - 1] {
             copied += 1;
-            assert!(*name == "papilio" || (program.contains(&format!("\"{name}\"")) && root().join(name).exists()), "{name}");
+            assert!(
+                *name == "papilio"
+                    || (program.contains(&format!("\"{name}\"")) && root().join(name).exists()),
+                "{name}"
+            );
         }
     }
     assert!(copied >= 5);
