@@ -157,3 +157,28 @@ fn copy(from: &Path, to: &Path) -> Outcome {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(words: &str) -> Result<Order, String> {
+        Order::read(&words.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn parts_are_made_as_asked_and_all_of_them_by_default() {
+        let all = read("").unwrap();
+        assert!(all.parts == PARTS.map(|(_, part)| part) && all.target.is_none());
+        let some = read("wheel program --target x86_64-apple-darwin").unwrap();
+        assert!(some.parts == [Part::Wheel, Part::Program]);
+        assert_eq!(some.target.as_deref(), Some("x86_64-apple-darwin"));
+    }
+
+    #[test]
+    fn unknown_part_or_missing_system_is_refused_with_the_known_ones() {
+        let error = |words| read(words).err().unwrap();
+        assert!(error("wheels").contains("`wheels`") && error("wheels").contains("program, wheel, sdist"));
+        assert!(error("program --target").contains("triple"));
+    }
+}

@@ -97,6 +97,10 @@ fn stage(program: &Path, staged: &Path) -> Outcome {
             copy(&file, &staged.join(name))?;
         }
     }
+    // Of the package with the examples, not of the examples.
+    for name in ["lib.rs", "README.md"] {
+        fs::remove_file(staged.join("scenarios").join(name)).map_err(failure)?;
+    }
     copy(program, &staged.join(program.file_name().unwrap_or_default()))?;
     let mut man = command(program, ["man", "--out"]);
     man.arg(staged.join("man"));
