@@ -2,6 +2,13 @@
 //!
 //! `bin/papilio.rs` starts it, and so does the command `papilio` of the Python package.
 //!
+//! ```sh
+//! papilio new office office.toml                     # writes a commented scenario: a display, the light and the viewer
+//! papilio run office.toml                            # colours, gamut, contrast; files and figures in out/office
+//! papilio run office.toml --set viewer.theta_deg=30  # any key can be changed
+//! papilio --help                                     # the other commands: searches, tolerances, pictures, the web app
+//! ```
+//!
 //! Exit codes: 0 success; 1 internal error; 2 invalid input; 3 a search without a feasible design; 130 interrupted, with
 //! finished work saved. Results are printed on standard output, all messages on standard error.
 
@@ -18,6 +25,7 @@ mod image;
 mod input;
 mod interrupt;
 mod journal;
+mod man;
 mod migrate;
 mod mtf;
 mod new;
@@ -210,6 +218,7 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Illuminants(arguments) => catalogue::list_illuminants(&arguments),
         Command::Materials(arguments) => catalogue::list_materials(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
+        Command::Man(arguments) => man::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Migrate(arguments) => migrate::run(&arguments),
         Command::Gonio(arguments) => gonio::gonio(&arguments),

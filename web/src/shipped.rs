@@ -3,52 +3,38 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use papilio_examples::{file, paths};
 use papilio_formats::DataFile;
 use papilio_scenario::MemoryFile;
-use rust_embed::RustEmbed;
-
-#[derive(RustEmbed)]
-#[folder = "../scenarios"]
-struct Scenarios;
-
-#[derive(RustEmbed)]
-#[folder = "../surfaces"]
-struct Surfaces;
 
 /// The scenario that is shown on the first visit.
 pub(crate) const FIRST: &str = "indoor";
 
 /// Names of the examples.
 pub(crate) fn examples() -> impl Iterator<Item = String> {
-    Scenarios::iter().filter_map(|path| Some(path.strip_suffix(".toml")?.to_owned()))
+    paths().filter_map(|path| Some(path.strip_prefix("scenarios/")?.strip_suffix(".toml")?.to_owned()))
 }
 
 /// The text of an example.
 pub(crate) fn example(name: &str) -> Option<String> {
-    let known = examples().any(|known| known == name);
-    let file = known.then(|| Scenarios::get(&format!("{name}.toml")))??;
-    String::from_utf8(file.data.into_owned()).ok()
+    String::from_utf8(file(&format!("scenarios/{name}.toml"))?.into_owned()).ok()
 }
 
 /// Data files under the names that scenarios may use: `data/H65.bsdf`, as in the examples, and `H65.bsdf`; and surfaces, as
-/// `../surfaces/etched.toml`.
+/// `../surfaces/etched.toml`, with the meshes beside them, as `corner-cubes.obj`.
 pub(crate) static DATA: LazyLock<BTreeMap<String, MemoryFile>> = LazyLock::new(|| {
     let named = |path: &str| {
-        let name = path.strip_prefix("data/").filter(|name| !name.ends_with(".py"))?.to_owned();
-        let bytes = Scenarios::get(path)?.data.into_owned();
-        let file = MemoryFile::new(DataFile { name: name.clone(), bytes });
-        Some([(name, file.clone()), (path.to_owned(), file)])
+        let (long, short) = match (path.strip_prefix("scenarios/data/"), path.strip_prefix("surfaces/")) {
+            (Some(name), _) => (format!("data/{name}"), Some(name)),
+            (_, Some(name)) => (format!("../{path}"), (!name.ends_with(".toml")).then_some(name)),
+            _ => return None,
+        };
+        let data = DataFile { name: short.unwrap_or(&long).to_owned(), bytes: file(path)?.into_owned() };
+        let memory = MemoryFile::new(data);
+        let short = short.map(|name| (name.to_owned(), memory.clone()));
+        Some(short.into_iter().chain([(long, memory)]))
     };
-    let surface = |path: &str| {
-        let name = format!("../surfaces/{path}");
-        let bytes = Surfaces::get(path)?.data.into_owned();
-        let file = MemoryFile::new(DataFile { name: name.clone(), bytes });
-        // Surfaces name meshes beside them.
-        let beside = (!path.ends_with(".toml")).then(|| (path.to_owned(), file.clone()));
-        Some([(name, file)].into_iter().chain(beside))
-    };
-    let data = Scenarios::iter().filter_map(|path| named(&path)).flatten().collect::<Vec<_>>();
-    data.into_iter().chain(Surfaces::iter().filter_map(|path| surface(&path)).flatten()).collect()
+    paths().filter_map(|path| named(&path)).flatten().collect()
 });
 
 #[cfg(test)]

@@ -14,10 +14,13 @@ mod pairs;
 mod peers;
 mod pictures;
 mod python;
+mod release;
 mod serve;
 mod shell;
 mod site;
 mod test;
+mod versions;
+mod workflows;
 
 use std::process::ExitCode;
 
@@ -26,7 +29,7 @@ use shell::{Needs, Outcome, cargo};
 /// Name, description and function of a task.
 type Task = (&'static str, &'static str, fn() -> Outcome);
 
-const TASKS: [Task; 12] = [
+const TASKS: &[Task] = &[
     (
         "test",
         "run all checks: format, lints, tests, documentation, three example scenarios, web page, Python package",
@@ -34,7 +37,7 @@ const TASKS: [Task; 12] = [
     ),
     (
         "full",
-        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, all commands of the documentation, and all tests of the page, of the documentation site and of Python; then oracle and deny",
+        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, all commands of the documentation, and all tests of the page, of the documentation site and of Python; then oracle, workflows and deny",
         full,
     ),
     ("page", "build the page of the web app, and run all its tests in Chromium", page::page),
@@ -49,55 +52,66 @@ const TASKS: [Task; 12] = [
         oracle::oracle,
     ),
     ("peers", "measure the speed of Papilio and other programs, for docs/peers.md", peers::peers),
-    ("docs", "write the tables of docs/ that are generated from the code", docs),
+    ("docs", "write what is generated from the code: tables of docs/, and README.md of each crate", docs),
     (
         "licences",
         "write THIRD-PARTY.md: the licences of all that is distributed, with their texts",
         licences::licences,
     ),
     ("deny", "check licences, advisories and sources of all dependencies", deny),
+    ("workflows", "check the workflows of .github and the container file", workflows::workflows),
+    (
+        "oldest-rust",
+        "compile everything with the oldest Rust that the manifests allow",
+        versions::oldest_rust,
+    ),
+    ("semver", "compare what the published crates offer with the last version", versions::semver),
     ("bench", "run all benchmarks", bench),
     ("picture", "make the pictures of docs/pictures again", pictures::pictures),
     ("accuracy", "measure accuracy against time of both solvers, for docs/pictures", pictures::accuracy),
 ];
 
-/// The task whose arguments are those of `papilio serve`.
-const SERVE: (&str, &str) = (
-    "serve",
-    "build the page of the web app and the program, and start it: cargo xtask serve [FILE] [--open]",
-);
+/// Name, description and function of a task with arguments.
+type TaskWithArguments = (&'static str, &'static str, fn(&[String]) -> Outcome);
 
-/// The task with options.
-const SITE: (&str, &str) = (
-    "site",
-    "build the documentation site into target/site; --api: with the documentation of the crates; --check: test it in a browser",
-);
-
-/// The task with the paths of two programs.
-const PAIRS: (&str, &str) =
-    ("bench-pairs", "compare the processor time of two programs, in turn: cargo xtask bench-pairs OLD NEW");
+const WITH_ARGUMENTS: &[TaskWithArguments] = &[
+    (
+        "serve",
+        "build the page of the web app and the program, and start it: cargo xtask serve [FILE] [--open]",
+        serve::serve,
+    ),
+    (
+        "site",
+        "build the documentation site into target/site; --api: with the documentation of the crates; --check: test it in a browser",
+        site::site,
+    ),
+    (
+        "release",
+        "make packages for users in target/packages, and install and run each: cargo xtask release [program] [wheel] [sdist] [crates] [sums] [--target TRIPLE]",
+        release::release,
+    ),
+    (
+        "bench-pairs",
+        "compare the processor time of two programs, in turn: cargo xtask bench-pairs OLD NEW",
+        pairs::pairs,
+    ),
+];
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let name = arguments.next();
     let rest: Vec<String> = arguments.collect();
-    if name.as_deref() == Some(SERVE.0) {
-        return exit_code(serve::serve(&rest));
-    }
-    if name.as_deref() == Some(SITE.0) {
-        return exit_code(site::site(&rest));
-    }
-    if name.as_deref() == Some(PAIRS.0) {
-        return exit_code(pairs::pairs(&rest));
+    if let Some((.., run)) = WITH_ARGUMENTS.iter().find(|(known, ..)| Some(*known) == name.as_deref()) {
+        return exit_code(run(&rest));
     }
     let extra = rest.into_iter().next();
     let task = TASKS.iter().find(|(known, ..)| Some(*known) == name.as_deref());
     match (task, name, extra) {
         (Some((.., run)), _, None) => exit_code(run()),
         (None, None, _) => {
-            let all =
-                TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, SITE, PAIRS]);
-            all.for_each(|(name, description)| println!("cargo xtask {name:<8} {description}"));
+            let simple = TASKS.iter().map(|(name, description, _)| (name, description));
+            let all = simple.chain(WITH_ARGUMENTS.iter().map(|(name, description, _)| (name, description)));
+            all.for_each(|(name, description)| println!("cargo xtask {name:<11} {description}"));
             ExitCode::SUCCESS
         }
         (_, name, extra) => {
@@ -124,6 +138,7 @@ fn full() -> Outcome {
     package::package()?;
     blocks()?;
     oracle::oracle()?;
+    workflows::workflows()?;
     deny()
 }
 
@@ -145,6 +160,7 @@ fn docs() -> Outcome {
         ),
         ("papilio-formats", "formats", "table_of_formats_in_the_docs_is_that_of_the_readers"),
         ("papilio", "cli", "reference::"),
+        ("xtask", "xtask", "readme_of_each_crate_is_the_tour_of_its_library"),
     ] {
         let mut written = cargo(["test", "--package", package, "--test", test, name]);
         written.env("PAPILIO_WRITE_DOCS", "1");

@@ -171,6 +171,10 @@ pub(crate) enum Command {
                       papilio completions fish > ~/.config/fish/completions/papilio.fish\n  \
                       papilio completions powershell >> $PROFILE")]
     Completions(Completions),
+    /// Write manual pages into a folder: papilio.1, and one for each command
+    #[command(after_help = "Example: papilio man --out ~/.local/share/man/man1\n\n\
+                      Then, for example, `man papilio-run` shows the page of `papilio run`.")]
+    Man(Man),
     /// Print the JSON Schema of a scenario, for editors
     Schema(Schema),
 }
@@ -353,6 +357,13 @@ impl NewDisplay {
 pub(crate) struct Completions {
     /// Shell: bash, zsh, fish, powershell or elvish
     pub(crate) shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Man {
+    /// Folder for the pages
+    #[arg(long, value_name = "DIR", default_value = "out/man")]
+    pub(crate) out: PathBuf,
 }
 
 #[derive(Debug, Args)]

@@ -139,6 +139,25 @@ fn completions_name_the_commands_for_every_shell() {
     assert_eq!(wrong.status.code(), Some(2));
 }
 
+#[test]
+fn manual_has_a_page_for_each_command_with_its_options() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    assert!(papilio_in(here, &["man", "--out", "share/man1"]).status.success());
+    let page = |name: &str| fs::read_to_string(here.join("share/man1").join(name)).unwrap();
+    assert!(page("papilio.1").starts_with(".ie"), "roff");
+    for command in ["run", "optimize", "sweep-merge", "diffuser-inspect", "man"] {
+        assert!(page("papilio.1").contains(command.split('-').next().unwrap()), "{command}");
+        assert!(page(&format!("papilio-{command}.1")).contains(".SH OPTIONS"), "{command}");
+    }
+    assert!(
+        page("papilio-run.1").contains("fB\\-\\-solver") && !here.join("share/man1/papilio-help.1").exists()
+    );
+    fs::write(here.join("file"), "").unwrap();
+    let failed = papilio_in(here, &["man", "--out", "file"]);
+    assert_eq!(failed.status.code(), Some(2), "{}", stderr(&failed));
+}
+
 /// The page has the figures and tables in itself, and loads nothing.
 #[test]
 fn page_of_a_run_is_complete_and_self_contained() {

@@ -81,8 +81,8 @@ fn fonts() -> Arc<fontdb::Database> {
     static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
     let fill = || {
         let mut fonts = fontdb::Database::new();
-        fonts.load_font_data(include_bytes!("../fonts/Roboto-Regular.ttf").to_vec());
-        fonts.load_font_data(include_bytes!("../fonts/Roboto-Bold.ttf").to_vec());
+        fonts.load_font_data(papilio_imaging::text::ROBOTO.to_vec());
+        fonts.load_font_data(papilio_imaging::text::ROBOTO_BOLD.to_vec());
         fonts.set_sans_serif_family("Roboto");
         Arc::new(fonts)
     };

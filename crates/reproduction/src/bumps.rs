@@ -4,11 +4,11 @@ use papilio_figures::{Chart, ChartCurve, Hue, chart};
 use papilio_microgeometry::{ByRays, Kernel, MOST_SLOPE, Measurement, MicrogeometryError, Side, Total};
 use papilio_scenario::SurfaceScenario;
 
-use crate::displays::{Bench, ReproductionError, of};
+use crate::displays::{Bench, ReproductionError, of, write_example};
 use crate::report::{Section, Table, fixed, number};
 
 /// The surface: millions of hemispheres side by side on 20 mm2 are 2 to 4.5 um apart.
-const HEMISPHERES: &str = include_str!("../../../surfaces/hemispheres.toml");
+const HEMISPHERES: &str = "hemispheres.toml";
 
 /// Glass with hemispheres above a mirror, and paper, in a lamp above.
 const DISPLAY: &str = r#"# Feng 2012, figure 2.12: a diffuser of glass hemispheres above a display, in a lamp above it.
@@ -49,9 +49,9 @@ const DISTANCES_MM: [f64; 2] = [100.0, 0.1];
 
 /// Figures 2.11, 2.12 and 2.15.
 pub(crate) fn sections(bench: &Bench<'_>) -> Result<Vec<Section>, ReproductionError> {
-    bench.write("hemispheres.toml", HEMISPHERES)?;
+    write_example(&format!("surfaces/{HEMISPHERES}"), &bench.path(HEMISPHERES))?;
     bench.write("bumps.toml", DISPLAY)?;
-    let surface = SurfaceScenario::load(&bench.path("hemispheres.toml"), &[RAYS.to_owned()])?.resolve()?;
+    let surface = SurfaceScenario::load(&bench.path(HEMISPHERES), &[RAYS.to_owned()])?.resolve()?;
     let stop = || bench.control().stop.load(std::sync::atomic::Ordering::Relaxed);
     let measurement = Measurement { waves_nm: vec![450.0, 550.0, 650.0], ..surface.measurement };
     let findings = measurement.measured(None, &stop, &|| {})?;

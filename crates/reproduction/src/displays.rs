@@ -25,19 +25,16 @@ pub enum ReproductionError {
     /// A measurement could not be used.
     #[error("a measured sample of the report cannot be used: {0}")]
     Sample(String),
+    /// An example that the report runs is not part of the program.
+    #[error("the program was built without its example `{0}`")]
+    Example(String),
     /// A folder could not be created.
     #[error("cannot create the folder {0}: {1}")]
     Folder(PathBuf, std::io::Error),
 }
 
-/// Names and contents of the shipped files.
-macro_rules! shipped {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_bytes!(concat!("../../../scenarios/", $name)).as_slice())),*]
-    };
-}
-
-const SHIPPED: &[(&str, &[u8])] = shipped![
+/// The shipped files, in the folder of the examples.
+const SHIPPED: &[&str] = &[
     "reference-pixel.toml",
     "indoor.toml",
     "sunny.toml",
@@ -66,8 +63,8 @@ impl<'a> Bench<'a> {
     pub(crate) fn new(folder: &Path, control: &'a Control<'a>) -> Result<Self, ReproductionError> {
         let data = folder.join("data");
         std::fs::create_dir_all(&data).map_err(|error| ReproductionError::Folder(data, error))?;
-        for (name, bytes) in SHIPPED {
-            write_file(&folder.join(name), |out| out.write_all(bytes))?;
+        for name in SHIPPED {
+            write_example(&format!("scenarios/{name}"), &folder.join(name))?;
         }
         Ok(Self { folder: folder.to_owned(), control })
     }
@@ -109,6 +106,12 @@ impl<'a> Bench<'a> {
         let all: Vec<&str> = std::iter::once(views.as_str()).chain(set.iter().copied()).collect();
         self.run(name, &all)
     }
+}
+
+/// Writes a shipped file.
+pub(crate) fn write_example(example: &str, path: &Path) -> Result<(), ReproductionError> {
+    let bytes = papilio_examples::file(example).ok_or(ReproductionError::Example(example.to_owned()))?;
+    Ok(write_file(path, |out| out.write_all(&bytes))?)
 }
 
 /// Returns the values of a state in a view, if it has this state.

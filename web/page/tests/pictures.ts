@@ -15,8 +15,8 @@ const inline = (path: string, kind: string) => `data:${kind};base64,${readFileSy
 const own = await on.visit({ viewport: { width: 480, height: 360 } });
 await own.goto("about:blank");
 await own.setContent(`<style>
-  @font-face { font-family: Own; src: url(${inline("crates/figures/fonts/Roboto-Regular.ttf", "font/ttf")}) }
-  @font-face { font-family: Own; font-weight: 700; src: url(${inline("crates/figures/fonts/Roboto-Bold.ttf", "font/ttf")}) }
+  @font-face { font-family: Own; src: url(${inline("crates/imaging/fonts/Roboto-Regular.ttf", "font/ttf")}) }
+  @font-face { font-family: Own; font-weight: 700; src: url(${inline("crates/imaging/fonts/Roboto-Bold.ttf", "font/ttf")}) }
   body { box-sizing: border-box; height: 360px; margin: 0; padding: 16px 18px; overflow: hidden; background: #fff; color: #000; font: 15px/1.32 Own }
   h1 { margin: 0 0 6px; font-size: 24px }
   p { margin: 0 0 8px }

@@ -8,8 +8,11 @@ use super::Bitmap;
 use super::area::Areas;
 use crate::ImagingError;
 
-/// Roboto Regular (Apache License 2.0).
-const ROBOTO: &[u8] = include_bytes!("../../../figures/fonts/Roboto-Regular.ttf");
+/// File of the font Roboto Regular: Latin, Greek and Cyrillic letters (Apache License 2.0).
+pub const ROBOTO: &[u8] = include_bytes!("../../fonts/Roboto-Regular.ttf");
+
+/// File of the font Roboto Bold, with the same letters (Apache License 2.0).
+pub const ROBOTO_BOLD: &[u8] = include_bytes!("../../fonts/Roboto-Bold.ttf");
 
 /// Largest number of pixels of a text.
 const MOST_PIXELS: f64 = 1e8;

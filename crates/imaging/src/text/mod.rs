@@ -13,7 +13,7 @@ mod font;
 mod middles;
 
 pub use block::Block;
-pub use font::{Font, Setting};
+pub use font::{Font, ROBOTO, ROBOTO_BOLD, Setting};
 pub use middles::Middles;
 
 /// Height of the lower-case x of the bundled font over its em.

@@ -1,0 +1,63 @@
+//! The manifests of the workspace, as cargo reads them.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::LazyLock;
+
+use serde_json::Value;
+
+use crate::root;
+
+/// A package of the workspace.
+pub(crate) struct Manifest {
+    pub(crate) name: String,
+    /// Folder of the package.
+    pub(crate) folder: PathBuf,
+    /// What `cargo metadata` says of it.
+    pub(crate) about: Value,
+}
+
+impl Manifest {
+    /// True if it can be published.
+    pub(crate) fn is_public(&self) -> bool {
+        self.about["publish"].is_null()
+    }
+
+    /// A list of texts, for example `keywords`.
+    pub(crate) fn list(&self, key: &str) -> Vec<&str> {
+        self.about[key].as_array().unwrap().iter().map(|item| item.as_str().unwrap()).collect()
+    }
+}
+
+/// The packages that are compiled for this machine, those of others too, as `cargo metadata` describes them.
+pub(crate) fn compiled() -> Vec<Value> {
+    let host = Command::new("rustc").args(["--print", "host-tuple"]).output().unwrap();
+    metadata(&["--filter-platform", String::from_utf8(host.stdout).unwrap().trim()])
+}
+
+static OWN: LazyLock<Vec<Value>> = LazyLock::new(|| metadata(&["--no-deps"]));
+
+fn metadata(options: &[&str]) -> Vec<Value> {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["metadata", "--format-version", "1", "--locked"]).args(options).current_dir(root());
+    let output = cargo.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut about: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let Value::Array(packages) = about["packages"].take() else { panic!("cargo metadata lists packages") };
+    packages
+}
+
+/// The packages of the workspace.
+pub(crate) fn all() -> Vec<Manifest> {
+    let own = OWN.iter().map(|about| Manifest {
+        name: about["name"].as_str().unwrap().to_owned(),
+        folder: PathBuf::from(about["manifest_path"].as_str().unwrap()).parent().unwrap().to_owned(),
+        about: about.clone(),
+    });
+    own.collect()
+}
+
+/// The packages that can be published.
+pub(crate) fn public() -> Vec<Manifest> {
+    all().into_iter().filter(Manifest::is_public).collect()
+}
