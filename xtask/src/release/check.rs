@@ -13,6 +13,9 @@ use crate::shell::{self, Needs, Outcome};
 /// Scenario of the README's first command.
 const SCENARIO: &str = "scenarios/indoor.toml";
 
+/// Page of the Python package in the registry.
+const ABOUT: &str = "ABOUT.md";
+
 /// Checks the archive of the program.
 pub(super) fn archive(archive: &Path, name: &str) -> Outcome {
     let sandbox = Sandbox::new("program")?;
@@ -82,10 +85,14 @@ pub(super) fn python(package: &Path, build: Option<&str>) -> Outcome {
     shell::run(install)?;
     runs(sandbox.command(programs.join("papilio")))?;
     written(here)?;
-    let mut import = sandbox.command(programs.join("python"));
-    let statement = format!("import papilio; print(papilio.run('{SCENARIO}').states)");
-    import.args(["-c", &statement]);
-    shell::run(import)
+    // The example of the package's page in the registry: its shell commands, then its Python.
+    copy(&shell::root().join("python").join(ABOUT), &here.join(ABOUT))?;
+    let mut new = sandbox.command(programs.join("papilio"));
+    new.args(["new", "office", "office.toml"]);
+    shell::run(new)?;
+    let mut examples = sandbox.command(programs.join("python"));
+    examples.args(["-m", "doctest", ABOUT]);
+    shell::run(examples)
 }
 
 /// Runs the first command, and compares what it prints with README.md, line by line.
