@@ -28,7 +28,8 @@ const REPOSITORY: &str = "## In the repository itself
 
 | what | licence |
 |---|---|
-| Roboto 2.138, subsets of Regular and Bold (`crates/figures/fonts`), copyright 2011 Google Inc. | Apache-2.0 |
+| Roboto 2.138, subsets of Regular and Bold (`crates/imaging/fonts`), copyright 2011 Google Inc. | Apache-2.0 |
+| Latin Modern Math 1.959 (`site/assets/latinmodern-math.woff2`), in the documentation site only | GUST Font License ([text](site/assets/GUST-FONT-LICENSE.txt)) |
 | coefficients of the Boost Math Toolkit (`crates/sampling/src/erf/pieces.rs`), copyright 2006 John Maddock | BSL-1.0 ([text](crates/sampling/LICENSE-BOOST)) |
 | tables of the CIE, by colour-science (`crates/spectra/data`, `crates/colour/data`) | CC BY-SA 4.0 and BSD-3-Clause ([attribution and text](crates/spectra/data/README.md)) |
 | n and k of the refractiveindex.info database (`crates/spectra/data/materials.txt`) | CC0-1.0 |

@@ -3,21 +3,14 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-fn repository() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-fn read(name: &str) -> String {
-    fs::read_to_string(repository().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
-}
+use crate::{read, root};
 
 /// The files below a folder, as paths relative to it, without those of the given endings.
 fn files(folder: &str, without: &[&str]) -> BTreeSet<String> {
-    let root = repository().join(folder);
+    let root = root().join(folder);
     let mut open = vec![root.clone()];
     let mut found = BTreeSet::new();
     while let Some(folder) = open.pop() {
@@ -46,11 +39,24 @@ fn listed(page: &str, section: &str) -> BTreeSet<String> {
 #[test]
 fn files_of_data_are_those_of_the_page_of_provenance() {
     let page = read("docs/provenance.md");
-    let no_data = [".rs", ".py", ".md", ".toml", "LICENSE", "Cargo.lock", ".pyc"];
+    let no_data = [
+        ".rs",
+        ".py",
+        ".md",
+        ".toml",
+        ".html",
+        ".css",
+        ".js",
+        "LICENSE",
+        "LICENSE.txt",
+        "Cargo.lock",
+        ".pyc",
+    ];
     for folder in [
         "crates/spectra/data",
         "crates/colour/data",
-        "crates/figures/fonts",
+        "crates/imaging/fonts",
+        "site/assets",
         "crates/scenario/src/preset",
         "scenarios/data",
         "surfaces",
