@@ -56,7 +56,7 @@ def test_azimuths_have_their_own_arrays(program: Path, tmp_path: Path) -> None:
     again = pickle.loads(pickle.dumps(found))
     assert np.array_equal(again["scattered_by_azimuth"], found["scattered_by_azimuth"])
     assert again.data["by_azimuth"]["azimuth_deg"] == 90 and list(found.figures())[:2] == ["totals", "azimuths"]
-    with pytest.raises(papilio.ScenarioError, match="no whole number of steps of 50 deg"):
+    with pytest.raises(papilio.ScenarioError, match="not a whole number of steps of 50 deg"):
         papilio.gonio(SURFACES / "prisms.toml", set={"microgeometry.azimuth_deg": 50})
 
 

@@ -129,7 +129,7 @@ fn a_surface_is_measured_by_azimuth() {
     assert!(!none.contains("azimuth"), "{none}");
 
     for (azimuth, expected) in
-        [("50", "no whole number of steps of 50 deg"), ("5", "the finest whole step is 12 deg")]
+        [("50", "not a whole number of steps of 50 deg"), ("5", "the finest whole step is 12 deg")]
     {
         let output = measured("refused", azimuth);
         let message = stderr(&output);

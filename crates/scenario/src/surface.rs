@@ -390,7 +390,7 @@ fn azimuths(step: &Spanned<Option<AzimuthStep>>, road: Road, errors: &mut Errors
     let wrong = if road == Road::Waves {
         Diagnostic::new("waves do not tell azimuths").expected("`road = \"rays\"` or `\"both\"`")
     } else if (half - half.round()).abs() > 1e-9 {
-        Diagnostic::new(format!("180 deg are no whole number of steps of {deg} deg"))
+        Diagnostic::new(format!("180 deg is not a whole number of steps of {deg} deg"))
             .expected("steps such as 15, 20 or 30 deg")
             .hint("light that goes back has the azimuth + 180 deg, which must be one of the others")
     } else {

@@ -49,7 +49,7 @@ fn mistakes_have_their_places() {
         ("[microgeometry]\nsurface = \"psd\"\nabc = [1, 2]\ncutoff_um = 1\n".to_owned(), "three numbers: A (um^4)"),
         (format!("{CAPS}incidence_deg = [10, -20]\n"), "s.toml:6:22"),
         (format!("{CAPS}azimuth_deg = 50\n"), "s.toml:6:15"),
-        (format!("{CAPS}azimuth_deg = 50\n"), "no whole number of steps of 50 deg"),
+        (format!("{CAPS}azimuth_deg = 50\n"), "not a whole number of steps of 50 deg"),
         (format!("{CAPS}azimuth_deg = 5\n"), "the finest whole step is 12 deg"),
         (format!("{CAPS}azimuth_deg = 15\nroad = \"waves\"\n"), "waves do not tell azimuths"),
         ("[display.pixel]\nmodel = \"film\"\n".to_owned(), "the scenario of a display"),
