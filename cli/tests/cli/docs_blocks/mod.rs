@@ -19,7 +19,7 @@ use std::time::Duration;
 use commands::Shell;
 use page::Page;
 
-/// If this variable is set, commands that take long are run, too, and the times of all commands are printed.
+/// If this variable is set, commands that take long are run, too.
 const ALL: &str = "PAPILIO_DOCS_ALL";
 /// Path of the program to run, instead of that of the tests.
 const PROGRAM: &str = "PAPILIO_DOCS_PROGRAM";
@@ -65,10 +65,6 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-fn runs_long() -> bool {
-    std::env::var_os(ALL).is_some()
-}
-
 /// Tests a page; returns its numbers of blocks, the times of its commands, and all mistakes.
 fn test_page(name: &str) -> (Counts, Vec<(Duration, String)>, Vec<String>) {
     let text = fs::read_to_string(repository().join(name)).unwrap();
@@ -85,7 +81,8 @@ fn test_page(name: &str) -> (Counts, Vec<(Duration, String)>, Vec<String>) {
     let program =
         std::env::var_os(PROGRAM).map_or_else(|| PathBuf::from(env!("CARGO_BIN_EXE_papilio")), PathBuf::from);
     let program = repository().join(program);
-    let shell = Shell { folder: folder.path(), program: program.parent().unwrap(), runs_long: runs_long() };
+    let runs_long = std::env::var_os(ALL).is_some();
+    let shell = Shell { folder: folder.path(), program: program.parent().unwrap(), runs_long };
     let mut page = Page { name, shell, outputs: Vec::new(), counts: Counts::new(), times: Vec::new() };
     let mut wrong = Vec::new();
     for block in &blocks {
@@ -119,9 +116,6 @@ fn blocks_of_the_documentation_run_and_their_outputs_are_those_shown() {
     let (counts, mut times, wrong) = found.into_inner().unwrap();
     times.sort();
     let slow = times.iter().rev().take(20).map(|(time, line)| format!("{:.1} s  {line}", time.as_secs_f64()));
-    if runs_long() {
-        eprintln!("{counts:?}");
-    }
     assert!(
         wrong.is_empty(),
         "{}\n\n{counts:?}\n{}",

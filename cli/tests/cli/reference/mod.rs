@@ -26,9 +26,12 @@ fn with(page: &str, name: &str, made: &str) -> String {
     format!("{before}{begin}\n{}\n\n{end}{after}", made.trim())
 }
 
-/// A cell of a table: on one line, without the bar that begins the next cell.
+/// A cell of a table: on one line, without the bar that begins the next cell, and without stars (`L*`) that begin an emphasis.
 fn cell(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|")
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|");
+    let parts = line.split('`').enumerate();
+    let parts = parts.map(|(k, part)| if k % 2 == 0 { part.replace('*', "\\*") } else { part.to_owned() });
+    parts.collect::<Vec<_>>().join("`")
 }
 
 #[test]
