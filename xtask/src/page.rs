@@ -7,7 +7,10 @@ use std::process::Command;
 
 use crate::shell::{self, Needs, Outcome, cargo, command};
 
-const NPM: Needs = Needs { tool: &["npm"], install: "install Node.js 20 or later (https://nodejs.org)" };
+/// The program npm: on Windows it is a script, which is found only by its whole name.
+const PROGRAM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
+
+const NPM: Needs = Needs { tool: &[PROGRAM], install: "install Node.js 20 or later (https://nodejs.org)" };
 
 /// Names of the browser for the end-to-end tests; the variable `CHROMIUM` specifies another one.
 const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
@@ -67,7 +70,7 @@ pub(crate) fn end_to_end(which: &str, browser: &Path) -> Command {
 }
 
 fn npm<const N: usize>(arguments: [&str; N]) -> Command {
-    let mut npm = command("npm", arguments);
+    let mut npm = command(PROGRAM, arguments);
     npm.current_dir(folder());
     npm
 }

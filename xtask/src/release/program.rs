@@ -6,6 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::sandbox::tar;
 use super::{check, copy, folder, replace, version};
 use crate::page;
 use crate::shell::{self, Outcome, cargo, command};
@@ -117,7 +118,7 @@ fn archive(staged: &Path, name: &str, zip: bool) -> Result<PathBuf, String> {
     let path = folder().join(format!("{name}.{}", if zip { "zip" } else { "tar.gz" }));
     replace(|file| file == path.file_name().unwrap_or_default().to_string_lossy())?;
     // The tar of Windows is that of BSD, which writes zip files too.
-    let mut tar = command("tar", [if zip { "-acf" } else { "-czf" }]);
+    let mut tar = command(tar(), [if zip { "-acf" } else { "-czf" }]);
     tar.arg(&path).arg("-C").arg(staged.parent().unwrap_or(staged)).arg(name);
     shell::run(tar)?;
     Ok(path)

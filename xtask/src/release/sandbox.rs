@@ -59,10 +59,16 @@ impl Sandbox {
 
     /// Unpacks an archive here.
     pub(super) fn unpack(&self, archive: &Path) -> Outcome {
-        let mut tar = Command::new("tar");
+        let mut tar = Command::new(tar());
         tar.arg("-xf").arg(archive).arg("-C").arg(&self.folder);
         shell::run(tar)
     }
+}
+
+/// The program `tar`; that of Windows, which knows zip files, and not another one of its path.
+pub(super) fn tar() -> PathBuf {
+    let system = std::env::var_os("SYSTEMROOT").filter(|_| cfg!(windows));
+    system.map_or_else(|| PathBuf::from("tar"), |root| Path::new(&root).join("System32").join("tar.exe"))
 }
 
 impl Drop for Sandbox {

@@ -20,7 +20,8 @@ pub(super) fn make(target: Option<&str>) -> Outcome {
     page::build()?;
     let host = host()?;
     let target = target.unwrap_or(&host);
-    let is_old = |name: &str| name.ends_with(".whl") && name.contains(platform(target));
+    let [system, processor] = platform(target);
+    let is_old = |name: &str| name.ends_with(".whl") && name.contains(system) && name.contains(processor);
     replace(is_old)?;
     let mut build = maturin(&["build", "--profile", "dist", "--target", target])?;
     if target.contains("linux") {
@@ -29,10 +30,8 @@ pub(super) fn make(target: Option<&str>) -> Outcome {
     }
     shell::run(build)?;
     let wheel = only(is_old, "wheel")?;
-    if target.ends_with("musl") && target != host {
-        println!(
-            "The wheel for {target} is not checked: the Python of this machine needs another C library."
-        );
+    if target != host {
+        println!("The wheel for {target} is not checked: the Python of this machine is for {host}.");
         return Ok(());
     }
     check::python(&wheel, None)
@@ -69,31 +68,14 @@ fn maturin(arguments: &[&str]) -> Result<Command, String> {
     Ok(maturin)
 }
 
-/// A word in the names of the wheels for a system.
-fn platform(target: &str) -> &'static str {
+/// Two words in the names of the wheels for a system.
+fn platform(target: &str) -> [&'static str; 2] {
     let is_arm = target.starts_with("aarch64");
-    match target {
-        _ if target.ends_with("-linux-gnu") => {
-            if is_arm {
-                "manylinux2014_aarch64"
-            } else {
-                "manylinux2014_x86_64"
-            }
-        }
-        _ if target.ends_with("-linux-musl") => {
-            if is_arm {
-                "musllinux_1_2_aarch64"
-            } else {
-                "musllinux_1_2_x86_64"
-            }
-        }
-        _ if target.contains("darwin") => {
-            if is_arm {
-                "macosx_11_0_arm64"
-            } else {
-                "x86_64"
-            }
-        }
-        _ => "win",
-    }
+    let system = match target {
+        _ if target.ends_with("-linux-gnu") => "manylinux",
+        _ if target.ends_with("-linux-musl") => "musllinux",
+        _ if target.contains("darwin") => return ["macosx", if is_arm { "arm64" } else { "x86_64" }],
+        _ => return ["win", if is_arm { "arm64" } else { "amd64" }],
+    };
+    [system, if is_arm { "aarch64" } else { "x86_64" }]
 }
