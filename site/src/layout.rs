@@ -20,7 +20,7 @@ pub(crate) struct Content<'a> {
     pub(crate) url: &'a str,
     /// Path in the repository; "" for a page without one.
     pub(crate) source: &'a str,
-    /// Title of the browser's window, without the name of the site.
+    /// Title of the browser's window, without the names of its part and of the site.
     pub(crate) title: &'a str,
     pub(crate) description: &'a str,
     /// HTML of the page itself.
@@ -33,11 +33,13 @@ pub(crate) struct Content<'a> {
 pub(crate) fn page(book: &Book, content: &Content<'_>) -> String {
     let root = "../".repeat(content.url.matches('/').count());
     let description = if content.description.is_empty() { content.title } else { content.description };
-    let title = if content.title == "Papilio" {
-        "Papilio".to_owned()
-    } else {
-        format!("{} · Papilio", content.title)
-    };
+    // Pages of two parts may have the same title: that of a model and its use.
+    let is_here = |entries: &[(_, &str)]| entries.iter().any(|(_, path)| *path == content.source);
+    let part = book.parts().find(|(_, entries)| is_here(entries)).map_or("", |(part, _)| part);
+    let mut names = vec![content.title, part, "Papilio"];
+    names.retain(|name| !name.is_empty());
+    names.dedup();
+    let title = names.join(" · ");
     filled(TEMPLATE, &|name| match name {
         "root" => root.clone(),
         "title" => escape(&title),
