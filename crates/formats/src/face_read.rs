@@ -64,7 +64,7 @@ pub fn read_face(file: &DataFile) -> Result<(FaceTable, Option<usize>), FormatEr
         }
     }
     let azimuths = match arrays.has(AZIMUTHS) {
-        true => Some(arrays.numbers(AZIMUTHS)?.values.len()),
+        true => Some(arrays.numbers(AZIMUTHS)?.values.len()).filter(|count| *count > 0),
         false => None,
     };
     match table.kernels() {
