@@ -28,7 +28,9 @@ class Surface(_Written):
     ``found["transmitted"]`` and the other columns of ``totals.csv``, with their standard errors ``found["reflected_error"]``, have the shape
     [side, inclination]; sides are above, below. ``found["scattered"]`` and the other arrays of ``face.npz`` are the kernel, shape
     [band of arrival, band of departure, azimuth]. By waves: ``found["wavelength_nm"]``, ``found["straight"]``, ``found["mirror"]``, ``found["haze"]``
-    and their errors have the shape [wavelength]; "haze_closed_form" is NaN without one. Arrays are read-only. It can be copied and pickled.
+    and the other columns of ``waves.csv`` have the shape [wavelength] and are those of light along the normal from above; "haze_closed_form" is NaN
+    without one. Those of all inclinations are ``found["waves_haze"]`` and so on, shape [side, inclination, wavelength], with ``found["waves_theta_deg"]``,
+    shape [inclination]; NaN, or "" in "waves_holds", where nothing is transmitted. Arrays are read-only. It can be copied and pickled.
     """
 
     def __init__(
@@ -43,8 +45,7 @@ class Surface(_Written):
                 # Those of one number or text are in ``data``.
                 arrays |= {name: kernel[name] for name in kernel.files if name not in ("format", "hash", "index")}
         if self.data["waves"]:
-            rows = self.data["waves"]
-            arrays |= {name: np.array([row[name] for row in rows], float) for name in rows[0]}
+            arrays |= _by_waves(self.data["waves"])
         for one in arrays.values():
             one.flags.writeable = False
         self._arrays = arrays
@@ -109,3 +110,24 @@ def _by_inclination(totals: bytes) -> dict[str, NDArray[Any]]:
     values = np.array([line.split(",")[1:] for line in lines], float).reshape(2, -1, len(names))
     columns = {name: values[:, :, column].copy() for column, name in enumerate(names)}
     return columns | {"theta_deg": columns["theta_deg"][0].copy()}
+
+
+def _by_waves(rows: list[dict[str, Any]]) -> dict[str, NDArray[Any]]:
+    """Returns the columns of ``waves.csv``: along the normal, shape [wavelength], and of all inclinations, shape [side, inclination, wavelength]."""
+
+    def column(name: str, of: list[dict[str, Any]]) -> NDArray[Any]:
+        values = [row[name] for row in of]
+        if any(isinstance(value, str) for value in values):
+            return np.array([value or "" for value in values])
+        return np.array(values, float)
+
+    along = [row for row in rows if row["from"] == "above" and row["theta_deg"] == 0]
+    names = [name for name in rows[0] if name not in ("from", "theta_deg")]
+    arrays = {name: column(name, along) for name in names}
+    # The normal from above stands first, whether or not it is one of the inclinations.
+    below = [row for row in rows if row["from"] == "below"]
+    theta_deg = list(dict.fromkeys(row["theta_deg"] for row in below))
+    above = [row for theta in theta_deg for row in rows if row["from"] == "above" and row["theta_deg"] == theta]
+    shape = (2, len(theta_deg), len(along))
+    arrays |= {f"waves_{name}": column(name, above + below).reshape(shape) for name in names if name != "wavelength_nm"}
+    return arrays | {"waves_theta_deg": np.array(theta_deg, float)}

@@ -69,6 +69,14 @@ pub struct Total {
     pub transmitted_near: Measured,
     /// Haze in air: of the transmitted light with |beta| up to 1, the fraction that is not `transmitted_near`.
     pub haze: Measured,
+    /// Fraction that is transmitted within |beta| sin 2.5 deg of the direction behind a flat face, with |beta| up to 1; a part of `transmitted`.
+    pub straight_near: Measured,
+    /// Fraction that is reflected within |beta| sin 2.5 deg of the direction as from a flat face; a part of `reflected`.
+    pub mirror_near: Measured,
+    /// Of the transmitted light with |beta| up to 1, the fraction that is not `straight_near`.
+    pub straight_haze: Measured,
+    /// Of the reflected light, the fraction that is not `mirror_near`.
+    pub mirror_haze: Measured,
 }
 
 /// |beta| from the normal beyond which transmitted light is haze: that of 2.5 deg in air (ASTM D1003).
@@ -111,7 +119,7 @@ pub struct Replicate {
     pub(crate) rays: u64,
 }
 
-const QUANTITIES: usize = 9;
+const QUANTITIES: usize = 11;
 
 impl Replicate {
     /// Rays that were followed.
@@ -313,6 +321,11 @@ impl Goniometer {
                 sums[4 + first / 2] += if regular { weight } else { 0.0 };
                 sums[6] += weight * f64::from(facets);
                 sums[7] += if to != side && beta <= near { weight } else { 0.0 };
+                let from_regular =
+                    [0, 1].map(|k| self.index_of(to) * along[k] - self.index_of(side) * ray.along[k]);
+                let is_near = from_regular[0].hypot(from_regular[1]) <= near;
+                sums[9] += if to != side && is_near && beta <= 1.0 { weight } else { 0.0 };
+                sums[10] += if to == side && is_near { weight } else { 0.0 };
             });
             lost += stays.lost;
             sums[6] += stays.absorbed_facets;
@@ -336,6 +349,12 @@ impl Goniometer {
         let total = |(row, (from, theta_deg)): (usize, (Side, f64))| {
             let of =
                 |quantity: usize| Measured::of(replicates.iter().map(move |one| one.rows[row][quantity]));
+            let haze = |near: usize, all: fn(&[f64; QUANTITIES]) -> f64| {
+                Measured::of(replicates.iter().map(move |one| {
+                    let (row, all) = (&one.rows[row], all(&one.rows[row]));
+                    if all > 0.0 { 1.0 - row[near] / all } else { 0.0 }
+                }))
+            };
             Total {
                 from,
                 theta_deg,
@@ -348,10 +367,11 @@ impl Goniometer {
                 absorbed: of(8),
                 mean_facets: of(6),
                 transmitted_near: of(7),
-                haze: Measured::of(replicates.iter().map(move |one| {
-                    let [_, _, transmitted, beyond, _, _, _, near, _] = one.rows[row];
-                    if transmitted > beyond { 1.0 - near / (transmitted - beyond) } else { 0.0 }
-                })),
+                haze: haze(7, |[_, _, transmitted, beyond, ..]| transmitted - beyond),
+                straight_near: of(9),
+                mirror_near: of(10),
+                straight_haze: haze(9, |[_, _, transmitted, beyond, ..]| transmitted - beyond),
+                mirror_haze: haze(10, |[reflected, ..]| *reflected),
             }
         };
         Ok(directions.enumerate().map(total).collect())

@@ -1,6 +1,6 @@
 //! From the geometry of a surface to its scattering: a virtual goniometer.
 //!
-//! A [`Surface`] between two media, or a slab with particles, is measured by rays ([`Goniometer`]), a face also by waves along the normal
+//! A [`Surface`] between two media, or a slab with particles, is measured by rays ([`Goniometer`]), a face also by waves
 //! ([`ByWaves`]). Lengths are in micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
 //! [`Coating`] is what lies on the facets.
 
@@ -14,6 +14,7 @@ mod error;
 mod face;
 mod goniometer;
 mod grid;
+mod harvey_shack;
 mod height_map;
 mod heights;
 mod kernel;
@@ -26,6 +27,7 @@ mod mesh_tests;
 mod path;
 mod random;
 mod ray;
+mod screen_rings;
 mod statistics;
 mod surface;
 #[cfg(test)]
@@ -34,7 +36,10 @@ mod volume;
 #[cfg(test)]
 mod volume_tests;
 mod wave_lobes;
+mod wave_way;
 mod waves;
+#[cfg(test)]
+mod waves_tests;
 
 pub use bands::Bands;
 pub use caps::{Caps, Lattice};
@@ -42,6 +47,7 @@ pub use coating::{Coating, Films};
 pub use error::MicrogeometryError;
 pub use face::{FaceKernels, FaceTable};
 pub use goniometer::{Goniometer, Measured, REPLICATES, Replicate, Total};
+pub use harvey_shack::HarveyShack;
 pub use height_map::{HeightMap, HeightStatistics};
 pub use kernel::{Audit, Kernel};
 pub use measurement::{ByRays, Findings, Measurement, Part};
@@ -52,4 +58,4 @@ pub use statistics::Statistics;
 pub use surface::Surface;
 pub use volume::Volume;
 pub use wave_lobes::{Correlation, WaveLobe, wave_lobes};
-pub use waves::{ByWaves, LEAST_G, MOST_SLOPE, WaveShares};
+pub use waves::{ByWaves, LEAST_G, MOST_SHADOW, MOST_SLOPE, WaveShares, WayShares};
