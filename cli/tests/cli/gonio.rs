@@ -196,7 +196,10 @@ fn waves_and_layers_follow_from_a_surface() {
     );
     // exp(-(2 pi 0.5 50/550)^2).
     let near = |row: usize, name: &str, expected: f64, error: &str| {
-        assert!((value(row, name) - expected).abs() < 4.5 * value(row, error) + 1e-3, "{row} {name}: {waves}");
+        assert!(
+            (value(row, name) - expected).abs() < 4.5 * value(row, error) + 1e-3,
+            "{row} {name}: {waves}"
+        );
     };
     near(1, "straight", 0.92167, "straight_error");
     // The normal and 60 deg from above, then both from below, where 60 deg is beyond the critical angle; at 450 and 550 nm each. From above at 60 deg
@@ -207,7 +210,10 @@ fn waves_and_layers_follow_from_a_surface() {
     near(7, "mirror", 0.47994, "mirror_error");
     assert_eq!([text(3, "from"), text(3, "theta_deg"), text(3, "holds")], ["above", "60", "waves"]);
     assert_eq!([text(7, "from"), text(7, "straight"), text(7, "holds")], ["below", "", ""]);
-    assert!((value(3, "reflected") - 0.08918671).abs() < 1e-8 && value(3, "renormalisation") >= 1.0, "{waves}");
+    assert!(
+        (value(3, "reflected") - 0.08918671).abs() < 1e-8 && value(3, "renormalisation") >= 1.0,
+        "{waves}"
+    );
     near(3, "haze", value(3, "haze_closed_form"), "haze_error");
     let display = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\nfile = \
                    \"face/face.npz\"\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \

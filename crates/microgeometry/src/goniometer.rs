@@ -17,6 +17,7 @@ use crate::bands::{AZIMUTHS, Bands};
 use crate::measurement::on_threads;
 use crate::path::{Facets, Leaves, follow};
 use crate::ray::{Face, Ray, Side};
+use crate::starts::{Tile, each_ray};
 use crate::{Coating, Kernel, MicrogeometryError, Surface};
 
 /// Number of replicates.
@@ -159,50 +160,64 @@ impl Goniometer {
         self.coating.check()?;
         surface.with_face(number, |face| {
             let bands = self.bands();
-            let mut found = self.rows(face, number, stop)?;
+            let mut found = self.nothing();
             let numbers = SampleStream::new(Sampler::Sobol, self.seed, number).independent();
-            for band in 0..bands.count() {
-                self.scatter(face, &bands, band, &numbers.part(band as u64), &mut found, stop)?;
+            for tile in Tile::all(face, self.rays) {
+                self.rows((face, tile), number, &mut found, stop)?;
+                for band in 0..bands.count() {
+                    self.scatter((face, tile), &bands, band, &numbers.part(band as u64), &mut found, stop)?;
+                }
             }
             Ok(found)
         })?
     }
 
-    /// A replicate of the inclinations alone, without the light of bands.
-    fn rows(
-        &self,
-        face: &dyn Face,
-        number: u64,
-        stop: &dyn Fn() -> bool,
-    ) -> Result<Replicate, MicrogeometryError> {
-        let numbers = SampleStream::new(Sampler::Sobol, self.seed, number);
+    /// A replicate without rays.
+    fn nothing(&self) -> Replicate {
         let count = self.bands().count();
-        let mut found = Replicate {
-            rows: Vec::new(),
+        Replicate {
+            rows: vec![[0.0; QUANTITIES]; 2 * self.incidence_deg.len()],
             scattered: vec![0.0; count * count * AZIMUTHS],
             regular: vec![[0.0; 2]; count],
             absorbed: vec![0.0; count],
             lost: 0.0,
             rays: 0,
-        };
-        for side in Side::ALL {
-            for theta_deg in &self.incidence_deg {
-                let numbers = numbers.part(found.rows.len() as u64);
-                let row = self.row(face, side, *theta_deg, &numbers, stop)?;
-                found.lost += row.1;
-                found.rays += self.rays;
-                found.rows.push(row.0);
-            }
         }
-        Ok(found)
+    }
+
+    /// Rays of the inclinations from a tile, without the light of bands.
+    fn rows(
+        &self,
+        (face, tile): (&dyn Face, Tile),
+        number: u64,
+        found: &mut Replicate,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<(), MicrogeometryError> {
+        let numbers = SampleStream::new(Sampler::Sobol, self.seed, number);
+        let directions =
+            Side::ALL.into_iter().flat_map(|side| self.incidence_deg.iter().map(move |deg| (side, *deg)));
+        for (at, (side, theta_deg)) in directions.enumerate() {
+            let (sums, lost) = self.row((face, tile), side, theta_deg, &numbers.part(at as u64), stop)?;
+            found.lost += lost;
+            found.rays += tile.rays();
+            found.rows[at].iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
+        }
+        Ok(())
     }
 
     /// The totals of a surface, without its kernel.
     #[cfg(test)]
     pub(crate) fn totals_alone(&self, surface: &Surface) -> Vec<Total> {
-        let replicate = |number| surface.with_face(number, |face| self.rows(face, number, &|| false));
-        let found: Vec<Replicate> =
-            (0..REPLICATES).map(|number| replicate(number).unwrap().unwrap()).collect();
+        let replicate = |number| {
+            let rows = |face: &dyn Face| {
+                let mut found = self.nothing();
+                Tile::all(face, self.rays)
+                    .for_each(|tile| self.rows((face, tile), number, &mut found, &|| false).unwrap());
+                found
+            };
+            surface.with_face(number, rows).unwrap()
+        };
+        let found: Vec<Replicate> = (0..REPLICATES).map(replicate).collect();
         self.totals(&found).unwrap()
     }
 
@@ -239,7 +254,7 @@ impl Goniometer {
     /// Follows light that fills the directions of a band uniformly.
     fn scatter(
         &self,
-        face: &dyn Face,
+        (face, tile): (&dyn Face, Tile),
         bands: &Bands,
         from: usize,
         numbers: &SampleStream,
@@ -248,19 +263,17 @@ impl Goniometer {
     ) -> Result<(), MicrogeometryError> {
         let (side, [least, most]) = bands.band(from);
         let index = self.index_of(side);
-        let weight_of_ray = 1.0 / self.rays as f64;
+        let weight_of_ray = 1.0 / tile.equivalent_rays();
         let Replicate { scattered, regular, absorbed, lost, rays, .. } = found;
         let row = &mut scattered[from * bands.count() * AZIMUTHS..][..bands.count() * AZIMUTHS];
-        for path in 0..self.rays {
-            if path % STOP_EVERY == 0 && stop() {
-                return Err(MicrogeometryError::Interrupted);
-            }
-            let [x, y, azimuth, u] = numbers.block(path, 0);
+        let begin = |[x, y, azimuth, u]: [f64; 4]| {
             let sine = (least * least + u * (most * most - least * least)).sqrt() / index;
             let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
-            let ray = start(face, side, [sine, cosine], [x, y], azimuth);
+            start(face, side, [sine, cosine], [x, y], azimuth)
+        };
+        each_ray(face, tile, numbers, stop, begin, &mut |path, ray| {
             let came = [ray.along[0], ray.along[1]];
-            let stays = follow(face, self.facets(), &ray, side, (numbers, path), &mut |leaves| {
+            let stays = follow(face, self.facets(), ray, side, (numbers, path), &mut |leaves| {
                 let Leaves { side: to, along, weight, regular: is_regular, .. } = leaves;
                 if is_regular {
                     regular[from][usize::from(to != side)] += weight * weight_of_ray;
@@ -275,8 +288,8 @@ impl Goniometer {
             });
             *lost += stays.lost;
             absorbed[from] += stays.absorbed * weight_of_ray;
-        }
-        *rays += self.rays;
+        })?;
+        *rays += tile.rays();
         Ok(())
     }
 
@@ -296,7 +309,7 @@ impl Goniometer {
     /// The quantities of an inclination, and the light that was lost, in rays.
     fn row(
         &self,
-        face: &dyn Face,
+        (face, tile): (&dyn Face, Tile),
         side: Side,
         theta_deg: f64,
         numbers: &SampleStream,
@@ -306,13 +319,9 @@ impl Goniometer {
         let mut sums = [0.0; QUANTITIES];
         let mut lost = 0.0;
         let near = haze_beta();
-        for path in 0..self.rays {
-            if path % STOP_EVERY == 0 && stop() {
-                return Err(MicrogeometryError::Interrupted);
-            }
-            let [x, y, azimuth, _] = numbers.block(path, 0);
-            let ray = start(face, side, [sine, cosine], [x, y], azimuth);
-            let stays = follow(face, self.facets(), &ray, side, (numbers, path), &mut |leaves| {
+        let begin = |[x, y, azimuth, _]: [f64; 4]| start(face, side, [sine, cosine], [x, y], azimuth);
+        each_ray(face, tile, numbers, stop, begin, &mut |path, ray| {
+            let stays = follow(face, self.facets(), ray, side, (numbers, path), &mut |leaves| {
                 let Leaves { side: to, along, weight, regular, facets } = leaves;
                 let beta = self.index_of(to) * (along[0] * along[0] + along[1] * along[1]).sqrt();
                 let first = if to == side { 0 } else { 2 };
@@ -323,15 +332,16 @@ impl Goniometer {
                 sums[7] += if to != side && beta <= near { weight } else { 0.0 };
                 let from_regular =
                     [0, 1].map(|k| self.index_of(to) * along[k] - self.index_of(side) * ray.along[k]);
-                let is_near = from_regular[0].hypot(from_regular[1]) <= near;
+                let is_near =
+                    from_regular[0] * from_regular[0] + from_regular[1] * from_regular[1] <= near * near;
                 sums[9] += if to != side && is_near && beta <= 1.0 { weight } else { 0.0 };
                 sums[10] += if to == side && is_near { weight } else { 0.0 };
             });
             lost += stays.lost;
             sums[6] += stays.absorbed_facets;
             sums[8] += stays.absorbed;
-        }
-        Ok((sums.map(|sum| sum / self.rays as f64), lost))
+        })?;
+        Ok((sums.map(|sum| sum / tile.equivalent_rays()), lost))
     }
 
     /// Combines replicates.
@@ -395,9 +405,6 @@ impl Goniometer {
         }
     }
 }
-
-/// Rays between two looks at whether the measurement is to be stopped.
-const STOP_EVERY: u64 = 4096;
 
 /// A ray at a place of the period, 0 to 1 along x and y, just outside of all heights.
 pub(crate) fn start(

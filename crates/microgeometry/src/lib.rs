@@ -28,6 +28,7 @@ mod path;
 mod random;
 mod ray;
 mod screen_rings;
+mod starts;
 mod statistics;
 mod surface;
 #[cfg(test)]
