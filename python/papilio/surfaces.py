@@ -125,9 +125,9 @@ def _by_waves(rows: list[dict[str, Any]]) -> dict[str, NDArray[Any]]:
     names = [name for name in rows[0] if name not in ("from", "theta_deg")]
     arrays = {name: column(name, along) for name in names}
     # The normal from above stands first, whether or not it is one of the inclinations.
-    below = [row for row in rows if row["from"] == "below"]
-    theta_deg = list(dict.fromkeys(row["theta_deg"] for row in below))
-    above = [row for theta in theta_deg for row in rows if row["from"] == "above" and row["theta_deg"] == theta]
+    known = {(row["from"], row["theta_deg"], row["wavelength_nm"]): row for row in rows}
+    theta_deg = list(dict.fromkeys(row["theta_deg"] for row in rows if row["from"] == "below"))
+    every = [known[side, theta, row["wavelength_nm"]] for side in ("above", "below") for theta in theta_deg for row in along]
     shape = (2, len(theta_deg), len(along))
-    arrays |= {f"waves_{name}": column(name, above + below).reshape(shape) for name in names if name != "wavelength_nm"}
+    arrays |= {f"waves_{name}": column(name, every).reshape(shape) for name in names if name != "wavelength_nm"}
     return arrays | {"waves_theta_deg": np.array(theta_deg, float)}
