@@ -6,8 +6,8 @@ use std::sync::atomic::Ordering;
 
 use papilio_figures::of_surface;
 use papilio_formats::{
-    AzimuthAudit, GonioHead, JournalRows, SurfaceAuditFile, journal_name, write_cutoffs, write_face,
-    write_file, write_json, write_psd, write_totals, write_waves,
+    AzimuthAudit, GonioHead, Holds, JournalRows, SurfaceAuditFile, WaveRow, journal_name, write_cutoffs,
+    write_face, write_file, write_json, write_psd, write_totals, write_waves,
 };
 use papilio_microgeometry::{
     ByRays, ByWaves, Coating, Collected, Findings, Goniometer, LEAST_G, MOST_SLOPE, Measured, Measurement,
@@ -177,7 +177,7 @@ fn write(
         write_file(&file("cutoff.csv"), |out| write_cutoffs(out, statistics))?;
     }
     if let Some(waves) = &found.waves {
-        write_file(&file("waves.csv"), |out| write_waves(out, waves))?;
+        write_file(&file("waves.csv"), |out| write_waves(out, waves, found.rays.as_ref()))?;
     }
     names.extend(output::write_figures(folder, of_surface(found, title), png)?);
     Ok(names)
@@ -226,7 +226,6 @@ fn rays_text(ByRays { totals, kernel, by_azimuth }: &ByRays) -> String {
     ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for total in totals {
-        let percent = |one: Measured| measured(Some(100.0 * one.value), Some(100.0 * one.error), 2);
         let regular = Measured {
             value: total.regular_reflected.value + total.regular_transmitted.value,
             error: total.regular_reflected.error.hypot(total.regular_transmitted.error),
@@ -290,22 +289,21 @@ fn waves_text(waves: &ByWaves, rays: Option<&ByRays>) -> String {
     let head =
         ["wavelength, nm", "g", "straight through, %", "as by a mirror, %", "haze, %", "closed form, %"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for one in &waves.shares {
-        let percent = |one: Measured| measured(Some(100.0 * one.value), Some(100.0 * one.error), 2);
+    for (one, through) in waves.along_normal() {
         rows.push(vec![
             one.wavelength_nm.to_string(),
-            digits(one.g),
-            percent(one.straight),
-            percent(one.mirror),
-            percent(one.haze),
-            measured(one.haze_closed_form.map(|haze| 100.0 * haze), None, 2),
+            digits(through.g),
+            percent(through.regular),
+            percent(one.reflected.regular),
+            percent(through.haze),
+            closed(through.closed_form.map(|form| form.one_angle_haze)),
         ]);
     }
     let mut text = format!(
         "\nby waves, along the normal; haze: beyond 2.5 deg in air; g: square of the rms phase; closed form: haze without a cut-off\n{}\n",
         report::table(&rows)
     );
-    let rays_hold = waves.shares.iter().all(|one| one.g > LEAST_G);
+    let rays_hold = waves.along_normal().all(|(_, through)| through.g > LEAST_G);
     let waves_hold = waves.slope_rms < MOST_SLOPE;
     text += match (rays_hold, waves_hold) {
         (true, true) => "rays and waves both hold: g is above 10, and slopes are below 0.3\n",
@@ -316,8 +314,77 @@ fn waves_text(waves: &ByWaves, rays: Option<&ByRays>) -> String {
         }
     };
     if let Some(along) = rays.and_then(|rays| rays.totals.iter().find(|total| total.theta_deg == 0.0)) {
-        let haze = measured(Some(100.0 * along.haze.value), Some(100.0 * along.haze.error), 2);
-        text += &format!("haze by rays, the same at all wavelengths: {haze} %\n");
+        text += &format!("haze by rays, the same at all wavelengths: {} %\n", percent(along.haze));
+    }
+    text + &oblique_text(waves, rays)
+}
+
+/// Waves at all inclinations, at the wavelength in the middle, and how much rays and waves differ.
+fn oblique_text(waves: &ByWaves, rays: Option<&ByRays>) -> String {
+    let all = WaveRow::all(waves, rays);
+    let wavelengths: Vec<f64> = waves.along_normal().map(|(one, _)| one.wavelength_nm).collect();
+    let Some(nm) = wavelengths.get(wavelengths.len() / 2) else { return String::new() };
+    let head = [
+        "light from",
+        "inclination, deg",
+        "straight, %",
+        "haze, %",
+        "two angles, %",
+        "rays, %",
+        "holds",
+        "mirror, %",
+        "haze of reflection, %",
+        "two angles, %",
+        "rays, %",
+        "holds",
+    ];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for one in all.iter().filter(|one| one.wavelength_nm == *nm) {
+        let pair = |value: Option<f64>, error: Option<f64>| {
+            measured(value.map(|value| 100.0 * value), error.map(|error| 100.0 * error), 2)
+        };
+        rows.push(vec![
+            one.from.name().to_owned(),
+            one.theta_deg.to_string(),
+            pair(one.straight, one.straight_error),
+            pair(one.haze, one.haze_error),
+            closed(one.haze_two_angles),
+            closed(one.haze_rays),
+            one.holds.map_or("-", Holds::name).to_owned(),
+            pair(Some(one.mirror), Some(one.mirror_error)),
+            pair(Some(one.haze_reflected), Some(one.haze_reflected_error)),
+            closed(one.haze_reflected_two_angles),
+            closed(one.haze_reflected_rays),
+            one.holds_reflected.name().to_owned(),
+        ]);
+    }
+    // The normal alone is in the table above.
+    if rows.len() < 3 {
+        return String::new();
+    }
+    let mut text = format!(
+        "\nby waves of {nm} nm at all inclinations; haze: beyond 2.5 deg from the regular direction; two angles: generalised Harvey-Shack form\n{}\n",
+        report::table(&rows)
+    );
+    let transmitted = |one: &WaveRow| Some((one.holds?, one.haze?, one.haze_rays?));
+    let reflected = |one: &WaveRow| Some((one.holds_reflected, one.haze_reflected, one.haze_reflected_rays?));
+    let pairs = all.iter().flat_map(|one| [transmitted(one), reflected(one)]).flatten();
+    let differences =
+        pairs.filter(|(holds, ..)| *holds == Holds::Both).map(|(_, waves, rays)| (waves - rays).abs());
+    if let Some(largest) = differences.reduce(f64::max) {
+        let digits = measured(Some(100.0 * largest), None, 2);
+        text += &format!(
+            "where both hold, the haze of rays and of waves differs by up to {digits} % of the light\n"
+        );
     }
     text
+}
+
+fn percent(one: Measured) -> String {
+    measured(Some(100.0 * one.value), Some(100.0 * one.error), 2)
+}
+
+/// A fraction without error, in percent.
+fn closed(fraction: Option<f64>) -> String {
+    measured(fraction.map(|fraction| 100.0 * fraction), None, 2)
 }

@@ -30,7 +30,9 @@ class Surface(_Written):
     [band of arrival, band of departure, azimuth]. With ``azimuth_deg``, ``found["phi_deg"]`` are the azimuths of the light,
     ``found["reflected_by_azimuth"]`` and so on have the shape [side, inclination, azimuth], and ``found["scattered_by_azimuth"]`` has the shape
     [band of arrival, its azimuth, band of departure, its azimuth]. By waves: ``found["wavelength_nm"]``, ``found["straight"]``, ``found["mirror"]``, ``found["haze"]``
-    and their errors have the shape [wavelength]; "haze_closed_form" is NaN without one. Arrays are read-only. It can be copied and pickled.
+    and the other columns of ``waves.csv`` have the shape [wavelength] and are those of light along the normal from above; "haze_closed_form" is NaN
+    without one. Those of all inclinations are ``found["waves_haze"]`` and so on, shape [side, inclination, wavelength], with ``found["waves_theta_deg"]``,
+    shape [inclination]; NaN, or "" in "waves_holds", where nothing is transmitted. Arrays are read-only. It can be copied and pickled.
     """
 
     def __init__(
@@ -55,8 +57,7 @@ class Surface(_Written):
                 # Names that both have are those of the kernel, as without azimuths.
                 arrays = _by_azimuth(by_azimuth, arrays["phi_deg"].size) | arrays
         if self.data["waves"]:
-            rows = self.data["waves"]
-            arrays |= {name: np.array([row[name] for row in rows], float) for name in rows[0]}
+            arrays |= _by_waves(self.data["waves"])
         for one in arrays.values():
             one.flags.writeable = False
         self._arrays = arrays
@@ -133,3 +134,24 @@ def _columns(totals: bytes) -> dict[str, NDArray[Any]]:
     # Its lines are those of light from above, then those of light from below.
     values = np.array([line.split(",")[1:] for line in lines], float).reshape(2, -1, len(names))
     return {name: values[:, :, column].copy() for column, name in enumerate(names)}
+
+
+def _by_waves(rows: list[dict[str, Any]]) -> dict[str, NDArray[Any]]:
+    """Returns the columns of ``waves.csv``: along the normal, shape [wavelength], and of all inclinations, shape [side, inclination, wavelength]."""
+
+    def column(name: str, of: list[dict[str, Any]]) -> NDArray[Any]:
+        values = [row[name] for row in of]
+        if any(isinstance(value, str) for value in values):
+            return np.array([value or "" for value in values])
+        return np.array(values, float)
+
+    along = [row for row in rows if row["from"] == "above" and row["theta_deg"] == 0]
+    names = [name for name in rows[0] if name not in ("from", "theta_deg")]
+    arrays = {name: column(name, along) for name in names}
+    # The normal from above stands first, whether or not it is one of the inclinations.
+    known = {(row["from"], row["theta_deg"], row["wavelength_nm"]): row for row in rows}
+    theta_deg = list(dict.fromkeys(row["theta_deg"] for row in rows if row["from"] == "below"))
+    every = [known[side, theta, row["wavelength_nm"]] for side in ("above", "below") for theta in theta_deg for row in along]
+    shape = (2, len(theta_deg), len(along))
+    arrays |= {f"waves_{name}": column(name, every).reshape(shape) for name in names if name != "wavelength_nm"}
+    return arrays | {"waves_theta_deg": np.array(theta_deg, float)}

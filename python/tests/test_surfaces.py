@@ -27,9 +27,15 @@ def test_surface_is_that_of_the_program(program: Path, tmp_path: Path) -> None:
     assert [float(line.split(",")[column]) for line in lines[1:]] == found["transmitted"].reshape(-1).tolist()
     for name, figure in found.figures().items():
         assert figure.svg == (tmp_path / f"{name}.svg").read_text()
-    assert list(found.figures()) == ["totals", "psd", "cutoff", "waves"]
+    assert list(found.figures()) == ["totals", "psd", "cutoff", "waves", "waves-oblique"]
     with np.load(io.BytesIO(found.face())) as kernel:
         assert np.array_equal(found["scattered"], kernel["scattered"])
+    lines = [line.split(",") for line in (tmp_path / "waves.csv").read_text().splitlines()]
+    haze, side = lines[0].index("haze_reflected"), lines[0].index("from")
+    below = [float(line[haze]) for line in lines[1:] if line[side] == "below"]
+    assert below == found["waves_haze_reflected"][1].reshape(-1).tolist() and np.array_equal(found["waves_theta_deg"], found["theta_deg"])
+    assert np.array_equal(found["waves_straight"][0, 0], found["straight"]) and np.isnan(found["waves_straight"][1, -1]).all()
+    assert set(found["waves_holds"][0].flat) <= {"waves", "neither", "rays", "both"} and set(found["waves_holds"][1, -1]) == {""}
     assert found["haze"].shape == found["wavelength_nm"].shape == (7,) and np.all((found["haze"] > 0) & (found["haze"] < 1))
     again = pickle.loads(pickle.dumps(copy.copy(found)))
     assert again.to_json() == found.to_json() and np.array_equal(again["reflected"], found["reflected"])

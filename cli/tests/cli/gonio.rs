@@ -244,7 +244,7 @@ fn waves_and_layers_follow_from_a_surface() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let surface = "title = \"frosted\"\n[microgeometry]\nsurface = \"gaussian\"\nrms_nm = 50\ncorrelation_um = 4\nrays = 640\nincidence_deg = \
-                   [0]\nroad = \"both\"\nwavelength_nm = [450, 550]\n";
+                   [0, 60]\nroad = \"both\"\nwavelength_nm = [450, 550]\n";
     fs::write(here.join("frosted.toml"), surface).unwrap();
     let output =
         papilio().current_dir(here).args(["gonio", "frosted.toml", "--out", "face"]).output().unwrap();
@@ -253,28 +253,48 @@ fn waves_and_layers_follow_from_a_surface() {
         names(&here.join("face")),
         HEIGHTS
             .into_iter()
-            .chain(["face.npz", "psd.csv", "psd.svg", "totals.csv", "totals.svg", "waves.csv", "waves.svg"])
+            .chain(["face.npz", "psd.csv", "psd.svg", "totals.csv", "totals.svg"])
+            .chain(["waves-oblique.svg", "waves.csv", "waves.svg"])
             .collect::<Vec<_>>()
     );
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(
         table.contains("heights: rms")
             && table.contains("waves hold, rays do not")
-            && table.contains("haze by rays"),
+            && table.contains("haze by rays")
+            && table.contains("by waves of 550 nm at all inclinations"),
         "{table}"
     );
     let waves = fs::read_to_string(here.join("face/waves.csv")).unwrap();
-    let rows: Vec<Vec<f64>> = waves
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').map(|value| value.parse().unwrap()).collect())
-        .collect();
+    let head: Vec<&str> = waves.lines().next().unwrap().split(',').collect();
+    let rows: Vec<Vec<&str>> = waves.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let text = |row: usize, name: &str| rows[row][head.iter().position(|column| *column == name).unwrap()];
+    let value = |row: usize, name: &str| text(row, name).parse::<f64>().unwrap();
     assert!(
         waves.starts_with("wavelength_nm,g,straight,mirror,haze,haze_closed_form,straight_error,"),
         "{waves}"
     );
     // exp(-(2 pi 0.5 50/550)^2).
-    assert!((rows[1][2] - 0.92167).abs() < 4.5 * rows[1][6] + 1e-3, "{waves}");
+    let near = |row: usize, name: &str, expected: f64, error: &str| {
+        assert!(
+            (value(row, name) - expected).abs() < 4.5 * value(row, error) + 1e-3,
+            "{row} {name}: {waves}"
+        );
+    };
+    near(1, "straight", 0.92167, "straight_error");
+    // The normal and 60 deg from above, then both from below, where 60 deg is beyond the critical angle; at 450 and 550 nm each. From above at 60 deg
+    // exp(-(2 pi (sqrt(1.5) - 0.5) 50/550)^2) passes, and exp(-(4 pi 0.5 50/550)^2) is reflected; from below exp(-(4 pi 0.75 50/550)^2).
+    assert_eq!(rows.len(), 8);
+    near(3, "straight", 0.84251, "straight_error");
+    near(3, "mirror", 0.72161, "mirror_error");
+    near(7, "mirror", 0.47994, "mirror_error");
+    assert_eq!((text(3, "from"), value(3, "theta_deg"), text(3, "holds")), ("above", 60.0, "waves"));
+    assert_eq!([text(7, "from"), text(7, "straight"), text(7, "holds")], ["below", "", ""]);
+    assert!(
+        (value(3, "reflected") - 0.08918671).abs() < 1e-8 && value(3, "renormalisation") >= 1.0,
+        "{waves}"
+    );
+    near(3, "haze", value(3, "haze_closed_form"), "haze_error");
     let display = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\nfile = \
                    \"face/face.npz\"\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \
                    \"lambertian\"\nreflectance = { white = 1, black = 0 }\n[lighting]\nilluminance_lx = 500\nspectrum = \"E\"\ndiffuse = 1\n";

@@ -1,18 +1,22 @@
 //! Figures of `papilio gonio`: a surface measured by rays and by waves, and its heights.
 
-use papilio_microgeometry::{AzimuthKernel, ByWaves, Findings, Side, Statistics, Total, WaveShares};
+use papilio_microgeometry::{
+    AzimuthKernel, ByRays, ByWaves, Findings, Side, Statistics, Total, WaveShares, WayShares,
+};
 
 use crate::{Chart, ChartCurve, Hue, chart};
 
-/// All figures of a measurement, by name: `totals` and `azimuths` of rays, `psd` and `cutoff` of heights, `waves`.
+/// All figures of a measurement, by name: `totals` and `azimuths` of rays, `psd` and `cutoff` of heights, `waves`, and `waves-oblique`.
 pub fn of_surface(Findings { rays, waves, statistics }: &Findings, title: &str) -> Vec<(String, String)> {
     let totals = rays.as_ref().map(|rays| ("totals", totals_figure(title, &rays.totals)));
     let by_azimuth = rays.as_ref().and_then(|rays| rays.by_azimuth.as_ref());
     let azimuths = by_azimuth.map(|found| ("azimuths", azimuths_figure(title, &found.kernel)));
     let psd = statistics.as_ref().map(|statistics| ("psd", psd_figure(title, statistics)));
     let cutoff = statistics.as_ref().map(|statistics| ("cutoff", cutoff_figure(title, statistics)));
+    let oblique = waves.as_ref().and_then(|waves| oblique_figure(title, waves, rays.as_ref()));
+    let oblique = oblique.map(|figure| ("waves-oblique", figure));
     let waves = waves.as_ref().map(|waves| ("waves", waves_figure(title, waves)));
-    let all = [totals, azimuths, psd, cutoff, waves].into_iter().flatten();
+    let all = [totals, azimuths, psd, cutoff, waves, oblique].into_iter().flatten();
     all.map(|(name, figure)| (name.to_owned(), figure)).collect()
 }
 
@@ -77,12 +81,9 @@ fn one_curve(title: &str, x: &str, y: &str, logarithmic: bool, points: Vec<(f64,
 
 /// Straight part, mirror part and haze against wavelength.
 fn waves_figure(title: &str, waves: &ByWaves) -> String {
-    let curve = |name: &str, hue: usize, of: fn(&WaveShares) -> f64| ChartCurve {
-        name: name.to_owned(),
-        hue: Hue::Group(hue),
-        dashed: false,
-        marks: false,
-        points: waves.shares.iter().map(|one| (one.wavelength_nm, 100.0 * of(one))).collect(),
+    let curve = |name: &str, hue: usize, of: fn(&WaveShares, &WayShares) -> f64| {
+        let point = |(one, through): (&WaveShares, &WayShares)| (one.wavelength_nm, 100.0 * of(one, through));
+        percent_curve(name, hue, waves.along_normal().map(point).collect())
     };
     let all = Chart {
         x: "wavelength (nm)".to_owned(),
@@ -90,12 +91,52 @@ fn waves_figure(title: &str, waves: &ByWaves) -> String {
         logarithmic: false,
         at_least: vec![0.0, 100.0],
         curves: vec![
-            curve("haze", 0, |one| one.haze.value),
-            curve("straight", 1, |one| one.straight.value),
-            curve("mirror", 2, |one| one.mirror.value),
+            curve("haze", 0, |_, through| through.haze.value),
+            curve("straight", 1, |_, through| through.regular.value),
+            curve("mirror", 2, |one, _| one.reflected.regular.value),
         ],
     };
     chart(&all, title)
+}
+
+/// The same against the inclination, at the wavelength in the middle; `None` without inclinations but the normal.
+fn oblique_figure(title: &str, waves: &ByWaves, rays: Option<&ByRays>) -> Option<String> {
+    let wavelengths: Vec<f64> = waves.along_normal().map(|(one, _)| one.wavelength_nm).collect();
+    let nm = *wavelengths.get(wavelengths.len() / 2)?;
+    let from_above = |one: &&WaveShares| one.from == Side::Above && one.wavelength_nm == nm;
+    let shares: Vec<&WaveShares> = waves.shares.iter().filter(from_above).collect();
+    if shares.len() < 2 {
+        return None;
+    }
+    let curve = |name: &str, hue: usize, of: fn(&WaveShares) -> Option<f64>| {
+        let point = |one: &&WaveShares| Some((one.theta_deg, 100.0 * of(one)?));
+        percent_curve(name, hue, shares.iter().filter_map(point).collect())
+    };
+    let dashed = |curve: ChartCurve| ChartCurve { dashed: true, ..curve };
+    let mut curves = vec![
+        curve("haze", 0, |one| Some(one.transmitted?.haze.value)),
+        dashed(curve("haze, two angles", 0, |one| Some(one.transmitted?.closed_form?.haze))),
+        curve("straight", 1, |one| Some(one.transmitted?.regular.value)),
+        curve("mirror", 2, |one| Some(one.reflected.regular.value)),
+    ];
+    if let Some(rays) = rays {
+        let totals = rays.totals.iter().filter(|total| total.from == Side::Above);
+        let points = totals.map(|total| (total.theta_deg, 100.0 * total.straight_haze.value)).collect();
+        curves.push(dashed(percent_curve("haze by rays", 3, points)));
+    }
+    curves.retain(|curve| !curve.points.is_empty());
+    let all = Chart {
+        x: "inclination of the light above (deg)".to_owned(),
+        y: format!("light of {nm} nm (%)"),
+        logarithmic: false,
+        at_least: vec![0.0, 100.0],
+        curves,
+    };
+    Some(chart(&all, title))
+}
+
+fn percent_curve(name: &str, hue: usize, points: Vec<(f64, f64)>) -> ChartCurve {
+    ChartCurve { name: name.to_owned(), hue: Hue::Group(hue), dashed: false, marks: false, points }
 }
 
 /// Reflected and transmitted light against inclination, from both sides.

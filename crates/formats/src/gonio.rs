@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use papilio_microgeometry::{
     Audit, AzimuthKernel, ByAzimuth, ByRays, ByWaves, Findings, Goniometer, Side, Statistics, Total,
-    WaveShares,
+    WaveShares, WayShares,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,7 @@ pub struct SurfaceAuditFile<'a> {
     pub haze_by_rays_error: Option<f64>,
     /// Root mean square slope along x or y, the larger one; null without waves.
     pub slope_rms: Option<f64>,
-    /// What waves do along the normal, by wavelength.
+    /// What waves do, by inclination and wavelength: along the normal from above first.
     pub waves: Vec<WaveRow>,
     /// Statistics of the heights; null for a flat face.
     pub heights: Option<HeightsRow>,
@@ -170,41 +170,162 @@ impl From<&AzimuthKernel> for AzimuthAudit {
     }
 }
 
-/// What waves do along the normal, at a wavelength: a line of `waves.csv`. Errors are standard errors over realisations.
+/// What waves of an inclination and a wavelength do: a line of `waves.csv`. Errors are standard errors over realisations. Values of transmitted light are
+/// null beyond the critical angle.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub struct WaveRow {
     /// Wavelength in air, nm.
     pub wavelength_nm: f64,
     /// Square of the rms phase of transmitted light. Rays hold above about 10.
-    pub g: f64,
+    pub g: Option<f64>,
     /// Fraction of the transmitted light that passes straight through.
-    pub straight: f64,
+    pub straight: Option<f64>,
     /// Fraction of the reflected light that is reflected as by a mirror.
     pub mirror: f64,
-    /// Haze in air: of the transmitted light with |beta| up to 1, the fraction beyond sin 2.5 deg.
-    pub haze: f64,
+    /// Haze in air: of the transmitted light with |beta| up to 1, the fraction beyond |beta| = sin 2.5 deg from the direction straight through.
+    pub haze: Option<f64>,
     /// Haze in closed form, for random faces with Gaussian or exponential correlation.
     pub haze_closed_form: Option<f64>,
     /// Standard error of `straight`.
-    pub straight_error: f64,
+    pub straight_error: Option<f64>,
     /// Standard error of `mirror`.
     pub mirror_error: f64,
     /// Standard error of `haze`.
-    pub haze_error: f64,
+    pub haze_error: Option<f64>,
+    /// Side of the light.
+    pub from: WaveSide,
+    /// Inclination of the light in its own medium, degrees; it comes from all azimuths.
+    pub theta_deg: f64,
+    /// Fraction of the light that is transmitted: Fresnel's, at the mean face.
+    pub transmitted: f64,
+    /// Fraction of the light that is reflected.
+    pub reflected: f64,
+    /// Haze by the generalised Harvey-Shack form, with the phases of both directions.
+    pub haze_two_angles: Option<f64>,
+    /// Factor by which that form is renormalised.
+    pub renormalisation: Option<f64>,
+    /// Fraction of the orders of transmitted light in directions that do not exist, before renormalisation.
+    pub evanescent: Option<f64>,
+    /// Haze by rays, in the same directions.
+    pub haze_rays: Option<f64>,
+    /// What describes transmitted light.
+    pub holds: Option<Holds>,
+    /// Square of the rms phase of reflected light.
+    pub g_reflected: f64,
+    /// Of the reflected light, the fraction beyond |beta| = sin 2.5 deg from the mirror direction.
+    pub haze_reflected: f64,
+    /// Standard error of `haze_reflected`.
+    pub haze_reflected_error: f64,
+    /// `haze_reflected` in closed form.
+    pub haze_reflected_closed_form: Option<f64>,
+    /// `haze_reflected` by the generalised Harvey-Shack form.
+    pub haze_reflected_two_angles: Option<f64>,
+    /// Factor by which that form is renormalised.
+    pub renormalisation_reflected: Option<f64>,
+    /// Fraction of the orders of reflected light in directions that do not exist, before renormalisation.
+    pub evanescent_reflected: f64,
+    /// `haze_reflected` by rays.
+    pub haze_reflected_rays: Option<f64>,
+    /// What describes reflected light.
+    pub holds_reflected: Holds,
 }
 
-impl From<&WaveShares> for WaveRow {
-    fn from(shares: &WaveShares) -> Self {
+/// What describes light at a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Holds {
+    /// Rays and waves.
+    Both,
+    /// Rays: g is above 10.
+    Rays,
+    /// Waves: slopes are below 0.3, and hide nothing.
+    Waves,
+    /// Neither.
+    Neither,
+}
+
+/// Side of a surface in files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum WaveSide {
+    /// The medium above.
+    Above,
+    /// The medium below.
+    Below,
+}
+
+impl WaveSide {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Above => "above",
+            Self::Below => "below",
+        }
+    }
+}
+
+impl Holds {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Both => "both",
+            Self::Rays => "rays",
+            Self::Waves => "waves",
+            Self::Neither => "neither",
+        }
+    }
+
+    /// What describes light of a way on a surface of this rms slope.
+    pub fn of(shares: &WayShares, slope_rms: f64) -> Self {
+        match (shares.rays_hold(), shares.waves_hold(slope_rms)) {
+            (true, true) => Self::Both,
+            (true, false) => Self::Rays,
+            (false, true) => Self::Waves,
+            (false, false) => Self::Neither,
+        }
+    }
+}
+
+impl WaveRow {
+    /// All lines: light along the normal from above first.
+    pub fn all(waves: &ByWaves, rays: Option<&ByRays>) -> Vec<Self> {
+        waves.shares.iter().map(|one| Self::of(one, waves.slope_rms, rays)).collect()
+    }
+
+    fn of(shares: &WaveShares, slope_rms: f64, rays: Option<&ByRays>) -> Self {
+        let WaveShares { from, theta_deg, wavelength_nm, reflected, transmitted } = shares;
+        let transmitted = transmitted.as_ref();
+        let is_same = |total: &&Total| total.from == *from && total.theta_deg == *theta_deg;
+        let total = rays.and_then(|rays| rays.totals.iter().find(is_same));
+        let closed_form = transmitted.and_then(|one| one.closed_form);
         Self {
-            wavelength_nm: shares.wavelength_nm,
-            g: shares.g,
-            straight: shares.straight.value,
-            mirror: shares.mirror.value,
-            haze: shares.haze.value,
-            haze_closed_form: shares.haze_closed_form,
-            straight_error: shares.straight.error,
-            mirror_error: shares.mirror.error,
-            haze_error: shares.haze.error,
+            wavelength_nm: *wavelength_nm,
+            g: transmitted.map(|one| one.g),
+            straight: transmitted.map(|one| one.regular.value),
+            mirror: reflected.regular.value,
+            haze: transmitted.map(|one| one.haze.value),
+            haze_closed_form: closed_form.map(|one| one.one_angle_haze),
+            straight_error: transmitted.map(|one| one.regular.error),
+            mirror_error: reflected.regular.error,
+            haze_error: transmitted.map(|one| one.haze.error),
+            from: if *from == Side::Above { WaveSide::Above } else { WaveSide::Below },
+            theta_deg: *theta_deg,
+            transmitted: transmitted.map_or(0.0, |one| one.fresnel),
+            reflected: reflected.fresnel,
+            haze_two_angles: closed_form.map(|one| one.haze),
+            renormalisation: closed_form.map(|one| one.renormalisation),
+            evanescent: transmitted.map(|one| one.evanescent.value),
+            haze_rays: transmitted.and(total).map(|total| total.straight_haze.value),
+            holds: transmitted.map(|one| Holds::of(one, slope_rms)),
+            g_reflected: reflected.g,
+            haze_reflected: reflected.haze.value,
+            haze_reflected_error: reflected.haze.error,
+            haze_reflected_closed_form: reflected.closed_form.map(|one| one.one_angle_haze),
+            haze_reflected_two_angles: reflected.closed_form.map(|one| one.haze),
+            renormalisation_reflected: reflected.closed_form.map(|one| one.renormalisation),
+            evanescent_reflected: reflected.evanescent.value,
+            haze_reflected_rays: total.map(|total| total.mirror_haze.value),
+            holds_reflected: Holds::of(reflected, slope_rms),
         }
     }
 }
@@ -229,7 +350,7 @@ impl<'a> SurfaceAuditFile<'a> {
             haze_by_rays: haze.map(|haze| haze.value),
             haze_by_rays_error: haze.map(|haze| haze.error),
             slope_rms: waves.as_ref().map(|waves| waves.slope_rms),
-            waves: waves.iter().flat_map(|waves| &waves.shares).map(WaveRow::from).collect(),
+            waves: waves.as_ref().map_or(Vec::new(), |waves| WaveRow::all(waves, rays.as_ref())),
             heights: statistics.as_ref().map(HeightsRow::from),
         }
     }
@@ -260,14 +381,14 @@ fn write_numbers<const N: usize>(out: impl Write, head: &[&str; N], rows: &[[f64
     csv.flush()
 }
 
-/// Writes `waves.csv`: a line for each wavelength.
+/// Writes `waves.csv`: a line for each inclination and wavelength, the normal from above first.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_waves(out: impl Write, waves: &ByWaves) -> io::Result<()> {
+pub fn write_waves(out: impl Write, waves: &ByWaves, rays: Option<&ByRays>) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    for shares in &waves.shares {
-        csv.serialize(WaveRow::from(shares)).map_err(io::Error::other)?;
+    for row in WaveRow::all(waves, rays) {
+        csv.serialize(row).map_err(io::Error::other)?;
     }
     csv.flush()
 }
@@ -301,6 +422,8 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
         "absorbed",
         "mean_facets",
         "transmitted_near",
+        "straight_near",
+        "mirror_near",
     ];
     let mut head = vec!["from".to_owned(), "theta_deg".to_owned()];
     head.extend(totals.iter().find_map(|total| total.phi_deg).map(|_| "phi_deg".to_owned()));
@@ -318,6 +441,8 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
             total.absorbed,
             total.mean_facets,
             total.transmitted_near,
+            total.straight_near,
+            total.mirror_near,
         ];
         let mut line = vec![name(total.from).to_owned(), total.theta_deg.to_string()];
         line.extend(total.phi_deg.map(|deg| deg.to_string()));

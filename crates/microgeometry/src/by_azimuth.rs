@@ -53,9 +53,9 @@ impl<'a> BandByAzimuth<'a> {
         }
     }
 
-    /// Begins a ray with an azimuth, a fraction of a turn.
-    pub(crate) fn begin(&mut self, turn: f64) {
-        self.at = self.patches.at_turn(0, turn);
+    /// Begins a ray with a direction, given by its parts along x and y.
+    pub(crate) fn begin(&mut self, along: [f64; 2]) {
+        self.at = self.patches.number(0, along);
         self.rays[self.at] += 1.0;
     }
 

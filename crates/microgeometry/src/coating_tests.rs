@@ -126,6 +126,47 @@ fn kernels_of_absorbing_films_keep_what_is_absorbed() {
     assert!((0.8..1.2).contains(&z), "{:?}", kernel.audit);
 }
 
+/// Gaussian faces from both sides: reflectances of explicit heights by a separate program (three realisations of 256 x 256, with their standard errors), and those of
+/// Heitz's walk over microfacets, whose heights are not correlated and whose reflectances are right to about 2 % of the light that meets several facets, or of
+/// R. Fewer rays every day; all in `cargo xtask full`.
+#[test]
+fn gaussian_heights_reflect_as_smiths_walk_to_two_percent() {
+    let walked = [
+        (
+            0.5,
+            [0.0387, 0.0649, 0.0984, 0.8464],
+            Some([[0.0395, 0.0002], [0.0668, 0.0010], [0.0982, 0.0038], [0.8417, 0.0037]]),
+        ),
+        (0.2, [0.0395, 0.0904, 0.0397, 0.9952], None),
+    ];
+    let rays = 24 * papilio_testing::seeds();
+    for (alpha, walked, published) in papilio_testing::everyday(1, walked) {
+        let spectrum = Spectrum::Gaussian { rms_um: 5.0 * alpha, correlation_um: 10.0 };
+        let surface = Surface::Random(RandomHeights::new(spectrum, 21).unwrap());
+        let goniometer = Goniometer {
+            index_above: 1.0,
+            index_below: 1.5,
+            coating: Coating::None,
+            incidence_deg: vec![0.0, 60.0],
+            rays,
+            seed: 4,
+        };
+        for (at, total) in goniometer.totals_alone(&surface).iter().enumerate() {
+            let Measured { value, error } = total.reflected;
+            let what = format!("{alpha} {total:?}");
+            assert!(error < 0.01, "the test is weak: {what}");
+            assert!(
+                (value - walked[at]).abs() < 0.02 * walked[at].max(0.1) + 4.0 * error.hypot(0.0008),
+                "{what} {}",
+                walked[at]
+            );
+            if let Some([expected, uncertain]) = published.map(|all: [[f64; 2]; 4]| all[at]) {
+                assert!((value - expected).abs() < 4.0 * error.hypot(uncertain), "{what} {expected}");
+            }
+        }
+    }
+}
+
 /// A Gaussian face of a white metal with alpha 0.5: at 60 deg the share 0.8756(11) meets one facet, by a separate program with three
 /// realisations of 256 x 256 heights; Smith's uncorrelated heights have 0.8683.
 #[test]

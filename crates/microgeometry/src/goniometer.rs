@@ -19,6 +19,7 @@ use crate::measurement::on_threads;
 use crate::patches::Patches;
 use crate::path::{Facets, Leaves, follow};
 use crate::ray::{Face, Ray, Side};
+use crate::starts::{Tile, each_ray};
 use crate::{Coating, Kernel, MicrogeometryError, Surface};
 
 /// Number of replicates.
@@ -75,6 +76,14 @@ pub struct Total {
     pub transmitted_near: Measured,
     /// Haze in air: of the transmitted light with |beta| up to 1, the fraction that is not `transmitted_near`.
     pub haze: Measured,
+    /// Fraction that is transmitted within |beta| sin 2.5 deg of the direction behind a flat face, with |beta| up to 1; a part of `transmitted`.
+    pub straight_near: Measured,
+    /// Fraction that is reflected within |beta| sin 2.5 deg of the direction as from a flat face; a part of `reflected`.
+    pub mirror_near: Measured,
+    /// Of the transmitted light with |beta| up to 1, the fraction that is not `straight_near`.
+    pub straight_haze: Measured,
+    /// Of the reflected light, the fraction that is not `mirror_near`.
+    pub mirror_haze: Measured,
 }
 
 impl Total {
@@ -85,6 +94,12 @@ impl Total {
         (from, theta_deg, phi_deg): (Side, f64, Option<f64>),
     ) -> Self {
         let of = |quantity: usize| Measured::of(replicates.iter().map(move |rows| rows[row][quantity]));
+        let haze = |near: usize, all: fn(&[f64; QUANTITIES]) -> f64| {
+            Measured::of(replicates.iter().map(move |rows| {
+                let (row, all) = (&rows[row], all(&rows[row]));
+                if all > 0.0 { 1.0 - row[near] / all } else { 0.0 }
+            }))
+        };
         Self {
             from,
             theta_deg,
@@ -98,10 +113,11 @@ impl Total {
             absorbed: of(8),
             mean_facets: of(6),
             transmitted_near: of(7),
-            haze: Measured::of(replicates.iter().map(move |rows| {
-                let [_, _, transmitted, beyond, _, _, _, near, _] = rows[row];
-                if transmitted > beyond { 1.0 - near / (transmitted - beyond) } else { 0.0 }
-            })),
+            haze: haze(7, |[_, _, transmitted, beyond, ..]| transmitted - beyond),
+            straight_near: of(9),
+            mirror_near: of(10),
+            straight_haze: haze(9, |[_, _, transmitted, beyond, ..]| transmitted - beyond),
+            mirror_haze: haze(10, |[reflected, ..]| *reflected),
         }
     }
 }
@@ -149,7 +165,7 @@ pub struct Replicate {
 }
 
 /// Number of quantities of a row.
-pub(crate) const QUANTITIES: usize = 9;
+pub(crate) const QUANTITIES: usize = 11;
 
 impl Replicate {
     /// Rays that were followed.
@@ -191,52 +207,71 @@ impl Goniometer {
         let patches = self.patches()?;
         surface.with_face(number, |face| {
             let bands = self.bands();
-            let mut found = self.rows(face, number, stop)?;
+            let mut found = self.nothing();
             found.by_azimuth = patches
                 .as_ref()
                 .map(|patches| self.rows_by_azimuth(face, patches, (&mut found, number), stop))
                 .transpose()?;
             let numbers = SampleStream::new(Sampler::Sobol, self.seed, number).independent();
-            for band in 0..bands.count() {
-                let mut by_azimuth = patches.as_ref().map(|patches| BandByAzimuth::new(patches, band));
-                let numbers = numbers.part(band as u64);
-                self.scatter(face, &bands, band, &numbers, (&mut found, by_azimuth.as_mut()), stop)?;
-                if let (Some(all), Some(one)) = (&mut found.by_azimuth, &by_azimuth) {
-                    all.add(one);
+            // By azimuth, each ray has the same weight, and a band is packed before the next one.
+            let tiles: Vec<Tile> = match &patches {
+                Some(_) => vec![Tile::whole(self.rays)],
+                None => Tile::all(face, self.rays).collect(),
+            };
+            for tile in tiles {
+                self.rows((face, tile), number, &mut found, stop)?;
+                for band in 0..bands.count() {
+                    let mut by_azimuth = patches.as_ref().map(|patches| BandByAzimuth::new(patches, band));
+                    let numbers = numbers.part(band as u64);
+                    self.scatter(
+                        (face, tile),
+                        (&bands, band),
+                        &numbers,
+                        (&mut found, by_azimuth.as_mut()),
+                        stop,
+                    )?;
+                    if let (Some(all), Some(one)) = (&mut found.by_azimuth, &by_azimuth) {
+                        all.add(one);
+                    }
                 }
             }
             Ok(found)
         })?
     }
 
-    /// A replicate of the inclinations alone, without the light of bands.
-    fn rows(
-        &self,
-        face: &dyn Face,
-        number: u64,
-        stop: &dyn Fn() -> bool,
-    ) -> Result<Replicate, MicrogeometryError> {
-        let numbers = SampleStream::new(Sampler::Sobol, self.seed, number);
+    /// A replicate without rays.
+    fn nothing(&self) -> Replicate {
         let count = self.bands().count();
-        let mut found = Replicate {
-            rows: Vec::new(),
+        Replicate {
+            rows: vec![[0.0; QUANTITIES]; 2 * self.incidence_deg.len()],
             scattered: vec![0.0; count * count * AZIMUTHS],
             regular: vec![[0.0; 2]; count],
             absorbed: vec![0.0; count],
             lost: 0.0,
             rays: 0,
             by_azimuth: None,
-        };
-        for side in Side::ALL {
-            for theta_deg in &self.incidence_deg {
-                let numbers = numbers.part(found.rows.len() as u64);
-                let row = self.row(face, (side, *theta_deg, None), (&numbers, self.rays), stop)?;
-                found.lost += row.1;
-                found.rays += self.rays;
-                found.rows.push(row.0);
-            }
         }
-        Ok(found)
+    }
+
+    /// Rays of the inclinations from a tile, without the light of bands.
+    fn rows(
+        &self,
+        (face, tile): (&dyn Face, Tile),
+        number: u64,
+        found: &mut Replicate,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<(), MicrogeometryError> {
+        let numbers = SampleStream::new(Sampler::Sobol, self.seed, number);
+        let directions =
+            Side::ALL.into_iter().flat_map(|side| self.incidence_deg.iter().map(move |deg| (side, *deg)));
+        for (at, (side, theta_deg)) in directions.enumerate() {
+            let (sums, lost) =
+                self.row((face, tile), (side, theta_deg, None), &numbers.part(at as u64), stop)?;
+            found.lost += lost;
+            found.rays += tile.rays();
+            found.rows[at].iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
+        }
+        Ok(())
     }
 
     /// The inclinations by azimuth, which have their share of the rays of an inclination each.
@@ -247,15 +282,15 @@ impl Goniometer {
         (found, number): (&mut Replicate, u64),
         stop: &dyn Fn() -> bool,
     ) -> Result<LightByAzimuth, MicrogeometryError> {
-        let rays = self.rays.div_ceil(patches.azimuths() as u64);
+        let tile = Tile::whole(self.rays.div_ceil(patches.azimuths() as u64));
         let numbers = SampleStream::new(Sampler::Sobol, self.seed, number).part(ROWS_BY_AZIMUTH);
         let mut all = LightByAzimuth::default();
         for (side, theta_deg, phi_deg) in directions(&self.incidence_deg, patches) {
             let numbers = numbers.part(all.rows.len() as u64);
-            let row = self.row(face, (side, theta_deg, Some(phi_deg)), (&numbers, rays), stop)?;
-            found.lost += row.1;
-            found.rays += rays;
-            all.rows.push(row.0);
+            let (row, lost) = self.row((face, tile), (side, theta_deg, Some(phi_deg)), &numbers, stop)?;
+            found.lost += lost;
+            found.rays += tile.rays();
+            all.rows.push(row);
         }
         Ok(all)
     }
@@ -263,9 +298,16 @@ impl Goniometer {
     /// The totals of a surface, without its kernel.
     #[cfg(test)]
     pub(crate) fn totals_alone(&self, surface: &Surface) -> Vec<Total> {
-        let replicate = |number| surface.with_face(number, |face| self.rows(face, number, &|| false));
-        let found: Vec<Replicate> =
-            (0..REPLICATES).map(|number| replicate(number).unwrap().unwrap()).collect();
+        let replicate = |number| {
+            let rows = |face: &dyn Face| {
+                let mut found = self.nothing();
+                Tile::all(face, self.rays)
+                    .for_each(|tile| self.rows((face, tile), number, &mut found, &|| false).unwrap());
+                found
+            };
+            surface.with_face(number, rows).unwrap()
+        };
+        let found: Vec<Replicate> = (0..REPLICATES).map(replicate).collect();
         self.totals(&found).unwrap()
     }
 
@@ -310,31 +352,28 @@ impl Goniometer {
     /// Follows light that fills the directions of a band uniformly.
     fn scatter(
         &self,
-        face: &dyn Face,
-        bands: &Bands,
-        from: usize,
+        (face, tile): (&dyn Face, Tile),
+        (bands, from): (&Bands, usize),
         numbers: &SampleStream,
         (found, mut by_azimuth): (&mut Replicate, Option<&mut BandByAzimuth<'_>>),
         stop: &dyn Fn() -> bool,
     ) -> Result<(), MicrogeometryError> {
         let (side, [least, most]) = bands.band(from);
         let index = self.index_of(side);
-        let weight_of_ray = 1.0 / self.rays as f64;
+        let weight_of_ray = 1.0 / tile.equivalent_rays();
         let Replicate { scattered, regular, absorbed, lost, rays, .. } = found;
         let row = &mut scattered[from * bands.count() * AZIMUTHS..][..bands.count() * AZIMUTHS];
-        for path in 0..self.rays {
-            if path % STOP_EVERY == 0 && stop() {
-                return Err(MicrogeometryError::Interrupted);
-            }
-            let [x, y, azimuth, u] = numbers.block(path, 0);
+        let begin = |[x, y, azimuth, u]: [f64; 4]| {
             let sine = (least * least + u * (most * most - least * least)).sqrt() / index;
             let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
-            let ray = start(face, side, [sine, cosine], [x, y], azimuth);
+            start(face, side, [sine, cosine], [x, y], azimuth)
+        };
+        each_ray(face, tile, numbers, stop, begin, &mut |path, ray| {
             let came = [ray.along[0], ray.along[1]];
             if let Some(by_azimuth) = &mut by_azimuth {
-                by_azimuth.begin(azimuth);
+                by_azimuth.begin(came);
             }
-            let stays = follow(face, self.facets(), &ray, side, (numbers, path), &mut |leaves| {
+            let stays = follow(face, self.facets(), ray, side, (numbers, path), &mut |leaves| {
                 let Leaves { side: to, along, weight, regular: is_regular, .. } = leaves;
                 if is_regular {
                     regular[from][usize::from(to != side)] += weight * weight_of_ray;
@@ -358,8 +397,8 @@ impl Goniometer {
                 by_azimuth.absorb(stays.absorbed);
             }
             absorbed[from] += stays.absorbed * weight_of_ray;
-        }
-        *rays += self.rays;
+        })?;
+        *rays += tile.rays();
         Ok(())
     }
 
@@ -387,23 +426,20 @@ impl Goniometer {
     /// The quantities of an inclination, and the light that was lost, in rays.
     fn row(
         &self,
-        face: &dyn Face,
+        (face, tile): (&dyn Face, Tile),
         (side, theta_deg, phi_deg): (Side, f64, Option<f64>),
-        (numbers, rays): (&SampleStream, u64),
+        numbers: &SampleStream,
         stop: &dyn Fn() -> bool,
     ) -> Result<([f64; QUANTITIES], f64), MicrogeometryError> {
         let (sine, cosine) = theta_deg.to_radians().sin_cos();
         let mut sums = [0.0; QUANTITIES];
         let mut lost = 0.0;
         let near = haze_beta();
-        for path in 0..rays {
-            if path % STOP_EVERY == 0 && stop() {
-                return Err(MicrogeometryError::Interrupted);
-            }
-            let [x, y, azimuth, _] = numbers.block(path, 0);
-            let azimuth = phi_deg.map_or(azimuth, |deg| deg / 360.0);
-            let ray = start(face, side, [sine, cosine], [x, y], azimuth);
-            let stays = follow(face, self.facets(), &ray, side, (numbers, path), &mut |leaves| {
+        let begin = |[x, y, azimuth, _]: [f64; 4]| {
+            start(face, side, [sine, cosine], [x, y], phi_deg.map_or(azimuth, |deg| deg / 360.0))
+        };
+        each_ray(face, tile, numbers, stop, begin, &mut |path, ray| {
+            let stays = follow(face, self.facets(), ray, side, (numbers, path), &mut |leaves| {
                 let Leaves { side: to, along, weight, regular, facets } = leaves;
                 let beta = self.index_of(to) * (along[0] * along[0] + along[1] * along[1]).sqrt();
                 let first = if to == side { 0 } else { 2 };
@@ -412,12 +448,18 @@ impl Goniometer {
                 sums[4 + first / 2] += if regular { weight } else { 0.0 };
                 sums[6] += weight * f64::from(facets);
                 sums[7] += if to != side && beta <= near { weight } else { 0.0 };
+                let from_regular =
+                    [0, 1].map(|k| self.index_of(to) * along[k] - self.index_of(side) * ray.along[k]);
+                let is_near =
+                    from_regular[0] * from_regular[0] + from_regular[1] * from_regular[1] <= near * near;
+                sums[9] += if to != side && is_near && beta <= 1.0 { weight } else { 0.0 };
+                sums[10] += if to == side && is_near { weight } else { 0.0 };
             });
             lost += stays.lost;
             sums[6] += stays.absorbed_facets;
             sums[8] += stays.absorbed;
-        }
-        Ok((sums.map(|sum| sum / rays as f64), lost))
+        })?;
+        Ok((sums.map(|sum| sum / tile.equivalent_rays()), lost))
     }
 
     /// Combines replicates.
@@ -458,9 +500,6 @@ impl Goniometer {
 
 /// Part of the random numbers of inclinations by azimuth.
 const ROWS_BY_AZIMUTH: u64 = 0x617a_696d_7574_6873;
-
-/// Rays between two looks at whether the measurement is to be stopped.
-const STOP_EVERY: u64 = 4096;
 
 /// A ray at a place of the period, 0 to 1 along x and y, just outside of all heights.
 pub(crate) fn start(

@@ -4,13 +4,16 @@
 //! height of a ray above the surface is a linear function of the way. The surface is met where this height changes its sign, so that no ray
 //! can slip through an edge.
 //!
-//! **Blocks.** Where a ray is above (or below) all heights of a block of cells, it crosses the block in one step.
+//! **Blocks.** Where a ray is above (or below) all heights of a block of cells, it crosses the block in one step, or comes in one step to where it is not.
 
 use crate::HeightMap;
 use crate::ray::{Face, Met, Ray, Side, moved, normalised};
 
 /// Edges that a ray may cross before it counts as lost.
 const MOST_EDGES: usize = 10_000_000;
+
+/// Heights that stay in the cache of a processor: half a megabyte.
+const TILE: usize = 1 << 16;
 
 /// Cells along a side of a block.
 const BLOCK: usize = 8;
@@ -23,6 +26,7 @@ pub(crate) struct Triangles<'a> {
     per_um: [f64; 2],
     lowest: f64,
     highest: f64,
+    mean: f64,
     /// Largest slope: a ray that goes away more steeply never comes back to the surface.
     steepest: f64,
     /// Lowest and highest height of each block, by rows; none if the map is not a whole number of blocks.
@@ -35,7 +39,8 @@ impl<'a> Triangles<'a> {
         let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let per_um = map.pitch_um().map(f64::recip);
-        let mut all = Self { map, per_um, lowest, highest, steepest: 0.0, blocks: blocks(map) };
+        let mean = heights.iter().sum::<f64>() / heights.len() as f64;
+        let mut all = Self { map, per_um, lowest, highest, mean, steepest: 0.0, blocks: blocks(map) };
         all.steepest = all.largest_slope();
         all
     }
@@ -63,16 +68,19 @@ impl<'a> Triangles<'a> {
         if blocks { all } else { Self { blocks: Vec::new(), ..all } }
     }
 
-    /// Lowest and highest height of the block of a cell, if there are blocks.
-    fn block(&self, cell: [i64; 2]) -> Option<[f64; 2]> {
+    /// Lowest and highest height of a block, if there are blocks.
+    #[inline]
+    fn block(&self, block: [i64; 2]) -> Option<[f64; 2]> {
         let count = [self.map.columns() / BLOCK, self.map.rows() / BLOCK];
-        let at =
-            [0, 1].map(|k| (cell[k] >> BLOCK.trailing_zeros()).rem_euclid(count[k].max(1) as i64) as usize);
+        let at = [0, 1].map(|k| {
+            let (number, count) = (block[k], count[k].max(1) as i64);
+            (if (0..count).contains(&number) { number } else { number.rem_euclid(count) }) as usize
+        });
         self.blocks.get(at[1] * count[0] + at[0]).copied()
     }
 
     /// Heights at the corners of a cell.
-    #[inline]
+    #[inline(always)]
     fn corners(&self, cell: [i64; 2]) -> Corners {
         let (columns, rows) = (self.map.columns() as i64, self.map.rows() as i64);
         let column = |k: i64| if (0..columns).contains(&k) { k } else { k.rem_euclid(columns) } as usize;
@@ -136,6 +144,24 @@ impl Face for Triangles<'_> {
         [self.lowest, self.highest]
     }
 
+    fn tiles_per_side(&self) -> u64 {
+        let tiles = self.map.heights_um().len().div_ceil(TILE) as u64;
+        if tiles > 1 { tiles.isqrt().max(2) } else { 1 }
+    }
+
+    fn expect(&self, ray: &Ray) -> f64 {
+        // Where the ray crosses the mean height.
+        let way = (self.mean - ray.at[2]) / ray.along[2];
+        let count = [self.map.columns() as i64, self.map.rows() as i64];
+        let [x, y] = [0, 1].map(|k| {
+            let cell = floor((ray.at[k] + way * ray.along[k]) * self.per_um[k]);
+            if (0..count[k]).contains(&cell) { cell } else { cell.rem_euclid(count[k]) }
+        });
+        let above = if y + 1 < count[1] { y + 1 } else { 0 };
+        let at = |row: i64| self.map.heights_um()[(row * count[0] + x) as usize];
+        at(y) + at(above)
+    }
+
     fn next(&self, ray: &Ray, side: Side) -> Met {
         let leaves = match side {
             Side::Above => ray.along[2] > 0.0,
@@ -165,36 +191,28 @@ impl Face for Triangles<'_> {
             let block = cell.map(|number| number >> BLOCK.trailing_zeros());
             if known != Some(block) {
                 known = Some(block);
-                let exits = [0, 1].map(|k| {
-                    let edge = BLOCK as i64 * (block[k] + i64::from(along[k] > 0.0));
-                    if along[k] == 0.0 { f64::INFINITY } else { (edge as f64 - from[k]) / along[k] }
-                });
-                let exit = exits[0].min(exits[1]);
-                let nearest = |height: f64| sign * (ray.at[2] + exit * ray.along[2] - height);
-                let is_clear = |[low, high]: [f64; 2]| {
-                    let extreme = if side == Side::Above { high } else { low };
-                    nearest(extreme) > 0.0 && sign * (ray.at[2] + way * ray.along[2] - extreme) > 0.0
-                };
-                if exit.is_finite() && exit > way && self.block(cell).is_some_and(is_clear) {
-                    if leaves && exit >= end {
-                        return Met::Nothing;
+                match self.clearance(ray, side, block, &edges, way) {
+                    Clearance::Leaves(exit) if leaves && exit >= end => return Met::Nothing,
+                    Clearance::Leaves(exit) => {
+                        // The block is left through one side; the places along the other are those of the ray.
+                        let exits = [0, 1].map(|k| edges[k].block_exit(block[k]));
+                        let axis = usize::from(exits[1] < exits[0]);
+                        let mut next = within(block, from, along, exit);
+                        next[axis] = if along[axis] > 0.0 {
+                            BLOCK as i64 * (block[axis] + 1)
+                        } else {
+                            BLOCK as i64 * block[axis] - 1
+                        };
+                        Edges::move_to(&mut edges, next, exit);
+                        (way, height) = (exit, None);
+                        continue;
                     }
-                    // The block is left through one side; the places along the other are those of the ray.
-                    let axis = usize::from(exits[1] < exits[0]);
-                    let mut next = [0, 1].map(|k| (from[k] + exit * along[k]).floor() as i64);
-                    next[axis] = if along[axis] > 0.0 {
-                        BLOCK as i64 * (block[axis] + 1)
-                    } else {
-                        BLOCK as i64 * block[axis] - 1
-                    };
-                    // Rounding must not put it into another block along the other axis.
-                    let other = 1 - axis;
-                    let first = BLOCK as i64 * block[other];
-                    next[other] = next[other].clamp(first, first + BLOCK as i64 - 1);
-                    edges = Edges::of_cell(from, along, next, exit);
-                    way = exit;
-                    height = None;
-                    continue;
+                    Clearance::Until(reach) => {
+                        Edges::move_to(&mut edges, within(block, from, along, reach), reach);
+                        (way, height) = (reach, None);
+                        continue;
+                    }
+                    Clearance::None => {}
                 }
             }
             let until = edges[0].way.min(edges[1].way).min(edges[2].way);
@@ -231,6 +249,51 @@ impl Face for Triangles<'_> {
     }
 }
 
+/// How far a ray is clear of all heights of a block.
+enum Clearance {
+    /// Until it leaves the block, after this way.
+    Leaves(f64),
+    /// Until this way.
+    Until(f64),
+    None,
+}
+
+impl Triangles<'_> {
+    /// How far a ray in a block is clear of its heights, after this way.
+    #[inline]
+    fn clearance(&self, ray: &Ray, side: Side, block: [i64; 2], edges: &[Edges; 3], way: f64) -> Clearance {
+        let Some([low, high]) = self.block(block) else { return Clearance::None };
+        let (sign, extreme) = if side == Side::Above { (1.0, high) } else { (-1.0, low) };
+        let gap = |way: f64| sign * (ray.at[2] + way * ray.along[2] - extreme);
+        if gap(way) <= 0.0 {
+            return Clearance::None;
+        }
+        let exit = edges[0].block_exit(block[0]).min(edges[1].block_exit(block[1]));
+        if exit.is_finite() && gap(exit) > 0.0 {
+            return if exit > way { Clearance::Leaves(exit) } else { Clearance::None };
+        }
+        // It comes down to the highest height of the block before it leaves it; a ray along z does so, too.
+        let reach = (extreme - ray.at[2]) / ray.along[2];
+        if reach > way && reach < exit { Clearance::Until(reach) } else { Clearance::None }
+    }
+}
+
+/// The integer below a number: without the call that `f64::floor` is where the processor is not known to have SSE 4.1.
+#[inline]
+fn floor(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(towards_zero as f64 > x)
+}
+
+/// The cell of a block in which a ray is after a way. Rounding must not put it into another block.
+#[inline]
+fn within(block: [i64; 2], from: [f64; 2], along: [f64; 2], way: f64) -> [i64; 2] {
+    [0, 1].map(|k| {
+        let first = BLOCK as i64 * block[k];
+        floor(from[k] + way * along[k]).clamp(first, first + BLOCK as i64 - 1)
+    })
+}
+
 /// Parallel lines of integer coordinate that a ray crosses.
 #[derive(Debug, Clone, Copy)]
 struct Edges {
@@ -253,23 +316,32 @@ impl Edges {
         ]
     }
 
-    /// The three families on the way through a cell.
-    fn of_cell(from: [f64; 2], along: [f64; 2], cell: [i64; 2], way: f64) -> [Self; 3] {
-        let at = |from: f64, along: f64, number: i64| {
-            let mut edges = Self { number, way: f64::INFINITY, from, per_unit: 1.0 / along };
-            edges.find_next();
-            edges
-        };
-        let (sum, sum_along) = (from[0] + from[1], along[0] + along[1]);
+    /// The same lines on the way through a cell, after a way.
+    #[inline]
+    fn move_to(all: &mut [Self; 3], cell: [i64; 2], way: f64) {
         let below = cell[0] + cell[1];
-        let diagonal = ((sum + way * sum_along).floor() as i64).clamp(below, below + 1);
-        [at(from[0], along[0], cell[0]), at(from[1], along[1], cell[1]), at(sum, sum_along, diagonal)]
+        let sum = all[2].from + if all[2].per_unit.is_infinite() { 0.0 } else { way / all[2].per_unit };
+        let diagonal = floor(sum).clamp(below, below + 1);
+        for (edges, number) in all.iter_mut().zip([cell[0], cell[1], diagonal]) {
+            edges.number = number;
+            edges.find_next();
+        }
+    }
+
+    /// The way after which a block of cells is left across these lines.
+    #[inline]
+    fn block_exit(&self, block: i64) -> f64 {
+        if self.per_unit.is_infinite() {
+            return f64::INFINITY;
+        }
+        let edge = BLOCK as i64 * (block + i64::from(self.per_unit > 0.0));
+        (edge as f64 - self.from) * self.per_unit
     }
 
     fn new(from: f64, along: f64) -> Self {
-        let floor = from.floor();
+        let number = floor(from);
         // On a line, a ray that goes back begins in the cell below.
-        let number = if along < 0.0 && from == floor { floor as i64 - 1 } else { floor as i64 };
+        let number = if along < 0.0 && from == number as f64 { number - 1 } else { number };
         let mut edges = Self { number, way: f64::INFINITY, from, per_unit: 1.0 / along };
         edges.find_next();
         edges

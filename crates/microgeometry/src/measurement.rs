@@ -24,7 +24,7 @@ pub struct Measurement {
     pub goniometer: Goniometer,
     /// Whether it is measured by rays.
     pub by_rays: bool,
-    /// Wavelengths at which it is measured by waves, nm; none: it is not.
+    /// Wavelengths at which it is measured by waves, nm, along the normal and at the inclinations of the instrument; none: it is not.
     pub waves_nm: Vec<f64>,
 }
 
@@ -215,7 +215,11 @@ impl Measurement {
 
     fn waves(&self) -> Waves {
         let index = [self.goniometer.index_above, self.goniometer.index_below];
-        Waves { index, wavelengths_nm: self.waves_nm.clone() }
+        Waves {
+            index,
+            incidence_deg: self.goniometer.incidence_deg.clone(),
+            wavelengths_nm: self.waves_nm.clone(),
+        }
     }
 
     /// Number of phase screens.

@@ -57,11 +57,7 @@ impl Patches {
 
     /// The patch of a band that contains the azimuth of a direction, given by its parts along x and y.
     pub(crate) fn number(&self, band: usize, along: [f64; 2]) -> usize {
-        self.at_turn(band, along[1].atan2(along[0]) / TAU)
-    }
-
-    /// The patch of a band that contains an azimuth, given as a fraction of a turn.
-    pub(crate) fn at_turn(&self, band: usize, turn: f64) -> usize {
+        let turn = along[1].atan2(along[0]) / TAU;
         let at = (turn.rem_euclid(1.0) * self.azimuths as f64).round() as usize;
         band * self.azimuths + at % self.azimuths
     }
@@ -101,7 +97,6 @@ mod tests {
         for (deg, at) in [(0.0, 0), (7.4, 0), (7.6, 1), (-7.4, 0), (-7.6, 23), (180.0, 12), (270.0, 18)] {
             let (sin, cos) = f64::to_radians(deg).sin_cos();
             assert_eq!(patches.number(3, [0.2 * cos, 0.2 * sin]), 3 * 24 + at, "{deg}");
-            assert_eq!(patches.at_turn(3, deg / 360.0), 3 * 24 + at, "{deg}");
         }
         let sum: f64 = (0..24).map(|at| patches.area(3 * 24 + at)).sum();
         assert!((sum - patches.bands.area(3)).abs() < 1e-15);

@@ -53,6 +53,16 @@ pub(crate) trait Face: Sync {
         None
     }
 
+    /// Parts of its period along each side that are small enough for the cache.
+    fn tiles_per_side(&self) -> u64 {
+        1
+    }
+
+    /// Reads what a ray that comes from outside will probably meet, so that it is in the cache when the ray is followed. The number has no meaning.
+    fn expect(&self, _ray: &Ray) -> f64 {
+        0.0
+    }
+
     /// What a ray on this side of the surface meets next.
     fn next(&self, ray: &Ray, side: Side) -> Met;
 }

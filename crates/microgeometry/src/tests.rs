@@ -1,6 +1,7 @@
 //! The virtual goniometer against closed forms, published values and laws.
 
-use crate::waves::{Waves, closed_form_haze};
+use crate::harvey_shack::Lobes;
+use crate::waves::Waves;
 use crate::*;
 
 const GLASS: f64 = 1.5;
@@ -173,7 +174,7 @@ fn haze_of_an_exponential_face_depends_on_wavelength() {
     {
         let um = 1e-3 * nm;
         let g = (std::f64::consts::TAU * 0.5 * rms_um / um).powi(2);
-        let found = closed_form_haze(&spectrum, g, um).unwrap();
+        let found = Lobes::new(&spectrum, um, 1.0).unwrap().normal_haze(g);
         assert!((found - haze).abs() < 1e-6, "{nm}: {found}");
         let width = g * um / (std::f64::consts::TAU * correlation_um);
         let beyond = |beta: f64| width / width.hypot(beta);
@@ -185,11 +186,15 @@ fn haze_of_an_exponential_face_depends_on_wavelength() {
     }
 }
 
-fn measured_by_waves(surface: &Surface, wavelengths_nm: &[f64]) -> Vec<WaveShares> {
-    let waves = Waves { index: [1.0, GLASS], wavelengths_nm: wavelengths_nm.to_vec() };
+fn measured_by_waves(surface: &Surface, incidence_deg: &[f64], wavelengths_nm: &[f64]) -> ByWaves {
+    let waves = Waves {
+        index: [1.0, GLASS],
+        incidence_deg: incidence_deg.to_vec(),
+        wavelengths_nm: wavelengths_nm.to_vec(),
+    };
     let screens: Vec<_> =
         (0..Waves::screens(surface)).map(|k| waves.screen(surface, k, &|| false).unwrap()).collect();
-    waves.combined(surface, &screens).shares
+    waves.combined(surface, &screens)
 }
 
 /// Screens of Gaussian faces: the straight part and the haze are those of the closed forms, and rms heights of 20 to 200 nm have the known shares.
@@ -200,23 +205,25 @@ fn screens_of_gaussian_faces_have_the_closed_forms() {
     {
         let spectrum = Spectrum::Gaussian { rms_um: 1e-3 * rms_nm, correlation_um: 4.0 };
         let surface = Surface::Random(RandomHeights::new(spectrum.clone(), 2).unwrap());
-        let found = measured_by_waves(&surface, &[450.0, 550.0]);
-        let green = &found[1];
+        let found = measured_by_waves(&surface, &[], &[450.0, 550.0]);
+        let found: Vec<(&WaveShares, &WayShares)> = found.along_normal().collect();
+        let (green, through) = found[1];
         // Few independent heights: a realisation is 21 correlation lengths wide.
         assert!(
-            (green.straight.value - straight).abs() < 4.5 * green.straight.error + 1e-3,
+            (through.regular.value - straight).abs() < 4.5 * through.regular.error + 1e-3,
             "{rms_nm}: {green:?}"
         );
-        assert!((green.mirror.value - mirror).abs() < 4.5 * green.mirror.error + 1e-2, "{rms_nm}: {green:?}");
-        for one in &found {
-            let um = 1e-3 * one.wavelength_nm;
+        let mirrored = &green.reflected.regular;
+        assert!((mirrored.value - mirror).abs() < 4.5 * mirrored.error + 1e-2, "{rms_nm}: {green:?}");
+        for (shares, one) in &found {
+            let um = 1e-3 * shares.wavelength_nm;
             let g = (std::f64::consts::PI * 1e-3 * rms_nm / um).powi(2);
-            let haze = closed_form_haze(&spectrum, g, um).unwrap();
-            assert!((one.haze_closed_form.unwrap() - haze).abs() < 1e-12);
+            let haze = Lobes::new(&spectrum, um, 1.0).unwrap().normal_haze(g);
+            assert!((one.closed_form.unwrap().one_angle_haze - haze).abs() < 1e-12);
             assert!((one.g / g - 1.0).abs() < 0.05, "{rms_nm}: {} {g}", one.g);
             assert!((one.haze.value - haze).abs() < 4.5 * one.haze.error + 2e-3, "{rms_nm}: {one:?} {haze}");
         }
-        assert!(found[0].straight.value < green.straight.value);
+        assert!(found[0].1.regular.value < through.regular.value);
     }
 }
 
@@ -231,9 +238,10 @@ fn gratings_have_their_orders() {
     };
     // A period of 12 um: the first order is at beta 0.0458, beyond 2.5 deg, and so are all others.
     let map = HeightMap::new(64, [12.0 / 64.0; 2], (0..64 * 8).map(height).collect()).unwrap();
-    let found = measured_by_waves(&Surface::Heights(map), &[550.0]);
-    assert!((found[0].straight.value - 0.0501270810).abs() < 1e-9, "{found:?}");
-    assert!((found[0].haze.value - (1.0 - 0.0501270810)).abs() < 1e-9, "{found:?}");
+    let found = measured_by_waves(&Surface::Heights(map), &[], &[550.0]);
+    let (_, through) = found.along_normal().next().unwrap();
+    assert!((through.regular.value - 0.0501270810).abs() < 1e-9, "{found:?}");
+    assert!((through.haze.value - (1.0 - 0.0501270810)).abs() < 1e-9, "{found:?}");
     // Caps 10 um apart: light within half of the largest |beta| of rays, which have 0.4110 there.
     for (radius_um, beta, within) in [(25.0, 0.0502, 0.3659), (12.5, 0.1014, 0.4281)] {
         let caps = Caps { pitch_um: 10.0, radius_um, aperture_um: 5.0, lattice: Lattice::Square };

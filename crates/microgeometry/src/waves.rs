@@ -1,22 +1,26 @@
-//! Waves at a surface: the light along the normal that passes straight through, and haze, by wavelength.
+//! Waves at a surface: the light that keeps the regular direction, and haze, by wavelength and inclination.
 //!
-//! **Model.** A thin phase screen: heights h delay light by 2π (n₂ - n₁) h/λ in transmission, and by 4π n₁ h/λ in reflection. The far field is the
-//! Fourier transform of exp(i phase); its power at the frequency f (cycles per um) goes to beta = λ f, as from a grating. One pass, no shadows:
-//! slopes below about 0.3.
+//! **Model.** A thin phase screen: heights h delay light by 2π h/λ times gamma₂ - gamma₁ in transmission, and times gamma₁ + gamma₂ in reflection,
+//! gamma being n cos(theta) before and after the mean face. The far field is the Fourier transform of exp(i phase); its power at the frequency f
+//! (cycles per um) goes λ f beside the regular direction, as from a grating. Powers in directions that exist are multiplied so that
+//! nothing is lost to those that do not. One pass, no shadows: slopes below about 0.3.
 //!
-//! **Closed forms.** For Gaussian heights with the rms phase g^(1/2), the straight part is exp(-g). Where the correlation of the heights is
+//! **Closed forms.** For Gaussian heights with the rms phase g^(1/2), the regular part is exp(-g). Where the correlation of the heights is
 //! exp(-r²/τ²), the rest is the sum of exp(-g) g^m/m! times Gaussians `exp(-(π τ f)²/m)` of f; where it is exp(-r/τ), of lobes `m b₁/(2π (m² b₁² +
-//! beta²)^(3/2))` with b₁ = λ/(2π τ) (P. Beckmann, A. Spizzichino 1963; J. E. Harvey et al., Opt. Eng. 51, 013402 (2012)).
+//! beta²)^(3/2))` with b₁ = λ/(2π τ) (P. Beckmann, A. Spizzichino 1963; J. E. Harvey et al., Opt. Eng. 51, 013402 (2012)). At oblique angles
+//! g may be that of both directions: see [`harvey_shack`](crate::harvey_shack).
 //!
-//! Rays know none of this: they hold where g is above [`LEAST_G`], thin screens where slopes are below [`MOST_SLOPE`].
-
-use std::f64::consts::PI;
+//! Rays know none of this: they hold where g is above [`LEAST_G`], thin screens where slopes are below [`MOST_SLOPE`] and shadows are few, up to
+//! [`MOST_SHADOW`].
 
 use num_complex::Complex64;
 use papilio_fourier::Plane;
 
 use crate::goniometer::{Measured, haze_beta};
-use crate::{HeightMap, MicrogeometryError, Spectrum, Surface};
+use crate::harvey_shack::{HarveyShack, Lobes};
+use crate::screen_rings::{ScreenRings, ScreenShares};
+use crate::wave_way::Way;
+use crate::{HeightMap, MicrogeometryError, Side, Surface};
 
 /// Largest number of heights of which screens are made.
 const MOST_HEIGHTS: usize = 1 << 22;
@@ -24,21 +28,51 @@ const MOST_HEIGHTS: usize = 1 << 22;
 /// Realisations of a random surface.
 const SCREENS: u64 = 8;
 
-/// What a surface does to waves along the normal, at a wavelength.
+/// What a surface does to waves of an inclination and a wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaveShares {
+    /// Side of the light.
+    pub from: Side,
+    /// Its inclination in its own medium, degrees; it comes from all azimuths.
+    pub theta_deg: f64,
     /// Wavelength in air, nm.
     pub wavelength_nm: f64,
-    /// Square of the rms phase of transmitted light, g. Rays describe the surface where it is large, above about 10.
+    /// Reflected light.
+    pub reflected: WayShares,
+    /// Transmitted light; `None` beyond the critical angle.
+    pub transmitted: Option<WayShares>,
+}
+
+/// Waves that a surface reflects, or that it transmits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WayShares {
+    /// Fraction of the light that goes this way: Fresnel's, at the mean face.
+    pub fresnel: f64,
+    /// Square of the rms phase in the regular direction, g.
     pub g: f64,
-    /// Fraction of the transmitted light that passes straight through.
-    pub straight: Measured,
-    /// Fraction of the reflected light that is reflected as by a mirror.
-    pub mirror: Measured,
-    /// Haze in air: of the transmitted light with |beta| up to 1, the fraction beyond sin 2.5 deg.
+    /// Of the light of this way, the fraction in the regular direction: straight through, or as from a mirror.
+    pub regular: Measured,
+    /// Haze: of the light of this way that is seen, the fraction beyond |beta| = sin 2.5 deg from the regular direction. Transmitted light is seen with
+    /// |beta| up to 1, reflected light in all directions.
     pub haze: Measured,
-    /// The same in closed form, for random faces with Gaussian or exponential correlation.
-    pub haze_closed_form: Option<f64>,
+    /// Fraction of the screen's orders in directions that do not exist, before renormalisation.
+    pub evanescent: Measured,
+    /// Closed forms for random faces with Gaussian or exponential correlation.
+    pub closed_form: Option<HarveyShack>,
+    /// Largest tangent of the angles to the normal before and behind the mean face.
+    pub tangent: f64,
+}
+
+impl WayShares {
+    /// Whether rays describe this light: g is above [`LEAST_G`].
+    pub fn rays_hold(&self) -> bool {
+        self.g > LEAST_G
+    }
+
+    /// Whether thin screens describe this light on a surface of this rms slope.
+    pub fn waves_hold(&self, slope_rms: f64) -> bool {
+        slope_rms < MOST_SLOPE && slope_rms * self.tangent < MOST_SHADOW
+    }
 }
 
 /// A surface measured by waves.
@@ -48,21 +82,42 @@ pub struct ByWaves {
     pub slope_rms: f64,
     /// Root mean square height, um.
     pub rms_um: f64,
-    /// By wavelength.
+    /// Light along the normal from above, by wavelength; then that of all inclinations from above and from below.
     pub shares: Vec<WaveShares>,
+}
+
+impl ByWaves {
+    /// Light along the normal from above, by wavelength, with what is transmitted.
+    pub fn along_normal(&self) -> impl Iterator<Item = (&WaveShares, &WayShares)> {
+        let along = self.shares.iter().filter(|one| one.is_normal());
+        along.filter_map(|one| Some((one, one.transmitted.as_ref()?)))
+    }
+}
+
+impl WaveShares {
+    /// Whether it is light along the normal from above.
+    pub fn is_normal(&self) -> bool {
+        self.from == Side::Above && self.theta_deg == 0.0
+    }
 }
 
 /// Largest rms slope of surfaces that thin phase screens describe.
 pub const MOST_SLOPE: f64 = 0.3;
 
+/// Largest product of rms slope and tangent of the inclination: Gaussian slopes then hide 0.2 % of the face (Smith's Lambda at 1.6, where the fit of B.
+/// Walter et al., EGSR 2007, ends).
+pub const MOST_SHADOW: f64 = 0.44;
+
 /// Smallest square of the rms phase of surfaces that rays describe.
 pub const LEAST_G: f64 = 10.0;
 
-/// A measurement by waves along the normal.
+/// A measurement by waves.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Waves {
     /// Index of the media above and below.
     pub index: [f64; 2],
+    /// Inclinations, degrees; the normal from above is measured in any case.
+    pub incidence_deg: Vec<f64>,
     /// Wavelengths in air, nm.
     pub wavelengths_nm: Vec<f64>,
 }
@@ -72,8 +127,8 @@ pub(crate) struct Waves {
 pub(crate) struct WaveScreen {
     slope_rms: f64,
     rms_um: f64,
-    /// Straight part, mirror part and haze by wavelength.
-    shares: Vec<[f64; 3]>,
+    /// By row: regular part, haze and evanescent part of reflected and of transmitted light; 0 where nothing is transmitted.
+    shares: Vec<[f64; 6]>,
 }
 
 impl WaveScreen {
@@ -83,10 +138,28 @@ impl WaveScreen {
     }
 }
 
+/// Light that is measured: its side, inclination (degrees) and wavelength (nm).
+type Row = (Side, f64, f64);
+
 impl Waves {
     /// Number of realisations: several of random surfaces.
     pub(crate) fn screens(surface: &Surface) -> u64 {
         if surface.is_random() { SCREENS } else { 1 }
+    }
+
+    /// Light along the normal from above first.
+    fn rows(&self) -> Vec<Row> {
+        let of = |from: Side| self.incidence_deg.iter().map(move |deg| (from, *deg));
+        let others = Side::ALL.into_iter().flat_map(of).filter(|one| *one != (Side::Above, 0.0));
+        let all = [(Side::Above, 0.0)].into_iter().chain(others);
+        all.flat_map(|(from, deg)| self.wavelengths_nm.iter().map(move |nm| (from, deg, *nm))).collect()
+    }
+
+    /// Phases per um of height of the light of a row, in the regular directions.
+    fn phases(&self, (from, theta_deg, nm): &Row) -> impl Iterator<Item = f64> + use<> {
+        let (reflected, transmitted) = Way::both(self.index, *from, *theta_deg);
+        let um = 1e-3 * nm;
+        [Some(reflected), transmitted].into_iter().flatten().map(move |way| way.regular_per_um(um))
     }
 
     /// Measures a realisation; realisations may be measured in any order on any thread.
@@ -109,17 +182,29 @@ impl Waves {
         }
         let statistics = map.statistics();
         let plane = Plane::new([map.columns(), map.rows()]);
-        let share = |nm: &f64| {
-            if stop() {
-                return Err(MicrogeometryError::Interrupted);
-            }
+        let rows = self.rows();
+        let phases: Vec<f64> = rows.iter().flat_map(|row| self.phases(row)).collect();
+        let rings = ScreenRings::new(&map, &plane, &phases, stop).ok_or(MicrogeometryError::Interrupted)?;
+        let share = |row: &Row| {
+            let (from, theta_deg, nm) = *row;
             let um = 1e-3 * nm;
-            let [straight, haze] = shares(&map, &plane, self.per_um(um), um, haze_beta());
-            let mirror = mean(&map, 4.0 * PI * self.index[0] / um).norm_sqr();
-            Ok([straight, mirror, haze])
+            let (reflected, transmitted) = Way::both(self.index, from, theta_deg);
+            let reflected = rings.of(&reflected, um);
+            let transmitted = transmitted.map_or(ScreenShares::default(), |way| {
+                let found = rings.of(&way, um);
+                if theta_deg != 0.0 || from != Side::Above {
+                    return found;
+                }
+                // Along the normal, orders and not circles are counted.
+                let [regular, haze] = shares(&map, &plane, way.regular_per_um(um), um, haze_beta());
+                ScreenShares { regular, haze, ..found }
+            });
+            let of = |one: ScreenShares| [one.regular, one.haze, one.evanescent];
+            let ([a, b, c], [d, e, f]) = (of(reflected), of(transmitted));
+            [a, b, c, d, e, f]
         };
         let [x, y] = statistics.slope_rms;
-        let shares = self.wavelengths_nm.iter().map(share).collect::<Result<_, _>>()?;
+        let shares = rows.iter().map(share).collect();
         Ok(WaveScreen { slope_rms: x.max(y), rms_um: statistics.rms_um, shares })
     }
 
@@ -127,7 +212,7 @@ impl Waves {
     pub(crate) fn screen_of(&self, numbers: &[f64]) -> Option<WaveScreen> {
         let ([slope_rms, rms_um], shares) = numbers.split_first_chunk()?;
         let shares = shares.as_chunks().0.to_vec();
-        let fits = numbers.len() == 2 + 3 * self.wavelengths_nm.len();
+        let fits = numbers.len() == 2 + 6 * self.rows().len();
         fits.then_some(WaveScreen { slope_rms: *slope_rms, rms_um: *rms_um, shares })
     }
 
@@ -138,42 +223,39 @@ impl Waves {
             all => Measured::of(all.iter().map(of)),
         };
         let rms_um = of(&|screen| screen.rms_um).value;
-        let share = |(at, nm): (usize, &f64)| {
-            let um = 1e-3 * nm;
-            let g = (self.per_um(um) * rms_um).powi(2);
-            let haze_closed_form = match surface {
-                Surface::Random(face) => {
-                    let g = (self.per_um(um) * face.spectrum().rms_um().unwrap_or(rms_um)).powi(2);
-                    closed_form_haze(face.spectrum(), g, um)
-                }
-                _ => None,
+        let spectrum = match surface {
+            Surface::Random(face) => Some(face.spectrum()),
+            _ => None,
+        };
+        let lobes = |nm: f64| Lobes::new(spectrum?, 1e-3 * nm, 2.0 * self.index[0].max(self.index[1]));
+        let lobes: Vec<Option<Lobes>> = self.wavelengths_nm.iter().map(|nm| lobes(*nm)).collect();
+        let share = |(at, (from, theta_deg, wavelength_nm)): (usize, Row)| {
+            let um = 1e-3 * wavelength_nm;
+            let lobes = lobes[at % self.wavelengths_nm.len()].as_ref();
+            let way = |way: Way, first: usize| WayShares {
+                fresnel: way.fresnel,
+                g: (way.regular_per_um(um) * rms_um).powi(2),
+                regular: of(&|screen| screen.shares[at][first]),
+                haze: of(&|screen| screen.shares[at][first + 1]),
+                evanescent: of(&|screen| screen.shares[at][first + 2]),
+                closed_form: lobes.map(|lobes| lobes.of(&way)),
+                tangent: way.tangent(),
             };
+            let (reflected, transmitted) = Way::both(self.index, from, theta_deg);
             WaveShares {
-                wavelength_nm: *nm,
-                g,
-                straight: of(&|screen| screen.shares[at][0]),
-                mirror: of(&|screen| screen.shares[at][1]),
-                haze: of(&|screen| screen.shares[at][2]),
-                haze_closed_form,
+                from,
+                theta_deg,
+                wavelength_nm,
+                reflected: way(reflected, 0),
+                transmitted: transmitted.map(|transmitted| way(transmitted, 3)),
             }
         };
         ByWaves {
             slope_rms: of(&|screen| screen.slope_rms).value,
             rms_um,
-            shares: self.wavelengths_nm.iter().enumerate().map(share).collect(),
+            shares: self.rows().into_iter().enumerate().map(share).collect(),
         }
     }
-
-    /// Phase of transmitted light per um of height.
-    fn per_um(&self, wavelength_um: f64) -> f64 {
-        2.0 * PI * (self.index[1] - self.index[0]) / wavelength_um
-    }
-}
-
-/// Mean of the light behind a screen, its phase being `per_um` times the height.
-fn mean(map: &HeightMap, per_um: f64) -> Complex64 {
-    let sum: Complex64 = map.heights_um().iter().map(|height| Complex64::cis(per_um * height)).sum();
-    sum / map.heights_um().len() as f64
 }
 
 /// Fraction of the light behind a screen that passes straight through, and of that with |beta| up to 1 the fraction beyond a |beta|.
@@ -201,31 +283,6 @@ pub(crate) fn shares(
         far += if square <= 1.0 && square > beyond * beyond { power } else { 0.0 };
     }
     [orders.first().map_or(0.0, |order| order.norm_sqr()) / all, far / in_air]
-}
-
-/// Haze of a random face for light along the normal, in closed form: of the light with |beta| up to 1, the fraction beyond sin 2.5 deg. `None` for
-/// spectra without a closed form. `g`: square of the rms phase; `wavelength_um`: in air.
-pub(crate) fn closed_form_haze(spectrum: &Spectrum, g: f64, wavelength_um: f64) -> Option<f64> {
-    let beyond = |beta: f64| closed_form_beyond(spectrum, g, wavelength_um, beta);
-    let trapped = beyond(1.0)?;
-    Some((beyond(haze_beta())? - trapped) / (1.0 - trapped))
-}
-
-/// Fraction of light along the normal beyond a |beta| behind a random face, in closed form.
-fn closed_form_beyond(spectrum: &Spectrum, g: f64, wavelength_um: f64, beyond: f64) -> Option<f64> {
-    let term: Box<dyn Fn(f64) -> f64> = match *spectrum {
-        // The Gaussian of order m: power exp(-(π τ f)²/m) in f, beta = λ f.
-        Spectrum::Gaussian { correlation_um, .. } => {
-            Box::new(move |m: f64| (-(PI * correlation_um * beyond / wavelength_um).powi(2) / m).exp())
-        }
-        // The lobe of width m b₁: beyond beta lies m b₁/(m² b₁² + beta²)^(1/2) of it.
-        Spectrum::Exponential { correlation_um, .. } => Box::new(move |m: f64| {
-            let width = m * wavelength_um / (2.0 * PI * correlation_um);
-            width / width.hypot(beyond)
-        }),
-        Spectrum::Abc { .. } | Spectrum::Table { .. } => return None,
-    };
-    Some(poisson(g).map(|(m, weight)| weight * term(m)).sum())
 }
 
 /// Orders m of scattering from 1 on, with their fractions of the light exp(-g) g^m/m!, as far as these matter.

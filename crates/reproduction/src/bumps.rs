@@ -81,12 +81,12 @@ pub(crate) fn sections(bench: &Bench<'_>) -> Result<Vec<Section>, ReproductionEr
         "haze by rays (%)",
     ]);
     let haze = totals.first().map_or(f64::NAN, |total| total.haze.value);
-    for one in &waves.shares {
+    for (one, through) in waves.along_normal() {
         orders.row([
             one.wavelength_nm.to_string(),
             fixed((1e-3 * one.wavelength_nm / 4.5).asin().to_degrees(), 2),
-            fixed(100.0 * one.straight.value, 2),
-            fixed(100.0 * one.haze.value, 1),
+            fixed(100.0 * through.regular.value, 2),
+            fixed(100.0 * through.haze.value, 1),
             fixed(100.0 * haze, 1),
         ]);
     }

@@ -78,6 +78,60 @@ impl Face {
         Shares { one: mean(0), several_back: mean(1) }
     }
 
+    /// Shares of light from above that leave after one, two and more microfacets of a white metal, each with its standard error.
+    pub(super) fn orders_of_metal(&self, theta_deg: f64, walkers: u64, seed: u64) -> [[f64; 2]; 3] {
+        let numbers = SampleStream::new(Sampler::Random, seed, 0);
+        let theta = theta_deg.to_radians();
+        let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
+        for path in 0..walkers {
+            let mut draws = Draws { numbers, path, next: 0, four: [0.0; 4] };
+            let height = draws.draw().powf(1.0 / (1.0 + self.lambda(theta.cos())));
+            let mut walker = Walker { side: 0, direction: [theta.sin(), 0.0, -theta.cos()], height };
+            let (mut left, mut found) = (1.0, [0.0; 3]);
+            for share in &mut found[..2] {
+                walker = self.mirrored(walker, &mut draws);
+                let leaves = self.leaves(&walker);
+                *share = left * leaves;
+                left -= *share;
+                walker.height = self.next_height(&walker, leaves, &mut draws);
+            }
+            found[2] = left;
+            for k in 0..3 {
+                sums[k] += found[k];
+                squares[k] += found[k] * found[k];
+            }
+        }
+        [0, 1, 2].map(|k| {
+            let mean = sums[k] / walkers as f64;
+            [mean, ((squares[k] / walkers as f64 - mean * mean).max(0.0) / walkers as f64).sqrt()]
+        })
+    }
+
+    /// Chance that a walker leaves its side of the interface.
+    fn leaves(&self, walker: &Walker) -> f64 {
+        let cos = walker.direction[2];
+        if cos > 0.0 { walker.height.powf(self.lambda(cos)) } else { 0.0 }
+    }
+
+    /// Height at which a walker meets the next microfacet, up or down, given that it does not leave.
+    fn next_height(&self, walker: &Walker, leaves: f64, draws: &mut Draws) -> f64 {
+        let cos = walker.direction[2];
+        if cos > 0.0 {
+            let survives = leaves + draws.draw() * (1.0 - leaves);
+            (walker.height / survives.powf(1.0 / self.lambda(cos))).min(1.0)
+        } else {
+            walker.height * draws.draw().powf(1.0 / (1.0 + self.lambda(-cos)))
+        }
+    }
+
+    /// Returns the walker after a microfacet that reflects all light.
+    fn mirrored(&self, walker: Walker, draws: &mut Draws) -> Walker {
+        let Walker { side, direction, height } = walker;
+        let m = self.normal(direction, draws);
+        let cos_i = -(0..3).map(|k| direction[k] * m[k]).sum::<f64>();
+        Walker { side, direction: [0, 1, 2].map(|k| direction[k] + 2.0 * cos_i * m[k]), height }
+    }
+
     /// Returns the light that leaves after one microfacet and the light that returns after several: expected
     /// values wherever light may leave.
     fn walker(&self, from: usize, theta: f64, draws: &mut Draws) -> [f64; 2] {
@@ -88,8 +142,7 @@ impl Face {
         let (mut weight, mut found) = (1.0, [0.0; 2]);
         for facet in 0.. {
             walker = self.facet(walker, draws);
-            let cos = walker.direction[2];
-            let leaves = if cos > 0.0 { walker.height.powf(self.lambda(cos)) } else { 0.0 };
+            let leaves = self.leaves(&walker);
             let now = weight * leaves;
             match facet {
                 0 => found[0] += now,
@@ -103,13 +156,7 @@ impl Face {
                 }
                 weight = 0.2;
             }
-            // Next height, up or down, given that it does not leave.
-            walker.height = if cos > 0.0 {
-                let survives = leaves + draws.draw() * (1.0 - leaves);
-                (walker.height / survives.powf(1.0 / self.lambda(cos))).min(1.0)
-            } else {
-                walker.height * draws.draw().powf(1.0 / (1.0 + self.lambda(-cos)))
-            };
+            walker.height = self.next_height(&walker, leaves, draws);
         }
         found
     }

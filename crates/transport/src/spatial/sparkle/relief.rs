@@ -133,7 +133,7 @@ impl ReliefSampler {
             let cells = self.cells.count[axis] / self.repeats[axis];
             (self.tile.count[axis].min(cells).saturating_sub(1) / 2) as i64
         });
-        let [u, v, ..] = numbers.part(0x706c_6163_65).block(0, 0);
+        let [u, v, ..] = numbers.part(0x70_6c61_6365).block(0, 0);
         let mut slopes = vec![Complex64::ZERO; self.cells.len()];
         for x in -most[0]..=most[0] {
             for y in -most[1]..=most[1] {
