@@ -1,4 +1,4 @@
-//! The example scenarios and their data, which are part of the program.
+//! The example scenarios, surfaces and their data, which are part of the program.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -27,6 +27,18 @@ pub(crate) fn examples() -> impl Iterator<Item = String> {
 pub(crate) fn example(name: &str) -> Option<String> {
     let known = examples().any(|known| known == name);
     let file = known.then(|| Scenarios::get(&format!("{name}.toml")))??;
+    String::from_utf8(file.data.into_owned()).ok()
+}
+
+/// Names of the example surfaces.
+pub(crate) fn surfaces() -> impl Iterator<Item = String> {
+    Surfaces::iter().filter_map(|path| Some(path.strip_suffix(".toml")?.to_owned()))
+}
+
+/// The text of an example surface.
+pub(crate) fn surface(name: &str) -> Option<String> {
+    let known = surfaces().any(|known| known == name);
+    let file = known.then(|| Surfaces::get(&format!("{name}.toml")))??;
     String::from_utf8(file.data.into_owned()).ok()
 }
 

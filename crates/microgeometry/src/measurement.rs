@@ -123,12 +123,28 @@ impl Measurement {
         stop: &(dyn Fn() -> bool + Sync),
         finished: &(dyn Fn() + Sync),
     ) -> Result<Findings, MicrogeometryError> {
-        let part = |number| {
+        self.measured_with(self.screens(), threads, stop, finished)
+    }
+
+    /// As [`measured`](Self::measured), with at most `screens` realisations of a phase screen, whose errors are then larger.
+    ///
+    /// # Errors
+    /// As [`measured`](Self::measured).
+    pub fn measured_with(
+        &self,
+        screens: usize,
+        threads: Option<usize>,
+        stop: &(dyn Fn() -> bool + Sync),
+        finished: &(dyn Fn() + Sync),
+    ) -> Result<Findings, MicrogeometryError> {
+        let left_out = self.screens().saturating_sub(screens);
+        let part = |at: usize| {
+            let number = if at < screens { at } else { at + left_out };
             let part = self.part(number, stop)?;
             finished();
             Ok(part)
         };
-        self.findings(on_threads(self.parts(), threads, &part)?)
+        self.findings(on_threads(self.parts() - left_out, threads, &part)?)
     }
 
     fn waves(&self) -> Waves {

@@ -15,6 +15,7 @@ use papilio_spectra::Spectrum;
 
 use super::{GaussianFace, Resolver};
 use crate::describe::diffuser::FaceOfSurface;
+use crate::edit::{Edit, edit};
 use crate::library::Library;
 use crate::origin::Origin;
 use crate::read::Spanned;
@@ -38,6 +39,17 @@ const MOST_LOBES: usize = 200;
 /// Most rays of a band while a scenario is read: 2 minutes on a processor. And for scenarios in memory: those that a server is given by anyone.
 const MOST_RAYS: u64 = 1_000_000;
 const MOST_RAYS_IN_MEMORY: u64 = 50_000;
+
+/// A surface that is a layer of a display.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayerSurface {
+    /// Path of the layer: `display.layers.0`.
+    pub path: String,
+    /// Name of the file of the surface.
+    pub file: String,
+    /// Text of the file with the keys of the layer and the indices of its neighbours.
+    pub text: String,
+}
 
 /// A face whose neighbours are known, and its error.
 type Measured = Result<FaceKernels, Diagnostic>;
@@ -222,8 +234,9 @@ impl Resolver<'_> {
             ("index_below", Some(index[1])),
         ];
         let given = lengths.into_iter().filter_map(|(key, value)| value.map(|value| (key, value)));
+        let given: Vec<(&str, f64)> = given.collect();
         let overrides: Vec<String> =
-            given.map(|(key, value)| format!("microgeometry.{key}={value}")).collect();
+            given.iter().map(|(key, value)| format!("microgeometry.{key}={value}")).collect();
         let library = self.library.beside(name);
         if let Ok(own) = SurfaceScenario::from_text(&text, name, library.clone(), &[])
             && own.is_volume()
@@ -246,6 +259,8 @@ impl Resolver<'_> {
             }
             Ok(surface) => {
                 self.inputs.insert(format!("{path}.surface"), surface.hash.clone());
+                let text = with_keys(&text, &given);
+                self.surfaces.push(LayerSurface { path: path.to_owned(), file: name.to_owned(), text });
                 Some(surface)
             }
             Err(errors) => {
@@ -270,6 +285,14 @@ impl Resolver<'_> {
         };
         measured.map_err(|wrong| self.errors.push(face.surface.origin, wrong)).ok()
     }
+}
+
+/// The text of a surface with other values of keys; how many rays are followed is no property of the surface.
+fn with_keys(text: &str, given: &[(&str, f64)]) -> String {
+    let of_surface = given.iter().filter(|(key, _)| *key != "rays");
+    let set = |(key, value): &(&str, f64)| Edit::Set { path: format!("microgeometry.{key}"), value: (*value).into() };
+    // The same keys were accepted as overrides.
+    edit(text, &of_surface.map(set).collect::<Vec<_>>()).unwrap_or_else(|_| text.to_owned())
 }
 
 /// A balanced lobe, unless it is known.
