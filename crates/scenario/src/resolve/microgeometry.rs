@@ -47,6 +47,8 @@ pub struct LayerSurface {
     pub path: String,
     /// Name of the file of the surface.
     pub file: String,
+    /// Names of the files of the surface, relative to the folder of its own.
+    pub inputs: Vec<String>,
     /// Text of the file with the keys of the layer and the indices of its neighbours.
     pub text: String,
 }
@@ -260,7 +262,9 @@ impl Resolver<'_> {
             Ok(surface) => {
                 self.inputs.insert(format!("{path}.surface"), surface.hash.clone());
                 let text = with_keys(&text, &given);
-                self.surfaces.push(LayerSurface { path: path.to_owned(), file: name.to_owned(), text });
+                let inputs = surface.canonical["inputs"].as_object();
+                let inputs = inputs.into_iter().flat_map(|files| files.keys().cloned()).collect();
+                self.surfaces.push(LayerSurface { path: path.to_owned(), file: name.to_owned(), inputs, text });
                 Some(surface)
             }
             Err(errors) => {

@@ -109,7 +109,8 @@ export function FilesPanel() {
         <FileButton label="Choose files" />
         <span class="remark">
           or drop files anywhere on the page: BSDFs (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light
-          maps, IES luminaires, measured panels, pictures, surfaces and heights of profilometers. The files stay on this machine.
+          maps, IES luminaires, measured panels, pictures, surfaces and heights of profilometers. The files stay on this
+          machine.
         </span>
       </div>
       {files.value.map((file) => (
