@@ -7,8 +7,8 @@ use std::sync::atomic::Ordering;
 
 use papilio_figures::of_surface;
 use papilio_formats::{
-    GonioHead, JournalRows, SurfaceAuditFile, journal_name, roads_that_hold, write_cutoffs, write_face, write_file,
-    write_json, write_psd, write_totals, write_waves,
+    GonioHead, JournalRows, SurfaceAuditFile, journal_name, roads_that_hold, write_cutoffs, write_face,
+    write_file, write_json, write_psd, write_totals, write_waves,
 };
 use papilio_microgeometry::{
     ByRays, ByWaves, Coating, Findings, Goniometer, Measured, Measurement, MicrogeometryError, Part, Side,

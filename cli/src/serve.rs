@@ -64,7 +64,9 @@ fn files(resolved: &Resolved, folder: &Path) -> Result<Vec<DataFile>, FormatErro
         let beside = folder.join(Path::new(&surface.file).parent().unwrap_or(Path::new("")));
         surface.inputs.iter().map(move |name| (beside.clone(), name))
     });
-    let open = |(folder, name): (PathBuf, &String)| DataFile::open_within(&folder.join(name), name, LARGEST_BSDF_FILE);
+    let open = |(folder, name): (PathBuf, &String)| {
+        DataFile::open_within(&folder.join(name), name, LARGEST_BSDF_FILE)
+    };
     of_scenario.chain(of_surfaces).map(open).collect()
 }
 

@@ -92,7 +92,10 @@ fn page_opens_surfaces_of_layers_and_their_files() {
     let write = |name: &str, text: &str| std::fs::write(out.join(name), text).unwrap();
     std::fs::create_dir_all(out.join("surfaces")).unwrap();
     write("surfaces/map.csv", "0,0.1,0\n0,0.1,0.05\n0,0,0\n");
-    write("surfaces/map.toml", "[microgeometry]\nsurface = \"height-map\"\nfile = \"map.csv\"\npixel_um = [1]\nrays = 64\n");
+    write(
+        "surfaces/map.toml",
+        "[microgeometry]\nsurface = \"height-map\"\nfile = \"map.csv\"\npixel_um = [1]\nrays = 64\n",
+    );
     let layers = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\nsurface = \"surfaces/map.toml\"\n\
                   [[display.layers]]\nkind = \"medium\"\nindex = 1.5\n";
     let rest = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.5, black = 0.02 }\n\

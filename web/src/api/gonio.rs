@@ -210,7 +210,7 @@ pub(super) async fn full(site: Site, given: Given) -> Result<Events, Fault> {
     let server = site.clone();
     // Errors of the surface are reported before the stream starts.
     let (given, surface) = site
-        .long()
+        .quick()
         .work(move |_| {
             let surface = read(&server, &given)?;
             let rays = surface.measurement.goniometer.rays * REPLICATES;
@@ -251,7 +251,7 @@ fn measure(scenario: String, surface: &ResolvedSurface, events: &EventSender) ->
 /// The surfaces that are layers of a display.
 pub(super) async fn layers(site: Site, given: Given) -> Result<Vec<SurfaceLayer>, Fault> {
     let server = site.clone();
-    site.long()
+    site.quick()
         .work(move |_| {
             let resolved = given.scenario(&server, Solver::Adding)?.resolve()?;
             let layer = |one: papilio_scenario::LayerSurface| SurfaceLayer {
@@ -283,8 +283,10 @@ fn read(site: &Site, given: &Given) -> Result<ResolvedSurface, Fault> {
 }
 
 fn too_slow() -> Fault {
-    let message =
-        format!("a preview of this surface takes longer than {} s and was stopped", LONGEST_PREVIEW.as_secs());
+    let message = format!(
+        "a preview of this surface takes longer than {} s and was stopped",
+        LONGEST_PREVIEW.as_secs()
+    );
     Fault::too_much(message, "start the full measurement, or use `papilio gonio`")
 }
 

@@ -57,8 +57,7 @@ fn measurements_equal_the_command_line() {
 fn preview_applies_edits_and_counts_light() {
     let server = Server::start();
     let edits = json!([{ "op": "set", "path": "microgeometry.pitch_um", "value": 5 }]);
-    let seen =
-        server.post("/gonio", &json!({ "scenario": CAPS, "edits": edits, "rays": 320 })).json();
+    let seen = server.post("/gonio", &json!({ "scenario": CAPS, "edits": edits, "rays": 320 })).json();
     assert!(seen["scenario"].as_str().unwrap().contains("pitch_um = 5 # as moulded"), "{}", seen["scenario"]);
     assert_eq!(seen["fields"]["microgeometry"]["index_below"], json!(1.5));
     assert_eq!(seen["rays"], json!(320));
@@ -77,7 +76,8 @@ fn preview_applies_edits_and_counts_light() {
 #[test]
 fn mistakes_and_too_much_work_are_refused() {
     let server = Server::start();
-    let fine = "[microgeometry]\nsurface = \"exponential\"\nrms_nm = 300\ncorrelation_um = 15.4\ncutoff_um = 1\n";
+    let fine =
+        "[microgeometry]\nsurface = \"exponential\"\nrms_nm = 300\ncorrelation_um = 15.4\ncutoff_um = 1\n";
     let map = "[microgeometry]\nsurface = \"height-map\"\nfile = \"/etc/passwd\"\npixel_um = [1]\n";
     for (text, path, words) in [
         (CAPS.replace("4.5", "4"), Some("microgeometry.pitch_um"), "overlap"),
@@ -101,15 +101,17 @@ fn mistakes_and_too_much_work_are_refused() {
 fn files_of_surfaces_are_read_from_memory() {
     let server = Server::start();
     let send = |name: &str, bytes: &[u8]| {
-        let answer =
-            server.send(&format!("/api/v1/files?name={name}"), "application/octet-stream", bytes);
+        let answer = server.send(&format!("/api/v1/files?name={name}"), "application/octet-stream", bytes);
         assert_eq!(answer.status, 200, "{answer:?}");
         answer.json()
     };
     // A ramp of 45 deg that returns, mirrored: two facets.
     let rows = "0,1,2,3\n0,1,2,3\n0,1,2,3\n";
     let heights = send("ramp.csv", rows.as_bytes());
-    assert_eq!((&heights["kind"], &heights["words"][0]), (&json!("heights"), &json!("ramp.csv: map of 4 x 3 heights")));
+    assert_eq!(
+        (&heights["kind"], &heights["words"][0]),
+        (&json!("heights"), &json!("ramp.csv: map of 4 x 3 heights"))
+    );
     let text = "[microgeometry]\nsurface = \"height-map\"\nfile = \"ramp.csv\"\npixel_um = [1]\nlevel = false\nincidence_deg = [0]\n";
     let files = json!({ "ramp.csv": heights["id"] });
     let seen = server.post("/gonio", &json!({ "scenario": text, "files": files, "rays": 640 })).json();
@@ -123,8 +125,7 @@ fn files_of_surfaces_are_read_from_memory() {
     let edits = surface["edits"][0]["edits"].as_array().unwrap();
     assert_eq!(edits.last().unwrap()["value"]["surface"], "caps.toml");
     let wrong = CAPS.replace("pitch_um", "pitch");
-    let answer =
-        server.send("/api/v1/files?name=caps.toml", "application/octet-stream", wrong.as_bytes());
+    let answer = server.send("/api/v1/files?name=caps.toml", "application/octet-stream", wrong.as_bytes());
     assert!(answer.status == 422 && answer.error().0.contains("pitch"), "{answer:?}");
 }
 
@@ -133,16 +134,24 @@ fn files_of_surfaces_are_read_from_memory() {
 fn surfaces_of_a_design_are_those_of_its_layers() {
     let server = Server::start();
     let bytes = CAPS.as_bytes();
-    let id = server.send("/api/v1/files?name=mine.toml", "application/octet-stream", bytes).json()["id"].clone();
+    let id =
+        server.send("/api/v1/files?name=mine.toml", "application/octet-stream", bytes).json()["id"].clone();
     let scenario = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\nsurface = \"mine.toml\"\npitch_um = 6\nrays = 64\n\
                     [[display.layers]]\nkind = \"medium\"\nindex = 1.6\n[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\n\
                     reflectance = { white = 0.5, black = 0.02 }\n[lighting]\npreset = \"indoor\"\n";
     let files = json!({ "mine.toml": id });
     let answer = server.post("/gonio/layers", &json!({ "scenario": scenario, "files": files }));
     let layers = answer.json();
-    assert_eq!((&layers[0]["path"], &layers[0]["file"]), (&json!("display.layers.0"), &json!("mine.toml")), "{layers}");
+    assert_eq!(
+        (&layers[0]["path"], &layers[0]["file"]),
+        (&json!("display.layers.0"), &json!("mine.toml")),
+        "{layers}"
+    );
     let text = layers[0]["scenario"].as_str().unwrap();
-    assert!(text.contains("pitch_um = 6.0 # as moulded") || text.contains("pitch_um = 6 # as moulded"), "{text}");
+    assert!(
+        text.contains("pitch_um = 6.0 # as moulded") || text.contains("pitch_um = 6 # as moulded"),
+        "{text}"
+    );
     assert!(text.contains("index_below = 1.6") && text.contains("rays = 640"), "{text}");
     let shipped = server.get("/api/v1/surfaces").json();
     assert!(names(&shipped).contains(&"hemispheres"));

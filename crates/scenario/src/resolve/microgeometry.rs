@@ -264,7 +264,12 @@ impl Resolver<'_> {
                 let text = with_keys(&text, &given);
                 let inputs = surface.canonical["inputs"].as_object();
                 let inputs = inputs.into_iter().flat_map(|files| files.keys().cloned()).collect();
-                self.surfaces.push(LayerSurface { path: path.to_owned(), file: name.to_owned(), inputs, text });
+                self.surfaces.push(LayerSurface {
+                    path: path.to_owned(),
+                    file: name.to_owned(),
+                    inputs,
+                    text,
+                });
                 Some(surface)
             }
             Err(errors) => {
@@ -294,7 +299,10 @@ impl Resolver<'_> {
 /// The text of a surface with other values of keys; how many rays are followed is no property of the surface.
 fn with_keys(text: &str, given: &[(&str, f64)]) -> String {
     let of_surface = given.iter().filter(|(key, _)| *key != "rays");
-    let set = |(key, value): &(&str, f64)| Edit::Set { path: format!("microgeometry.{key}"), value: (*value).into() };
+    let set = |(key, value): &(&str, f64)| Edit::Set {
+        path: format!("microgeometry.{key}"),
+        value: (*value).into(),
+    };
     // The same keys were accepted as overrides.
     edit(text, &of_surface.map(set).collect::<Vec<_>>()).unwrap_or_else(|_| text.to_owned())
 }

@@ -36,6 +36,13 @@ export const SURFACES: Record<string, SurfaceKind> = {
 /** Keys that have the same meaning for all kinds. */
 const COMMON = ["index_above", "index_below", "incidence_deg", "wavelength_nm", "rays", "seed"];
 
+/** Returns the keys of a kind in the order of the form: those of a new surface, its others, and those that all kinds have. */
+export function ordered(kind: string, keys: readonly string[]): string[] {
+  const own = Object.keys(SURFACES[kind]?.starter ?? {});
+  const rank = (key: string) => (own.includes(key) ? own.indexOf(key) : own.length + 1 + COMMON.indexOf(key));
+  return [...keys].sort((a, b) => rank(a) - rank(b));
+}
+
 const NOT_OF_VOLUMES = ["index_above", "index_below", "wavelength_nm"];
 
 /** Returns a surface of another kind. Keys with the same meaning stay as they are, if they are not defaults. */

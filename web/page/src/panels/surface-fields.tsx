@@ -6,7 +6,7 @@ import { Choice } from "../fields/choice.tsx";
 import { NumberField } from "../fields/number.tsx";
 import { isTable, split, type Json, type Table } from "../model/json.ts";
 import { help, label, limits, type Found, type Node } from "../model/schema.ts";
-import { ofKind, SURFACES } from "../model/surface.ts";
+import { ofKind, ordered, SURFACES } from "../model/surface.ts";
 import { files } from "../state/files.ts";
 import { edit, own, problems, schema, set, text, fields as values, open, name as nameOf } from "../state/surface.ts";
 import { FileButton } from "./choose.tsx";
@@ -16,6 +16,9 @@ const ROOT = "microgeometry";
 
 /** Keys that say how the surface is measured, and not what it is. */
 const MEASURING = ["road", "wavelength_nm", "incidence_deg", "rays", "seed"];
+
+/** The range of lengths, which excludes none that occurs. */
+const ANY_LENGTH = / A number above 0, at most 1e6\./;
 
 const at = (key: string): string => `${ROOT}.${key}`;
 const idOf = (key: string): string => `surface-${key}`;
@@ -83,7 +86,7 @@ function Key({ name }: { name: string }) {
       <label for={idOf(name)}>{found.node.title ?? label(name)}</label>
       <Control name={name} found={found} invalid={wrong.length > 0} />
       <p class="help" id={`${idOf(name)}-help`}>
-        {help(found.node)}
+        {help(found.node).replace(ANY_LENGTH, "")}
       </p>
       <Problems of={wrong} />
     </div>
@@ -140,13 +143,15 @@ function Quantity({
 }) {
   const first = node.anyOf?.find((one) => one.type !== "null") ?? node;
   const inner = schema.value!.follow(first).node;
+  // The defaults of another kind are known with its first preview.
+  const shown = value ?? node.default;
   return (
     <NumberField
       id={idOf(name)}
       name={node.title ?? label(name)}
       of={name.includes("index") ? "index" : name}
       unit={(node["x-unit"] ?? "").replace(/^um$/, "µm")}
-      value={typeof value === "number" ? value : undefined}
+      value={typeof shown === "number" ? shown : undefined}
       limits={limits(inner)}
       placeholder="–"
       integer={inner.type === "integer"}
@@ -254,7 +259,8 @@ export function SurfaceFields() {
   const found = schema.value?.find(ROOT, values.value);
   if (!found || !schema.value) return null;
   const kind = schema.value.chosen(found.node, own.value);
-  const keys = Object.keys(kind.properties ?? {}).filter((key) => key !== "surface" && key !== "coating");
+  const names = Object.keys(kind.properties ?? {}).filter((key) => key !== "surface" && key !== "coating");
+  const keys = ordered(String(own.value["surface"]), names);
   const isMeasuring = (key: string) => MEASURING.includes(split(key)[1]);
   return (
     <div class="surface-fields">

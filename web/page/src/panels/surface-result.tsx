@@ -1,6 +1,7 @@
 // What was measured of a surface: a verdict, where the light goes by inclination, haze by wavelength, statistics of the heights.
 
 import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 
 import type { Gonio } from "../api/types.ts";
 import { count, degrees, digits, withError } from "../model/format.ts";
@@ -52,6 +53,7 @@ function Legend({ curves, at, head }: { curves: readonly Curve[]; at: number | n
 
 interface FigureProps {
   of: Gonio;
+  heading: ComponentChildren;
   /** The name of the figure and of the table of the command line. */
   name: string;
   x: readonly number[];
@@ -63,16 +65,17 @@ interface FigureProps {
 }
 
 /** Curves over an abscissa. What is saved is the figure and the table of `papilio gonio`. */
-function Figure({ of, name, x, xName, yName, unit, curves, label }: FigureProps) {
+function Figure({ of, heading, name, x, xName, yName, unit, curves, label }: FigureProps) {
   const under = useSignal<number | null>(null);
   const at = under.value;
   const figure = of.figures.find((one) => one.name === name);
   const table = of.tables.find((one) => one.name === name);
   return (
     <>
-      <p class="figure-tools">
+      <div class="surface-head">
+        <h3>{heading}</h3>
         <Downloads name={name} svg={() => figure?.svg ?? ""} table={() => table?.csv ?? ""} />
-      </p>
+      </div>
       <div class="with-key surface-figure">
         <Curves
           x={x}
@@ -80,7 +83,7 @@ function Figure({ of, name, x, xName, yName, unit, curves, label }: FigureProps)
           xName={xName}
           yName={yName}
           range={[0, 100]}
-          height={240}
+          height={220}
           label={label}
           hover={(index) => (under.value = index)}
         />
@@ -137,6 +140,7 @@ function ByInclination({ of }: { of: Gonio }) {
   return (
     <Figure
       of={of}
+      heading="By inclination"
       name="totals"
       x={side("above").map(({ theta_deg }) => theta_deg)}
       xName="Inclination of the light in its medium (°)"
@@ -238,9 +242,9 @@ function ByWavelength({ of, waves }: { of: Gonio; waves: readonly WaveRow[] }) {
   const withErrors = (value: number, error: number) => withError(100 * value, 100 * error, 2);
   return (
     <section>
-      <h3>By waves, along the normal</h3>
       <Figure
         of={of}
+        heading="By waves, along the normal"
         name="waves"
         x={waves.map(({ wavelength_nm: nm }) => nm)}
         xName="Wavelength (nm)"
@@ -337,14 +341,14 @@ export function SurfaceResult({ of }: { of: Gonio }) {
             By rays{" "}
             <small>{of.is_full ? `all ${count(of.rays)}` : `a preview, ${count(of.rays)}`} for each inclination</small>
           </h3>
-          <ByInclination of={of} />
+          {judged && (
+            <p class="remark verdict">
+              <b class={judged.agrees ? "agrees" : "disagrees"}>{judged.agrees ? "✓" : "✗"}</b> {judged.words}
+            </p>
+          )}
           <AtInclination totals={of.totals} />
+          <ByInclination of={of} />
         </>
-      )}
-      {judged && (
-        <p class="remark verdict" role="status">
-          <b class={judged.agrees ? "agrees" : "disagrees"}>{judged.agrees ? "✓" : "✗"}</b> {judged.words}
-        </p>
       )}
       {audit.waves.length > 0 && <ByWavelength of={of} waves={audit.waves} />}
       <Statistics of={of} audit={audit} />

@@ -5,6 +5,7 @@ import { useEffect } from "preact/hooks";
 
 import { faceName, facesOf, placesOf, SURFACES } from "../model/surface.ts";
 import { fields as design } from "../state/design.ts";
+import { fileIds } from "../state/files.ts";
 import * as state from "../state/surface.ts";
 import { Aged } from "./aged.tsx";
 import { FileButton } from "./choose.tsx";
@@ -133,6 +134,7 @@ export function SurfacePanel() {
     void state.enter();
     return state.leave;
   }, []);
+  useEffect(state.again, [fileIds.value]);
   const kind = SURFACES[String(state.own.value["surface"] ?? "")];
   return (
     <section aria-label="Surface">

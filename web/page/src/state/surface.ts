@@ -30,6 +30,8 @@ const AGAIN_MS = 1000;
 /** The surface that is shown first. */
 const FIRST = "hemispheres";
 const KEPT = "papilio.surface";
+/** The text of a surface before it has a file. */
+const FLAT = '[microgeometry]\nsurface = "flat"\n';
 
 export const schema = signal<Schema | null>(null);
 /** Examples of surfaces. */
@@ -60,11 +62,11 @@ let waiting = false;
 let isOwn = false;
 
 /** Opens another text. The numbers of the last surface stay until there are new ones. */
-export function open(whole: string, file: string, own = true): void {
+export function open(whole: string, file: string, own = true, edits: readonly Edit[] = []): void {
   full.cancel();
   isOwn = own;
   batch(() => {
-    [text.value, name.value, pending.value, problems.value] = [whole, file.replace(/\.toml$/, ""), [], []];
+    [text.value, name.value, pending.value, problems.value] = [whole, file.replace(/\.toml$/, ""), edits, []];
   });
   flight?.abort.abort();
   kick();
@@ -137,6 +139,7 @@ function take(found: Gonio, sent: readonly Edit[]): void {
 /** Measures the surface with all of its rays. */
 export async function measure(): Promise<void> {
   clearTimeout(timer);
+  flight?.abort.abort();
   progress.value = null;
   const base = text.value;
   await full.start("gonio/full", { scenario: base, files: fileIds.value }, [], (event, data) => {
@@ -158,6 +161,10 @@ export async function openLayer(face: Face): Promise<void> {
     const layer = found.find(({ path }) => path === face.path);
     if (layer) open(layer.scenario, layer.file.split("/").at(-1)!, false);
   } catch (why) {
+    if (why instanceof Refused && (why.status === BUSY || (await sendAgain(why)))) {
+      await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+      return openLayer(face);
+    }
     said.value = why instanceof Error ? why.message : String(why);
   }
 }
@@ -171,10 +178,16 @@ export function showLayer(face: Face): void {
   showTab("surface");
 }
 
+/** Measures again what was refused, for example because a file was missing. */
+export function again(): void {
+  if (problems.peek().length > 0) kick();
+}
+
 /** Shows a surface of the heights or the triangles of an uploaded file in its tab. */
 export function showFile(file: string, kind: string): void {
-  const surface = kind === "mesh" ? "mesh" : "height-map";
-  open(`[microgeometry]\nsurface = "${surface}"\nfile = ${JSON.stringify(file)}\n`, file.replace(/\.[^.]*$/, ""));
+  const surface = { surface: kind === "mesh" ? "mesh" : "height-map", file };
+  // As a change, so that its fields are shown if it is refused, for example because the distance of the heights is unknown.
+  open(FLAT, file.replace(/\.[^.]*$/, ""), true, [{ op: "set", path: "microgeometry", value: surface }]);
   showTab("surface");
 }
 
