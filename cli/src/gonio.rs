@@ -6,12 +6,12 @@ use std::sync::atomic::Ordering;
 
 use papilio_figures::of_surface;
 use papilio_formats::{
-    AzimuthAudit, GonioHead, Holds, JournalRows, SurfaceAuditFile, WaveRow, journal_name, write_cutoffs,
-    write_face, write_file, write_json, write_psd, write_totals, write_waves,
+    AzimuthAudit, GonioHead, Holds, JournalRows, SurfaceAuditFile, WaveRow, journal_name, roads_that_hold,
+    write_cutoffs, write_face, write_file, write_json, write_psd, write_totals, write_waves,
 };
 use papilio_microgeometry::{
-    ByRays, ByWaves, Coating, Collected, Findings, Goniometer, LEAST_G, MOST_SLOPE, Measured, Measurement,
-    MicrogeometryError, Side, Statistics,
+    ByRays, ByWaves, Coating, Collected, Findings, Goniometer, Measured, Measurement, MicrogeometryError,
+    Side, Statistics,
 };
 use papilio_scenario::{ResolvedSurface, SurfaceScenario};
 
@@ -303,16 +303,8 @@ fn waves_text(waves: &ByWaves, rays: Option<&ByRays>) -> String {
         "\nby waves, along the normal; haze: beyond 2.5 deg in air; g: square of the rms phase; closed form: haze without a cut-off\n{}\n",
         report::table(&rows)
     );
-    let rays_hold = waves.along_normal().all(|(_, through)| through.g > LEAST_G);
-    let waves_hold = waves.slope_rms < MOST_SLOPE;
-    text += match (rays_hold, waves_hold) {
-        (true, true) => "rays and waves both hold: g is above 10, and slopes are below 0.3\n",
-        (true, false) => "rays hold, waves do not: slopes are above 0.3\n",
-        (false, true) => "waves hold, rays do not at all wavelengths: g is below 10\n",
-        (false, false) => {
-            "neither rays (g is below 10) nor thin phase screens (slopes are above 0.3) hold at all wavelengths\n"
-        }
-    };
+    text += roads_that_hold(waves);
+    text.push('\n');
     if let Some(along) = rays.and_then(|rays| rays.totals.iter().find(|total| total.theta_deg == 0.0)) {
         text += &format!("haze by rays, the same at all wavelengths: {} %\n", percent(along.haze));
     }

@@ -1,10 +1,10 @@
 //! `papilio serve`: the web app.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use papilio_formats::{DataFile, LARGEST_BSDF_FILE};
-use papilio_scenario::Scenario;
+use papilio_formats::{DataFile, FormatError, LARGEST_BSDF_FILE};
+use papilio_scenario::{Resolved, Scenario};
 use papilio_web::{Options, Site, Start};
 
 use crate::arguments::Serve;
@@ -43,20 +43,31 @@ fn start(path: &Path) -> Result<Start, Failure> {
     let scenario = file.text().map_err(Failure::Data)?.to_owned();
     let folder = path.parent().unwrap_or(Path::new(""));
     let resolved = Scenario::from_text(&scenario, &name, folder, &[]).and_then(|scenario| scenario.resolve());
-    let named = match &resolved {
-        Ok(resolved) => resolved.canonical.get("inputs").and_then(|inputs| inputs.as_object()),
+    let files = match &resolved {
+        Ok(resolved) => files(resolved, folder).map_err(Failure::Data)?,
         Err(errors) => {
             print_message(errors);
-            None
+            Vec::new()
         }
     };
-    let open = |name: &String| DataFile::open_within(&folder.join(name), name, LARGEST_BSDF_FILE);
-    let files = named.into_iter().flat_map(|inputs| inputs.keys()).map(open);
-    Ok(Start {
-        name: report::file_title(path),
-        scenario,
-        files: files.collect::<Result<_, _>>().map_err(Failure::Data)?,
-    })
+    Ok(Start { name: report::file_title(path), scenario, files })
+}
+
+/// The files that a scenario and its surfaces name, under the names that they use.
+fn files(resolved: &Resolved, folder: &Path) -> Result<Vec<DataFile>, FormatError> {
+    let inputs = resolved.canonical.get("inputs").and_then(|inputs| inputs.as_object());
+    // The entry of a surface is not a file, but its content.
+    let is_surface = |name: &str| resolved.surfaces.iter().any(|one| name == format!("{}.surface", one.path));
+    let of_scenario = inputs.into_iter().flat_map(|inputs| inputs.keys()).filter(|name| !is_surface(name));
+    let of_scenario = of_scenario.map(|name| (folder.to_owned(), name));
+    let of_surfaces = resolved.surfaces.iter().flat_map(|surface| {
+        let beside = folder.join(Path::new(&surface.file).parent().unwrap_or(Path::new("")));
+        surface.inputs.iter().map(move |name| (beside.clone(), name))
+    });
+    let open = |(folder, name): (PathBuf, &String)| {
+        DataFile::open_within(&folder.join(name), name, LARGEST_BSDF_FILE)
+    };
+    of_scenario.chain(of_surfaces).map(open).collect()
 }
 
 /// Opens the page in the system's browser; false if that fails.

@@ -1,4 +1,4 @@
-//! The example scenarios and their data, which are part of the program.
+//! The example scenarios, surfaces and their data, which are part of the program.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -12,12 +12,31 @@ pub(crate) const FIRST: &str = "indoor";
 
 /// Names of the examples.
 pub(crate) fn examples() -> impl Iterator<Item = String> {
-    paths().filter_map(|path| Some(path.strip_prefix("scenarios/")?.strip_suffix(".toml")?.to_owned()))
+    names("scenarios/")
 }
 
 /// The text of an example.
 pub(crate) fn example(name: &str) -> Option<String> {
-    String::from_utf8(file(&format!("scenarios/{name}.toml"))?.into_owned()).ok()
+    text("scenarios/", name)
+}
+
+/// Names of the example surfaces.
+pub(crate) fn surfaces() -> impl Iterator<Item = String> {
+    names("surfaces/")
+}
+
+/// The text of an example surface.
+pub(crate) fn surface(name: &str) -> Option<String> {
+    text("surfaces/", name)
+}
+
+/// Names of the TOML files of a folder.
+fn names(folder: &'static str) -> impl Iterator<Item = String> {
+    paths().filter_map(move |path| Some(path.strip_prefix(folder)?.strip_suffix(".toml")?.to_owned()))
+}
+
+fn text(folder: &str, name: &str) -> Option<String> {
+    String::from_utf8(file(&format!("{folder}{name}.toml"))?.into_owned()).ok()
 }
 
 /// Data files under the names that scenarios may use: `data/H65.bsdf`, as in the examples, and `H65.bsdf`; and surfaces, as

@@ -1,7 +1,6 @@
 //! `papilio run`: standard output and error, files, solvers, interruption.
 
 use std::fs;
-use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 

@@ -84,6 +84,32 @@ fn page_opens_the_named_scenario() {
     assert_eq!(server.post("/live", &asked).0, 200);
 }
 
+/// Surfaces of layers, and the heights that these name, are opened with a scenario.
+#[test]
+fn page_opens_surfaces_of_layers_and_their_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    let write = |name: &str, text: &str| std::fs::write(out.join(name), text).unwrap();
+    std::fs::create_dir_all(out.join("surfaces")).unwrap();
+    write("surfaces/map.csv", "0,0.1,0\n0,0.1,0.05\n0,0,0\n");
+    write(
+        "surfaces/map.toml",
+        "[microgeometry]\nsurface = \"height-map\"\nfile = \"map.csv\"\npixel_um = [1]\nrays = 64\n",
+    );
+    let layers = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\nsurface = \"surfaces/map.toml\"\n\
+                  [[display.layers]]\nkind = \"medium\"\nindex = 1.5\n";
+    let rest = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.5, black = 0.02 }\n\
+                [lighting]\npreset = \"indoor\"\n";
+    write("display.toml", &format!("{layers}{rest}"));
+    let server = Server::start(&[out.join("display.toml").to_str().unwrap(), "--port", "0"]);
+    let (_, start) = server.ask("GET", "/start", "", b"");
+    let files: Vec<&String> = start["files"].as_object().unwrap().keys().collect();
+    assert_eq!(files, ["map.csv", "surfaces/map.toml"]);
+    let asked = json!({ "scenario": start["scenario"], "files": start["files"] });
+    let (status, layers) = server.post("/gonio/layers", &asked);
+    assert!(status == 200 && layers[0]["file"] == "surfaces/map.toml", "{layers}");
+}
+
 /// The design is stored in the browser: after kill -9 and a restart, the same request has the same answer once the page
 /// has sent its files again.
 #[test]

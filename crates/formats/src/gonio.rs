@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use papilio_microgeometry::{
-    Audit, AzimuthKernel, ByAzimuth, ByRays, ByWaves, Findings, Goniometer, Side, Statistics, Total,
-    WaveShares, WayShares,
+    Audit, AzimuthKernel, ByAzimuth, ByRays, ByWaves, Findings, Goniometer, LEAST_G, MOST_SLOPE, Side,
+    Statistics, Total, WaveShares, WayShares,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -391,6 +391,20 @@ pub fn write_waves(out: impl Write, waves: &ByWaves, rays: Option<&ByRays>) -> i
         csv.serialize(row).map_err(io::Error::other)?;
     }
     csv.flush()
+}
+
+/// Whether rays or waves describe a surface, in words.
+pub fn roads_that_hold(waves: &ByWaves) -> &'static str {
+    let rays_hold = waves.along_normal().all(|(_, through)| through.g > LEAST_G);
+    let waves_hold = waves.slope_rms < MOST_SLOPE;
+    match (rays_hold, waves_hold) {
+        (true, true) => "rays and waves both hold: g is above 10, and slopes are below 0.3",
+        (true, false) => "rays hold, waves do not: slopes are above 0.3",
+        (false, true) => "waves hold, rays do not at all wavelengths: g is below 10",
+        (false, false) => {
+            "neither rays (g is below 10) nor thin phase screens (slopes are above 0.3) hold at all wavelengths"
+        }
+    }
 }
 
 /// Returns the JSON Schema of `audit.json`.

@@ -115,8 +115,8 @@ pub use error::{FormatError, Problem};
 pub use face_read::read_face;
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use gonio::{
-    AzimuthAudit, GonioHead, Holds, SurfaceAuditFile, WaveRow, WaveSide, surface_audit_schema, write_cutoffs,
-    write_face, write_psd, write_totals, write_waves,
+    AzimuthAudit, GonioHead, Holds, SurfaceAuditFile, WaveRow, WaveSide, roads_that_hold,
+    surface_audit_schema, write_cutoffs, write_face, write_psd, write_totals, write_waves,
 };
 pub use index::{read_index, read_index_within};
 pub use journal::{

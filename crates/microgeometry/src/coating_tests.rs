@@ -148,6 +148,7 @@ fn gaussian_heights_reflect_as_smiths_walk_to_two_percent() {
             index_below: 1.5,
             coating: Coating::None,
             incidence_deg: vec![0.0, 60.0],
+            azimuths: None,
             rays,
             seed: 4,
         };

@@ -162,7 +162,7 @@ impl Measurement {
     /// # Errors
     /// Surfaces without statistics; lost rays; a kernel that contradicts reciprocity or the conservation of energy.
     pub fn findings(&self, parts: Collected) -> Result<Findings, MicrogeometryError> {
-        debug_assert_eq!(parts.next, self.parts());
+        debug_assert!(parts.waiting.is_empty());
         let statistics = self.surface.statistics()?;
         let Collected { screens, replicates, by_azimuth, .. } = parts;
         let by_rays = || {
@@ -188,14 +188,30 @@ impl Measurement {
         stop: &(dyn Fn() -> bool + Sync),
         finished: &(dyn Fn() + Sync),
     ) -> Result<Findings, MicrogeometryError> {
+        self.measured_with(self.screens(), threads, stop, finished)
+    }
+
+    /// As [`measured`](Self::measured), with at most `screens` realisations of a phase screen, whose errors are then larger.
+    ///
+    /// # Errors
+    /// As [`measured`](Self::measured).
+    pub fn measured_with(
+        &self,
+        screens: usize,
+        threads: Option<usize>,
+        stop: &(dyn Fn() -> bool + Sync),
+        finished: &(dyn Fn() + Sync),
+    ) -> Result<Findings, MicrogeometryError> {
+        let left_out = self.screens().saturating_sub(screens);
         let collected = Mutex::new(self.collected()?);
-        let part = |number| {
+        let part = |at: usize| {
+            let number = if at < screens { at } else { at + left_out };
             let part = self.part(number, stop)?;
-            collected.lock().unwrap_or_else(PoisonError::into_inner).add(number, part);
+            collected.lock().unwrap_or_else(PoisonError::into_inner).add(at, part);
             finished();
             Ok(())
         };
-        on_threads(self.parts(), threads, &part)?;
+        on_threads(self.parts() - left_out, threads, &part)?;
         self.findings(collected.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 

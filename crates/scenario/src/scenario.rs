@@ -19,7 +19,7 @@ use crate::mistake::{self, Mistake};
 use crate::path::KeyPath;
 use crate::preset::UsedPreset;
 use crate::read::{Read, Spanned};
-use crate::resolve::{self, Found, ImageRequest, Pictured, VirtualMeasurement};
+use crate::resolve::{self, Found, ImageRequest, LayerSurface, Pictured, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::Node;
@@ -59,6 +59,8 @@ pub struct Resolved {
     pub sparkle: Option<Antiglare>,
     /// The picture of `[image]`, after [`Scenario::resolve_with_picture`].
     pub image: Option<ImageRequest>,
+    /// Surfaces that are layers of the display.
+    pub surfaces: Vec<LayerSurface>,
     /// Title of the scenario.
     pub title: Option<String>,
     /// Warnings: what may be wrong with the scenario.
@@ -169,7 +171,7 @@ impl Scenario {
     }
 
     fn resolved(&self, pictured: Pictured<'_>) -> Result<Resolved, ScenarioErrors> {
-        let Found { scene, patterns, sparkle, image, warnings, notes, inputs } =
+        let Found { scene, patterns, sparkle, image, surfaces, warnings, notes, inputs } =
             resolve::resolve(&self.file, &self.library, &self.written.sources, pictured)?;
         let image = image.map(|image| self.prepared(image, &scene)).transpose()?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
@@ -184,6 +186,7 @@ impl Scenario {
             patterns,
             sparkle,
             image,
+            surfaces,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             warnings: [self.warnings.clone(), warnings].concat(),
             notes: [self.notes.clone(), notes].concat(),

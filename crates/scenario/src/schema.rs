@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::describe::File;
+use crate::describe::microgeometry::SurfaceFile;
 use crate::read::Read;
 
 /// Returns the JSON Schema (draft 2020-12) of a scenario file: every key with its
@@ -15,6 +16,14 @@ pub fn schema() -> Value {
     let generator = SchemaSettings::draft2020_12().into_generator();
     let mut schema = generator.into_root_schema_for::<File>();
     schema.insert("title".to_owned(), json!("Papilio scenario"));
+    schema.to_value()
+}
+
+/// Returns the JSON Schema (draft 2020-12) of a file of `papilio gonio`, as [`schema`].
+pub fn surface_schema() -> Value {
+    let generator = SchemaSettings::draft2020_12().into_generator();
+    let mut schema = generator.into_root_schema_for::<SurfaceFile>();
+    schema.insert("title".to_owned(), json!("Papilio surface"));
     schema.to_value()
 }
 

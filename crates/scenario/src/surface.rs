@@ -27,6 +27,9 @@ use crate::scenario::{Assembled, assemble, parse, sorted};
 use crate::source::Sources;
 use crate::tree::Node;
 
+/// Most heights of a map in memory, which a server is given by anyone: their mirror images take 128 MiB.
+const MOST_HEIGHTS_IN_MEMORY: usize = 1 << 22;
+
 /// A described surface. Its files are not read yet.
 #[derive(Debug)]
 pub struct SurfaceScenario {
@@ -308,6 +311,13 @@ impl SurfaceScenario {
                 return None;
             }
         };
+        if matches!(self.library, Library::Memory { .. }) && found.numbers.len() > MOST_HEIGHTS_IN_MEMORY {
+            let wrong = Diagnostic::new(format!("this map has {} heights", found.numbers.len()))
+                .expected(format!("at most {MOST_HEIGHTS_IN_MEMORY} here, such as 2048 x 2048"))
+                .hint("cut out a part of it, or measure it with `papilio gonio`, which reads 4096 x 4096 heights");
+            errors.push(map.file.origin, wrong);
+            return None;
+        }
         let pitch_um = match &map.pixel_um.value {
             None => found.pitch_um,
             Some(list) => {

@@ -18,6 +18,7 @@ import { Problems } from "./panels/problems.tsx";
 import { Readability } from "./panels/readability.tsx";
 import { Source } from "./panels/source.tsx";
 import { AgeMark } from "./panels/aged.tsx";
+import { SurfacePanel } from "./panels/surface.tsx";
 import { Summary } from "./panels/summary.tsx";
 import { Spoken } from "./panels/spoken.tsx";
 import { StatesTable } from "./panels/table.tsx";
@@ -84,6 +85,7 @@ const TABS = [
   { id: "energy", name: "Energy balance", body: () => <LedgerPanel /> },
   { id: "reading", name: "Readability", body: () => <Reading /> },
   { id: "walk", name: "Monte Carlo", body: () => <WalkPanel /> },
+  { id: "surface", name: "Surface", body: () => <SurfacePanel /> },
   { id: "sweep", name: "Sweep", body: () => <SweepPanel /> },
   { id: "compare", name: "Compare", body: () => <ComparePanel /> },
   { id: "files", name: "Files", body: () => <FilesPanel /> },

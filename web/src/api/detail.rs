@@ -50,9 +50,9 @@ pub(super) struct DetailOf {
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Table {
     /// Its name: a file name without extension.
-    name: &'static str,
+    pub(super) name: &'static str,
     /// Its text (CSV).
-    csv: String,
+    pub(super) csv: String,
 }
 
 /// A number of the first view.

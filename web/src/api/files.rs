@@ -1,22 +1,24 @@
 //! The endpoint `/files`: stores an uploaded file, detects its kind from its content, audits it, and offers
 //! edits that use it.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_scan};
 use papilio_formats::{
-    BsdfProblem, DataFile, FormatError, MapColour, Problem, RgbSpace, audit_text, read_bsdf, read_ies,
-    read_index_within, read_light_map, read_measured_panel, read_picture, read_pixel_table, read_profile,
-    read_spectrum,
+    BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, read_bsdf,
+    read_heights, read_ies, read_index_within, read_light_map, read_measured_panel, read_mesh, read_picture,
+    read_pixel_table, read_profile, read_spectrum,
 };
 use papilio_goniometry::{Audit, MeasuredPart, Measurement};
-use papilio_scenario::Edit;
+use papilio_scenario::{Edit, SurfaceScenario};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::drawn::Figure;
 use crate::fault::Fault;
+use crate::reading::Given;
 use crate::site::Site;
 use crate::work::abandoned;
 
@@ -42,6 +44,12 @@ pub(super) enum FileKind {
     Panel,
     /// A picture for the display.
     Picture,
+    /// A surface by its geometry: TOML with the table `[microgeometry]`.
+    Surface,
+    /// Heights of a surface.
+    Heights,
+    /// Triangles of a surface.
+    Mesh,
 }
 
 /// A stored file.
@@ -83,7 +91,7 @@ pub(super) async fn file(site: Site, name: String, bytes: Vec<u8>) -> Result<Kep
     site.files()
         .work(move |stop| {
             let file = DataFile { name, bytes };
-            let Contents { kind, words, figures, edits } = read_contents(&file, stop)?;
+            let Contents { kind, words, figures, edits } = read_contents(&server, &file, stop)?;
             let name = file.name.clone();
             Ok(Kept { id: server.store().insert(file), name, kind, words, figures, edits })
         })
@@ -98,7 +106,7 @@ const MOST_PIXELS: usize = 16_000_000;
 
 /// Detects the kind of a file from its content, and reads it. The readers are tried from the most specific to
 /// the most general one.
-fn read_contents(file: &DataFile, stop: &AtomicBool) -> Result<Contents, Fault> {
+fn read_contents(site: &Site, file: &DataFile, stop: &AtomicBool) -> Result<Contents, Fault> {
     if PICTURES.iter().any(|magic| file.bytes.starts_with(magic)) {
         return picture(file);
     }
@@ -107,11 +115,14 @@ fn read_contents(file: &DataFile, stop: &AtomicBool) -> Result<Contents, Fault> 
         Err(FormatError { problem: Problem::Bsdf(problem), .. }) if *problem == BsdfProblem::Unknown => {}
         Err(error) => return Err(error.into()),
     }
+    if let Some(contents) = geometry(site, file) {
+        return contents;
+    }
     if file.bytes.starts_with(b"IESNA") {
         return luminaire(file);
     }
     if file.bytes.starts_with(b"#?") || file.bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        return map(file);
+        return map(file).or_else(|fault| heights(file).map_err(|_| fault));
     }
     let mut rows = file.text()?.lines().filter(|line| !line.trim_start().starts_with('#'));
     let head: Vec<&str> = rows.next().unwrap_or_default().split([',', ';', '\t']).map(str::trim).collect();
@@ -128,8 +139,56 @@ fn read_contents(file: &DataFile, stop: &AtomicBool) -> Result<Contents, Fault> 
     }
     match read_profile(file) {
         Ok(points) => Ok(profile(file, &points)),
-        Err(_) => material(file),
+        Err(_) => material(file).or_else(|fault| heights(file).map_err(|_| fault)),
     }
+}
+
+/// First bytes of files of heights: NumPy, TIFF, X3P, SDF.
+const HEIGHTS: [&[u8]; 6] = [b"\x93NUMPY", b"II*\0", b"MM\0*", b"PK\x03\x04", b"aISO-1.0", b"bISO-1.0"];
+
+/// Reads a surface, its heights or its triangles; `None` for other files.
+fn geometry(site: &Site, file: &DataFile) -> Option<Result<Contents, Fault>> {
+    if HEIGHTS.iter().any(|magic| file.bytes.starts_with(magic)) {
+        return Some(heights(file));
+    }
+    let Ok(text) = file.text() else {
+        return read_mesh(file).ok().map(|read| Ok(mesh(file, &read)));
+    };
+    if text.lines().any(|line| line.trim_start().starts_with("[microgeometry")) {
+        return Some(surface(site, file, text));
+    }
+    let is_mesh = text.trim_start().starts_with("solid") || text.lines().any(|line| line.starts_with("v "));
+    is_mesh.then(|| Ok(mesh(file, &read_mesh(file)?)))
+}
+
+/// Reads the keys of a surface. Its own files are read when it is measured.
+fn surface(site: &Site, file: &DataFile, text: &str) -> Result<Contents, Fault> {
+    let none = Given { scenario: text.to_owned(), files: BTreeMap::new() };
+    SurfaceScenario::from_text(text, &file.name, none.library(site)?, &[])?;
+    // Few rays: the page measures the surface while the scenario is read.
+    let face = json!({ "model": "microgeometry", "surface": file.name, "rays": 20_000 });
+    let offer = offer(
+        "Use as the face of the glass, in place of the diffuser",
+        [remove("display.glass.surface"), remove("display.layers"), set("display.diffuser", face)],
+    );
+    let words = vec![format!("{}: surface by its geometry, as for `papilio gonio`", file.name)];
+    Ok(Contents { kind: FileKind::Surface, words, figures: vec![], edits: vec![offer] })
+}
+
+fn heights(file: &DataFile) -> Result<Contents, Fault> {
+    let read = read_heights(file)?;
+    let rows = read.numbers.len() / read.columns.max(1);
+    let mut words = vec![format!("{}: map of {} x {rows} heights", file.name, read.columns)];
+    words.push(match read.pitch_um {
+        Some([x, y]) => format!("{x} um apart along x, {y} um along y"),
+        None => "it does not state the distance of its heights".to_owned(),
+    });
+    Ok(Contents { kind: FileKind::Heights, words, figures: vec![], edits: vec![] })
+}
+
+fn mesh(file: &DataFile, read: &MeshFile) -> Contents {
+    let words = vec![format!("{}: mesh of {} triangles", file.name, read.triangles.len())];
+    Contents { kind: FileKind::Mesh, words, figures: vec![], edits: vec![] }
 }
 
 fn scattering(

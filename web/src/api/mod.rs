@@ -9,6 +9,7 @@ mod endpoint;
 mod events;
 mod export;
 mod files;
+mod gonio;
 mod image;
 mod live;
 mod packed;
@@ -41,6 +42,9 @@ fn endpoints() -> Endpoints {
         )
         .get("/presets", "The presets of lighting and viewer", text::presets)
         .get_named("/presets/{name}", "A new scenario with a preset", text::preset)
+        .get("/surface-schema", "The JSON Schema of a surface: keys, units, ranges, defaults, help", text::surface_schema)
+        .get("/surfaces", "The example surfaces", text::surfaces)
+        .get_named("/surfaces/{name}", "An example surface", text::surface)
         .get("/examples", "The example scenarios", text::examples)
         .get_named("/examples/{name}", "An example scenario", text::example)
         .get(
@@ -66,6 +70,9 @@ fn endpoints() -> Endpoints {
             compare::compare,
         )
         .post("/detail", "Sharpness, crosstalk or sparkle of a scenario: tables and figures", detail::detail)
+        .post("/gonio", "A preview of a surface, measured as by papilio gonio: light, audit, waves, figures", gonio::gonio)
+        .events::<_, gonio::GonioEvent, _>("/gonio/full", "A full measurement of a surface, with its progress", gonio::full)
+        .post("/gonio/layers", "The surfaces that are layers of a display", gonio::layers)
         .packed::<_, image::PictureHead, _>(
             "/image",
             "A picture on the display, as the reader sees it in each light of the room: a head in JSON, then the states and 16-bit \

@@ -140,6 +140,20 @@ pub(super) fn example(name: &str) -> Result<Text, Fault> {
     Ok(Text { scenario })
 }
 
+pub(super) fn surface_schema(_: &Site) -> Result<Value, Fault> {
+    Ok(papilio_scenario::surface_schema())
+}
+
+pub(super) fn surfaces(_: &Site) -> Result<Vec<Listed>, Fault> {
+    let listed = |name: String| Some(Listed { summary: summary(&shipped::surface(&name)?), name });
+    Ok(shipped::surfaces().filter_map(listed).collect())
+}
+
+pub(super) fn surface(name: &str) -> Result<Text, Fault> {
+    let scenario = shipped::surface(name).ok_or_else(|| Fault::unknown("surface", name))?;
+    Ok(Text { scenario })
+}
+
 /// Returns the first paragraph of the comment at the beginning of a scenario.
 fn summary(scenario: &str) -> String {
     let lines = scenario.lines().map_while(|line| line.strip_prefix('#')).map(str::trim);

@@ -11,6 +11,7 @@ mod answers;
 mod client;
 mod description;
 mod detail;
+mod gonio;
 mod hostile;
 mod image;
 mod load;

@@ -9,13 +9,12 @@ use crate::{read, root};
 const WORKFLOWS: [&str; 3] = ["check", "release", "site"];
 
 /// First words of steps that need the machines of the workflow: they install what it builds with, or act on the project's pages.
-const ELSEWHERE: [&str; 6] = [
+const ELSEWHERE: [&str; 5] = [
     "rustup target add ",
     "sudo apt-get install ",
     "gh release create ",
     "mkdir python && mv packages/",
     "cargo publish --workspace ",
-    "cargo xtask site",
 ];
 
 fn workflow(name: &str) -> Yaml {

@@ -16,6 +16,7 @@ use papilio_spectra::Spectrum;
 use super::relief::SurfaceRelief;
 use super::{FaceHeights, KnownFace, Resolver};
 use crate::describe::diffuser::FaceOfSurface;
+use crate::edit::{Edit, edit};
 use crate::library::Library;
 use crate::origin::Origin;
 use crate::read::Spanned;
@@ -39,6 +40,19 @@ const MOST_LOBES: usize = 200;
 /// Most rays of a band while a scenario is read: 2 minutes on a processor. And for scenarios in memory: those that a server is given by anyone.
 const MOST_RAYS: u64 = 1_000_000;
 const MOST_RAYS_IN_MEMORY: u64 = 50_000;
+
+/// A surface that is a layer of a display.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayerSurface {
+    /// Path of the layer: `display.layers.0`.
+    pub path: String,
+    /// Name of the file of the surface.
+    pub file: String,
+    /// Names of the files of the surface, relative to the folder of its own.
+    pub inputs: Vec<String>,
+    /// Text of the file with the keys of the layer and the indices of its neighbours.
+    pub text: String,
+}
 
 /// A face whose neighbours are known, and its error.
 type Measured = Result<FaceKernels, Diagnostic>;
@@ -235,8 +249,9 @@ impl Resolver<'_> {
             ("index_below", Some(index[1])),
         ];
         let given = lengths.into_iter().filter_map(|(key, value)| value.map(|value| (key, value)));
+        let given: Vec<(&str, f64)> = given.collect();
         let overrides: Vec<String> =
-            given.map(|(key, value)| format!("microgeometry.{key}={value}")).collect();
+            given.iter().map(|(key, value)| format!("microgeometry.{key}={value}")).collect();
         let library = self.library.beside(name);
         if let Ok(own) = SurfaceScenario::from_text(&text, name, library.clone(), &[])
             && own.is_volume()
@@ -259,6 +274,15 @@ impl Resolver<'_> {
             }
             Ok(surface) => {
                 self.inputs.insert(format!("{path}.surface"), surface.hash.clone());
+                let text = with_keys(&text, &given);
+                let inputs = surface.canonical["inputs"].as_object();
+                let inputs = inputs.into_iter().flat_map(|files| files.keys().cloned()).collect();
+                self.surfaces.push(LayerSurface {
+                    path: path.to_owned(),
+                    file: name.to_owned(),
+                    inputs,
+                    text,
+                });
                 Some(surface)
             }
             Err(errors) => {
@@ -295,6 +319,17 @@ fn heights_of(surface: ResolvedSurface) -> Option<FaceHeights> {
     }
     let relief = SurfaceRelief::new(surface.measurement.surface, surface.is_mirrored)?;
     Some(FaceHeights::Surface(Arc::new(relief)))
+}
+
+/// The text of a surface with other values of keys; how many rays are followed is no property of the surface.
+fn with_keys(text: &str, given: &[(&str, f64)]) -> String {
+    let of_surface = given.iter().filter(|(key, _)| *key != "rays");
+    let set = |(key, value): &(&str, f64)| Edit::Set {
+        path: format!("microgeometry.{key}"),
+        value: (*value).into(),
+    };
+    // The same keys were accepted as overrides.
+    edit(text, &of_surface.map(set).collect::<Vec<_>>()).unwrap_or_else(|_| text.to_owned())
 }
 
 /// A balanced lobe, unless it is known.

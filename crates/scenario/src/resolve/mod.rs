@@ -66,6 +66,7 @@ const MOST_WORK: usize = 8_000_000;
 const MOST_FILMS: usize = 100_000;
 
 pub use image::ImageRequest;
+pub use microgeometry::LayerSurface;
 
 /// Smallest number of paths of a view: 32 replicates with at least one path each.
 const FEWEST_PATHS: u64 = 32;
@@ -78,6 +79,8 @@ pub(crate) struct Found {
     pub(crate) sparkle: Option<Antiglare>,
     /// The picture, if it was requested.
     pub(crate) image: Option<ImageRequest>,
+    /// Surfaces that are layers of the display.
+    pub(crate) surfaces: Vec<LayerSurface>,
     pub(crate) warnings: Vec<String>,
     pub(crate) notes: Vec<String>,
     /// SHA-256 of each file that was read, by its name.
@@ -101,6 +104,8 @@ struct Resolver<'a> {
     unbounded: Vec<unbounded::Unbounded>,
     /// Whether a diffuser that loses light has no described reflection.
     reflects_nothing: bool,
+    /// Surfaces that are layers of the display.
+    surfaces: Vec<LayerSurface>,
     /// Surfaces by their geometry that have heights, by the key of their layer.
     known_faces: Vec<(String, KnownFace)>,
     /// Whether the display has a matrix, and lengths have a purpose besides absorption.
@@ -155,8 +160,9 @@ pub(crate) fn resolve(
         Pictured::Described => resolver.image(file, scene, None),
         Pictured::Given(source) => resolver.image(file, scene, Some(source)),
     });
-    let Resolver { errors, warnings, notes, inputs, .. } = resolver;
-    Ok(Found { scene: errors.finish(scene, sources)?, patterns, sparkle, image, warnings, notes, inputs })
+    let Resolver { errors, surfaces, warnings, notes, inputs, .. } = resolver;
+    let scene = errors.finish(scene, sources)?;
+    Ok(Found { scene, patterns, sparkle, image, surfaces, warnings, notes, inputs })
 }
 
 impl<'a> Resolver<'a> {
@@ -178,6 +184,7 @@ impl<'a> Resolver<'a> {
             inputs: BTreeMap::new(),
             maps: Vec::new(),
             unbounded: Vec::new(),
+            surfaces: Vec::new(),
             known_faces: Vec::new(),
             reflects_nothing: false,
             has_matrix: false,

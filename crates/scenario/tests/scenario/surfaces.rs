@@ -354,3 +354,14 @@ fn surfaces_are_measured_by_rays_or_waves() {
     let (rays, waves) = road("road = \"both\"\n");
     assert!(rays && waves.len() == 7);
 }
+
+/// The schema of a surface has the keys of every kind, with labels, units and ranges.
+#[test]
+fn schema_of_a_surface_describes_every_kind() {
+    let schema = papilio_scenario::surface_schema();
+    let kinds = schema.pointer("/$defs/Microgeometry/oneOf").unwrap().as_array().unwrap();
+    assert_eq!(kinds.len(), 8);
+    let caps = kinds.iter().find(|kind| kind["properties"]["surface"]["const"] == "caps").unwrap();
+    let pitch = &caps["properties"]["pitch_um"];
+    assert!(pitch["title"].is_string() && pitch["x-unit"].as_str().unwrap().ends_with('m'), "{pitch}");
+}

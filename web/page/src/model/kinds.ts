@@ -42,11 +42,24 @@ function coating(table: Table): string {
     : `${films.length} films`;
 }
 
+/** Returns a short description of a surface by its geometry: its file, and the keys that replace those of the file. */
+const surface = (table: Table): string =>
+  [
+    material(table["surface"] ?? table["file"]),
+    ...["pitch_um", "radius_um", "aperture_radius_um", "rms_nm", "correlation_um"].flatMap((key) => {
+      const [, words, unit] = /^(.*)_(um|nm)$/.exec(key)!;
+      return typeof table[key] === "number"
+        ? [`${words!.replaceAll("_", " ")} ${plain(table[key], 4)} ${unit === "um" ? "µm" : unit}`]
+        : [];
+    }),
+  ].join(", ");
+
 /** Returns a short description of a diffuser. */
 function diffuser(table: Table): string {
   const model = textAt(table, "model");
   if (model === "slab") return slab(table);
   if (model === "measured") return material(table["file"]);
+  if (model === "microgeometry") return surface(table);
   if (!model) return medium(table);
   const reflection = isTable(table["reflection"]) ? table["reflection"] : {};
   const entries = [

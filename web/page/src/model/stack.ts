@@ -22,6 +22,10 @@ export interface Film {
   readonly thickness: number | null;
 }
 
+/** The name of a diffuser by its model. */
+const nameOf = ({ model }: Table): string =>
+  model === "slab" ? "Scattering slab" : model === "microgeometry" ? "Surface" : "Diffuser";
+
 function entry(list: string, index: number, value: Json): Layer {
   const table = isTable(value) ? value : {};
   const { name, look } = KINDS[textAt(table, "kind") ?? ""] ?? FRONT;
@@ -29,7 +33,7 @@ function entry(list: string, index: number, value: Json): Layer {
   return {
     path: join(list, index),
     look,
-    name: air ? "Air gap" : name,
+    name: air ? "Air gap" : textAt(table, "model") === "microgeometry" ? nameOf(table) : name,
     note: air ? "" : note(table),
     list,
     index,
@@ -62,7 +66,7 @@ export function layers(fields: Json): Layer[] {
     ? own(
         "display.diffuser",
         diffuser["model"] === "slab" ? "slab" : "diffuser",
-        diffuser["model"] === "slab" ? "Scattering slab" : "Diffuser",
+        nameOf(diffuser),
         note(diffuser),
         true,
       )
@@ -101,6 +105,9 @@ export function freed(fields: Json): Table[] {
   return [...fronts, top, { kind: "medium", index: 1.5, ...glass }];
 }
 
+/** A surface by its geometry. Few rays: they are followed while the scenario is read. */
+const FACE: Table = { model: "microgeometry", surface: "../surfaces/etched.toml", rays: 20_000 };
+
 /** The models of a diffuser, a pixel or an environment, each with valid values. */
 export const MODELS: Record<string, Record<string, Table>> = {
   "display.diffuser": {
@@ -108,6 +115,7 @@ export const MODELS: Record<string, Record<string, Table>> = {
     lambertian: { model: "lambertian", total_transmittance: 0.5 },
     ward: { model: "ward", alpha: 0.1, total_transmittance: 0.9 },
     slab: { model: "slab", optical_thickness: 2, anisotropy: 0.8 },
+    microgeometry: FACE,
   },
   "display.pixel": {
     film: {
@@ -130,6 +138,7 @@ export const MODELS: Record<string, Record<string, Table>> = {
     "k-correlation": { model: "k-correlation", haze: 0.5, total_transmittance: 0.9 },
     lambertian: { model: "lambertian", total_transmittance: 0.5 },
     ward: { model: "ward", alpha: 0.1, total_transmittance: 0.9 },
+    microgeometry: FACE,
   },
   environment: {
     ring: { model: "ring", theta_deg: 35, width_deg: 10 },

@@ -1,17 +1,31 @@
-// Files that are chosen or dropped: scenarios are opened, all others are sent to the server and audited.
+// Files that are chosen or dropped: scenarios and surfaces are opened, all others are sent to the server and audited.
 
 import { add } from "../state/files.ts";
 import { pictureName } from "../state/image.ts";
 import { open } from "../state/open.ts";
+import { open as openSurface } from "../state/surface.ts";
 import { showTab } from "../state/tab.ts";
 
 /** Maximum length of a scenario, bytes; longer files are treated as data. */
 const LONGEST = 256 * 1024;
 
+/** Whether a file is a surface, and not the scenario of a display. */
+const isSurface = (text: string): boolean => /^\s*\[microgeometry\b/m.test(text) && !/^\s*\[+display\b/m.test(text);
+
+/** Shows a surface in its tab. It is also a file that a layer can name. */
+async function takeSurface(file: File, text: string): Promise<void> {
+  if (!(await add(file.name, file))) return showTab("files");
+  showTab("surface");
+  openSurface(text, file.name);
+}
+
 export async function take(given: readonly File[], stays = false): Promise<void> {
   for (const file of given) {
-    if (file.name.endsWith(".toml") && file.size <= LONGEST) await open(await file.text(), file.name);
-    else if (/^image\/(png|jpeg)$/.test(file.type)) {
+    if (file.name.endsWith(".toml") && file.size <= LONGEST) {
+      const text = await file.text();
+      if (isSurface(text)) await takeSurface(file, text);
+      else await open(text, file.name);
+    } else if (/^image\/(png|jpeg)$/.test(file.type)) {
       if (!stays) showTab("image");
       if (await add(file.name, file)) pictureName.value = file.name;
       else showTab("files");

@@ -11,6 +11,8 @@ import { at, listAt, textAt } from "../model/json.ts";
 import { Menu } from "./menu.tsx";
 import { Mends } from "./problems.tsx";
 import { StatesEditor } from "./states.tsx";
+import { facesOf } from "../model/surface.ts";
+import { showLayer } from "../state/surface.ts";
 import { said } from "../state/said.ts";
 import { PRESETS } from "../state/shelf.ts";
 
@@ -209,9 +211,15 @@ function Fields({ path }: { path: string }) {
   if (path === "display.glass.surface") return <Field path={path} />;
   if (Array.isArray(at(fields.value, `${path}.film`))) return <CoatingFields path={path} />;
   const gap = at(fields.value, `${path}.thickness_nm`) === "gap";
+  const face = facesOf(fields.value).find((one) => one.path === path);
   return (
     <>
       <Form path={path} />
+      {face && !face.isKernel && (
+        <button type="button" onClick={() => showLayer(face)}>
+          Show this surface
+        </button>
+      )}
       {gap && <Field path="display.pixel.gap_nm" />}
     </>
   );

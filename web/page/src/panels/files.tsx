@@ -4,6 +4,7 @@ import type { Edit } from "../api/types.ts";
 import { textAt } from "../model/json.ts";
 import { Drawn } from "../plots/figure.tsx";
 import { fields, selected } from "../state/design.ts";
+import { showFile } from "../state/surface.ts";
 import { files, forget, type Dropped } from "../state/files.ts";
 import { edit } from "../state/live.ts";
 import { compareWith } from "./measured.tsx";
@@ -20,6 +21,9 @@ const KINDS: Record<string, string> = {
   profile: "light profile",
   panel: "measured panel",
   picture: "picture",
+  surface: "surface by its geometry",
+  heights: "heights of a surface",
+  mesh: "triangles of a surface",
 };
 
 /** Returns the reason why a use has no effect on the current design, or "". */
@@ -68,6 +72,11 @@ function File({ file }: { file: Dropped }) {
                 Compare with the design
               </button>
             )}
+            {(audit.kind === "heights" || audit.kind === "mesh") && (
+              <button type="button" class="run" onClick={() => showFile(file.name, audit.kind)}>
+                Use as a surface
+              </button>
+            )}
             {[...asFilm(file), ...audit.edits].map(({ label, edits }) => (
               <span key={label}>
                 <button type="button" class="run" disabled={idle(edits) !== ""} onClick={() => edit(edits)}>
@@ -100,7 +109,8 @@ export function FilesPanel() {
         <FileButton label="Choose files" />
         <span class="remark">
           or drop files anywhere on the page: BSDFs (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light
-          maps, IES luminaires, measured panels, pictures. The files stay on this machine.
+          maps, IES luminaires, measured panels, pictures, surfaces and heights of profilometers. The files stay on this
+          machine.
         </span>
       </div>
       {files.value.map((file) => (

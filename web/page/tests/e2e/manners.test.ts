@@ -25,7 +25,7 @@ async function violations(page: Page): Promise<string[]> {
   });
 }
 
-const TABS = ["image", "states", "angles", "cone", "detail", "energy", "reading", "walk", "sweep", "compare", "files"];
+const TABS = ["image", "states", "angles", "cone", "detail", "energy", "reading", "walk", "surface", "sweep", "compare", "files"];
 
 for (const colorScheme of ["light", "dark"] as const) {
   test(`page has no axe violations, ${colorScheme}`, async () => {

@@ -20,7 +20,7 @@ const found = (candidates: (string | undefined)[], what: string): string => {
   return one;
 };
 
-const PAPILIO = found(
+export const PAPILIO = found(
   [process.env["PAPILIO"], join(ROOT, "target/release/papilio"), join(ROOT, "target/debug/papilio")],
   "papilio",
 );
