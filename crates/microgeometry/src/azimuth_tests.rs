@@ -149,7 +149,7 @@ fn largest_deviation(found: &AzimuthKernel, expected: &[Vec<f64>], to: impl Fn(u
 /// Inclined facets send light to azimuths of a closed form; mirrored or turned azimuths are not those.
 #[test]
 fn oblique_prisms_have_the_closed_form_by_azimuth() {
-    let found = kernel(&goniometer(16, 800, 3), &oblique_prisms());
+    let found = kernel(&goniometer(16, 400, 3), &oblique_prisms());
     let count = found.patches.azimuths();
     let at = |to: usize, of: fn(usize, usize) -> usize| to / count * count + of(to % count, count) % count;
     // Up to 20 deg, no light is shadowed.
@@ -268,7 +268,9 @@ fn random_maps_obey_the_laws_by_azimuth() {
         assert_student("energy of patches", &known, 0.25 * known.len() as f64);
         assert!(
             audit.reciprocity_tests > 250 && (0.8..1.2).contains(&audit.reciprocity_z_rms),
-            "map {number}: {audit:?}"
+            "map {number}: {} of {}",
+            audit.reciprocity_z_rms,
+            audit.reciprocity_tests
         );
         let (patches, count) = (&found.patches, found.patches.count());
         for (patch, row) in found.scattered.chunks_exact(count).enumerate() {
