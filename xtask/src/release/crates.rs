@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{copy, folder, replace, version};
 use crate::page;
-use crate::shell::{self, Outcome, cargo};
+use crate::shell::{self, Outcome, cargo, command};
 
 /// Packs and compiles all crates that can be published.
 pub(super) fn make() -> Outcome {
@@ -19,9 +19,14 @@ pub(super) fn make() -> Outcome {
     publish.arg(&target);
     // Neither debug lines nor traces of what changed: each crate is compiled once.
     publish.env("CARGO_PROFILE_DEV_DEBUG", "0").env("CARGO_INCREMENTAL", "0");
-    // On a tag there is no change; a developer wants to know before he commits.
-    if std::env::var_os("CI").is_none() {
-        publish.arg("--allow-dirty");
+    // The page is not in git, which is why cargo takes it for a change that was not committed. Others are refused where it matters.
+    publish.arg("--allow-dirty");
+    if std::env::var_os("CI").is_some() {
+        let status = shell::run_apart(command("git", ["status", "--porcelain"]));
+        status.outcome?;
+        if !status.texts[0].is_empty() {
+            return Err(format!("these files differ from the commit:\n{}", status.texts[0]));
+        }
     }
     shell::run(publish)?;
     replace(|name| name.ends_with(".crate"))?;
