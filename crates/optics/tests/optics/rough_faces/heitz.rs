@@ -93,6 +93,13 @@ impl Face {
                 let leaves = self.leaves(&walker);
                 *share = left * leaves;
                 left -= *share;
+                // Little light goes on by chance: a walker that leaves almost surely hardly meets a microfacet.
+                if left < 0.1 {
+                    left = if draws.draw() < 10.0 * left { 0.1 } else { 0.0 };
+                }
+                if left == 0.0 {
+                    break;
+                }
                 walker.height = self.next_height(&walker, leaves, &mut draws);
             }
             found[2] = left;

@@ -83,8 +83,7 @@ fn returned_light_equals_random_walk_over_microfacets() {
 }
 
 /// Light along the normal of a white metal: shares that leave after one, two and more microfacets, from a separate code of Heitz's algorithm, with standard
-/// errors of about 0.0008. The walk of these tests has all of them; the solution on a grid has the first, for an index at which Fresnel's reflectance is 1 within
-/// 1e-5.
+/// errors of about 0.0008, against the walk of these tests. The solution on a grid is one of dielectric faces, and has no white metal.
 #[test]
 fn orders_of_a_white_metal_equal_random_walk_over_microfacets() {
     use Distribution::{Beckmann, Ggx};
@@ -102,10 +101,6 @@ fn orders_of_a_white_metal_equal_random_walk_over_microfacets() {
             let what = format!("{distribution:?} {alpha}: {found} +- {error}, {expected}");
             assert!((found - expected).abs() < 4.0 * error.hypot(0.0008), "{what}");
         }
-        let metal = Rough::with(distribution, alpha, 1.0, 1e6);
-        let [back, across] = metal.several(Side::Above, 0.0);
-        let once = 1.0 - back - across;
-        assert!((once - published[0]).abs() < 0.0008 + 0.0009, "{distribution:?} {alpha}: {once}");
     }
 }
 
