@@ -4,7 +4,7 @@
 //! at the top of the repository, so that users find them there; this crate is therefore the package at the top.
 //!
 //! - [`paths`]: the path of each file, from the top of the repository;
-//! - [`file`]: the content of a file.
+//! - [`file()`]: the content of a file.
 //!
 //! ```
 //! let indoor = papilio_examples::file("scenarios/indoor.toml").expect("the first example of the README");

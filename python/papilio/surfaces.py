@@ -30,7 +30,7 @@ class Surface(_Written):
     [band of arrival, band of departure, azimuth]. With ``azimuth_deg``, ``found["phi_deg"]`` are the azimuths of the light,
     ``found["reflected_by_azimuth"]`` and so on have the shape [side, inclination, azimuth], and ``found["scattered_by_azimuth"]`` has the shape
     [band of arrival, its azimuth, band of departure, its azimuth]. By waves: ``found["wavelength_nm"]``, ``found["straight"]``, ``found["mirror"]``, ``found["haze"]``
-    and the other columns of ``waves.csv`` have the shape [wavelength] and are those of light along the normal from above; "haze_closed_form" is NaN
+    and the other columns of ``waves.csv`` but ``reflected`` and ``transmitted`` have the shape [wavelength] and are those of light along the normal from above; "haze_closed_form" is NaN
     without one. Those of all inclinations are ``found["waves_haze"]`` and so on, shape [side, inclination, wavelength], with ``found["waves_theta_deg"]``,
     shape [inclination]; NaN, or "" in "waves_holds", where nothing is transmitted. Arrays are read-only. It can be copied and pickled.
     """
@@ -147,7 +147,8 @@ def _by_waves(rows: list[dict[str, Any]]) -> dict[str, NDArray[Any]]:
 
     along = [row for row in rows if row["from"] == "above" and row["theta_deg"] == 0]
     names = [name for name in rows[0] if name not in ("from", "theta_deg")]
-    arrays = {name: column(name, along) for name in names}
+    # Those of rays have the names `reflected` and `transmitted`; along the normal, both are Fresnel's.
+    arrays = {name: column(name, along) for name in names if name not in ("reflected", "transmitted")}
     # The normal from above stands first, whether or not it is one of the inclinations.
     known = {(row["from"], row["theta_deg"], row["wavelength_nm"]): row for row in rows}
     theta_deg = list(dict.fromkeys(row["theta_deg"] for row in rows if row["from"] == "below"))
