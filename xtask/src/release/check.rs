@@ -102,7 +102,8 @@ fn runs(mut program: Command) -> Outcome {
     shell::run_and_read(program, Some(&mut |line| printed.push(line.to_owned())))?;
     let readme = shell::root().join("README.md");
     let text = fs::read_to_string(&readme).map_err(|error| format!("README.md: {error}"))?;
-    let block = text.split("```\n").find(|block| block.starts_with("Indoor reading"));
+    let mut blocks = text.split("```text\n").skip(1).filter_map(|rest| Some(rest.split_once("```")?.0));
+    let block = blocks.find(|block| block.starts_with("Indoor reading"));
     let expected = block.ok_or("README.md does not show the output of its first command")?;
     let expected = expected.lines().filter(|line| !line.is_empty() && line.trim() != "...");
     for line in expected {
