@@ -149,6 +149,7 @@ fn finish(
     let title =
         search.spec().title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
     let names = interrupt::uninterrupted(|| write(arguments, folder, &title, search, found, chosen))?;
+    let is_feasible = chosen.iter().any(SelectedDesign::meets_limits);
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         let all = report::json(&title, search, chosen, found, comparison);
@@ -161,7 +162,8 @@ fn finish(
                 ["best design", "adding", "Monte Carlo", "standard error"].map(str::to_owned).to_vec();
             let rows: Vec<Vec<String>> =
                 std::iter::once(titles).chain(comparison.iter().map(SolverComparison::row)).collect();
-            write!(stdout, "\nthe best design by both solvers\n{}", crate::report::table(&rows))?;
+            let which = if is_feasible { "best" } else { "nearest" };
+            write!(stdout, "\nthe {which} design by both solvers\n{}", crate::report::table(&rows))?;
         }
     }
     stdout.flush()?;
@@ -169,7 +171,7 @@ fn finish(
     if chosen.is_empty() {
         return Err(Failure::Infeasible("no design could be evaluated, because its metrics are undefined"));
     }
-    if !chosen.iter().any(SelectedDesign::meets_limits) {
+    if !is_feasible {
         return Err(Failure::Infeasible(
             "no feasible design was found; closest.toml contains the design with the smallest violation of the constraints",
         ));
