@@ -104,9 +104,9 @@ test("search by keyboard opens the section that is meant", async () => {
 const QUESTIONS = [
   ["haze of a diffuser", "diffusers.html"],
   ["named materials", "films.html"],
-  ["material of my own", "first-steps.html"],
+  ["material of my own", "how-to/own-material.html"],
   ["yield production tolerance", "tolerance.html"],
-  ["contrast ratio", "metrics.html"],
+  ["contrast ratio", "metric-names.html"],
   ["standard error monte carlo", "monte-carlo.html"],
   ["zemax bsdf", "bsdf-files.html"],
   ["crosstalk sub-pixel", "crosstalk.html"],
