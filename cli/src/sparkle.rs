@@ -57,6 +57,7 @@ fn text(title: &str, result: &SparkleResult) -> String {
         "view, deg",
         "gap, mm",
         "correlation, um",
+        "details, um",
         "slope",
         "PPD, %",
         "by the matrix, %",
@@ -99,7 +100,8 @@ fn cells(row: &SparkleRow) -> Vec<String> {
     vec![
         view,
         format!("{:.4}", row.gap_mm),
-        format!("{:.2}{}", row.correlation_um, if row.is_beyond_rays() { "*" } else { "" }),
+        format!("{:.2}", row.correlation_um),
+        format!("{:.2}{}", row.detail_um, if row.is_beyond_rays() { "*" } else { "" }),
         format!("{:.4}", row.slope_rms),
         percent(row.ppd, row.standard_error),
         percent(row.ppd_matrix, row.ppd_matrix_error),

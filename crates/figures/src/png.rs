@@ -1,6 +1,6 @@
 //! PNG images of the SVG figures.
 //!
-//! Only the fonts in `fonts/` are used, so that a figure has the same pixels on
+//! Only the fonts of `papilio_imaging::text` are used, so that a figure has the same pixels on
 //! every machine. Characters that they lack are omitted.
 //!
 //! The rasteriser is compiled with the feature `png`, which builds of the programs have by default.

@@ -150,7 +150,7 @@ fn evanescent(lobes: &Lobes, way: &Way) -> f64 {
     (0..steps).map(at).sum::<f64>() / f64::from(steps)
 }
 
-/// The density is that of both directions alike: from a to b as from b to a, in both ways, from both sides.
+/// The density is symmetric in both directions: from a to b as from b to a, in both ways, from both sides.
 #[test]
 fn two_angle_lobes_are_reciprocal_and_one_angle_lobes_are_not() {
     let spectrum = Spectrum::Gaussian { rms_um: 0.2, correlation_um: 1.5 };
