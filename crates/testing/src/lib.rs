@@ -14,4 +14,4 @@ pub use chi_square::ChiSquare;
 pub use dice::Dice;
 pub use laws::laws;
 pub use scores::{Bounds, assert_student, mean_and_error, mean_square_bounds};
-pub use seeds::{assert_unbiased, assert_unbiased_over, everyday, seeds};
+pub use seeds::{assert_unbiased, assert_unbiased_over, everyday, seeds, sized};

@@ -15,11 +15,21 @@ pub fn seeds() -> u64 {
         .map_or(EVERYDAY, |more| more.parse().expect("PAPILIO_SEEDS must be an integer"))
 }
 
-/// Returns the first `count` of these cases, or all of them where `PAPILIO_SEEDS` is set: for cases that take seconds each. Those
-/// that have most in common with the others come last.
+/// True in `cargo xtask full`, which sets `PAPILIO_SEEDS`.
+fn is_full() -> bool {
+    std::env::var_os("PAPILIO_SEEDS").is_some()
+}
+
+/// Returns the first `count` of these cases, or all of them in `cargo xtask full`: for cases that take seconds each. Those that have
+/// most in common with the others come last.
 pub fn everyday<T>(count: usize, cases: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
-    let all = std::env::var_os("PAPILIO_SEEDS").is_some();
-    cases.into_iter().take(if all { usize::MAX } else { count })
+    cases.into_iter().take(if is_full() { usize::MAX } else { count })
+}
+
+/// Returns `everyday`, or `full` in `cargo xtask full`: the number of samples, the resolution or the bound of a test that takes
+/// long. With the everyday value, too, the test must reject a wrong program.
+pub fn sized<T>(everyday: T, full: T) -> T {
+    if is_full() { full } else { everyday }
 }
 
 /// Tests over many seeds that the estimates of a quantity scatter around the true value in accordance with
