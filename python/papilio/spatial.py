@@ -428,7 +428,7 @@ def sparkle(
         PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
 
     Example:
-        >>> glitter = papilio.sparkle("scenarios/antiglare.toml", set={"sparkle.replicates": 8, "sparkle.correlation_um": [15, 30]})
+        >>> glitter = papilio.sparkle("scenarios/antiglare.toml", set={"sparkle.replicates": 4, "sparkle.correlation_um": [40, 60]})
         >>> glitter["ppd"].shape, bool((glitter["ppd"] > 0.001).all())
         ((2,), True)
     """

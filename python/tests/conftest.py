@@ -7,6 +7,9 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
+#: True in `cargo xtask full`: everything, however long it takes.
+FULL = "PAPILIO_DOCS_ALL" in os.environ
+
 
 @pytest.fixture
 def scenarios() -> Path:

@@ -18,6 +18,7 @@ from papilio import ArgumentError, ClusterError, DesignError, _batches, cluster
 from papilio._batches import Question
 
 distributed = pytest.importorskip("distributed")
+dask = pytest.importorskip("dask")
 
 #: Number of designs in the long test; `cargo xtask python` uses 100000.
 DESIGNS = int(os.environ.get("PAPILIO_DESIGNS", "144"))
@@ -30,6 +31,14 @@ METRICS = ["gamut_percent_srgb", "white.Y"]
 @pytest.fixture
 def indoor(scenarios):
     return papilio.Scenario.load(scenarios / "indoor.toml")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def idle_workers_rest():
+    """Half of the processor time of a worker is its watching itself: its profile, its clock and its use of the machine."""
+    watch = {"distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s", "distributed.admin.system-monitor.interval": "10s"}
+    with dask.config.set(watch):
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -209,8 +218,13 @@ def test_search_is_resumed_from_journal(sought, client, scenarios, program, tmp_
     assert journal.read_bytes() == kept
 
 
+def closing_cluster():
+    """One worker, in a thread: it starts sooner than a process. Its messages are as those of a process."""
+    return distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp://", dashboard_address=":0")
+
+
 def test_search_on_closed_cluster_raises_error(sought, tmp_path):
-    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as workers:
+    with closing_cluster() as workers:
         client = distributed.Client(workers)
 
         def close(_):
@@ -308,7 +322,7 @@ def test_worker_with_other_version_or_files_is_refused(tmp_path):
 
 
 def test_cluster_closed_during_evaluation_raises_error(indoor, tmp_path):
-    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as workers:
+    with closing_cluster() as workers:
         client = distributed.Client(workers)
 
         def close(_):

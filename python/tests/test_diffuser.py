@@ -7,15 +7,17 @@ import warnings
 
 import numpy as np
 import pytest
+from conftest import ROOT
 
 import papilio
 from papilio import ArgumentError, FileError
 from papilio.diffuser import Diffuser, lobe_names
 
 
-@pytest.fixture
-def h78(scenarios):
-    return Diffuser(scenarios / "data" / "H78.bsdf")
+@pytest.fixture(scope="module")
+def h78():
+    """One measurement for all tests: its audit takes a second."""
+    return Diffuser(ROOT / "scenarios" / "data" / "H78.bsdf")
 
 
 def printed(program, *arguments):
@@ -66,9 +68,9 @@ def test_invalid_arguments_and_files_are_named(h78, tmp_path, scenarios):
     assert "GGX" in lobe_names()
 
 
-def test_measurement_as_arrays(scenarios, tmp_path):
+def test_measurement_as_arrays(h78, tmp_path):
     pytest.importorskip("xarray")
-    foil = Diffuser(scenarios / "data" / "H78.bsdf")
+    foil = h78
     arrays = foil.to_xarray().front_transmission
     assert arrays.attrs["units"] == "1/sr" and arrays.incidence_deg.attrs["units"] == "degree"
     np.testing.assert_array_equal(arrays.values, foil["front transmission"])
@@ -81,10 +83,10 @@ def test_measurement_as_arrays(scenarios, tmp_path):
     assert copy.to_bytes() == foil.to_bytes() and copy.audit() == foil.audit()
 
 
-def test_arrays_make_the_same_measurement(scenarios):
+def test_arrays_make_the_same_measurement(h78, scenarios):
     """A file's own arrays give a measurement with the same audit, and the same display."""
     pytest.importorskip("xarray")
-    foil = Diffuser(scenarios / "data" / "H78.bsdf")
+    foil = h78
     arrays = foil.to_xarray().front_transmission
     axes = {name: arrays[name].values for name in ("rotation_deg", "incidence_deg", "azimuth_deg", "radial_deg")}
     made = Diffuser.from_arrays(arrays.values, axes, channels=list(arrays.channel.values))

@@ -9,7 +9,7 @@ import pytest
 import papilio
 from papilio import ArgumentError, Scenario, ScenarioError, _papilio
 
-FEW = {"tolerance.samples": 64}
+FEW = {"tolerance.samples": 64, "tolerance.sensitivity_samples": 16}
 
 
 @pytest.fixture(scope="module")

@@ -32,7 +32,7 @@ def results():
             "Optimum": papilio.optimize(ROOT / "scenarios" / "optimize.toml", set={"optimize.evaluations": 20, "optimize.starts": 1}),
             "Mtf": papilio.mtf(ROOT / "scenarios" / "matrix.toml", set=COARSE),
             "Crosstalk": papilio.crosstalk(ROOT / "scenarios" / "matrix.toml", set=COARSE),
-            "Sparkle": papilio.sparkle(ROOT / "scenarios" / "antiglare.toml", set={"sparkle.replicates": 4, "sparkle.correlation_um": 15} | COARSE),
+            "Sparkle": papilio.sparkle(ROOT / "scenarios" / "antiglare.toml", set={"sparkle.replicates": 2, "sparkle.correlation_um": 60} | COARSE),
             "Diffuser": papilio.diffuser.Diffuser(ROOT / "scenarios" / "data" / "H78.bsdf"),
         }
 

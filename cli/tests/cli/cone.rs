@@ -11,7 +11,8 @@ fn cone_option_adds_cone_files_and_png_option_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let out = ["--out", folder.path().to_str().unwrap()];
     let png: &[&str] = if HAS_PNG { &["--png"] } else { &[] };
-    let output = run("indoor", &[&out[..], &COARSE, &["--cone"], png].concat());
+    let view = ["--set", "viewer.theta_deg=8", "--set", "viewer.phi_deg=0"];
+    let output = run("indoor", &[&out[..], &COARSE, &view, &["--cone"], png].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let printed = String::from_utf8(output.stdout).unwrap();
     assert!(printed.contains("cone: 90 x 72 directions"), "{printed}");
@@ -21,30 +22,21 @@ fn cone_option_adds_cone_files_and_png_option_pictures() {
         let expected = HAS_PNG || !name.ends_with(".png");
         assert_eq!(there.iter().any(|n| n == name), expected, "{name} among {there:?}");
     }
-    let rows = fs::read_to_string(folder.path().join("cone.csv")).unwrap();
-    assert_eq!(rows.lines().count(), 1 + 90 * 72 * 8);
-    // The next run has none: the old one's would be mistaken for its own.
-    assert!(run("indoor", &[&out[..], &COARSE].concat()).status.success());
-    assert!(names(folder.path()).iter().all(|name| !name.starts_with("cone") && !name.ends_with(".png")));
-}
-
-/// The cone at the scenario's own view says what the run says.
-#[test]
-fn cone_equals_run_of_the_same_view() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = ["--out", folder.path().to_str().unwrap(), "--cone"];
-    let view = ["--set", "viewer.theta_deg=8", "--set", "viewer.phi_deg=0"];
-    assert!(run("indoor", &[&out[..], &COARSE, &view].concat()).status.success());
+    // At the scenario's own view, the cone says what the run says.
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let rows = read("cone.csv");
+    assert_eq!(rows.lines().count(), 1 + 90 * 72 * 8);
     let result: serde_json::Value = serde_json::from_str(&read("result.json")).unwrap();
     let white = &result["views"][0]["states"]["white"];
-    let csv = read("cone.csv");
-    let row: Vec<&str> = csv.lines().find(|row| row.starts_with("8,0,white,")).unwrap().split(',').collect();
+    let row: Vec<&str> = rows.lines().find(|row| row.starts_with("8,0,white,")).unwrap().split(',').collect();
     for (cell, key) in row[3..7].iter().zip(["Y", "luminance_cd_m2", "u_prime", "v_prime"]) {
         let (cell, value): (f64, f64) = (cell.parse().unwrap(), white[key].as_f64().unwrap());
         // Two levels of discretisation may differ by the target of either.
         assert!((cell - value).abs() < 2e-3 * value, "{key}: {cell} in the cone, {value} in the run");
     }
+    // The next run has none: the old one's would be mistaken for its own.
+    assert!(run("indoor", &[&out[..], &COARSE].concat()).status.success());
+    assert!(names(folder.path()).iter().all(|name| !name.starts_with("cone") && !name.ends_with(".png")));
 }
 
 #[test]

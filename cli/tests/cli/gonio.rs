@@ -68,16 +68,16 @@ fn a_surface_is_measured_by_azimuth() {
     let here = folder.path();
     let measured = |out: &str, azimuth: &str| {
         let mut command = papilio();
-        command.current_dir(here).arg("gonio").arg(&surface).args(["--set", "microgeometry.rays=3200"]);
+        command.current_dir(here).arg("gonio").arg(&surface).args(["--set", "microgeometry.rays=640"]);
         command
             .args(["--set", "microgeometry.incidence_deg=[30]", "--set"])
             .arg(format!("microgeometry.azimuth_deg={azimuth}"));
         command.args(["--out", out]).output().unwrap()
     };
-    let output = measured("face", "45");
+    let output = measured("face", "90");
     assert!(output.status.success(), "{}", stderr(&output));
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("by azimuth, steps of 45 deg: kernel of 736 x 736 patches"), "{text}");
+    assert!(text.contains("by azimuth, steps of 90 deg: kernel of 368 x 368 patches"), "{text}");
     let own = ["audit.json", "azimuths.svg", "face.npz", "totals.csv", "totals.svg", "totals_by_azimuth.csv"];
     assert_eq!(names(&here.join("face")), own);
     let totals = fs::read_to_string(here.join("face/totals_by_azimuth.csv")).unwrap();
@@ -86,8 +86,8 @@ fn a_surface_is_measured_by_azimuth() {
         lines[0][..6],
         ["from", "theta_deg", "phi_deg", "reflected", "reflected_beyond", "transmitted"]
     );
-    assert_eq!(lines.len(), 1 + 2 * 8);
-    for line in &lines[9..] {
+    assert_eq!(lines.len(), 1 + 2 * 4);
+    for line in &lines[5..] {
         let is_along = ["90", "270"].contains(&line[2]);
         assert_eq!((line[0], line[5] == "0"), ("below", is_along), "{line:?}");
     }
@@ -98,7 +98,7 @@ fn a_surface_is_measured_by_azimuth() {
     let none = here.join("prisms.toml");
     let text = fs::read_to_string(&surface)
         .unwrap()
-        .replace("azimuth_deg = 15\n", "rays = 3200\nincidence_deg = [30]\n");
+        .replace("azimuth_deg = 15\n", "rays = 640\nincidence_deg = [30]\n");
     fs::write(&none, text).unwrap();
     fs::copy(surface.with_extension("obj"), here.join("prisms.obj")).unwrap();
     let output =
@@ -123,7 +123,7 @@ fn a_surface_is_measured_by_azimuth() {
     let ((views, notes), (same, none)) = (run("face/face.npz"), run("turned/face.npz"));
     assert_eq!(views, same);
     assert!(
-        notes.contains("in steps of 45 deg; a layer of a display uses its mean over all azimuths"),
+        notes.contains("in steps of 90 deg; a layer of a display uses its mean over all azimuths"),
         "{notes}"
     );
     assert!(!none.contains("azimuth"), "{none}");
@@ -156,7 +156,8 @@ fn an_interrupted_measurement_is_resumed() {
     let child = command(&resumed, &[]).spawn().unwrap();
     let journal = resumed.join("gonio.jsonl");
     while fs::read(&journal).unwrap_or_default().iter().filter(|byte| **byte == b'\n').count() < 3 {
-        std::thread::sleep(Duration::from_millis(1));
+        // A journal has a megabyte for each part: reading it often takes as long as the rays.
+        std::thread::sleep(Duration::from_millis(20));
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
@@ -185,12 +186,15 @@ fn an_interrupted_measurement_is_resumed() {
 fn a_measurement_that_fails_leaves_no_folder() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("s.toml");
-    let text = "[microgeometry]\nsurface = \"height-map\"\nfile = \"heights.csv\"\n\
+    let text = "[microgeometry]\nsurface = \"height-map\"\nfile = \"heights.npy\"\n\
                 pixel_um = [1.0]\nroad = \"waves\"\nindex_above = 1.0\nindex_below = 1.5\n";
     fs::write(&file, text).unwrap();
     // More heights than a phase screen may have.
-    let row = vec!["0.1"; 2100].join(",") + "\n";
-    fs::write(folder.path().join("heights.csv"), row.repeat(2100)).unwrap();
+    let head = "{'descr': '<f4', 'fortran_order': False, 'shape': (2100, 2100), }";
+    let head = format!("{head:<117}\n");
+    let heights = 0.1_f32.to_le_bytes().repeat(2100 * 2100);
+    let file_of_heights = [b"\x93NUMPY\x01\0\x76\0", head.as_bytes(), &heights].concat();
+    fs::write(folder.path().join("heights.npy"), file_of_heights).unwrap();
     let out = folder.path().join("out");
     let output = papilio().arg("gonio").arg(&file).arg("--out").arg(&out).output().unwrap();
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));

@@ -111,9 +111,11 @@ fn part_of_a_scan_is_stated_in_the_scenario_and_on_the_command_line() {
         out.contains("Reflection from the front") && err.contains("--part front-transmission"),
         "{out}{err}"
     );
-    for arguments in
-        [&["inspect", "scan.csv"][..], &["convert", "scan.csv", "film.csv"], &["fit", "scan.csv"]]
-    {
+    for arguments in [
+        &["inspect", "scan.csv"][..],
+        &["convert", "scan.csv", "film.csv"],
+        &["fit", "scan.csv", "--model", "k-correlation-3"],
+    ] {
         let all = [&["diffuser"], arguments, &["--part", "front-transmission"]].concat();
         let (out, err) = done(here, &all);
         assert!(err.contains("normal incidence"), "{err}");

@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use papilio_testing::sized;
+
 use crate::common::{names, papilio_command as papilio, scenario, stderr};
 
 fn run(more: &[&str]) -> std::process::Output {
@@ -92,7 +94,9 @@ fn sharpness_is_a_metric_of_sweeps_and_searches() {
     };
     assert!((at("0.5", "white.mtf_nyquist_x") - 0.526_884).abs() < 2e-5, "{table}");
     assert!(at("0.1", "line_contrast_white_1_x") > at("0.8", "line_contrast_white_1_x"), "{table}");
-    let (output, out) = run("optimize", &coarse);
+    // The check by the other solver walks five seconds.
+    let short = ["--no-check", "--set", "optimize.starts=1", "--set", "optimize.evaluations=20"];
+    let (output, out) = run("optimize", &[&coarse[..], sized(&short[..], &[])].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let best = fs::read_to_string(out.join("best.toml")).unwrap();
     assert!(best.contains("thickness_mm = 0.537"), "{best}");
@@ -103,7 +107,10 @@ fn sharpness_is_a_metric_of_sweeps_and_searches() {
     let values: Vec<Vec<f64>> =
         lines.map(|line| line.split_whitespace().filter_map(|cell| cell.parse().ok()).collect()).collect();
     assert!((values[0][0] - 0.526_884).abs() < 2e-5 && (values[0][1] - 0.5).abs() < 1e-3, "{printed}");
-    assert!((values[1][0] - 0.5).abs() < 1e-3 && (values[1][1] - 0.5).abs() < 0.01, "{printed}");
+    assert_eq!(values.len(), sized(1, 2), "{printed}");
+    if let Some(checked) = values.get(1) {
+        assert!((checked[0] - 0.5).abs() < 1e-3 && (checked[1] - 0.5).abs() < 0.01, "{printed}");
+    }
     let (output, _) = run("sweep", &["--set", "sweep.metrics=[\"ppd\"]"]);
     assert!(!output.status.success() && stderr(&output).contains("[sparkle]"), "{}", stderr(&output));
 }
@@ -112,7 +119,7 @@ fn sharpness_is_a_metric_of_sweeps_and_searches() {
 #[test]
 fn sharpness_below_a_face_by_waves_is_left_to_monte_carlo() {
     let mtf = |solver: &[&str]| {
-        let sets = ["--set", "spectrum.step_nm=100", "--set", "viewer.theta_deg=8", "--json"];
+        let sets = ["--set", "spectrum.step_nm=400", "--set", "viewer.theta_deg=8", "--json"];
         papilio().arg("mtf").arg(scenario("hazy-face")).args(sets).args(solver).output().unwrap()
     };
     let refused = mtf(&[]);

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use papilio_testing::sized;
 use serde_json::Value;
 
 use crate::common::{files, papilio, place, same, stderr, stdout};
@@ -195,7 +196,6 @@ fn known_samples_are_not_computed_again() {
     assert_eq!(computed(&["tolerance.seed=1", "tolerance.samples=64"]), 64);
 }
 
-/// A change of the text, and words of the message that it causes.
 /// Another distribution keeps the journal of the previous one; when the change is undone, nothing is computed.
 #[test]
 fn changed_distribution_sets_the_journal_aside() {
@@ -220,6 +220,7 @@ fn changed_distribution_sets_the_journal_aside() {
 
 #[test]
 fn mistakes_are_reported_with_their_place() {
+    // A change of the text, and words of the message that it causes.
     let cases: &[(&str, &str, &[&str])] = &[
         ("normal = { sigma = 0.3 }", "normal = { sigma = -1 }", &["s.toml:25:20", "-1 is out of range"]),
         (
@@ -292,21 +293,30 @@ fn mistakes_are_reported_with_their_place() {
     assert!(stderr(&output).contains("the scenario has no `[tolerance]`"), "{}", stderr(&output));
 }
 
-/// docs/tolerance.md states the results of the shipped example.
+/// docs/tolerance.md states the results of the shipped example. Every day, a smaller production agrees with it within errors: a yield that
+/// is wrong by 8 % is detected.
 #[test]
 fn numbers_in_docs_equal_those_of_the_example() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let (_folder, _, out) = place("");
     let file = root.join("scenarios/tolerance.toml");
     let without = ["--set", "tolerance.sensitivity_samples=0", "--json"];
-    let output = papilio(&[&["tolerance", file.to_str().unwrap(), "--out", &out], &without[..]].concat());
+    let few = sized(&["--set", "tolerance.samples=256"][..], &[]);
+    let output =
+        papilio(&[&["tolerance", file.to_str().unwrap(), "--out", &out], &without[..], few].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     let share = &found["verdict"]["yield_share"];
-    let percent = |key: &str| format!("{:.1}", 100.0 * share[key].as_f64().unwrap());
-    let said = format!("{} ± {} %", percent("value"), percent("standard_error"));
+    let [found, error] = ["value", "standard_error"].map(|key| 100.0 * share[key].as_f64().unwrap());
     let docs = fs::read_to_string(root.join("docs/tolerance.md")).unwrap();
-    assert!(docs.contains(&said), "{said}");
+    let (_, said) = docs.split_once("1024 displays, of which ").unwrap();
+    let (said, _) = said.split_once(" % are good").unwrap();
+    if few.is_empty() {
+        assert_eq!(said, format!("{found:.1} ± {error:.1}"));
+    } else {
+        let said: f64 = said.split(' ').next().unwrap().parse().unwrap();
+        assert!(error < 2.0 && (said - found).abs() < 4.0 * error, "{said}: {found} {error}");
+    }
 }
 
 /// A changed digit in a line that is still JSON is detected; when the line is removed, its sample is computed again.

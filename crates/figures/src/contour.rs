@@ -78,11 +78,17 @@ impl PolarField {
     /// Side 2 k goes from node k outwards, side 2 k + 1 to the next column.
     fn links(&self, level: f64) -> Vec<Option<usize>> {
         let mut next = vec![None; 2 * self.values.len()];
+        let inside: Vec<bool> = self.values.iter().map(|value| *value >= level).collect();
         let rows = self.values.len() / self.columns.max(1);
         let cell_columns = if self.periodic { self.columns } else { self.columns - 1 };
         for i in 0..rows.saturating_sub(1) {
             for j in 0..cell_columns {
                 let right = (j + 1) % self.columns;
+                let (a, b) = (i * self.columns + j, i * self.columns + right);
+                // Most cells are not crossed.
+                if [inside[b], inside[a + self.columns], inside[b + self.columns]] == [inside[a]; 3] {
+                    continue;
+                }
                 let corners =
                     [(i, j), (i, right), (i + 1, right), (i + 1, j)].map(|(i, j)| i * self.columns + j);
                 let sides = [2 * corners[0] + 1, 2 * corners[1], 2 * corners[3] + 1, 2 * corners[0]];

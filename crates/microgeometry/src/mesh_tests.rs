@@ -1,7 +1,7 @@
 //! Meshes against height maps, exact caps and corner cubes, and what they refuse.
 
 use papilio_sampling::{SampleStream, Sampler};
-use papilio_testing::{Dice, assert_student, mean_and_error};
+use papilio_testing::{Dice, assert_student, mean_and_error, sized};
 
 use crate::bands::Bands;
 use crate::goniometer::start;
@@ -201,7 +201,7 @@ fn fine_meshes_of_hemispheres_are_caps() {
         mesh.notes()
     );
     let exact = Caps { pitch_um: pitch, radius_um: radius, aperture_um: radius, lattice: Lattice::Square };
-    let of = goniometer(Coating::None, &[0.0, 60.0], 1500);
+    let of = goniometer(Coating::None, &[0.0, 60.0], sized(700, 1500));
     let [mesh, exact] = [Surface::Mesh(mesh), Surface::Caps(exact)].map(|surface| of.totals_alone(&surface));
     for (mesh, exact) in mesh.iter().zip(&exact) {
         for (a, b) in [

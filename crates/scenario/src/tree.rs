@@ -320,7 +320,9 @@ fn decimal_comma(line: &str) -> Option<Range<usize>> {
     let mut values = line.match_indices('=').filter_map(|(i, _)| line.get(i + 1..));
     values.find_map(|rest| {
         let value = rest.trim_start();
-        let (whole, behind) = value.split_once(',')?;
+        // A number ends within a few characters: a search for the comma would read the whole line for each `=`.
+        let end = value.find(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)))?;
+        let (whole, behind) = (&value[..end], value[end..].strip_prefix(',')?);
         let digits = behind.len() - behind.trim_start_matches(|c: char| c.is_ascii_digit()).len();
         let start = line.len() - value.len();
         (digits > 0 && whole.parse::<f64>().is_ok()).then_some(start..start + whole.len() + 1 + digits)

@@ -188,8 +188,12 @@ fn clients_that_never_read_do_not_block_others() {
         // A response takes 0.1 MB, and 64 connections hold one each; other tests run at the same time.
         assert!(now < before + (200 << 10), "{before} kB, then {now} kB");
     }
-    std::thread::sleep(Duration::from_secs(12));
-    assert!(!silent.iter().any(is_served));
+    // After ten seconds of the server's clock, which is late on a busy machine.
+    let started = Instant::now();
+    while silent.iter().any(is_served) {
+        assert!(started.elapsed() < Duration::from_secs(60), "clients that never read are not disconnected");
+        std::thread::sleep(Duration::from_secs(1));
+    }
     let is_ended = |stream: &mut TcpStream| {
         let whole = 600 * server.get("/api/v1/schema").body.len();
         let answer = read(stream);

@@ -24,7 +24,7 @@ pub(crate) fn resident_kb() -> Option<u64> {
 #[test]
 fn fifty_clients_do_not_block_another_user() {
     let set = std::env::var("PAPILIO_LOAD_SECONDS").ok().and_then(|text| text.parse().ok());
-    let seconds = set.unwrap_or(3);
+    let seconds = set.unwrap_or(1);
     let server = Server::start();
     let scenario = indoor(&server);
     let live = |theta: f64| {

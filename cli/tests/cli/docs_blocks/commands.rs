@@ -26,8 +26,8 @@ const ELSEWHERE: [(&str, &str); 4] = [
     ("papilio serve", "it does not end: only its arguments are checked here; tests/cli/serve.rs starts it"),
 ];
 
-/// Words of commands that take more than a second in the development profile, or that need a feature that it lacks.
-const LONG: [&str; 15] = [
+/// Words of commands that take a third of a second or more in the development profile, or that need a feature that it lacks.
+const LONG: [&str; 17] = [
     "--cone",
     "fit",
     "steps",
@@ -40,6 +40,8 @@ const LONG: [&str; 15] = [
     "sparkle",
     "gonio",
     "brdf",
+    "mtf",
+    "crosstalk",
     "monte-carlo",
     "--png",
     "--parquet",

@@ -12,6 +12,7 @@ mod scenarios;
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
@@ -25,6 +26,8 @@ const ALL: &str = "PAPILIO_DOCS_ALL";
 const PROGRAM: &str = "PAPILIO_DOCS_PROGRAM";
 /// Page to test; otherwise all.
 const PAGE: &str = "PAPILIO_DOCS_PAGE";
+/// Folders of the repository that are beside every page.
+const SHIPPED: [&str; 2] = ["scenarios", "surfaces"];
 
 /// Numbers of blocks and commands by what became of them.
 type Counts = BTreeMap<&'static str, usize>;
@@ -52,21 +55,21 @@ fn pages() -> Vec<String> {
     pages
 }
 
-/// Copies files and folders: commands may write there.
-fn copy(from: &Path, to: &Path) {
+/// Makes a folder like another one: its files by `copy`.
+fn make(from: &Path, to: &Path, copy: fn(PathBuf, PathBuf) -> io::Result<()>) {
     fs::create_dir_all(to).unwrap();
     for entry in fs::read_dir(from).unwrap().flatten() {
         let target = to.join(entry.file_name());
         if entry.path().is_dir() {
-            copy(&entry.path(), &target)
+            make(&entry.path(), &target, copy)
         } else {
-            fs::copy(entry.path(), target).unwrap();
+            copy(entry.path(), target).unwrap();
         }
     }
 }
 
-/// Tests a page; returns its numbers of blocks, the times of its commands, and all mistakes.
-fn test_page(name: &str) -> (Counts, Vec<(Duration, String)>, Vec<String>) {
+/// Tests a page beside the folders that `shipped` has; returns its numbers of blocks, the times of its commands, and all mistakes.
+fn test_page(name: &str, shipped: &Path) -> (Counts, Vec<(Duration, String)>, Vec<String>) {
     let text = fs::read_to_string(repository().join(name)).unwrap();
     let blocks = match markdown::blocks(&text) {
         Ok(blocks) => blocks,
@@ -74,9 +77,7 @@ fn test_page(name: &str) -> (Counts, Vec<(Duration, String)>, Vec<String>) {
     };
     let folder = tempfile::tempdir().unwrap();
     if !blocks.is_empty() {
-        ["scenarios", "surfaces"]
-            .iter()
-            .for_each(|part| copy(&repository().join(part), &folder.path().join(part)));
+        SHIPPED.iter().for_each(|part| make(&shipped.join(part), &folder.path().join(part), fs::hard_link));
     }
     let program =
         std::env::var_os(PROGRAM).map_or_else(|| PathBuf::from(env!("CARGO_BIN_EXE_papilio")), PathBuf::from);
@@ -93,18 +94,36 @@ fn test_page(name: &str) -> (Counts, Vec<(Duration, String)>, Vec<String>) {
     (page.counts, page.times, wrong)
 }
 
+/// Every file of a folder and the folders in it, with its content.
+fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    for entry in fs::read_dir(folder).unwrap().flatten() {
+        match entry.path() {
+            path if path.is_dir() => all.extend(contents(&path)),
+            path => _ = all.insert(path.clone(), fs::read(path).unwrap()),
+        }
+    }
+    all
+}
+
 /// All blocks of all pages, by two threads.
 #[test]
 fn blocks_of_the_documentation_run_and_their_outputs_are_those_shown() {
     let one = std::env::var(PAGE).ok();
     let left = Mutex::new(one.clone().map_or_else(pages, |page| vec![page]));
     let found = Mutex::new((Counts::new(), Vec::new(), Vec::new()));
+    // One copy for all pages: seven thousand files take seconds.
+    let shipped = tempfile::tempdir().unwrap();
+    let shipped = shipped.path();
+    let copy = |from, to| fs::copy(from, to).map(drop);
+    SHIPPED.iter().for_each(|part| make(&repository().join(part), &shipped.join(part), copy));
+    let before = contents(shipped);
     std::thread::scope(|scope| {
         for _ in 0..2 {
             scope.spawn(|| {
                 loop {
                     let Some(page) = left.lock().unwrap().pop() else { break };
-                    let (counts, times, wrong) = test_page(&page);
+                    let (counts, times, wrong) = test_page(&page, shipped);
                     let mut all = found.lock().unwrap();
                     counts.into_iter().for_each(|(what, count)| *all.0.entry(what).or_default() += count);
                     all.1.extend(times);
@@ -113,6 +132,9 @@ fn blocks_of_the_documentation_run_and_their_outputs_are_those_shown() {
             });
         }
     });
+    let is_changed = |(path, bytes): &(&PathBuf, &Vec<u8>)| fs::read(path).ok().as_ref() != Some(*bytes);
+    let changed: Vec<&PathBuf> = before.iter().filter(is_changed).map(|(path, _)| path).collect();
+    assert!(changed.is_empty(), "pages change files that others read: {changed:?}");
     let (counts, mut times, wrong) = found.into_inner().unwrap();
     times.sort();
     let slow = times.iter().rev().take(20).map(|(time, line)| format!("{:.1} s  {line}", time.as_secs_f64()));

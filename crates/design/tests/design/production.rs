@@ -304,13 +304,15 @@ fn known() -> Vec<Known> {
 /// functions, kinks, choices and corners. No first-order index exceeds its total index.
 #[test]
 fn index_deviations_agree_with_standard_errors() {
-    let seeds: u64 = std::env::var("PAPILIO_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(12);
+    // Every day with fewer displays: their standard errors, with which deviations are compared, are larger by a fifth.
+    let full: Option<u64> = std::env::var("PAPILIO_SEEDS").ok().and_then(|text| text.parse().ok());
+    let (seeds, rows) = full.map_or((12, 256), |seeds| (seeds, 384));
     for one in known() {
         let (mut inside, mut all) = (Vec::new(), Vec::new());
         // Smooth functions have the smallest standard error for every seed, so that two seeds suffice.
         for seed in 0..if one.is_smooth { 2 } else { seeds } {
             let plan = (one.plan)(seed);
-            let found = Sensitivities::of(&plan, &[samples(&plan, 384, 192, one.metric)]).remove(0);
+            let found = Sensitivities::of(&plan, &[samples(&plan, rows, rows / 2, one.metric)]).remove(0);
             let found: Vec<Indices> = found.indices.into_iter().map(Option::unwrap).collect();
             let sum: f64 = found.iter().map(|one| one.first.value).sum();
             assert!(sum <= 1.0 + 1e-9, "{}: {sum}", one.name);

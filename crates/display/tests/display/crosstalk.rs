@@ -10,6 +10,7 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_scenario::{Resolved, Scenario};
 use papilio_spectra::{Grid, Spectrum};
+use papilio_testing::everyday;
 use papilio_transport::Diffuser;
 use papilio_transport::spatial::{Accuracy, Gap, Light, Spread, shares_by_transfer, stripes};
 use papilio_transport::walk::places::Pattern;
@@ -56,7 +57,7 @@ fn assert_rows_sum_to_one(shares: &[Vec<f64>]) {
 /// normal and obliquely.
 #[test]
 fn shares_equal_the_series_of_transfers() {
-    for (ppi, theta_deg) in [(300.0, 0.0), (150.0, 30.0)] {
+    for (ppi, theta_deg) in everyday(1, [(150.0, 30.0), (300.0, 0.0)]) {
         let matrix = format!("[display.matrix]\nppi = {ppi}\n");
         let view = format!("[viewer]\ntheta_deg = {theta_deg}\nfield_deg = 0\n");
         let result = computed(&resolved(&[LOBE, GLASS, &matrix, ALUMINIUM, DIFFUSE, &view])).unwrap();

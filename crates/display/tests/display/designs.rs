@@ -8,31 +8,24 @@ use papilio_display::scene::{Drive, FilmPixel, Method, Metric, Pixel, Scene, Sto
 use papilio_display::{Control, Designs, DisplayError, Parameter, Prepared, Quantity};
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
-use papilio_testing::seeds;
+use papilio_testing::{everyday, seeds};
 
 /// Displays of all kinds that support designs, with few wavelengths. The target is so large that two levels suffice
-/// for all designs: a run then reports the level at which designs are computed.
+/// for all designs: a run then reports the level at which designs are computed. The first ones differ most.
 fn scenes() -> Vec<(&'static str, Scene)> {
     let scene = |name: &str, overrides: &[&str]| {
-        let overrides = [&["spectrum.step_nm=20", "metrics.gamut_volume=true"], overrides].concat();
+        let overrides = [&["spectrum.step_nm=40", "metrics.gamut_volume=true"], overrides].concat();
         let mut scene = scenario(name, &overrides).unwrap().scene;
         scene.solver.method = Method::Adding;
         scene.solver.stop = Stop::RelativeError { target: 0.9, per_wavelength: false };
         scene
     };
     vec![
-        ("diffuser and front", scene("indoor", &[])),
         ("a mirror for a front", scene("indoor", &["display.front.0.reflectance=0.3"])),
         (
             "straight light",
             scene("indoor", &["display.diffuser.regular_fraction=0.1", "lighting.directed.0.radius_deg=2"]),
         ),
-        ("a narrow lobe", scene("indoor", &["display.diffuser.haze=0.3"])),
-        ("dispersive glass", scene("indoor", &["display.glass.index=BK7"])),
-        ("two views", scene("indoor", &["viewer.theta_deg=[8, 40]"])),
-        ("bare", scene("reference-pixel", &[])),
-        ("front light", scene("front-light", &[])),
-        ("the display's white", scene("indoor", &["metrics.white=display"])),
         ("any layers", scene("slab", &[])),
         (
             "a diffuser that reflects",
@@ -45,6 +38,13 @@ fn scenes() -> Vec<(&'static str, Scene)> {
                 ],
             ),
         ),
+        ("the display's white", scene("indoor", &["metrics.white=display"])),
+        ("front light", scene("front-light", &[])),
+        ("dispersive glass", scene("indoor", &["display.glass.index=BK7"])),
+        ("diffuser and front", scene("indoor", &[])),
+        ("a narrow lobe", scene("indoor", &["display.diffuser.haze=0.3"])),
+        ("two views", scene("indoor", &["viewer.theta_deg=[8, 40]"])),
+        ("bare", scene("reference-pixel", &[])),
     ]
 }
 
@@ -306,7 +306,7 @@ fn differences(at: impl Fn(f64) -> Vec<Option<f64>>, step: f64) -> [Vec<Option<f
 #[test]
 fn derivatives_equal_finite_differences() {
     let (mut compared, mut unclear) = (0, 0);
-    for (number, (name, scene)) in scenes().into_iter().enumerate() {
+    for (number, (name, scene)) in everyday(4, scenes()).enumerate() {
         let quantities = everything(&scene);
         let mut own = designs(&scene, &quantities);
         let film = film_with_everything(&scene, number as u64);

@@ -9,7 +9,7 @@ use papilio_optics::rough::{Rough, Side};
 use papilio_optics::{Beta, Scatterer};
 
 fn scene(name: &str, target: f64) -> Scene {
-    let mut scene = scenario(name, &["spectrum.step_nm=20"]).unwrap().scene;
+    let mut scene = scenario(name, &["spectrum.step_nm=40"]).unwrap().scene;
     scene.solver.method = Method::Adding;
     scene.solver.stop = Stop::RelativeError { target, per_wavelength: false };
     scene
@@ -70,10 +70,10 @@ fn direction_of_the_cone_equals_a_run_with_that_view() {
     let many: Vec<f64> = (0..16).map(|k| 22.5 * f64::from(k)).collect();
     let all = vec![0.0, 15.0, 40.0, 80.0];
     for (name, thetas, phis, target) in [
-        ("two-diffusers", all.clone(), four, 1e-4),
-        ("indoor", all, many.clone(), 1e-4),
-        ("sky", vec![0.0, 70.0], many.clone(), 1e-3),
-        ("map", vec![0.0, 70.0], many, 1e-3),
+        ("two-diffusers", all, four.clone(), 1e-4),
+        ("indoor", vec![0.0, 40.0, 80.0], many.clone(), 1e-4),
+        ("sky", vec![0.0, 70.0], many, 1e-3),
+        ("map", vec![0.0, 70.0], four, 1e-3),
     ] {
         let mut scene = scene(name, target);
         let cone = seen(&scene, &thetas, &phis, 1);
@@ -119,7 +119,7 @@ fn direction_of_the_cone_equals_a_run_with_that_view() {
 /// Values that are taken from the mirror image in the plane of light equal computed values.
 #[test]
 fn mirrored_directions_equal_computed_ones() {
-    let scene = scene("indoor", 1e-5);
+    let scene = scene("indoor", 1e-4);
     let thetas = [0.0, 20.0, 50.0];
     // The first grid contains mirror images, the second does not.
     let both = seen(&scene, &thetas, &[30.0, 120.0, 240.0, 330.0], 1);
@@ -129,7 +129,8 @@ fn mirrored_directions_equal_computed_ones() {
             let pair = (both.view(theta, mirrored).unwrap(), one_side.view(theta, computed).unwrap());
             for (a, b) in pair.0.states.iter().zip(&pair.1.states) {
                 let relative = a.reflectance_factor_y / b.reflectance_factor_y - 1.0;
-                assert!(relative.abs() < 2e-5, "{theta} {mirrored}: {relative:e}");
+                // Twice the error of each.
+                assert!(relative.abs() < 2e-4, "{theta} {mirrored}: {relative:e}");
             }
         }
         assert_eq!(both.view(theta, 0), both.view(theta, 3));
@@ -165,9 +166,9 @@ fn table(scene: &Scene, grid: BrdfGrid) -> papilio_display::BrdfTable {
 #[test]
 fn bsdf_is_reciprocal() {
     for name in ["epaper", "indoor"] {
-        let scene = scene(name, 1e-5);
+        let scene = scene(name, 1e-4);
         let table = table(&scene, BrdfGrid::even(30.0));
-        assert!(table.discretisation_error <= 1e-5 && table.nodes > 0);
+        assert!(table.discretisation_error <= 1e-4 && table.nodes > 0);
         let (n, phis, bins) =
             (table.grid.theta_i_deg.len(), table.grid.dphi_deg.len(), table.wavelength_nm.len());
         let state = &table.states[0];

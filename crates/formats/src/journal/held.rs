@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::folder::has_head;
-use super::{read_verified_lines, write_journal_line};
+use super::{read_verified_lines, write_journal_line, write_row};
 use crate::error::{FormatError, Problem};
 
 /// A locked journal: no other program can write it until it is closed.
@@ -119,6 +119,11 @@ impl LockedJournal {
     /// Those of the system.
     pub fn add(&mut self, line: &impl Serialize) -> Result<(), FormatError> {
         write_journal_line(&mut self.file, line).map_err(|error| unwritable(&self.path, &error))
+    }
+
+    /// Appends a row of numbers, as [`add`](Self::add).
+    pub(super) fn add_row(&mut self, row: usize, values: &[f64]) -> Result<(), FormatError> {
+        write_row(&mut self.file, row, values).map_err(|error| unwritable(&self.path, &error))
     }
 
     /// Replaces the content of the journal by a head and lines, to continue from them, or to sort the journal at the end.

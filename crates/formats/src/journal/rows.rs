@@ -120,7 +120,7 @@ impl<H: RowsHead> JournalRows<H> {
     /// # Errors
     /// Those of the system.
     pub fn save(&mut self, row: usize, values: &[f64]) -> Result<(), FormatError> {
-        self.journal.add(&line(row, values))
+        self.journal.add_row(row, values)
     }
 
     /// Rewrites the journal with these rows, in this order, and no others.

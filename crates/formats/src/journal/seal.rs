@@ -44,7 +44,8 @@ pub(super) fn verify(line: &[u8]) -> Checksum {
     if format!("{:08x}", crc_32(&object)).as_bytes() == sum { Checksum::Correct } else { Checksum::Wrong }
 }
 
-const TABLE: [u32; 256] = {
+// Not a constant, of which a program that is not optimised makes a copy for each byte.
+static TABLE: [u32; 256] = {
     let mut table = [0; 256];
     let mut byte = 0;
     while byte < 256 {

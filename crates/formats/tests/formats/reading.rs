@@ -389,7 +389,7 @@ fn malformed_pixel_table_is_an_error_with_its_place() {
 #[test]
 fn long_line_of_separators_is_refused_quickly() {
     for byte in [b' ', b',', b';', b'"', b'\t', b'#'] {
-        let bytes = [&b"1 "[..], &vec![byte; 4 << 20], b" 1"].concat();
+        let bytes = [&b"1 "[..], &vec![byte; papilio_testing::sized(1 << 18, 4 << 20)], b" 1"].concat();
         let file = DataFile { name: "x".to_owned(), bytes };
         assert!(
             read_spectrum(&file).is_err() && read_pixel_table(&file).is_err() && read_index(&file).is_err()

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::common::{GOOD, LAYERED, resolve, shipped};
 use papilio_scenario::Scenario;
-use papilio_testing::Dice;
+use papilio_testing::{Dice, sized};
 
 /// Values that have broken readers before.
 const WORDS: &[&str] = &[
@@ -172,7 +172,7 @@ fn mutated_scenarios_do_not_panic() {
         // long, there is time for 25 times as many of these.
         let is_slow = [".bsdf\"", ".hdr\"", "surface = "].iter().any(|end| text.contains(end));
         let has_time = std::env::var_os("PAPILIO_FUZZ_SECONDS").is_some();
-        let times = if is_slow { 6 } else { 60 } * if has_time { 25 } else { 1 };
+        let times = if is_slow { sized(2, 6) } else { sized(20, 60) } * if has_time { 25 } else { 1 };
         for _ in 0..times {
             let mut bytes = text.clone().into_bytes();
             for _ in 0..=numbers.below(3) {

@@ -141,7 +141,8 @@ mod tests {
             (20.0, 0.167_10),
             (50.0, 0.177_87),
         ] {
-            let (rho, irradiance) = stripes(period, 1024);
+            // Below fine stripes the irradiance is nearly uniform; many frequencies of theirs take seconds.
+            let (rho, irradiance) = stripes(period, if period < 3.0 { 256 } else { 1024 });
             let found = mean_seen(&rho, &irradiance);
             assert!((found - expected).abs() < 1e-5, "{period}: {found} {expected}");
         }
@@ -170,7 +171,7 @@ mod tests {
             assert!(irradiance.iter().all(|e| (e - 1.0 / (1.0 - a * rho)).abs() < 1e-6));
         }
         // Clapper and Yule: the mean reflectance in the denominator.
-        let (rho, irradiance) = stripes(1e-3, 64);
+        let (rho, irradiance) = stripes(1e-3, 16);
         let mean = 0.315;
         assert!((mean_seen(&rho, &irradiance) - SEEN * mean / (1.0 - a * mean)).abs() < 1e-6);
     }

@@ -226,7 +226,8 @@ fn lights() -> Vec<Source> {
 /// The difference between levels is the error of the coarser one, and it decreases.
 #[test]
 fn level_differences_estimate_errors_and_decrease() {
-    for (name, stack) in family() {
+    // Every second one has all pixels, all tops and all fronts, too.
+    for (name, stack) in family().into_iter().step_by(sized(2, 1)) {
         let view = Cone::new(12.0, 0.0, 0.3, 1.0);
         let estimates: Vec<Estimate> = (0..4).map(|level| solve(&stack, view, &lights(), level)).collect();
         for source in 0..3 {
@@ -319,7 +320,8 @@ fn exchanged_view_and_source_give_the_same_value() {
 #[test]
 fn reused_kernel_is_bit_identical_to_new_one() {
     for (name, panel) in family() {
-        let (mut kept, views) = (Kernel::new(1), [view(8.0), view(20.0), Cone::new(40.0, 90.0, 0.5, 1.0)]);
+        let (mut kept, views) =
+            (Kernel::new(sized(0, 1)), [view(8.0), view(20.0), Cone::new(40.0, 90.0, 0.5, 1.0)]);
         let mut other = panel.clone();
         other.front = front(&[(0.02, 0.0)], false);
         kept.prepare(&Stack::Panel(panel.clone()), &views[..2], &[beam(50.0, 0.0), Source::Diffuse]);
@@ -327,7 +329,7 @@ fn reused_kernel_is_bit_identical_to_new_one() {
         kept.prepare(&Stack::Panel(panel.clone()), &views[1..], &lights()[..2]);
         let stack = Stack::Panel(panel);
         kept.prepare(&stack, &views, &lights());
-        let mut fresh = Kernel::new(1);
+        let mut fresh = Kernel::new(sized(0, 1));
         fresh.prepare(&stack, &views, &lights());
         for view in 0..3 {
             assert_eq!(kept.estimate(&stack, view), fresh.estimate(&stack, view), "{name}");

@@ -2,7 +2,7 @@
 
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
-pub(crate) use papilio_testing::{assert_unbiased, assert_unbiased_over, everyday, mean_and_error};
+pub(crate) use papilio_testing::{assert_unbiased, assert_unbiased_over, everyday, mean_and_error, sized};
 use papilio_transport::walk::Walk;
 use papilio_transport::{
     AngularTable, Base, Cone, Estimate, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,

@@ -76,8 +76,8 @@ fn stacks() -> Vec<(&'static str, Stack, f64)> {
 fn views_prepared_together_equal_views_alone() {
     let stacks = [
         (Stack::Panel(with_front(top(0.06, 0.0), mirror(0.5))), 2e-5),
-        (Stack::Panel(panel(top(0.02, 0.0), mirror(0.5))), 2e-5),
         (Stack::Panel(with_front(top(0.1, 0.2), mirror(0.5))), 1e-4),
+        (Stack::Panel(panel(top(0.02, 0.0), mirror(0.5))), 2e-5),
         (Stack::Panel(with_front(top(0.1, 0.2), lambertian(0.5))), 1e-5),
     ];
     let sources = [
@@ -88,7 +88,7 @@ fn views_prepared_together_equal_views_alone() {
         source(Field::ring(10.0, 30.0).unwrap()),
     ];
     let stop = AtomicBool::new(false);
-    for (stack, most) in everyday(3, stacks) {
+    for (stack, most) in everyday(2, stacks) {
         // As many azimuths as share their orders.
         let row = |theta: f64| (0..18).map(move |k| Cone::new(theta, 20.0 * f64::from(k), 0.5, 1.0));
         let all: Vec<Cone> = [0.0, 20.0, 70.0].into_iter().flat_map(row).collect();
@@ -97,7 +97,7 @@ fn views_prepared_together_equal_views_alone() {
         for (number, views) in all.chunks(18).enumerate() {
             let mut part = common.unprepared();
             assert!(part.prepare_part(&common, &stack, views, &sources, &stop));
-            for view in [0, 5, 13] {
+            for view in everyday(1, [5, 0, 13]) {
                 let together = part.estimate(&stack, view).rho;
                 assert_eq!(part.seen(&stack, view), together);
                 let mut own = Kernel::new(2);
@@ -218,8 +218,9 @@ fn monte_carlo_agrees_with_adding() {
     ];
     let eye = Cone::new(12.0, 33.0, 2.0, 1.0);
     for (name, stack, _) in stacks() {
-        let truth = estimate(2, &stack, eye, &sources);
-        let paths = if matches!(stack, Stack::Panel(_)) { 256 } else { 64 };
+        // The noise of the paths is larger than the error of level 1.
+        let truth = estimate(sized(1, 2), &stack, eye, &sources);
+        let paths = if matches!(stack, Stack::Panel(_)) { sized(128, 256) } else { sized(32, 64) };
         // Each seed is traced once.
         let runs = RefCell::new(HashMap::new());
         for i in 1..3 {

@@ -17,7 +17,7 @@ use papilio_transport::{
     Reflector, ScatterFace, ScatterKernel, Scattering, Source, Stack,
 };
 
-use crate::common::{everyday, lambertian, mean_and_error, mirror, one, view};
+use crate::common::{everyday, lambertian, mean_and_error, mirror, one, sized, view};
 
 fn lobe(width: f64, regular_fraction: f64) -> Interface {
     let lobe = Lobe::KCorrelation { width };
@@ -136,7 +136,12 @@ fn transfer_of_layers_equals_that_of_paths() {
     ];
     let sources = [Source::Diffuse, Source::Beam(Beta { x: 0.1, y: 0.3 })];
     for (name, stack, lengths_mm) in cases {
-        compare(&(name, stack, lengths_mm, 1 << 11), view(15.0), &sources, &[[2.0, 0.5], [0.0, 4.0]]);
+        compare(
+            &(name, stack, lengths_mm, sized(1 << 10, 1 << 11)),
+            view(15.0),
+            &sources,
+            &[[2.0, 0.5], [0.0, 4.0]],
+        );
     }
 }
 

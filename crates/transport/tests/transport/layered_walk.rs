@@ -143,8 +143,8 @@ fn panel_as_layers_equals_panel() {
         ("diffuser, Lambertian", panel(diffuser(0.3), lambertian(0.7))),
     ] {
         let (panel, layers) = both_forms(panel, &[(0.2, 0.05), (0.1, 0.02)]);
-        let a = Runs::new(&panel, 8.0, &sources, 128);
-        let b = Runs::new(&layers, 8.0, &sources, 128);
+        let a = Runs::new(&panel, 8.0, &sources, sized(64, 128));
+        let b = Runs::new(&layers, 8.0, &sources, sized(64, 128));
         for (source, what) in ["diffuse", "beam", "disc"].into_iter().enumerate() {
             assert_same(&format!("{name}, {what}"), (&a, source), (&b, source), 0.05);
         }
@@ -193,7 +193,7 @@ fn slabs_over_back_surface_equal_published_values() {
     for (n, tau, base, normal, oblique) in everyday(3, cases) {
         let stack = layered(vec![under_air(slab(n, tau, 0.9, 1.0))], base);
         for (theta_deg, truth) in [(0.0, normal), (8.0, oblique)] {
-            let runs = Runs::new(&stack, theta_deg, &[Source::Diffuse], 128);
+            let runs = Runs::new(&stack, theta_deg, &[Source::Diffuse], sized(64, 128));
             runs.check(&format!("n {n}, tau {tau}, from {theta_deg}"), truth, 0.05, |e| rho(e, 0));
         }
     }
@@ -231,11 +231,15 @@ fn everything(loss: f64, base: Base) -> Stack {
 fn lossless_layers_return_all_light() {
     let rough = |alpha| Interface::Rough(Rough::new(alpha, 1.0, 1.5));
     let cases = [
-        ("everything over a mirror", everything(0.0, mirror(1.0)), 64),
-        ("rough face over white", layered(vec![layer(rough(0.6), clear(1.5))], lambertian(1.0)), 64),
-        ("slab under glass", layered(vec![under_air(slab(1.5, 3.0, 0.8, 1.0))], mirror(1.0)), 64),
+        ("everything over a mirror", everything(0.0, mirror(1.0)), sized(16, 64)),
+        (
+            "rough face over white",
+            layered(vec![layer(rough(0.6), clear(1.5))], lambertian(1.0)),
+            sized(32, 64),
+        ),
+        ("slab under glass", layered(vec![under_air(slab(1.5, 3.0, 0.8, 1.0))], mirror(1.0)), sized(16, 64)),
         // Some hundred collisions on each path.
-        ("thick slab", layered(vec![under_air(slab(1.5, 1e3, 0.0, 1.0))], mirror(1.0)), 16),
+        ("thick slab", layered(vec![under_air(slab(1.5, 1e3, 0.0, 1.0))], mirror(1.0)), sized(4, 16)),
         ("rough face over a mirror", layered(vec![layer(rough(0.2), clear(1.5))], mirror(1.0)), 64),
         ("everything over white", everything(0.0, lambertian(1.0)), 64),
     ];
@@ -252,9 +256,9 @@ fn small_and_hemispherical_discs_equal_beam_and_diffuse_light() {
     let sky = Source::Disc(Cone::new(0.0, 0.0, 90.0, 1.0));
     let small = Source::Disc(Cone::new(-25.0, 0.0, 0.3, 1.0));
     let sources = [Source::Diffuse, sky, beam(-25.0), small];
-    for (name, base) in [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))] {
+    for (name, base) in everyday(1, [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))]) {
         let stack = everything(1.0, base);
-        let runs = Runs::new(&stack, 10.0, &sources, 64);
+        let runs = Runs::new(&stack, 10.0, &sources, sized(32, 64));
         assert_same(&format!("sky over a {name}"), (&runs, 1), (&runs, 0), 0.1);
         assert_same(&format!("beam over a {name}"), (&runs, 3), (&runs, 2), 0.1);
     }
@@ -263,11 +267,11 @@ fn small_and_hemispherical_discs_equal_beam_and_diffuse_light() {
 /// Exchanging viewer and source changes nothing.
 #[test]
 fn exchanged_view_and_source_give_the_same_value() {
-    for (name, base) in [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))] {
+    for (name, base) in everyday(1, [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))]) {
         let stack = everything(1.0, base);
         let (there, back) = ([beam(35.0)], [beam(10.0)]);
-        let a = Runs::new(&stack, 10.0, &there, 128);
-        let b = Runs::new(&stack, 35.0, &back, 128);
+        let a = Runs::new(&stack, 10.0, &there, sized(64, 128));
+        let b = Runs::new(&stack, 35.0, &back, sized(64, 128));
         assert_same(&format!("reciprocity over a {name}"), (&a, 0), (&b, 0), 0.1);
     }
 }
@@ -279,7 +283,7 @@ fn split_slab_equals_whole_slab() {
     let part = |share: f64| slab(1.5, 2.0 * share, 0.7, 0.95).with_transmittance(one(0.8_f64.powf(share)));
     let whole = layered(vec![under_air(part(1.0))], mirror(0.6));
     let halves = layered(vec![under_air(part(0.3)), layer(Interface::Open, part(0.7))], mirror(0.6));
-    let (a, b) = (Runs::new(&whole, 20.0, &sources, 256), Runs::new(&halves, 20.0, &sources, 256));
+    let [a, b] = [&whole, &halves].map(|stack| Runs::new(stack, 20.0, &sources, sized(64, 256)));
     for (source, what) in ["diffuse", "beam"].into_iter().enumerate() {
         assert_same(&format!("split slab, {what}"), (&a, source), (&b, source), 0.1);
     }
@@ -290,7 +294,7 @@ fn split_slab_equals_whole_slab() {
 fn ledger_sums_to_one() {
     for (name, base) in [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))] {
         let stack = everything(1.0, base);
-        let runs = Runs::new(&stack, 30.0, &[Source::Diffuse], 128);
+        let runs = Runs::new(&stack, 30.0, &[Source::Diffuse], sized(32, 128));
         runs.check(&format!("unaccounted, {name}"), 1.0, 0.1, |e| {
             let l = &e.ledger;
             let absorbed = l.front[0] + l.diffuser[0] + l.glass[0] + l.pixel[0] + l.inactive[0];
@@ -337,10 +341,10 @@ fn wavelengths_and_states_are_independent() {
     let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
     for lambertian in [false, true] {
         let all = coloured(&[0, 1, 2], lambertian);
-        let all = Runs::new(&all, 15.0, &sources, 64);
-        for bin in 0..3 {
+        let all = Runs::new(&all, 15.0, &sources, sized(32, 64));
+        for bin in everyday(2, [0, 2, 1]) {
             let alone = coloured(&[bin], lambertian);
-            let alone = Runs::new(&alone, 15.0, &sources, 64);
+            let alone = Runs::new(&alone, 15.0, &sources, sized(32, 64));
             for (source, state) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 1)] {
                 let what = format!("bin {bin}, state {state}, source {source}, Lambertian {lambertian}");
                 assert_unbiased(&what, 1.0, 0.15, |seed| {
@@ -426,7 +430,7 @@ fn crossings_have_the_means_of_closed_forms() {
         let estimates = |walk: &Walk<'_>, seed| -> Vec<Estimate> {
             let replicate = |stream| {
                 let mut replicate = walk.replicate();
-                walk.trace(&mut replicate, &SampleStream::new(Sampler::Sobol, seed, stream), 64);
+                walk.trace(&mut replicate, &SampleStream::new(Sampler::Sobol, seed, stream), sized(16, 64));
                 replicate
             };
             walk.estimates(&(0..REPLICATES).map(replicate).collect::<Vec<_>>())

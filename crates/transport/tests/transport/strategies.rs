@@ -1,6 +1,6 @@
 //! All strategies for directions, with all kinds of random numbers: the same mean as adding, honest standard
 //! errors, and the gain of the guide.
-use crate::common::{self, REPLICATES, front, lambertian, mirror, one, panel, rho};
+use crate::common::{self, REPLICATES, everyday, front, lambertian, mirror, one, panel, rho, sized};
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::{SampleStream, Sampler};
@@ -103,18 +103,20 @@ fn strategies_and_samplers_agree_with_adding() {
         display(0.3, 0.25, lambertian(0.8)),
     ];
     let sources = near();
+    let samplers = [Sampler::Sobol, Sampler::Random, Sampler::Stratified, Sampler::BestCandidate];
     for strategy in Strategy::ALL {
-        let mut all = Vec::new();
+        let (mut all, mut runs) = (Vec::new(), 0);
         for (k, panel) in displays.iter().enumerate() {
             let stack = Stack::Panel(panel.clone());
             let truth = adding(&stack, &sources);
-            for (l, sampler) in Sampler::ALL.into_iter().enumerate() {
-                let paths = if strategy == Strategy::Guided { 256 } else { 4096 };
+            for (l, sampler) in everyday(2, samplers).enumerate() {
+                let paths = if strategy == Strategy::Guided { 256 } else { sized(1024, 4096) };
                 let seed = (4 * k + l) as u64;
                 all.extend(scores(&estimates(&stack, &sources, strategy, (sampler, seed), paths), &truth));
+                runs += 1;
             }
         }
-        assert_scattered(&format!("{strategy:?}"), &all, 16.0);
+        assert_scattered(&format!("{strategy:?}"), &all, f64::from(runs));
     }
 }
 
@@ -141,7 +143,8 @@ fn in_closed_form(width: f64, straight: f64, view: Beta, lamp: Beta) -> f64 {
 fn narrow_lobes_with_small_sources_equal_closed_form() {
     for strategy in [Strategy::Kernel, Strategy::Guided] {
         let mut all = Vec::new();
-        for seed in 0..24_u32 {
+        // Half of them have all widths and all radii, too.
+        for seed in (0..24_u32).filter(|seed| sized(seed % 4 < 2, true)) {
             let width = [0.004, 0.007, 0.011][seed as usize % 3];
             let straight = if seed.is_multiple_of(2) { 0.0 } else { 0.3 };
             let stack = Stack::Panel(display(
@@ -154,7 +157,7 @@ fn narrow_lobes_with_small_sources_equal_closed_form() {
             let disc = Cone::new(40.0, turn, radius, 1.0);
             let beam = Beta::from_source(50.0, turn, 1.0);
             let sources = [Source::Beam(beam), Source::Disc(disc)];
-            let paths = if strategy == Strategy::Guided { 512 } else { 4096 };
+            let paths = if strategy == Strategy::Guided { sized(256, 512) } else { sized(2048, 4096) };
             let found =
                 estimates(&stack, &sources, strategy, (Sampler::Random, 100 + u64::from(seed)), paths);
             let at = |lamp| in_closed_form(width, straight, view().axis_towards(), lamp);
@@ -167,7 +170,7 @@ fn narrow_lobes_with_small_sources_equal_closed_form() {
                 all.push((mean - truth) / error.hypot(1e-3 * truth));
             }
         }
-        assert_scattered(&format!("{strategy:?}"), &all, 24.0);
+        assert_scattered(&format!("{strategy:?}"), &all, 0.5 * all.len() as f64);
     }
 }
 
@@ -216,12 +219,13 @@ fn sobol_error_decreases_faster_than_square_root() {
     smooth.front = front(&[(0.0, 0.01)], false);
     let stack = Stack::Panel(smooth);
     let beam = Source::Beam(Beta::from_source(-20.0, 0.0, 1.0));
-    for (what, source, strategy, paths) in [
+    let cases = [
         ("diffuse", Source::Diffuse, Strategy::Kernel, vec![64, 256, 1024, 4096, 16_384]),
-        ("diffuse, long", Source::Diffuse, Strategy::Kernel, vec![1 << 16, 1 << 17, 1 << 18]),
         ("beam", beam.clone(), Strategy::Kernel, vec![64, 256, 1024, 4096, 16_384]),
         ("beam, guided", beam, Strategy::Guided, vec![16, 64, 256, 1024]),
-    ] {
+        ("diffuse, long", Source::Diffuse, Strategy::Kernel, vec![1 << 16, 1 << 17, 1 << 18]),
+    ];
+    for (what, source, strategy, paths) in everyday(3, cases) {
         let (power, error) = slope(&stack, &[source], strategy, &paths);
         println!("{what}: error ~ paths^-{power:.2} +- {error:.2}");
         assert!(power - 3.0 * error > 0.5, "{what}: {power} +- {error}");

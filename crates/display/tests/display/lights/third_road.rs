@@ -9,6 +9,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use papilio_testing::everyday;
+
 use super::formulas::*;
 use super::run_in;
 
@@ -123,8 +125,10 @@ pub(super) fn text_seen(display: &str, light: &str, solver: &str, (view, field):
 fn reflectance_under_every_light_equals_the_quadrature_of_its_formula() {
     let folder = folder();
     let mut wrong = Vec::new();
-    for light in lights() {
-        for name in ["mirror", "glass", "layers", "lobe"] {
+    for (number, light) in lights().into_iter().enumerate() {
+        // A mirror shows the light itself; every day only some lights are seen through all layers.
+        let count = if number % 5 == 0 { 4 } else { 2 };
+        for name in everyday(count, ["mirror", "glass", "layers", "lobe"]) {
             let truth = truth(name, &light);
             let own = truth * if name == "lobe" { 1e-6 } else { 1e-8 };
             let scenario = |solver: &str| text(&display(name), &light.keys, solver);

@@ -117,7 +117,7 @@ fn light_of_several_microfacets_equals_random_walk() {
             for theta_deg in [0.0, 30.0, 75.0, 85.0] {
                 let a = beta(&face, from, theta_deg);
                 let [back, across] = face.several(from, a.length());
-                let walked = walk.walk(from, theta_deg, 20_000, 61);
+                let walked = walk.walk(from, theta_deg, papilio_testing::sized(10_000, 20_000), 61);
                 let case = format!("{distribution:?} {alpha} {n:?} {from:?} {theta_deg}");
                 for (found, [expected, error]) in
                     [(1.0 - back - across, walked.one), (back, walked.several_back)]

@@ -35,10 +35,14 @@ fn face(thickness_mm: f64, most_per_mm: f64) -> FaceReturn {
         .tabulated()
 }
 
-fn colours(page: &Page<'_>, precision: Precision, thickness_mm: f64) -> (LitPage, Vec<[f32; 3]>) {
+fn colours(
+    page: &Page<'_>,
+    precision: Precision,
+    (face, thickness_mm): (&FaceReturn, f64),
+) -> (LitPage, Vec<[f32; 3]>) {
     let (reflectance, seen) = spectra();
     let light = PageLight { reflectance: &reflectance, seen: &seen };
-    let lit = LitPage::new(page, &face(thickness_mm, 100.0), light, precision, thickness_mm);
+    let lit = LitPage::new(page, face, light, precision, thickness_mm);
     let colours = lit.seen(page, light);
     (lit, colours)
 }
@@ -74,8 +78,9 @@ fn picture_equals_the_plain_solution_at_every_wavelength() {
                 }
             }
         }
+        let fine = self::face(thickness_mm, 100.0);
         for (precision, tolerance) in [(Precision::FAST, 1e-3), (Precision::FINE, 1e-4)] {
-            let (lit, found) = colours(&page, precision, thickness_mm);
+            let (lit, found) = colours(&page, precision, (&fine, thickness_mm));
             let pairs = found.iter().flatten().zip(expected.iter().flatten());
             let worst =
                 pairs.map(|(found, expected)| (f64::from(*found) - expected).abs()).fold(0.0, f64::max);
@@ -94,10 +99,11 @@ fn picture_equals_the_plain_solution_at_every_wavelength() {
 #[test]
 fn uniform_page_has_its_closed_form() {
     let (reflectance, seen) = spectra();
+    let face = face(0.5, 100.0);
     for state in 0..6_u8 {
         let states = vec![state; 12];
         let page = Page { count: [4, 3], pitch_mm: PITCH_MM, states: &states };
-        let (_, found) = colours(&page, Precision::FINE, 0.5);
+        let (_, found) = colours(&page, Precision::FINE, (&face, 0.5));
         for (colour, seen) in seen[usize::from(state)].iter().enumerate() {
             let light = seen.iter().zip(&reflectance[usize::from(state)]);
             let expected: f64 = light.map(|(seen, rho)| seen / (1.0 - 0.596_346 * rho)).sum();
@@ -116,12 +122,13 @@ fn stripes_have_the_mean_of_a_dense_solution() {
     let reflectance = vec![vec![0.6], vec![0.03]];
     let seen = [0.6, 0.03].map(|rho| [(); 3].map(|()| vec![0.387_508 * rho]));
     let light = PageLight { reflectance: &reflectance, seen: &seen };
+    let face = face(thickness_mm, 100.0);
     for (period, expected) in [(5.0, 0.148_12), (10.0, 0.155_94), (20.0, 0.167_10)] {
         let states: Vec<u8> = (0..pixels).map(|k| u8::from(2 * k >= pixels)).collect();
         let pitch = period / pixels as f64;
         let page = Page { count: [pixels, 1], pitch_mm: [pitch; 2], states: &states };
         let precision = Precision { cell: 0.03, ..Precision::FINE };
-        let lit = LitPage::new(&page, &face(thickness_mm, 100.0), light, precision, thickness_mm);
+        let lit = LitPage::new(&page, &face, light, precision, thickness_mm);
         assert_eq!(lit.wavelengths(), 1);
         let found = lit.seen(&page, light);
         let mean = found.iter().map(|one| f64::from(one[1])).sum::<f64>() / pixels as f64;

@@ -112,8 +112,8 @@ struct Axis {
 struct Distance {
     z: f64,
     weight: f64,
-    /// For each pair of windows, a matrix of derivatives.
-    overlaps: Vec<Vec<f64>>,
+    /// For each pair of windows, the terms of its series.
+    terms: Vec<Vec<Vec<f64>>>,
 }
 
 impl Axis {
@@ -122,7 +122,7 @@ impl Axis {
     }
 
     /// Integrals for z >= 0 up to a few correlation lengths, or to the pitch.
-    fn distances(&self, correlation: f64) -> Vec<Distance> {
+    fn distances(&self, correlation: f64, series: &Series) -> Vec<Distance> {
         const REACH: f64 = 8.0;
         let (end, blur) = (self.pitch.min(4.0 * correlation), self.blur());
         // Where an edge meets another, the overlap changes within the blur; the correlation changes quickly at z = 0.
@@ -139,9 +139,8 @@ impl Axis {
             ends.push(from);
         }
         let nodes = ends.windows(2).flat_map(|ends| gauss(ends[0], ends[1], POINTS[0]));
-        nodes
-            .map(|node| Distance { z: node.x, weight: node.weight, overlaps: self.overlaps(node.x) })
-            .collect()
+        let terms = |z: f64| self.overlaps(z).iter().map(|overlaps| series.terms(overlaps)).collect();
+        nodes.map(|node| Distance { z: node.x, weight: node.weight, terms: terms(node.x) }).collect()
     }
 
     /// Distances, from 0 to the pitch, between two edges of windows.
@@ -229,22 +228,23 @@ impl Axis {
 /// Variance of the mean over a pixel.
 fn variance(face: RandomFace, axes: &[Axis; 2], windows: &[Window], powers: [usize; 2]) -> f64 {
     let count = windows.len();
-    let orders = axes[0].orders;
-    let [x, y] = [0, 1].map(|axis| axes[axis].distances(face.correlation_mm));
+    let series = Series::new(axes[0].orders, powers[1]);
+    let [x, y] = [0, 1].map(|axis| axes[axis].distances(face.correlation_mm, &series));
     let mut sum = 0.0;
     for along in &x {
         for across in &y {
             // Half of the plane of z: the other half has the windows exchanged.
-            for sign in [1.0, -1.0] {
+            for is_exchanged in [false, true] {
+                let sign = if is_exchanged { -1.0 } else { 1.0 };
                 let correlation = face.slope_correlation([along.z, sign * across.z]);
+                let correlation = series.powers(correlation);
                 let mut both = 0.0;
-                for (pair, overlaps) in along.overlaps.iter().enumerate() {
+                for (pair, terms) in along.terms.iter().enumerate() {
                     let (one, other) = (pair / count, pair % count);
                     // Below, the point at y + z is the lower one.
-                    let exchanged = if sign > 0.0 { pair } else { other * count + one };
+                    let pair = if is_exchanged { other * count + one } else { pair };
                     let weight = windows[one].weight * windows[other].weight;
-                    let series = Series { orders, cross: powers[1], exchanged: sign < 0.0 };
-                    both += weight * series.sum(correlation, overlaps, &across.overlaps[exchanged]);
+                    both += weight * series.sum(&correlation, terms, &across.terms[pair], is_exchanged);
                 }
                 sum += 2.0 * along.weight * across.weight * both;
             }
@@ -253,41 +253,68 @@ fn variance(face: RandomFace, axes: &[Axis; 2], windows: &[Window], powers: [usi
     sum / (axes[0].pitch * axes[1].pitch).powi(2)
 }
 
-/// Sum over all powers of the correlation, 0 excluded.
+/// Sums over all powers of the correlation, 0 excluded.
 struct Series {
     orders: usize,
     /// Highest power of the correlation of different components.
     cross: usize,
-    /// Whether the first derivative along y is that of the second point.
-    exchanged: bool,
+    /// For each p and q, at [`Series::at`], `sqrt(binomial(k + p, p) binomial(k + q, q))` for k from 0.
+    factors: Vec<Vec<f64>>,
 }
 
 impl Series {
-    fn sum(&self, [xx, xy, yy]: [f64; 3], x: &[f64], y: &[f64]) -> f64 {
-        let mut sum = -x[0] * y[0];
-        for p in 0..=self.cross {
-            for q in 0..=self.cross - p {
-                let cross = xy.powi((p + q) as i32);
-                if cross.abs() < 1e-9 {
-                    continue;
-                }
-                let along_y = if self.exchanged { [p, q] } else { [q, p] };
-                sum += cross * self.of_component(xx, x, [p, q]) * self.of_component(yy, y, along_y);
-            }
-        }
-        sum
+    fn new(orders: usize, cross: usize) -> Self {
+        let factors = |p: usize, q: usize| {
+            let count = if p + q > cross { 0 } else { orders - p.max(q) };
+            let next = |last: f64, k: usize| {
+                let k = k as f64;
+                last * ((k + p as f64) * (k + q as f64)).sqrt() / k
+            };
+            let all = (1..count).scan(1.0, |last, k| {
+                *last = next(*last, k);
+                Some(*last)
+            });
+            std::iter::once(1.0).chain(all).take(count).collect()
+        };
+        let factors = (0..=cross).flat_map(|p| (0..=cross).map(move |q| factors(p, q))).collect();
+        Self { orders, cross, factors }
     }
 
-    /// Sum over the powers k of the correlation of one component, of derivatives k + p and k + q:
-    /// `rho^k sqrt(binomial(k + p, p) binomial(k + q, q))` times their integral.
-    fn of_component(&self, rho: f64, overlaps: &[f64], [p, q]: [usize; 2]) -> f64 {
-        let (mut power, mut sum) = (1.0, 0.0);
-        for k in 0..self.orders - p.max(q) {
-            sum += power * overlaps[(k + p) * self.orders + k + q];
-            let next = (k + 1) as f64;
-            power *= rho / next * ((next + p as f64) * (next + q as f64)).sqrt();
-            if power.abs() < 1e-12 {
-                break;
+    fn at(&self, p: usize, q: usize) -> usize {
+        p * (self.cross + 1) + q
+    }
+
+    /// For each p and q, the integrals of derivatives k + p and k + q, for k from 0, times their factors.
+    fn terms(&self, overlaps: &[f64]) -> Vec<Vec<f64>> {
+        let terms = |(at, factors): (usize, &Vec<f64>)| {
+            let (p, q) = (at / (self.cross + 1), at % (self.cross + 1));
+            let overlap = |k: usize| overlaps[(k + p) * self.orders + k + q];
+            factors.iter().enumerate().map(|(k, factor)| factor * overlap(k)).collect()
+        };
+        self.factors.iter().enumerate().map(terms).collect()
+    }
+
+    /// Powers, from 0, of the correlation xx, xy and yy, as far as they contribute.
+    fn powers(&self, correlation: [f64; 3]) -> [Vec<f64>; 3] {
+        // A factor is at most 1e5.
+        const LEAST: [f64; 3] = [1e-17, 1e-9, 1e-17];
+        let powers = |component: usize| {
+            let all = std::iter::successors(Some(1.0), |power| Some(power * correlation[component]));
+            all.take(self.orders).take_while(|power: &f64| power.abs() >= LEAST[component]).collect()
+        };
+        [0, 1, 2].map(powers)
+    }
+
+    /// The sum for the [`terms`](Self::terms) along x and y; `is_exchanged`: the first derivative along y is that of the second point.
+    fn sum(&self, [xx, xy, yy]: &[Vec<f64>; 3], x: &[Vec<f64>], y: &[Vec<f64>], is_exchanged: bool) -> f64 {
+        let dot =
+            |powers: &[f64], terms: &[f64]| -> f64 { powers.iter().zip(terms).map(|(a, b)| a * b).sum() };
+        let mut sum = -x[0][0] * y[0][0];
+        for p in 0..=self.cross {
+            for q in 0..=self.cross - p {
+                let Some(cross) = xy.get(p + q) else { break };
+                let along_y = if is_exchanged { self.at(p, q) } else { self.at(q, p) };
+                sum += cross * dot(xx, &x[self.at(p, q)]) * dot(yy, &y[along_y]);
             }
         }
         sum
