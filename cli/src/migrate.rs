@@ -1,13 +1,14 @@
-//! `papilio migrate`: replaces old names of keys and values in a scenario file.
+//! `papilio migrate`: replaces old names of keys and values in a scenario file, and names the mistakes that remain.
 
 use std::io::Write;
+use std::path::Path;
 
 use papilio_formats::{DataFile, write_file};
-use papilio_scenario::{Migrated, migrate};
+use papilio_scenario::{Migrated, Scenario, ScenarioErrors, SurfaceScenario, migrate};
 use serde_json::json;
 
 use crate::arguments::Migrate;
-use crate::{Failure, print_message};
+use crate::{Failure, input, print_message};
 
 pub(crate) fn run(arguments: &Migrate) -> Result<(), Failure> {
     let name = arguments.file.display().to_string();
@@ -34,7 +35,19 @@ pub(crate) fn run(arguments: &Migrate) -> Result<(), Failure> {
         (true, true) => format!("--dry-run: {name} would be changed: {}", count(renamed.len())),
         (true, false) => format!("wrote {}: {}", target.display(), count(renamed.len())),
     });
+    if let Err(errors) = check(&text, &target.display().to_string(), &input::folder(target)) {
+        print_message(&format!("warning: other mistakes remain, which are not old names\n{errors}"));
+    }
     Ok(())
+}
+
+/// Looks for other mistakes in the new text: unknown keys, wrong types, values out of range.
+fn check(text: &str, name: &str, folder: &Path) -> Result<(), ScenarioErrors> {
+    if text.lines().any(|line| line.trim_start().starts_with("[microgeometry")) {
+        SurfaceScenario::from_text(text, name, folder, &[]).map(drop)
+    } else {
+        Scenario::from_text(text, name, folder, &[]).map(drop)
+    }
 }
 
 fn count(renamed: usize) -> String {

@@ -115,6 +115,7 @@ const QUESTIONS = [
   ["henyey greenstein", "scattering.html"],
   ["resume sweep", "sweeps.html"],
   ["render with mitsuba", "brdf.html"],
+  ["walk", "versions.html"],
 ];
 
 test("search answers questions of engineers among its first three results", async () => {

@@ -71,6 +71,17 @@ fn migrate_prints_json_and_writes_to_another_file() {
 }
 
 #[test]
+fn mistakes_that_are_not_old_names_are_named() {
+    let (_folder, file, _) = place(&OLD.replace("paths", "pathes"));
+    let output = papilio(&["migrate", &file]);
+    let text = stderr(&output);
+    assert!(output.status.success() && text.contains("1 name replaced"), "{text}");
+    // The place in the new text, which has two lines more.
+    assert!(text.contains("warning: other mistakes remain") && text.contains(":6:1"), "{text}");
+    assert!(text.contains("unknown key `pathes`"), "{text}");
+}
+
+#[test]
 fn invalid_files_are_not_migrated() {
     for (text, message) in [
         ("[solver]\nevery_bin = true\nper_wavelength = true\n", "two names of one key"),

@@ -161,12 +161,13 @@ pub(crate) fn table() -> String {
     let places =
         |places: &[&str]| places.iter().map(|place| format!("`{place}`")).collect::<Vec<_>>().join(", ");
     let rows = RENAMED.iter().map(|row| match row {
-        Key { tables, old, new } => format!("| key | {} | `{old}` | `{new}` |\n", places(tables)),
+        Key { tables, old, new } => format!("| `{old}` | `{new}` | key of {} |\n", places(tables)),
         Choice { keys, old, new } => {
-            format!("| value | {} | `\"{old}\"` | `{}` |\n", places(keys), new.written())
+            format!("| `\"{old}\"` | `{}` | value of {} |\n", new.written(), places(keys))
         }
     });
-    let head = "| what | of | old | new |\n|---|---|---|---|\n".to_owned();
+    // The old names come first: who looks for one finds it in the first column, and so does the search of the site.
+    let head = "| old | new | what |\n|---|---|---|\n".to_owned();
     std::iter::once(head).chain(rows).collect()
 }
 

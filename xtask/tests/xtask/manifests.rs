@@ -1,5 +1,6 @@
 //! The manifests of the workspace, as cargo reads them.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::LazyLock;
@@ -60,4 +61,25 @@ pub(crate) fn all() -> Vec<Manifest> {
 /// The packages that can be published.
 pub(crate) fn public() -> Vec<Manifest> {
     all().into_iter().filter(Manifest::is_public).collect()
+}
+
+/// Packages with the features that a selection of the workspace compiles, without those of default features.
+fn features(selection: &[&str]) -> BTreeSet<String> {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["tree", "--locked", "--no-default-features", "--prefix", "none", "--no-dedupe"]);
+    let output = cargo.args(["--format", "{p} {f}"]).args(selection).current_dir(root()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect()
+}
+
+/// Otherwise the daily checks compile or check the packages that differ, and all above them, twice: the dependencies of
+/// `papilio-python` that it does not use itself make them the same.
+#[test]
+fn tests_wheel_and_documentation_compile_the_same_packages() {
+    let tests = features(&["--workspace", "--edges", "normal,build,dev"]);
+    for selection in [&["--package", "papilio-python"][..], &["--workspace"]] {
+        let all = features(&[selection, &["--edges", "normal,build"]].concat());
+        let others: Vec<&String> = all.difference(&tests).collect();
+        assert!(all.len() > 100 && others.is_empty(), "{selection:?}: {others:?}");
+    }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::estimate::{Estimate, Sums};
-use super::plan::replicate;
+use super::plan::{REPLICATES, replicate};
 
 /// Limits of a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +71,8 @@ impl Verdict {
         let fails: Vec<Vec<f64>> = (0..rows).map(missed).collect();
         let fraction = |counts: &dyn Fn(&[f64]) -> bool| {
             let terms = fails.iter().enumerate();
-            Sums::of(terms.map(|(row, missed)| (replicate(row), [f64::from(counts(missed)), 1.0]))).fraction()
+            let terms = terms.map(|(row, missed)| (replicate(row), [f64::from(counts(missed)), 1.0]));
+            at_least_of_counts(Sums::of(terms).fraction(), rows)
         };
         let failing = |k: usize| Failing {
             share: fraction(&|missed| missed[k] > 0.0),
@@ -83,6 +84,15 @@ impl Verdict {
         };
         (verdict, most_missed(&fails, limits, deviations, worst))
     }
+}
+
+/// A fraction whose standard error is at least that of whole numbers: all replicates can have the same count, although the fractions
+/// that they estimate differ by less than one display. Rounding to integers adds a variance of 1/12 to each (W. F. Sheppard, Proc.
+/// London Math. Soc. 29, 353 (1898)). The fractions 0 and 1 keep the error 0: for them, the rule of three states more.
+fn at_least_of_counts(fraction: Estimate, rows: usize) -> Estimate {
+    let is_mixed = fraction.value > 0.0 && fraction.value < 1.0;
+    let of_counts = if is_mixed { (REPLICATES as f64 / 12.0).sqrt() / rows as f64 } else { 0.0 };
+    Estimate { standard_error: fraction.standard_error.max(of_counts), ..fraction }
 }
 
 /// Rows that miss a limit most, the worst first; equal ones in order of their rows.
@@ -127,6 +137,18 @@ mod tests {
         assert_eq!((verdict.failing[0].alone.value, verdict.failing[1].alone.value), (0.0, fraction(41.0)));
         let worst = [Miss { row: 1, limit: 1, by: f64::INFINITY }, Miss { row: 0, limit: 0, by: 1.0 }];
         assert_eq!(found, worst);
+    }
+
+    #[test]
+    fn equal_counts_of_all_replicates_have_an_error() {
+        // Each of the 16 replicates has the rows of one residue: of ten displays, one fails in each.
+        let failing: Vec<f64> = (0..160).map(|row| f64::from(row >= 16)).collect();
+        let (verdict, _) = Verdict::of(&[failing], &[at_least(0, 1.0)], &[1.0], 0);
+        assert_eq!(verdict.yield_share.value, 0.9);
+        let expected = (16.0_f64 / 12.0).sqrt() / 160.0;
+        assert!((verdict.yield_share.standard_error / expected - 1.0).abs() < 1e-12, "{verdict:?}");
+        let (verdict, _) = Verdict::of(&[vec![1.0; 160]], &[at_least(0, 1.0)], &[1.0], 0);
+        assert_eq!((verdict.yield_share.value, verdict.yield_share.standard_error), (1.0, 0.0));
     }
 
     #[test]
