@@ -78,7 +78,7 @@ fn mistakes_that_are_not_old_names_are_named() {
     assert!(output.status.success() && text.contains("1 name replaced"), "{text}");
     // The place in the new text, which has two lines more.
     assert!(text.contains("warning: other mistakes remain") && text.contains(":6:1"), "{text}");
-    assert!(text.contains("unknown key `pathes`"), "{text}");
+    assert!(text.contains("there is no key `pathes` here"), "{text}");
 }
 
 #[test]
