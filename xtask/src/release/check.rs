@@ -71,12 +71,13 @@ pub(super) fn python(package: &Path, build: Option<&str>) -> Outcome {
     let programs = here.join("venv").join(if cfg!(windows) { "Scripts" } else { "bin" });
     let mut install = match build {
         None => sandbox.command(programs.join("python")),
-        // With Rust, and with the compiled libraries of the other tasks.
+        // With Rust. In a folder of its own: cargo tells compiled crates apart by their place in the workspace and their times, which
+        // are the same here, and would take those of the repository for those of the package.
         Some(options) => {
             let mut install = Command::new(programs.join("python"));
             install
                 .env("MATURIN_PEP517_ARGS", options)
-                .env("CARGO_TARGET_DIR", shell::target())
+                .env("CARGO_TARGET_DIR", here.join("target"))
                 .current_dir(here);
             install
         }

@@ -43,7 +43,7 @@ pub(super) fn make_source() -> Outcome {
     let name = format!("papilio-{}.tar.gz", version());
     replace(|file| file == name)?;
     shell::run(maturin(&["sdist"])?)?;
-    // In the profile of the tests, whose libraries are mostly compiled already.
+    // In the profile of the tests, which compiles quickly.
     check::python(
         &only(|file| file == name, "source distribution")?,
         Some("--profile dev --no-default-features"),
