@@ -119,7 +119,7 @@ fn sharpness_is_a_metric_of_sweeps_and_searches() {
 #[test]
 fn sharpness_below_a_face_by_waves_is_left_to_monte_carlo() {
     let mtf = |solver: &[&str]| {
-        let sets = ["--set", "spectrum.step_nm=400", "--set", "viewer.theta_deg=8", "--json"];
+        let sets = ["--set", "spectrum.step_nm=100", "--set", "viewer.theta_deg=8", "--json"];
         papilio().arg("mtf").arg(scenario("hazy-face")).args(sets).args(solver).output().unwrap()
     };
     let refused = mtf(&[]);

@@ -1,7 +1,5 @@
 //! Chapter 2: a diffuser of glass bumps (figures 2.11, 2.12), and the same as a plane with a BSDF (figure 2.15).
 
-use papilio_display::Prepared;
-use papilio_display::result::RunResult;
 use papilio_figures::{Chart, ChartCurve, Hue, chart};
 use papilio_microgeometry::{ByRays, Kernel, MOST_SLOPE, Measurement, MicrogeometryError, Side, Total};
 use papilio_scenario::SurfaceScenario;
@@ -61,7 +59,6 @@ pub(crate) fn sections(bench: &Bench<'_>) -> Result<Vec<Section>, ReproductionEr
         return Err(MicrogeometryError::Interrupted.into());
     };
 
-    let [in_lamp, in_even_light] = in_both_lights(bench)?;
     let mut shares = Table::new(&[
         "light from above, inclination (deg)",
         "reflected (%)",
@@ -109,23 +106,9 @@ pub(crate) fn sections(bench: &Bench<'_>) -> Result<Vec<Section>, ReproductionEr
                 fixed(waves.slope_rms, 2)
             ))
             .table(orders),
-        looks(bench, &kernel, &in_lamp)?,
-        plane(&totals, &in_even_light),
+        looks(bench, &kernel)?,
+        plane(bench, &totals)?,
     ])
-}
-
-/// Inclinations of figure 2.15, deg.
-const INCLINATIONS_DEG: [f64; 4] = [0.0, 30.0, 60.0, 75.0];
-
-/// Runs the display in its lamp, and in uniform light at [`INCLINATIONS_DEG`]: it is prepared once for both.
-fn in_both_lights(bench: &Bench<'_>) -> Result<[RunResult; 2], ReproductionError> {
-    let lamp = bench.resolve("bumps", &[])?.scene;
-    let mut even = lamp.clone();
-    even.viewer.theta_deg = INCLINATIONS_DEG.to_vec();
-    even.lighting.directed.clear();
-    even.lighting.diffuse = 1.0;
-    let mut prepared = Prepared::new(&lamp)?;
-    Ok([prepared.run(&lamp, bench.control())?, prepared.run(&even, bench.control())?])
 }
 
 /// Curves of the totals against inclination.
@@ -156,10 +139,13 @@ fn spread(totals: &[Total]) -> String {
 }
 
 /// Figure 2.12: brightness from 0 and 45 deg, and blur by the distance of the diffuser.
-fn looks(bench: &Bench<'_>, kernel: &Kernel, bumps: &RunResult) -> Result<Section, ReproductionError> {
-    let flat = bench.run("bumps", &["display.layers.0={ kind = \"fresnel\" }"])?;
-    let [flat, bumps] = [&flat, bumps]
-        .map(|result| [0, 1].map(|view| of(&result.views[view], "white", |values| Some(values.Y))));
+fn looks(bench: &Bench<'_>, kernel: &Kernel) -> Result<Section, ReproductionError> {
+    let white = |set: &[&str]| -> Result<[f64; 2], ReproductionError> {
+        let result = bench.run("bumps", set)?;
+        Ok([0, 1].map(|view| of(&result.views[view], "white", |values| Some(values.Y))))
+    };
+    let bumps = white(&[])?;
+    let flat = white(&["display.layers.0={ kind = \"fresnel\" }"])?;
     let mut table = Table::new(&["luminance factor, lamp at 0 deg", "flat glass", "with bumps", "thesis"]);
     for (view, found) in
         [("(1) seen from 0 deg", "darker"), ("(2) seen from 45 deg", "brighter")].iter().enumerate()
@@ -191,10 +177,13 @@ fn looks(bench: &Bench<'_>, kernel: &Kernel, bumps: &RunResult) -> Result<Sectio
 }
 
 /// Figure 2.15: the bumps as a plane with a BSDF, compared with the rays themselves.
-fn plane(totals: &[Total], in_even_light: &RunResult) -> Section {
+fn plane(bench: &Bench<'_>, totals: &[Total]) -> Result<Section, ReproductionError> {
+    let angles = [0.0, 30.0, 60.0, 75.0];
+    let views = format!("viewer.theta_deg={angles:?}");
+    let result = bench.run("bumps", &[&views, "lighting.directed=[]", "lighting.diffuse=1"])?;
     let mut table =
         Table::new(&["inclination (deg)", "reflectance by rays (%)", "of the plane (%)", "difference"]);
-    for (view, deg) in in_even_light.views.iter().zip(INCLINATIONS_DEG) {
+    for (view, deg) in result.views.iter().zip(angles) {
         let rays = totals.iter().find(|total| total.from == Side::Above && total.theta_deg == deg);
         let rays = rays.map_or(f64::NAN, |total| total.reflected.value);
         // Nothing comes back from below the plane: by reciprocity what is seen in uniform light is what is reflected.
@@ -206,10 +195,10 @@ fn plane(totals: &[Total], in_even_light: &RunResult) -> Section {
             fixed(100.0 * (plane - rays), 2),
         ]);
     }
-    Section::new("figure-2-15", "Figure 2.15: the bumps as a plane with a BSDF")
+    Ok(Section::new("figure-2-15", "Figure 2.15: the bumps as a plane with a BSDF")
         .say(
             "The thesis replaces the bumps by a plane with their BRDF. Here the kernel of all four ways is a layer of the display. \
              Above a black display in uniform light, it reflects what the rays reflect:",
         )
-        .table(table)
+        .table(table))
 }

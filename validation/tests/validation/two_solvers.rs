@@ -352,7 +352,8 @@ fn every_scenario_agrees() {
     names.retain(|name| has_time() || !ONLY_IN_FULL.contains(&name.as_str()));
     for name in names {
         // A coarse grid: what is compared is transport, wavelength by wavelength.
-        let mut scene = scenario(&name, &["solver.method=adding", "spectrum.step_nm=40"]).unwrap().scene;
+        let step = if has_time() { "spectrum.step_nm=20" } else { "spectrum.step_nm=40" };
+        let mut scene = scenario(&name, &["solver.method=adding", step]).unwrap().scene;
         // Of many views every day only some: neighbours have much in common.
         let views = &mut scene.viewer.theta_deg;
         let step = views.len().div_ceil(if has_time() { views.len() } else { 4 });

@@ -8,13 +8,14 @@ use papilio_display::scene::{Drive, FilmPixel, Method, Metric, Pixel, Scene, Sto
 use papilio_display::{Control, Designs, DisplayError, Parameter, Prepared, Quantity};
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
-use papilio_testing::{everyday, seeds};
+use papilio_testing::{everyday, seeds, sized};
 
 /// Displays of all kinds that support designs, with few wavelengths. The target is so large that two levels suffice
 /// for all designs: a run then reports the level at which designs are computed. The first ones differ most.
 fn scenes() -> Vec<(&'static str, Scene)> {
     let scene = |name: &str, overrides: &[&str]| {
-        let overrides = [&["spectrum.step_nm=40", "metrics.gamut_volume=true"], overrides].concat();
+        let step = sized("spectrum.step_nm=40", "spectrum.step_nm=20");
+        let overrides = [&[step, "metrics.gamut_volume=true"], overrides].concat();
         let mut scene = scenario(name, &overrides).unwrap().scene;
         scene.solver.method = Method::Adding;
         scene.solver.stop = Stop::RelativeError { target: 0.9, per_wavelength: false };

@@ -8,7 +8,7 @@ use papilio_display::image::{ImageResult, ImageSettings, Screen, SourceImage, im
 use papilio_display::spatial::{CrosstalkResult, Figure, crosstalk, walk};
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario};
-use papilio_testing::everyday;
+use papilio_testing::{everyday, sized};
 
 use crate::common::run_on;
 
@@ -32,7 +32,8 @@ fn resolved(parts: &[&str]) -> Resolved {
 }
 
 fn resolved_with(parts: &[&str], overrides: &[String]) -> Resolved {
-    let text = format!("[spectrum]\nstep_nm = 80\n{}[solver]\nrelative_error = 1e-3\n", parts.concat());
+    let step = sized(80, 40);
+    let text = format!("[spectrum]\nstep_nm = {step}\n{}[solver]\nrelative_error = 1e-3\n", parts.concat());
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
     Scenario::from_text(&text, "filter.toml", &folder, overrides).unwrap().resolve().unwrap()
 }

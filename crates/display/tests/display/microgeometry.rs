@@ -181,7 +181,8 @@ fn a_high_gaussian_face_by_waves_is_roughness() {
 fn a_face_by_waves_colours_the_light() {
     let hazy = face("surface = \"hazy.toml\"\nrms_nm = 900");
     // Each wavelength has a lobe of its own.
-    let few = |light: &str| format!("{light}\n[spectrum]\nrange_nm = [450, 650]\nstep_nm = 100");
+    let range = sized("range_nm = [450, 650]\n", "");
+    let few = |light: &str| format!("{light}\n[spectrum]\n{range}step_nm = 100");
     let mut faced = Faced::new(4e-3, &hazy, 1.0, &few(DIFFUSE));
     faced.assert_furnace(1e-3);
     faced.change(&few(LAMP));

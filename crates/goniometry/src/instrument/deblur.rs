@@ -248,11 +248,11 @@ mod tests {
         instrument
     }
 
-    /// Peaks of 20.7, 14.5 and 13.0 per sr are recovered to 99.8, 47.3 and 38.6, the second without values beyond
+    /// Peaks of 20.7, 14.5 and 13.0 per sr are recovered to 99.8, 47.3 and 38.6, also without values beyond
     /// 85 deg, as in real files.
     #[test]
     fn deblurring_recovers_synthetic_samples() {
-        for (haze, dark_beyond_deg) in [(0.65, 90.0), (0.78, 85.0), (0.81, 90.0)] {
+        for (haze, dark_beyond_deg) in [(0.65, 90.0), (0.78, 90.0), (0.78, 85.0), (0.81, 90.0)] {
             let instrument = Instrument { dark_beyond_deg, ..instrument(0.0) };
             let sample = SyntheticSample::new(haze).unwrap();
             let part = sample.measured(&instrument, &[1.0]).unwrap().parts.remove(0);

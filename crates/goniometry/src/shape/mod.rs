@@ -320,7 +320,7 @@ mod tests {
             ("flat top", &|d| 1.0 / (1.0 + (d / 0.01).powi(2))),
         ];
         for (name, lobe) in lobes {
-            let [coarse, fine] = [2.0, 0.2].map(|radial| {
+            let [coarse, fine] = [2.0, 0.1].map(|radial| {
                 let grid = grid(radial);
                 Shape::of_grid(&grid, &measured(&grid, |_, delta| lobe(delta.squared())), Fill::None)
             });

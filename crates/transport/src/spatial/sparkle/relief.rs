@@ -223,7 +223,11 @@ mod tests {
     /// lamp that of rays through Gaussian faces, on pixels of both kinds.
     #[test]
     fn heights_of_gaussian_faces_have_their_sparkle() {
-        let light = Source { beta: Beta { x: 0.05, y: 0.0 }, radius_deg: 1.5, illuminance: 1.0 };
+        let light = Source {
+            beta: Beta { x: 0.05, y: 0.0 },
+            radius_deg: papilio_testing::sized(1.5, 3.0),
+            illuminance: 1.0,
+        };
         let lit = Room { diffuse: 0.5, sources: vec![light] };
         let per_slope = Deflection::new(&panel(measured(None)).media, Beta::default()).per_slope_mm();
         let exact =
