@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use papilio_display::image::{
-    ImageInRoom, ImageResult, ImageSettings, PictureDifferences, Screen, ScreenSpace, ScreenWhite, Sharpness,
-    image,
+    ImageInRoom, ImageNumbers, ImageResult, ImageSettings, PictureDifferences, Screen, ScreenSpace,
+    ScreenWhite, Sharpness, image,
 };
 use papilio_display::palette::{PaletteColour, bytes};
 use papilio_display::{DisplayError, LightSummary};
@@ -138,7 +138,7 @@ impl SpatialOutput for ImageOutput {
         let mut all = text(title, &self.here);
         for (name, room) in &self.rooms {
             let numbers = &room.numbers;
-            let rows = differences(numbers.against_source, numbers.against_mapped);
+            let rows = differences(numbers);
             let light = light(&numbers.light);
             all.push_str(&format!(
                 "\nthe same states in the light of {name}, {light}\n{}",
@@ -226,14 +226,14 @@ fn text(title: &str, result: &ImageResult) -> String {
         report::plain(title),
         light(&numbers.light),
         report::table(&rows),
-        report::table(&differences(numbers.against_source, numbers.against_mapped)),
+        report::table(&differences(numbers)),
         percent(numbers.out_of_gamut_fraction),
         percent(numbers.clipped_fraction),
     )
 }
 
-/// What is seen, compared with the picture before and after gamut mapping.
-fn differences(source: PictureDifferences, mapped: PictureDifferences) -> Vec<Vec<String>> {
+/// What is seen, compared with the picture itself, and with its targets before and after gamut mapping.
+fn differences(numbers: &ImageNumbers) -> Vec<Vec<String>> {
     let head = [
         "seen against",
         "CIEDE2000: mean",
@@ -255,5 +255,10 @@ fn differences(source: PictureDifferences, mapped: PictureDifferences) -> Vec<Ve
             number(one.flip_mean, 4),
         ]
     };
-    vec![head.map(str::to_owned).to_vec(), row("the picture", source), row("the picture in gamut", mapped)]
+    vec![
+        head.map(str::to_owned).to_vec(),
+        row("the picture", numbers.against_photograph),
+        row("with the display's white and black", numbers.against_source),
+        row("mapped to its gamut", numbers.against_mapped),
+    ]
 }

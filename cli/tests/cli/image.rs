@@ -348,3 +348,47 @@ fn sweeps_have_metrics_of_pictures() {
     let error = stderr(&sweep("", "without"));
     assert!(error.contains("the key `file` is missing"), "{error}");
 }
+
+/// White, black and every neutral between them are in the gamut of a display that has them, with or without coloured inks. Against the
+/// photograph, white is right and black is wrong by the display's black: CIEDE2000 of two neutrals has a closed form.
+#[test]
+fn neutrals_are_in_the_gamut_and_the_photograph_is_the_first_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    let neutrals: Vec<[u8; 3]> = (0..=255).map(|value| [value; 3]).collect();
+    let [neutrals, white, black] =
+        [("neutrals", &neutrals[..]), ("white", &[[255; 3]]), ("black", &[[0; 3]])].map(|(name, pixels)| {
+            let place = folder.path().join(name);
+            fs::create_dir_all(&place).unwrap();
+            picture(&place, pixels)
+        });
+    let display = |name: &str, states: &str| {
+        fs::write(folder.path().join(format!("{name}.csv")), format!("state,L,a,b\n{states}")).unwrap();
+        let path = folder.path().join(format!("{name}.toml"));
+        let text = format!(
+            "[display.pixel]\nmodel = \"palette\"\nfile = \"{name}.csv\"\n[display.matrix]\nppi = 127\n\
+             [lighting]\nilluminance_lx = 150\nspectrum = \"D50\"\n[viewer]\ntheta_deg = 0\ndistance_mm = 500\n"
+        );
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let greys = "black,15,0,0\nwhite,75,0,0\n";
+    let grey = display("greys", greys);
+    let inks =
+        display("inks", &format!("{greys}red,30,40,25\nyellow,65,-5,55\nblue,25,10,-30\ngreen,35,-25,5\n"));
+    for file in [&grey, &inks] {
+        for shown in [&neutrals, &white, &black] {
+            let found = json(file, &[shown.to_str().unwrap()]);
+            assert_eq!(found["out_of_gamut_fraction"], 0.0, "{file:?} {shown:?}");
+        }
+    }
+    let of = |shown: &std::path::Path| {
+        json(&grey, &[shown.to_str().unwrap()])["against_photograph"]["delta_e_2000_mean"].as_f64().unwrap()
+    };
+    let luminance = |lightness: f64| ((lightness + 16.0) / 116.0).powi(3);
+    let lightness = 116.0 * (luminance(15.0) / luminance(75.0)).cbrt() - 16.0;
+    let from_50 = (lightness / 2.0 - 50.0).powi(2);
+    let expected = lightness / (1.0 + 0.015 * from_50 / (20.0 + from_50).sqrt());
+    // States of a palette file are spectra made from four digits, and the white of pictures is D65 of four digits.
+    assert!(of(&white) < 0.1, "{}", of(&white));
+    assert!((of(&black) - expected).abs() < 0.1, "{} instead of {expected}", of(&black));
+}

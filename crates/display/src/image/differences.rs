@@ -1,7 +1,7 @@
 //! How much two pictures in the same light differ: CIEDE2000 of each pixel, and for a reader at a distance S-CIELAB and FLIP.
 
 use papilio_colour::pictures::{FlipPicture, Picture, scielab};
-use papilio_colour::{Adaptation, ColourError, Xyz};
+use papilio_colour::{Adaptation, ColourError, D65_WHITE, Xyz};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -47,20 +47,20 @@ impl Difference {
 }
 
 impl PictureDifferences {
-    /// Compares what is seen, with rows of `columns` in a light of this white, with other pictures, on two threads if there are so many; `to_screen`
-    /// adapts it to D65.
+    /// Compares what is seen, with rows of `columns` by a reader who is adapted to this white, with other pictures, on two threads if there are
+    /// so many.
     ///
     /// # Errors
     /// If the white has no X, Y or Z.
-    pub(super) fn against(
+    pub(super) fn against<const N: usize>(
         seen: &[[f32; 3]],
-        others: [&[[f32; 3]]; 2],
+        others: [&[[f32; 3]]; N],
         columns: usize,
         white: Xyz,
-        to_screen: &Adaptation,
         pixels_per_degree: Option<f64>,
         threads: usize,
-    ) -> Result<[Self; 2], ColourError> {
+    ) -> Result<[Self; N], ColourError> {
+        let to_screen = Adaptation::between(white, D65_WHITE).ok_or(ColourError::NoWhite)?;
         let picture = |pixels: &[[f32; 3]], of: &(dyn Fn(Xyz) -> [f64; 3] + Sync)| {
             let mut planes = [0; 3].map(|_| Vec::with_capacity(pixels.len()));
             for pixel in pixels {
@@ -70,7 +70,7 @@ impl PictureDifferences {
         };
         let xyz = |pixels| picture(pixels, &Xyz::to_array);
         let own = xyz(seen)?.into_lab(white)?;
-        let mut differences = both(threads, |k| {
+        let mut differences: [Self; N] = each(threads, |k| {
             let plain = Difference::of(own.delta_e_2000(&xyz(others[k])?.into_lab(white)?)?);
             Ok(Self {
                 delta_e_2000_mean: plain.mean,
@@ -83,18 +83,21 @@ impl PictureDifferences {
         })?;
         drop(own);
         let Some(per_degree) = pixels_per_degree else { return Ok(differences) };
-        let [own, one, other] = scielab([xyz(seen)?, xyz(others[0])?, xyz(others[1])?], white, per_degree)?;
-        let blurred = both(threads, |k| Ok(Difference::of(own.delta_e_2000([&one, &other][k])?)))?;
+        let [own] = scielab([xyz(seen)?], white, per_degree)?;
+        let blurred: [Difference; N] = each(threads, |k| {
+            let [other] = scielab([xyz(others[k])?], white, per_degree)?;
+            Ok(Difference::of(own.delta_e_2000(&other)?))
+        })?;
         for (differences, blurred) in differences.iter_mut().zip(blurred) {
             (differences.scielab_mean, differences.scielab_p95) = (Some(blurred.mean), Some(blurred.p95));
         }
-        drop((own, one, other));
+        drop(own);
         let flip = |pixels| {
             let rgb = picture(pixels, &|pixel| to_screen.apply(pixel).linear_srgb())?;
             Ok::<_, ColourError>(FlipPicture::new(&rgb, per_degree))
         };
         let own = flip(seen)?;
-        let flips = both(threads, |k| {
+        let flips: [f64; N] = each(threads, |k| {
             let values = own.differences(&flip(others[k])?)?;
             Ok(values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len() as f64)
         })?;
@@ -105,30 +108,30 @@ impl PictureDifferences {
     }
 }
 
-/// The results of `of` for 0 and 1, at the same time if there are two threads.
-fn both<T: Send>(
+/// The results of `of` for 0 to N - 1, at the same time if there are two threads.
+fn each<const N: usize, T: Send>(
     threads: usize,
     of: impl Fn(usize) -> Result<T, ColourError> + Sync,
-) -> Result<[T; 2], ColourError> {
-    if threads < 2 {
-        return Ok([of(0)?, of(1)?]);
-    }
-    let [one, other] = std::thread::scope(|scope| {
-        let other = scope.spawn(|| of(1));
-        [of(0), other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))]
-    });
-    Ok([one?, other?])
+) -> Result<[T; N], ColourError> {
+    let numbers: [usize; N] = std::array::from_fn(|k| k);
+    let results = match threads {
+        0 | 1 => numbers.map(&of),
+        _ => std::thread::scope(|scope| {
+            let of = &of;
+            let running = numbers.map(|k| scope.spawn(move || of(k)));
+            running.map(|one| one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        }),
+    };
+    let all: Vec<T> = results.into_iter().collect::<Result<_, _>>()?;
+    Ok(all.try_into().unwrap_or_else(|_| unreachable!("one result for each number")))
 }
 
 #[cfg(test)]
 mod tests {
-    use papilio_colour::D65_WHITE;
-
     use super::*;
 
     #[test]
     fn equal_pictures_do_not_differ_and_quantiles_are_ordered() {
-        let same = Adaptation::between(D65_WHITE, D65_WHITE).unwrap();
         let grey: Vec<[f32; 3]> =
             (0..64).map(|k| [0.3, 0.32, 0.35].map(|one: f32| one * (1.0 + k as f32 / 64.0))).collect();
         let darker: Vec<[f32; 3]> = grey
@@ -136,20 +139,17 @@ mod tests {
             .enumerate()
             .map(|(k, pixel)| pixel.map(|one| one * (1.0 - k as f32 / 200.0)))
             .collect();
-        let against = |other: &[[f32; 3]]| {
-            let pair = [other, &grey[..]];
-            let with = |threads| {
-                PictureDifferences::against(&grey, pair, 8, D65_WHITE, &same, Some(40.0), threads).unwrap()
-            };
-            let [one, none] = with(1);
-            assert_eq!(with(2), [one, none]);
-            assert_eq!((none.delta_e_2000_p95, none.flip_mean), (0.0, Some(0.0)));
-            // One plane is the real part of a transform, its equal the imaginary part of another: rounding differs.
-            assert!(none.scielab_mean.unwrap() < 1e-12, "{none:?}");
-            one
+        let with = |threads| {
+            let others = [&darker[..], &grey, &darker];
+            PictureDifferences::against(&grey, others, 8, D65_WHITE, Some(40.0), threads).unwrap()
         };
-        let some = against(&darker);
-        assert!(0.0 < some.delta_e_2000_p50 && some.delta_e_2000_p50 < some.delta_e_2000_p95);
-        assert!(some.flip_mean.unwrap() > 0.0 && some.scielab_mean.unwrap() > 0.0);
+        let [one, none, again] = with(1);
+        assert_eq!(with(2), [one, none, again]);
+        assert_eq!((none.delta_e_2000_p95, none.flip_mean), (0.0, Some(0.0)));
+        assert_eq!((again.delta_e_2000_mean, again.flip_mean), (one.delta_e_2000_mean, one.flip_mean));
+        // One plane is the real part of a transform, its equal the imaginary part of another: rounding differs.
+        assert!(none.scielab_mean.unwrap() < 1e-12, "{none:?}");
+        assert!(0.0 < one.delta_e_2000_p50 && one.delta_e_2000_p50 < one.delta_e_2000_p95);
+        assert!(one.flip_mean.unwrap() > 0.0 && one.scielab_mean.unwrap() > 0.0);
     }
 }

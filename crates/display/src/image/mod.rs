@@ -178,6 +178,9 @@ pub struct ImageNumbers {
     pub mean_XYZ: [f64; 3],
     /// Pixels in a degree of the visual angle; null without [display.matrix].
     pub pixels_per_degree: Option<f64>,
+    /// Differences from the picture itself, as a good screen beside the display shows it to a reader adapted to the display's white: its white
+    /// is that white, its black is 0. No display reaches 0 where the picture is darker than its black.
+    pub against_photograph: PictureDifferences,
     /// Differences from the picture with the white and black of this display, before gamut mapping.
     pub against_source: PictureDifferences,
     /// Differences from the picture after gamut mapping.
@@ -228,7 +231,7 @@ pub fn image(
         _ => settings,
     };
     let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
-    let Brought { rendering, rendered: Rendered { wanted, mapped, inside }, states, cut } =
+    let Brought { rendering, rendered: Rendered { wanted, mapped, photograph, inside }, states, cut } =
         Brought::new(&lit, scene, source, settings, control)?;
     let Lit { view, result, palette, white } = lit;
     let to_screen =
@@ -246,10 +249,11 @@ pub fn image(
     let fraction = |number: usize| number as f64 / seen.len() as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / seen.len() as f64;
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
-    let others = [&wanted[..], &mapped[..]];
     let threads = control.thread_count();
     let [against_source, against_mapped] =
-        PictureDifferences::against(&seen, others, size[0], white, &to_screen, per_degree, threads)?;
+        PictureDifferences::against(&seen, [&wanted, &mapped], size[0], white, per_degree, threads)?;
+    let [against_photograph] =
+        PictureDifferences::against(&seen, [&photograph], size[0], rendering.white, per_degree, threads)?;
     let mut warnings = result.warnings.clone();
     if error > LARGE_ERROR {
         warnings.push(format!(
@@ -278,6 +282,7 @@ pub fn image(
         clipped_fraction: clipped as f64 / shown.len() as f64,
         mean_XYZ: [mean(0), mean(1), mean(2)],
         pixels_per_degree: per_degree,
+        against_photograph,
         against_source,
         against_mapped,
         sharpness: sharpness(scene)?,
@@ -342,10 +347,14 @@ impl ImageResult {
 }
 
 impl ImageNumbers {
-    /// Metrics of the picture, which compare it with the picture before gamut mapping.
+    /// Metrics of the picture, which compare it with the picture itself, and with its target before gamut mapping.
     pub fn metrics(&self) -> ImageMetrics {
-        let source = &self.against_source;
+        let (photograph, source) = (&self.against_photograph, &self.against_source);
         ImageMetrics {
+            photograph_delta_e_2000_mean: Some(photograph.delta_e_2000_mean),
+            photograph_scielab_mean: photograph.scielab_mean,
+            photograph_scielab_p95: photograph.scielab_p95,
+            photograph_flip_mean: photograph.flip_mean,
             delta_e_2000_mean: Some(source.delta_e_2000_mean),
             delta_e_2000_p95: Some(source.delta_e_2000_p95),
             scielab_mean: source.scielab_mean,

@@ -1,11 +1,11 @@
 //! From the colours of a picture to colours of a display in its light and view: [`papilio_colour::mapping`] with the states of the display,
 //! and a table for large pictures.
 
-use papilio_colour::Xyz;
 use papilio_colour::mapping::{
     DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SourceSpace, TableError,
 };
 use papilio_colour::states::StateHull;
+use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 
 use super::colour;
 use crate::DisplayError;
@@ -16,6 +16,11 @@ const MANY: usize = 40_000;
 
 /// Distance from the hull, relative to its size, that rounding to 32 bits may cause.
 const INSIDE: f64 = 1e-6;
+
+/// Distance from the hull, relative to its size, up to which a colour counts as one of the display. The white of pictures, from its
+/// chromaticity or from a profile of four digits, differs from the D65 of colorimetry by up to 0.0005 of X or Z: a neutral is not a colour
+/// that the display lacks. It is less than a just noticeable difference.
+const COUNTED_INSIDE: f64 = 1e-3;
 
 /// Weights of red-green and of blue-yellow differences of states, over that of lightness, in error diffusion.
 const RED_GREEN: f64 = 1.7;
@@ -29,6 +34,8 @@ pub(super) struct Rendering {
     /// Whether colours inside the hull change, too.
     changes_all: bool,
     pub(super) white: Xyz,
+    /// From D65 to the white of the display.
+    to_white: Adaptation,
     /// X, Y, Z of the states.
     pub(super) states: Vec<[f64; 3]>,
 }
@@ -39,6 +46,8 @@ pub(super) struct Rendered {
     pub(super) wanted: Vec<[f32; 3]>,
     /// In the gamut of the display.
     pub(super) mapped: Vec<[f32; 3]>,
+    /// The picture itself: its white is that of the display, its black is 0.
+    pub(super) photograph: Vec<[f32; 3]>,
     /// Number of pixels whose colour some mixture of states has.
     pub(super) inside: usize,
 }
@@ -59,6 +68,8 @@ impl Rendering {
         let white =
             find("white").or_else(|| points.iter().max_by(by_light).copied()).ok_or(nothing.clone())?;
         let black = find("black").or_else(|| points.iter().min_by(by_light).copied()).ok_or(nothing)?;
+        let to_white =
+            Adaptation::between(D65_WHITE, white).ok_or(DisplayError::NoWhite { what: "a picture" })?;
         let display = DisplayColours { white, black, perfect_white };
         let mapping = GamutMapping::new(StateHull::new(&points)?, display, SourceSpace::Srgb, intent, space)?;
         let table = (pixels > MANY).then(|| {
@@ -66,7 +77,7 @@ impl Rendering {
             let error = table.error(&mapping);
             (table, error)
         });
-        Ok(Self { mapping, table, changes_all: intent == Intent::Perceptual, white, states })
+        Ok(Self { mapping, table, changes_all: intent == Intent::Perceptual, white, to_white, states })
     }
 
     /// Coordinates in which error diffusion searches the nearest state: lightness, red-green and blue-yellow, relative to the white.
@@ -108,9 +119,10 @@ impl Rendering {
     /// Maps all pixels of a picture.
     pub(super) fn rendered(&self, pixels: &[[f32; 3]]) -> Rendered {
         let all = || Vec::with_capacity(pixels.len());
-        let mut rendered = Rendered { wanted: all(), mapped: all(), inside: 0 };
+        let mut rendered = Rendered { wanted: all(), mapped: all(), photograph: all(), inside: 0 };
         for pixel in pixels {
             let (wanted, mapped, is_inside) = self.mapped(*pixel);
+            rendered.photograph.push(single(self.to_white.apply(colour(*pixel))));
             rendered.wanted.push(wanted);
             rendered.mapped.push(mapped);
             rendered.inside += usize::from(is_inside);
@@ -128,9 +140,13 @@ impl Rendering {
             Some((table, _)) if is_srgb(source.linear_srgb()) => table.map(source.linear_srgb()),
             _ => self.mapping.map_xyz(source),
         };
-        let single = |colour: Xyz| colour.to_array().map(|value| value as f32);
-        (single(wanted), single(mapped), is_inside)
+        let counts = is_inside || self.mapping.hull().contains_within(wanted, COUNTED_INSIDE);
+        (single(wanted), single(mapped), counts)
     }
+}
+
+fn single(colour: Xyz) -> [f32; 3] {
+    colour.to_array().map(|value| value as f32)
 }
 
 /// Whether a colour is in the gamut of sRGB, for which the table was made.

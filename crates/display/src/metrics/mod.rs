@@ -294,8 +294,17 @@ metrics! {
         /// Its source term: of a uniform pixel plane in the light of the room.
         ppd_lamp = "Pixel power deviation, lamp term",
     }
-    /// A picture on the display, compared with the picture before gamut mapping: results of [`image`](crate::image::image()).
+    /// A picture on the display, compared with the picture itself (its white is that of the display, its black is 0) and with the picture
+    /// in the display's white and black, before gamut mapping: results of [`image`](crate::image::image()).
     image ImageMetrics {
+        /// CIEDE2000 of the pixels from the picture itself: the mean.
+        photograph_delta_e_2000_mean = "Mean colour difference CIEDE2000 from the photograph",
+        /// S-CIELAB from the picture itself: the mean.
+        photograph_scielab_mean = "Mean S-CIELAB difference from the photograph",
+        /// 95th percentile.
+        photograph_scielab_p95 = "S-CIELAB difference from the photograph, 95th percentile",
+        /// FLIP from the picture itself: the mean.
+        photograph_flip_mean = "Mean FLIP difference from the photograph",
         /// CIEDE2000 of the pixels: the mean.
         delta_e_2000_mean = "Mean colour difference CIEDE2000 of pixels",
         /// 95th percentile.
