@@ -114,9 +114,8 @@ pub(super) fn coherent_at(
     polarisation: Polarisation,
 ) -> Result<Coherent, OpticsError> {
     let k0 = 2.0 * PI / checked_wavelength(wavelength_nm)?;
-    let medium = |index, q| {
-        Medium::new(index, beta, polarisation).map(|medium: Medium| Medium { q, g: medium.g })
-    };
+    let medium =
+        |index, q| Medium::new(index, beta, polarisation).map(|medium: Medium| Medium { q, g: medium.g });
     let substrate = medium(film.substrate, q_substrate)?;
     let incidence = medium(checked_incidence(film.incidence)?.into(), q_incidence)?;
     between(film, k0, beta, polarisation, incidence, substrate)
