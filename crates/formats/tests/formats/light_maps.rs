@@ -175,7 +175,10 @@ fn each_line_of_a_radiance_header_is_used_or_named() {
         ("EXPOSURE=2\n", Ok("")),
         ("COLORCORR=1 2 3\n", Ok("")),
         ("PRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329\n", Ok("")),
-        ("PRIMARIES= 0.640 0.330 0.290 0.600 0.150 0.060 0.3333 0.3333\n", Ok("converted from the primaries")),
+        (
+            "PRIMARIES= 0.640 0.330 0.290 0.600 0.150 0.060 0.3333 0.3333\n",
+            Ok("converted from the primaries"),
+        ),
         ("PRIMARIES=0.64 0.33\n", Err("PRIMARIES are not eight numbers")),
         ("PIXASPECT=1\n", Ok("")),
         ("PIXASPECT=2\n", Ok("PIXASPECT is not used")),
@@ -206,7 +209,8 @@ fn chromaticities_of_openexr_are_used() {
         });
     });
     let map = read(&bytes).unwrap();
-    let y: f32 = map.channels.iter().zip([0.2126, 0.7152, 0.0722]).map(|(c, weight)| weight * c.radiance[3]).sum();
+    let y: f32 =
+        map.channels.iter().zip([0.2126, 0.7152, 0.0722]).map(|(c, weight)| weight * c.radiance[3]).sum();
     // 10, 10, 0 by ITU-R BT.2020: 0.2627 and 0.6780.
     assert!((y - 9.407).abs() < 5e-3, "{y}");
     assert!(map.notes[0].contains("32 of 32 pixels are outside the gamut of sRGB"), "{:?}", map.notes);
