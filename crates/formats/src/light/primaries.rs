@@ -61,7 +61,7 @@ fn xyz_of_srgb() -> Option<Matrix> {
 
 /// Returns the matrix from RGB to XYZ, Y = 1 for white.
 fn xyz([red, green, blue, white]: Primaries) -> Option<Matrix> {
-    let column = |[x, y]: [f64; 2]| (y > 1e-9 || y < -1e-9).then(|| [x / y, 1.0, (1.0 - x - y) / y]);
+    let column = |[x, y]: [f64; 2]| (y.abs() > 1e-9).then(|| [x / y, 1.0, (1.0 - x - y) / y]);
     let columns = [column(red)?, column(green)?, column(blue)?];
     let plain: Matrix = std::array::from_fn(|row| std::array::from_fn(|k| columns[k][row]));
     let scale = times(inverse(plain)?, column(white)?);
