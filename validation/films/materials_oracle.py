@@ -125,7 +125,17 @@ def source(data):
     return f"{who}, {where}"
 
 
-def thinned(rows):
+THICKNESSES_UM = [1, 10, 1e3, 1e4]
+
+
+def transmittances_agree(k, other, um):
+    """Whether exp(-4 pi k d / lambda) differs by less than 0.001 at 1 um, 10 um, 1 mm and 10 mm: bounds on k alone do not show
+    what millimetres of a glass absorb."""
+    through = lambda k, d: np.exp(-4 * np.pi * k * d / um)  # noqa: E731
+    return all(np.all(np.abs(through(k, d) - through(other, d)) < 9e-4) for d in THICKNESSES_UM)
+
+
+def thinned(rows, kind):
     """Rows within the range, and one more at each end, without those that interpolation between their neighbours replaces."""
     rows = sorted(rows, key=lambda row: float(row[0]))
     um = np.array([float(row[0]) for row in rows])
@@ -139,6 +149,8 @@ def thinned(rows):
         for column, tolerance in slack(between):
             line = values[first, column] * (1 - t) + values[last, column] * t
             if np.any(np.abs(line - between[:, column]) > tolerance):
+                return False
+            if kind[column - 1] == "k" and not transmittances_agree(line, between[:, column], between[:, 0]):
                 return False
         return True
 
@@ -172,7 +184,7 @@ def sections(data, quantities):
             continue
         rows = [row.split() for row in part["data"].strip().splitlines()]
         yield kind
-        for row in thinned(rows):
+        for row in thinned(rows, kind):
             if kind == "nk" and float(row[2]) < 1e-10:
                 row[2] = "0"
             yield " ".join(row)
@@ -199,7 +211,7 @@ def joined(first, second):
     end = float(tables[0][-1][0])
     yield "k"
     for table in (tables[0], [row for row in tables[1] if float(row[0]) > end]):
-        yield from (" ".join(row) for row in thinned(table))
+        yield from (" ".join(row) for row in thinned(table, "k"))
 
 
 def formula(number, c, um):
@@ -247,6 +259,44 @@ def comparison():
             yield [name, second.replace("/nk/", "/"), f"{1e3 * um:g}", f"{n:.6g}", k, difference_n, limit]
 
 
+def judged(text):
+    """Compares k of a written table with the page itself, every nm, by transmittance. This does not use the rule that thins. Yields
+    the name of each material, its largest difference and whether it has k at all."""
+    tables, part = {}, ""
+    for line in text.splitlines():
+        word = line.split(" ")[0]
+        if word == "=":
+            name, part = line[2:], ""
+            tables[name] = []
+        elif word and word[0].isalpha():
+            part = word
+        elif part in ("nk", "k"):
+            cells = line.split()
+            tables[name].append((float(cells[0]), float(cells[-1])))
+    for name, _, *pages in MATERIALS:
+        sources, end = [], 0.0
+        for one in pages:
+            rows = [row.split() for part in page(one)["DATA"] if part["type"] in ("tabulated nk", "tabulated k")
+                    for row in part["data"].strip().splitlines()]
+            rows = sorted((float(row[0]), float(row[-1])) for row in rows)
+            rows = [row for row in rows if row[0] > end]
+            sources += rows
+            end = max([end, *(row[0] for row in rows)])
+        if bool(sources) != bool(tables[name]):
+            yield name, 1.0, True
+        elif not sources:
+            yield name, 0.0, False
+        else:
+            truth, kept = np.array(sources), np.array(tables[name])
+            um = np.arange(0.38, 0.7801, 0.001)
+            um = um[(um >= truth[0, 0]) & (um <= truth[-1, 0])]
+            worst = 0.0
+            for d in (1, 10, 1e3, 1e4):
+                through = [np.exp(-4 * np.pi * np.interp(um, *rows.T) * d / um) for rows in (truth, kept)]
+                worst = max(worst, np.abs(through[0] - through[1]).max(initial=0.0))
+            yield name, worst, True
+
+
 def main():
     table = "".join(",".join(map(str, row)) + "\n" for row in comparison())
     text = "\n".join(tables()) + "\n"
@@ -260,6 +310,14 @@ def main():
             equal = path.read_text(encoding="utf-8") == text
             print(f"{path.name}: {'as committed' if equal else 'differs'}")
             fine &= equal
+        committed = files[0][0].read_text(encoding="utf-8")
+        results = list(judged(committed))
+        for name, worst, _ in results:
+            if not worst < 1e-3:
+                print(f"{name}: transmittance differs by {worst:.4f} from its page")
+                fine = False
+        print(f"transmittance of 1 um to 10 mm: {len(results)} materials, at most {max(r[1] for r in results):.5f} from their pages; "
+              f"no k: {', '.join(r[0] for r in results if not r[2])}")
         sys.exit(0 if fine else 1)
     else:
         sys.exit(__doc__)

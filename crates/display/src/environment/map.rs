@@ -5,8 +5,8 @@
 //! inside. At `rotate_deg = 0` an upright display faces the middle of the image (azimuth -90 deg, see [`Pose`]); a rotation
 //! turns the world counterclockwise seen from above.
 //!
-//! For a horizontal display, pixels are cells: nothing is resampled (a rotation by a fraction of a pixel divides
-//! the light of a pixel between two cells). For a tilted display, each pixel is divided into many parts, and the
+//! For a horizontal display, pixels are cells: nothing is resampled. After a rotation by a fraction of a pixel each
+//! pixel consists of several cells; where the pixels' borders lie within cells, these hold the mean of both. For a tilted display, each pixel is divided into many parts, and the
 //! light of each part is added to the cell in which it falls. The radiance of a cell is the mean of its parts, and all
 //! cells are scaled to preserve the illuminance. Near the normal, where cells are narrow, the light of a row is averaged
 //! over several cells.
@@ -50,6 +50,8 @@ impl Cells {
 
 /// Largest number of columns for a horizontal display.
 const MOST_FLAT: usize = 1024;
+/// Largest number of columns for a horizontal display whose map is turned by a part of a pixel.
+const MOST_TURNED: usize = 2048;
 /// Number of columns for a tilted display.
 const TILTED: usize = 512;
 /// Approximate number of parts of an image pixel per cell of a tilted display, along each direction.
@@ -81,23 +83,32 @@ impl Panorama<'_> {
             step *= 2;
         }
         let (rows, columns) = (rows / step, self.width / step);
-        // Azimuth decreases from column to column; the light of a pixel is divided between two cells.
+        // Azimuth decreases from column to column. Columns are divided so that a turn by a part of a pixel moves pixels by whole cells
+        // and does not smooth them; only cells at the border of two pixels are divided between them, if the turn needs finer ones.
         let shift = (90.0 + rotate_deg) / 360.0 * columns as f64;
+        let off = |parts: usize| (shift * parts as f64 - (shift * parts as f64).round()).abs();
+        let most = (MOST_TURNED / columns).max(1);
+        let parts = (1..=most).find(|parts| off(*parts) < 1e-9).unwrap_or(most);
+        let cells_around = columns * parts;
+        let shift = shift * parts as f64;
+        let shift = if off(parts) < 1e-9 { shift.round() } else { shift };
         let (whole, part) = (shift.floor(), shift - shift.floor());
         let channel = |pixels: &&[f32]| {
-            let mut radiance = vec![0.0; rows * columns];
-            for (row, cells) in radiance.chunks_exact_mut(columns).enumerate() {
+            let mut radiance = vec![0.0; rows * cells_around];
+            for (row, cells) in radiance.chunks_exact_mut(cells_around).enumerate() {
                 for column in 0..columns {
                     let value = self.mean(pixels, (row * step, column * step), step);
-                    let cell = |k: f64| (k.rem_euclid(columns as f64) as usize).min(columns - 1);
-                    cells[cell(whole - column as f64 - 1.0)] += (1.0 - part) * value;
-                    cells[cell(whole - column as f64)] += part * value;
+                    let cell = |k: f64| (k.rem_euclid(cells_around as f64) as usize).min(cells_around - 1);
+                    for fine in column * parts..(column + 1) * parts {
+                        cells[cell(whole - fine as f64 - 1.0)] += (1.0 - part) * value;
+                        cells[cell(whole - fine as f64)] += part * value;
+                    }
                 }
             }
             radiance
         };
         let edges_deg = (0..=rows).map(|row| 90.0 * row as f64 / rows as f64).collect();
-        Cells { edges_deg, columns, channels: self.channels.iter().map(channel).collect() }
+        Cells { edges_deg, columns: cells_around, channels: self.channels.iter().map(channel).collect() }
     }
 
     /// Computes the mean of a block of pixels, weighted by solid angle.
@@ -218,6 +229,26 @@ mod tests {
             assert!(at > 0.2 / solid_angle, "{tilt_deg} {rotate_deg}: {at}");
             let truth = 5.0 * solid_angle * theta.to_radians().cos();
             assert!((irradiance / truth - 1.0).abs() < 3e-3, "{tilt_deg} {rotate_deg}: {irradiance} {truth}");
+        }
+    }
+
+    /// A turn by a part of a pixel moves the pixels and does not smooth them: each keeps its own radiance in its middle.
+    #[test]
+    fn turned_map_keeps_the_radiances_of_its_pixels() {
+        let radiance = map(64, |_, column| if column % 2 == 0 { 1.0 } else { 9.0 });
+        let map = Panorama { width: 64, height: 32, channels: vec![&radiance] };
+        let pixel = 360.0 / 64.0;
+        for part in [0.0, 0.5, 0.25, 0.3, 0.9137] {
+            let (field, irradiance) = field(map.over(Pose::default(), part * pixel));
+            assert!((irradiance / (5.0 * PI) - 1.0).abs() < 1e-12, "{part}: {irradiance}");
+            for column in 0..64 {
+                for inside in [0.1, 0.5, 0.9] {
+                    let phi = 90.0 + part * pixel - pixel * (f64::from(column) + inside);
+                    let at = field.radiance(Beta::from_source(40.0, phi, 1.0)) * irradiance;
+                    let wanted = if column % 2 == 0 { 1.0 } else { 9.0 };
+                    assert!((at / wanted - 1.0).abs() < 1e-9, "{part} {column} {inside}: {at}");
+                }
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use papilio_diagnostics::Place;
 
 use super::problem::MapProblem;
-use super::{openexr, radiance};
+use super::{openexr, primaries, radiance};
 use crate::error::FormatError;
 use crate::file::DataFile;
 
@@ -20,6 +20,8 @@ pub struct LightMap {
     pub height: usize,
     /// The channels.
     pub channels: Vec<MapChannel>,
+    /// What of the file is converted, or not used, in words.
+    pub notes: Vec<String>,
 }
 
 /// Radiances of one colour or wavelength.
@@ -34,7 +36,7 @@ pub struct MapChannel {
 /// Colour of a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MapColour {
-    /// Linear sRGB red.
+    /// Linear sRGB red; a file with other primaries is converted.
     Red,
     /// Linear sRGB green.
     Green,
@@ -59,8 +61,14 @@ pub fn read_light_map(file: &DataFile) -> Result<LightMap, FormatError> {
     } else {
         Err(MapProblem::NotAMap)
     };
-    map.and_then(checked)
-        .map_err(|problem| FormatError { place: Place::whole(&file.name), problem: problem.into() })
+    let converted = map.and_then(|(map, primaries)| {
+        let mut map = checked(map)?;
+        if let Some(primaries) = primaries {
+            primaries::to_srgb(&mut map, primaries)?;
+        }
+        Ok(map)
+    });
+    converted.map_err(|problem| FormatError { place: Place::whole(&file.name), problem: problem.into() })
 }
 
 /// Fails unless this is the size of an equirectangular map.

@@ -3,6 +3,7 @@
 mod ies;
 mod map;
 mod openexr;
+mod primaries;
 mod problem;
 mod profile;
 mod radiance;

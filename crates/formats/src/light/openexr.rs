@@ -10,6 +10,7 @@ use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers};
 
 use super::map::{LightMap, MapChannel, MapColour, check_size};
+use super::primaries::Primaries;
 use super::problem::MapProblem;
 
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -17,7 +18,7 @@ pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Largest number of values of all channels.
 const MOST_VALUES: usize = 1 << 26;
 
-pub(super) fn read(bytes: &[u8]) -> Result<LightMap, MapProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapProblem> {
     let refused = |error: exr::error::Error| MapProblem::Exr { message: error.to_string() };
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(refused)?;
     let headers = &meta.headers;
@@ -47,7 +48,23 @@ pub(super) fn read(bytes: &[u8]) -> Result<LightMap, MapProblem> {
     if channels.iter().any(|channel| channel.radiance.len() != width * height) {
         return Err(MapProblem::Channels { found: names() });
     }
-    Ok(LightMap { width, height, channels })
+    let pair = |at: exr::math::Vec2<f32>| [f64::from(at.0), f64::from(at.1)];
+    let attributes = &header.shared_attributes;
+    let primaries = attributes
+        .chromaticities
+        .map(|all| [pair(all.red), pair(all.green), pair(all.blue), pair(all.white)]);
+    let mut notes = Vec::new();
+    if header.own_attributes.white_luminance.is_some() {
+        notes.push("whiteLuminance is not used: the values are taken as radiances".to_owned());
+    }
+    let window = attributes.display_window;
+    if (window.position, window.size) != (header.own_attributes.layer_position, header.layer_size) {
+        notes.push(
+            "the display window differs from the data window and is not used: the data window is taken as the whole sphere"
+                .to_owned(),
+        );
+    }
+    Ok((LightMap { width, height, channels, notes }, primaries))
 }
 
 fn values(samples: &FlatSamples) -> Vec<f32> {

@@ -49,6 +49,11 @@ pub enum MapProblem {
         /// Value of the pixel.
         value: f32,
     },
+    /// Primaries that span no colours.
+    Primaries {
+        /// x and y of red, green, blue and white.
+        found: [[f64; 2]; 4],
+    },
     /// The channels do not form a supported set.
     Channels {
         /// Names of the channels.
@@ -65,6 +70,10 @@ impl MapProblem {
     /// Returns what is wrong, what was expected and what to do, in words.
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
+            Self::Primaries { found } => {
+                Diagnostic::new(format!("the primaries {found:?} do not span a range of colours"))
+                    .expected("x and y of red, green, blue and white")
+            }
             Self::NotAMap => {
                 Diagnostic::new("this is neither a Radiance picture (.hdr) nor an OpenEXR file (.exr)")
             }

@@ -4,11 +4,12 @@
 //! `EXPOSURE` and `COLORCORR` lines are multiplied, and the pixels are divided by the product.
 
 use super::map::{LightMap, MapChannel, MapColour, check_size};
+use super::primaries::Primaries;
 use super::problem::MapProblem;
 
-pub(super) fn read(bytes: &[u8]) -> Result<LightMap, MapProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapProblem> {
     let header = Header::read(bytes)?;
-    let Header { width, height, start, scale } = header;
+    let Header { width, height, start, scale, primaries, notes } = header;
     let mut input = &bytes[start..];
     let mut channels: [Vec<f32>; 3] = Default::default();
     let mut row = vec![[0_u8; 4]; width];
@@ -24,7 +25,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<LightMap, MapProblem> {
     let colours = [MapColour::Red, MapColour::Green, MapColour::Blue];
     let channels = colours.into_iter().zip(channels);
     let channels = channels.map(|(colour, radiance)| MapChannel { colour, radiance }).collect();
-    Ok(LightMap { width, height, channels })
+    Ok((LightMap { width, height, channels, notes }, primaries))
 }
 
 /// Returns the value at the middle of the mantissa's step, as Radiance does.
@@ -39,11 +40,16 @@ struct Header {
     start: usize,
     /// Factors by which the pixels were multiplied.
     scale: [f64; 3],
+    /// The file's own primaries.
+    primaries: Option<Primaries>,
+    /// What is not used.
+    notes: Vec<String>,
 }
 
 impl Header {
     fn read(bytes: &[u8]) -> Result<Self, MapProblem> {
         let mut scale = [1.0; 3];
+        let (mut primaries, mut notes) = (None, Vec::new());
         let mut at = 0;
         let mut in_lines = true;
         for number in 1_usize.. {
@@ -57,7 +63,7 @@ impl Header {
             if !in_lines {
                 let (width, height) = size(line)?;
                 check_size(width, height)?;
-                return Ok(Self { width, height, start: at.min(bytes.len()), scale });
+                return Ok(Self { width, height, start: at.min(bytes.len()), scale, primaries, notes });
             }
             if line.is_empty() {
                 in_lines = false;
@@ -73,6 +79,28 @@ impl Header {
                 let by = factors::<3>(correction)
                     .ok_or(wrong("its COLORCORR is not three numbers from 1e-12 to 1e12"))?;
                 scale.iter_mut().zip(by).for_each(|(scale, by)| *scale *= by);
+            } else if let Some(text) = line.strip_prefix("PRIMARIES=") {
+                let numbers: Option<Vec<f64>> =
+                    text.split_whitespace().map(|word| word.parse().ok()).collect();
+                let [rx, ry, gx, gy, bx, by, wx, wy] = numbers.unwrap_or_default()[..] else {
+                    return Err(wrong(
+                        "its PRIMARIES are not eight numbers: x and y of red, green, blue and white",
+                    ));
+                };
+                primaries = Some([[rx, ry], [gx, gy], [bx, by], [wx, wy]]);
+            } else if let Some(text) = line.strip_prefix("PIXASPECT=") {
+                if text.trim().parse() != Ok(1.0) {
+                    notes.push("PIXASPECT is not used: the pixels cover the whole sphere".to_owned());
+                }
+            } else if let Some(text) = line.strip_prefix("GAMMA=") {
+                if text.trim().parse() != Ok(1.0) {
+                    notes.push("GAMMA is not used: the pixels are taken as linear".to_owned());
+                }
+            } else if let Some(text) = line.strip_prefix("VIEW=") {
+                notes.push(format!(
+                    "VIEW={} is not used: the map is taken as equirectangular",
+                    text.trim_end()
+                ));
             }
         }
         Err(MapProblem::NotAMap)

@@ -166,3 +166,66 @@ fn light_map_with_changed_bytes_never_panics() {
         }
     }
 }
+
+/// What is done with each line of Radiance's header (Radiance file formats, G. Ward), for a map of one colour: its note, or the
+/// beginning of its error.
+#[test]
+fn each_line_of_a_radiance_header_is_used_or_named() {
+    for (line, wanted) in [
+        ("EXPOSURE=2\n", Ok("")),
+        ("COLORCORR=1 2 3\n", Ok("")),
+        ("PRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329\n", Ok("")),
+        (
+            "PRIMARIES= 0.640 0.330 0.290 0.600 0.150 0.060 0.3333 0.3333\n",
+            Ok("converted from the primaries"),
+        ),
+        ("PRIMARIES=0.64 0.33\n", Err("PRIMARIES are not eight numbers")),
+        ("PIXASPECT=1\n", Ok("")),
+        ("PIXASPECT=2\n", Ok("PIXASPECT is not used")),
+        ("GAMMA=2.2\n", Ok("GAMMA is not used")),
+        ("VIEW=-vth -vh 180\n", Ok("VIEW=-vth -vh 180 is not used")),
+        ("SOFTWARE=any\n", Ok("")),
+    ] {
+        let bytes = [header(line, 8, 16), [128, 100, 90, 129].repeat(128)].concat();
+        match (read(&bytes), wanted) {
+            (Ok(map), Ok("")) => assert!(map.notes.is_empty(), "{line}: {:?}", map.notes),
+            (Ok(map), Ok(wanted)) => assert!(map.notes[0].contains(wanted), "{line}: {:?}", map.notes),
+            (Err(error), Err(wanted)) => assert!(error.contains(wanted), "{line}: {error}"),
+            (found, _) => panic!("{line}: {found:?}"),
+        }
+    }
+}
+
+/// Primaries of an OpenEXR file count: green light has another luminance in Rec. 2020.
+#[test]
+fn chromaticities_of_openexr_are_used() {
+    let bytes = exr_with(|attributes| {
+        let at = exr::math::Vec2;
+        attributes.chromaticities = Some(exr::meta::attribute::Chromaticities {
+            red: at(0.708, 0.292),
+            green: at(0.17, 0.797),
+            blue: at(0.131, 0.046),
+            white: at(0.3127, 0.329),
+        });
+    });
+    let map = read(&bytes).unwrap();
+    let y: f32 =
+        map.channels.iter().zip([0.2126, 0.7152, 0.0722]).map(|(c, weight)| weight * c.radiance[3]).sum();
+    // 10, 10, 0 by ITU-R BT.2020: 0.2627 and 0.6780.
+    assert!((y - 9.407).abs() < 5e-3, "{y}");
+    assert!(map.notes[0].contains("32 of 32 pixels are outside the gamut of sRGB"), "{:?}", map.notes);
+    assert!(read(&exr_with(|_| ())).unwrap().notes.is_empty());
+}
+
+fn exr_with(change: impl Fn(&mut exr::meta::header::ImageAttributes)) -> Vec<u8> {
+    let channel = |(name, value): (&str, f32)| AnyChannel::new(name, FlatSamples::F32(vec![value; 32]));
+    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> =
+        [("R", 10.0), ("G", 10.0), ("B", 0.0)].into_iter().map(channel).collect();
+    let layer =
+        Layer::new((8, 4), LayerAttributes::default(), Encoding::FAST_LOSSLESS, AnyChannels::sort(channels));
+    let mut image = Image::from_layer(layer);
+    change(&mut image.attributes);
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().non_parallel().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}

@@ -23,7 +23,9 @@
 //! **Validity.** That of [`coherent`], which computes every node. The two sides of an absorbing coating may
 //! differ; R + T <= 1 holds to rounding on both.
 
-use super::coherent::{Film, Layer, Polarisation, coherent};
+use num_complex::Complex64;
+
+use super::coherent::{Film, Layer, Polarisation, coherent_at};
 use super::{SpectralLayer, Thickness, checked_incidence, checked_wavelength, most_fringes};
 use crate::OpticsError;
 use crate::chebyshev::Piecewise;
@@ -127,16 +129,21 @@ impl Table {
         let up = Film { incidence: below, layers: from_below, substrate: above.into() };
         let (smaller, larger) = (above.min(below), above.max(below));
 
+        let gap = ((larger - smaller) * (larger + smaller)).sqrt();
+        // `q` is computed from x and not from beta, whose rounding is magnified close to the horizons: 1e-16 in beta is 1e-8 in q.
         let both = Piecewise::new(TOLERANCE, MOST_PIECES, |x| {
             let beta = smaller * ((1.0 - x) * (1.0 + x)).sqrt();
-            let [transmittance, above] = mean(&down, nm, beta)?;
-            Ok([transmittance, above, mean(&up, nm, beta)?[1]])
+            let (q_smaller, q_larger) = (smaller * x, gap.hypot(smaller * x));
+            let q = if above > below { [q_larger, q_smaller] } else { [q_smaller, q_larger] };
+            let [q_above, q_below] = q.map(Complex64::from);
+            let [transmittance, above] = mean(&down, nm, beta, [q_above, q_below])?;
+            Ok([transmittance, above, mean(&up, nm, beta, [q_below, q_above])?[1]])
         })?;
-        let gap = ((larger - smaller) * (larger + smaller)).sqrt();
         let denser = |x: f64| {
-            let beta = smaller.hypot(gap * 2.0 * x / (1.0 + x * x));
+            let (beyond, within) = (2.0 * x / (1.0 + x * x), (1.0 - x) * (1.0 + x) / (1.0 + x * x));
             let film = if above > below { &down } else { &up };
-            Ok([mean(film, nm, beta)?[1]])
+            let q = [Complex64::from(gap * within), Complex64::new(0.0, gap * beyond)];
+            Ok([mean(film, nm, smaller.hypot(gap * beyond), q)?[1]])
         };
         let denser = match above == below {
             true => None,
@@ -179,12 +186,13 @@ fn too_many_fringes(layers: &[Layer], nm: f64) -> OpticsError {
 }
 
 /// Returns transmittance and reflectance, mean of s and p; a ray along the layers is reflected completely.
-fn mean(film: &Film, nm: f64, beta: f64) -> Result<[f64; 2], OpticsError> {
-    if beta >= film.incidence {
+/// `q` is that of the medium of incidence and of the substrate.
+fn mean(film: &Film, nm: f64, beta: f64, q: [Complex64; 2]) -> Result<[f64; 2], OpticsError> {
+    if q[0].re <= 0.0 {
         return Ok([0.0, 1.0]);
     }
     let [s, p] =
-        [Polarisation::S, Polarisation::P].map(|polarisation| coherent(film, nm, beta, polarisation));
+        [Polarisation::S, Polarisation::P].map(|polarisation| coherent_at(film, nm, beta, q, polarisation));
     let (s, p) = (s?, p?);
     Ok([0.5 * (s.transmittance + p.transmittance), 0.5 * (s.reflectance + p.reflectance)])
 }

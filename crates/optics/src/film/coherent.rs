@@ -101,8 +101,35 @@ pub fn coherent(
     }
     let substrate = Medium::new(film.substrate, beta, polarisation)?;
     let incidence = Medium::new(n0.into(), beta, polarisation)?;
-    let eta0 = incidence.admittance().re;
+    between(film, k0, beta, polarisation, incidence, substrate)
+}
 
+/// Does the same for a direction close to the horizon of a medium, where `q = sqrt(n^2 - beta^2)` loses its digits: `q` of
+/// the medium of incidence, above 0, and of the substrate are given.
+pub(super) fn coherent_at(
+    film: &Film,
+    wavelength_nm: f64,
+    beta: f64,
+    [q_incidence, q_substrate]: [Complex64; 2],
+    polarisation: Polarisation,
+) -> Result<Coherent, OpticsError> {
+    let k0 = 2.0 * PI / checked_wavelength(wavelength_nm)?;
+    let medium =
+        |index, q| Medium::new(index, beta, polarisation).map(|medium: Medium| Medium { q, g: medium.g });
+    let substrate = medium(film.substrate, q_substrate)?;
+    let incidence = medium(checked_incidence(film.incidence)?.into(), q_incidence)?;
+    between(film, k0, beta, polarisation, incidence, substrate)
+}
+
+fn between(
+    film: &Film,
+    k0: f64,
+    beta: f64,
+    polarisation: Polarisation,
+    incidence: Medium,
+    substrate: Medium,
+) -> Result<Coherent, OpticsError> {
+    let eta0 = incidence.admittance().re;
     // Upwards from the substrate; each step is divided by its growth, which is stored.
     let mut fields = vec![Field { u: Complex64::ONE, v: substrate.admittance() }];
     let mut shrinks = Vec::with_capacity(film.layers.len());
@@ -134,7 +161,7 @@ pub fn coherent(
     let last = film.layers.len();
     let electric = match polarisation {
         Polarisation::S => Complex64::ONE,
-        Polarisation::P => n0 / film.substrate,
+        Polarisation::P => film.incidence / film.substrate,
     };
     Ok(Coherent {
         r,

@@ -183,3 +183,47 @@ fn invalid_coatings_are_refused() {
     let short = Coating::new(&[NM, NM], &[1.0; 2], &spectral(&[layer(1.4, 0.0, 1.0)]), &[1.5; 2]);
     assert!(matches!(short, Err(OpticsError::Length { expected: 2, found: 1, .. })));
 }
+
+/// Metals and dielectrics (n, k near 550 nm) on substrates of every usual index: no ordinary film is refused, and look-ups equal the
+/// reference, close to the horizons too.
+#[test]
+fn absorbing_film_on_any_substrate_is_tabulated() {
+    let films = [
+        Complex64::new(3.17, 3.33),
+        Complex64::new(0.96, 6.7),
+        Complex64::new(1.77, 3.25),
+        Complex64::new(2.48, 3.35),
+        Complex64::new(0.06, 3.6),
+        Complex64::new(3.6, 3.6),
+        Complex64::new(1.9, 0.02),
+        Complex64::new(1.77, 0.0),
+    ];
+    let substrates =
+        (26..=50).map(|index| 0.05 * f64::from(index)).chain([1.47, 1.519, 1.59, 1.72, 1.79, 1.97]);
+    for below in substrates {
+        for index in films {
+            for thickness_nm in [2.0, 12.0, 45.0, 300.0] {
+                let layer = SpectralLayer { index: vec![index], thickness: Thickness::Fixed(thickness_nm) };
+                let coating = Coating::new(&[NM], &[1.0], &[layer], &[below]);
+                let coating =
+                    coating.unwrap_or_else(|error| panic!("{index} {thickness_nm} {below}: {error}"));
+                let film = Film {
+                    incidence: below,
+                    layers: vec![Layer { index, thickness_nm }],
+                    substrate: 1.0.into(),
+                };
+                for beta in
+                    [0.0, 0.5, 0.9, 0.999, 0.999_999, 1.000_001, 1.001, 1.05, 0.5 + 0.5 * below, below - 1e-5]
+                {
+                    let of = |polarisation| coherent(&film, NM, beta, polarisation).unwrap().reflectance;
+                    let exact = 0.5 * (of(Polarisation::S) + of(Polarisation::P));
+                    let found = coating.part(beta * beta, 0).below;
+                    assert!(
+                        (found - exact).abs() < 1e-8,
+                        "{index} {thickness_nm} {below} {beta}: {found} {exact}"
+                    );
+                }
+            }
+        }
+    }
+}

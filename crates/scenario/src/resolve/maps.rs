@@ -46,6 +46,7 @@ impl Resolver<'_> {
         white: Option<LightSpectrum>,
     ) -> Option<Environment> {
         let mut picture = self.data(&map.file.value, map.file.origin, read_light_map)?;
+        self.notes.extend(picture.notes.drain(..).map(|note| format!("{key}: {note}")));
         let spectral = matches!(picture.channels.first()?.colour, MapColour::Wavelength(_));
         let spectrum = map.spectrum.value.is_some().then_some(("spectrum", map.spectrum.origin));
         let regions = map.regions.first().map(|first| ("regions", first.origin));
