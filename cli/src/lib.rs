@@ -197,7 +197,20 @@ pub fn command() -> clap::Command {
 }
 
 /// Runs the program with its arguments, the first of which is its own name; returns the exit code.
+///
+/// A panic is an internal error: exit code 1, with a message that says what to report.
 pub fn main(arguments: &[OsString]) -> u8 {
+    let done = std::panic::catch_unwind(|| run_command(arguments));
+    done.unwrap_or_else(|_| {
+        print_message(&concat!(
+            "error: internal error of papilio; the lines above state where\n",
+            "  = help: this is a fault of the program, not of your files: please report the command, its files and these lines"
+        ));
+        1
+    })
+}
+
+fn run_command(arguments: &[OsString]) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => return report_invalid_arguments(arguments, &error),

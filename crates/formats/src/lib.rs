@@ -67,6 +67,7 @@ mod error;
 mod face_read;
 mod file;
 mod gonio;
+mod guard;
 mod index;
 mod journal;
 mod json;

@@ -57,9 +57,13 @@ impl Grid {
         let extent = [period_um[0], period_um[1], height];
         let mut side = side_um;
         loop {
-            let cells = extent.map(|extent| (extent / side).floor().clamp(1.0, most as f64) as usize);
+            // At least one cell, also where the quotient is not a number.
+            let cells = extent.map(|extent| match (extent / side).floor() {
+                count if count >= 1.0 => count.min(most as f64) as usize,
+                _ => 1,
+            });
             let size = [0, 1, 2].map(|k| extent[k] / cells[k] as f64);
-            let all = cells.iter().product::<usize>();
+            let all = cells.iter().fold(1, |all: usize, count| all.saturating_mul(*count));
             let mut grid = Self { period_um, lowest, cells, size, starts: Vec::new(), entries: Vec::new() };
             if all == 1
                 || all <= most && boxes.iter().map(|one| grid.places(one).count()).sum::<usize>() <= most

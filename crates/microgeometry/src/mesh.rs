@@ -17,6 +17,15 @@ use crate::ray::{Face, Met, Ray, Side, dot, moved, normalised};
 /// Distance, relative to the larger period, within which corners are one: numbers of STL files have 24 bits.
 const SAME: f64 = 1e-6;
 
+/// Largest ratio of the periods along x and y: corners within [`SAME`] of the larger one are the same place.
+const MOST_ASPECT: f64 = 1e5;
+
+/// Largest extent of a mesh, in periods: a ray may cross as many cells.
+const MOST_PERIODS: f64 = 100.0;
+
+/// Largest distance of a corner from the origin, in periods.
+const MOST_OFFSET: f64 = 1e6;
+
 /// Way, relative to the larger period, by which a ray on a triangle may be off by rounding.
 const ROUNDING: f64 = 1e-10;
 
@@ -64,6 +73,7 @@ impl Mesh {
             let what = "period (um)";
             return Err(MicrogeometryError::NotANumber { of: "a mesh", what, value, wanted: "positive" });
         }
+        Self::check_proportions(period_um, [0, 1, 2].map(extent), corners())?;
         let (vertices, corners) = joined(corners(), period_um);
         let (triangles, _) = corners.as_chunks::<3>();
         let mut mesh = Self { period_um, vertices, triangles: Vec::new(), dropped: 0, turned: false };
@@ -78,6 +88,38 @@ impl Mesh {
         mesh.check_edges()?;
         mesh.turn_up()?;
         Ok(mesh)
+    }
+
+    /// Fails for proportions whose rounding errors, or whose work for each ray, have no bound.
+    fn check_proportions<'a>(
+        period_um: [f64; 2],
+        extent: [f64; 3],
+        mut corners: impl Iterator<Item = &'a [f64; 3]>,
+    ) -> Result<(), MicrogeometryError> {
+        let [x, y] = period_um;
+        if x.max(y) > MOST_ASPECT * x.min(y) {
+            return Err(Self::wrong(format!(
+                "a mesh with a period of {x:e} um x {y:e} um is too elongated (expected a ratio of at most {MOST_ASPECT:e}): a wrong corner, or a \
+                 wrong `period_um`"
+            )));
+        }
+        let ratios = [(extent[0], x), (extent[1], y), (extent[2], x.max(y))];
+        if let Some((extent, period)) =
+            ratios.into_iter().find(|(extent, period)| *extent > MOST_PERIODS * period)
+        {
+            return Err(Self::wrong(format!(
+                "the mesh extends over {extent:e} um, with a period of {period:e} um (expected at most {MOST_PERIODS} periods): a wrong corner, or a \
+                 wrong `period_um`"
+            )));
+        }
+        let limits = [x, y, x.max(y)].map(|period| MOST_OFFSET * period);
+        if let Some(far) = corners.find(|corner| (0..3).any(|k| corner[k].abs() > limits[k])) {
+            return Err(Self::wrong(format!(
+                "the corner {} is too far from the origin (expected at most {MOST_OFFSET:e} periods)",
+                in_words(*far)
+            )));
+        }
+        Ok(())
     }
 
     /// Number of triangles.

@@ -255,3 +255,18 @@ fn meshes_that_are_no_surface_are_refused() {
     infinite[3][1][2] = f64::NAN;
     assert!(message(&infinite, period).contains("NaN"));
 }
+
+#[test]
+fn mesh_of_extreme_proportions_is_refused() {
+    let square = |x: f64, y: f64| {
+        let [a, b, c, d] = [[0.0, 0.0, 0.0], [x, 0.0, 0.0], [x, y, 0.0], [0.0, y, 0.0]];
+        [[a, b, c], [a, c, d]]
+    };
+    for (x, y) in [(1e9, 50.0), (1e-4, 244.9), (1e300, 1.0), (1.0, 1e-300)] {
+        let refused = Mesh::new(&square(x, y), None).unwrap_err().to_string();
+        assert!(refused.contains("elongated"), "{x} {y}: {refused}");
+    }
+    let refused = Mesh::new(&square(50.0, 50.0), Some([1e-4, 1e-4])).unwrap_err().to_string();
+    assert!(refused.contains("extends"), "{refused}");
+    assert!(Mesh::new(&square(100.0, 1.0), None).is_ok());
+}

@@ -21,6 +21,12 @@ const PARTICLES: f64 = 1000.0;
 /// Smallest period, in lengths of a particle.
 const LEAST_PERIOD: f64 = 4.0;
 
+/// Largest period, in lengths of a particle: beyond it, places are rounded by more than [`ROUNDING`] of a particle.
+const MOST_PERIOD: f64 = 1e5;
+
+/// Cells in which touching particles are searched.
+const MOST_CELLS: f64 = 1e6;
+
 /// Most particles of a period.
 const MOST_PARTICLES: f64 = 200_000.0;
 
@@ -81,8 +87,17 @@ impl Volume {
                 2.0 * radius_um
             )));
         }
+        let length = length_um + 2.0 * radius_um;
+        if !(self.period_um() <= MOST_PERIOD * length) {
+            let least = PARTICLES * self.particle_um3() / (thickness_um * (MOST_PERIOD * length).powi(2));
+            return Err(wrong(format!(
+                "a volume fraction of {volume_fraction:e} leaves {:e} um between particles, too far for rays to meet them (expected a `volume_fraction` \
+                 of at least {least:.1e}, or no particles)",
+                self.period_um() / PARTICLES.sqrt()
+            )));
+        }
         let count = self.period_um().powi(2) * thickness_um * volume_fraction / self.particle_um3();
-        if count > MOST_PARTICLES {
+        if !(count <= MOST_PARTICLES) {
             return Err(wrong(format!(
                 "a period would have {count:.0} particles (expected at most {MOST_PARTICLES}): a thinner slab, or shorter fibres"
             )));
@@ -339,6 +354,9 @@ struct Neighbours {
 impl Neighbours {
     fn new(period: f64, thickness: f64, length: f64) -> Self {
         let extent = [period, period, thickness];
+        // Larger cells where these would be too many: particles that are far apart, or a thick slab.
+        let wanted = extent.map(|extent| (extent / length).max(1.0)).iter().product::<f64>();
+        let length = length * (wanted / MOST_CELLS).max(1.0);
         let counts = extent.map(|extent| (extent / length).floor().max(1.0) as i64);
         let size = [0, 1, 2].map(|k| extent[k] / counts[k] as f64);
         Self { size, counts, cells: vec![Vec::new(); counts.iter().product::<i64>() as usize] }

@@ -198,3 +198,21 @@ fn grids_find_the_nearest_particle() {
         assert!((20..190).contains(&met), "{met}");
     }
 }
+
+#[test]
+fn volume_fraction_that_leaves_no_particles_is_refused() {
+    let volume = |volume_fraction| Volume {
+        radius_um: 1.0,
+        length_um: 0.0,
+        index: 1.6,
+        volume_fraction,
+        thickness_um: 20.0,
+        seed: 0,
+    };
+    for fraction in [1e-12, 1e-20, 1e-300] {
+        let refused = Particles::new(&volume(fraction), 0).unwrap_err().to_string();
+        assert!(refused.contains("volume_fraction"), "{fraction}: {refused}");
+    }
+    // Few particles are found in few cells.
+    assert!(Particles::new(&volume(1e-7), 0).is_ok());
+}

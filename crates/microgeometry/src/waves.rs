@@ -111,6 +111,9 @@ pub const MOST_SHADOW: f64 = 0.44;
 /// Smallest square of the rms phase of surfaces that rays describe.
 pub const LEAST_G: f64 = 10.0;
 
+/// Largest rms phase of surfaces that are measured by waves; far beyond it, scattering has as many orders as its square.
+const MOST_PHASE: f64 = 300.0;
+
 /// A measurement by waves.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Waves {
@@ -162,6 +165,22 @@ impl Waves {
         [Some(reflected), transmitted].into_iter().flatten().map(move |way| way.regular_per_um(um))
     }
 
+    /// Fails for heights of so many wavelengths that the orders of scattering, about g of them, would need endless time.
+    fn check_phase(&self, rms_um: f64) -> Result<(), MicrogeometryError> {
+        let rows = self.rows();
+        let largest = rows.iter().flat_map(|row| self.phases(row)).map(f64::abs).fold(0.0, f64::max);
+        if largest * rms_um <= MOST_PHASE {
+            return Ok(());
+        }
+        Err(MicrogeometryError::RandomFace {
+            wrong: format!(
+                "heights of {rms_um:e} um rms are too many wavelengths for waves (expected at most {:.3} um rms here): `road = \"rays\"` describes \
+                 such a surface",
+                MOST_PHASE / largest
+            ),
+        })
+    }
+
     /// Measures a realisation; realisations may be measured in any order on any thread.
     ///
     /// # Errors
@@ -172,6 +191,9 @@ impl Waves {
         number: u64,
         stop: &dyn Fn() -> bool,
     ) -> Result<WaveScreen, MicrogeometryError> {
+        if let Surface::Random(face) = surface {
+            face.spectrum().rms_um().map_or(Ok(()), |rms_um| self.check_phase(rms_um))?;
+        }
         let map = surface.heights(number)?;
         if map.heights_um().len() > MOST_HEIGHTS {
             return Err(MicrogeometryError::NoScreen {
@@ -181,6 +203,7 @@ impl Waves {
             });
         }
         let statistics = map.statistics();
+        self.check_phase(statistics.rms_um)?;
         let plane = Plane::new([map.columns(), map.rows()]);
         let rows = self.rows();
         let phases: Vec<f64> = rows.iter().flat_map(|row| self.phases(row)).collect();

@@ -55,7 +55,8 @@ pub enum MapColour {
 /// checked before memory is allocated.
 pub fn read_light_map(file: &DataFile) -> Result<LightMap, FormatError> {
     let map = if file.bytes.starts_with(&openexr::MAGIC) {
-        openexr::read(&file.bytes)
+        crate::guard::decoded(|| openexr::read(&file.bytes))
+            .unwrap_or_else(|message| Err(MapProblem::Exr { message }))
     } else if file.bytes.starts_with(b"#?") {
         radiance::read(&file.bytes)
     } else {
