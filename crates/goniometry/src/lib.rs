@@ -34,6 +34,7 @@
 
 mod audit;
 mod backing;
+mod by_wavelength;
 mod calibration;
 mod direction;
 mod double_pass;
@@ -49,6 +50,7 @@ mod two_instruments;
 
 pub use audit::{Audit, Incidence, Rotation};
 pub use backing::Backing;
+pub use by_wavelength::WavelengthLevels;
 pub use calibration::{Calibrated, Calibration, calibrated};
 pub use direction::Direction;
 pub use double_pass::double_pass_error;
