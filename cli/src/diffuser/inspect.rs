@@ -9,6 +9,7 @@ use papilio_goniometry::{Audit, MeasuredPart};
 
 use super::{read, report};
 use crate::arguments::Inspect;
+use crate::progress::Progress;
 use crate::{Failure, output};
 
 pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
@@ -20,8 +21,14 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
         measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
-        let all_channels =
-            |part: &MeasuredPart| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
+        let channels = measurement.parts.iter().map(|part| part.channels.len()).sum();
+        let mut progress = (channels > 1).then(|| Progress::new(channels, "channels"));
+        let mut all_channels = |part: &MeasuredPart| {
+            let channels: Vec<usize> = (0..part.channels.len()).collect();
+            Audit::of_channels(part, &channels, &mut |_| {
+                progress.iter_mut().for_each(|progress| progress.done(true));
+            })
+        };
         let all: Vec<(&MeasuredPart, Vec<Audit>)> =
             measurement.parts.iter().map(|part| (part, all_channels(part))).collect();
         write_json(&mut stdout, &AuditFile::new(&measurement, &all))?;

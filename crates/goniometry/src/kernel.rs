@@ -9,7 +9,10 @@ use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
 
 use crate::shape::{inclined_to_deg, on_specular_grid};
-use crate::{Fill, Geometry, GoniometryError, MeasuredPart, Shape, SpecularGrid, incidence_scale};
+use crate::tree::{RING_DEG, ring_kernel};
+use crate::{
+    Fill, Geometry, GoniometryError, MeasuredPart, Shape, SpecularGrid, TensorTree, incidence_scale,
+};
 
 /// Step in t of the table's distances `w sinh(t)`, with w a half-width. The error of cubic interpolation
 /// is then 1e-4.
@@ -60,6 +63,8 @@ pub struct Changes {
     pub filled: f64,
     /// Totals in air before and after, by incidence.
     pub totals: Vec<[f64; 2]>,
+    /// Largest value of the file, 1/sr.
+    pub largest: f64,
     /// Largest total, including light in the glass beyond the horizon of the air.
     pub most: f64,
     /// True if totals were normalised to the instrument's TIS.
@@ -83,6 +88,8 @@ pub struct Changes {
     pub held_single: bool,
     /// Largest inclination to which light was measured, degrees, if a grid of inclinations ends before the horizon.
     pub inclined_to_deg: Option<f64>,
+    /// Width of the rings over which light is spread, degrees, if the values are constant over cells (trees).
+    pub rings_deg: Option<f64>,
     /// Largest incidence, degrees.
     pub last_deg: f64,
     /// Fraction of diffuse light that comes from beyond the largest incidence, for which the last lobe is used.
@@ -109,6 +116,9 @@ pub fn kernel(
     preparation: &Preparation,
     spectrum: &[f64],
 ) -> Result<(Scatter, Changes), GoniometryError> {
+    if let Geometry::Tree(tree) = &part.geometry {
+        return of_tree(part, tree, channel, preparation, spectrum);
+    }
     // Patches of 10 deg are too coarse for a display.
     let coarse = matches!(part.geometry, Geometry::Patches { .. });
     let (grid, cells) =
@@ -156,6 +166,7 @@ pub fn kernel(
     let changes = Changes {
         filled: shape.filled(),
         totals,
+        largest: cells.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max),
         most: incidence.iter().map(|beta| mean * scatter.albedo_at(*beta)).fold(0.0, f64::max),
         to_tis: preparation.to_tis,
         level: preparation.level,
@@ -166,12 +177,70 @@ pub fn kernel(
         held_azimuths_deg: shape.held_azimuths_deg(),
         held_single,
         inclined_to_deg: inclined_to_deg(part, channel),
+        rings_deg: None,
         last_deg: incidences[incidences.len() - 1],
         held: if extrapolate.is_some() { 1.0 - last * last } else { 0.0 },
         lost: if extrapolate.is_some() { 0.0 } else { 1.0 - last * last },
         grid_error: largest(|[by_distance, by_azimuth]| by_distance + by_azimuth),
         azimuth_error: largest(|[_, by_azimuth]| *by_azimuth),
         asymmetry: shape.asymmetry(),
+    };
+    Ok((scatter, changes))
+}
+
+/// Returns the kernel of a part on a tree: light between rings. Nothing is extrapolated, because a tree has values for all directions.
+fn of_tree(
+    part: &MeasuredPart,
+    tree: &TensorTree,
+    channel: usize,
+    preparation: &Preparation,
+    spectrum: &[f64],
+) -> Result<(Scatter, Changes), GoniometryError> {
+    if preparation.to_tis {
+        return Err(GoniometryError::NoTis);
+    }
+    let values = part.channel(channel);
+    let total = |theta: f64| {
+        let lights = tree.lights(theta);
+        lights.iter().map(|light| tree.total(values, *light)).sum::<f64>() / lights.len() as f64
+    };
+    let level = preparation.level.map_or(1.0, |level| level / total(0.0));
+    if !level.is_finite() {
+        return Err(GoniometryError::NoLight);
+    }
+    let mean = if spectrum.is_empty() { 1.0 } else { spectrum.iter().sum::<f64>() / spectrum.len() as f64 };
+    let without_back = |beta: f64| match preparation.lamination {
+        Some(face) => 1.0 / face.passed(beta).max(MIN_TRANSMITTANCE),
+        None => 1.0,
+    };
+    let scatter = Scatter::from(ring_kernel(part, tree, channel, |beta| level / mean * without_back(beta)));
+    let after = |theta: f64| match preparation.lamination {
+        Some(_) => mean * scatter.albedo_at(theta.to_radians().sin()),
+        None => level * total(theta),
+    };
+    let incidences = (0..18).map(|k| 5.0 * f64::from(k));
+    let totals: Vec<[f64; 2]> = incidences.map(|theta| [total(theta), after(theta)]).collect();
+    let changes = Changes {
+        filled: 0.0,
+        largest: values.iter().copied().fold(0.0, f64::max),
+        most: totals.iter().map(|[_, after]| *after).fold(0.0, f64::max),
+        totals,
+        to_tis: false,
+        level: preparation.level,
+        laminated: preparation.lamination.is_some(),
+        measured_to_deg: None,
+        beyond: Vec::new(),
+        tails: false,
+        held_azimuths_deg: None,
+        held_single: false,
+        inclined_to_deg: None,
+        rings_deg: Some(f64::from(RING_DEG)),
+        last_deg: 90.0,
+        held: 0.0,
+        lost: 0.0,
+        grid_error: 0.0,
+        azimuth_error: 0.0,
+        asymmetry: 0.0,
     };
     Ok((scatter, changes))
 }
@@ -229,10 +298,15 @@ fn least_measured_deg(shape: &Shape) -> Option<f64> {
 }
 
 impl Lamination {
+    /// Transmittance of the interface at a `|beta|`.
+    fn passed(&self, beta: f64) -> f64 {
+        1.0 - fresnel_reflectance(1.0, self.index, beta)
+    }
+
     /// Lobe of a grid's cells without the interface. Cells are divided before the smooth lobe is formed,
     /// because the loss of the interface near grazing is not smooth.
     fn removed(&self, grid: &SpecularGrid, cells: &[f64], fill: Fill) -> Shape {
-        let passed = |beta: f64| 1.0 - fresnel_reflectance(1.0, self.index, beta);
+        let passed = |beta: f64| self.passed(beta);
         let horizon = (0..=900).map(|k| (0.1 * f64::from(k)).to_radians().sin());
         let horizon = horizon.take_while(|beta| passed(*beta) >= MIN_TRANSMITTANCE).last().unwrap_or(0.0);
         let transmittance = |cell: usize| {

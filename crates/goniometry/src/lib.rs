@@ -46,6 +46,7 @@ mod kernel;
 mod measurement;
 mod models;
 mod shape;
+mod tree;
 mod two_instruments;
 
 pub use audit::{Audit, Incidence, Rotation};
@@ -67,4 +68,5 @@ pub use kernel::{Changes, Lamination, Preparation, kernel};
 pub use measurement::{Channel, MeasuredPart, Measurement, Provenance, ScatterMode};
 pub use models::{Kind, Meaning, Model, Normalisation};
 pub use shape::{Fill, Shape, on_specular_grid};
+pub use tree::patch_means;
 pub use two_instruments::incidence_scale;

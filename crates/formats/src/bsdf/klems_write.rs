@@ -5,6 +5,7 @@ use std::io::Write;
 
 use papilio_goniometry::{
     Channel, Direction, Geometry, KLEMS_FULL, MeasuredPart, Measurement, Ring, Symmetry, patch_count,
+    patch_means,
 };
 
 use super::LARGEST_VALUE;
@@ -116,6 +117,9 @@ const POINTS_OUT: [usize; 2] = [6, 6];
 
 /// Returns the mean of f for each pair of patches, weighted with both cosines.
 fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
+    if let Geometry::Tree(tree) = &part.geometry {
+        return patch_means(tree, part.channel(channel), &KLEMS_FULL);
+    }
     let [from, to] = [POINTS_IN, POINTS_OUT].map(|counts| patches(&KLEMS_FULL, counts));
     let mean = |light: &Patch, viewer: &Patch| {
         let lights = light.points.iter().map(|light| light.specular());

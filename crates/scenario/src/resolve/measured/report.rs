@@ -55,11 +55,14 @@ impl Resolver<'_> {
             ));
             return self.report_rest(path, way, changes);
         }
-        if is_through && share * changes.totals.first().map_or(1.0, |[_, after]| *after) < FAINT {
+        let total = share * changes.totals.first().map_or(1.0, |[_, after]| *after);
+        let is_normalised = changes.largest == 1.0 || changes.largest == 100.0;
+        if is_through && !changes.to_tis && (total < FAINT || is_normalised) {
             self.warnings.push(format!(
-                "{path}: {way}: only {:.2} % of the light passes at the smallest incidence: if the values are in relative units, \
-                 `total_transmittance` gives them their level",
-                100.0 * changes.totals.first().map_or(0.0, |[_, after]| *after)
+                "{path}: {way}: {:.2} % of the light passes at the smallest incidence, and the largest value is {}: if the values are in \
+                 relative units, `total_transmittance` gives them their level",
+                100.0 * total,
+                changes.largest
             ));
         }
         let why = match (changes.to_tis, changes.laminated) {
@@ -84,6 +87,12 @@ impl Resolver<'_> {
             let percent = 100.0 * changes.filled;
             self.notes.push(format!(
                 "{path}: {way}: {percent:.1} % of the cells were dark; tails are extrapolated through them"
+            ));
+        }
+        if let Some(width) = changes.rings_deg {
+            self.notes.push(format!(
+                "{path}: {way}: the values are constant over cells: light of a cell is spread over the rings of {width} deg about the normal \
+                 that it touches, and averaged over rotations of the sample"
             ));
         }
         self.report_range(path, way, changes);
