@@ -111,62 +111,89 @@ impl Incidence {
     }
 }
 
+/// Channels of a part that are audited: they share the resampling and the width of the interpolation.
+#[derive(Debug)]
+pub struct Channels<'a> {
+    part: &'a MeasuredPart,
+    channels: Vec<usize>,
+    /// Values on a specular-centred grid, and the width, if the cells are not summed.
+    grid: Option<(SpecularGrid, Vec<f64>)>,
+    width: Option<f64>,
+}
+
+impl<'a> Channels<'a> {
+    /// Channels of a part, given by their indices; `None` for listed pairs.
+    pub fn new(part: &'a MeasuredPart, channels: Vec<usize>) -> Option<Self> {
+        if let Geometry::Patches { .. } | Geometry::Tree(_) = &part.geometry {
+            return Some(Self { part, channels, grid: None, width: None });
+        }
+        let (grid, values) = on_specular_grid(part, &channels)?;
+        // All are interpolated with the width of the luminous one, or of the first: lobes of a sample differ little in it.
+        let luminous = channels.iter().position(|channel| *channel == part.luminous()).unwrap_or(0);
+        let width = (channels.len() > 1).then(|| {
+            Shape::of_grid(&grid, &values[luminous * grid.cells()..][..grid.cells()], Fill::None).width()
+        });
+        Some(Self { part, channels, grid: Some((grid, values)), width })
+    }
+
+    /// Number of channels.
+    pub fn count(&self) -> usize {
+        self.channels.len()
+    }
+
+    /// Audits the channel with this number among them.
+    pub fn audit(&self, number: usize) -> Audit {
+        let channel = self.channels[number];
+        match (&self.part.geometry, &self.grid) {
+            (_, Some((grid, values))) => {
+                let values = &values[number * grid.cells()..][..grid.cells()];
+                Audit::on_grid(self.part, channel, (grid, values), self.width)
+            }
+            (Geometry::Tree(tree), None) => cells::audit(tree, self.part, channel),
+            (Geometry::Patches { incoming, outgoing }, None) => {
+                patches::audit([incoming, outgoing], self.part.channel(channel))
+            }
+            (_, None) => Audit::empty(),
+        }
+    }
+}
+
 impl Audit {
     /// Audits one channel, given by its index. Patches and the cells of trees are summed directly. A part on another geometry is
     /// first resampled on a specular-centred grid, and its cells are those of that grid. `None` for listed
     /// pairs.
     pub fn of(part: &MeasuredPart, channel: usize) -> Option<Self> {
-        Self::of_channels(part, &[channel], &mut |_| {}).pop()
-    }
-
-    /// Audits several channels, which share the resampling; `done` is called with the number of channels that are finished. Empty for
-    /// listed pairs.
-    pub fn of_channels(part: &MeasuredPart, channels: &[usize], done: &mut dyn FnMut(usize)) -> Vec<Self> {
-        let mut audits = Vec::with_capacity(channels.len());
-        let grid = match &part.geometry {
-            Geometry::Patches { .. } | Geometry::Tree(_) => None,
-            _ => match on_specular_grid(part, channels) {
-                None => return audits,
-                found => found,
-            },
-        };
-        for (k, channel) in channels.iter().enumerate() {
-            audits.push(match (&part.geometry, &grid) {
-                (Geometry::Patches { incoming, outgoing }, _) => {
-                    patches::audit([incoming, outgoing], part.channel(*channel))
-                }
-                (Geometry::Tree(tree), _) => cells::audit(tree, part, *channel),
-                (_, Some((grid, values))) => {
-                    Self::on_grid(part, *channel, grid, &values[k * grid.cells()..][..grid.cells()])
-                }
-                (_, None) => continue,
-            });
-            done(k + 1);
-        }
-        audits
+        Some(Channels::new(part, vec![channel])?.audit(0))
     }
 
     /// Audits the values of a channel on a specular-centred grid.
-    fn on_grid(part: &MeasuredPart, channel: usize, grid: &SpecularGrid, values: &[f64]) -> Self {
-        let shape = Shape::of_grid(grid, values, Fill::None);
+    fn on_grid(
+        part: &MeasuredPart,
+        channel: usize,
+        (grid, values): (&SpecularGrid, &[f64]),
+        width: Option<f64>,
+    ) -> Self {
+        let shape = Shape::of_width(grid, values, Fill::None, (1.0, width));
         // Where all cells have light, and reach the horizon, nothing can be filled.
         let is_full = |k: usize| shape.measured_to_deg(k).is_none();
         let is_closed = (0..grid.incidences_deg.len()).all(is_full) && !has_dark_cells(grid, values);
-        let filled =
-            (!is_closed).then(|| [Fill::Beyond, Fill::Tail].map(|fill| Shape::of_grid(grid, values, fill)));
-        let [beyond, filled] = match &filled {
-            Some([beyond, filled]) => [beyond, filled],
-            None => [&shape, &shape],
-        };
+        let filled = (!is_closed).then(|| {
+            [Fill::Beyond, Fill::Tail].map(|fill| Shape::of_width(grid, values, fill, (1.0, width)))
+        });
         let incidence = |k: usize| {
-            let [by_distance, by_azimuth] = shape.grid_errors(k);
+            let integral = shape.total(k);
+            let [by_distance, by_azimuth] = shape.grid_errors_of(k, integral);
+            let [integral_beyond, integral_filled] = match &filled {
+                Some(filled) => filled.each_ref().map(|shape| shape.total(k)),
+                None => [integral; 2],
+            };
             Incidence {
                 theta_deg: grid.incidences_deg[k],
                 tis: part.mean_tis(channel, k),
-                integral: shape.total(k),
+                integral,
                 measured_to_deg: shape.measured_to_deg(k),
-                integral_beyond: beyond.total(k),
-                integral_filled: filled.total(k),
+                integral_beyond,
+                integral_filled,
                 grid_error: by_distance + by_azimuth,
                 azimuth_error: by_azimuth,
                 peak: shape.along(k, 0.0, 0.0).unwrap_or(0.0),
@@ -206,9 +233,9 @@ impl Audit {
         self.incidences.iter().map(|incidence| incidence.grid_error).fold(0.0, f64::max)
     }
 
-    /// Counts and noise of the cells; the other fields are empty.
-    fn from_cells(grid: &SpecularGrid, values: &[f64], transmission: bool) -> Self {
-        let mut audit = Self {
+    /// An audit of no cells.
+    fn empty() -> Self {
+        Self {
             cells: 0,
             lit: 0,
             unmeasured: 0,
@@ -216,7 +243,7 @@ impl Audit {
             dark_beyond_deg: 0.0,
             holes: 0,
             beam_holes: 0,
-            noise: noise(grid, values),
+            noise: 0.0,
             range: [f64::INFINITY, 0.0],
             asymmetry: 0.0,
             reciprocity: None,
@@ -226,7 +253,12 @@ impl Audit {
             inclined_to_deg: None,
             incidences: Vec::new(),
             rotations: Vec::new(),
-        };
+        }
+    }
+
+    /// Counts and noise of the cells; the other fields are empty.
+    fn from_cells(grid: &SpecularGrid, values: &[f64], transmission: bool) -> Self {
+        let mut audit = Self { noise: noise(grid, values), ..Self::empty() };
         let mut dark = Vec::new();
         for (cell, value) in values.iter().enumerate() {
             let (rest, radial) =

@@ -200,10 +200,7 @@ fn of_tree(
         return Err(GoniometryError::NoTis);
     }
     let values = part.channel(channel);
-    let total = |theta: f64| {
-        let lights = tree.lights(theta);
-        lights.iter().map(|light| tree.total(values, *light)).sum::<f64>() / lights.len() as f64
-    };
+    let total = |theta: f64| tree.mean_total(values, theta);
     let level = preparation.level.map_or(1.0, |level| level / total(0.0));
     if !level.is_finite() {
         return Err(GoniometryError::NoLight);

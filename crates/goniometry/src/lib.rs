@@ -49,7 +49,7 @@ mod shape;
 mod tree;
 mod two_instruments;
 
-pub use audit::{Audit, Incidence, Rotation};
+pub use audit::{Audit, Channels, Incidence, Rotation};
 pub use backing::Backing;
 pub use by_wavelength::WavelengthLevels;
 pub use calibration::{Calibrated, Calibration, calibrated};

@@ -63,7 +63,7 @@ pub(crate) fn ring_kernel(
     }
     let values = part.channel(channel);
     let (mut from, mut to) = (
-        ring_means(&rings, |beta| tree.mean_total(values, beta)),
+        ring_means(&rings, |beta| tree.mean_total(values, beta.asin().to_degrees())),
         ring_means(&rings, |beta| tree.mean_arriving(part, channel, beta)),
     );
     if !part.way.is_transmission() {
@@ -102,9 +102,10 @@ fn ring_means(rings: &Rings, of: impl Fn(f64) -> f64) -> Vec<f64> {
 }
 
 impl TensorTree {
-    /// Mean over azimuths of the total of light that arrives with this `|beta|`.
-    fn mean_total(&self, values: &[f64], beta: f64) -> f64 {
-        let lights = self.lights(beta.asin().to_degrees());
+    /// Integral of f cos over the hemisphere for light of this inclination, degrees: exactly the sum over the cells, and the mean over azimuths
+    /// of an anisotropic sample.
+    pub fn mean_total(&self, values: &[f64], theta_deg: f64) -> f64 {
+        let lights = self.lights(theta_deg);
         lights.iter().map(|light| self.total(values, *light)).sum::<f64>() / lights.len() as f64
     }
 

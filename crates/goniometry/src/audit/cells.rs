@@ -48,8 +48,7 @@ fn incidence(tree: &TensorTree, part: &MeasuredPart, channel: usize, theta_deg: 
     let mean = |of: &dyn Fn(Direction) -> f64| {
         lights.iter().map(|light| of(*light)).sum::<f64>() / lights.len() as f64
     };
-    let values = part.channel(channel);
-    let integral = mean(&|light| tree.total(values, light));
+    let integral = tree.mean_total(part.channel(channel), theta_deg);
     let peak = mean(&|light| part.evaluate(channel, light, light.specular()).unwrap_or(0.0).max(0.0));
     Incidence {
         theta_deg,

@@ -69,6 +69,16 @@ impl Shape {
 
     /// Shape from cells up to this `|beta|` of the scattered light only, with extrapolated tails beyond.
     pub(crate) fn of_grid_within(grid: &SpecularGrid, values: &[f64], fill: Fill, horizon: f64) -> Self {
+        Self::of_width(grid, values, fill, (horizon, None))
+    }
+
+    /// The same with a known width, whose search takes most of the time.
+    pub(crate) fn of_width(
+        grid: &SpecularGrid,
+        values: &[f64],
+        fill: Fill,
+        (horizon, width): (f64, Option<f64>),
+    ) -> Self {
         let mut asymmetry = Spread::default();
         let mut filled = [0.0; 2];
         let cells: Vec<Cells> = (0..grid.incidences_deg.len())
@@ -79,7 +89,7 @@ impl Shape {
                 Fill::Tail => without_tail_zeros(cells, &mut filled),
             })
             .collect();
-        let width = best_width(&cells);
+        let width = width.unwrap_or_else(|| best_width(&cells));
         let tails = fill != Fill::None;
         let incidences = cells.iter().map(|cells| Incidence::new(cells, width, tails)).collect();
         Self {
@@ -189,8 +199,12 @@ impl Shape {
     /// is omitted, whichever is larger. Linear interpolation is of second order, so that half as many
     /// azimuths have four times the error. This estimate is accurate to a quarter of itself for smooth lobes.
     pub fn grid_errors(&self, incidence: usize) -> [f64; 2] {
+        self.grid_errors_of(incidence, self.total(incidence))
+    }
+
+    /// The same with the incidence's total, if it is known.
+    pub(crate) fn grid_errors_of(&self, incidence: usize, total: f64) -> [f64; 2] {
         let known = &self.incidences[incidence];
-        let total = self.total(incidence);
         if total <= 0.0 {
             return [0.0; 2];
         }
