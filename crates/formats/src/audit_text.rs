@@ -290,16 +290,8 @@ fn rotations(audit: &Audit) -> String {
 /// Returns the warnings of an audit.
 fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
     let mut warnings = Vec::new();
+    // The reader warns of a TIS in per cent.
     let in_percent = part.tis_in_percent();
-    if in_percent {
-        let all = part.tis.iter().copied().filter(|tis| *tis > 0.0);
-        warnings.push(format!(
-            "the TIS of the file, {} to {}, is in per cent, but the format has fractions from 0 to 1: divide its lines `TIS` by 100 before \
-             `normalise = \"tis\"`",
-            all.clone().fold(f64::INFINITY, f64::min),
-            all.fold(0.0, f64::max)
-        ));
-    }
     warnings.extend(relative(part, audit));
     let at = |bad: &dyn Fn(&papilio_goniometry::Incidence) -> bool| -> Option<String> {
         let bad: Vec<String> =

@@ -149,10 +149,17 @@ fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<
     values
 }
 
+/// Largest relative uncertainty of a total from the grid with which columns are scaled to it.
+const COARSE: f64 = 0.02;
+
 /// Scales the columns so that their sums are the totals of the smooth lobe, which linear interpolation misses by a few per cent. Light
 /// of patches is the mean over the measured directions in them; the total thus includes extrapolated tails.
 fn conserve(part: &MeasuredPart, channel: usize, from: &[Patch], values: &mut [f64]) {
     let Some(shape) = Shape::of_part(part, channel, Fill::Beyond) else { return };
+    // A coarse grid leaves the total uncertain: then the plain means remain.
+    if (0..shape.incidences_deg().count()).any(|k| shape.grid_error(k) > COARSE) {
+        return;
+    }
     let totals: Vec<[f64; 2]> =
         shape.incidences_deg().enumerate().map(|(k, theta)| [theta, shape.total(k)]).collect();
     let total = |theta: f64| {
@@ -167,7 +174,10 @@ fn conserve(part: &MeasuredPart, channel: usize, from: &[Patch], values: &mut [f
         let sum: f64 = column.iter().zip(&omega).map(|(f, omega)| f * omega).sum();
         if sum > 0.0 && !measured.is_empty() {
             let scale = measured.iter().sum::<f64>() / measured.len() as f64 / sum;
-            column.iter_mut().for_each(|f| *f *= scale);
+            // The total has an error of its own; closer than this, the sum is as accurate.
+            if (scale - 1.0).abs() > 1e-4 {
+                column.iter_mut().for_each(|f| *f *= scale);
+            }
         }
     }
 }

@@ -24,7 +24,8 @@ impl Resolver<'_> {
             Some(share) => Some(self.colour(share, diffuser.transmission.origin)?),
             None => None,
         };
-        if shape.as_ref().is_some_and(Spectrum::is_constant) {
+        // 1 is no spectrum.
+        if shape.as_ref().is_some_and(|shape| shape.is_constant() && shape.max() < 1.0) {
             let wrong = "`transmission` gives the spectral shape, but it is the same at all wavelengths";
             let wrong = Diagnostic::new(wrong).expected("a file of a spectrum").hint(
                 "`total_transmittance` sets the level of the values (normalise = \"tis\": the TIS of the file); the two can be combined",
