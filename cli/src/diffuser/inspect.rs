@@ -2,13 +2,16 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use papilio_figures::{Transmission, lobes, transmission};
 use papilio_formats::{AuditFile, DataFile, audit_text, read_fractions, write_json};
-use papilio_goniometry::{Audit, MeasuredPart};
+use papilio_goniometry::{Audit, Channels, MeasuredPart};
 
 use super::{read, report};
 use crate::arguments::Inspect;
+use crate::progress::Progress;
 use crate::{Failure, output};
 
 pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
@@ -20,8 +23,6 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
         measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
-        let all_channels =
-            |part: &MeasuredPart| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
         let all: Vec<(&MeasuredPart, Vec<Audit>)> =
             measurement.parts.iter().map(|part| (part, all_channels(part))).collect();
         write_json(&mut stdout, &AuditFile::new(&measurement, &all))?;
@@ -44,6 +45,29 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     }
     output::print_written(folder, &names);
     Ok(())
+}
+
+/// Audits all channels of a part, several at a time.
+fn all_channels(part: &MeasuredPart) -> Vec<Audit> {
+    let Some(channels) = Channels::new(part, (0..part.channels.len()).collect()) else { return Vec::new() };
+    let progress = Mutex::new((channels.count() > 1).then(|| Progress::new(channels.count(), "channels")));
+    let (next, audits) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            if number >= channels.count() {
+                return;
+            }
+            let audit = channels.audit(number);
+            audits.lock().unwrap_or_else(PoisonError::into_inner).push((number, audit));
+            progress.lock().unwrap_or_else(PoisonError::into_inner).iter_mut().for_each(|bar| bar.done(true));
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(channels.count());
+    std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+    let mut audits = audits.into_inner().unwrap_or_else(PoisonError::into_inner);
+    audits.sort_by_key(|(number, _)| *number);
+    audits.into_iter().map(|(_, audit)| audit).collect()
 }
 
 /// Reads a transmission spectrum from a file.

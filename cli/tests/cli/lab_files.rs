@@ -143,6 +143,47 @@ fn scan_without_names_needs_the_part() {
     assert!(out.contains("scan at normal incidence"), "{out}");
 }
 
+/// A file of three wavelengths has the level of each: at these, the display is that of a file with this wavelength alone.
+#[test]
+fn wavelengths_of_a_file_have_their_own_level() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let levels = [(450, 0.5), (550, 0.7), (650, 0.9)];
+    let mut all = "theta_i,phi_i,theta_o,phi_o,wavelength,btdf\n".to_owned();
+    let mut each = levels.map(|_| "theta_i,phi_i,theta_o,phi_o,btdf\n".to_owned());
+    for (theta_i, theta_o, phi) in
+        (0..7).flat_map(|i| (0..31).flat_map(move |o| (0..12).map(move |p| (i, o, p))))
+    {
+        let [from, to, azimuth] = [10 * theta_i, 3 * theta_o, 30 * phi];
+        let [beta, sin] = [from, to].map(|deg| f64::from(deg).to_radians().sin());
+        let (y, x) = f64::from(azimuth).to_radians().sin_cos();
+        let squared = (sin * x + beta).powi(2) + (sin * y).powi(2);
+        let f = 0.3 / (2.0 * std::f64::consts::PI * (0.09 + squared).powf(1.5));
+        for ((nm, level), one) in levels.iter().zip(&mut each) {
+            all += &format!("{from},0,{to},{azimuth},{nm},{:.8}\n", level * f);
+            *one += &format!("{from},0,{to},{azimuth},{:.8}\n", level * f);
+        }
+    }
+    let factors = |name: &str, file: &str| {
+        fs::write(here.join(name), file).unwrap();
+        let scene = SCENE.replace("DIFFUSER", &format!("model = \"measured\"\nfile = \"{name}\""));
+        fs::write(here.join("s.toml"), scene + "[spectrum]\nrange_nm = [450, 650]\nstep_nm = 100\n").unwrap();
+        let (out, _) = done(here, &["run", "s.toml", "--json"]);
+        let result: serde_json::Value = serde_json::from_str(&out).unwrap();
+        let white = &result["views"][0]["states"]["white"]["reflectance_factor"];
+        [0, 1, 2].map(|k| {
+            white[k].as_f64().unwrap_or_else(|| panic!("{:?}", result["views"][0]["states"]["white"]))
+        })
+    };
+    let together = factors("three.csv", &all);
+    for (k, one) in each.iter().enumerate() {
+        let alone = factors("one.csv", one)[k];
+        assert!((together[k] / alone - 1.0).abs() < 1e-6, "{k}: {} {alone}", together[k]);
+    }
+    let (_, err) = done(here, &["run", "s.toml", "--set", "display.diffuser.file=three.csv"]);
+    assert!(err.contains("the level of each of the 3 wavelengths"), "{err}");
+}
+
 /// Paths in `--set` begin at the current folder, or else at the folder of the scenario; paths in the file at its folder.
 #[test]
 fn path_in_set_is_relative_to_the_current_folder() {

@@ -1,6 +1,6 @@
 //! JSON output of `papilio diffuser inspect` and `papilio diffuser fit` (`--json`).
 
-use papilio_goniometry::{Audit, MeasuredPart, Measurement, Ranked};
+use papilio_goniometry::{Audit, MeasuredPart, Measurement, Ranked, WavelengthLevels};
 use serde::Serialize;
 
 /// A measurement and its audit: angles in degrees, values in 1/sr, fractions from 0 to 1.
@@ -18,6 +18,11 @@ pub struct AuditFile<'a> {
 struct PartFile {
     way: &'static str,
     cells: usize,
+    /// The channel whose lobe displays use.
+    used_channel: Option<String>,
+    /// Level of each wavelength in displays, relative to the used one; of a part with several wavelengths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    levels: Option<Vec<f64>>,
     channels: Vec<ChannelFile>,
 }
 
@@ -41,6 +46,7 @@ struct ChannelFile {
     clarity: Option<f64>,
     grid_error: f64,
     held_azimuths_deg: Option<[f64; 2]>,
+    measured_to_theta_deg: Option<f64>,
     incidences: Vec<IncidenceFile>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     rotations: Vec<RotationFile>,
@@ -79,6 +85,8 @@ impl<'a> AuditFile<'a> {
         let part = |(part, audits): &(&MeasuredPart, Vec<Audit>)| PartFile {
             way: part.way.name(),
             cells: part.geometry.cells(),
+            used_channel: part.channels.get(part.luminous()).map(ToString::to_string),
+            levels: WavelengthLevels::of(part).map(|levels| levels.ratios),
             channels: part
                 .channels
                 .iter()
@@ -136,6 +144,7 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
         clarity: audit.clarity,
         grid_error: audit.grid_error(),
         held_azimuths_deg: audit.held_azimuths_deg,
+        measured_to_theta_deg: audit.inclined_to_deg,
         incidences: audit.incidences.iter().map(incidence).collect(),
         rotations: audit.rotations.iter().map(rotation).collect(),
     }

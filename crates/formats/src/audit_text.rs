@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use papilio_goniometry::{
-    Audit, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry, Unblur, deblurred,
+    Audit, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry, Unblur,
+    WavelengthLevels, deblurred,
 };
 
 use crate::words::{channel, percent, span, table};
@@ -14,6 +15,8 @@ const HAZE_SCOPE: f64 = 0.30;
 const ABOVE_ONE: f64 = 1.005;
 /// Largest fraction of the light beyond the measured angles without a warning.
 const MUCH_BEYOND: f64 = 0.005;
+/// Total transmittance below which values may be in relative units.
+const FAINT: f64 = 0.05;
 /// Largest relative difference between integral and TIS, and largest grid error, without a warning.
 const TIS_TOLERANCE: f64 = 0.02;
 
@@ -43,9 +46,16 @@ pub fn audit_text(name: &str, measurement: &Measurement, audits: &[Option<Audit>
         let _ = writeln!(text, "\n  {}", geometry(&part.geometry));
         // Details of the luminous channel only.
         match audit {
-            Some(audit) => text.push_str(&audit_lines(audit)),
+            Some(audit) => text.push_str(&audit_lines(part, audit)),
             None => text.push_str("  the directions do not form a grid: values between them are unknown\n"),
         }
+        if matches!(part.geometry, Geometry::Tree(_)) {
+            text.push_str(
+                "  integral: sum of value x projected solid angle over the cells, averaged over azimuths of the light; peak: value of the cell \
+                 in the specular direction; the data do not resolve directions within a cell\n",
+            );
+        }
+        text.push_str(&wavelengths(part));
         if matches!(part.geometry, Geometry::Patches { .. }) {
             text.push_str(
                 "  integral: sum of value x projected solid angle over the patches, averaged over the patches of the incident \
@@ -54,6 +64,25 @@ pub fn audit_text(name: &str, measurement: &Measurement, audits: &[Option<Audit>
         }
     }
     text + &sharp_haze(measurement)
+}
+
+/// Explains what displays use of several channels.
+fn wavelengths(part: &MeasuredPart) -> String {
+    let Some(used) = part.channels.get(part.luminous()).filter(|_| part.channels.len() > 1) else {
+        return String::new();
+    };
+    match WavelengthLevels::of(part) {
+        Some(levels) => {
+            let [least, most] =
+                [f64::min, f64::max].map(|of| levels.ratios.iter().copied().reduce(of).unwrap_or(f64::NAN));
+            format!(
+                "  this report and the lobe of displays are those of {used} nm; displays use the level of each wavelength: {least:.4} to \
+                 {most:.4} of it; lobes differ by up to {} of the peak besides their level\n",
+                percent(levels.shape_difference)
+            )
+        }
+        None => format!("  this report and displays use the channel {used}; --json has all channels\n"),
+    }
 }
 
 /// Haze of the transmissions without the instrument blur that the file states; empty if it states none.
@@ -150,7 +179,7 @@ fn geometry(geometry: &Geometry) -> String {
     }
 }
 
-fn audit_lines(audit: &Audit) -> String {
+fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
     let header = [
         "incidence",
         "TIS",
@@ -228,7 +257,7 @@ fn audit_lines(audit: &Audit) -> String {
             percent(audit.asymmetry)
         ));
     }
-    for warning in warnings(audit) {
+    for warning in warnings(part, audit) {
         line(format!("warning: {warning}"));
     }
     text
@@ -259,17 +288,24 @@ fn rotations(audit: &Audit) -> String {
 }
 
 /// Returns the warnings of an audit.
-fn warnings(audit: &Audit) -> Vec<String> {
+fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
     let mut warnings = Vec::new();
+    // The reader warns of a TIS in per cent.
+    let in_percent = part.tis_in_percent();
+    warnings.extend(relative(part, audit));
     let at = |bad: &dyn Fn(&papilio_goniometry::Incidence) -> bool| -> Option<String> {
         let bad: Vec<String> =
             audit.incidences.iter().filter(|i| bad(i)).map(|i| format!("{}", i.theta_deg)).collect();
         (!bad.is_empty()).then(|| bad.join(", "))
     };
-    if let Some(at) = at(&|i| i.integral > ABOVE_ONE || i.tis.is_some_and(|tis| tis > ABOVE_ONE)) {
+    if let Some(at) =
+        at(&|i| i.integral > ABOVE_ONE || i.tis.is_some_and(|tis| tis > ABOVE_ONE && !in_percent))
+    {
         warnings.push(format!("more light leaves than arrives (integral or TIS above 1) at {at} deg"));
     }
-    if let Some(at) = at(&|i| i.tis.is_some_and(|tis| (i.integral / tis - 1.0).abs() > TIS_TOLERANCE)) {
+    if let Some(at) =
+        at(&|i| i.tis.is_some_and(|tis| !in_percent && (i.integral / tis - 1.0).abs() > TIS_TOLERANCE))
+    {
         let all: Vec<f64> = audit.incidences.iter().filter_map(|i| i.tis).collect();
         let one = all.len() > 1 && all.iter().all(|tis| *tis == all[0]);
         warnings.push(format!(
@@ -310,7 +346,10 @@ fn warnings(audit: &Audit) -> Vec<String> {
         ));
     }
     if audit.unmeasured > 0 {
-        warnings.push(format!("{} cells were not measured; they are treated as dark", audit.unmeasured));
+        warnings.push(format!(
+            "{} cells were not measured; the integral does not include them",
+            audit.unmeasured
+        ));
     }
     if audit.negative > 0 {
         warnings.push(format!("{} values are negative; they are treated as dark", audit.negative));
@@ -327,12 +366,31 @@ fn beyond(audit: &Audit) -> Option<String> {
     }
     let at: Vec<String> = open().map(|i| i.theta_deg.to_string()).collect();
     let to_deg = open().filter_map(|i| i.measured_to_deg).fold(f64::INFINITY, f64::min);
+    let end = match audit.inclined_to_deg {
+        Some(theta) => format!("the measurement ends {theta} deg from the normal"),
+        None => format!(
+            "the measurement ends {to_deg} deg from the specular direction, at incidence {} deg",
+            at.join(", ")
+        ),
+    };
     Some(format!(
-        "the measurement ends {to_deg} deg from the specular direction, at incidence {} deg; tails extrapolated beyond that angle \
-         would hold up to {} of the light (at {} deg); displays include them only with `extrapolate = \"hold\"` or \
-         `extrapolate_tails = true`",
-        at.join(", "),
+        "{end}; tails extrapolated beyond that angle would hold up to {} of the light (at {} deg); displays include them, unless \
+         `extrapolate = \"none\"`",
         percent(worst.beyond_share()),
         worst.theta_deg
     ))
+}
+
+/// Returns a warning if the values of a transmission may be in relative units.
+fn relative(part: &MeasuredPart, audit: &Audit) -> Option<String> {
+    let largest = audit.range[1];
+    let total = audit.incidences.first().map_or(1.0, |incidence| incidence.integral);
+    let is_faint = total < FAINT || largest == 1.0 || largest == 100.0;
+    (part.way.is_transmission() && is_faint && audit.lit > 0).then(|| {
+        format!(
+            "{} of the light passes at the smallest incidence, and the largest value is {largest}: if the values are in relative units, \
+             `total_transmittance` gives them their level in a display",
+            percent(total)
+        )
+    })
 }

@@ -1,15 +1,17 @@
 //! Quality of a measurement: coverage, energy, reciprocity, holes, noise, haze.
 //!
+//! Reciprocity is a matter of pairs of directions that were both measured ([`reciprocity`]).
+//!
 //! Haze and clarity are the values of a hazemeter in the same light, computed from the goniometric data. ASTM
 //! D1003 defines haze up to 30 %; above that it refers to goniometric methods (ASTM E2387). Clarity has no
 //! standard. It is defined here as `(C - R)/(C + R)`, where C is the light within 1 deg of the direct beam,
 //! and R the light between 1 and 2.5 deg.
 
+mod cells;
 mod patches;
+mod reciprocity;
 
-use papilio_optics::Beta;
-
-use crate::shape::on_specular_grid;
+use crate::shape::{inclined_to_deg, on_specular_grid};
 use crate::{Fill, Geometry, MeasuredPart, Shape, SpecularGrid};
 
 /// Smallest angle of light that counts as haze, degrees (ASTM D1003).
@@ -54,6 +56,8 @@ pub struct Audit {
     /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest
     /// value is used.
     pub held_azimuths_deg: Option<[f64; 2]>,
+    /// Largest inclination to which light was measured, degrees, if a grid of inclinations ends before the horizon.
+    pub inclined_to_deg: Option<f64>,
     /// Quality by incidence.
     pub incidences: Vec<Incidence>,
     /// Quality by rotation and incidence, of a measurement at several rotations.
@@ -107,26 +111,89 @@ impl Incidence {
     }
 }
 
+/// Channels of a part that are audited: they share the resampling and the width of the interpolation.
+#[derive(Debug)]
+pub struct Channels<'a> {
+    part: &'a MeasuredPart,
+    channels: Vec<usize>,
+    /// Values on a specular-centred grid, and the width, if the cells are not summed.
+    grid: Option<(SpecularGrid, Vec<f64>)>,
+    width: Option<f64>,
+}
+
+impl<'a> Channels<'a> {
+    /// Channels of a part, given by their indices; `None` for listed pairs.
+    pub fn new(part: &'a MeasuredPart, channels: Vec<usize>) -> Option<Self> {
+        if let Geometry::Patches { .. } | Geometry::Tree(_) = &part.geometry {
+            return Some(Self { part, channels, grid: None, width: None });
+        }
+        let (grid, values) = on_specular_grid(part, &channels)?;
+        // All are interpolated with the width of the luminous one, or of the first: lobes of a sample differ little in it.
+        let luminous = channels.iter().position(|channel| *channel == part.luminous()).unwrap_or(0);
+        let width = (channels.len() > 1).then(|| {
+            Shape::of_grid(&grid, &values[luminous * grid.cells()..][..grid.cells()], Fill::None).width()
+        });
+        Some(Self { part, channels, grid: Some((grid, values)), width })
+    }
+
+    /// Number of channels.
+    pub fn count(&self) -> usize {
+        self.channels.len()
+    }
+
+    /// Audits the channel with this number among them.
+    pub fn audit(&self, number: usize) -> Audit {
+        let channel = self.channels[number];
+        match (&self.part.geometry, &self.grid) {
+            (_, Some((grid, values))) => {
+                let values = &values[number * grid.cells()..][..grid.cells()];
+                Audit::on_grid(self.part, channel, (grid, values), self.width)
+            }
+            (Geometry::Tree(tree), None) => cells::audit(tree, self.part, channel),
+            (Geometry::Patches { incoming, outgoing }, None) => {
+                patches::audit([incoming, outgoing], self.part.channel(channel))
+            }
+            (_, None) => Audit::empty(),
+        }
+    }
+}
+
 impl Audit {
-    /// Audits one channel, given by its index. Patches are summed directly. A part on another geometry is
+    /// Audits one channel, given by its index. Patches and the cells of trees are summed directly. A part on another geometry is
     /// first resampled on a specular-centred grid, and its cells are those of that grid. `None` for listed
     /// pairs.
     pub fn of(part: &MeasuredPart, channel: usize) -> Option<Self> {
-        if let Geometry::Patches { incoming, outgoing } = &part.geometry {
-            return Some(patches::audit([incoming, outgoing], part.channel(channel)));
-        }
-        let (grid, values) = &on_specular_grid(part, &[channel])?;
-        let [shape, beyond, filled] =
-            [Fill::None, Fill::Beyond, Fill::Tail].map(|fill| Shape::of_grid(grid, values, fill));
+        Some(Channels::new(part, vec![channel])?.audit(0))
+    }
+
+    /// Audits the values of a channel on a specular-centred grid.
+    fn on_grid(
+        part: &MeasuredPart,
+        channel: usize,
+        (grid, values): (&SpecularGrid, &[f64]),
+        width: Option<f64>,
+    ) -> Self {
+        let shape = Shape::of_width(grid, values, Fill::None, (1.0, width));
+        // Where all cells have light, and reach the horizon, nothing can be filled.
+        let is_full = |k: usize| shape.measured_to_deg(k).is_none();
+        let is_closed = (0..grid.incidences_deg.len()).all(is_full) && !has_dark_cells(grid, values);
+        let filled = (!is_closed).then(|| {
+            [Fill::Beyond, Fill::Tail].map(|fill| Shape::of_width(grid, values, fill, (1.0, width)))
+        });
         let incidence = |k: usize| {
-            let [by_distance, by_azimuth] = shape.grid_errors(k);
+            let integral = shape.total(k);
+            let [by_distance, by_azimuth] = shape.grid_errors_of(k, integral);
+            let [integral_beyond, integral_filled] = match &filled {
+                Some(filled) => filled.each_ref().map(|shape| shape.total(k)),
+                None => [integral; 2],
+            };
             Incidence {
                 theta_deg: grid.incidences_deg[k],
                 tis: part.mean_tis(channel, k),
-                integral: shape.total(k),
+                integral,
                 measured_to_deg: shape.measured_to_deg(k),
-                integral_beyond: beyond.total(k),
-                integral_filled: filled.total(k),
+                integral_beyond,
+                integral_filled,
                 grid_error: by_distance + by_azimuth,
                 azimuth_error: by_azimuth,
                 peak: shape.along(k, 0.0, 0.0).unwrap_or(0.0),
@@ -147,16 +214,18 @@ impl Audit {
             (disc - ring) / (disc + ring)
         });
         let incidences: Vec<Incidence> = (0..grid.incidences_deg.len()).map(incidence).collect();
-        Some(Self {
+        let peak = incidences.iter().map(|i| i.peak).fold(0.0, f64::max);
+        Self {
             asymmetry: shape.asymmetry(),
-            reciprocity: reciprocity(&shape, incidences.iter().map(|i| i.peak).fold(0.0, f64::max)),
+            reciprocity: reciprocity::reciprocity(part, channel, (grid, values, &shape), peak),
             haze,
             clarity,
             incidences,
             held_azimuths_deg: shape.held_azimuths_deg(),
+            inclined_to_deg: inclined_to_deg(part, channel),
             rotations: rotations(part, channel, grid, values),
             ..Self::from_cells(grid, values, transmission)
-        })
+        }
     }
 
     /// Largest relative uncertainty of the integrals from the grid.
@@ -164,9 +233,9 @@ impl Audit {
         self.incidences.iter().map(|incidence| incidence.grid_error).fold(0.0, f64::max)
     }
 
-    /// Counts and noise of the cells; the other fields are empty.
-    fn from_cells(grid: &SpecularGrid, values: &[f64], transmission: bool) -> Self {
-        let mut audit = Self {
+    /// An audit of no cells.
+    fn empty() -> Self {
+        Self {
             cells: 0,
             lit: 0,
             unmeasured: 0,
@@ -174,16 +243,22 @@ impl Audit {
             dark_beyond_deg: 0.0,
             holes: 0,
             beam_holes: 0,
-            noise: noise(grid, values),
+            noise: 0.0,
             range: [f64::INFINITY, 0.0],
             asymmetry: 0.0,
             reciprocity: None,
             haze: None,
             clarity: None,
             held_azimuths_deg: None,
+            inclined_to_deg: None,
             incidences: Vec::new(),
             rotations: Vec::new(),
-        };
+        }
+    }
+
+    /// Counts and noise of the cells; the other fields are empty.
+    fn from_cells(grid: &SpecularGrid, values: &[f64], transmission: bool) -> Self {
+        let mut audit = Self { noise: noise(grid, values), ..Self::empty() };
         let mut dark = Vec::new();
         for (cell, value) in values.iter().enumerate() {
             let (rest, radial) =
@@ -239,41 +314,40 @@ fn rotations(part: &MeasuredPart, channel: usize, grid: &SpecularGrid, values: &
     values.chunks_exact((values.len() / turns).max(1)).enumerate().flat_map(of_rotation).collect()
 }
 
-/// Root mean square and maximum of the difference of f(i, o) and f(o, i), relative to their mean.
-fn reciprocity(shape: &Shape, peak: f64) -> Option<[f64; 2]> {
-    let thetas: Vec<f64> = shape.incidences_deg().collect();
-    let (mut squares, mut sizes, mut worst) = (0.0, 0.0, 0.0_f64);
-    for (i, from) in thetas.iter().enumerate() {
-        for (j, to) in thetas.iter().enumerate().skip(i + 1) {
-            for azimuth in (0..=180).step_by(10) {
-                let (sin, cos) = f64::from(azimuth).to_radians().sin_cos();
-                let [a, b] = [(i, from, to), (j, to, from)].map(|(k, from, to)| {
-                    let [from, to] = [from, to].map(|theta| theta.to_radians().sin());
-                    shape.value(k, Beta { x: to * cos - from, y: to * sin })
-                });
-                let mean = 0.5 * (a + b);
-                if a.min(b) > FAINT * peak {
-                    squares += (a - b).powi(2);
-                    sizes += mean * mean;
-                    worst = worst.max((a - b).abs() / mean);
-                }
-            }
-        }
-    }
-    (sizes > 0.0).then(|| [(squares / sizes).sqrt(), worst])
+/// Returns whether a cell in the hemisphere has no light.
+fn has_dark_cells(grid: &SpecularGrid, values: &[f64]) -> bool {
+    values.iter().enumerate().any(|(cell, value)| !(*value > 0.0) && grid.directions(cell).is_some())
 }
 
-/// Standard deviation from second differences along radial lines, median over the faint half of the cells.
+/// Standard deviation of a value from its four neighbours on its radial line, median over the faint half of the cells. A value is
+/// compared with the cubic of ln f through its neighbours, so that the lobe itself does not count as noise.
 fn noise(grid: &SpecularGrid, values: &[f64]) -> f64 {
-    let mut triples: Vec<[f64; 2]> = values
-        .chunks_exact(grid.radials_deg.len())
-        .flat_map(|line| line.windows(3))
-        .filter(|three| three.iter().all(|value| *value > 0.0))
-        .map(|three| [three[1], (three[0] - 2.0 * three[1] + three[2]).abs()])
+    let radials = &grid.radials_deg;
+    // Weights of the neighbours, and the standard deviation of the difference for values with one of 1.
+    let cubic = |k: usize| {
+        let places = [k - 2, k - 1, k + 1, k + 2];
+        let weights = places.map(|place| {
+            let others = places.iter().filter(|other| **other != place);
+            others
+                .map(|other| (radials[k] - radials[*other]) / (radials[place] - radials[*other]))
+                .product::<f64>()
+        });
+        (weights, (1.0 + weights.iter().map(|weight| weight * weight).sum::<f64>()).sqrt())
+    };
+    let cubics: Vec<([f64; 4], f64)> = (2..radials.len().saturating_sub(2)).map(cubic).collect();
+    let mut cells: Vec<[f64; 2]> = values
+        .chunks_exact(radials.len())
+        .flat_map(|line| line.windows(5).zip(&cubics))
+        .filter(|(five, _)| five.iter().all(|value| *value > 0.0))
+        .map(|(five, (weights, spread))| {
+            let neighbours = [five[0], five[1], five[3], five[4]];
+            let expected: f64 = neighbours.iter().zip(weights).map(|(f, weight)| weight * f.ln()).sum();
+            [five[2], five[2] * (five[2].ln() - expected).abs() / spread]
+        })
         .collect();
-    triples.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut differences: Vec<f64> = triples[..triples.len() / 2].iter().map(|[_, d]| *d).collect();
+    cells.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut differences: Vec<f64> = cells[..cells.len() / 2].iter().map(|[_, d]| *d).collect();
     differences.sort_by(f64::total_cmp);
-    // The median of |d| of a normal distribution is 0.6745 sigma, and the variances add as 1 + 4 + 1.
-    differences.get(differences.len() / 2).map_or(0.0, |median| median / 0.6745 / 6.0_f64.sqrt())
+    // The median of |d| of a normal distribution is 0.6745 sigma.
+    differences.get(differences.len() / 2).map_or(0.0, |median| median / 0.6745)
 }

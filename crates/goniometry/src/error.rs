@@ -43,6 +43,12 @@ pub enum GoniometryError {
     /// Totals should be normalised to the instrument's TIS, but the file gives none.
     #[error("the file gives no total integrated scatter (TIS), or not for each rotation and incidence")]
     NoTis,
+    /// Totals should be normalised to the instrument's TIS, which is in per cent.
+    #[error("the total integrated scatter (TIS) of the file is in per cent")]
+    TisInPercent,
+    /// A level was stated for a part without any light at its smallest incidence.
+    #[error("the file has no light at its smallest incidence, and no level can be given to it")]
+    NoLight,
     /// Deconvolution failed: no lobe reproduces the file's values when blurred.
     #[error("no lobe blurred by {width} gives the file's values: {:.0} % remain", 100.0 * misfit)]
     Blur {

@@ -34,6 +34,7 @@
 
 mod audit;
 mod backing;
+mod by_wavelength;
 mod calibration;
 mod direction;
 mod double_pass;
@@ -45,10 +46,12 @@ mod kernel;
 mod measurement;
 mod models;
 mod shape;
+mod tree;
 mod two_instruments;
 
-pub use audit::{Audit, Incidence, Rotation};
+pub use audit::{Audit, Channels, Incidence, Rotation};
 pub use backing::Backing;
+pub use by_wavelength::WavelengthLevels;
 pub use calibration::{Calibrated, Calibration, calibrated};
 pub use direction::Direction;
 pub use double_pass::double_pass_error;
@@ -65,4 +68,5 @@ pub use kernel::{Changes, Lamination, Preparation, kernel};
 pub use measurement::{Channel, MeasuredPart, Measurement, Provenance, ScatterMode};
 pub use models::{Kind, Meaning, Model, Normalisation};
 pub use shape::{Fill, Shape, on_specular_grid};
+pub use tree::patch_means;
 pub use two_instruments::incidence_scale;

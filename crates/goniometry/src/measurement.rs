@@ -144,6 +144,12 @@ impl MeasuredPart {
         self.tis.get(turn * grid.incidences_deg.len() + incidence).copied().filter(|tis| *tis > 0.0)
     }
 
+    /// Returns true if the largest TIS cannot be a fraction but a percentage.
+    pub fn tis_in_percent(&self) -> bool {
+        let largest = self.tis.iter().copied().fold(0.0, f64::max);
+        (1.5..=101.0).contains(&largest)
+    }
+
     /// Mean over rotations of the total integrated scatter of an incidence, for the mean lobe.
     /// `None` unless the file gives it for each rotation.
     pub fn mean_tis(&self, channel: usize, incidence: usize) -> Option<f64> {

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::io::Write;
 
 use papilio_goniometry::{
-    Channel, Direction, Geometry, KLEMS_FULL, MeasuredPart, Measurement, Ring, Symmetry, patch_count,
+    Channel, Direction, Fill, Geometry, KLEMS_FULL, MeasuredPart, Measurement, Ring, Shape, Symmetry,
+    patch_count, patch_means, projected_solid_angle,
 };
 
 use super::LARGEST_VALUE;
@@ -116,6 +117,9 @@ const POINTS_OUT: [usize; 2] = [6, 6];
 
 /// Returns the mean of f for each pair of patches, weighted with both cosines.
 fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
+    if let Geometry::Tree(tree) = &part.geometry {
+        return patch_means(tree, part.channel(channel), &KLEMS_FULL);
+    }
     let [from, to] = [POINTS_IN, POINTS_OUT].map(|counts| patches(&KLEMS_FULL, counts));
     let mean = |light: &Patch, viewer: &Patch| {
         let lights = light.points.iter().map(|light| light.specular());
@@ -136,10 +140,46 @@ fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<
             values.push(f.unwrap_or(0.0));
         }
     }
+    if part.geometry.is_isotropic() {
+        conserve(part, channel, &from, &mut values);
+    }
     if empty && !lost.iter().any(|line| line == UNMEASURED) {
         lost.push(UNMEASURED.to_owned());
     }
     values
+}
+
+/// Largest relative uncertainty of a total from the grid with which columns are scaled to it.
+const COARSE: f64 = 0.02;
+
+/// Scales the columns so that their sums are the totals of the smooth lobe, which linear interpolation misses by a few per cent. Light
+/// of patches is the mean over the measured directions in them; the total thus includes extrapolated tails.
+fn conserve(part: &MeasuredPart, channel: usize, from: &[Patch], values: &mut [f64]) {
+    let Some(shape) = Shape::of_part(part, channel, Fill::Beyond) else { return };
+    // A coarse grid leaves the total uncertain: then the plain means remain.
+    if (0..shape.incidences_deg().count()).any(|k| shape.grid_error(k) > COARSE) {
+        return;
+    }
+    let totals: Vec<[f64; 2]> =
+        shape.incidences_deg().enumerate().map(|(k, theta)| [theta, shape.total(k)]).collect();
+    let total = |theta: f64| {
+        let upper = totals.iter().position(|[known, _]| *known >= theta)?;
+        let ([a, low], [b, high]) = (totals[upper.saturating_sub(1)], totals[upper]);
+        let t = if b > a { (theta - a) / (b - a) } else { 0.0 };
+        Some((1.0 - t) * low + t * high)
+    };
+    let omega = projected_solid_angle(&KLEMS_FULL);
+    for (column, light) in values.chunks_exact_mut(omega.len()).zip(from) {
+        let measured: Vec<f64> = light.points.iter().filter_map(|from| total(from.theta_deg)).collect();
+        let sum: f64 = column.iter().zip(&omega).map(|(f, omega)| f * omega).sum();
+        if sum > 0.0 && !measured.is_empty() {
+            let scale = measured.iter().sum::<f64>() / measured.len() as f64 / sum;
+            // The total has an error of its own; closer than this, the sum is as accurate.
+            if (scale - 1.0).abs() > 1e-4 {
+                column.iter_mut().for_each(|f| *f *= scale);
+            }
+        }
+    }
 }
 
 /// A patch of a basis.

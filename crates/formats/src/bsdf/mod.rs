@@ -110,8 +110,9 @@ impl From<Warned<Measurement>> for BsdfFile {
     }
 }
 
-/// Reads a BSDF file as [`read_bsdf`]. If the file does not state which part its values are, it is `part`, or else front reflection.
-/// With a part, a table of two columns without names is accepted as a scan at normal incidence.
+/// Reads a BSDF file as [`read_bsdf`]. If the file does not state which part its values are, it is `part`, or else front reflection. The
+/// same holds for the side of the light: a file with a BTDF that does not state the side is a transmission from the front, unless `part`
+/// is back transmission. With a part, a table of two columns without names is accepted as a scan at normal incidence.
 ///
 /// # Errors
 /// As [`read_bsdf`].
@@ -146,11 +147,49 @@ pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<Bsdf
     } else {
         return Err(FormatError { place: Place::whole(&file.name), problem: BsdfProblem::Unknown.into() });
     };
-    if let (Some(way), [only], false) = (part, &mut read.measurement.parts[..], read.states_part) {
+    if let (Some(way), [only]) = (part, &mut read.measurement.parts[..])
+        && way != only.way
+        && (!read.states_part
+            || (way.is_transmission() == only.way.is_transmission() && !states_side(file, part)))
+    {
+        let (old, new) = (only.way.name(), way.name());
+        read.notes.iter_mut().for_each(|note| *note = note.replace(old, new));
         only.way = way;
-        read.states_part = true;
     }
+    read.states_part |= part.is_some();
     Ok(read)
+}
+
+/// Returns whether a file states the side from which its light comes, and not only whether its values are a reflection or a
+/// transmission. Names such as `btdf` do not state the side: such a file, with another name for its values, states no part.
+fn states_side(file: &DataFile, part: Option<ScatterMode>) -> bool {
+    if rgl::is_rgl(file) || merl::is_merl(file) || radiant_read::is_radiant(file) {
+        return false;
+    }
+    let is_scan = || scan::is_scan(file, part.is_some());
+    let read = |neutral: &DataFile| match table_read::is_table(file) {
+        true => table_read::read(neutral),
+        false => scan::read(neutral, true),
+    };
+    if crate::npz::is_npz(file) || window::is_window(file) || !(table_read::is_table(file) || is_scan()) {
+        return true;
+    }
+    read(&without_kind(file)).map_or(true, |neutral| neutral.states_part)
+}
+
+/// Returns a table whose header has the name `bsdf` where it has `btdf` or `brdf`.
+fn without_kind(file: &DataFile) -> DataFile {
+    let mut bytes = file.bytes.clone();
+    let is_header = |line: &&mut [u8]| !line.trim_ascii().is_empty() && !line.trim_ascii().starts_with(b"#");
+    if let Some(header) = bytes.split_mut(|byte| *byte == b'\n').find(is_header) {
+        for at in 0..header.len().saturating_sub(3) {
+            let name = &mut header[at..at + 4];
+            if [b"btdf", b"brdf"].iter().any(|kind| name.eq_ignore_ascii_case(*kind)) {
+                name.copy_from_slice(b"bsdf");
+            }
+        }
+    }
+    DataFile { name: file.name.clone(), bytes }
 }
 
 impl BsdfFile {

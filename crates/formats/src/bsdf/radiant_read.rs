@@ -242,10 +242,14 @@ impl Header {
                     .to_owned(),
             );
         }
-        if data.tis.iter().any(|tis| *tis > 1.0) {
-            warnings.push(
-                "a TIS is above 1: more light leaves than arrives, or the TIS is in percent".to_owned(),
-            );
+        let largest = data.tis.iter().copied().fold(0.0, f64::max);
+        if (1.5..=101.0).contains(&largest) {
+            warnings.push(format!(
+                "the TIS, up to {largest}, is in per cent, but the format has fractions from 0 to 1: divide the lines `TIS` by 100 before \
+                 `normalise = \"tis\"`"
+            ));
+        } else if largest > 1.0 + 1e-9 {
+            warnings.push("a TIS is above 1: more light leaves than arrives".to_owned());
         }
         warnings
     }

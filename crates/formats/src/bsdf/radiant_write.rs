@@ -3,8 +3,8 @@
 use std::io::Write;
 
 use papilio_goniometry::{
-    Channel, Fill, Geometry, MeasuredPart, Measurement, ScatterMode, Shape, SpecularGrid, Symmetry,
-    on_specular_grid,
+    Channel, Direction, Fill, Geometry, MeasuredPart, Measurement, ScatterMode, Shape, SpecularGrid,
+    Symmetry, on_specular_grid, patch_of, projected_solid_angle,
 };
 
 use super::radiant_read::{AXES, NAME, SAMPLE, block_name};
@@ -66,11 +66,30 @@ fn resample(
         .to_owned(),
     );
     let mut tis = Vec::new();
-    for channel in values.chunks_exact(grid.cells()) {
+    for (channel, number) in values.chunks_exact(grid.cells()).zip(numbers) {
         let shape = Shape::of_grid(&grid, channel, Fill::None);
-        tis.extend((0..grid.incidences_deg.len()).map(|k| shape.total(k)));
+        let own = part.channel(number);
+        tis.extend(
+            grid.incidences_deg.iter().enumerate().map(|(k, theta)| {
+                sum_over_cells(&part.geometry, own, *theta).unwrap_or_else(|| shape.total(k))
+            }),
+        );
     }
     Ok(MeasuredPart { way: part.way, channels: names, geometry: Geometry::Specular(grid), values, tis })
+}
+
+/// Returns the integral over the hemisphere of values that are constant over cells: their sum, which interpolation would miss.
+fn sum_over_cells(geometry: &Geometry, values: &[f64], theta_deg: f64) -> Option<f64> {
+    match geometry {
+        Geometry::Tree(tree) => Some(tree.mean_total(values, theta_deg)),
+        Geometry::Patches { incoming, outgoing } => {
+            let omega = projected_solid_angle(outgoing);
+            let column =
+                values.chunks_exact(omega.len()).nth(patch_of(incoming, Direction::new(theta_deg, 0.0))?)?;
+            Some(column.iter().zip(&omega).map(|(f, omega)| f.max(0.0) * omega).sum())
+        }
+        _ => None,
+    }
 }
 
 /// Selects the part that the file will hold.

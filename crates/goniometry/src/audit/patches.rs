@@ -39,6 +39,7 @@ pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit
         haze: None,
         clarity: None,
         held_azimuths_deg: None,
+        inclined_to_deg: None,
         incidences,
         rotations: Vec::new(),
     }

@@ -15,6 +15,7 @@ pub use patches::{
 };
 pub use specular::{SpecularGrid, Symmetry};
 pub use spherical::SphericalGrid;
+pub(crate) use tensor_tree::{LitSquare, direction_of_square};
 pub use tensor_tree::{TensorTree, TreeNode};
 pub use warped::{WarpFields, WarpedGrid};
 

@@ -86,6 +86,36 @@ impl SpecularGrid {
         self.mean(values, [turn, incidence, azimuth, between(&self.radials_deg, radial_deg)?])
     }
 
+    /// Returns whether all cells about a direction have light at an incidence, given by its index, with azimuths no farther apart than
+    /// this; the light comes from azimuth 180 deg. `false` next to the end of the measured cells.
+    pub(crate) fn is_surrounded(
+        &self,
+        values: &[f64],
+        incidence: usize,
+        to: Direction,
+        apart_deg: f64,
+    ) -> bool {
+        let (azimuth_deg, radial_deg) = Self::coordinates(self.incidences_deg[incidence], to);
+        let azimuth = match self.symmetry {
+            _ if self.azimuths_deg.len() == 1 => Some([(0, 1.0), (0, 0.0)]),
+            Symmetry::Plane => mirrored(&self.azimuths_deg, azimuth_deg),
+            Symmetry::None => around(&self.azimuths_deg, azimuth_deg),
+        };
+        let Some((azimuth, radial)) = azimuth.zip(between(&self.radials_deg, radial_deg)) else {
+            return false;
+        };
+        let used = |weights: Weights| weights.into_iter().filter(|(_, weight)| *weight > 1e-6);
+        let gap = (self.azimuths_deg[azimuth[1].0] - self.azimuths_deg[azimuth[0].0]).rem_euclid(360.0);
+        let is_lit = |a: usize, r: usize| {
+            (0..self.rotations_deg.len()).any(|turn| {
+                let row = (turn * self.incidences_deg.len() + incidence) * self.azimuths_deg.len() + a;
+                values.get(row * self.radials_deg.len() + r).is_some_and(|f| *f > 0.0)
+            })
+        };
+        (used(azimuth).count() < 2 || gap <= apart_deg)
+            && used(azimuth).all(|(a, _)| used(radial).all(|(r, _)| is_lit(a, r)))
+    }
+
     /// Weighted mean of the neighbouring cells.
     fn mean(&self, values: &[f64], [turn, incidence, azimuth, radial]: [Weights; 4]) -> Option<f64> {
         let (mut sum, mut weight) = (0.0, 0.0);

@@ -93,22 +93,111 @@ impl TensorTree {
 
     /// Returns the cell of light from `i` towards `o`; `None` in the unused half of a rank 3 cube.
     pub(super) fn cell(&self, i: Direction, o: Direction) -> Option<usize> {
-        let to_square = |d: Direction| {
-            let [x, y, _] = d.vector();
-            square_of_disk([x, y])
-        };
         let place = match self.rank {
             3 => {
-                let [x, y] = to_square(Direction::new(o.theta_deg, o.phi_deg - i.phi_deg - 180.0));
+                let [x, y] = square_of_direction(Direction::new(o.theta_deg, o.phi_deg - i.phi_deg - 180.0));
                 [0.5 - 0.5 * i.theta_deg.to_radians().sin(), x, y, 0.0]
             }
             _ => {
-                let ([x, y], [u, v]) = (to_square(i.specular()), to_square(o));
+                let ([x, y], [u, v]) = (square_of_direction(i.specular()), square_of_direction(o));
                 [x, y, u, v]
             }
         };
-        // A cell includes its lower limits, not its upper ones.
-        self.cell_at(place.map(|x| x.clamp(0.0, 1.0 - 1e-9)))
+        self.cell_at(place.map(within_square))
+    }
+
+    /// Number of the smallest cells on a side of the square, at most 2^16.
+    pub(crate) fn finest_side(&self) -> usize {
+        let mut finest = 0;
+        let mut stack = vec![(0, 0)];
+        while let Some((node, depth)) = stack.pop() {
+            match self.nodes.get(node) {
+                Some(TreeNode::Branch { children, .. }) => {
+                    stack.extend((0..1 << self.rank).map(|child| (*children as usize + child, depth + 1)));
+                }
+                Some(TreeNode::Grid { log2, .. }) => finest = finest.max(depth + u32::from(*log2)),
+                None => {}
+            }
+        }
+        1 << finest.min(16)
+    }
+
+    /// Directions of the light of an inclination over which means are formed: several azimuths for an anisotropic sample.
+    pub(crate) fn lights(&self, theta_deg: f64) -> Vec<Direction> {
+        match self.rank {
+            3 => vec![Direction::new(theta_deg, 180.0)],
+            // None of them on an edge of cells.
+            _ => (0..AZIMUTHS)
+                .map(|k| Direction::new(theta_deg, (f64::from(k) + 0.5) * 360.0 / f64::from(AZIMUTHS)))
+                .collect(),
+        }
+    }
+
+    /// Calls `each` with every square of the viewer's square in which light of this direction has a value above 0. For rank 3 the square
+    /// is rotated, so that the specular direction has azimuth 0.
+    pub(crate) fn each_lit(&self, values: &[f64], light: Direction, each: &mut dyn FnMut(LitSquare)) {
+        let place = match self.rank {
+            3 => [0.5 - 0.5 * light.theta_deg.to_radians().sin(), 0.0],
+            _ => square_of_direction(light.specular()),
+        };
+        self.descend(values, 0, (place.map(within_square), true), ([0.0, 0.0], 1.0), each);
+    }
+
+    /// Integral over the light of f cos, for light that is scattered in this direction; rank 4.
+    pub(crate) fn arriving(&self, values: &[f64], to: Direction) -> f64 {
+        let place = square_of_direction(to).map(within_square);
+        let mut sum = 0.0;
+        let mut add = |LitSquare { size, value, .. }: LitSquare| sum += value * size * size;
+        self.descend(values, 0, (place, false), ([0.0, 0.0], 1.0), &mut add);
+        PI * sum
+    }
+
+    /// Visits the cells below a node that contain the place of the light (`of_light`), or of the viewer.
+    fn descend(
+        &self,
+        values: &[f64],
+        node: usize,
+        (place, of_light): ([f64; 2], bool),
+        (corner, size): ([f64; 2], f64),
+        each: &mut dyn FnMut(LitSquare),
+    ) {
+        // The light has the first sides, the viewer the last two.
+        let sides = if of_light { self.rank - 2 } else { 2 };
+        let shifts = if of_light { [0, sides] } else { [2, 0] };
+        match self.nodes.get(node) {
+            Some(TreeNode::Branch { children, .. }) => {
+                let mut place = place;
+                let mut fixed = 0;
+                for (k, x) in place.iter_mut().enumerate().take(sides) {
+                    *x *= 2.0;
+                    if *x >= 1.0 {
+                        *x -= 1.0;
+                        fixed |= 1 << k;
+                    }
+                }
+                for free in 0..4 {
+                    let half = [free & 1, free >> 1 & 1].map(|bit| 0.5 * size * f64::from(bit as u8));
+                    let corner = [corner[0] + half[0], corner[1] + half[1]];
+                    let child = *children as usize + (fixed << shifts[0] | free << shifts[1]);
+                    self.descend(values, child, (place, of_light), (corner, 0.5 * size), each);
+                }
+            }
+            Some(TreeNode::Grid { log2, cell }) => {
+                let side = 1_usize << log2;
+                let fixed = place[..sides].iter().fold(0, |n, x| n * side + (x * side as f64) as usize);
+                let size = size / side as f64;
+                for k in 0..side * side {
+                    let within = if of_light { fixed * side * side + k } else { k * side * side + fixed };
+                    let value = values.get(*cell as usize + within).copied().unwrap_or(0.0);
+                    if value > 0.0 {
+                        let corner =
+                            [corner[0] + size * (k / side) as f64, corner[1] + size * (k % side) as f64];
+                        each(LitSquare { corner, size, value });
+                    }
+                }
+            }
+            None => {}
+        }
     }
 
     fn cell_at(&self, mut place: [f64; 4]) -> Option<usize> {
@@ -159,17 +248,60 @@ impl TensorTree {
     }
 
     fn directions_of(&self, place: [f64; 4]) -> Option<[Direction; 2]> {
-        let from_square = |square: [f64; 2]| {
-            let [x, y] = disk_of_square(square);
-            Direction::of_vector([x, y, (1.0 - x * x - y * y).max(0.0).sqrt()])
-        };
         if self.rank == 4 {
-            return Some([from_square([place[0], place[1]]).specular(), from_square([place[2], place[3]])]);
+            return Some([
+                direction_of_square([place[0], place[1]]).specular(),
+                direction_of_square([place[2], place[3]]),
+            ]);
         }
         let sin = 1.0 - 2.0 * place[0];
         let light = Direction::new(sin.clamp(0.0, 1.0).asin().to_degrees(), 180.0);
-        (sin >= 0.0).then(|| [light, from_square([place[1], place[2]])])
+        (sin >= 0.0).then(|| [light, direction_of_square([place[1], place[2]])])
     }
+}
+
+/// Number of azimuths of the light in means of an anisotropic sample.
+const AZIMUTHS: u32 = 24;
+
+/// A square of directions with one value.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LitSquare {
+    /// Its corner at the smallest coordinates, in the unit square.
+    pub(crate) corner: [f64; 2],
+    /// Its side.
+    pub(crate) size: f64,
+    /// f, 1/sr.
+    pub(crate) value: f64,
+}
+
+impl LitSquare {
+    /// Middles of its parts, which are at most `finest` of the unit square wide, and their side.
+    pub(crate) fn parts(self, finest: f64) -> (impl Iterator<Item = [f64; 2]>, f64) {
+        let side = (self.size / finest).ceil().max(1.0);
+        let count = side as usize;
+        let at = move |k: usize, corner: f64| corner + self.size * (k as f64 + 0.5) / side;
+        let parts =
+            (0..count * count).map(move |k| [at(k / count, self.corner[0]), at(k % count, self.corner[1])]);
+        (parts, self.size / side)
+    }
+}
+
+/// Limits a coordinate to the square. A cell includes its lower limits, not its upper ones; a place that differs from a limit by rounding
+/// is on it, so that light and its specular direction are in corresponding cells.
+fn within_square(x: f64) -> f64 {
+    (x + 1e-9).clamp(0.0, 1.0 - 1e-9)
+}
+
+/// Place of a direction in the square.
+fn square_of_direction(direction: Direction) -> [f64; 2] {
+    let [x, y, _] = direction.vector();
+    square_of_disk([x, y])
+}
+
+/// Direction of a place in the square.
+pub(crate) fn direction_of_square(square: [f64; 2]) -> Direction {
+    let [x, y] = disk_of_square(square);
+    Direction::of_vector([x, y, (1.0 - x * x - y * y).max(0.0).sqrt()])
 }
 
 /// Maps the unit disc to the unit square (Shirley & Chiu 1997).

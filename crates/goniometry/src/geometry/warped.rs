@@ -14,7 +14,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::axis::between;
-use super::warp::{Warp, bilinear, nodes};
+use super::warp::{Warp, bilinear, nodes, patch};
 use crate::Direction;
 
 /// Data of a [`WarpedGrid`].
@@ -123,6 +123,11 @@ impl WarpedGrid {
         if values.len() != self.cells() {
             return None;
         }
+        Some(self.weights(i, o)?.iter().map(|(cell, weight)| weight * values[*cell]).sum())
+    }
+
+    /// Cells and weights whose sum is f of any channel, for light from `i` towards `o`.
+    pub(crate) fn weights(&self, i: Direction, o: Direction) -> Option<[(usize, f64); 16]> {
         let [i, o] = self.reduced(i.vector(), o.vector());
         if o[2] < HORIZON_COS {
             return None;
@@ -134,19 +139,22 @@ impl WarpedGrid {
         let at_m = [(m.theta_deg.to_radians() / FRAC_PI_2).sqrt(), ((phi_m + PI) / TAU).rem_euclid(1.0)];
         let fields = &self.fields;
         let lights = self.lights(phi_i, theta_i)?;
-        let at = self.warp.invert(&lights, at_m)?;
+        let [x, y] = self.warp.invert(&lights, at_m)?;
         let [rows, columns] = fields.shape;
-        let value =
-            |cell| lights.iter().map(|(node, weight)| weight * values[node * rows * columns + cell]).sum();
         let on = |(grid, [rows, columns]): &(Vec<f64>, [usize; 2]), at| {
             bilinear(|cell| grid[cell], *columns, *rows, at)
         };
-        let mut f = bilinear(value, columns, rows, at) / o[2];
+        let mut factor = 1.0 / o[2];
         if fields.jacobian {
             let at_i = [(theta_i / FRAC_PI_2).sqrt(), (phi_i + PI) / TAU];
-            f *= on(&fields.ndf, at_m) / (4.0 * on(&fields.sigma, at_i));
+            factor *= on(&fields.ndf, at_m) / (4.0 * on(&fields.sigma, at_i));
         }
-        Some(f)
+        let ((column, x), (row, y)) = (patch(x, columns), patch(y, rows));
+        Some(std::array::from_fn(|k| {
+            let ((node, weight), dx, dy) = (lights[k / 4], k % 2, k / 2 % 2);
+            let corner = if dx == 1 { x } else { 1.0 - x } * if dy == 1 { y } else { 1.0 - y };
+            (node * rows * columns + (row + dy) * columns + column + dx, factor * weight * corner)
+        }))
     }
 }
 

@@ -21,6 +21,8 @@ pub(super) struct Incidence {
     /// Azimuths about the specular direction, radians, 0 (towards the normal) to pi.
     pub(super) azimuths: Vec<f64>,
     pub(super) lines: Vec<Line>,
+    /// Distance of the last point of each line.
+    pub(super) lengths: Vec<f64>,
     /// True for linear interpolation between azimuths; otherwise logarithmic where both lines are positive.
     pub(super) linear: bool,
     /// Cosine of the distance from the specular direction beyond which values are unknown and taken as 0.
@@ -42,6 +44,11 @@ impl Incidence {
             half: cells.half().min(width),
             azimuths: cells.azimuths.clone(),
             lines: cells.lines.iter().map(line).collect(),
+            lengths: cells
+                .lines
+                .iter()
+                .map(|points| points.last().map_or(0.0, |[delta, _]| *delta))
+                .collect(),
             linear: false,
             ends_at: cells.limit_deg.filter(|_| !tails).map(|limit| (limit + SAME_DEG).to_radians().cos()),
             measured_to_deg: cells.measured_to_deg,
@@ -66,6 +73,21 @@ impl Incidence {
         let t = if step > 0.0 { ((azimuth - self.azimuths[lower]) / step).clamp(0.0, 1.0) } else { 0.0 };
         let [a, b] = [lower, upper].map(|k| self.lines[k].value(x));
         if a > 0.0 && b > 0.0 && !self.linear { a.powf(1.0 - t) * b.powf(t) } else { (1.0 - t) * a + t * b }
+    }
+
+    /// Returns true if `delta` is on the hemisphere and within the measured length of the lines of its azimuth.
+    pub(super) fn is_known(&self, delta: Beta) -> bool {
+        let length = delta.length();
+        if length == 0.0 {
+            return true;
+        }
+        let azimuth = self.azimuth(delta);
+        let upper = self.azimuths.partition_point(|known| *known <= azimuth).min(self.azimuths.len() - 1);
+        let lower = upper.saturating_sub(1);
+        let step = self.azimuths[upper] - self.azimuths[lower];
+        let t = if step > 0.0 { ((azimuth - self.azimuths[lower]) / step).clamp(0.0, 1.0) } else { 0.0 };
+        let last = (1.0 - t) * self.lengths[lower] + t * self.lengths[upper];
+        self.reach(delta) >= 1.0 && length <= last
     }
 
     /// Azimuth about the specular direction, radians, 0 to pi. For a direction beyond the hemisphere, the
@@ -115,6 +137,7 @@ impl Incidence {
         Some(Self {
             azimuths: retained().map(|k| self.azimuths[k]).collect(),
             lines: retained().map(|k| self.lines[k].clone()).collect(),
+            lengths: retained().map(|k| self.lengths[k]).collect(),
             ..*self
         })
     }

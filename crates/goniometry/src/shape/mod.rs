@@ -30,6 +30,7 @@ use cells::{Cells, Spread, best_width, folded, without_tail_zeros, without_unmea
 use incidence::Incidence;
 use line::Line;
 pub use resample::on_specular_grid;
+pub(crate) use resample::{first_lobes, inclined_to_deg};
 
 /// Treatment of directions of the hemisphere without light in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -68,6 +69,16 @@ impl Shape {
 
     /// Shape from cells up to this `|beta|` of the scattered light only, with extrapolated tails beyond.
     pub(crate) fn of_grid_within(grid: &SpecularGrid, values: &[f64], fill: Fill, horizon: f64) -> Self {
+        Self::of_width(grid, values, fill, (horizon, None))
+    }
+
+    /// The same with a known width, whose search takes most of the time.
+    pub(crate) fn of_width(
+        grid: &SpecularGrid,
+        values: &[f64],
+        fill: Fill,
+        (horizon, width): (f64, Option<f64>),
+    ) -> Self {
         let mut asymmetry = Spread::default();
         let mut filled = [0.0; 2];
         let cells: Vec<Cells> = (0..grid.incidences_deg.len())
@@ -78,7 +89,7 @@ impl Shape {
                 Fill::Tail => without_tail_zeros(cells, &mut filled),
             })
             .collect();
-        let width = best_width(&cells);
+        let width = width.unwrap_or_else(|| best_width(&cells));
         let tails = fill != Fill::None;
         let incidences = cells.iter().map(|cells| Incidence::new(cells, width, tails)).collect();
         Self {
@@ -188,14 +199,23 @@ impl Shape {
     /// is omitted, whichever is larger. Linear interpolation is of second order, so that half as many
     /// azimuths have four times the error. This estimate is accurate to a quarter of itself for smooth lobes.
     pub fn grid_errors(&self, incidence: usize) -> [f64; 2] {
+        self.grid_errors_of(incidence, self.total(incidence))
+    }
+
+    /// The same with the incidence's total, if it is known.
+    pub(crate) fn grid_errors_of(&self, incidence: usize, total: f64) -> [f64; 2] {
         let known = &self.incidences[incidence];
-        let total = self.total(incidence);
         if total <= 0.0 {
             return [0.0; 2];
         }
         let total_of = |other: &Incidence| other.total(self.width, f64::INFINITY);
         let lines = known.lines.iter().map(Line::coarser).collect();
-        let by_distance = total_of(&Incidence { lines, azimuths: known.azimuths.clone(), ..*known }) - total;
+        let by_distance = total_of(&Incidence {
+            lines,
+            azimuths: known.azimuths.clone(),
+            lengths: known.lengths.clone(),
+            ..*known
+        }) - total;
         let linear = Incidence { linear: true, ..known.clone() };
         let linear_total = total_of(&linear);
         let fewer = linear.with_fewer_azimuths().map_or(0.0, |fewer| total_of(&fewer) - linear_total);
@@ -207,17 +227,40 @@ impl Shape {
     /// each incidence: shape `[incidence][azimuth][radial]`. At a node near the end of a lobe, f is
     /// multiplied by the fraction of the interval around it (half-way to its neighbours) that is before the
     /// end. Linear interpolation then conserves the light of a line.
+    ///
+    /// A tail beyond the last measured node of a line continues as that of the incidence before it, in proportion: lobes
+    /// move with the light, and at oblique incidence a line away from the normal ends at the horizon, close to the
+    /// peak, where its own slope says nothing about the tail. Tails do not rise. At the first incidence they follow
+    /// the slope of the line.
     pub fn tabulate(&self, radials: &[f64], azimuths: &[f64]) -> Vec<f64> {
-        let mut values = Vec::with_capacity(self.incidences.len() * radials.len() * azimuths.len());
-        for incidence in &self.incidences {
-            for azimuth in azimuths {
+        let cells = radials.len() * azimuths.len();
+        let mut values: Vec<f64> = Vec::with_capacity(self.incidences.len() * cells);
+        for (number, incidence) in self.incidences.iter().enumerate() {
+            for (around, azimuth) in azimuths.iter().enumerate() {
                 let (sin, cos) = azimuth.sin_cos();
-                let end = incidence.end(Beta { x: cos, y: sin });
+                let unit = Beta { x: cos, y: sin };
+                let end = incidence.end(unit);
                 let value = |r: f64| incidence.extrapolated(Beta { x: r * cos, y: r * sin }, self.width);
-                values.extend((0..radials.len()).map(|k| match fraction_before(radials, k, end) {
-                    0.0 => 0.0,
-                    fraction => fraction * value(radials[k].min(end)),
-                }));
+                // The last node of the measured line, its value, and that of the incidence before it there.
+                let mut last: Option<[f64; 2]> = None;
+                for (k, r) in radials.iter().enumerate() {
+                    let before = number
+                        .checked_sub(1)
+                        .map(|n| values[(n * azimuths.len() + around) * radials.len() + k]);
+                    let fraction = fraction_before(radials, k, end);
+                    let own = if fraction > 0.0 { fraction * value(r.min(end)) } else { 0.0 };
+                    let is_known =
+                        incidence.ends_at.is_some() || incidence.is_known(Beta { x: r * cos, y: r * sin });
+                    values.push(match (before, last) {
+                        (Some(before), Some([known, then])) if !is_known && then > 0.0 => {
+                            known * (before / then).min(1.0)
+                        }
+                        _ => {
+                            last = before.map(|before| [own, before]);
+                            own
+                        }
+                    });
+                }
             }
         }
         values

@@ -1,7 +1,7 @@
 //! Resampling of any geometry on a grid about the specular direction.
 
 use super::spherical::Smooth;
-use crate::{Direction, Geometry, MeasuredPart, SpecularGrid, Symmetry};
+use crate::{Direction, Fill, Geometry, MeasuredPart, Shape, SpecularGrid, Symmetry};
 
 /// Number of incidences for geometries without incidences of their own: 0 to 85 deg in steps of 5.
 const INCIDENCES: u32 = 18;
@@ -14,6 +14,11 @@ const INCIDENCES: u32 = 18;
 /// `None` for listed pairs that do not form such a grid (the values between them are unknown), and if there
 /// is no light.
 pub fn on_specular_grid(part: &MeasuredPart, channels: &[usize]) -> Option<(SpecularGrid, Vec<f64>)> {
+    resampled(part, channels, usize::MAX)
+}
+
+/// The same for the smallest incidence alone, or for all.
+fn resampled(part: &MeasuredPart, channels: &[usize], incidences: usize) -> Option<(SpecularGrid, Vec<f64>)> {
     let known = || channels.iter().map(|channel| part.channel(*channel));
     let (incidences_deg, light_deg) = match &part.geometry {
         Geometry::Specular(grid) => return Some((grid.clone(), known().flatten().copied().collect())),
@@ -26,13 +31,12 @@ pub fn on_specular_grid(part: &MeasuredPart, channels: &[usize]) -> Option<(Spec
     };
     let mut grid = SpecularGrid {
         rotations_deg: vec![0.0],
-        incidences_deg,
+        incidences_deg: incidences_deg.into_iter().take(incidences).collect(),
         azimuths_deg: (0..36).map(|k| 10.0 * f64::from(k)).collect(),
         radials_deg: radials(),
         symmetry: Symmetry::None,
     };
-    let lobes: Vec<Vec<Vec<f64>>> =
-        channels.iter().map(|channel| lobes(part, *channel, &grid, light_deg)).collect();
+    let lobes = lobes(part, channels, &grid, light_deg);
     // Incidences without any light were not measured.
     let lit = |k: &usize| lobes.iter().any(|lobes| lobes[*k].iter().any(|value| *value > 0.0));
     let retained: Vec<usize> = (0..grid.incidences_deg.len()).filter(lit).collect();
@@ -41,33 +45,78 @@ pub fn on_specular_grid(part: &MeasuredPart, channels: &[usize]) -> Option<(Spec
     (!retained.is_empty()).then_some((grid, values))
 }
 
+/// Lobes of the channels of a part, given by their indices, at its smallest incidence.
+pub(crate) fn first_lobes(part: &MeasuredPart, channels: &[usize]) -> Option<Vec<Shape>> {
+    let (grid, values) = resampled(part, channels, 1)?;
+    let one = SpecularGrid {
+        incidences_deg: grid.incidences_deg.first().copied().into_iter().collect(),
+        ..grid.clone()
+    };
+    let lobe = grid.azimuths_deg.len() * grid.radials_deg.len();
+    let of_channel = |values: &[f64]| {
+        let turns = values.chunks_exact(grid.incidences_deg.len() * lobe);
+        let first: Vec<f64> = turns.flat_map(|turn| &turn[..lobe]).copied().collect();
+        Shape::of_grid(&one, &first, Fill::Beyond)
+    };
+    Some(values.chunks_exact(grid.cells()).map(of_channel).collect())
+}
+
+/// Largest inclination, degrees, to which light was measured, of a grid of inclinations that ends before the horizon.
+pub(crate) fn inclined_to_deg(part: &MeasuredPart, channel: usize) -> Option<f64> {
+    let Geometry::Spherical(grid) = &part.geometry else { return None };
+    let azimuths = grid.phi_o_deg.len().max(1);
+    let rows = part.channel(channel).chunks_exact(azimuths).enumerate();
+    let known = rows.filter(|(_, row)| row.iter().any(|value| value.is_finite()));
+    let last = known.map(|(row, _)| row % grid.theta_o_deg.len()).max()?;
+    Some(grid.theta_o_deg[last]).filter(|theta| *theta < 90.0 - 1e-6)
+}
+
 /// Largest inclination, degrees, at which a warped grid is evaluated here: its f is f cos over the cosine,
 /// which is unknown at the horizon.
 const WARPED_LAST_DEG: f64 = 89.0;
 
-/// Values at each incidence of the grid, `[azimuth][radial]`.
-fn lobes(part: &MeasuredPart, channel: usize, grid: &SpecularGrid, light_deg: f64) -> Vec<Vec<f64>> {
-    let smooth = match &part.geometry {
-        Geometry::Spherical(own) => Some(Smooth::new(own, part.channel(channel))),
-        _ => None,
-    };
+/// Values of each channel at each incidence of the grid: `[channel][incidence]`, each `[azimuth][radial]`.
+fn lobes(part: &MeasuredPart, channels: &[usize], grid: &SpecularGrid, light_deg: f64) -> Vec<Vec<Vec<f64>>> {
     let last_deg = if let Geometry::Warped(_) = part.geometry { WARPED_LAST_DEG } else { 90.0 };
-    let lobe = |(k, theta): (usize, &f64)| {
-        let light = Direction::new(*theta, light_deg);
-        let value = |azimuth: f64, radial: f64| {
-            // On the grid, light comes from azimuth 180 deg.
-            let to = SpecularGrid::direction(*theta, azimuth, radial)?;
-            let to = Direction::new(to.theta_deg.min(last_deg), to.phi_deg + light_deg - 180.0);
-            let plain = part.evaluate(channel, light, to)?;
-            Some(smooth.as_ref().map_or(plain, |smooth| smooth.value(k, to)))
+    // On the grid, light comes from azimuth 180 deg.
+    let directions = |theta: f64| {
+        let to = move |azimuth: f64, radial: f64| {
+            let to = SpecularGrid::direction(theta, azimuth, radial)?;
+            Some(Direction::new(to.theta_deg.min(last_deg), to.phi_deg + light_deg - 180.0))
         };
-        let line = |azimuth: &f64| {
-            let azimuth = *azimuth;
-            grid.radials_deg.iter().map(move |radial| value(azimuth, *radial).unwrap_or(f64::NAN))
-        };
-        grid.azimuths_deg.iter().flat_map(line).collect()
+        grid.azimuths_deg.iter().flat_map(move |a| grid.radials_deg.iter().map(move |r| to(*a, *r)))
     };
-    grid.incidences_deg.iter().enumerate().map(lobe).collect()
+    if let Geometry::Warped(warped) = &part.geometry {
+        // The map of directions to cells takes most of the time, and all channels share it.
+        let mut all = vec![Vec::with_capacity(grid.incidences_deg.len()); channels.len()];
+        for theta in &grid.incidences_deg {
+            let light = Direction::new(*theta, light_deg);
+            let weights: Vec<_> = directions(*theta).map(|to| warped.weights(light, to?)).collect();
+            for (lobes, channel) in all.iter_mut().zip(channels) {
+                let values = part.channel(*channel);
+                let f =
+                    |cells: &[(usize, f64); 16]| cells.iter().map(|(k, weight)| weight * values[*k]).sum();
+                lobes.push(weights.iter().map(|cells| cells.as_ref().map_or(f64::NAN, f)).collect());
+            }
+        }
+        return all;
+    }
+    let of_channel = |channel: &usize| {
+        let smooth = match &part.geometry {
+            Geometry::Spherical(own) => Some(Smooth::new(own, part.channel(*channel))),
+            _ => None,
+        };
+        let lobe = |(k, theta): (usize, &f64)| {
+            let light = Direction::new(*theta, light_deg);
+            let value = |to: Option<Direction>| {
+                let plain = part.evaluate(*channel, light, to?)?;
+                Some(smooth.as_ref().map_or(plain, |smooth| smooth.value(k, to.unwrap_or_default())))
+            };
+            directions(*theta).map(|to| value(to).unwrap_or(f64::NAN)).collect()
+        };
+        grid.incidences_deg.iter().enumerate().map(lobe).collect()
+    };
+    channels.iter().map(of_channel).collect()
 }
 
 /// Angles that differ by less than this are equal, degrees, because files round them.
@@ -140,7 +189,7 @@ fn radials() -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Channel, Fill, ScatterMode, Shape, SphericalGrid};
+    use crate::{Channel, ScatterMode, SphericalGrid};
 
     /// Pairs listed from rings are recognised as rings.
     #[test]

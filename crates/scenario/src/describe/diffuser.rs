@@ -271,12 +271,18 @@ table! {
         /// A file of measured scattering: Radiant/Zemax, ASTM E1392, FRED, CSV, a scan at normal incidence (`theta_deg,btdf`) or Papilio's
         /// own format, detected from the content (docs/bsdf-files.md).
         file: String,
-        /// The part that the values of the file are, if the file does not state it. Default: the file states it.
+        /// The part that the values of the file are, if the file does not state it (a BTDF without the side of the light, too); of a file
+        /// with several parts, the transmission to use. `"back-transmission"` needs `flipped = true`. Default: the file states it.
         part: Option<TransmissionPart>,
         /// `true`: the back of the sample faces the viewer.
         flipped: bool = false,
+        /// Total transmittance, the value of a datasheet or a haze meter: hemispherical, air to air, at the smallest incidence of the file.
+        /// It sets the level of the transmission, for example of a scan in relative units, by one factor for all incidences. A
+        /// spectrum also gives the spectral shape. Default: the level of the file (see `normalise`).
+        total_transmittance: Option<ShareSpectrum>,
         /// Transmission spectrum at normal incidence, from a spectroradiometer. It gives the spectral shape of the BTDF; the
-        /// level is that of the file (see `normalise`). Default: the same at all wavelengths.
+        /// level is that of the file (see `normalise`, `total_transmittance`). Default: that of the wavelengths of the file, or the same
+        /// at all wavelengths.
         transmission: Option<ShareSpectrum>,
         /// The totals to which the measurement is normalised.
         normalise: Normalise = Normalise::None,
@@ -287,8 +293,7 @@ table! {
         /// `true`: cells without light are treated as not measured, and tails are extrapolated beyond the last cell with light; `false`:
         /// cells without light are dark.
         extrapolate_tails: bool = false,
-        /// Treatment of light beyond the measured directions. Default: `"none"`; for a file with one incidence `"hold"`, with
-        /// a note.
+        /// Treatment of light beyond the measured directions. Default: `"hold"`, with a note where a file ends.
         extrapolate: Option<Extrapolate>,
         /// The mounting of the measured foil.
         mounting: Mounting = Mounting::AsMeasured,

@@ -237,8 +237,7 @@ table! {
         /// `true`: cells without light are treated as not measured, and tails are extrapolated beyond the last cell with light; `false`:
         /// cells without light are dark.
         extrapolate_tails: bool = false,
-        /// Treatment of light beyond the measured directions. Default: `"none"`; for a file with one incidence `"hold"`, with
-        /// a note.
+        /// Treatment of light beyond the measured directions. Default: `"hold"`, with a note where a file ends.
         extrapolate: Option<Extrapolate>,
     }
 }

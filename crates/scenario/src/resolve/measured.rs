@@ -2,6 +2,7 @@
 
 mod blur;
 mod file;
+mod level;
 mod report;
 
 use papilio_diagnostics::Diagnostic;
@@ -177,6 +178,7 @@ impl Resolver<'_> {
             extrapolate: &diffuser.extrapolate,
             spectral_mean: diffuser.spectral_mean.value,
             blur: Some(&diffuser.instrument_blur),
+            level: None,
         };
         let file = self.measurement(&source)?;
         let (into, back, front) = if diffuser.flipped.value {
@@ -186,18 +188,9 @@ impl Resolver<'_> {
         };
         let through = self.way(&source, &file, into)?;
         let part = |way: ScatterMode| file.measurement.parts.iter().find(|part| part.way == way);
-        let spectrum = match &diffuser.transmission.value {
-            Some(share) => Some(self.colour(share, diffuser.transmission.origin)?),
-            None => None,
-        };
-        if spectrum.as_ref().is_some_and(Spectrum::is_constant) {
-            self.notes.push(format!(
-                "{}.transmission is the same at all wavelengths, and has no effect: only its shape is used, the level is the \
-                 file's or, with normalise = \"tis\", the instrument's",
-                source.path
-            ));
-        }
-        let mut foil = vec![(Side::Through, self.scattered(&source, through, spectrum, backing)?)];
+        let (spectrum, level) = self.level(diffuser, source.spectral_mean)?;
+        let with_level = Source { level, ..source };
+        let mut foil = vec![(Side::Through, self.scattered(&with_level, through, spectrum, backing)?)];
         if let Some(part) = part(front) {
             foil.push((Side::Above, self.scattered(&source, part, None, Backing::Air)?));
         }
@@ -236,6 +229,7 @@ impl Resolver<'_> {
                 extrapolate: &pixel.extrapolate,
                 spectral_mean: SpectralMean::Uniform,
                 blur: None,
+                level: None,
             };
             kernels.push((state.name.clone(), self.measured_state(&source, pixel.spectrum.get(&state.name))));
         }

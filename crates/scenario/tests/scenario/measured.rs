@@ -125,7 +125,10 @@ fn changes_of_the_data_are_noted() {
         assert!(resolved.warnings.is_empty(), "{:?}", resolved.warnings);
         resolved.notes.join("\n")
     };
-    assert_eq!(told(""), NO_REFLECTION, "the file has no reflection");
+    let held = told("");
+    let lines: Vec<&str> = held.lines().collect();
+    assert!(lines.len() == 2 && lines[0].contains("beyond it (6.7 % of diffuse light)"), "{held}");
+    assert_eq!(lines[1], NO_REFLECTION, "the file has no reflection");
     assert!(told("normalise = \"tis\"").contains("totals are multiplied by 1.05"), "{}", told(""));
     let sharp = told("instrument_blur = 0.0483");
     assert!(sharp.contains("instead of 13.8 per sr") && sharp.contains("relative noise"), "{sharp}");
@@ -159,19 +162,24 @@ fn told(film: &str, extrapolate: &str) -> [String; 2] {
     [of_film(&resolved.notes), of_film(&resolved.warnings)]
 }
 
-/// With one incidence, `hold` is the default, with a note; with `none`, light beyond is lost.
+/// `hold` is the default, with a note; with `none`, light beyond the last incidence is lost. The note is also there if the key is written.
 #[test]
-fn single_incidence_is_held_by_default() {
+fn last_incidence_is_held_by_default() {
     let [single, two] = [&[0][..], &[0, 30]].map(|incidences| film(incidences, 90));
     let [notes, warnings] = told(&single, "");
     assert!(
         notes.contains("one incidence, 0 deg: its lobe is used") && warnings.is_empty(),
         "{notes}\n{warnings}"
     );
-    assert_eq!(told(&single, "extrapolate = \"hold\""), [String::new(), String::new()]);
+    assert_eq!(told(&single, "extrapolate = \"hold\""), [notes, String::new()]);
     let [notes, warnings] = told(&single, "extrapolate = \"none\"");
     assert!(notes.is_empty() && warnings.contains("beyond 0 deg: light from there is lost"), "{warnings}");
-    let [notes, warnings] = told(&two, "");
+    for extrapolate in ["", "extrapolate = \"hold\"", "extrapolate = \"glass\""] {
+        let [notes, warnings] = told(&two, extrapolate);
+        let says = "the last incidence below 90 deg is 30 deg: beyond it (75.0 % of diffuse light)";
+        assert!(notes.contains(says) && warnings.is_empty(), "{extrapolate}\n{notes}\n{warnings}");
+    }
+    let [notes, warnings] = told(&two, "extrapolate = \"none\"");
     assert!(notes.is_empty() && warnings.contains("beyond 30 deg"), "{notes}\n{warnings}");
 }
 
@@ -184,9 +192,65 @@ fn light_beyond_the_last_measured_angle_is_reported() {
     assert!(warnings.contains("no light is scattered there"), "{warnings}");
     let [_, warnings] = told(&film, "extrapolate = \"hold\"");
     assert!(warnings.contains("this part is not measured"), "{warnings}");
+    assert!(warnings.contains("nothing was measured at more than 60 deg from the normal"), "{warnings}");
     let share = warnings.split(" tails there have ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
     let share: f64 = share.parse().unwrap();
     assert!((share - 25.0).abs() < 4.0, "{warnings}");
+}
+
+/// A BTDF that states no side of the light is of the side that `part` names: from the back it needs `flipped`.
+#[test]
+fn part_of_a_btdf_is_the_side_of_the_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = film(&[0, 30, 60], 90).replace("front transmission,", "").replace("way,", "");
+    std::fs::write(folder.path().join("film.csv"), film.replace("value", "btdf")).unwrap();
+    let told = |more: &str| resolve(&measured("film.csv", more), folder.path(), &[]);
+    let back = told("part = \"back-transmission\"").unwrap_err().to_string();
+    assert!(back.contains("no front transmission") && back.contains("`flipped = true`"), "{back}");
+    let flipped = told("part = \"back-transmission\"\nflipped = true").unwrap();
+    assert!(flipped.notes[0].contains("read as back transmission"), "{:?}", flipped.notes);
+    assert!(told("part = \"front-transmission\"").is_ok());
+    let front = told("part = \"front-transmission\"\nflipped = true").unwrap_err().to_string();
+    assert!(front.contains("no back transmission") && front.contains("without `flipped`"), "{front}");
+    // A reflection is no transmission, whatever `part` says.
+    std::fs::write(folder.path().join("film.csv"), film.replace("value", "brdf")).unwrap();
+    let brdf = told("part = \"front-transmission\"").unwrap_err().to_string();
+    assert!(brdf.contains("no front transmission, which `part` names"), "{brdf}");
+}
+
+/// The level of a scan in relative units: the key that sets it, keys that do not, a faint film, and TIS in per cent.
+#[test]
+fn level_of_relative_values_has_one_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let [relative, per_cent] = ["scan.csv", "percent.bsdf"].map(|name| folder.path().join(name));
+    let rows: String = (0..=90)
+        .map(|deg| {
+            let beta = f64::from(deg).to_radians().sin();
+            format!("{deg},{}\n", (1.0 + (beta / 0.1).powi(2)).powf(-1.5))
+        })
+        .collect();
+    std::fs::write(relative, format!("theta_deg,btdf\n{rows}")).unwrap();
+    let told = |file: &str, more: &str| resolve(&measured(file, more), folder.path(), &[]);
+    let faint = told("scan.csv", "").unwrap();
+    assert!(
+        faint.warnings[0].contains("`total_transmittance` gives them their level"),
+        "{:?}",
+        faint.warnings
+    );
+    let level = told("scan.csv", "total_transmittance = 0.905").unwrap();
+    assert!(level.notes.iter().any(|note| note.contains("is 90.5000 %")) && level.warnings.is_empty());
+    let constant = told("scan.csv", "transmission = 0.905").unwrap_err().to_string();
+    assert!(constant.contains("the same at all wavelengths") && constant.contains("`total_transmittance`"));
+    let both = told("scan.csv", "total_transmittance = 0.9\nnormalise = \"tis\"").unwrap_err().to_string();
+    assert!(both.contains("`total_transmittance` cannot be combined with normalise"), "{both}");
+    let h78 = std::fs::read_to_string(shipped().join("data/H78-raw.bsdf")).unwrap();
+    let times_100 = |line: &str| match line.strip_prefix("TIS ") {
+        Some(tis) => format!("TIS {}\n", 100.0 * tis.trim().parse::<f64>().unwrap()),
+        None => format!("{line}\n"),
+    };
+    std::fs::write(per_cent, h78.lines().map(times_100).collect::<String>()).unwrap();
+    let percent = told("percent.bsdf", "normalise = \"tis\"").unwrap_err().to_string();
+    assert!(percent.contains("is in per cent") && percent.contains("by 100"), "{percent}");
 }
 
 fn measurement(text: &str, more: &str) -> Result<papilio_scenario::VirtualMeasurement, String> {

@@ -140,13 +140,15 @@ fn spectra_set_the_shape_and_keep_the_level() {
 fn lost_light_is_reported() {
     let folder = folder();
     let warned = |text: &str| resolve(text, folder.path(), &[]).unwrap().warnings;
-    let lost = warned(PAPER);
+    let lost = warned(&format!("{PAPER}extrapolate = \"none\"\n"));
     assert_eq!(lost.len(), 2, "{lost:?}");
     assert!(
         lost[0].contains("display.pixel.file.white: front reflection: nothing was measured beyond 75"),
         "{lost:?}"
     );
-    assert_eq!(warned(&format!("{PAPER}extrapolate = \"hold\"\n")), Vec::<String>::new());
+    assert_eq!(warned(PAPER), Vec::<String>::new());
+    let notes = resolve(PAPER, folder.path(), &[]).unwrap().notes;
+    assert!(notes.iter().any(|note| note.contains("the last incidence below 90 deg is 75 deg")), "{notes:?}");
 }
 
 #[test]

@@ -99,8 +99,10 @@ fn malformed_radiant_file_is_an_error_with_its_place() {
 
 #[test]
 fn tis_above_one_is_a_warning() {
-    let read = read_bsdf(&file(SMALL.replace("TIS 0.4", "TIS 40"))).unwrap();
-    assert!(read.warnings[0].contains("above 1"), "{:?}", read.warnings);
+    for (tis, says) in [("TIS 1.2", "above 1"), ("TIS 40", "is in per cent"), ("TIS 400", "above 1")] {
+        let read = read_bsdf(&file(SMALL.replace("TIS 0.4", tis))).unwrap();
+        assert!(read.warnings[0].contains(says), "{:?}", read.warnings);
+    }
 }
 
 #[test]

@@ -115,6 +115,18 @@ fn table_of_btdf_values_is_a_transmission() {
     );
     let stated = read_part(&table("value"), Some(ScatterMode::FrontTransmission));
     assert_eq!(stated.measurement.parts[0].way, ScatterMode::FrontTransmission);
+    // `btdf` states a transmission, not the side of the light; it is no reflection.
+    let back = read_part(&table("btdf"), Some(ScatterMode::BackTransmission));
+    assert_eq!(back.measurement.parts[0].way, ScatterMode::BackTransmission);
+    assert!(back.notes[0].contains("read as back transmission"), "{:?}", back.notes);
+    let scan = read_part("theta_deg,btdf\n0,3\n30,2\n60,1\n", Some(ScatterMode::BackTransmission));
+    assert_eq!(scan.measurement.parts[0].way, ScatterMode::BackTransmission);
+    let reflected = read_part(&table("btdf"), Some(ScatterMode::FrontReflection));
+    assert_eq!(reflected.measurement.parts[0].way, ScatterMode::FrontTransmission);
+    // A column `way`, or inclinations above 90 deg, state the side.
+    let behind =
+        read_part("theta_i,phi_i,theta_o,phi_o,btdf\n30,0,150,180,1\n", Some(ScatterMode::BackTransmission));
+    assert_eq!(behind.measurement.parts[0].way, ScatterMode::FrontTransmission);
     // A file that states its parts keeps them.
     let four = read_part("30,0,150,180,1\n", Some(ScatterMode::FrontReflection));
     assert_eq!(four.measurement.parts[0].way, ScatterMode::FrontTransmission);

@@ -18,6 +18,7 @@ use crate::read::Spanned;
 use crate::resolve::Resolver;
 
 /// A file of measured scattering in a scenario, and the keys for its preparation.
+#[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     /// Key for notes and warnings.
     pub(super) path: &'a str,
@@ -31,6 +32,8 @@ pub(super) struct Source<'a> {
     pub(super) extrapolate: &'a Spanned<Option<Extrapolate>>,
     pub(super) spectral_mean: SpectralMean,
     pub(super) blur: Option<&'a Spanned<Blur>>,
+    /// Total at the smallest incidence to which the values are scaled.
+    pub(super) level: Option<f64>,
 }
 
 impl Resolver<'_> {
@@ -63,6 +66,10 @@ impl Resolver<'_> {
                 && found.contains(ScatterMode::BackTransmission.name())
             {
                 Some("`flipped = true` takes the light from the other side of the sample")
+            } else if way == ScatterMode::BackTransmission
+                && found.contains(ScatterMode::FrontTransmission.name())
+            {
+                Some("without `flipped` the light comes from the front of the sample")
             } else if way.is_transmission() && !file.states_part {
                 Some(
                     "the file does not state whether its values are a reflection or a transmission: if they are a BTDF, add \
@@ -83,8 +90,11 @@ impl Resolver<'_> {
     pub(super) fn measurement(&mut self, source: &Source<'_>) -> Option<BsdfFile> {
         let kept = self.open_within(source.name, source.file, LARGEST_BSDF_FILE)?;
         match read_bsdf_file(kept.file(), source.part) {
-            Ok(read) => {
+            Ok(mut read) => {
                 let name = source.name;
+                if let Some(way) = source.part {
+                    self.select(source, &mut read, way)?;
+                }
                 self.warnings.extend(read.warnings.iter().map(|warning| format!("{name}: {warning}")));
                 self.notes.extend(read.notes.iter().map(|note| format!("{name}: {note}")));
                 Some(read)
@@ -96,6 +106,20 @@ impl Resolver<'_> {
         }
     }
 
+    /// Selects the transmission that the scenario names: the other one of the file is not used.
+    fn select(&mut self, source: &Source<'_>, file: &mut BsdfFile, way: ScatterMode) -> Option<()> {
+        let parts = &mut file.measurement.parts;
+        if parts.iter().all(|part| part.way != way) {
+            let found = parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
+            let wrong = Diagnostic::new(format!("this file has no {}, which `part` names", way.name()))
+                .expected(format!("one of its parts: {found}"));
+            self.errors.push(source.file, wrong);
+            return None;
+        }
+        parts.retain(|part| part.way == way || !part.way.is_transmission());
+        Some(())
+    }
+
     /// Returns the kernel of a part with the spectral shape of a spectrum, and reports all changes.
     pub(super) fn scattered(
         &mut self,
@@ -104,15 +128,24 @@ impl Resolver<'_> {
         spectrum: Option<Spectrum>,
         backing: Backing,
     ) -> Option<ScatterKernel> {
-        let level = match (&spectrum, source.spectral_mean) {
-            (Some(spectrum), SpectralMean::Uniform) => spectrum.iter().sum::<f64>() / spectrum.len() as f64,
-            (Some(spectrum), SpectralMean::Luminous) => self.luminous_mean(spectrum, source.file)?,
-            (None, _) => 1.0,
+        let level = match &spectrum {
+            Some(spectrum) => self.mean(spectrum, source.spectral_mean, source.file)?,
+            None => 1.0,
         };
-        let largest = spectrum.as_ref().map_or(1.0, |spectrum| spectrum.max()) / level;
-        let scatter = self.kernel(source, part, [level, largest], backing)?;
-        let factor = spectrum.unwrap_or_else(|| Spectrum::constant(&self.grid, 1.0));
+        let factor = match spectrum {
+            Some(spectrum) => spectrum,
+            None => self.levels(source, part),
+        };
+        let scatter = self.kernel(source, part, [level, factor.max() / level], backing)?;
         Some(ScatterKernel { scatter, factor })
+    }
+
+    /// Returns the mean of a spectrum that corresponds to the level of a file.
+    pub(super) fn mean(&mut self, spectrum: &Spectrum, mean: SpectralMean, at: Origin) -> Option<f64> {
+        match mean {
+            SpectralMean::Uniform => Some(spectrum.iter().sum::<f64>() / spectrum.len() as f64),
+            SpectralMean::Luminous => self.luminous_mean(spectrum, at),
+        }
     }
 
     /// Returns the mean of a spectrum weighted with D65 and V(lambda).
@@ -134,8 +167,8 @@ impl Resolver<'_> {
         let preparation = Preparation {
             fill: if source.extrapolate_tails { Fill::Tail } else { Fill::None },
             to_tis: source.normalise.value == Normalise::Tis,
-            extrapolate: source.extrapolate.value.and_then(|extrapolate| reach(extrapolate, backing)),
-            hold_single: source.extrapolate.value.is_none(),
+            level: source.level,
+            extrapolate: reach(source.extrapolate.value.unwrap_or(Extrapolate::Hold), backing),
             lamination: backing.lamination(),
         };
         let sharp = self.without_blur(source, part)?;
@@ -149,6 +182,16 @@ impl Resolver<'_> {
                 match error {
                     GoniometryError::NoTis => {
                         let wrong = Diagnostic::new(error.to_string()).hint("use normalise = \"none\"");
+                        self.errors.push(source.normalise.origin, wrong);
+                    }
+                    GoniometryError::TisInPercent => {
+                        let largest = part.tis.iter().copied().fold(0.0, f64::max);
+                        let wrong = Diagnostic::new(error.to_string())
+                            .expected(format!("fractions from 0 to 1, but the largest is {largest}"))
+                            .hint(
+                                "divide the lines `TIS` of the file by 100; normalise = \"none\" does not use them, and \
+                                 total_transmittance sets the level of a transmission",
+                            );
                         self.errors.push(source.normalise.origin, wrong);
                     }
                     _ => self.errors.push(source.file, error),

@@ -14,6 +14,8 @@ const REPORTED_CHANGE: f64 = 1e-3;
 const FAR_ABOVE_ONE: f64 = 0.2;
 /// Uncertainty of a total due to the grid that gives a warning: more is too much for the default relative error.
 const COARSE: f64 = 0.005;
+/// Total transmittance below which values may be in relative units.
+const FAINT: f64 = 0.05;
 /// Extrapolated fraction of the light that gives a warning.
 const MUCH_BEYOND: f64 = 0.05;
 
@@ -26,6 +28,7 @@ impl Resolver<'_> {
         changes: &Changes,
         share: f64,
     ) -> Option<()> {
+        let is_through = way.is_transmission();
         let (path, way) = (source.path, way.name());
         let largest = share * changes.most;
         if largest > 1.0 + FAR_ABOVE_ONE {
@@ -43,6 +46,25 @@ impl Resolver<'_> {
         }
         let factors = || changes.totals.iter().map(|[before, after]| after / before);
         let (least, most) = factors().fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
+        if let Some(level) = changes.level {
+            let percent = 100.0 * level;
+            self.notes.push(format!(
+                "{path}: {way}: values are multiplied by {:.4} at all incidences: the total at the smallest one is {percent:.4} %, as \
+                 `total_transmittance` states",
+                changes.totals.first().map_or(1.0, |[before, after]| after / before)
+            ));
+            return self.report_rest(path, way, changes);
+        }
+        let total = share * changes.totals.first().map_or(1.0, |[_, after]| *after);
+        let is_normalised = changes.largest == 1.0 || changes.largest == 100.0;
+        if is_through && !changes.to_tis && (total < FAINT || is_normalised) {
+            self.warnings.push(format!(
+                "{path}: {way}: {:.2} % of the light passes at the smallest incidence, and the largest value is {}: if the values are in \
+                 relative units, `total_transmittance` gives them their level",
+                100.0 * total,
+                changes.largest
+            ));
+        }
         let why = match (changes.to_tis, changes.laminated) {
             (true, true) => "to match the instrument's TIS, without the loss at the back surface",
             (true, false) => "to match the instrument's TIS",
@@ -56,10 +78,21 @@ impl Resolver<'_> {
             self.notes
                 .push(format!("{path}: {way}: totals are multiplied by {least:.4} to {most:.4}: {why}"));
         }
+        self.report_rest(path, way, changes)
+    }
+
+    /// Reports what does not concern the level.
+    fn report_rest(&mut self, path: &str, way: &str, changes: &Changes) -> Option<()> {
         if changes.filled > 0.0 {
             let percent = 100.0 * changes.filled;
             self.notes.push(format!(
                 "{path}: {way}: {percent:.1} % of the cells were dark; tails are extrapolated through them"
+            ));
+        }
+        if let Some(width) = changes.rings_deg {
+            self.notes.push(format!(
+                "{path}: {way}: the values are constant over cells: light of a cell is spread over the rings of {width} deg about the normal \
+                 that it touches, and averaged over rotations of the sample"
             ));
         }
         self.report_range(path, way, changes);
@@ -82,6 +115,13 @@ impl Resolver<'_> {
                 "{path}: {way}: the file has one incidence, {} deg: its lobe is used at all others, about their own specular \
                  directions; with `extrapolate = \"none\"` their light is lost",
                 changes.last_deg
+            ));
+        } else if changes.held > REPORTED_CHANGE {
+            self.notes.push(format!(
+                "{path}: {way}: the last incidence below 90 deg is {} deg: beyond it ({:.1} % of diffuse light) its lobe is used, \
+                 about the specular direction of the light; with `extrapolate = \"none\"` this light is lost",
+                changes.last_deg,
+                100.0 * changes.held
             ));
         }
         self.report_beyond(path, way, changes);
@@ -128,9 +168,14 @@ impl Resolver<'_> {
             1 => at(*most, *at_most),
             _ => format!("{} to {}", at(*least, *at_least), at(*most, *at_most)),
         };
-        let unmeasured = format!(
-            "{path}: {way}: nothing was measured farther than {to_deg} deg from the specular direction"
-        );
+        let unmeasured = match changes.inclined_to_deg {
+            Some(theta) => {
+                format!("{path}: {way}: nothing was measured at more than {theta} deg from the normal")
+            }
+            None => format!(
+                "{path}: {way}: nothing was measured farther than {to_deg} deg from the specular direction"
+            ),
+        };
         if !changes.tails {
             self.warnings.push(format!(
                 "{unmeasured}, and no light is scattered there; extrapolated tails would have {shares} of the light: `extrapolate = \"hold\"` \

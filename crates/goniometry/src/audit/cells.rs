@@ -1,0 +1,86 @@
+//! Quality of a tensor tree: sums over its cells, without interpolation.
+//!
+//! f is constant over a cell, and the fraction of the square that a cell covers is its fraction of the projected solid angle. The
+//! hemispherical value for a direction of the light is therefore the sum of value x area x pi, exactly. An anisotropic tree has a
+//! mean over azimuths of the light. Details finer than a cell, such as half-widths and haze, are unknown.
+
+use std::f64::consts::PI;
+
+use super::{Audit, Incidence, reciprocity};
+use crate::geometry::LitSquare;
+use crate::{Direction, MeasuredPart, TensorTree};
+
+/// Inclinations of the light: 0 to 85 deg in steps of 5.
+const INCIDENCES: u32 = 18;
+
+/// Audits one channel, given by its index.
+pub(super) fn audit(tree: &TensorTree, part: &MeasuredPart, channel: usize) -> Audit {
+    let values = part.channel(channel);
+    let incidences: Vec<Incidence> =
+        (0..INCIDENCES).map(|k| incidence(tree, part, channel, 5.0 * f64::from(k))).collect();
+    let count = |is: fn(&f64) -> bool| values.iter().filter(|value| is(value)).count();
+    let lit = || values.iter().copied().filter(|value| *value > 0.0);
+    let peak = lit().fold(0.0, f64::max);
+    Audit {
+        cells: values.len(),
+        lit: lit().count(),
+        unmeasured: count(|value| value.is_nan()),
+        negative: count(|value| *value < 0.0),
+        dark_beyond_deg: 90.0,
+        holes: 0,
+        beam_holes: 0,
+        noise: 0.0,
+        range: [lit().fold(f64::INFINITY, f64::min), peak],
+        asymmetry: asymmetry(tree, values),
+        reciprocity: reciprocity::of_pairs(part, channel, peak),
+        // A cell about the direct beam is wider than the cone that haze excludes.
+        haze: None,
+        clarity: None,
+        held_azimuths_deg: None,
+        inclined_to_deg: None,
+        incidences,
+        rotations: Vec::new(),
+    }
+}
+
+fn incidence(tree: &TensorTree, part: &MeasuredPart, channel: usize, theta_deg: f64) -> Incidence {
+    let lights = tree.lights(theta_deg);
+    let mean = |of: &dyn Fn(Direction) -> f64| {
+        lights.iter().map(|light| of(*light)).sum::<f64>() / lights.len() as f64
+    };
+    let integral = tree.mean_total(part.channel(channel), theta_deg);
+    let peak = mean(&|light| part.evaluate(channel, light, light.specular()).unwrap_or(0.0).max(0.0));
+    Incidence {
+        theta_deg,
+        tis: None,
+        integral,
+        measured_to_deg: None,
+        integral_beyond: integral,
+        integral_filled: integral,
+        grid_error: 0.0,
+        azimuth_error: 0.0,
+        peak,
+        half_widths_deg: [None; 3],
+    }
+}
+
+/// Relative root mean square difference of the totals of an anisotropic tree between azimuths of the light.
+fn asymmetry(tree: &TensorTree, values: &[f64]) -> f64 {
+    let (mut differences, mut squares) = (0.0, 0.0);
+    for theta in [30.0, 60.0] {
+        let totals: Vec<f64> = tree.lights(theta).iter().map(|light| tree.total(values, *light)).collect();
+        let mean = totals.iter().sum::<f64>() / totals.len() as f64;
+        differences += totals.iter().map(|total| (total - mean).powi(2)).sum::<f64>();
+        squares += totals.len() as f64 * mean * mean;
+    }
+    if squares > 0.0 { f64::sqrt(differences / squares) } else { 0.0 }
+}
+
+impl TensorTree {
+    /// Integral of f cos over the hemisphere, for light from this direction.
+    pub(crate) fn total(&self, values: &[f64], light: Direction) -> f64 {
+        let mut sum = 0.0;
+        self.each_lit(values, light, &mut |LitSquare { size, value, .. }| sum += value * size * size);
+        PI * sum
+    }
+}
