@@ -88,7 +88,8 @@ impl Volume {
             )));
         }
         let length = length_um + 2.0 * radius_um;
-        if !(self.period_um() <= MOST_PERIOD * length) {
+        let period_um = self.period_um();
+        if period_um.is_nan() || period_um > MOST_PERIOD * length {
             let least = PARTICLES * self.particle_um3() / (thickness_um * (MOST_PERIOD * length).powi(2));
             return Err(wrong(format!(
                 "a volume fraction of {volume_fraction:e} leaves {:e} um between particles, too far for rays to meet them (expected a `volume_fraction` \
@@ -97,7 +98,7 @@ impl Volume {
             )));
         }
         let count = self.period_um().powi(2) * thickness_um * volume_fraction / self.particle_um3();
-        if !(count <= MOST_PARTICLES) {
+        if count.is_nan() || count > MOST_PARTICLES {
             return Err(wrong(format!(
                 "a period would have {count:.0} particles (expected at most {MOST_PARTICLES}): a thinner slab, or shorter fibres"
             )));
