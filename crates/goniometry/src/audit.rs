@@ -316,7 +316,10 @@ fn rotations(part: &MeasuredPart, channel: usize, grid: &SpecularGrid, values: &
 
 /// Returns whether a cell in the hemisphere has no light.
 fn has_dark_cells(grid: &SpecularGrid, values: &[f64]) -> bool {
-    values.iter().enumerate().any(|(cell, value)| !(*value > 0.0) && grid.directions(cell).is_some())
+    values
+        .iter()
+        .enumerate()
+        .any(|(cell, value)| (value.is_nan() || *value <= 0.0) && grid.directions(cell).is_some())
 }
 
 /// Standard deviation of a value from its four neighbours on its radial line, median over the faint half of the cells. A value is
