@@ -274,13 +274,7 @@ fn width(smooth: &Smooth) -> f64 {
         for &azimuth in smooth.azimuth.nodes() {
             let peak = smooth.value(incidence, 0.0, azimuth);
             let below = |r: f64| smooth.value(incidence, r, azimuth) < 0.5 * peak;
-            let nodes = smooth.radial.nodes();
-            let Some(node) = nodes.iter().position(|r| below(*r)) else { continue };
-            // A kernel that ends at full height within two steps is cut off there, and is no narrow lobe.
-            let value = |node: usize| nodes.get(node).map_or(0.0, |r| smooth.value(incidence, *r, azimuth));
-            if value(node + 1) == 0.0 && value(node.saturating_sub(2)) > 0.9 * peak && peak > 0.0 {
-                continue;
-            }
+            let Some(node) = smooth.radial.nodes().iter().position(|r| below(*r)) else { continue };
             let (mut low, mut high) = (smooth.radial.nodes()[node.max(1) - 1], smooth.radial.nodes()[node]);
             for _ in 0..30 {
                 let middle = 0.5 * (low + high);
