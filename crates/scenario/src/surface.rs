@@ -16,7 +16,7 @@ use papilio_microgeometry::{
 use serde_json::{Value, json};
 
 use crate::describe::microgeometry::{
-    self as described, CapLattice, FaceCoating, MapPeriod, Microgeometry, Road, SurfaceFile,
+    self as described, CapLattice, FaceCoating, HeightDistance, MapPeriod, Microgeometry, Road, SurfaceFile,
 };
 use crate::describe::numbers::{AzimuthStep, Inclination, SurfaceLength, Wavelength};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
@@ -320,7 +320,8 @@ impl SurfaceScenario {
         }
         let pitch_um = match &map.pixel_um.value {
             None => found.pitch_um,
-            Some(list) => {
+            Some(HeightDistance::Square(both)) => Some([both.0; 2]),
+            Some(HeightDistance::Oblong(list)) => {
                 match list.iter().map(|length: &Spanned<SurfaceLength>| length.0).collect::<Vec<_>>()[..] {
                     [both] => Some([both; 2]),
                     [x, y] => Some([x, y]),
@@ -336,7 +337,7 @@ impl SurfaceScenario {
         let Some(pitch_um) = pitch_um else {
             let wrong = Diagnostic::new("this file does not state the distance of its heights")
                 .expected("the key `pixel_um`")
-                .hint("for example pixel_um = [0.5]; only SDF and X3P files of profilometers state it");
+                .hint("for example pixel_um = 0.5; only SDF and X3P files of profilometers state it");
             errors.push(map.file.origin, wrong);
             return None;
         };

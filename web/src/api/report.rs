@@ -16,7 +16,7 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
             sections.push(section.figure(svg, ""));
         }
     }
-    let mut numbers = Section::new("numbers", "SampleStream");
+    let mut numbers = Section::new("numbers", "Numbers");
     let mut ledger = Section::new("ledger", "Energy balance");
     for view in &result.views {
         let direction = format!("Seen from {} deg, azimuth {} deg.", view.theta_deg, view.phi_deg);
@@ -49,7 +49,8 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
 
 /// The table of the states; peaks are those of states that drive one sub-pixel, `primaries`.
 fn colours(view: &View, primaries: &[String]) -> Table {
-    let mut table = Table::new(&["state", "Y", "L*", "u'", "v'", "contrast", "peak nm", "cd/m2"]);
+    let mut table =
+        Table::new(&["state", "Y", "L*", "u'", "v'", "contrast", "peak (nm)", "luminance (cd/m\u{b2})"]);
     for (name, state) in view.states.iter() {
         let of = |get: fn(&papilio_display::result::StateValues) -> Option<f64>, decimals: usize| {
             with_error(state, get, decimals)
@@ -88,7 +89,9 @@ fn metrics(view: &View) -> Table {
     let mut table = Table::new(&["metric", "value"]);
     for (name, value) in view.metrics.named() {
         if let Some(value) = value {
-            table.row([name.to_owned(), format!("{value:.3}")]);
+            let label =
+                papilio_display::metric_label(name).map_or(name.to_owned(), |label| label.to_string());
+            table.row([label, format!("{value:.3}")]);
         }
     }
     table

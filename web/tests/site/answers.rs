@@ -235,6 +235,17 @@ fn report_is_self_contained() {
     {
         assert!(html.contains(part), "{part}");
     }
+    // What the reader sees are words of the field: neither the name of a type nor a key of result.json.
+    let headings =
+        html.split("<h2").skip(1).chain(html.split("<td").skip(1)).chain(html.split("<th").skip(1));
+    for text in headings.filter_map(|rest| rest.split_once('>')?.1.split('<').next()) {
+        let names_a_type = text.split(' ').any(|word| {
+            word.as_bytes()
+                .windows(2)
+                .any(|pair| pair[0].is_ascii_lowercase() && pair[1].is_ascii_uppercase())
+        });
+        assert!(!names_a_type && !text.contains('_'), "{text}");
+    }
     for address in html.split("src=\"").skip(1).chain(html.split("href=\"").skip(1)) {
         assert!(address.starts_with("data:image/svg+xml,") || address.starts_with('#'));
     }

@@ -6,7 +6,7 @@ use super::layers::CoatingFilm;
 use super::numbers::{
     AzimuthStep, Count, Inclination, Index, InnerShare, RmsHeight, Seed, Share, SurfaceLength, Wavelength,
 };
-use crate::grammar::{choice, kinds, table};
+use crate::grammar::{choice, forms, kinds, table};
 use crate::read::Spanned;
 
 table! {
@@ -97,7 +97,7 @@ surface! {
         /// The file: .npy, .csv, a grey PNG or TIFF of 16 bits, OpenEXR, or an SDF or X3P file of ISO 25178-71 and -72.
         file: String,
         /// Distance of neighbouring heights, one number or along x and y. Default: that of the file.
-        pixel_um: Option<Vec<Spanned<SurfaceLength>>>,
+        pixel_um: Option<HeightDistance>,
         /// Height of the number 1 of the file. Default: the unit of the file; 1 um for .npy and .csv.
         height_um_per_unit: Option<SurfaceLength>,
         /// Whether the mean plane is subtracted.
@@ -108,6 +108,16 @@ surface! {
         cutoff_um: Option<SurfaceLength>,
         /// Cut-off of a Gaussian filter that removes longer waves, as the form of the sample.
         longest_um: Option<SurfaceLength>,
+    }
+}
+
+forms! {
+    /// The distance of neighbouring heights: a number, or `[x, y]`.
+    HeightDistance, format!("{}, or a list of two, along x and y", <SurfaceLength as crate::read::Read>::in_words()); {
+        /// The same along x and y.
+        Square(SurfaceLength) if Value::Integer(_) | Value::Float(_),
+        /// Along x and y.
+        Oblong(Vec<Spanned<SurfaceLength>>) if Value::Array(_),
     }
 }
 

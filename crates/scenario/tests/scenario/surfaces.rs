@@ -181,7 +181,9 @@ fn maps_of_heights_are_read() {
         other => panic!("{other:?}"),
     };
     let expected = vec![0.5, 1.0, 1.5, 0.75, 4.25, 1.75, 1.0, 1.5, 2.0];
-    assert_eq!(heights("rows.csv", "pixel_um = [1]\n"), (3, [1.0; 2], expected.clone()));
+    for one_number in ["pixel_um = [1]\n", "pixel_um = 1.0\n"] {
+        assert_eq!(heights("rows.csv", one_number), (3, [1.0; 2], expected.clone()));
+    }
     let (columns, pitch_um, found) = heights("map.sdf", "");
     assert_eq!((columns, pitch_um), (3, [1.0; 2]));
     found.iter().zip(&expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-12, "{a} {b}"));

@@ -128,7 +128,7 @@ function Control({ name, found: { node }, invalid }: ControlProps) {
 }
 
 const isList = (node: Node): boolean =>
-  node.type === "array" || (node.anyOf?.some((one) => one.type === "array") ?? false);
+  node.type === "array" || (node.anyOf?.some((one) => isList(schema.value!.follow(one).node)) ?? false);
 
 function Quantity({
   name,
@@ -177,7 +177,7 @@ function ListField({ name, value, invalid }: { name: string; value: Json | undef
     <span class="box wide">
       <input
         id={idOf(name)}
-        value={Array.isArray(value) ? value.join(", ") : ""}
+        value={Array.isArray(value) ? value.join(", ") : String(value ?? "")}
         placeholder="default"
         aria-invalid={invalid}
         aria-describedby={`${idOf(name)}-help`}
