@@ -8,7 +8,7 @@ use crate::common::{names, papilio, papilio_command, stderr, stdout};
 fn lists_have_all_names_as_text_json_and_csv() {
     let folder = tempfile::tempdir().unwrap();
     for (kind, first, words) in [
-        ("materials", "a-Si", ["TiO2", "Cr:Johnson", "PMMA", "437 to 1052", "2.4361"]),
+        ("materials", "a-Si", ["TiO2", "Cr:Johnson", "PMMA", "437 to 1052", "2.4360"]),
         ("illuminants", "A", ["FL3.15", "LED-RGB1", "0.3127", "6504", "83"]),
     ] {
         let text = stdout(&papilio(&[kind]));

@@ -68,7 +68,8 @@ fn coated_flat_faces_have_the_closed_forms() {
             assert!((total.reflected.value - reflectance).abs() < 1e-8, "{total:?} {reflectance}");
             assert!((total.transmitted.value - transmittance).abs() < 1e-8, "{total:?} {transmittance}");
             let sum = total.reflected.value + total.transmitted.value + total.absorbed.value;
-            assert!((sum - 1.0).abs() < 1e-12 && total.mean_facets.value == 1.0, "{total:?}");
+            // Both are sums over rays, which round.
+            assert!((sum - 1.0).abs() < 1e-12 && (total.mean_facets.value - 1.0).abs() < 1e-12, "{total:?}");
             assert!((total.regular_reflected.value - total.reflected.value).abs() < 1e-12);
         }
     }
