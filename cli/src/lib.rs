@@ -29,15 +29,12 @@ mod man;
 mod migrate;
 mod mtf;
 mod new;
-mod numbers;
 mod optimize;
 mod output;
-mod page;
 mod palette;
 mod parallel;
 mod pixel;
 mod progress;
-mod readability;
 mod report;
 mod run;
 mod serve;
@@ -55,6 +52,7 @@ use std::ffi::OsString;
 use clap::Parser;
 
 use arguments::{Arguments, Command, Study, SweepCommand};
+use papilio_formats::report::numbers;
 use papilio_formats::words::visible;
 use terminal::{print_message, print_notes};
 

@@ -6,12 +6,12 @@ use std::path::Path;
 use papilio_display::{AmbientLight, ConeResult};
 use papilio_figures::HAS_PNG;
 use papilio_formats::{
-    ConeFile, ResultFile, write_cone_csv, write_cone_npy, write_file, write_json, write_spectra, write_states,
+    ConeFile, ResultFile, report::RunReport, write_cone_csv, write_cone_npy, write_file, write_json,
+    write_spectra, write_states,
 };
 
 use crate::Failure;
 use crate::arguments::Schema;
-use crate::page::Page;
 
 /// Prints the JSON Schema of a scenario, or of the result of a command.
 pub(crate) fn schema(of: &Schema) -> Result<(), Failure> {
@@ -160,18 +160,10 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
         write("cone.npy", &|out| write_cone_npy(out, cone))?;
         write("cone.json", &|out| write_json(out, &about))?;
     }
-    let cone_figures = cone.into_iter().flat_map(|cone| {
-        let maps = papilio_figures::cone(cone, title).map(|svg| ("cone".to_owned(), svg));
-        let differences = papilio_figures::cone_differences(cone, title);
-        maps.into_iter().chain(differences.map(|svg| ("cone_differences".to_owned(), svg)))
-    });
-    let light_figure = light.map(|light| ("light".to_owned(), papilio_figures::light(light, title)));
-    let run_figures = papilio_figures::of_run(file.result, title);
-    let figures: Vec<(String, String)> =
-        run_figures.into_iter().chain(light_figure).chain(cone_figures).collect();
+    let figures = papilio_figures::of_run_with_maps(file.result, light, cone, title);
     if report {
         let cone_warnings = cone.map_or(&[][..], |cone| &cone.warnings);
-        let page = Page { title, file, cone_warnings, figures: &figures, in_glass };
+        let page = RunReport { title, file, cone_warnings, figures: &figures, in_glass };
         write(REPORT, &|out| out.write_all(page.html().as_bytes()))?;
     }
     for (name, svg) in figures {

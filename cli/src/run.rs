@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
-use papilio_display::scene::{AngleMedium, Method, Scene};
+use papilio_display::scene::{AngleMedium, Method};
 use papilio_display::{
-    AmbientLight, ConeGrid, ConeResult, Control, DisplayError, Progress, adding_seconds, ambient_light,
+    ConeGrid, ConeResult, Control, DisplayError, Progress, adding_seconds, ambient_light_by_direction,
     forecast,
 };
 use papilio_formats::{ResultFile, write_json};
@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         result: &result,
     };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let light = light_map(&resolved.scene)?;
+    let light = ambient_light_by_direction(&resolved.scene)?;
     let files = output::Files {
         title: &title,
         result: &file,
@@ -122,12 +122,6 @@ fn duration(seconds: f64) -> String {
         s if s < 7200.0 => format!("{:.0} min", s / 60.0),
         s => format!("{:.0} h", s / 3600.0),
     }
-}
-
-/// Incident light by direction, unless it has a single direction or is uniform.
-fn light_map(scene: &Scene) -> Result<Option<AmbientLight>, Failure> {
-    let is_plain = scene.lighting.environment.is_empty() && scene.lighting.directed.len() < 2;
-    Ok(if is_plain { None } else { Some(ambient_light(scene)?) })
 }
 
 /// Folder for the files, if any are written.

@@ -45,6 +45,12 @@ impl Server {
 
     /// Returns status and JSON of a request.
     fn ask(&self, method: &str, path: &str, kind: &str, body: &[u8]) -> (u16, Value) {
+        let (status, body) = self.bytes(method, path, kind, body);
+        (status, serde_json::from_slice(&body).unwrap())
+    }
+
+    /// Returns status and body of a request.
+    fn bytes(&self, method: &str, path: &str, kind: &str, body: &[u8]) -> (u16, Vec<u8>) {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
         let (port, length) = (self.port, body.len());
@@ -55,10 +61,9 @@ impl Server {
         stream.write_all(&[head.as_bytes(), body].concat()).unwrap();
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).unwrap();
-        let text = String::from_utf8(answer).unwrap();
-        let (head, body) = text.split_once("\r\n\r\n").unwrap();
-        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
-        (status, serde_json::from_str(body).unwrap())
+        let end = answer.windows(4).position(|four| four == b"\r\n\r\n").unwrap();
+        let status = String::from_utf8_lossy(&answer[..end]).split(' ').nth(1).unwrap().parse().unwrap();
+        (status, answer.split_off(end + 4))
     }
 
     fn post(&self, path: &str, body: &Value) -> (u16, Value) {
@@ -71,6 +76,26 @@ impl Server {
         assert_eq!(status, 200, "{kept}");
         kept["id"].clone()
     }
+}
+
+/// The report of the page is the file of the command line, to the last byte.
+#[test]
+fn report_of_the_page_is_that_of_the_command_line() {
+    let server = Server::start(&["indoor.toml", "--port", "0"]);
+    // A coarse grid of wavelengths: the maps over all directions are most of the work.
+    let indoor = std::fs::read_to_string(scenarios().join("indoor.toml")).unwrap();
+    let scenario = format!("{indoor}\n[spectrum]\nstep_nm = 20\n");
+    let request = json!({ "scenario": scenario, "what": "report.html" }).to_string();
+    let (status, of_page) = server.bytes("POST", "/export", "application/json", request.as_bytes());
+    assert_eq!(status, 200);
+    let out = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_papilio"));
+    std::fs::write(out.path().join("indoor.toml"), scenario).unwrap();
+    command.args(["run", "indoor.toml", "--solver", "adding", "--cone", "--report", "--out", "."]);
+    let run = command.current_dir(out.path()).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let of_program = std::fs::read(out.path().join("report.html")).unwrap();
+    assert!(of_page == of_program, "{} and {} bytes", of_page.len(), of_program.len());
 }
 
 /// The files of a scenario are opened with it.

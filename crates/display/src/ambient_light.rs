@@ -40,6 +40,15 @@ pub struct AmbientSource {
     pub illuminance_lx: f64,
 }
 
+/// Computes the ambient light by direction; `None` if it is uniform or comes from a single direction, which a figure need not show.
+///
+/// # Errors
+/// As [`ambient_light`].
+pub fn ambient_light_by_direction(scene: &Scene) -> Result<Option<AmbientLight>, DisplayError> {
+    let is_plain = scene.lighting.environment.is_empty() && scene.lighting.directed.len() < 2;
+    if is_plain { Ok(None) } else { ambient_light(scene).map(Some) }
+}
+
 /// Computes the ambient light by direction.
 ///
 /// # Errors

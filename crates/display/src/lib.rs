@@ -101,7 +101,7 @@ mod target;
 mod threads;
 mod viewers;
 
-pub use ambient_light::{AmbientLight, AmbientSource, ambient_light};
+pub use ambient_light::{AmbientLight, AmbientSource, ambient_light, ambient_light_by_direction};
 pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use designs::{Derivatives, Designs, Parameter, Quantity};

@@ -2,7 +2,7 @@
 //!
 //! | figure | shows |
 //! |---|---|
-//! | [`of_run`] | all figures of `papilio run` |
+//! | [`of_run`], [`of_run_with_maps`] | all figures of `papilio run` |
 //! | [`overview`] | one page for a view: patches, spectra, u'v' diagram |
 //! | [`spectra`] | reflectance factor of each state against wavelength |
 //! | [`chromaticity`] | states and gamut in the u'v' or xy diagram |
@@ -97,7 +97,7 @@ pub use diagram::Diagram;
 pub use light::light;
 pub use lobes::lobes;
 pub use mtf::of_mtf;
-pub use of_run::of_run;
+pub use of_run::{of_run, of_run_with_maps};
 pub use overlay::{Transmission, spectra_over, transmission};
 pub use overview::overview;
 pub use palette::of_palette;

@@ -1,8 +1,12 @@
 //! The figures of a run and their file names.
 
 use papilio_display::result::{RunResult, View};
+use papilio_display::{AmbientLight, ConeResult};
 
-use crate::{AngleMetric, Diagram, against_angle, chromaticity, gamut_rings, overview, patches, spectra};
+use crate::{
+    AngleMetric, Diagram, against_angle, chromaticity, cone, cone_differences, gamut_rings, light, overview,
+    patches, spectra,
+};
 
 /// Largest number of views that all have figures. With more views, only the view closest to the normal has them, and
 /// metrics are drawn against the angle.
@@ -28,6 +32,23 @@ pub fn of_run(result: &RunResult, title: &str) -> Vec<(String, String)> {
             let name = format!("{}_against_angle", metric.name());
             figures.extend(against_angle(result, metric, title).map(|svg| (name, svg)));
         }
+    }
+    figures
+}
+
+/// Returns the figures of [`of_run`], of the light by direction and of the maps over all viewing directions.
+pub fn of_run_with_maps(
+    result: &RunResult,
+    by_direction: Option<&AmbientLight>,
+    maps: Option<&ConeResult>,
+    title: &str,
+) -> Vec<(String, String)> {
+    let named = |name: &str, svg: String| (name.to_owned(), svg);
+    let mut figures = of_run(result, title);
+    figures.extend(by_direction.map(|by_direction| named("light", light(by_direction, title))));
+    if let Some(maps) = maps {
+        figures.extend(cone(maps, title).map(|svg| named("cone", svg)));
+        figures.extend(cone_differences(maps, title).map(|svg| named("cone_differences", svg)));
     }
     figures
 }

@@ -22,6 +22,7 @@
 //! |---|---|
 //! | [`ResultFile`] with [`write_json`] | `result.json`; its schema: [`result_schema`] |
 //! | [`write_states`], [`write_spectra`], [`write_reflection`] | `states.csv`, `spectra.csv`, `reflection.csv` |
+//! | [`report::RunReport`] | `report.html` |
 //! | [`PixelTable::write`] | `pixel.csv` |
 //! | [`write_absorption`], [`write_sub_pixels`] | `absorption.csv`, `sub-pixels.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; their description: [`ConeFile`] with [`write_json`] |
@@ -80,6 +81,7 @@ mod palette;
 mod picture;
 mod pixel_table;
 mod refractiveindex;
+pub mod report;
 mod result;
 mod result_read;
 mod rows;

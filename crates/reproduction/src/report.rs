@@ -33,8 +33,6 @@ pub enum Part {
     Table(Table),
     /// A figure as SVG, and its caption.
     Figure(String, String),
-    /// Preformatted text.
-    Code(String),
 }
 
 /// A table of texts.
@@ -56,13 +54,6 @@ impl Section {
     #[must_use]
     pub fn say(mut self, text: impl Into<String>) -> Self {
         self.parts.push(Part::Words(text.into()));
-        self
-    }
-
-    /// Adds preformatted text.
-    #[must_use]
-    pub fn code(mut self, text: impl Into<String>) -> Self {
-        self.parts.push(Part::Code(text.into()));
         self
     }
 
@@ -168,9 +159,6 @@ impl Part {
     fn html(&self, page: &mut String, name: &str) {
         match self {
             Self::Words(text) => paragraph(page, text),
-            Self::Code(text) => {
-                let _ = writeln!(page, "<pre>{}</pre>", escaped(text));
-            }
             Self::Figure(svg, caption) => {
                 let (uri, name, caption) = (data_uri(svg), escaped(name), escaped(caption));
                 let below = if caption.is_empty() {

@@ -4,14 +4,16 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use axum::http::StatusCode;
+use papilio_display::ambient_light_by_direction;
+use papilio_display::scene::AngleMedium;
 use papilio_figures::PngError;
+use papilio_formats::report::RunReport;
 use papilio_formats::{write_json, write_spectra, write_states};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::drawn::{CONE_STEPS_DEG, compute_cone};
 use super::live::{Answer, compute_scenario};
-use super::report;
 use crate::fault::Fault;
 use crate::reading::Given;
 use crate::site::Site;
@@ -56,12 +58,26 @@ fn exported(site: &Site, given: &Given, what: &str, stop: &AtomicBool) -> Result
         "states.csv" => written(write_states(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
         "spectra.csv" => written(write_spectra(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
         "report.html" => {
-            let cone = compute_cone(&answer.resolved, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
-            let page = report::page(&answer, &given.scenario, &cone);
+            let page = report(&answer, stop)?;
             Ok(text(page.into_bytes(), "text/html; charset=utf-8"))
         }
         _ => figure(&answer, what, stop),
     }
+}
+
+/// The title of the report of a scenario without title, which has no file on the page.
+const UNTITLED: &str = "A reflective display";
+
+/// The page that `papilio run --report --cone` writes.
+fn report(answer: &Answer, stop: &AtomicBool) -> Result<String, Fault> {
+    let cone = compute_cone(&answer.resolved, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
+    let scene = &answer.resolved.scene;
+    let light = ambient_light_by_direction(scene).map_err(|error| Fault::of(&answer.resolved, error))?;
+    let title = if answer.title().is_empty() { UNTITLED } else { answer.title() };
+    let figures = papilio_figures::of_run_with_maps(&answer.result, light.as_ref(), Some(&cone), title);
+    let file = answer.file();
+    let in_glass = scene.solver.angle_medium == AngleMedium::Glass;
+    Ok(RunReport { title, file: &file, cone_warnings: &cone.warnings, figures: &figures, in_glass }.html())
 }
 
 fn figure(answer: &Answer, what: &str, stop: &AtomicBool) -> Result<Exported, Fault> {

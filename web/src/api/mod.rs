@@ -13,7 +13,6 @@ mod gonio;
 mod image;
 mod live;
 mod packed;
-mod report;
 mod request;
 mod sweep;
 mod text;

@@ -2,7 +2,7 @@
 
 /// A value with its standard error in units of the last digit, as in `0.1523(2)` (GUM, 7.2.2). If the error is less than
 /// half of the last digit, only the value is printed.
-pub(crate) fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
+pub fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
     let Some(value) = value else { return "-".to_owned() };
     let error = error.unwrap_or(0.0);
     if error.is_nan() || error < 0.5 * 0.1_f64.powi(decimals as i32) {
@@ -18,12 +18,12 @@ pub(crate) fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) 
 }
 
 /// A number with its sign, unless its rounded value is zero.
-pub(crate) fn signed(value: f64, decimals: usize) -> String {
+pub fn signed(value: f64, decimals: usize) -> String {
     unsigned_zero(format!("{value:+.decimals$}"))
 }
 
 /// A number with five digits as [`digits`], and its error in units of the last digit.
-pub(crate) fn digits_with_error(value: f64, error: Option<f64>) -> String {
+pub fn digits_with_error(value: f64, error: Option<f64>) -> String {
     match error.filter(|error| *error > 0.0) {
         Some(error) => measured(Some(value), Some(error), decimals(value)),
         None => digits(value),
@@ -31,7 +31,7 @@ pub(crate) fn digits_with_error(value: f64, error: Option<f64>) -> String {
 }
 
 /// A number with five digits, and all digits before the decimal point; numbers below 1 have five decimals.
-pub(crate) fn digits(value: f64) -> String {
+pub fn digits(value: f64) -> String {
     unsigned_zero(format!("{value:.*}", decimals(value)))
 }
 
@@ -42,7 +42,7 @@ fn decimals(value: f64) -> usize {
 }
 
 /// Removes the sign of a number whose digits are all zero.
-pub(crate) fn unsigned_zero(number: String) -> String {
+pub fn unsigned_zero(number: String) -> String {
     match number.strip_prefix(['-', '+']) {
         Some(rest) if rest.chars().take_while(|c| *c != '(').all(|c| matches!(c, '0' | '.')) => {
             rest.to_owned()
@@ -52,7 +52,7 @@ pub(crate) fn unsigned_zero(number: String) -> String {
 }
 
 /// A fraction in %, with two decimals, or as many as its first digit needs.
-pub(crate) fn percent(fraction: f64) -> String {
+pub fn percent(fraction: f64) -> String {
     let percent = 100.0 * fraction;
     let decimals = if percent > 0.0 { (-percent.log10().floor()).clamp(2.0, 12.0) as usize } else { 2 };
     format!("{percent:.decimals$} %")

@@ -4,10 +4,10 @@ use papilio_colour::reader::{AGES_YEARS, DIAMETERS_ARCMIN, LUMINANCES_CD_M2};
 use papilio_display::readability::{CONTRAST_RANGE, LUMINANCE_RANGE_CD_M2};
 use papilio_display::result::{Reader, View};
 
-use crate::numbers::measured;
+use super::numbers::measured;
 
 /// Luminance, contrast and readability of black text on white; nothing without white, black or a described reader.
-pub(crate) fn of_text(view: &View, reader: &Reader) -> String {
+pub(super) fn of_text(view: &View, reader: &Reader) -> String {
     let (text, error) = (&view.metrics, &view.standard_error);
     let (true, Some(luminance), Some(contrast)) =
         (reader.is_described, text.text_luminance_cd_m2, text.text_contrast)

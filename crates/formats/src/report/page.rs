@@ -1,18 +1,15 @@
-//! `papilio run --report`: a page about a run, as HTML that contains its figures and prints on A4.
+//! `report.html`: a page about a run, as HTML that contains its figures and prints on A4.
 //!
-//! Tables and lines are those of the terminal ([`report`]). The page loads nothing: figures are part of it, and fonts are those of the
+//! Tables and lines are those of the terminal ([`super::run`]). The page loads nothing: figures are part of it, and fonts are those of the
 //! system.
 
 use std::fmt::Write;
 
 use papilio_display::result::View;
-use papilio_formats::ResultFile;
 use serde_json::Value;
 
-use crate::{numbers, report};
-
-/// Most views with a table of their own; more views have one row each.
-const VIEWS_IN_FULL: usize = 3;
+use super::{numbers, run as report};
+use crate::ResultFile;
 
 /// Beginnings of the names of figures that the page shows, in this order: the others repeat parts of these.
 const FIGURES: [&str; 4] = ["overview", "chromaticity_xy", "light", "cone"];
@@ -30,23 +27,24 @@ th:first-child,td:first-child{text-align:left}.keys td{text-align:left}.keys td:
 th,td{padding-top:.03rem;padding-bottom:.03rem}.columns{columns:4;column-gap:1rem}figure,table,li{break-inside:avoid}h2,h3{break-after:avoid}\
 figure{margin:.3rem 0}figure svg{max-height:70mm}}";
 
-/// Content of the page.
-pub(crate) struct Page<'a> {
+/// Content of `report.html`, the page about a run.
+#[derive(Debug)]
+pub struct RunReport<'a> {
     /// Title of the scenario.
-    pub(crate) title: &'a str,
+    pub title: &'a str,
     /// The result.
-    pub(crate) file: &'a ResultFile<'a>,
+    pub file: &'a ResultFile<'a>,
     /// Warnings of maps over all viewing directions.
-    pub(crate) cone_warnings: &'a [String],
-    /// Names and texts of the figures.
-    pub(crate) figures: &'a [(String, String)],
+    pub cone_warnings: &'a [String],
+    /// Names and texts (SVG) of the figures of the run, of its light and of its maps.
+    pub figures: &'a [(String, String)],
     /// True if angles are in glass.
-    pub(crate) in_glass: bool,
+    pub in_glass: bool,
 }
 
-impl Page<'_> {
+impl RunReport<'_> {
     /// Returns the page.
-    pub(crate) fn html(&self) -> String {
+    pub fn html(&self) -> String {
         let (file, result) = (self.file, self.file.result);
         let title = escaped(&report::plain(self.title));
         let mut page = format!(
@@ -88,7 +86,7 @@ impl Page<'_> {
     fn results(&self, page: &mut String) {
         let result = self.file.result;
         page.push_str("<h2>Results</h2>\n");
-        if result.views.len() > VIEWS_IN_FULL {
+        if result.views.len() > report::VIEWS_IN_FULL {
             table(page, &report::rows_of_views(result));
             return;
         }
@@ -266,6 +264,6 @@ fn capital(text: &str) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    let plain = papilio_formats::words::visible(text);
+    let plain = crate::words::visible(text);
     plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
