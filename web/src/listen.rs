@@ -3,7 +3,6 @@
 use std::convert::Infallible;
 use std::io;
 use std::net::SocketAddr;
-use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
@@ -19,7 +18,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tower::ServiceExt;
 
 use crate::api;
-use crate::places::{Connection, LIMITS, MonitoredStream, Places};
+use crate::places::{LIMITS, MonitoredStream, Places, Receipt};
 use crate::site::Site;
 
 /// Interval between the searches for connections whose clients do not read.
@@ -70,17 +69,18 @@ pub(crate) async fn serve(site: Site, listener: TcpListener) {
         tokio::spawn(async move {
             // Without a place the stream is closed; the client may try again.
             if let Some(connection) = places.wait(peer.ip()).await {
-                serve_connection(stream, connection, routes).await;
+                serve_connection(stream, Receipt { places, connection }, routes).await;
             }
         });
     }
 }
 
 /// Serves the requests of a connection until its client closes it or its place is taken away.
-async fn serve_connection(stream: TcpStream, connection: Arc<Connection>, routes: Router) {
+async fn serve_connection(stream: TcpStream, receipt: Receipt, routes: Router) {
     // Responses are small, and must be sent without delay.
     let _ = stream.set_nodelay(true);
-    let service = service_fn(|request: Request<Incoming>| respond(request, &connection, &routes));
+    let connection = receipt.connection.clone();
+    let service = service_fn(|request: Request<Incoming>| respond(request, &receipt, &routes));
     let stream = MonitoredStream::new(stream, connection.clone());
     let served = http1::Builder::new()
         .timer(TokioTimer::new())
@@ -96,11 +96,12 @@ async fn serve_connection(stream: TcpStream, connection: Arc<Connection>, routes
 
 /// Responds to one request. The connection counts as active until the body of the response is written.
 fn respond(
-    request: Request<Incoming>,
-    connection: &Arc<Connection>,
+    mut request: Request<Incoming>,
+    receipt: &Receipt,
     routes: &Router,
 ) -> impl Future<Output = Result<Response, Infallible>> + use<> {
-    let (active, routes) = (connection.begin_request(), routes.clone());
+    let (active, routes) = (receipt.connection.begin_request(), routes.clone());
+    request.extensions_mut().insert(receipt.clone());
     async move {
         let response = routes.oneshot(request.map(Body::new)).await?;
         Ok(response.map(|body| {

@@ -1,11 +1,14 @@
 //! Places for connections: limits their number, in total and for each address, and closes those whose clients
 //! do not read.
 //!
-//! A connection is *active* from the header of a request to the end of its response, and *blocked* while a
-//! response cannot be written because the client does not read. If all places are in use, a new connection
-//! replaces the one that has been idle or blocked for the longest time; a connection whose client reads an
-//! unfinished response is never closed. A connection whose client reads nothing for [`Limits::unread`] is
-//! always closed.
+//! A connection is *active* from the header of a request to the end of its response, *blocked* while a
+//! response cannot be written because the client does not read, and *late* while the body of its request
+//! arrives at less than [`BODY_RATE`]. If all places are in use, a new connection replaces the one that has been
+//! idle, blocked or late for the longest time; a connection that is neither is never closed. A connection
+//! whose client reads nothing for [`Limits::unread`] is always closed.
+//!
+//! Bodies are held in memory while they arrive and are processed: 1 MiB of each, and what exceeds it up to
+//! [`Limits::body_bytes`] of all connections together ([`BodyMemory`]).
 //!
 //! Requests that a client sends before earlier responses are complete are not read: hyper reads the next one
 //! when the previous response has left its buffer. A connection therefore holds at most one response and 16
@@ -14,13 +17,13 @@
 use std::net::IpAddr;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
-use std::task::{Context, Poll};
+use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
-use tokio::sync::{Notify, Semaphore};
-use tokio::time::Instant;
+use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
+use tokio::time::{Instant, Sleep};
 
 /// Limits of the number of connections, and of the time for which they may be idle or blocked.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +38,8 @@ pub(crate) struct Limits {
     pub(crate) patience: Duration,
     /// Time after which a connection is closed if its client reads nothing of a response.
     pub(crate) unread: Duration,
+    /// Maximum size of the bodies of all requests together, without the first MiB of each, in bytes.
+    pub(crate) body_bytes: usize,
 }
 
 /// The server's limits. A browser opens at most six connections.
@@ -44,7 +49,17 @@ pub(crate) const LIMITS: Limits = Limits {
     idle: Duration::from_secs(1),
     patience: Duration::from_secs(3),
     unread: Duration::from_secs(10),
+    body_bytes: 192 << 20,
 };
+
+/// Rate of a body, in bytes per second, below which its connection is late.
+const BODY_RATE: f64 = 256.0 * 1024.0;
+
+/// Time for which a body whose first part arrived faster may stop before it is late.
+const BODY_CREDIT: Duration = Duration::from_secs(5);
+
+/// Unit of the memory of bodies, in bytes; the first of each body is always free.
+const UNIT: usize = 1 << 20;
 
 /// Interval at which a waiting connection looks for a place.
 const RETRY: Duration = Duration::from_millis(20);
@@ -55,6 +70,8 @@ pub(crate) struct Places {
     taken: Arc<Mutex<Vec<Weak<Connection>>>>,
     /// Limits the number of connections that wait for a place.
     queue: Arc<Semaphore>,
+    /// The memory for bodies, in units.
+    bodies: Arc<Semaphore>,
     limits: Limits,
 }
 
@@ -76,12 +93,16 @@ struct State {
     blocked_since: Option<Instant>,
     /// Time of the last write.
     last_write: Instant,
+    /// The time until which the body of a request would have arrived so far at [`BODY_RATE`].
+    body_until: Option<Instant>,
     is_ended: bool,
 }
 
 impl Places {
     pub(crate) fn new(limits: Limits) -> Self {
-        Self { taken: Arc::default(), queue: Arc::new(Semaphore::new(limits.total)), limits }
+        let [queue, bodies] =
+            [limits.total, limits.body_bytes.div_ceil(UNIT)].map(|count| Arc::new(Semaphore::new(count)));
+        Self { taken: Arc::default(), queue, bodies, limits }
     }
 
     /// Returns a place for a connection of this peer as soon as there is one ([`take`](Self::take)). Returns
@@ -129,7 +150,25 @@ impl Places {
         open.iter().filter(|one| is_unread(one)).for_each(|one| one.close());
     }
 
-    /// Returns the connection that has been idle or blocked for the longest time, if this time exceeds
+    /// Reserves a unit of memory for a body as soon as there is one. Meanwhile, bodies that are late are given up.
+    /// Returns `None` if there is none within [`Limits::patience`].
+    async fn reserve(&self) -> Option<OwnedSemaphorePermit> {
+        let since = Instant::now();
+        loop {
+            if let Ok(permit) = self.bodies.clone().try_acquire_owned() {
+                return Some(permit);
+            }
+            if since.elapsed() >= self.limits.patience {
+                return None;
+            }
+            let open: Vec<Arc<Connection>> = self.taken().iter().filter_map(Weak::upgrade).collect();
+            let arriving = open.iter().filter(|one| one.state().body_until.is_some());
+            self.longest_waiting(arriving).inspect(|one| one.close());
+            tokio::time::sleep(RETRY).await;
+        }
+    }
+
+    /// Returns the connection that has been idle, blocked or late for the longest time, if this time exceeds
     /// [`Limits::idle`].
     fn longest_waiting<'a>(
         &self,
@@ -147,17 +186,23 @@ impl Places {
 }
 
 impl State {
-    /// Returns the time since which the connection has been idle or blocked; `None` if it is neither.
+    /// Returns the time since which the connection has been idle, blocked or late; `None` if it is neither.
     fn waiting_since(&self) -> Option<Instant> {
-        self.blocked_since.or((self.requests == 0).then_some(self.idle_since))
+        self.blocked_since.or(self.body_until).or((self.requests == 0).then_some(self.idle_since))
     }
 }
 
 impl Connection {
     fn new(peer: IpAddr) -> Self {
         let now = Instant::now();
-        let state =
-            State { requests: 0, idle_since: now, blocked_since: None, last_write: now, is_ended: false };
+        let state = State {
+            requests: 0,
+            idle_since: now,
+            blocked_since: None,
+            last_write: now,
+            body_until: None,
+            is_ended: false,
+        };
         Self { peer, state: Mutex::new(state), end: Notify::new() }
     }
 
@@ -211,16 +256,95 @@ impl Drop for ActiveRequest {
     }
 }
 
-/// A stream that records whether its client reads.
+/// A connection that receives the body of a request: an extension of the request.
+#[derive(Debug, Clone)]
+pub(crate) struct Receipt {
+    pub(crate) places: Places,
+    pub(crate) connection: Arc<Connection>,
+}
+
+impl Receipt {
+    /// Marks the connection as receiving a body until the returned guard is dropped.
+    pub(crate) fn begin_body(&self) -> ArrivingBody {
+        self.connection.state().body_until = Some(Instant::now());
+        ArrivingBody { receipt: self.clone(), memory: BodyMemory::default(), bytes: 0 }
+    }
+}
+
+/// A body that arrives.
+#[derive(Debug)]
+pub(crate) struct ArrivingBody {
+    receipt: Receipt,
+    memory: BodyMemory,
+    bytes: usize,
+}
+
+/// The memory of a body; it is free when this is dropped.
+#[derive(Debug, Default)]
+pub(crate) struct BodyMemory(Option<OwnedSemaphorePermit>);
+
+impl ArrivingBody {
+    /// Records that bytes of the body have arrived, and reserves their memory; `None` if there is none in time.
+    pub(crate) async fn record(&mut self, bytes: usize) -> Option<()> {
+        self.bytes += bytes;
+        while self.bytes > UNIT * (1 + self.memory.0.as_ref().map_or(0, OwnedSemaphorePermit::num_permits)) {
+            let more = self.receipt.places.reserve().await?;
+            match &mut self.memory.0 {
+                Some(memory) => memory.merge(more),
+                none => *none = Some(more),
+            }
+        }
+        let time = Duration::from_secs_f64(bytes as f64 / BODY_RATE);
+        let latest = Instant::now() + BODY_CREDIT;
+        let mut state = self.receipt.connection.state();
+        state.body_until = state.body_until.map(|until| (until + time).min(latest));
+        Some(())
+    }
+
+    /// Returns the memory of the complete body.
+    pub(crate) fn complete(mut self) -> BodyMemory {
+        std::mem::take(&mut self.memory)
+    }
+}
+
+impl Drop for ArrivingBody {
+    fn drop(&mut self) {
+        self.receipt.connection.state().body_until = None;
+    }
+}
+
+/// A stream that records whether its client reads. It is closed slowly: a response must be read before the
+/// connection is reset, which happens as soon as data arrive after the end.
 #[derive(Debug)]
 pub(crate) struct MonitoredStream {
     stream: TcpStream,
     connection: Arc<Connection>,
+    /// The end of the time for which what still arrives is read and discarded; set when the stream is shut down.
+    linger: Option<Pin<Box<Sleep>>>,
 }
+
+/// Time limit for reading what a client still sends after the last response.
+const LINGER: Duration = Duration::from_secs(10);
 
 impl MonitoredStream {
     pub(crate) fn new(stream: TcpStream, connection: Arc<Connection>) -> Self {
-        Self { stream, connection }
+        Self { stream, connection, linger: None }
+    }
+
+    /// Reads and discards what still arrives, until the client closes the connection or the time is over.
+    fn poll_discard(&mut self, cx: &mut Context<'_>) -> Poll<()> {
+        let until = self.linger.get_or_insert_with(|| Box::pin(tokio::time::sleep(LINGER)));
+        if until.as_mut().poll(cx).is_ready() {
+            return Poll::Ready(());
+        }
+        let mut space = [0; 16 << 10];
+        loop {
+            let mut buffer = ReadBuf::new(&mut space);
+            match ready!(Pin::new(&mut self.stream).poll_read(cx, &mut buffer)) {
+                Ok(()) if !buffer.filled().is_empty() => {}
+                _ => return Poll::Ready(()),
+            }
+        }
     }
 }
 
@@ -264,7 +388,10 @@ impl AsyncWrite for MonitoredStream {
     }
 
     fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<std::io::Result<()>> {
-        Pin::new(&mut self.stream).poll_shutdown(cx)
+        if self.linger.is_none() {
+            ready!(Pin::new(&mut self.stream).poll_shutdown(cx))?;
+        }
+        self.poll_discard(cx).map(Ok)
     }
 }
 
@@ -277,7 +404,7 @@ mod tests {
 
     fn places(total: usize, per_peer: usize, idle_ms: u64) -> Places {
         let [idle, unread] = [idle_ms, 50].map(Duration::from_millis);
-        Places::new(Limits { total, per_peer, idle, patience: idle, unread })
+        Places::new(Limits { total, per_peer, idle, patience: idle, unread, body_bytes: 4 * UNIT })
     }
 
     #[test]
@@ -325,5 +452,52 @@ mod tests {
         assert!(slow.state().blocked_since.is_some());
         slow.record_write(&Poll::Ready(Ok(5)), 5);
         assert!(slow.state().blocked_since.is_none());
+    }
+
+    #[tokio::test]
+    async fn connection_whose_body_is_late_is_replaced() {
+        let places = places(2, 2, 20);
+        let [slow, fast] = [(); 2].map(|()| places.take(PEERS[0]).unwrap());
+        let _requests = [slow.begin_request(), fast.begin_request()];
+        let mut bodies = [&slow, &fast]
+            .map(|one| Receipt { places: places.clone(), connection: one.clone() }.begin_body());
+        bodies[1].record(BODY_RATE as usize).await.unwrap();
+        assert!(places.take(PEERS[0]).is_none());
+        std::thread::sleep(Duration::from_millis(40));
+        bodies[0].record(1).await.unwrap();
+        assert!(places.take(PEERS[0]).is_some() && slow.state().is_ended && !fast.state().is_ended);
+        // A request whose body has arrived is processed: its connection is active.
+        drop(bodies);
+        assert!(fast.state().waiting_since().is_none());
+    }
+
+    #[tokio::test]
+    async fn memory_of_bodies_is_limited() {
+        let places = places(9, 9, 20);
+        let receipt = || Receipt { places: places.clone(), connection: places.take(PEERS[0]).unwrap() };
+        let (first, second) = (receipt(), receipt());
+        let _requests = [&first, &second].map(|one| one.connection.begin_request());
+        let mut body = first.begin_body();
+        body.record(5 * UNIT).await.unwrap();
+        let memory = body.complete();
+        // The first MiB of each body is free; beyond it, the memory of others is not available.
+        let mut body = second.begin_body();
+        body.record(UNIT).await.unwrap();
+        assert!(body.record(1).await.is_none());
+        drop(memory);
+        body.record(1).await.unwrap();
+    }
+
+    #[tokio::test]
+    async fn late_body_loses_its_memory_to_others() {
+        let places = places(9, 9, 20);
+        let receipt = || Receipt { places: places.clone(), connection: places.take(PEERS[0]).unwrap() };
+        let (late, other) = (receipt(), receipt());
+        let _requests = [&late, &other].map(|one| one.connection.begin_request());
+        let mut held = late.begin_body();
+        held.record(5 * UNIT).await.unwrap();
+        late.connection.state().body_until = Some(Instant::now());
+        tokio::time::sleep(Duration::from_millis(30)).await;
+        assert!(other.begin_body().record(2 * UNIT).await.is_none() && late.connection.state().is_ended);
     }
 }

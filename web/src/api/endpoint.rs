@@ -16,7 +16,7 @@ use serde_json::{Map, Value, json};
 
 use super::events::Events;
 use super::export::Exported;
-use super::request::{read_file, read_json};
+use super::request::{ReadFile, read_file, read_json};
 use crate::fault::{Fault, FaultBody};
 use crate::site::Site;
 
@@ -137,7 +137,11 @@ impl Endpoints {
     {
         let handler = post(move |State(site): State<Site>, request: Request| async move {
             respond(match read_file(request).await {
-                Ok((name, bytes)) => answer(site, name, bytes).await,
+                Ok(ReadFile { name, bytes, memory }) => {
+                    let answer = answer(site, name, bytes).await;
+                    drop(memory);
+                    answer
+                }
                 Err(fault) => Err(fault),
             })
         });

@@ -216,6 +216,52 @@ fn idle_connections_are_replaced_by_active_ones() {
     }
 }
 
+/// Requests whose bodies do not arrive take all places of an address, or the memory of bodies: others are served.
+#[test]
+fn unfinished_requests_do_not_block_others() {
+    let server = Server::start();
+    let port = server.address.port();
+    let begin = |path: &str, kind: &str, length: usize| {
+        let mut stream = server.connect();
+        let head = format!(
+            "POST /api/v1/{path} HTTP/1.1\r\nHost: localhost:{port}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\r\n{{"
+        );
+        let _ = stream.write_all(head.as_bytes());
+        stream
+    };
+    let _json: Vec<_> = (0..70).map(|_| begin("live", "application/json", 100)).collect();
+    let started = Instant::now();
+    assert!(is_alive(&server));
+    let _files: Vec<_> =
+        (0..70).map(|_| begin("files?name=a.csv", "application/octet-stream", 60 << 20)).collect();
+    let text = b"wavelength_nm,value\n400,1\n700,1\n";
+    let kept = server.send("/api/v1/files?name=b.csv", "application/octet-stream", text);
+    assert_eq!(kept.status, 200);
+    // Bodies in JSON would be given up after ten seconds, files after two minutes.
+    assert!(started.elapsed() < Duration::from_secs(9), "{:?}", started.elapsed());
+}
+
+/// The response to a request that is too long is read after the whole request is sent: the connection is not reset.
+#[test]
+fn response_to_a_long_request_is_readable() {
+    let server = Server::start();
+    let huge = vec![b'1'; 70 << 20];
+    for (path, kind, status) in [
+        ("/api/v1/files?name=a.csv", "application/octet-stream", 413),
+        ("/api/v1/live", "application/json", 413),
+        ("/api/v1/live", "text/plain", 415),
+        ("/api/v1/health", "application/json", 405),
+    ] {
+        let mut stream = server.connect();
+        let sent = stream.write_all(&server.request(path, kind, &huge));
+        assert!(sent.is_ok(), "{path} {kind}: {sent:?}");
+        let answer = read(&mut stream);
+        assert_eq!(answer.status, status, "{path} {kind}");
+        assert!(!answer.error().0.is_empty());
+    }
+    assert!(is_alive(&server));
+}
+
 /// Many small files that are uploaded at the same time wait for their places.
 #[test]
 fn many_simultaneous_uploads_are_accepted() {
