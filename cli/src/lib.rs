@@ -198,8 +198,12 @@ pub fn command() -> clap::Command {
 ///
 /// A panic is an internal error: exit code 1, with a message that says what to report.
 pub fn main(arguments: &[OsString]) -> u8 {
-    let done = std::panic::catch_unwind(|| run_command(arguments));
-    done.unwrap_or_else(|_| {
+    caught(|| run_command(arguments))
+}
+
+/// The exit code of a command, also if it panics.
+fn caught(command: impl FnOnce() -> u8 + std::panic::UnwindSafe) -> u8 {
+    std::panic::catch_unwind(command).unwrap_or_else(|_| {
         print_message(&concat!(
             "error: internal error of papilio; the lines above state where\n",
             "  = help: this is a fault of the program, not of your files: please report the command, its files and these lines"
@@ -254,5 +258,14 @@ fn run_command(arguments: &[OsString]) -> u8 {
             print_message(&failure);
             failure.exit_code()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn panic_is_an_internal_error() {
+        let none: Vec<u8> = Vec::new();
+        assert_eq!([super::caught(move || none[std::hint::black_box(0)]), super::caught(|| 2)], [1, 2]);
     }
 }

@@ -233,6 +233,20 @@ fn coated_corner_cubes_return_the_cube_of_their_reflectance() {
     assert!(stderr(&output).contains("the kernel of a coated surface"), "{}", stderr(&output));
 }
 
+/// Surfaces that would take endless memory or time are refused at their key, before it is spent.
+#[test]
+fn endless_surfaces_are_refused() {
+    for (name, set, says) in [
+        ("spheres", "microgeometry.volume_fraction=1e-300", "too far for rays to meet them"),
+        ("etched-waves", "microgeometry.rms_nm=1e6", "too many wavelengths for waves"),
+    ] {
+        let surface = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../surfaces/{name}.toml"));
+        let output = papilio().arg("gonio").arg(surface).args(["--json", "--set", set]).output().unwrap();
+        let answer = stderr(&output);
+        assert!(output.status.code() == Some(2) && answer.contains(says), "{name}: {answer}");
+    }
+}
+
 #[test]
 fn displays_are_no_surfaces() {
     let display = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/six-ink.toml");

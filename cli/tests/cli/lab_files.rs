@@ -184,6 +184,35 @@ fn wavelengths_of_a_file_have_their_own_level() {
     assert!(err.contains("the level of each of the 3 wavelengths"), "{err}");
 }
 
+/// A constant BRDF of 0.3 per sr, measured to 80 deg in all directions, is reciprocal and reflects 0.3 pi at every inclination. The last
+/// lobe is used beyond 80 deg, which is said.
+#[test]
+fn constant_brdf_that_ends_at_80_deg_is_reciprocal_and_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let mut table = "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,brdf\n".to_owned();
+    for (from, to) in (0..=8).flat_map(|from| (0..=8).map(move |to| (10 * from, 10 * to))) {
+        (0..12).for_each(|k| table.push_str(&format!("{from},180,{to},{},0.3\n", 30 * k)));
+    }
+    fs::write(here.join("constant.csv"), table).unwrap();
+    let (out, _) = done(here, &["diffuser", "inspect", "constant.csv", "--json"]);
+    let audit: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let channel = &audit["parts"][0]["channels"][0];
+    assert_eq!(channel["measured_to_theta_deg"], 80.0, "{channel}");
+    let differences = ["reciprocity_rms", "reciprocity_worst"].map(|name| channel[name].as_f64().unwrap());
+    assert!(differences.iter().all(|one| *one < 1e-9), "{differences:?}");
+    let scene = "[display.glass]\nindex = 1.0\n[display.pixel]\nmodel = \"measured\"\nfile = { white = \"constant.csv\" }\n[lighting]\ndiffuse = 1.0\n\
+                 [viewer]\ntheta_deg = [0, 60, 85]\n";
+    fs::write(here.join("s.toml"), scene).unwrap();
+    let (out, err) = done(here, &["run", "s.toml", "--json"]);
+    assert!(err.contains("the last incidence below 90 deg is 80 deg"), "{err}");
+    let result: serde_json::Value = serde_json::from_str(&out).unwrap();
+    for view in result["views"].as_array().unwrap() {
+        let y = view["states"]["white"]["Y"].as_f64().unwrap();
+        assert!((y - 0.3 * std::f64::consts::PI).abs() < 1e-3, "{}: {y}", view["theta_deg"]);
+    }
+}
+
 /// Paths in `--set` begin at the current folder, or else at the folder of the scenario; paths in the file at its folder.
 #[test]
 fn path_in_set_is_relative_to_the_current_folder() {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use papilio_goniometry::{
     Audit, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry, Unblur,
-    WavelengthLevels, deblurred,
+    WavelengthLevels, deblurred, may_be_relative,
 };
 
 use crate::words::{channel, percent, span, table};
@@ -15,8 +15,6 @@ const HAZE_SCOPE: f64 = 0.30;
 const ABOVE_ONE: f64 = 1.005;
 /// Largest fraction of the light beyond the measured angles without a warning.
 const MUCH_BEYOND: f64 = 0.005;
-/// Total transmittance below which values may be in relative units.
-const FAINT: f64 = 0.05;
 /// Largest relative difference between integral and TIS, and largest grid error, without a warning.
 const TIS_TOLERANCE: f64 = 0.02;
 
@@ -385,8 +383,7 @@ fn beyond(audit: &Audit) -> Option<String> {
 fn relative(part: &MeasuredPart, audit: &Audit) -> Option<String> {
     let largest = audit.range[1];
     let total = audit.incidences.first().map_or(1.0, |incidence| incidence.integral);
-    let is_faint = total < FAINT || largest == 1.0 || largest == 100.0;
-    (part.way.is_transmission() && is_faint && audit.lit > 0).then(|| {
+    (part.way.is_transmission() && may_be_relative(total, largest) && audit.lit > 0).then(|| {
         format!(
             "{} of the light passes at the smallest incidence, and the largest value is {largest}: if the values are in relative units, \
              `total_transmittance` gives them their level in a display",

@@ -105,6 +105,22 @@ pub struct Incidence {
 }
 
 impl Incidence {
+    /// Quality of an incidence whose values are constant over cells: the integral is their sum, without interpolation.
+    fn of_cells(theta_deg: f64, integral: f64, peak: f64) -> Self {
+        Self {
+            theta_deg,
+            tis: None,
+            integral,
+            measured_to_deg: None,
+            integral_beyond: integral,
+            integral_filled: integral,
+            grid_error: 0.0,
+            azimuth_error: 0.0,
+            peak,
+            half_widths_deg: [None; 3],
+        }
+    }
+
     /// Fraction of the light beyond the last measured distance, if tails are extrapolated.
     pub fn beyond_share(&self) -> f64 {
         if self.integral_beyond > 0.0 { (1.0 - self.integral / self.integral_beyond).max(0.0) } else { 0.0 }

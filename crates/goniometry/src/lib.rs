@@ -65,7 +65,9 @@ pub use instrument::{
     Deblurred, Instrument, Noise, SyntheticSample, Unblur, Unblurred, View, deblurred, tristimulus_factors,
 };
 pub use kernel::{Changes, Lamination, Preparation, kernel};
-pub use measurement::{Channel, MeasuredPart, Measurement, Provenance, ScatterMode};
+pub use measurement::{
+    Channel, MeasuredPart, Measurement, Provenance, ScatterMode, may_be_relative, tis_in_percent,
+};
 pub use models::{Kind, Meaning, Model, Normalisation};
 pub use shape::{Fill, Shape, on_specular_grid};
 pub use tree::patch_means;

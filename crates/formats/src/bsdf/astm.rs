@@ -87,7 +87,13 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
             let parts = rows.parts(text)?;
             let states_part = !is_front_reflection(&parts);
             let measurement = Measurement { provenance, media: [1.0, 1.0], parts };
-            Ok(BsdfFile { measurement, warnings: Vec::new(), notes: Vec::new(), states_part })
+            Ok(BsdfFile {
+                measurement,
+                warnings: Vec::new(),
+                notes: Vec::new(),
+                states_part,
+                states_side: states_part,
+            })
         }
     }
 }

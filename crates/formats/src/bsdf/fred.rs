@@ -92,7 +92,13 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
     let states_part = blocks.iter().any(|block| block.rows.iter().any(|row| row.0 > 90.0));
     let provenance = Provenance { format: NAME.to_owned(), remarks: lines.comments, ..Provenance::default() };
     let measurement = Measurement { provenance, media: [1.0, 1.0], parts };
-    Ok(BsdfFile { measurement, warnings: Vec::new(), notes: note.into_iter().collect(), states_part })
+    Ok(BsdfFile {
+        measurement,
+        warnings: Vec::new(),
+        notes: note.into_iter().collect(),
+        states_part,
+        states_side: states_part,
+    })
 }
 
 impl Units {

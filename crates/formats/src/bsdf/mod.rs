@@ -101,12 +101,22 @@ pub struct BsdfFile {
     /// Whether the file states which part (reflection or transmission, from the front or from the back) its values are. If not, it is
     /// read as front reflection.
     pub states_part: bool,
+    /// Whether the file states the side from which its light comes, and not only whether its values are a reflection or a transmission.
+    pub states_side: bool,
 }
 
 impl From<Warned<Measurement>> for BsdfFile {
     /// A file in a format that states the part.
     fn from(read: Warned<Measurement>) -> Self {
-        Self { measurement: read.value, warnings: read.warnings, notes: Vec::new(), states_part: true }
+        let Warned { value: measurement, warnings } = read;
+        Self { measurement, warnings, notes: Vec::new(), states_part: true, states_side: true }
+    }
+}
+
+impl BsdfFile {
+    /// The same in a format that states a reflection or a transmission, but not the side of the light.
+    fn of_either_side(self) -> Self {
+        Self { states_side: false, ..self }
     }
 }
 
@@ -129,13 +139,13 @@ pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<Bsdf
     let mut read: BsdfFile = if crate::npz::is_npz(file) {
         read_archive(file)?.into()
     } else if rgl::is_rgl(file) {
-        rgl::read(file)?.into()
+        BsdfFile::from(rgl::read(file)?).of_either_side()
     } else if merl::is_merl(file) {
-        merl::read(file)?.into()
+        BsdfFile::from(merl::read(file)?).of_either_side()
     } else if window::is_window(file) {
         window::read(file)?.into()
     } else if radiant_read::is_radiant(file) {
-        radiant_read::read(file)?.into()
+        BsdfFile::from(radiant_read::read(file)?).of_either_side()
     } else if fred::is_fred(file) {
         fred::read(file)?
     } else if astm::is_astm(file) {
@@ -149,8 +159,7 @@ pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<Bsdf
     };
     if let (Some(way), [only]) = (part, &mut read.measurement.parts[..])
         && way != only.way
-        && (!read.states_part
-            || (way.is_transmission() == only.way.is_transmission() && !states_side(file, part)))
+        && (!read.states_part || (way.is_transmission() == only.way.is_transmission() && !read.states_side))
     {
         let (old, new) = (only.way.name(), way.name());
         read.notes.iter_mut().for_each(|note| *note = note.replace(old, new));
@@ -158,38 +167,6 @@ pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<Bsdf
     }
     read.states_part |= part.is_some();
     Ok(read)
-}
-
-/// Returns whether a file states the side from which its light comes, and not only whether its values are a reflection or a
-/// transmission. Names such as `btdf` do not state the side: such a file, with another name for its values, states no part.
-fn states_side(file: &DataFile, part: Option<ScatterMode>) -> bool {
-    if rgl::is_rgl(file) || merl::is_merl(file) || radiant_read::is_radiant(file) {
-        return false;
-    }
-    let is_scan = || scan::is_scan(file, part.is_some());
-    let read = |neutral: &DataFile| match table_read::is_table(file) {
-        true => table_read::read(neutral),
-        false => scan::read(neutral, true),
-    };
-    if crate::npz::is_npz(file) || window::is_window(file) || !(table_read::is_table(file) || is_scan()) {
-        return true;
-    }
-    read(&without_kind(file)).map_or(true, |neutral| neutral.states_part)
-}
-
-/// Returns a table whose header has the name `bsdf` where it has `btdf` or `brdf`.
-fn without_kind(file: &DataFile) -> DataFile {
-    let mut bytes = file.bytes.clone();
-    let is_header = |line: &&mut [u8]| !line.trim_ascii().is_empty() && !line.trim_ascii().starts_with(b"#");
-    if let Some(header) = bytes.split_mut(|byte| *byte == b'\n').find(is_header) {
-        for at in 0..header.len().saturating_sub(3) {
-            let name = &mut header[at..at + 4];
-            if [b"btdf", b"brdf"].iter().any(|kind| name.eq_ignore_ascii_case(*kind)) {
-                name.copy_from_slice(b"bsdf");
-            }
-        }
-    }
-    DataFile { name: file.name.clone(), bytes }
 }
 
 impl BsdfFile {

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use papilio_goniometry::{
     Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, SpecularGrid, Symmetry,
+    tis_in_percent,
 };
 
 use super::text::{Lines, Text};
@@ -243,7 +244,7 @@ impl Header {
             );
         }
         let largest = data.tis.iter().copied().fold(0.0, f64::max);
-        if (1.5..=101.0).contains(&largest) {
+        if tis_in_percent(&data.tis) {
             warnings.push(format!(
                 "the TIS, up to {largest}, is in per cent, but the format has fractions from 0 to 1: divide the lines `TIS` by 100 before \
                  `normalise = \"tis\"`"

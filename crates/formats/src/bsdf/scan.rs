@@ -104,7 +104,8 @@ pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatE
         return Err(text.ends("the first row of data"));
     }
     let (behind, before): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|(theta, ..)| theta.abs() > 90.0);
-    let states_part = layout.way.is_some() || !behind.is_empty();
+    let states_side = !behind.is_empty();
+    let states_part = layout.way.is_some() || states_side;
     let way = layout.way.filter(|_| behind.is_empty()).unwrap_or(ScatterMode::FrontReflection);
     let (mut parts, mut warnings) = (Vec::new(), Vec::new());
     for (way, rows) in [(way, before), (ScatterMode::FrontTransmission, behind)] {
@@ -115,7 +116,7 @@ pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatE
     let mut provenance = provenance(lines.comments);
     NAME.clone_into(&mut provenance.format);
     let measurement = Measurement { provenance, media: [1.0, 1.0], parts };
-    Ok(BsdfFile { measurement, warnings, notes: vec![NOTE.to_owned()], states_part })
+    Ok(BsdfFile { measurement, warnings, notes: vec![NOTE.to_owned()], states_part, states_side })
 }
 
 /// Reads a row; an empty value was not measured.

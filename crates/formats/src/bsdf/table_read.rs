@@ -164,7 +164,8 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
         );
     }
     let measurement = Measurement { provenance: provenance(lines.comments), media: [1.0, 1.0], parts };
-    Ok(BsdfFile { measurement, warnings: Vec::new(), notes, states_part: !one_side || layout.way.is_some() })
+    let states_part = !one_side || layout.way.is_some();
+    Ok(BsdfFile { measurement, warnings: Vec::new(), notes, states_part, states_side: !one_side })
 }
 
 /// Returns whether all inclinations were up to 90 deg.

@@ -284,6 +284,32 @@ fn animation_has_its_first_picture() {
     assert!(picture.warnings[0].contains("animation of 2 frames; the first"), "{:?}", picture.warnings);
 }
 
+/// A palette of 4 bytes is one colour and a part of the next. The decoder fails on it, and must not take the program with it.
+#[test]
+fn png_with_a_broken_palette_is_an_error_of_its_file() {
+    let chunk = |name: &[u8; 4], data: &[u8]| {
+        let named = [&name[..], data].concat();
+        let crc = named.iter().fold(u32::MAX, |crc, byte| {
+            (0..8).fold(
+                crc ^ u32::from(*byte),
+                |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 },
+            )
+        });
+        [&(data.len() as u32).to_be_bytes()[..], &named, &(!crc).to_be_bytes()].concat()
+    };
+    let pixels = [0x78, 0x9c, 0x63, 0x60, 0x60, 0x64, 0x60, 0x60, 0x04, 0x00, 0x00, 0x0b, 0x00, 0x03];
+    let png = [
+        &b"\x89PNG\r\n\x1a\n"[..],
+        &chunk(b"IHDR", &[0, 0, 0, 2, 0, 0, 0, 2, 8, 3, 0, 0, 0]),
+        &chunk(b"PLTE", &[1, 2, 3, 4]),
+        &chunk(b"IDAT", &pixels),
+        &chunk(b"IEND", &[]),
+    ]
+    .concat();
+    let wrong = read(&png).unwrap_err();
+    assert!(wrong.contains("PNG"), "{wrong}");
+}
+
 #[test]
 fn picture_of_an_unsupported_size_is_refused_before_it_is_decoded() {
     for (size, wanted) in

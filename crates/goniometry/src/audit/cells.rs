@@ -21,25 +21,18 @@ pub(super) fn audit(tree: &TensorTree, part: &MeasuredPart, channel: usize) -> A
     let count = |is: fn(&f64) -> bool| values.iter().filter(|value| is(value)).count();
     let lit = || values.iter().copied().filter(|value| *value > 0.0);
     let peak = lit().fold(0.0, f64::max);
+    // Haze and clarity stay unknown: a cell about the direct beam is wider than the cone that haze excludes.
     Audit {
         cells: values.len(),
         lit: lit().count(),
         unmeasured: count(|value| value.is_nan()),
         negative: count(|value| *value < 0.0),
         dark_beyond_deg: 90.0,
-        holes: 0,
-        beam_holes: 0,
-        noise: 0.0,
         range: [lit().fold(f64::INFINITY, f64::min), peak],
         asymmetry: asymmetry(tree, values),
         reciprocity: reciprocity::of_pairs(part, channel, peak),
-        // A cell about the direct beam is wider than the cone that haze excludes.
-        haze: None,
-        clarity: None,
-        held_azimuths_deg: None,
-        inclined_to_deg: None,
         incidences,
-        rotations: Vec::new(),
+        ..Audit::empty()
     }
 }
 
@@ -50,18 +43,7 @@ fn incidence(tree: &TensorTree, part: &MeasuredPart, channel: usize, theta_deg: 
     };
     let integral = tree.mean_total(part.channel(channel), theta_deg);
     let peak = mean(&|light| part.evaluate(channel, light, light.specular()).unwrap_or(0.0).max(0.0));
-    Incidence {
-        theta_deg,
-        tis: None,
-        integral,
-        measured_to_deg: None,
-        integral_beyond: integral,
-        integral_filled: integral,
-        grid_error: 0.0,
-        azimuth_error: 0.0,
-        peak,
-        half_widths_deg: [None; 3],
-    }
+    Incidence::of_cells(theta_deg, integral, peak)
 }
 
 /// Relative root mean square difference of the totals of an anisotropic tree between azimuths of the light.

@@ -12,7 +12,6 @@ use crate::{Ring, patch_count, projected_solid_angle};
 pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit {
     let omega = projected_solid_angle(outgoing);
     let columns: Vec<&[f64]> = values.chunks_exact(omega.len().max(1)).collect();
-    let incidences = incidences([incoming, outgoing], &columns, &omega);
     let peak = values.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max);
     let count = |is: fn(&f64) -> bool| values.iter().filter(|value| is(value)).count();
     let lit = |value: &&f64| **value > 0.0;
@@ -21,6 +20,7 @@ pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit
     let with_theta = || columns.iter().flat_map(|column| column.iter().zip(&thetas));
     let dark_beyond_deg =
         with_theta().filter(|(value, _)| **value > 0.0).map(|(_, theta)| *theta).fold(0.0, f64::max);
+    // Haze and clarity stay unknown: the patch about the direct beam is wider than the cone that haze excludes.
     Audit {
         cells: values.len(),
         lit: values.iter().filter(lit).count(),
@@ -30,18 +30,11 @@ pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit
         holes: with_theta()
             .filter(|(value, theta)| positive(**value) == 0.0 && **theta < dark_beyond_deg)
             .count(),
-        beam_holes: 0,
-        noise: 0.0,
         range: [values.iter().filter(lit).copied().fold(f64::INFINITY, f64::min), peak],
         asymmetry: asymmetry([incoming, outgoing], &columns),
         reciprocity: (incoming == outgoing).then(|| reciprocity(incoming, &columns, &omega, peak)).flatten(),
-        // The patch about the direct beam is wider than the cone that haze excludes.
-        haze: None,
-        clarity: None,
-        held_azimuths_deg: None,
-        inclined_to_deg: None,
-        incidences,
-        rotations: Vec::new(),
+        incidences: incidences([incoming, outgoing], &columns, &omega),
+        ..Audit::empty()
     }
 }
 
@@ -65,18 +58,8 @@ fn incidences([incoming, outgoing]: [&[Ring]; 2], columns: &[&[f64]], omega: &[f
             to.map_or(0.0, |to| positive(columns[patch][to]))
         };
         let integral = mean(&sum);
-        Incidence {
-            theta_deg: patch_centre(incoming, patches.start).map_or(0.0, |from| from.theta_deg),
-            tis: None,
-            integral,
-            measured_to_deg: None,
-            integral_beyond: integral,
-            integral_filled: integral,
-            grid_error: 0.0,
-            azimuth_error: 0.0,
-            peak: mean(&specular),
-            half_widths_deg: [None; 3],
-        }
+        let theta_deg = patch_centre(incoming, patches.start).map_or(0.0, |from| from.theta_deg);
+        Incidence::of_cells(theta_deg, integral, mean(&specular))
     };
     incoming.iter().map(ring).collect()
 }

@@ -1,7 +1,7 @@
 //! Report of the changes to a measurement before its use in a display.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_goniometry::{Changes, ScatterMode};
+use papilio_goniometry::{Changes, ScatterMode, may_be_relative};
 
 use super::file::Source;
 use crate::resolve::Resolver;
@@ -14,8 +14,6 @@ const REPORTED_CHANGE: f64 = 1e-3;
 const FAR_ABOVE_ONE: f64 = 0.2;
 /// Uncertainty of a total due to the grid that gives a warning: more is too much for the default relative error.
 const COARSE: f64 = 0.005;
-/// Total transmittance below which values may be in relative units.
-const FAINT: f64 = 0.05;
 /// Extrapolated fraction of the light that gives a warning.
 const MUCH_BEYOND: f64 = 0.05;
 
@@ -56,8 +54,7 @@ impl Resolver<'_> {
             return self.report_rest(path, way, changes);
         }
         let total = share * changes.totals.first().map_or(1.0, |[_, after]| *after);
-        let is_normalised = changes.largest == 1.0 || changes.largest == 100.0;
-        if is_through && !changes.to_tis && (total < FAINT || is_normalised) {
+        if is_through && !changes.to_tis && may_be_relative(total, changes.largest) {
             self.warnings.push(format!(
                 "{path}: {way}: {:.2} % of the light passes at the smallest incidence, and the largest value is {}: if the values are in \
                  relative units, `total_transmittance` gives them their level",
