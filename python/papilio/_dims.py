@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ._storing import optional
 from .errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ class Dims:
 
     def labelled(self, values: NDArray[np.float64], **inner: list[str]) -> xarray.DataArray:
         """Returns numbers over these dimensions, followed by further dimensions with the specified labels."""
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         for name in inner:
             if name in self.names:
@@ -54,7 +56,8 @@ def crossed(arrays: Mapping[_Name, Any], called: Mapping[_Name, str]) -> tuple[d
     found = {name: array for name, array in arrays.items() if is_labelled(array)}
     if not found:
         return dict(arrays), None
-    import xarray
+    with optional("xarray"):
+        import xarray
 
     for name, array in arrays.items():
         if name not in found and np.ndim(array) > 0:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arguments import described, one_of, reals, text
 from ._snapshots import read_only
+from ._storing import optional
 from .errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -97,7 +98,8 @@ def read(content: bytes) -> dict[str, Part]:
 
 def dataset(parts: Mapping[str, Part], attributes: Mapping[str, str]) -> xarray.Dataset:
     """Returns the parts as a Dataset."""
-    import xarray
+    with optional("xarray"):
+        import xarray
 
     data: dict[str, Any] = {}
     coordinates: dict[str, Any] = {}

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._storing import optional
 from .errors import ArgumentError, FileError
 from .prepared import Skipped
 
@@ -72,7 +73,8 @@ def write(
     skipped: Skipped,
 ) -> None:
     """Writes a part completely, or not at all."""
-    import pyarrow
+    with optional("pyarrow"):
+        import pyarrow
     from pyarrow import parquet
 
     from ._batches import as_names
@@ -113,7 +115,8 @@ def whole(folder: Path, address: str, rows: int) -> bool:
 
 def skipped(folder: Path, address: str) -> Skipped:
     """Reads the invalid designs of a part: their indices in it, and the reasons."""
-    import pyarrow
+    with optional("pyarrow"):
+        import pyarrow
     from pyarrow import parquet
 
     where = path(folder, address)
@@ -126,7 +129,8 @@ def skipped(folder: Path, address: str) -> Skipped:
 
 def read(folder: Path, address: str, metrics: Sequence[str]) -> NDArray[np.float64]:
     """Reads the metrics of a part, shape [design, metric]."""
-    import pyarrow
+    with optional("pyarrow"):
+        import pyarrow
     from pyarrow import parquet
 
     where = path(folder, address)

@@ -21,7 +21,7 @@ from . import _papilio
 Reals = NDArray[np.float64]
 Arrays = tuple[dict[str, Reals], dict[str, Reals]]
 
-__all__ = ["Arrays", "ConeSnapshot", "ProductionSnapshot", "RunSnapshot", "pack", "read_only", "read_only_arrays", "unpack"]
+__all__ = ["AbsorptionSnapshot", "Arrays", "ConeSnapshot", "ProductionSnapshot", "RunSnapshot", "pack", "read_only", "read_only_arrays", "unpack"]
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
@@ -125,6 +125,7 @@ class ConeSnapshot:
     numbers: Arrays
     svg: str | None
     messages: list[str]
+    written: list[tuple[str, bytes]]
 
     @classmethod
     def of(cls, core: _papilio.Cone | ConeSnapshot, title: str) -> ConeSnapshot:
@@ -132,7 +133,7 @@ class ConeSnapshot:
         if isinstance(core, cls):
             return core
         angles = core.theta_deg(), core.phi_deg()
-        return cls(angles, core.states(), core.arrays(), core.figure(title), core.warnings())
+        return cls(angles, core.states(), core.arrays(), core.figure(title), core.warnings(), core.files())
 
     def theta_deg(self) -> Reals:
         return self.angles[0]
@@ -151,6 +152,46 @@ class ConeSnapshot:
 
     def warnings(self) -> list[str]:
         return list(self.messages)
+
+    def files(self) -> list[tuple[str, bytes]]:
+        return self.written
+
+
+@dataclass(frozen=True)
+class AbsorptionSnapshot:
+    """Replacement of ``_papilio.Absorption``."""
+
+    of_layers: list[tuple[str, str]]
+    named: tuple[list[str], list[str]]
+    numbers: dict[str, Reals]
+    angles_in: str
+    svg: str
+    written: list[tuple[str, bytes]]
+
+    @classmethod
+    def of(cls, core: _papilio.Absorption | AbsorptionSnapshot, title: str) -> AbsorptionSnapshot:
+        """Creates the snapshot of absorptances."""
+        if isinstance(core, cls):
+            return core
+        return cls(core.layers(), core.names(), core.arrays(), core.medium(), core.figure(title), core.tables())
+
+    def layers(self) -> list[tuple[str, str]]:
+        return list(self.of_layers)
+
+    def names(self) -> tuple[list[str], list[str]]:
+        return list(self.named[0]), list(self.named[1])
+
+    def arrays(self) -> dict[str, Reals]:
+        return self.numbers
+
+    def medium(self) -> str:
+        return self.angles_in
+
+    def figure(self, title: str) -> str:
+        return self.svg
+
+    def tables(self) -> list[tuple[str, bytes]]:
+        return self.written
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _messages, _papilio
+from . import _messages, _papilio, _snapshots
 from ._arguments import ascending
 from ._mapping import ByName
-from ._snapshots import read_only
+from ._snapshots import AbsorptionSnapshot, read_only
+from ._storing import Stored, optional
 from ._tables import long_table
 from .figure import Figure
 from .scenario import Scenario, read
@@ -30,15 +31,15 @@ _ARRAYS = ("absorptance", "reflectance", "area")
 _THETA_DEG = tuple(15.0 * k for k in range(7))
 
 
-class Absorption(ByName[NDArray[np.float64]]):
+class Absorption(Stored, ByName[NDArray[np.float64]]):
     """Absorptance of each layer of the film pixel of a display: the output of ``papilio pixel --absorption``.
 
     All fractions are of the light on one sub-pixel: over ``layer``, ``absorptance`` sums to 1 - ``reflectance``. Arrays are
-    read-only.
+    read-only. It can be copied and pickled.
     """
 
     def __init__(
-        self, core: _papilio.Absorption, title: str = "", warned: Sequence[str] = (), notes: Sequence[str] = ()
+        self, core: _papilio.Absorption | AbsorptionSnapshot, title: str = "", warned: Sequence[str] = (), notes: Sequence[str] = ()
     ) -> None:
         self._core = core
         #: Warnings; each was also raised as a `papilio.PapilioWarning` by the computation.
@@ -111,7 +112,8 @@ class Absorption(ByName[NDArray[np.float64]]):
         Raises:
             ImportError: if xarray is not installed.
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         numbers, materials = zip(*self.layers, strict=True)
         about = {
@@ -159,11 +161,28 @@ class Absorption(ByName[NDArray[np.float64]]):
         """Returns the figure: absorptances at the smallest angle as stacked areas."""
         return Figure("absorption", self._core.figure(self.title))
 
+    def _files(self) -> dict[str, bytes]:
+        return dict(self._core.tables())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        snapshot = _snapshots.pack(AbsorptionSnapshot.of(self._core, self.title))
+        return _restored, (snapshot, self.title, self.warnings, self.notes)
+
+    def __copy__(self) -> Absorption:
+        return Absorption(self._core, self.title, self.warnings, self.notes)
+
+    def __deepcopy__(self, memo: object) -> Absorption:
+        return self.__copy__()  # its contents are immutable
+
     def _repr_html_(self) -> str:
-        return self.figure().svg
+        return self.figure().svg + _messages.as_html(self.warnings, self.notes)
 
     def __repr__(self) -> str:
         return f"<papilio.Absorption {self.title!r}: {len(self.layers)} layers, {self.theta_deg.size} angles>"
+
+
+def _restored(content: bytes, title: str, warned: list[str], notes: list[str]) -> Absorption:
+    return Absorption(_snapshots.unpack(content), title, warned, notes)
 
 
 def absorption(

@@ -17,6 +17,7 @@ from . import _messages, _papilio, plot
 from ._arguments import ascending, reals
 from ._snapshots import read_only
 from ._mapping import ByName
+from ._storing import Stored, optional, written
 from ._tables import long_table
 from .errors import ArgumentError
 from .figure import Figure
@@ -51,7 +52,7 @@ _WORDS = {
 _SHARES = tuple(_WORDS)
 
 
-class Brdf(ByName[NDArray[Any]]):
+class Brdf(Stored, ByName[NDArray[Any]]):
     """Spectral BSDF of a display in each of its states: the contents of ``display-bsdf.npz`` of ``papilio brdf``.
 
     ``about`` has the conventions. The page on BRDFs in the documentation of the program describes every array. Arrays are
@@ -138,7 +139,8 @@ class Brdf(ByName[NDArray[Any]]):
         Raises:
             ImportError: if xarray is not installed.
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         inner = {"brdf": tuple(_AXES), "specular": ("theta_i_deg", "wavelength_nm")}
         inner["directional_hemispherical"] = inner["specular"]
@@ -154,9 +156,21 @@ class Brdf(ByName[NDArray[Any]]):
         messages = _messages.attributes(self.warnings, self.notes)
         return xarray.Dataset(data, coordinates, about | {"missed": self.missed} | messages)
 
-    def save(self, path: str | PathLike[str]) -> None:
-        """Writes ``display-bsdf.npz``, identical to the program's file byte for byte."""
-        Path(path).write_bytes(self._content)
+    def _files(self) -> dict[str, bytes]:
+        return {"display-bsdf.npz": self._content}
+
+    def save(self, folder: str | PathLike[str]) -> list[Path]:
+        """Writes ``display-bsdf.npz``, identical to the program's file byte for byte, and the figures.
+
+        Args:
+            folder: a folder, which is created; or a path that ends with ``.npz``, where the file alone is written.
+
+        Returns:
+            The paths of the files.
+        """
+        if Path(folder).suffix != ".npz":
+            return super().save(folder)
+        return written(Path(folder).parent, {Path(folder).name: self._content})
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._content, self.missed, self.warnings, self.notes)
@@ -171,7 +185,7 @@ class Brdf(ByName[NDArray[Any]]):
         return f"<p>{html.escape(repr(self))}</p>{_messages.as_html(self.warnings, self.notes)}"
 
 
-class Reflection(ByName[NDArray[np.float64]]):
+class Reflection(Stored, ByName[NDArray[np.float64]]):
     """Mirror, haze and Lambertian parts of the reflection of a display, as luminous fractions; see `reflection`.
 
     Arrays are read-only.
@@ -211,7 +225,8 @@ class Reflection(ByName[NDArray[np.float64]]):
         Raises:
             ImportError: if xarray is not installed.
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         data = {name: (("theta_deg", "state"), self[name].copy(), {"units": "1", "long_name": words}) for name, words in _WORDS.items()}
         theta = ("theta_deg", self.theta_deg.copy(), {"units": "degree", "long_name": "inclination of the beam"})
@@ -226,6 +241,9 @@ class Reflection(ByName[NDArray[np.float64]]):
         """
         labels: dict[str, Any] = {"theta_deg": self.theta_deg, "state": self.states}
         return long_table(labels, {name: (tuple(labels), self[name]) for name in _SHARES})
+
+    def _files(self) -> dict[str, bytes]:
+        return {"reflection.csv": self._text.encode()}
 
     def figures(self) -> dict[str, Figure]:
         """Returns the parts of each state over the inclination of the beam, by name; none for a single inclination."""

@@ -15,6 +15,7 @@ from . import _messages, _metadata, _papilio, _snapshots
 from ._arguments import ascending, reals
 from ._snapshots import ConeSnapshot, read_only
 from ._mapping import ByName
+from ._storing import Stored, optional
 from ._tables import long_table
 from .errors import ArgumentError
 from .figure import Figure
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["Cone", "cone"]
 
 
-class Cone(ByName[NDArray[np.float64]]):
+class Cone(Stored, ByName[NDArray[np.float64]]):
     """A conoscopic map: photometric and colorimetric quantities (no spectra) over all directions.
 
     ``cone["contrast_ratio"]`` has the shape [phi, theta], ``cone["Y"]`` the shape [phi, theta, state]; NaN where
@@ -87,7 +88,8 @@ class Cone(ByName[NDArray[np.float64]]):
 
     def to_xarray(self) -> xarray.Dataset:
         """Returns all quantities as a Dataset over ``phi_deg``, ``theta_deg`` and ``state``, with units and long names."""
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         together, alone = self._arrays
         data: dict[str, Any] = {}
@@ -111,6 +113,9 @@ class Cone(ByName[NDArray[np.float64]]):
         labels: dict[str, Any] = {"phi_deg": self.phi_deg, "theta_deg": self.theta_deg, "state": self.states}
         views, states = ("phi_deg", "theta_deg"), ("phi_deg", "theta_deg", "state")
         return long_table(labels, {**{name: (views, one) for name, one in together.items()}, **{name: (states, one) for name, one in alone.items()}})
+
+    def _files(self) -> dict[str, bytes]:
+        return dict(self._core.files())
 
     def figures(self) -> dict[str, Figure]:
         """Returns the figure of the maps as ``cone``; nothing if the directions do not span an area."""

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _measurements, _messages, _papilio
 from ._arguments import common_shape, one_of, reals, whole
 from ._mapping import Lookup
+from ._storing import Stored, optional
 from .errors import ArgumentError, FileError
 from .figure import Figure
 from .scenario import _checked_path
@@ -48,7 +49,7 @@ def lobe_names() -> list[str]:
     return _papilio.lobe_names()
 
 
-class Diffuser(Lookup[NDArray[np.float64]]):
+class Diffuser(Stored, Lookup[NDArray[np.float64]]):
     """Measured scattering, from a file in any format that ``papilio diffuser`` reads (detected from its contents), or from arrays.
 
     ``foil["front transmission"]`` is the array of a part, BSDF in 1/sr with the channel first; `to_xarray` has its axes, `evaluate`
@@ -234,6 +235,13 @@ class Diffuser(Lookup[NDArray[np.float64]]):
         """Returns the audit of the file, as ``papilio diffuser inspect --json`` prints it."""
         return dict(json.loads(self._audit[0]))
 
+    def to_json(self) -> str:
+        """Returns the audit of the file, the text of ``papilio diffuser inspect --json``."""
+        return self._audit[0]
+
+    def _files(self) -> dict[str, bytes]:
+        return {"audit.json": self.to_json().encode(), "measurement.npz": self.to_bytes()}
+
     def figures(self) -> dict[str, Figure]:
         """Returns the figures of the lobes, by name."""
         return {name: Figure(name, svg) for name, svg in self._audit[2]}
@@ -265,7 +273,8 @@ class Diffuser(Lookup[NDArray[np.float64]]):
         Raises:
             ImportError: if pandas is not installed.
         """
-        import pandas
+        with optional("pandas"):
+            import pandas
 
         rows = []
         for one in self.fit(model, part=part)["fits"]:

@@ -16,6 +16,7 @@ from ._batches import Grid, Question, as_names
 from ._keys import Names, attributes, short_names
 from ._snapshots import read_only
 from ._mapping import Lookup
+from ._storing import Stored, optional, variable
 from .errors import ArgumentError
 from .figure import Figure
 from .prepared import SPECTRUM, Skipped
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["Evaluated"]
 
 
-class Evaluated(Lookup[NDArray[np.float64]]):
+class Evaluated(Stored, Lookup[NDArray[np.float64]]):
     """Metrics of many designs, from `papilio.sweep` and `papilio.cluster`.
 
     ``found["white.Y"]`` has the shape of the designs; after it, the views if several were requested, and the wavelengths of a spectrum.
@@ -152,7 +153,8 @@ class Evaluated(Lookup[NDArray[np.float64]]):
         Raises:
             ImportError: if pandas is not installed.
         """
-        import pandas
+        with optional("pandas"):
+            import pandas
 
         shape = (*self._grid.shape, *(len(labels) for axis, labels in self._inner.items() if axis != "metric"))
         others = [axis for axis in self._inner if axis != "metric"]
@@ -182,7 +184,8 @@ class Evaluated(Lookup[NDArray[np.float64]]):
         Raises:
             ImportError: if xarray is not installed.
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         dimensions, coordinates = self._axes(names)
         scene = self._question.scenario._scene()
@@ -254,6 +257,9 @@ class Evaluated(Lookup[NDArray[np.float64]]):
                 svg = plot.map(lines[1], lines[0], self[name], x_label=labels[1], y_label=labels[0], name=what).svg
             figures[name] = Figure(_metadata.flat(name), svg)
         return figures
+
+    def _files(self) -> dict[str, bytes]:
+        return {"designs.csv": self.to_pandas().to_csv(index=False).encode()}
 
     def _about(self) -> dict[str, Any]:
         about = {"papilio": self._question.version, "hash": self._question.hash, "view": self._question.view}

@@ -149,7 +149,7 @@ def power(
     theta_deg: ArrayLike = 0.0,
     *,
     incidence: Material = 1.0,
-    substrate: Material = "Al",
+    substrate: Material,
     polarisation: Polarisation = "mean",
     threads: int | None = None,
 ) -> Power:
@@ -180,7 +180,7 @@ def power(
         >>> d = np.linspace(0, 200, 101)                  # designs
         >>> nm = np.arange(380, 781, 5)
         >>> theta = np.array([0, 20, 40, 60])
-        >>> films.power([("SiO2", d[:, None, None])], nm[:, None], theta).reflectance.shape
+        >>> films.power([("SiO2", d[:, None, None])], nm[:, None], theta, substrate="Al").reflectance.shape
         (101, 81, 4)
     """
     return Power(*_computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, True, threads))
@@ -281,7 +281,7 @@ def reflectance(
     theta_deg: ArrayLike = 0.0,
     *,
     incidence: Material = 1.0,
-    substrate: Material = "Al",
+    substrate: Material,
     polarisation: Polarisation = "mean",
     threads: int | None = None,
 ) -> NDArray[np.float64]:
@@ -309,7 +309,7 @@ def transmittance(
     theta_deg: ArrayLike = 0.0,
     *,
     incidence: Material = 1.0,
-    substrate: Material = "Al",
+    substrate: Material,
     polarisation: Polarisation = "mean",
     threads: int | None = None,
 ) -> NDArray[np.float64]:
@@ -362,7 +362,7 @@ def amplitudes(
     theta_deg: ArrayLike = 0.0,
     *,
     incidence: Material = 1.0,
-    substrate: Material = "Al",
+    substrate: Material,
     threads: int | None = None,
 ) -> Amplitudes:
     """Computes complex amplitudes of reflection and transmission, for phases and ellipsometry.
@@ -395,7 +395,7 @@ def absorptance(
     theta_deg: ArrayLike = 0.0,
     *,
     incidence: Material = 1.0,
-    substrate: Material = "Al",
+    substrate: Material,
     polarisation: Polarisation = "mean",
     threads: int | None = None,
 ) -> NDArray[np.float64]:
@@ -412,7 +412,7 @@ def absorptance(
         ArgumentError, KeyboardInterrupt: as for `power`.
 
     Example:
-        >>> films.absorptance([("Cr:Johnson", 10.0), ("SiO2", 100.0)], [500.0, 600.0]).shape
+        >>> films.absorptance([("Cr:Johnson", 10.0), ("SiO2", 100.0)], [500.0, 600.0], substrate="Al").shape
         (2, 2)
     """
     _arguments.one_of("polarisation", polarisation, ("s", "p", "mean"))
@@ -444,7 +444,7 @@ def derivatives(
     *,
     by: Sequence[Variable] | None = None,
     incidence: Material = 1.0,
-    substrate: Material = "Al",
+    substrate: Material,
     threads: int | None = None,
 ) -> Derivatives:
     """Computes the reflectance for unpolarised light (the mean of s and p) and its exact derivatives, all in one pass.
@@ -462,7 +462,7 @@ def derivatives(
         ArgumentError, KeyboardInterrupt: as for `power`.
 
     Example:
-        >>> found = films.derivatives([("SiO2", 100.0), ("Cr:Johnson", 10.0)], np.arange(400, 701, 10), [[0], [30]])
+        >>> found = films.derivatives([("SiO2", 100.0), ("Cr:Johnson", 10.0)], np.arange(400, 701, 10), [[0], [30]], substrate="Al")
         >>> found.derivatives.shape, found.variables
         ((2, 31, 2), [('thickness', 0), ('thickness', 1)])
     """

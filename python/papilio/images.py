@@ -5,19 +5,34 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from os import PathLike
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _messages, _papilio
 from ._arguments import described, one_of, reals
+from ._storing import optional
+from ._tables import long_table
 from .errors import ArgumentError
 from .running import Progress, checked_threads, reporting
 from .scenario import Scenario, read
 from .spatial import _Written
 
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
 __all__ = ["Image", "image"]
+
+#: Long name and channels of each picture.
+_PICTURES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "seen": ("X, Y, Z that the reader sees, relative to a perfect white in the light", ("xyz",)),
+    "srgb": ("picture for a screen", ("rgb",)),
+    "wanted": ("X, Y, Z of the picture with the white and black of the display", ("xyz",)),
+    "mapped": ("X, Y, Z of the picture in the gamut of the display", ("xyz",)),
+    "states": ("number of the state of each pixel", ()),
+}
 
 Picture = str | PathLike[str] | ArrayLike
 
@@ -31,6 +46,8 @@ class Image(_Written):
     number of the state of each pixel; without a halftone there is none. With ``image.samples_per_pixel``, "seen" and "srgb" have that many rows
     and columns for each pixel. Arrays are read-only. It can be copied and pickled.
     """
+
+    _FILE = "image.json"
 
     def __init__(
         self, text: str, arrays: Mapping[str, NDArray[Any]], png: bytes, title: str, warned: list[str], notes: list[str]
@@ -47,6 +64,46 @@ class Image(_Written):
     def numbers(self) -> dict[str, Any]:
         """The contents of ``image.json``: coverages, differences, fractions out of gamut; None where a number is undefined."""
         return self.data
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns the pictures as a Dataset over ``row``, ``column`` and their channels, and the ``coverage`` of each state.
+
+        ``seen`` and ``srgb`` are over ``sample_row`` and ``sample_column`` if they have several samples for each pixel.
+
+        Raises:
+            ImportError: if xarray is not installed.
+        """
+        with optional("xarray"):
+            import xarray
+
+        columns, rows = self.data["size"]
+        data: dict[str, Any] = {}
+        for name, values in self._arrays.items():
+            words, channel = _PICTURES[name]
+            pixels = ("row", "column") if values.shape[:2] == (rows, columns) else ("sample_row", "sample_column")
+            data[name] = ((*pixels, *channel), values.copy(), {"units": "1", "long_name": words})
+        data["coverage"] = ("state", self._coverage(), {"units": "1", "long_name": "fraction of the pixels in the state"})
+        coordinates: dict[str, Any] = {
+            "state": ("state", self.states, {"long_name": "drive state"}),
+            "xyz": ("xyz", ["X", "Y", "Z"], {"long_name": "tristimulus value"}),
+            "rgb": ("rgb", ["red", "green", "blue"], {"long_name": "channel of the screen"}),
+        }
+        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(self.warnings, self.notes))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns a table with a row for each state: its coverage; NaN without a halftone.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        return long_table({"state": self.states}, {"coverage": (("state",), self._coverage())})
+
+    def _coverage(self) -> NDArray[np.float64]:
+        coverage = self.data.get("coverage") or {}
+        return np.array([coverage.get(state, np.nan) for state in self.states], float)
+
+    def _files(self) -> dict[str, bytes]:
+        return {**super()._files(), "seen.png": self._png}
 
     def png(self) -> bytes:
         """Returns the content of ``seen.png``."""

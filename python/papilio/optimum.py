@@ -18,6 +18,7 @@ from ._arguments import checked_folder, whole
 from ._backends import ClusterBackend, check_client
 from ._keys import attributes
 from ._mapping import Lookup
+from ._storing import Stored, optional, variable
 from .errors import ArgumentError
 from .figure import Figure
 from .running import Line, Progress, checked_threads, reporter, with_solver
@@ -42,7 +43,7 @@ class Design(NamedTuple):
     meets_limits: bool = True
 
 
-class Optimum(Lookup[NDArray[np.float64]]):
+class Optimum(Stored, Lookup[NDArray[np.float64]]):
     """Result of a search: the best design, or the Pareto front of several objectives. A notebook shows a table.
 
     ``found["white.Y"]`` has a requested quantity, or a key, of each of the `designs`.
@@ -122,9 +123,10 @@ class Optimum(Lookup[NDArray[np.float64]]):
         Raises:
             ImportError: if xarray is not installed.
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
-        coordinates: dict[Any, Any] = {key: ("design", self[key].copy(), attributes(key)) for key in self.own.values}
+        coordinates: dict[Any, Any] = {variable(key): ("design", self[key].copy(), attributes(key)) for key in self.own.values}
         coordinates["design"] = np.arange(len(self.designs))
         data: dict[Any, Any] = {name: ("design", self[name].copy(), _metadata.attributes(name)) for name in self._quantities}
         data["meets_limits"] = ("design", np.array([one.meets_limits for one in self.designs]), {"long_name": "whether all limits are met"})
@@ -134,13 +136,16 @@ class Optimum(Lookup[NDArray[np.float64]]):
     def to_pandas(self) -> pandas.DataFrame:
         """Returns a table of the scenario's own design and the `designs`: keys, requested quantities, ``meets_limits``.
 
+        The index ``design`` has ``"scenario"``, then the numbers of the designs as texts: ``"0"``, ``"1"`` and so on.
+
         Raises:
             ImportError: if pandas is not installed.
         """
-        import pandas
+        with optional("pandas"):
+            import pandas
 
         rows = [{**one.values, **one.metrics, "meets_limits": one.meets_limits} for one in (self.own, *self.designs)]
-        return pandas.DataFrame(rows, index=pandas.Index(["scenario", *range(len(self.designs))], name="design"))
+        return pandas.DataFrame(rows, index=pandas.Index(["scenario", *map(str, range(len(self.designs)))], name="design"))
 
     def figures(self) -> dict[str, Figure]:
         """Returns the figures of ``papilio optimize``, by name: ``trace``, and ``front`` if there are several objectives."""

@@ -4,20 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _messages, _papilio
+from ._storing import optional
+from ._tables import long_table
 from .errors import ArgumentError
 from .running import Progress, checked_threads, reporting
 from .scenario import Scenario, preset_names, read
 from .spatial import _Written
 
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
 __all__ = ["Palette", "palette"]
 
 _NUMBERS = ("X", "Y", "Z", "L_star", "a_star", "b_star")
+
+#: Axes of three numbers, with the labels of the numbers.
+_COMPONENTS = {
+    "xyz": ["X", "Y", "Z"],
+    "cielab": ["L*", "a*", "b*"],
+    "oklab_axis": ["L", "a", "b"],
+    "rgb": ["red", "green", "blue"],
+}
+
+#: Long name and inner axis of each array.
+_WORDS: dict[str, tuple[str, tuple[str, ...]]] = {name: (name, ()) for name in _NUMBERS} | {
+    "XYZ": ("tristimulus values; Y is 1 for a perfect white in the light", ("xyz",)),
+    "Lab": ("CIELAB coordinates", ("cielab",)),
+    "oklab": ("Oklab coordinates", ("oklab_axis",)),
+    "srgb": ("sRGB, 0 to 1; a perfect white in the light is 1", ("rgb",)),
+    "srgb_relative": ("sRGB, 0 to 1; the white of the display is 1", ("rgb",)),
+}
 
 
 class Palette(_Written):
@@ -27,6 +50,8 @@ class Palette(_Written):
     ``found["oklab"]``, ``found["srgb"]`` and ``found["srgb_relative"]`` have the shape [state, 3]. NaN where a number is undefined. Arrays are
     read-only. It can be copied and pickled.
     """
+
+    _FILE = "palette.json"
 
     def __init__(self, text: str, figures: Iterable[tuple[str, str]], title: str, warned: list[str], notes: list[str]) -> None:
         super().__init__(text, {}, figures, title, warned, notes)
@@ -61,6 +86,35 @@ class Palette(_Written):
             raise KeyError(f"{room!r}: there is no such room; expected {', '.join(self.rooms) or 'none'}")
         there = self.data["rooms"][room]
         return np.array([there[state]["delta_e_2000"] for state in self.states], float)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns all numbers as a Dataset over ``state``, and ``delta_e_2000`` over ``room`` and ``state``, with units and long names.
+
+        Raises:
+            ImportError: if xarray is not installed.
+        """
+        with optional("xarray"):
+            import xarray
+
+        data: dict[str, Any] = {}
+        for name, values in self._arrays.items():
+            words, axis = _WORDS[name]
+            data[name] = (("state", *axis), values.copy(), {"units": "1", "long_name": words})
+        rooms = np.array([self.delta_e_2000(room) for room in self.rooms]).reshape(len(self.rooms), len(self.states))
+        data["delta_e_2000"] = (("room", "state"), rooms, {"units": "1", "long_name": "CIEDE2000 difference from the scenario's light"})
+        axes = {"xyz": "tristimulus value", "cielab": "coordinate of CIELAB", "oklab_axis": "coordinate of Oklab", "rgb": "channel of sRGB"}
+        coordinates: dict[str, Any] = {name: (name, _COMPONENTS[name], {"long_name": words}) for name, words in axes.items()}
+        coordinates |= {"state": ("state", self.states, {"long_name": "drive state"}), "room": ("room", self.rooms, {"long_name": "light of the room"})}
+        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(self.warnings, self.notes))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns a table with a row for each state: tristimulus values and CIELAB coordinates, and the difference in each room.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        arrays = {name: self[name] for name in _NUMBERS} | {f"delta_e_2000_{room}": self.delta_e_2000(room) for room in self.rooms}
+        return long_table({"state": self.states}, {name: (("state",), one) for name, one in arrays.items()})
 
     def __repr__(self) -> str:
         return f"<papilio.Palette {self.title!r}: {len(self.states)} states{_messages.summary(self.warnings)}>"

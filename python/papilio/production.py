@@ -20,6 +20,7 @@ from ._keys import attributes
 from ._mapping import Lookup
 from ._snapshots import ProductionSnapshot, read_only
 from ._backends import ClusterBackend, check_client
+from ._storing import Stored, optional, variable
 from .errors import DesignError
 from .figure import Figure
 from .running import Line, Progress, checked_threads, reporter, with_solver
@@ -47,7 +48,7 @@ class _Keys(list[str]):
         return dict.fromkeys(self._names).keys()
 
 
-class Yield(Lookup[NDArray[Any]]):
+class Yield(Stored, Lookup[NDArray[Any]]):
     """Result of a tolerance analysis: distributions of the metrics, yield and sensitivities.
 
     ``found["white.Y"]`` has a metric, or a key, of every display. `report` is the contents of ``tolerance.json`` of ``papilio
@@ -121,7 +122,8 @@ class Yield(Lookup[NDArray[Any]]):
         Raises:
             ImportError: if pandas is not installed.
         """
-        import pandas
+        with optional("pandas"):
+            import pandas
 
         rows = []
         for metric in self.report["metrics"]:
@@ -139,9 +141,10 @@ class Yield(Lookup[NDArray[Any]]):
         Raises:
             ImportError: if xarray is not installed.
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
-        coordinates: dict[Any, Any] = {key: ("display", self[key].copy(), attributes(key)) for key in self.varied}
+        coordinates: dict[Any, Any] = {variable(key): ("display", self[key].copy(), attributes(key)) for key in self.varied}
         data: dict[Any, Any] = {name: ("display", self[name].copy(), _metadata.attributes(name)) for name in self.metrics}
         about = {"title": self.title, "yield": self.share} | _messages.attributes(self.warnings, self.notes)
         return xarray.Dataset(data, coordinates, about)
@@ -152,7 +155,8 @@ class Yield(Lookup[NDArray[Any]]):
         Raises:
             ImportError: if pandas is not installed.
         """
-        import pandas
+        with optional("pandas"):
+            import pandas
 
         rows = [json.loads(self._core.keys(row)) for row in range(self._core.rows)]
         keys = pandas.DataFrame(rows, columns=self.varied)
@@ -162,18 +166,12 @@ class Yield(Lookup[NDArray[Any]]):
         """Returns the figures of ``papilio tolerance``, by name: histograms of the metrics, sensitivities, passing and failing displays."""
         return {name: Figure(name, svg) for name, svg in self._core.figures(self.title, self._numbers)}
 
-    def save(self, folder: str | PathLike[str]) -> list[Path]:
-        """Writes the files of ``papilio tolerance`` except the journal (see ``out`` of `tolerance`) into a folder, which is created.
+    def to_json(self) -> str:
+        """Returns the text of ``tolerance.json``, identical byte for byte."""
+        return dict(self._core.tables(self._numbers))["tolerance.json"].decode()
 
-        The files are ``tolerance.csv``, ``tolerance-metrics.csv``, ``tolerance.json`` and the figures.
-        """
-        where = Path(folder)
-        where.mkdir(parents=True, exist_ok=True)
-        contents = dict(self._core.tables(self._numbers))
-        contents |= {f"{figure.name}.svg": figure.svg.encode() for figure in self.figures().values()}
-        for name, content in contents.items():
-            (where / name).write_bytes(content)
-        return [where / name for name in contents]
+    def _files(self) -> dict[str, bytes]:
+        return dict(self._core.tables(self._numbers))
 
     def __reduce__(self) -> tuple[Any, ...]:
         snapshot = _snapshots.pack(ProductionSnapshot.create(self._core, self._numbers, self.title))

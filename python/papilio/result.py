@@ -6,8 +6,6 @@ import html
 import json
 from collections.abc import Iterable, Mapping
 from functools import cached_property
-from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 from . import _messages, _metadata, _papilio, _snapshots
 from ._snapshots import RunSnapshot, read_only
 from ._mapping import ByName
+from ._storing import Stored, optional
 from .errors import ArgumentError
 from .figure import Figure
 
@@ -31,7 +30,7 @@ _Arrays = Mapping[str, NDArray[np.float64]]
 _SHOWN = ("Y", "contrast", "L_star", "a_star", "b_star", "u_prime", "v_prime", "luminance_cd_m2", "peak_nm")
 
 
-class Result(ByName[NDArray[np.float64]]):
+class Result(Stored, ByName[NDArray[np.float64]]):
     """Simulated measurement of a display, with errors: the contents of ``result.json`` of ``papilio run``.
 
     Quantities are arrays over views (theta fastest), states and wavelengths. Names are those of ``result.json``
@@ -44,8 +43,8 @@ class Result(ByName[NDArray[np.float64]]):
         result["standard_error.Y"]          # one sigma; "discretisation_error.Y" of adding
 
     Undefined values are NaN. Arrays are read-only; ``result[name].copy()`` is writable. ``keys()``, iteration and ``dict(result)`` have
-    the names of ``to_xarray()`` and ``to_pandas()``: ``Y_standard_error``, with underscores for dots and the kind of error last. ``[]``,
-    ``in`` and ``get`` accept these, the names of ``result.json``, and the arrays of one state (``"white.Y"``). A result can be copied
+    the names of ``to_xarray()`` and ``to_pandas()``: ``Y_standard_error``, with underscores for dots and the kind of error last; errors that
+    the solver does not estimate are not among them. ``[]``, ``in`` and ``get`` accept these, the names of ``result.json``, and the arrays of one state (``"white.Y"``). A result can be copied
     and pickled, and then needs neither its scenario nor its files. A notebook shows a table, warnings and notes, and the overview figure
     of the first view.
     """
@@ -91,8 +90,18 @@ class Result(ByName[NDArray[np.float64]]):
         return {_metadata.flat(name): name for name in names} | {name: name for name in names}
 
     def _names(self) -> Iterable[str]:
-        together, alone = self._arrays
-        return [_metadata.flat(name) for name in (*together, *alone)]
+        return [_metadata.flat(name) for arrays in self._arrays for name, values in arrays.items() if self._is_estimated(name, values)]
+
+    @cached_property
+    def _kinds_of_errors(self) -> set[str | None]:
+        """The kinds of errors that the solver estimates: those of which a number is above 0."""
+        every = (one for arrays in self._arrays for one in arrays.items())
+        return {kind for name, values in every if (kind := _metadata.parts(name)[1]) is not None and bool((values > 0).any())}
+
+    def _is_estimated(self, name: str, values: NDArray[np.float64]) -> bool:
+        """Tells whether an array has numbers: any quantity, and errors that the solver estimates."""
+        kind = _metadata.parts(name)[1]
+        return kind is None or (kind in self._kinds_of_errors and not bool(np.isnan(values).all()))
 
     def _known(self, name: str) -> str | None:
         """Returns the name in ``result.json`` of a quantity; None if there is none."""
@@ -169,7 +178,8 @@ class Result(ByName[NDArray[np.float64]]):
             >>> arrays.Y.sel(state="white", phi_deg=90).shape
             (3,)
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         together, alone = self._arrays
         angles = np.array(self.views).reshape(-1, 2).T
@@ -178,7 +188,7 @@ class Result(ByName[NDArray[np.float64]]):
         data: dict[str, Any] = {}
         for before, arrays in [(views, together), ((*views, "state"), alone)]:
             for name, values in arrays.items():
-                if _metadata.parts(name)[1] is not None and np.isnan(values).all():
+                if not self._is_estimated(name, values):
                     continue
                 rest = values.shape[1:]
                 inner = _metadata.inner_dimensions(name, len(rest) + len(views) - len(before))
@@ -213,7 +223,8 @@ class Result(ByName[NDArray[np.float64]]):
         """
         import csv
 
-        import pandas
+        with optional("pandas"):
+            import pandas
 
         header, *rows = csv.reader(self._core.states_csv().decode().splitlines())
         names = ["theta_deg", "phi_deg", "state"]
@@ -232,26 +243,12 @@ class Result(ByName[NDArray[np.float64]]):
         """
         return {name: Figure(name, svg) for name, svg in self._core.figures(self.title)}
 
-    def save(self, folder: str | PathLike[str]) -> list[Path]:
-        """Writes ``result.json``, ``states.csv``, ``spectra.csv`` and the figures into a folder.
-
-        Args:
-            folder: the folder; it is created.
-
-        Returns:
-            The paths of the files.
-        """
-        where = Path(folder)
-        where.mkdir(parents=True, exist_ok=True)
-        texts = {
+    def _files(self) -> dict[str, bytes]:
+        return {
             "result.json": self._core.json(),
             "states.csv": self._core.states_csv(),
             "spectra.csv": self._core.spectra_csv(),
         }
-        texts |= {f"{figure.name}.svg": figure.svg.encode() for figure in self.figures().values()}
-        for name, content in texts.items():
-            (where / name).write_bytes(content)
-        return [where / name for name in texts]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restored, (_snapshots.pack(RunSnapshot.of(self._core, self.title)), self.title)

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from . import _messages, _metadata, _papilio
 from ._mapping import ByName
 from ._snapshots import read_only
+from ._storing import Stored, optional
 from ._tables import long_table
 from .errors import ArgumentError
 from .figure import Figure
@@ -29,8 +30,11 @@ __all__ = ["Crosstalk", "Mtf", "Sparkle", "crosstalk", "mtf", "sparkle"]
 _Arrays = Mapping[str, NDArray[Any]]
 
 
-class _Written(ByName[NDArray[Any]]):
+class _Written(Stored, ByName[NDArray[Any]]):
     """Contents of a file, arrays by name, and figures. Arrays are read-only."""
+
+    #: Name of the program's file.
+    _FILE: ClassVar[str]
 
     def __init__(
         self, text: str, arrays: _Arrays, figures: Iterable[tuple[str, str]], title: str, warned: Sequence[str], notes: Sequence[str]
@@ -60,6 +64,9 @@ class _Written(ByName[NDArray[Any]]):
     def to_json(self) -> str:
         """Returns the text of the program's file, identical byte for byte."""
         return self._text
+
+    def _files(self) -> dict[str, bytes]:
+        return {self._FILE: self._text.encode()}
 
     @cached_property
     def data(self) -> dict[str, Any]:
@@ -103,6 +110,8 @@ class Mtf(_OfViews):
     together have the shape [view]. ``error.f50_x_per_mm`` is the error of ``f50_x_per_mm``. NaN where a number is undefined. Arrays are
     read-only. It can be copied and pickled.
     """
+
+    _FILE = "mtf.json"
 
     def __init__(
         self,
@@ -197,17 +206,19 @@ class Mtf(_OfViews):
         Raises:
             ImportError: if xarray is not installed.
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         of_states, data = ("view", "state", "frequency_per_mm", "part"), dict[str, Any]()
         for name, values in self._arrays.items():
-            axes = of_states if name in self._of_states else ("view", f"{_metadata.flat(name)}_0")
+            axes = of_states if name in self._of_states else ("view", "of_strokes")
             if not name.startswith("by_light."):
                 data[_metadata.flat(name)] = (axes[: values.ndim], values.copy(), _metadata.attributes(name))
         coordinates: dict[str, Any] = {
             "state": ("state", self.states, _metadata.STATE),
             "frequency_per_mm": ("frequency_per_mm", self.frequency_per_mm.copy(), {"units": "mm-1", "long_name": "spatial frequency"}),
             "part": ("part", ["real", "imaginary"], {"long_name": "part of a complex number"}),
+            "of_strokes": ("of_strokes", ["min", "median"], {"long_name": "smallest or median contrast of the strokes of text"}),
             **self._angles(),
         }
         return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(self.warnings, self.notes))
@@ -235,6 +246,8 @@ class Crosstalk(_OfViews):
     be copied and pickled.
     """
 
+    _FILE = "crosstalk.json"
+
     @property
     def subpixels(self) -> list[str]:
         """The names of the sub-pixels, in the order of all shares."""
@@ -246,7 +259,8 @@ class Crosstalk(_OfViews):
         Raises:
             ImportError: if xarray is not installed.
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         axes = {"in": ("view", "subpixel", "window"), "between_in": ("view", "subpixel")}
         data: dict[str, Any] = {}
@@ -284,13 +298,16 @@ class Sparkle(_Written):
     read-only. It can be copied and pickled.
     """
 
+    _FILE = "sparkle.json"
+
     def to_xarray(self) -> xarray.Dataset:
         """Returns all numbers as a Dataset over ``row``.
 
         Raises:
             ImportError: if xarray is not installed.
         """
-        import xarray
+        with optional("xarray"):
+            import xarray
 
         data = {name: ("row", values.copy(), _metadata.attributes(name)) for name, values in self._arrays.items()}
         return xarray.Dataset(data, attrs={"title": self.title} | _messages.attributes(self.warnings, self.notes))
@@ -301,7 +318,8 @@ class Sparkle(_Written):
         Raises:
             ImportError: if pandas is not installed.
         """
-        import pandas
+        with optional("pandas"):
+            import pandas
 
         return pandas.DataFrame(dict(self._arrays))
 

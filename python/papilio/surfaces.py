@@ -6,17 +6,23 @@ import io
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _papilio, _toml
+from . import _messages, _papilio, _toml
 from ._arguments import described
+from ._storing import optional
+from ._tables import long_table
 from .errors import ArgumentError
 from .scenario import _checked_path
 from .running import Progress, checked_threads, reporting
 from .spatial import _Written
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 __all__ = ["Surface", "gonio"]
 
@@ -35,6 +41,8 @@ class Surface(_Written):
     shape [inclination]; NaN, or "" in "waves_holds", where nothing is transmitted. Arrays are read-only. It can be copied and pickled.
     """
 
+    _FILE = "audit.json"
+
     def __init__(
         self,
         text: str,
@@ -47,6 +55,8 @@ class Surface(_Written):
     ) -> None:
         super().__init__(text, {}, figures, title, [], notes)
         self._face = face
+        written = {"totals.csv": totals, "totals_by_azimuth.csv": by_azimuth, "face.npz": face}
+        self._tables = {name: content for name, content in written.items() if content is not None}
         arrays: dict[str, NDArray[Any]] = {}
         if totals is not None and face is not None:
             arrays |= _by_inclination(totals)
@@ -61,6 +71,60 @@ class Surface(_Written):
         for one in arrays.values():
             one.flags.writeable = False
         self._arrays = arrays
+
+    def _files(self) -> dict[str, bytes]:
+        return {**super()._files(), **self._tables}
+
+    def _axes(self) -> dict[str, tuple[str, ...]]:
+        """Returns the axes of each array."""
+        inclinations = self._arrays.get("theta_deg", np.empty(0)).size
+        azimuths = self._arrays.get("phi_deg", np.empty(0)).size
+        nm = self._arrays.get("wavelength_nm", np.empty(0)).size
+        of_waves = self._arrays.get("waves_theta_deg", np.empty(0)).size
+        known: dict[tuple[int, ...], tuple[str, ...]] = {
+            (nm,): ("wavelength_nm",),
+            (2, of_waves, nm): ("side", "waves_theta_deg", "wavelength_nm"),
+            (2, inclinations): ("side", "theta_deg"),
+            (2, inclinations, azimuths): ("side", "theta_deg", "phi_deg"),
+        }
+        own = ("theta_deg", "phi_deg", "wavelength_nm", "waves_theta_deg", "beta_above", "beta_below", "dphi_deg")
+        axes: dict[str, tuple[str, ...]] = {}
+        for name, values in self._arrays.items():
+            if name in own:
+                axes[name] = (name,)
+            elif name in ("scattered", "error") or name.startswith("scattered_by_azimuth"):
+                turned = ("arrival_band", "departure_band", "turn")
+                axes[name] = turned if values.ndim == 3 else ("arrival_band", "arrival_azimuth", "departure_band", "departure_azimuth")
+            else:
+                axes[name] = known.get(values.shape, ("band",) if values.ndim == 1 else tuple(f"{name}_{at}" for at in range(values.ndim)))
+        return axes
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns all numbers as a Dataset over the side of the light, its inclination, azimuth and wavelength, and the bands of the kernel.
+
+        Raises:
+            ImportError: if xarray is not installed.
+        """
+        with optional("xarray"):
+            import xarray
+
+        axes = self._axes()
+        named = {name: (axes[name], values.copy(), _about(name)) for name, values in self._arrays.items()}
+        coordinates: dict[str, Any] = {name: one for name, one in named.items() if axes[name] == (name,)}
+        coordinates["side"] = ("side", ["above", "below"], {"long_name": "side of the light"})
+        data = {name: one for name, one in named.items() if name not in coordinates}
+        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(self.warnings, self.notes))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns the table of ``totals.csv``, or without rays that of ``waves.csv``: a row for each side and inclination of the light (and wavelength).
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        axes = self._axes()
+        over = ("side", "theta_deg") if "theta_deg" in self._arrays else ("side", "waves_theta_deg", "wavelength_nm")
+        labels: dict[str, Any] = {"side": ["above", "below"]} | {name: self._arrays[name] for name in over[1:]}
+        return long_table(labels, {name: (over, one) for name, one in self._arrays.items() if axes[name] == over})
 
     def face(self) -> bytes | None:
         """Returns the content of ``face.npz``, a layer of a display (key ``file``); None without rays."""
@@ -112,6 +176,15 @@ def gonio(
     with reporting(progress, "parts") as tell:
         core = _papilio.Surface(path, overrides, preview, Path(path).name, checked_threads(threads), tell)
     return Surface(core.json(), core.totals(), core.totals_by_azimuth(), core.face(), core.figures(), core.title, core.notes())
+
+
+def _about(name: str) -> dict[str, str]:
+    """Returns the unit and long name of an array."""
+    ends = {"_deg": "degree", "_nm": "nm"}
+    units = next((unit for end, unit in ends.items() if name.endswith(end)), "1")
+    kind = "standard error: " if name.endswith("_error") and name != "error" else ""
+    quantity = name.removesuffix("_error") if kind else name
+    return {"units": units, "long_name": kind + next((quantity.removesuffix(end) for end in ends if quantity.endswith(end)), quantity).replace("_", " ")}
 
 
 def _by_inclination(totals: bytes) -> dict[str, NDArray[Any]]:

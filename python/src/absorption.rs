@@ -2,8 +2,9 @@
 
 use papilio_display::pixel::{PixelAbsorption, absorption};
 use papilio_display::scene::AngleMedium;
+use papilio_formats::{write_absorption, write_sub_pixels};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::columns::array;
 use crate::errors;
@@ -73,6 +74,18 @@ impl Absorption {
         let shape = [&names[..], &[of.layers.len()], &points].concat();
         arrays.set_item("absorptance", array(py, &shape, absorptance)?)?;
         Ok(arrays)
+    }
+
+    /// Names and contents of the tables of `papilio pixel --absorption`.
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<[(&'static str, Bound<'py, PyBytes>); 2]> {
+        let [mut layers, mut sub_pixels] = [Vec::new(), Vec::new()];
+        write_absorption(&mut layers, &self.of)
+            .and_then(|()| write_sub_pixels(&mut sub_pixels, &self.of))
+            .map_err(|error| errors::internal(&error.to_string()))?;
+        Ok([
+            ("absorption.csv", PyBytes::new(py, &layers)),
+            ("sub-pixels.csv", PyBytes::new(py, &sub_pixels)),
+        ])
     }
 
     /// SVG text of the figure.

@@ -4,9 +4,10 @@ use std::sync::atomic::AtomicBool;
 
 use numpy::PyArray1;
 use papilio_display::{ConeGrid, ConeResult, ConeState, ConeView, DisplayError};
+use papilio_formats::{ConeFile, write_cone_csv, write_cone_npy, write_json};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::columns::array;
 use crate::errors;
@@ -39,6 +40,8 @@ const OF_EACH_STATE: [Of<ConeState>; 10] = [
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Cone {
     of: ConeResult,
+    /// Hash of the scenario.
+    hash: String,
 }
 
 #[pymethods]
@@ -70,7 +73,7 @@ impl Cone {
             })
         })?;
         match found {
-            Ok(of) => Ok(Self { of }),
+            Ok(of) => Ok(Self { of, hash: scenario.of.hash.clone() }),
             Err(DisplayError::Interrupted) => Err(PyKeyboardInterrupt::new_err(())),
             Err(error) => Err(errors::display_of(py, &scenario.of, &error)),
         }
@@ -104,6 +107,19 @@ impl Cone {
             alone.set_item(name, array(py, &shape, states.map(of).collect())?)?;
         }
         Ok((together, alone))
+    }
+
+    /// Names and contents of the files of `papilio run --cone` except figures, in the order in which it writes them.
+    fn files<'py>(&self, py: Python<'py>) -> PyResult<Vec<(&'static str, Bound<'py, PyBytes>)>> {
+        let about = ConeFile::new(env!("CARGO_PKG_VERSION"), &self.hash, &self.of);
+        let mut files = [Vec::new(), Vec::new(), Vec::new()];
+        let [csv, npy, json] = &mut files;
+        write_cone_csv(csv, &self.of)
+            .and_then(|()| write_cone_npy(npy, &self.of))
+            .and_then(|()| write_json(json, &about))
+            .map_err(|error| errors::internal(&error.to_string()))?;
+        let names = ["cone.csv", "cone.npy", "cone.json"];
+        Ok(names.into_iter().zip(&files).map(|(name, bytes)| (name, PyBytes::new(py, bytes))).collect())
     }
 
     /// SVG text of the maps; `None` if the directions do not span an area.

@@ -36,16 +36,16 @@ words = {"display.pixel.film.2.material": ["SiO2", "MgF2"]}
 values = prepared.evaluate(words, ["white.Y"])
 said: list[str] = [*result.warnings, *result.notes, *found.warnings, *papilio.cone(scenario).warnings]
 names: list[str] = list(result.keys()) if "white.Y" in result else []
-share = films.power([("SiO2", 100.0)], nm, polarisation="p", threads=2).transmittance
+share = films.power([("SiO2", 100.0)], nm, substrate="Al", polarisation="p", threads=2).transmittance
 lab = colour.lab(colour.xyz(share, nm, observer="1964"), white=colour.xyz(np.ones(nm.size), nm, observer="1964"))
 
 # Sweeps, results and arrays.
 swept = papilio.sweep(scenario, columns, ["white.Y"], names=["gap"], view="all")
 spectra = prepared.evaluate(columns, ["white.reflectance_factor"], view=[0])
-wave = films.amplitudes([("SiO2", 100.0)], nm)
+wave = films.amplitudes([("SiO2", 100.0)], nm, substrate="Al")
 delta: float = float(wave.delta_deg[0])
-slopes_of_film = films.derivatives([("SiO2", 100.0)], nm, by=[("thickness", 0), ("n", "substrate")]).derivatives
-layers = films.absorptance([("SiO2", 100.0)], nm)
+slopes_of_film = films.derivatives([("SiO2", 100.0)], nm, substrate="Al", by=[("thickness", 0), ("n", "substrate")]).derivatives
+layers = films.absorptance([("SiO2", 100.0)], nm, substrate="Al")
 foil = papilio.diffuser.Diffuser("scenarios/data/H78.bsdf")
 everything: list[papilio.AnyResult] = [
     result, swept, foil, papilio.cone(scenario), papilio.brdf(scenario), papilio.reflection(scenario), papilio.absorption(scenario),

@@ -76,10 +76,10 @@ def test_broadcasting_by_position_against_dimensions_is_refused(arrays):
     d, gap = arrays
     nm = xarray.DataArray(np.arange(400.0, 701.0, 100.0), dims="nm")
     with pytest.raises(ArgumentError, match="broadcasts by position"):
-        films.power([("SiO2", d), ("air", gap)], 550.0)
+        films.power([("SiO2", d), ("air", gap)], 550.0, substrate="Al")
     with pytest.raises(ArgumentError, match="broadcasts by position"):
-        films.power([("SiO2", d)], np.array([500.0, 550.0, 600.0]))
-    together = films.power([("SiO2", d), ("air", 200 + d)], 550.0)
+        films.power([("SiO2", d)], np.array([500.0, 550.0, 600.0]), substrate="Al")
+    together = films.power([("SiO2", d), ("air", 200 + d)], 550.0, substrate="Al")
     assert together.reflectance.shape == (3,)
     with pytest.raises(ArgumentError, match="broadcasts by position"):
         colour.xyz(xarray.DataArray(np.ones((4, 4)), dims=["nm", "d"]), nm, None)

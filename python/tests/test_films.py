@@ -113,16 +113,16 @@ def test_transmittance_of_opaque_film_is_exact():
 
 def test_result_does_not_depend_on_threads():
     d = np.linspace(0, 300, 40_001)
-    one, three = (films.power([("SiO2", d), ("Cr", 5.0)], 550.0, threads=n) for n in (1, 3))
+    one, three = (films.power([("SiO2", d), ("Cr", 5.0)], 550.0, substrate="Al", threads=n) for n in (1, 3))
     assert one.reflectance.tobytes() == three.reflectance.tobytes() and one.transmittance.tobytes() == three.transmittance.tobytes()
-    assert films.reflectance([("SiO2", np.zeros((0, 3)))], 550.0).shape == (0, 3)
+    assert films.reflectance([("SiO2", np.zeros((0, 3)))], 550.0, substrate="Al").shape == (0, 3)
 
 
 def test_indices_as_arrays_and_materials_agree():
     silica = films.index("SiO2", NM)
     assert abs(films.index("SiO2", 587.5618).real - 1.458464) < 1e-6  # Malitson 1965
-    by_name = films.reflectance([("SiO2", 100.0)], NM)
-    assert (films.reflectance([(silica, 100.0)], NM) == by_name).all()
+    by_name = films.reflectance([("SiO2", 100.0)], NM, substrate="Al")
+    assert (films.reflectance([(silica, 100.0)], NM, substrate="Al") == by_name).all()
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_indices_as_arrays_and_materials_agree():
     ],
 )
 def test_invalid_arguments_are_named(arguments, names):
-    good = {"layers": [("SiO2", 100.0)], "wavelength_nm": NM}
+    good = {"layers": [("SiO2", 100.0)], "wavelength_nm": NM, "substrate": "Al"}
     with pytest.raises(ArgumentError, match=names):
         films.power(**{**good, **arguments})
 
@@ -173,18 +173,18 @@ LIGHT_NM, LIGHT_THETA = np.arange(400, 701, 20.0)[:, None], np.array([0.0, 30.0,
 
 @pytest.mark.parametrize("polarisation", ["s", "p", "mean"])
 def test_layers_absorb_what_power_leaves(polarisation):
-    layers = films.absorptance(GAP_STACK, LIGHT_NM, LIGHT_THETA, polarisation=polarisation)
+    layers = films.absorptance(GAP_STACK, LIGHT_NM, LIGHT_THETA, substrate="Al", polarisation=polarisation)
     assert layers.shape == (5, 16, 3, 4)
-    np.testing.assert_allclose(layers.sum(axis=-1), films.power(GAP_STACK, LIGHT_NM, LIGHT_THETA, polarisation=polarisation).absorptance, atol=1e-12)
+    np.testing.assert_allclose(layers.sum(axis=-1), films.power(GAP_STACK, LIGHT_NM, LIGHT_THETA, substrate="Al", polarisation=polarisation).absorptance, atol=1e-12)
     assert (layers[..., 3] == 0).all() or np.abs(layers[..., 3]).max() < 1e-12  # air
 
 
 def test_amplitudes_give_the_powers():
-    found, substrate = films.amplitudes(GAP_STACK, LIGHT_NM, LIGHT_THETA), films.index("Al", LIGHT_NM)
+    found, substrate = films.amplitudes(GAP_STACK, LIGHT_NM, LIGHT_THETA, substrate="Al"), films.index("Al", LIGHT_NM)
     cosine = np.cos(np.radians(LIGHT_THETA))
     root = np.sqrt(substrate**2 - np.sin(np.radians(LIGHT_THETA)) ** 2)
     for pol, r, t in (("s", found.r_s, found.t_s), ("p", found.r_p, found.t_p)):
-        power = films.power(GAP_STACK, LIGHT_NM, LIGHT_THETA, polarisation=pol)
+        power = films.power(GAP_STACK, LIGHT_NM, LIGHT_THETA, substrate="Al", polarisation=pol)
         np.testing.assert_allclose(np.abs(r) ** 2, power.reflectance, atol=1e-12)
         # Poynting flux into an absorbing substrate (Macleod, section 2.9).
         flux = root.real if pol == "s" else (substrate * np.conj(root / substrate)).real
@@ -218,9 +218,9 @@ def test_derivatives_equal_differences():
     def stack(d=0.0, n=0.0, k=0.0):
         return [(si + n, 55.9), (cr + 1j * k, 12.15), ("SiO2", GAP_STACK[2][1] + d), ("air", 190.0)]
 
-    found = films.derivatives(stack(), LIGHT_NM, LIGHT_THETA, by=variables)
+    found = films.derivatives(stack(), LIGHT_NM, LIGHT_THETA, substrate="Al", by=variables)
     assert found.derivatives.shape == (5, 16, 3, 5) and found.variables == variables
-    np.testing.assert_allclose(found.reflectance, films.reflectance(stack(), LIGHT_NM, LIGHT_THETA), atol=1e-12)
+    np.testing.assert_allclose(found.reflectance, films.reflectance(stack(), LIGHT_NM, LIGHT_THETA, substrate="Al"), atol=1e-12)
     steps = [({"d": 1e-4}, 0, 0), ({"n": 1e-6}, 0, 0), ({"k": 1e-6}, 0, 0), ({}, 1e-6, 0), ({}, 0, 1e-6)]
     for at, (change, dn, dk) in enumerate(steps):
         step = max([*change.values(), dn, dk])
@@ -229,28 +229,28 @@ def test_derivatives_equal_differences():
         np.testing.assert_allclose(found.derivatives[..., at], (above - below) / (2 * step), atol=1e-8)
     # Points in any arrangement: the thickness along the longest axis, and single points.
     thick = np.linspace(0, 100, 7)
-    line = films.derivatives([("SiO2", thick)], 550.0, 20.0)
+    line = films.derivatives([("SiO2", thick)], 550.0, 20.0, substrate="Al")
     for i, d in enumerate(thick):
-        assert line.derivatives[i, 0] == pytest.approx(films.derivatives([("SiO2", d)], 550.0, 20.0).derivatives[0], abs=1e-12)
-    assert np.array_equal(found.derivatives, films.derivatives(stack(), LIGHT_NM, LIGHT_THETA, by=variables, threads=1).derivatives)
+        assert line.derivatives[i, 0] == pytest.approx(films.derivatives([("SiO2", d)], 550.0, 20.0, substrate="Al").derivatives[0], abs=1e-12)
+    assert np.array_equal(found.derivatives, films.derivatives(stack(), LIGHT_NM, LIGHT_THETA, substrate="Al", by=variables, threads=1).derivatives)
 
 
 def test_medium_of_incidence_is_a_material():
     glass = films.index("SiO2", LIGHT_NM).real
     np.testing.assert_array_equal(
-        films.reflectance(GAP_STACK, LIGHT_NM, LIGHT_THETA, incidence="SiO2"), films.reflectance(GAP_STACK, LIGHT_NM, LIGHT_THETA, incidence=glass)
+        films.reflectance(GAP_STACK, LIGHT_NM, LIGHT_THETA, substrate="Al", incidence="SiO2"), films.reflectance(GAP_STACK, LIGHT_NM, LIGHT_THETA, substrate="Al", incidence=glass)
     )
 
 
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        (lambda: films.power([("SiO2", 1.0), (1.5 - 0.1j, 10.0)], 550.0), r"layers\[1\]: n = 1.5, k = -0.1; expected n and k of 0 or more"),
-        (lambda: films.power([], 550.0, 90.0), "theta_deg: 90 is out of range; expected 0 to less than 90"),
-        (lambda: films.power([], 550.0, incidence="Al"), "incidence: k = .*; expected a transparent medium"),
-        (lambda: films.derivatives([("SiO2", 1.0)], 550.0, by=[("n", 1)]), r"by\[0\]: expected 0 to 0"),
-        (lambda: films.derivatives([], 550.0, by=[("thickness", "substrate")]), r"by\[0\]: the substrate has no thickness"),
-        (lambda: films.derivatives([], 550.0, by=["n"]), r"by\[0\]: expected a variable"),
+        (lambda: films.power([("SiO2", 1.0), (1.5 - 0.1j, 10.0)], 550.0, substrate="Al"), r"layers\[1\]: n = 1.5, k = -0.1; expected n and k of 0 or more"),
+        (lambda: films.power([], 550.0, 90.0, substrate="Al"), "theta_deg: 90 is out of range; expected 0 to less than 90"),
+        (lambda: films.power([], 550.0, substrate="Al", incidence="Al"), "incidence: k = .*; expected a transparent medium"),
+        (lambda: films.derivatives([("SiO2", 1.0)], 550.0, substrate="Al", by=[("n", 1)]), r"by\[0\]: expected 0 to 0"),
+        (lambda: films.derivatives([], 550.0, substrate="Al", by=[("thickness", "substrate")]), r"by\[0\]: the substrate has no thickness"),
+        (lambda: films.derivatives([], 550.0, substrate="Al", by=["n"]), r"by\[0\]: expected a variable"),
     ],
 )
 def test_wrong_arguments_of_waves_are_named(call, says):

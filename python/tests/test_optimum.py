@@ -85,9 +85,9 @@ def test_tables_and_pickles_equal_original(found):
     assert pickle.loads(pickle.dumps(found)).designs == found.designs
     pytest.importorskip("pandas")
     table = found.to_pandas()
-    assert list(table.index) == ["scenario", 0]
+    assert list(table.index) == ["scenario", "0"]
     assert list(table.columns) == [*found.best.values, "gamut_percent_srgb", "white.Y", "meets_limits"]
-    assert table.loc[0, "white.Y"] == found.best.metrics["white.Y"]
+    assert table.loc["0", "white.Y"] == found.best.metrics["white.Y"]
 
 
 def test_result_does_not_depend_on_threads(scenario, found):

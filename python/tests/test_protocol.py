@@ -1,5 +1,10 @@
 """All results have the same methods and names."""
 
+import copy
+import json
+import pickle
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -8,7 +13,7 @@ import pytest
 import papilio
 
 xarray = pytest.importorskip("xarray")
-pytest.importorskip("pandas")
+pandas = pytest.importorskip("pandas")
 
 COARSE = {"spectrum.step_nm": 50}
 
@@ -33,11 +38,14 @@ def results():
             "Mtf": papilio.mtf(ROOT / "scenarios" / "matrix.toml", set=COARSE),
             "Crosstalk": papilio.crosstalk(ROOT / "scenarios" / "matrix.toml", set=COARSE),
             "Sparkle": papilio.sparkle(ROOT / "scenarios" / "antiglare.toml", set={"sparkle.replicates": 2, "sparkle.correlation_um": 60} | COARSE),
+            "Palette": papilio.palette(ROOT / "scenarios" / "six-ink.toml", rooms=["D65"]),
+            "Image": papilio.image(ROOT / "scenarios" / "six-ink.toml", np.full((16, 24, 3), 0.5)),
+            "Surface": papilio.gonio(ROOT / "surfaces" / "hemispheres.toml", set={"microgeometry.rays": 640}),
             "Diffuser": papilio.diffuser.Diffuser(ROOT / "scenarios" / "data" / "H78.bsdf"),
         }
 
 
-NAMES = ["Result", "Cone", "Reflection", "Brdf", "Absorption", "Evaluated", "Yield", "Optimum", "Mtf", "Crosstalk", "Sparkle", "Diffuser"]
+NAMES = ["Result", "Cone", "Reflection", "Brdf", "Absorption", "Evaluated", "Yield", "Optimum", "Mtf", "Crosstalk", "Sparkle", "Palette", "Image", "Surface", "Diffuser"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -54,7 +62,7 @@ def test_result_follows_protocol(results, name):
     assert all(isinstance(text, str) for text in (*found.warnings, *found.notes))
     figures = found.figures()
     assert all(isinstance(figure, papilio.Figure) and figure.svg.startswith("<svg") for figure in figures.values())
-    assert figures
+    assert figures or name == "Image"  # its pictures are arrays and PNG
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -68,6 +76,72 @@ def test_tables_have_units_and_names(results, name):
     quantities = [one for one in table.columns if one in arrays.data_vars]
     assert quantities or name == "Evaluated"
     assert {"warnings", "notes"} <= set(arrays.attrs)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_result_is_copied_and_stored(results, name, tmp_path):
+    """Pickles, JSON and files have the numbers of the result."""
+    found = results[name]
+    again = pickle.loads(pickle.dumps(found))
+    for other in (again, copy.copy(found), copy.deepcopy(found)):
+        assert list(other) == list(found) and repr(other) == repr(found)
+        for one in found:
+            np.testing.assert_array_equal(other[one], found[one])
+    assert again.to_json() == found.to_json()
+    content = json.loads(found.to_json())
+    if "data_vars" in content:  # the others have the program's JSON
+        xarray.testing.assert_allclose(defined(xarray.Dataset.from_dict(content)), defined(found.to_xarray()))
+    paths = found.save(tmp_path / "new" / "folder")
+    assert paths and all(path.is_file() and path.stat().st_size > 0 for path in paths)
+    assert {path.name for path in paths} == {path.name for path in (tmp_path / "new" / "folder").iterdir()}
+    assert {f"{figure.name}.svg" for figure in found.figures().values()} <= {path.name for path in paths}
+
+
+def defined(arrays):
+    """The numbers of a Dataset, in double precision; undefined ones are NaN."""
+    return xarray.Dataset({name: (one.dims, one.values.astype(float)) for name, one in arrays.data_vars.items() if one.dtype.kind not in "US"})
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_tables_survive_files(results, name, tmp_path):
+    """What netCDF and Parquet files return is what was written, coordinates included."""
+    pytest.importorskip("h5netcdf")
+    arrays, table = results[name].to_xarray(), results[name].to_pandas()
+    arrays.to_netcdf(tmp_path / "all.nc", engine="h5netcdf")
+    with xarray.open_dataset(tmp_path / "all.nc", engine="h5netcdf") as read:
+        assert set(read.coords) == set(arrays.coords) and set(read.data_vars) == set(arrays.data_vars)
+        for one in arrays.data_vars:
+            np.testing.assert_array_equal(read[one].values.astype(arrays[one].dtype), arrays[one].values)
+    if name != "Brdf":  # large
+        pandas.testing.assert_frame_equal(pandas.read_parquet(written(table, tmp_path / "all.parquet")), table)
+
+
+def written(table, path):
+    table.to_parquet(path)
+    return path
+
+
+def test_files_are_those_of_program(results, program, scenarios, tmp_path):
+    """Files of maps and absorptances equal those of the program, byte for byte."""
+    indoor = scenarios / "indoor.toml"
+    coarse = ["--set", "spectrum.step_nm=50"]
+    subprocess.run([program, "pixel", indoor, "--absorption", *coarse, "--out", tmp_path / "pixel"], check=True, capture_output=True)
+    for name in ("absorption.csv", "sub-pixels.csv"):
+        (path,) = (path for path in results["Absorption"].save(tmp_path / "own") if path.name == name)
+        assert path.read_bytes() == (tmp_path / "pixel" / name).read_bytes()
+
+
+def test_missing_package_is_named_with_its_installation(results, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(ImportError, match=r"xarray is not installed: run 'pip install xarray', or .* extra \[xarray\]"):
+        results["Result"].to_xarray()
+
+
+def test_deterministic_run_lists_no_standard_errors(results):
+    names = list(results["Result"])
+    assert "Y_discretisation_error" in names and not any(name.endswith("_standard_error") for name in names)
+    assert "Y_standard_error" in results["Result"]  # known, but undefined
+    assert not any(str(axis)[-2:] in ("_0", "_1", "_2") for name in NAMES for axis in results[name].to_xarray().sizes)
 
 
 def test_number_has_one_name(results):

@@ -41,7 +41,7 @@ WRONG = [
     'papilio.run("a.toml", solver="wlak")',
     'papilio.cluster.sweep("a.toml", {"solver.seed": [1, 2]}, ["white.Y"], outt="x")',
     'papilio.cluster.evaluate_many("a.toml", {"solver.seed": [1, 2]}, ["white.Y"], on_error="ignore")',
-    'papilio.films.power([("SiO2", 1.0)], 550.0, polarisation="q")',
+    'papilio.films.power([("SiO2", 1.0)], 550.0, substrate="Al", polarisation="q")',
     'papilio.colour.xyz([1.0, 1.0], [380, 780], observer="1932")',
     'papilio.Prepared("a.toml").evaluate({5: [1.0]}, ["white.Y"])',
 ]
