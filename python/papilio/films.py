@@ -163,7 +163,7 @@ def power(
             index n + 1j k (k >= 0 absorbs), or an array of indices. Light is coherent in all layers, thick ones included.
         wavelength_nm: in vacuum, nm.
         theta_deg: inclination in the medium of incidence, 0 to less than 90 degrees.
-        incidence: refractive index of the medium of incidence, which is transparent: a number, an array or a material.
+        incidence: refractive index of the medium of incidence, which is transparent (k up to 1e-6): a number, an array or a material.
         substrate: semi-infinite medium behind the layers.
         polarisation: "s", "p", or "mean" for their mean.
         threads: number of threads; None: one for each processor. The results do not depend on it.
@@ -236,6 +236,10 @@ def _given(
     return _Stack(shape, arrays, list(media.values()), thicknesses, checked_threads(threads) or os.cpu_count() or 1)
 
 
+#: Largest k of the medium of incidence, as for the glass of a scenario without a thickness.
+_CLEAR_K = 1e-6
+
+
 def _transparent(incidence: Material, wavelength_nm: ArrayLike) -> NDArray[np.float64]:
     """Returns the index of the medium of incidence.
 
@@ -246,8 +250,11 @@ def _transparent(incidence: Material, wavelength_nm: ArrayLike) -> NDArray[np.fl
         found = index(incidence, wavelength_nm, name="incidence")
     else:
         found = _arguments.complexes("incidence", incidence)
-    if found.imag.any():
-        raise ArgumentError(f"incidence: k = {found.imag.flat[np.abs(found.imag).argmax()]:g}; expected a transparent medium (k = 0), in which incident power is defined")
+    if (np.abs(found.imag) > _CLEAR_K).any():
+        most = found.imag.flat[np.abs(found.imag).argmax()]
+        raise ArgumentError(
+            f"incidence: k = {most:g}; expected a transparent medium (k up to {_CLEAR_K:g}, which is not used), in which incident power is defined"
+        )
     return _arguments.reals("incidence", found.real, least=1e-6, most=1e3)
 
 

@@ -82,10 +82,7 @@ impl Absorption {
         write_absorption(&mut layers, &self.of)
             .and_then(|()| write_sub_pixels(&mut sub_pixels, &self.of))
             .map_err(|error| errors::internal(&error.to_string()))?;
-        Ok([
-            ("absorption.csv", PyBytes::new(py, &layers)),
-            ("sub-pixels.csv", PyBytes::new(py, &sub_pixels)),
-        ])
+        Ok([("absorption.csv", PyBytes::new(py, &layers)), ("sub-pixels.csv", PyBytes::new(py, &sub_pixels))])
     }
 
     /// SVG text of the figure.
