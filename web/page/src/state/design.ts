@@ -10,6 +10,7 @@ import type { Edit, Live, Problem, Result } from "../api/types.ts";
 import { textAt, type Json } from "../model/json.ts";
 import type { Schema } from "../model/schema.ts";
 import { edited } from "./edits.ts";
+import type { Revision } from "./revision.ts";
 
 /** The TOML to which the shown result belongs. */
 export const text = signal("");
@@ -25,6 +26,8 @@ export const pending = signal<readonly Edit[]>([]);
 export const held = signal<Edit | null>(null);
 /** The last response of the server. */
 export const answer = signal<Live | null>(null);
+/** The design to which it belongs. */
+export const resultOf = signal<Revision>("");
 /** The errors of the pending edits or of the draft. */
 export const problems = signal<readonly Problem[]>([]);
 /** The errors because of which the page could not start. */

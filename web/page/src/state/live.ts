@@ -5,13 +5,14 @@
 // exact one of this view as soon as nothing has changed for a moment; and then with all views. A new change cancels the
 // later ones. The server answers exactly at once if that takes little work.
 
-import { batch } from "@preact/signals";
+import { batch, effect, untracked } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit, Live } from "../api/types.ts";
-import { answer, busy, draft, draftName, held, opening, pending, problems, text, viewIndex } from "./design.ts";
+import { answer, busy, draft, draftName, held, opening, pending, problems, resultOf, text, viewIndex } from "./design.ts";
 import { merged } from "./edits.ts";
-import { fileIds, sendAgain } from "./files.ts";
+import { fileIds, keptIds, sendAgain } from "./files.ts";
+import { revisionOf, type Ids } from "./revision.ts";
 import { said } from "./said.ts";
 import { awaitServer, gone } from "./server.ts";
 import { accepted, undone } from "./undo.ts";
@@ -179,10 +180,11 @@ export async function exact(): Promise<boolean> {
   return next() === null;
 }
 
-/** Takes over a result, whose text contains the edits that were sent. */
-export function adopt(live: Live, sent: readonly Edit[], name: string): void {
+/** Takes over a result, whose text contains the edits that were sent, and which was computed with files. */
+export function adopt(live: Live, sent: readonly Edit[], name: string, files: Ids): void {
   batch(() => {
     text.value = live.scenario;
+    resultOf.value = revisionOf(live.scenario, files);
     draft.value = null;
     answer.value = live;
     pending.value = pending.value.filter((edit) => !sent.includes(edit));
@@ -194,10 +196,17 @@ export function adopt(live: Live, sent: readonly Edit[], name: string): void {
 
 awaitServer(() => kick());
 
+// A file that the design uses was replaced or removed.
+effect(() => {
+  const files = keptIds.value;
+  untracked(() => resultOf.value !== "" && resultOf.value !== revisionOf(text.value, files) && kick());
+});
+
 async function once(step: Step): Promise<void> {
   const sent = pending.value;
   const base = draft.value;
   const name = gesture;
+  const files = keptIds.value;
   const abort = new AbortController();
   const since = performance.now();
   flight = { abort, since, step };
@@ -210,7 +219,7 @@ async function once(step: Step): Promise<void> {
     const live = await api.live(work, sent, accuracy, view, abort.signal);
     if (step === "first") lastTook = performance.now() - since;
     gone.value = false;
-    if (draft.value === base) adopt(live, sent, name);
+    if (draft.value === base) adopt(live, sent, name, files);
   } catch (why) {
     if (abort.signal.aborted) return;
     const refusal = why instanceof api.Refused ? why : new api.Refused(0, [{ message: String(why) }]);
