@@ -45,7 +45,7 @@ function Mend({ of }: { of: Problem }) {
   if (!path || accepted === undefined || accepted === null) return null;
   return (
     <span class="mend">
-      <button type="button" class="run" onClick={() => set(path, accepted, "")}>
+      <button type="button" class="run" onClick={() => set(path, accepted)}>
         {offer(path, accepted)}
       </button>
     </span>

@@ -9,7 +9,7 @@ import { computed, signal } from "@preact/signals";
 import type { Edit, Live, Problem, Result } from "../api/types.ts";
 import { textAt, type Json } from "../model/json.ts";
 import type { Schema } from "../model/schema.ts";
-import { edited } from "./edits.ts";
+import { edited, type Change } from "./edits.ts";
 import type { Revision } from "./revision.ts";
 
 /** The TOML to which the shown result belongs. */
@@ -21,7 +21,7 @@ export const draftName = signal("");
 /** The name of an example or a file that is being opened, or "". */
 export const opening = signal("");
 /** Edits that are not in the text yet. */
-export const pending = signal<readonly Edit[]>([]);
+export const pending = signal<readonly Change[]>([]);
 /** The edit of a text box that still has the focus. It becomes pending when the focus or the page is lost. */
 export const held = signal<Edit | null>(null);
 /** The last response of the server. */

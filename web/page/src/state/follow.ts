@@ -9,7 +9,7 @@ import type { Problem } from "../api/types.ts";
 import { present } from "./age.ts";
 import { text } from "./design.ts";
 import { fileIds, keptIds, sendAgain } from "./files.ts";
-import { BUSY } from "./live.ts";
+import { BUSY } from "./server.ts";
 import { ageOf, revisionOf, type Age, type Revision } from "./revision.ts";
 
 /** Time after which a request to a busy server is repeated, ms. */

@@ -11,7 +11,8 @@ import { brighter, exposure, intensities, unpacked, type Planes, type ScreenLigh
 import { answer, fields, states, text, viewIndex } from "./design.ts";
 import { present } from "./age.ts";
 import { fileIds, keptIds, sendAgain } from "./files.ts";
-import { BUSY, settled } from "./live.ts";
+import { settled } from "./live.ts";
+import { BUSY } from "./server.ts";
 import { ageOf, revisionOf, type Age, type Revision } from "./revision.ts";
 
 /** Time without changes after which the states are decided again, ms. */

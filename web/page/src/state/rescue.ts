@@ -6,6 +6,7 @@ import { post } from "../api/client.ts";
 import type { Edit, Live, WalkProgress } from "../api/types.ts";
 import { numberAt } from "../model/json.ts";
 import { draft, fields, pending, text } from "./design.ts";
+import { editsOf } from "./edits.ts";
 import { fileIds, keptIds } from "./files.ts";
 import { adopt } from "./live.ts";
 import { long } from "./work.ts";
@@ -29,7 +30,7 @@ export async function computeByMonteCarlo(): Promise<void> {
   progress.value = null;
   startedFor.value = wanted.value;
   const scenario =
-    sent.length > 0 ? (await post<{ scenario: string }>("edit", { scenario: whole, edits: sent })).scenario : whole;
+    sent.length > 0 ? (await post<{ scenario: string }>("edit", { scenario: whole, edits: editsOf(sent) })).scenario : whole;
   const target = Math.max(COARSE, numberAt(fields.value, "solver.relative_error") ?? 0);
   const edits: Edit[] = [{ op: "set", path: "solver.relative_error", value: target }];
   await rescue.start("walk", { scenario, files }, edits, (event, data) => {
@@ -40,6 +41,6 @@ export async function computeByMonteCarlo(): Promise<void> {
     const accuracy = { is_final: true, relative_error: solver.relative_error_reached };
     const all = { views: result.views.map(({ theta_deg, phi_deg }) => ({ theta_deg, phi_deg })), view: null };
     const unknown = { preset: null, lobes: [] };
-    adopt({ scenario, fields, result, warnings, ...all, ...accuracy, ...unknown, cost_ms: 1e3 * seconds }, sent, "", kept);
+    adopt({ scenario, fields, result, warnings, ...all, ...accuracy, ...unknown, cost_ms: 1e3 * seconds }, sent, kept, []);
   });
 }
