@@ -18,7 +18,7 @@ import { LedgerPanel } from "./panels/ledger.tsx";
 import { Problems } from "./panels/problems.tsx";
 import { Readability } from "./panels/readability.tsx";
 import { Source } from "./panels/source.tsx";
-import { Aged, ContentContext, AgeMark, fadedClass } from "./panels/aged.tsx";
+import { Aged, ContentContext, AgeMark, liveClass } from "./panels/aged.tsx";
 import { SurfacePanel } from "./panels/surface.tsx";
 import { Summary } from "./panels/summary.tsx";
 import { Spoken } from "./panels/spoken.tsx";
@@ -32,7 +32,7 @@ import { Welcome } from "./panels/welcome.tsx";
 import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
-import { answer, busy, draft, opening, problems, startProblems, text } from "./state/design.ts";
+import { answer, busy, draft, opening, problems, resultCount, startProblems, text } from "./state/design.ts";
 import { firstError, liveAge } from "./state/age.ts";
 import { compact, part, type Part } from "./state/compact.ts";
 import { discard } from "./state/live.ts";
@@ -66,7 +66,7 @@ function Design() {
 
 /** A part of the live result. */
 function OfResult({ children }: { children: ComponentChildren }) {
-  return <Aged age={liveAge.value}>{children}</Aged>;
+  return <Aged age={liveAge.value} count={resultCount.value}>{children}</Aged>;
 }
 
 /** The readability, which can be saved as it is shown. */
@@ -100,11 +100,11 @@ const TABS = [
 /** The first place of the result, at its top: the summary and the states. A picture of the page comes here. */
 function First() {
   return (
-    <div class={`first${fadedClass(liveAge.value)}`}>
+    <div class={`first${liveClass()}`}>
       <div class="top">
         <Summary />
         <span class="seen-from">
-          <AgeMark age={liveAge.value} more={firstError.value} />
+          <AgeMark age={liveAge.value} count={resultCount.value} more={firstError.value} />
           <Views />
         </span>
       </div>
@@ -124,7 +124,7 @@ function ResultPanel() {
     >
       <First />
       <ContentContext.Provider value={{ age: liveAge.value }}>
-        <div class={`plots${fadedClass(liveAge.value)}`}>
+        <div class={`plots${liveClass()}`}>
           <Chromaticity />
           <Spectra />
         </div>

@@ -10,7 +10,7 @@ import { drives, gaps, subPixels } from "../model/drive.ts";
 import { material, type Look } from "../model/kinds.ts";
 import { films, layers, type Film, type Layer } from "../model/stack.ts";
 import { coloursOf } from "../plots/patches.tsx";
-import { draft, fields, result, selected, shownState, view } from "../state/design.ts";
+import { draft, fields, result, resultCount, selected, shownState, view } from "../state/design.ts";
 import { isLight } from "../model/colour.ts";
 import { moveSelected, removeSelected } from "./actions.ts";
 import { LiveMark } from "../panels/aged.tsx";
@@ -351,7 +351,7 @@ export function Section() {
       <Viewpoint />
       <svg
         ref={svg}
-        class={`section${isFaded(liveAge.value) ? " of-before" : ""}`}
+        class={`section${isFaded(liveAge.value) ? ` of-before turn-${resultCount.value % 2}` : ""}`}
         viewBox={`0 0 460 ${height}`}
         role="group"
         aria-label="The display, its light and its viewer"

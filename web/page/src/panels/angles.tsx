@@ -113,7 +113,7 @@ export function AnglesPanel() {
         />
       </div>
       <Problems of={now.problems} />
-      <Aged age={now.value ? now.age : "current"}>
+      <Aged age={now.value ? now.age : "current"} count={now.count}>
         {now.value && (
           <p class="figure-tools">
             <Downloads name="angles" svg={() => curvesSvg(plot)} table={() => tableOf(now.value)} />

@@ -8,7 +8,7 @@ import { deltaE2000, type Lab } from "../model/difference.ts";
 import { differences, partOf } from "../model/keys.ts";
 import { isTable, type Json } from "../model/json.ts";
 import { coloursOf } from "../plots/patches.tsx";
-import { result, selected, states, text, title, view } from "../state/design.ts";
+import { result, resultCount, selected, states, text, title, view } from "../state/design.ts";
 import { open } from "../state/open.ts";
 import type { Rows } from "../model/csv.ts";
 import { hoverClass, pointsAt } from "../state/hover.ts";
@@ -157,7 +157,7 @@ function PinnedPanel() {
           <Downloads name="colours" table={coloursTable} />
         </ContentContext.Provider>
       </div>
-      <Aged age={liveAge.value}>
+      <Aged age={liveAge.value} count={resultCount.value}>
         <div class="compare">
           <div class="scroll" tabindex={0} role="region" aria-label="Keys that differ">
             <Keys />

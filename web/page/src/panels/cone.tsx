@@ -41,7 +41,7 @@ export function ConePanel() {
         </select>
       </div>
       <Problems of={now.problems} />
-      <Aged age={now.value ? now.age : "current"}>
+      <Aged age={now.value ? now.age : "current"} count={now.count}>
         {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
         {now.value?.figures.map(({ name, svg }) => (
           <Drawn

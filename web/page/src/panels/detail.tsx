@@ -135,7 +135,7 @@ function Follow({ kind }: { kind: Kind }) {
       <Problems of={now.problems} />
       {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
       {now.value && (
-        <Aged age={now.age}>
+        <Aged age={now.age} count={now.count}>
           <Shown of={now.value} kind={kind} />
         </Aged>
       )}

@@ -76,6 +76,10 @@ export function useDrawing(draw: (canvas: HTMLCanvasElement) => ((painter: Paint
   return ref;
 }
 
+/** The class of what belongs to the picture. Of the same design, seen from elsewhere, it stays clear. */
+export const imageClass = (): string =>
+  imageAge.value === "settings" ? "" : fadedClass(imageAge.value, shown.value?.count ?? 0);
+
 /** Which picture is shown. */
 function which({ isFresh, seen: { head } }: Shown): string {
   const mark = markOf(imageAge.value);
@@ -161,8 +165,8 @@ export function Display() {
   const { theta_deg, phi_deg } = anglesOf(tilt.value);
   const direction = `${degrees(theta_deg)}${phi_deg === 0 ? "" : `, azimuth ${degrees(phi_deg)}`}`;
   return (
-    <figure class={`seen-display${fadedClass(imageAge.value)}`} data-age={imageAge.value} aria-busy={isFaded(imageAge.value)}>
-      <AgeMark age={now ? imageAge.value : "current"} />
+    <figure class={`seen-display${imageClass()}`} data-age={imageAge.value} aria-busy={isFaded(imageAge.value)}>
+      <AgeMark age={imageAge.value} count={now?.count ?? 0} />
       <canvas
         ref={ref}
         tabindex={0}

@@ -38,10 +38,9 @@ import {
   zoomBy,
 } from "../state/image.ts";
 import { said } from "../state/said.ts";
-import { fadedClass } from "./aged.tsx";
 import { FileButton } from "./choose.tsx";
 import { fileName } from "./file-name.ts";
-import { Display, useDrawing } from "./image-display.tsx";
+import { Display, imageClass, useDrawing } from "./image-display.tsx";
 import { Menu } from "./menu.tsx";
 import { Problems } from "./problems.tsx";
 import { save } from "./save.ts";
@@ -250,7 +249,7 @@ function Legend() {
   const panel = head.panel;
   const isPart = panel && (panel[0] !== size[0] || panel[1] !== size[1]);
   return (
-    <p class={`remark${fadedClass(imageAge.value)}`}>
+    <p class={`remark${imageClass()}`}>
       <LegendMark />
       {now.picture}: {size[0]} × {size[1]} pixels
       {isPart && ` of the same size as the ${panel[0]} × ${panel[1]} of the display`}.{" "}
@@ -285,7 +284,7 @@ export function ImagePanel() {
       <Problems of={imageProblems.value} />
       <div class="seen-all">
         <Display />
-        <div class={`beside${fadedClass(imageAge.value)}`}>
+        <div class={`beside${imageClass()}`}>
           <Screen />
           <Paper />
         </div>

@@ -162,7 +162,7 @@ function Follow({ name, id }: { name: string; id: string }) {
       <Problems of={now.problems} />
       {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
       {now.value && (
-        <Aged age={now.age}>
+        <Aged age={now.age} count={now.count}>
           <Comparison compared={now.value} name={name} />
         </Aged>
       )}

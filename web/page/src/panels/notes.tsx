@@ -3,9 +3,8 @@
 import { digits } from "../model/format.ts";
 import { at } from "../model/json.ts";
 import { answer, fields, result } from "../state/design.ts";
-import { liveAge } from "../state/age.ts";
 import { openTab, showTab } from "../state/tab.ts";
-import { fadedClass, LiveMark } from "./aged.tsx";
+import { LiveMark, liveClass } from "./aged.tsx";
 
 /** The tables of a scenario that are not part of its result, and what uses them. */
 const STUDIES = {
@@ -44,7 +43,7 @@ export function Notes() {
   const took = answer.value?.cost_ms;
   const error = `\u00b1${digits(100 * now.solver.relative_error_reached, 2)} %`;
   return (
-    <footer class={`notes${fadedClass(liveAge.value)}`}>
+    <footer class={`notes${liveClass()}`}>
       {now.warnings.map((words) => (
         <p class="warning" key={words}>
           <b>Warning:</b> {words}

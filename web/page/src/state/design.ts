@@ -28,6 +28,8 @@ export const held = signal<Edit | null>(null);
 export const answer = signal<Live | null>(null);
 /** The design to which it belongs. */
 export const resultOf = signal<Revision>("");
+/** The number of results so far. */
+export const resultCount = signal(0);
 /** The errors of the pending edits or of the draft. */
 export const problems = signal<readonly Problem[]>([]);
 /** The errors because of which the page could not start. */

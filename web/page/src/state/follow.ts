@@ -21,6 +21,8 @@ export interface Followed<T> {
   readonly age: Age;
   /** Why there is no result of the current design. */
   readonly problems: readonly Problem[];
+  /** The number of results so far. */
+  readonly count: number;
 }
 
 /** A result or a refusal, with the design and the settings for which it was requested. */
@@ -28,6 +30,7 @@ interface Kept<T> {
   readonly value: T;
   readonly design: Revision;
   readonly settings: string;
+  readonly count: number;
 }
 
 /** Requests `path` for a scenario (by default the current one), with the additional fields `more`. */
@@ -45,7 +48,7 @@ export function useFollowed<T>(path: string, more: object, restMs: number, other
       try {
         const work: Work = { scenario, files: fileIds.value };
         const value = await post<T>(path, { ...work, ...more }, abort.signal);
-        found.value = { value, design, settings };
+        found.value = { value, design, settings, count: (found.value?.count ?? 0) + 1 };
       } catch (why) {
         if (abort.signal.aborted) return;
         // All places of the server are in use, for example by the same request for the pinned design; or it has lost the files.
@@ -55,7 +58,7 @@ export function useFollowed<T>(path: string, more: object, restMs: number, other
           return;
         }
         const value = why instanceof Refused ? why.problems : [{ message: String(why) }];
-        refused.value = { value, design, settings };
+        refused.value = { value, design, settings, count: 0 };
       }
     }, restMs);
     return () => {
@@ -70,6 +73,7 @@ export function useFollowed<T>(path: string, more: object, restMs: number, other
   return {
     value: scenario === null || hasFailed ? null : (found.value?.value ?? null),
     age: age === "current" && found.value?.settings !== settings ? "settings" : age,
+    count: found.value?.count ?? 0,
     problems: hasFailed ? refused.value!.value : [],
   };
 }

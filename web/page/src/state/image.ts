@@ -29,6 +29,8 @@ export interface Shown {
   readonly seen: Seen;
   readonly design: Revision;
   readonly request: string;
+  /** How many there were before it. */
+  readonly count: number;
   /** Name of the picture: that of its file, or in words. */
   readonly picture: string;
   /** Illuminance of each light, lx. */
@@ -125,7 +127,9 @@ const wantedKey = computed(() => keyOf(wanted()));
 /** Why there is no picture of the current design and settings. */
 export const imageProblems = computed(() => (refused.value?.request === wantedKey.value ? refused.value.problems : []));
 
-/** The age of the picture. */
+/**
+ * The age of the picture. While the eye moves, it is that of the direction before, which its words say.
+ */
 export const imageAge = computed((): Age => {
   if (shown.value === null) return "current";
   const hasFailed = imageProblems.value.length > 0;
@@ -192,7 +196,8 @@ async function run(isResting: boolean): Promise<void> {
   try {
     const seen = unpacked(await postForBytes("image", isHeld ? { ...request, held: head?.held } : request, abort.signal));
     batch(() => {
-      shown.value = { seen, design, request: what, picture, lights, isFresh: !isHeld };
+      const count = (shown.value?.count ?? 0) + 1;
+      shown.value = { seen, design, request: what, count, picture, lights, isFresh: !isHeld };
       if (seen.source) source.value = seen.source;
       refused.value = null;
     });

@@ -9,7 +9,7 @@ import { batch, effect, untracked } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit, Live } from "../api/types.ts";
-import { answer, busy, draft, draftName, held, opening, pending, problems, resultOf, text, viewIndex } from "./design.ts";
+import { answer, busy, draft, draftName, held, opening, pending, problems, resultCount, resultOf, text, viewIndex } from "./design.ts";
 import { byGesture, editsOf, merged, type Change } from "./edits.ts";
 import { fileIds, keptIds, sendAgain } from "./files.ts";
 import { revisionOf, type Ids } from "./revision.ts";
@@ -101,9 +101,10 @@ export const isRefused = (): boolean => pending.value.length > 0 && !running && 
 
 /** Discards refused edits and the draft; a typed draft can be restored with redo. */
 export function discard(): void {
+  let before: string | null = null;
   if (isTyped()) {
     accepted(draft.value!, "");
-    undone();
+    before = undone();
   }
   batch(() => {
     pending.value = [];
@@ -112,7 +113,9 @@ export function discard(): void {
     problems.value = [];
   });
   flight?.abort.abort();
-  kick();
+  // What was typed before may have no answer yet.
+  if (before !== null && before !== text.value) replace(before);
+  else kick();
 }
 
 /** Waits until all changes are in the text; returns false if they were refused or the server does not respond. */
@@ -193,6 +196,7 @@ export function adopt(live: Live, sent: readonly Change[], files: Ids, steps: re
   batch(() => {
     text.value = live.scenario;
     resultOf.value = revisionOf(live.scenario, files);
+    resultCount.value += 1;
     draft.value = null;
     answer.value = live;
     pending.value = pending.value.filter((edit) => !sent.includes(edit));
