@@ -1,6 +1,7 @@
 // The page: the design on the left (drawing and fields, or TOML), the result on the right.
 
 import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 
 import { Section } from "./drawing/section.tsx";
 import { AnglesPanel } from "./panels/angles.tsx";
@@ -17,7 +18,7 @@ import { LedgerPanel } from "./panels/ledger.tsx";
 import { Problems } from "./panels/problems.tsx";
 import { Readability } from "./panels/readability.tsx";
 import { Source } from "./panels/source.tsx";
-import { AgeMark } from "./panels/aged.tsx";
+import { Aged, ContentContext, AgeMark, liveClass } from "./panels/aged.tsx";
 import { SurfacePanel } from "./panels/surface.tsx";
 import { Summary } from "./panels/summary.tsx";
 import { Spoken } from "./panels/spoken.tsx";
@@ -31,7 +32,7 @@ import { Welcome } from "./panels/welcome.tsx";
 import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
-import { answer, busy, draft, opening, problems, startProblems, text } from "./state/design.ts";
+import { answer, busy, draft, opening, problems, resultCount, startProblems, text } from "./state/design.ts";
 import { firstError, liveAge } from "./state/age.ts";
 import { compact, part, type Part } from "./state/compact.ts";
 import { discard } from "./state/live.ts";
@@ -63,26 +64,31 @@ function Design() {
   );
 }
 
+/** A part of the live result. */
+function OfResult({ children }: { children: ComponentChildren }) {
+  return <Aged age={liveAge.value} count={resultCount.value}>{children}</Aged>;
+}
+
 /** The readability, which can be saved as it is shown. */
 function Reading() {
   const shown = () => rowsOf(document.querySelector("#tab-panel table"));
   return (
-    <>
+    <OfResult>
       <Readability />
       <p class="figure-tools">
         <Downloads name="readability" table={shown} />
       </p>
-    </>
+    </OfResult>
   );
 }
 
 const TABS = [
   { id: "image", name: "Picture", body: () => <ImagePanel /> },
-  { id: "states", name: "States", body: () => <StatesTable /> },
+  { id: "states", name: "States", body: () => <OfResult><StatesTable /></OfResult> },
   { id: "angles", name: "Angles", body: () => <AnglesPanel /> },
   { id: "cone", name: "All directions", body: () => <ConePanel /> },
   { id: "detail", name: "Fine detail", body: () => <DetailPanel /> },
-  { id: "energy", name: "Energy balance", body: () => <LedgerPanel /> },
+  { id: "energy", name: "Energy balance", body: () => <OfResult><LedgerPanel /></OfResult> },
   { id: "reading", name: "Readability", body: () => <Reading /> },
   { id: "walk", name: "Monte Carlo", body: () => <WalkPanel /> },
   { id: "surface", name: "Surface", body: () => <SurfacePanel /> },
@@ -94,11 +100,11 @@ const TABS = [
 /** The first place of the result, at its top: the summary and the states. A picture of the page comes here. */
 function First() {
   return (
-    <div class="first">
+    <div class={`first${liveClass()}`}>
       <div class="top">
         <Summary />
         <span class="seen-from">
-          <AgeMark age={liveAge.value} more={firstError.value} />
+          <AgeMark age={liveAge.value} count={resultCount.value} more={firstError.value} />
           <Views />
         </span>
       </div>
@@ -117,10 +123,12 @@ function ResultPanel() {
       aria-label="Result"
     >
       <First />
-      <div class="plots">
-        <Chromaticity />
-        <Spectra />
-      </div>
+      <ContentContext.Provider value={{ age: liveAge.value }}>
+        <div class={`plots${liveClass()}`}>
+          <Chromaticity />
+          <Spectra />
+        </div>
+      </ContentContext.Provider>
       <div class="details">
         <Tabs tabs={TABS} open={openTab} />
         <Notes />

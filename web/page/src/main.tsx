@@ -8,6 +8,7 @@ import { Schema, type Node } from "./model/schema.ts";
 import { acceptDrops } from "./panels/drop.tsx";
 import { schema, startProblems } from "./state/design.ts";
 import { redo, undo } from "./state/open.ts";
+import { followGestures } from "./state/gesture.ts";
 import { fillShelf } from "./state/shelf.ts";
 import { begin } from "./state/start.ts";
 import { followTheme } from "./state/theme.ts";
@@ -44,6 +45,7 @@ async function start(): Promise<void> {
   followTheme();
   takeToken();
   acceptDrops();
+  followGestures();
   addEventListener("keydown", keys);
   render(<App />, document.getElementById("page")!);
   const [grammar] = await Promise.all([api.schema(), fillShelf()]);

@@ -53,13 +53,10 @@ function Handle({
   children,
 }: Direction & { path: string; name: string; children: ComponentChildren }) {
   const move = (to: Direction) =>
-    edit(
-      [
-        { op: "set", path: `${path}.theta_deg`, value: to.theta },
-        { op: "set", path: `${path}.phi_deg`, value: to.phi },
-      ],
-      `${path}.direction`,
-    );
+    edit([
+      { op: "set", path: `${path}.theta_deg`, value: to.theta },
+      { op: "set", path: `${path}.phi_deg`, value: to.phi },
+    ]);
   const grab = (event: PointerEvent) => {
     selected.value = path;
     (event.currentTarget as Element).setPointerCapture(event.pointerId);

@@ -10,10 +10,12 @@ import { drives, gaps, subPixels } from "../model/drive.ts";
 import { material, type Look } from "../model/kinds.ts";
 import { films, layers, type Film, type Layer } from "../model/stack.ts";
 import { coloursOf } from "../plots/patches.tsx";
-import { fields, result, selected, shownState, view } from "../state/design.ts";
+import { draft, fields, result, resultCount, selected, shownState, view } from "../state/design.ts";
 import { isLight } from "../model/colour.ts";
 import { moveSelected, removeSelected } from "./actions.ts";
+import { LiveMark } from "../panels/aged.tsx";
 import { Downloads } from "../panels/downloads.tsx";
+import { isFaded, liveAge } from "../state/age.ts";
 import { svgOf } from "../plots/picture.ts";
 import type { Medium } from "../model/rays.ts";
 import { compact } from "../state/compact.ts";
@@ -344,10 +346,12 @@ export function Section() {
   });
   return (
     <div class="drawing">
+      {/* Pending changes are drawn at once; a whole text is, when it was read. */}
+      {draft.value !== null && <LiveMark />}
       <Viewpoint />
       <svg
         ref={svg}
-        class="section"
+        class={`section${isFaded(liveAge.value) ? ` of-before turn-${resultCount.value % 2}` : ""}`}
         viewBox={`0 0 460 ${height}`}
         role="group"
         aria-label="The display, its light and its viewer"

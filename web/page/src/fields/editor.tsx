@@ -14,7 +14,7 @@ import { List, Text, type Props } from "./text.tsx";
 /** Changes a number. If it is one of several fractions with the sum 1, the others change in proportion. */
 function change(path: string, value: number): void {
   const group = groupOf(fields.value, path);
-  if (group && group.size > 1 && value >= 0 && value <= 1) edit(balanced(group, path, value), path);
+  if (group && group.size > 1 && value >= 0 && value <= 1) edit(balanced(group, path, value));
   else set(path, value);
 }
 
@@ -23,7 +23,7 @@ export function Editor(props: Props) {
   const { node, def } = found;
   if (node.enum)
     return (
-      <Choice id={props.id} value={String(value)} options={node.enum.map(String)} change={(v) => set(path, v, "")} />
+      <Choice id={props.id} value={String(value)} options={node.enum.map(String)} change={(v) => set(path, v)} />
     );
   if (node.type === "boolean") return <Toggle {...props} />;
   if (def === "MaterialSpec") return <Material {...props} />;
@@ -70,7 +70,7 @@ function Share(props: Props) {
         label={`${name}: specified as`}
         value={now}
         options={options}
-        change={(as) => set(path, as === "number" ? 0.5 : as, "")}
+        change={(as) => set(path, as === "number" ? 0.5 : as)}
       />
       {now === "number" && <Quantity {...props} />}
     </div>
@@ -87,7 +87,7 @@ function Toggle({ id, path, value }: Props) {
         id={id}
         type="checkbox"
         checked={value === true}
-        onChange={(event) => set(path, event.currentTarget.checked, "")}
+        onChange={(event) => set(path, event.currentTarget.checked)}
       />
       <span>{value === true ? "yes" : "no"}</span>
     </label>

@@ -56,7 +56,7 @@ function Model({ path, found, value }: { path: string; found: Found; value: Json
       ([key]) => key === "share" || (key === "kind" && path.startsWith("display.layers")),
     );
     const kept = which.key === "kind" ? {} : Object.fromEntries(stays);
-    set(path, { ...starters[name], ...kept }, "");
+    set(path, { ...starters[name], ...kept });
   };
   return (
     <div class="field">
@@ -144,7 +144,7 @@ function Group({ path, found, name, value }: { path: string; found: Found; name:
   const model = String(value["model"] ?? "lambertian");
   const choose = (to: string) => {
     const rest = Object.entries(value).filter(([key]) => !LOBE_KEYS.includes(key));
-    set(path, { ...Object.fromEntries(rest), model: to, ...LOBES[to] }, "");
+    set(path, { ...Object.fromEntries(rest), model: to, ...LOBES[to] });
   };
   const wrong = problemsAt(path);
   return (

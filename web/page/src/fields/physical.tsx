@@ -42,7 +42,7 @@ export function Material(props: Props) {
         label={`${props.name}: specified as`}
         value={form}
         options={Object.keys(starts)}
-        change={(as) => set(path, starts[as], "")}
+        change={(as) => set(path, starts[as])}
       />
       {form === "number" && number("", value as number)}
       {form === "n, k" && (
@@ -76,7 +76,7 @@ export function Light(props: Props) {
         label={`${props.name}: specified as`}
         value={form}
         options={Object.keys(starts)}
-        change={(as) => set(path, starts[as], "")}
+        change={(as) => set(path, starts[as])}
       />
       {!model && <NameOrFile {...props} kind="illuminants" />}
       {isTable(value) && (
@@ -145,7 +145,7 @@ export function Angles(props: Props) {
         label={`${name}: specified as`}
         value={form}
         options={Object.keys(starts)}
-        change={(as) => set(path, starts[as], "")}
+        change={(as) => set(path, starts[as])}
       />
       {form === "one" && (
         <NumberField

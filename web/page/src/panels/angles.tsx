@@ -78,7 +78,7 @@ export function AnglesPanel() {
   const before = useFollowed<Angles>("angles", request, REST_MS, pinned.value?.text ?? null);
   const x = now.value?.theta_deg ?? [];
   const own = curvesOf(now.value, metric.value);
-  const kept = before.value && before.value.theta_deg.length === x.length ? curvesOf(before.value, metric.value) : [];
+  const kept = before.value && before.age === "current" && before.value.theta_deg.length === x.length ? curvesOf(before.value, metric.value) : [];
   const dashed = kept.map((curve) => ({ ...curve, name: `${curve.name}, pinned`, width: 1, dash: [12, 3, 3, 3] }));
   const at = under.value;
   const theta = at === null ? undefined : x[at];
@@ -113,7 +113,7 @@ export function AnglesPanel() {
         />
       </div>
       <Problems of={now.problems} />
-      <Aged age={now.busy && now.value ? "computing" : "current"}>
+      <Aged age={now.value ? now.age : "current"} count={now.count}>
         {now.value && (
           <p class="figure-tools">
             <Downloads name="angles" svg={() => curvesSvg(plot)} table={() => tableOf(now.value)} />

@@ -8,11 +8,13 @@ import { deltaE2000, type Lab } from "../model/difference.ts";
 import { differences, partOf } from "../model/keys.ts";
 import { isTable, type Json } from "../model/json.ts";
 import { coloursOf } from "../plots/patches.tsx";
-import { result, selected, states, text, title, view } from "../state/design.ts";
+import { result, resultCount, selected, states, text, title, view } from "../state/design.ts";
 import { open } from "../state/open.ts";
 import type { Rows } from "../model/csv.ts";
 import { hoverClass, pointsAt } from "../state/hover.ts";
 import { pin, pinned, pinnedView, unpin } from "../state/pin.ts";
+import { liveAge } from "../state/age.ts";
+import { Aged, ContentContext } from "./aged.tsx";
 import { Downloads } from "./downloads.tsx";
 import { MeasuredPanel } from "./measured.tsx";
 
@@ -150,15 +152,19 @@ function PinnedPanel() {
         <button type="button" onClick={unpin}>
           Unpin
         </button>
-        <Downloads name="keys" table={keysTable} />
-        <Downloads name="colours" table={coloursTable} />
+        <ContentContext.Provider value={{ age: liveAge.value }}>
+          <Downloads name="keys" table={keysTable} />
+          <Downloads name="colours" table={coloursTable} />
+        </ContentContext.Provider>
       </div>
-      <div class="compare">
-        <div class="scroll" tabindex={0} role="region" aria-label="Keys that differ">
-          <Keys />
+      <Aged age={liveAge.value} count={resultCount.value}>
+        <div class="compare">
+          <div class="scroll" tabindex={0} role="region" aria-label="Keys that differ">
+            <Keys />
+          </div>
+          <Colours />
         </div>
-        <Colours />
-      </div>
+      </Aged>
     </>
   );
 }

@@ -41,7 +41,8 @@ export function ConePanel() {
         </select>
       </div>
       <Problems of={now.problems} />
-      <Aged age={now.busy ? "computing" : "current"}>
+      <Aged age={now.value ? now.age : "current"} count={now.count}>
+        {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
         {now.value?.figures.map(({ name, svg }) => (
           <Drawn
             key={name}
@@ -52,7 +53,7 @@ export function ConePanel() {
           />
         ))}
       </Aged>
-      {before.value && pinned.value && (
+      {before.value && before.age === "current" && pinned.value && (
         <>
           <h3>Pinned: {pinned.value.title}</h3>
           {before.value.figures.map(({ name, svg }) => (

@@ -133,7 +133,12 @@ function Follow({ kind }: { kind: Kind }) {
   return (
     <>
       <Problems of={now.problems} />
-      <Aged age={now.busy ? "computing" : "current"}>{now.value && <Shown of={now.value} kind={kind} />}</Aged>
+      {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
+      {now.value && (
+        <Aged age={now.age} count={now.count}>
+          <Shown of={now.value} kind={kind} />
+        </Aged>
+      )}
     </>
   );
 }

@@ -1,9 +1,13 @@
-// A menu that saves a table as CSV and a figure as SVG or PNG.
+// A menu that saves a table as CSV and a figure as SVG or PNG. What is saved belongs to the current design; the name of a file tells where not.
+
+import { useContext, useRef } from "preact/hooks";
 
 import { pngOf } from "../plots/picture.ts";
 import { csv, type Rows } from "../model/csv.ts";
 import { exact } from "../state/live.ts";
 import { said } from "../state/said.ts";
+import type { Age } from "../state/revision.ts";
+import { ContentContext } from "./aged.tsx";
 import { fileName } from "./file-name.ts";
 import { Menu } from "./menu.tsx";
 import { save } from "./save.ts";
@@ -18,7 +22,35 @@ interface Props {
   svg?: () => Maybe<string>;
 }
 
-export function Downloads({ name, table, svg }: Props) {
+/** Longest time to wait for what is being computed, and time between two looks at it, ms. */
+const LONGEST_MS = 120_000;
+const LOOK_MS = 50;
+
+/** What is added to the name of a file that does not belong to the current design. */
+const ofWhich = (age: Age, thing = "design"): string =>
+  age === "refused" ? `-of-last-valid-${thing}` : age === "earlier" ? `-of-earlier-${thing}` : "";
+
+const isComputing = (age: Age): boolean => age === "before" || age === "settings" || age === "first";
+
+/** Waits until what is shown is exact and that of the current design, and returns its age. */
+async function settledAge(now: () => Age): Promise<Age> {
+  // What is saved is exact, if there is an exact answer. The page shows it in the next frame.
+  await exact();
+  const look = () => new Promise((resolve) => setTimeout(resolve, LOOK_MS));
+  await look();
+  if (isComputing(now())) said.value = "Waiting for what is being computed…";
+  for (let waited = 0; isComputing(now()) && waited < LONGEST_MS; waited += LOOK_MS) await look();
+  const age = now();
+  if (isComputing(age) || age === "failed")
+    throw new Error("Not saved: what is shown does not belong to the current design.");
+  return age;
+}
+
+export function Downloads(props: Props) {
+  const { name, table, svg } = props;
+  const content = useContext(ContentContext);
+  const shown = useRef({ props, content });
+  shown.current = { props, content };
   const items = [
     ...(table ? [{ name: "csv", label: "Table (CSV)" }] : []),
     ...(svg
@@ -29,6 +61,7 @@ export function Downloads({ name, table, svg }: Props) {
       : []),
   ];
   const bytes = async (as: string): Promise<Blob> => {
+    const { table, svg } = shown.current.props;
     if (as === "csv") {
       const rows = await table!();
       return new Blob([typeof rows === "string" ? rows : csv(rows)], { type: "text/csv" });
@@ -38,9 +71,9 @@ export function Downloads({ name, table, svg }: Props) {
   };
   const choose = async (as: string) => {
     try {
-      // What is saved is exact, if there is an exact answer.
-      await exact();
-      save(`${fileName()}-${name}.${as}`, await bytes(as));
+      const age = await settledAge(() => shown.current.content.age);
+      const { thing, name: own } = shown.current.content;
+      save(`${own ?? fileName()}-${name}${ofWhich(age, thing)}.${as}`, await bytes(as));
       said.value = `${name}.${as} is saved.`;
     } catch (why) {
       said.value = why instanceof Error ? why.message : String(why);

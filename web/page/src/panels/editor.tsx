@@ -4,6 +4,7 @@ import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSe
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { KINDS } from "../model/kinds.ts";
 import { films, layers } from "../model/stack.ts";
+import { firstError, isFaded, liveAge } from "../state/age.ts";
 import { answer, draft, draftName, fields, pending, problems, selected } from "../state/design.ts";
 import { discard, edit } from "../state/live.ts";
 import { wanted } from "../state/ready.ts";
@@ -150,7 +151,9 @@ function Refusal() {
               ? `${changes || "The change"} is not applied.`
               : "The design cannot be computed."}
         </b>{" "}
-        The result is that of the last valid design.
+        {isFaded(liveAge.value)
+          ? "The result is that of the last valid design."
+          : `The exact result cannot be computed; what is shown is a first answer${firstError.value}.`}
       </p>
       <Elsewhere />
       <div class="mend">

@@ -55,16 +55,16 @@ function File({ file }: { file: Dropped }) {
       <header>
         <h3>{file.name}</h3>
         <small>
-          {audit ? `${KINDS[audit.kind] ?? audit.kind}, ` : ""}
+          {audit && !file.isReading ? `${KINDS[audit.kind] ?? audit.kind}, ` : ""}
           {size(file.bytes)}
         </small>
         <button type="button" onClick={() => forget(file.name)} aria-label={`Remove ${file.name}`}>
           Remove
         </button>
       </header>
-      {!audit && file.problems.length === 0 && <p role="status">Reading…</p>}
+      {file.isReading && <p role="status">Reading…</p>}
       <Problems of={file.problems} />
-      {audit && (
+      {audit && !file.isReading && (
         <>
           <p class="uses">
             {audit.kind === "panel" && (

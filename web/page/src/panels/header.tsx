@@ -2,9 +2,9 @@
 
 import { named, postForBlob, Refused } from "../api/client.ts";
 import { addressOf, show } from "../state/address.ts";
-import { fields, held, opening, text, title } from "../state/design.ts";
-import { fileIds } from "../state/files.ts";
-import { edit } from "../state/live.ts";
+import { draft, fields, held, opening, pending, text, title } from "../state/design.ts";
+import { fileIds, keptIds } from "../state/files.ts";
+import { edit, isTyped } from "../state/live.ts";
 import { isNew, open, redo, undo } from "../state/open.ts";
 import { pin, pinned, unpin } from "../state/pin.ts";
 import { ready } from "../state/ready.ts";
@@ -16,6 +16,7 @@ import { showTab } from "../state/tab.ts";
 import { theme, type Theme } from "../state/theme.ts";
 import { run, walk } from "../state/walk.ts";
 import { canRedo, canUndo } from "../state/undo.ts";
+import { missing, wholeText } from "../state/whole.ts";
 import type { Edit } from "../api/types.ts";
 import { at } from "../model/json.ts";
 import { FileButton } from "./choose.tsx";
@@ -24,16 +25,20 @@ import { Menu } from "./menu.tsx";
 import { pngOf } from "../plots/picture.ts";
 import { save } from "./save.ts";
 
-/** Returns the uploaded files that the scenario uses and that are not part of its text, as an end of a sentence. */
-function withoutFiles(): string {
-  const left = Object.keys(fileIds.value).filter((name) => text.value.includes(JSON.stringify(name)));
+/** Returns the uploaded files that a scenario uses and that are not part of its text, as an end of a sentence. */
+function withoutFiles(scenario: string): string {
+  const left = Object.keys(keptIds.value).filter((name) => scenario.includes(JSON.stringify(name)));
   return left.length > 0 ? `, but not its files: ${left.join(", ")}` : "";
 }
 
 async function saveText(): Promise<void> {
-  if (!(await ready("saved"))) return;
-  save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }));
-  if (withoutFiles()) said.value = `The scenario is saved${withoutFiles()}. Keep them in the same folder.`;
+  // A text that is being typed belongs to the user as it is, with its mistakes.
+  const whole = isTyped() && pending.value.length === 0 ? { text: draft.value!, left: [] } : await wholeText("saved");
+  if (whole === null) return;
+  save(`${fileName()}.toml`, new Blob([whole.text], { type: "application/toml" }));
+  const files = withoutFiles(whole.text);
+  if (files || whole.left.length > 0)
+    said.value = `The scenario is saved${files}${files && ". Keep them in the same folder"}${missing(whole)}.`;
 }
 
 function runWalk(): void {
@@ -42,15 +47,16 @@ function runWalk(): void {
 }
 
 async function copyLink(): Promise<void> {
-  if (!(await ready("linked"))) return;
-  const scenario = text.value;
+  const whole = await wholeText("linked");
+  if (whole === null) return;
+  const scenario = whole.text;
   const address = await addressOf(scenario);
   try {
     await navigator.clipboard.writeText(address);
-    said.value = `The link is copied to the clipboard. It contains the whole scenario${withoutFiles()}.`;
+    said.value = `The link is copied to the clipboard. It contains the whole scenario${withoutFiles(scenario)}${missing(whole)}.`;
   } catch {
     show(address, scenario);
-    said.value = `The address of the page now contains the whole scenario${withoutFiles()}.`;
+    said.value = `The address of the page now contains the whole scenario${withoutFiles(scenario)}${missing(whole)}.`;
   }
 }
 
@@ -153,7 +159,7 @@ export function Header() {
         readOnly={opening.value !== ""}
         value={title.value}
         onInput={(event) => (held.value = titled(event.currentTarget.value))}
-        onChange={(event) => edit([titled(event.currentTarget.value)], "title")}
+        onChange={(event) => edit([titled(event.currentTarget.value)])}
         onBlur={() => (held.value = null)}
         spellcheck={false}
       />
@@ -175,7 +181,11 @@ export function Header() {
         {earlier.value.length > 0 && (
           <Menu
             title="Designs of other tabs and earlier visits"
-            items={earlier.value.map(({ id, title, at }) => ({ name: id, label: title, summary: when(at) }))}
+            items={earlier.value.map(({ id, title, change, at }) => ({
+              name: id,
+              label: title,
+              summary: when(at) + (change && `: ${change}`),
+            }))}
             choose={takeUp}
             opens={lookForEarlier}
           >

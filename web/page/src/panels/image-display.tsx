@@ -7,11 +7,13 @@ import { degrees } from "../model/format.ts";
 import { anglesOf, fitting, limited, type Tilt } from "../model/perspective.ts";
 import { painterOf } from "../plots/painter.ts";
 import { LARGE_PX, type Painter } from "../plots/seen.ts";
+import { isFaded, markOf } from "../state/age.ts";
 import { eye, lampsSeen } from "../state/eye.ts";
 import {
   drags,
   exposed,
   factors,
+  imageAge,
   isGlaring,
   isTilting,
   middle,
@@ -24,6 +26,7 @@ import {
   zoom,
   zoomBy,
 } from "../state/image.ts";
+import { AgeMark, fadedClass } from "./aged.tsx";
 import { mirrors, subPixelsOf, veils } from "./image-parts.ts";
 
 /** Inclination for a pixel of the pointer, degrees. */
@@ -73,8 +76,14 @@ export function useDrawing(draw: (canvas: HTMLCanvasElement) => ((painter: Paint
   return ref;
 }
 
+/** The class of what belongs to the picture. Of the same design, seen from elsewhere, it stays clear. */
+export const imageClass = (): string =>
+  imageAge.value === "settings" ? "" : fadedClass(imageAge.value, shown.value?.count ?? 0);
+
 /** Which picture is shown. */
 function which({ isFresh, seen: { head } }: Shown): string {
+  const mark = markOf(imageAge.value);
+  if (mark) return mark.words;
   if (head.held === null) return "exact colours without a halftone, which no panel of these states can show";
   if (isFresh && head.prepared_elsewhere) return "a picture prepared for another light, by image.prepared_for";
   return `a picture prepared for ${isFresh ? "this" : "an earlier"} light and view`;
@@ -156,7 +165,8 @@ export function Display() {
   const { theta_deg, phi_deg } = anglesOf(tilt.value);
   const direction = `${degrees(theta_deg)}${phi_deg === 0 ? "" : `, azimuth ${degrees(phi_deg)}`}`;
   return (
-    <figure class="seen-display">
+    <figure class={`seen-display${imageClass()}`} data-age={imageAge.value} aria-busy={isFaded(imageAge.value)}>
+      <AgeMark age={imageAge.value} count={now?.count ?? 0} />
       <canvas
         ref={ref}
         tabindex={0}

@@ -5,10 +5,11 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { hex, times, type Triple } from "../model/colour.ts";
 import { degrees, digits, plain } from "../model/format.ts";
-import { at, textAt } from "../model/json.ts";
+import { textAt } from "../model/json.ts";
 import { camera, fitting } from "../model/perspective.ts";
 import { D65, onScreen, PAPER, SCREEN_REFLECTANCE, type ScreenLight, type White } from "../model/seen.ts";
 import { AGE } from "../model/glare.ts";
+import { markOf } from "../state/age.ts";
 import { compact, part } from "../state/compact.ts";
 import { answer, fields, text } from "../state/design.ts";
 import { FAR, imagesOfLamps, isSizeKnown, lampsSeen, veil_cd_m2 } from "../state/eye.ts";
@@ -19,6 +20,7 @@ import {
   follow,
   halftone,
   holds,
+  imageAge,
   imageProblems,
   isGlaring,
   isTilting,
@@ -38,7 +40,7 @@ import {
 import { said } from "../state/said.ts";
 import { FileButton } from "./choose.tsx";
 import { fileName } from "./file-name.ts";
-import { Display, useDrawing } from "./image-display.tsx";
+import { Display, imageClass, useDrawing } from "./image-display.tsx";
 import { Menu } from "./menu.tsx";
 import { Problems } from "./problems.tsx";
 import { save } from "./save.ts";
@@ -233,17 +235,23 @@ function Images() {
   );
 }
 
+/** The mark of the words about the picture, which is read out at the picture. */
+const LegendMark = () => {
+  const mark = markOf(imageAge.value);
+  return mark && <b>{`${mark.words}: `}</b>;
+};
+
 /** Which picture is shown, and what is contained in it. */
 function Legend() {
   const now = shown.value;
   if (!now) return null;
   const { head, size } = now.seen;
-  const isGiven = ["file", "text", "pattern"].some((key) => typeof at(fields.value, `image.${key}`) === "string");
   const panel = head.panel;
   const isPart = panel && (panel[0] !== size[0] || panel[1] !== size[1]);
   return (
-    <p class="remark">
-      {pictureName.value ?? (isGiven ? "Picture of the scenario" : "A page of text and a photograph")}: {size[0]} × {size[1]} pixels
+    <p class={`remark${imageClass()}`}>
+      <LegendMark />
+      {now.picture}: {size[0]} × {size[1]} pixels
       {isPart && ` of the same size as the ${panel[0]} × ${panel[1]} of the display`}.{" "}
       {head.held === null
         ? "Without a halftone, there are no states for the panel to download."
@@ -276,7 +284,7 @@ export function ImagePanel() {
       <Problems of={imageProblems.value} />
       <div class="seen-all">
         <Display />
-        <div class="beside">
+        <div class={`beside${imageClass()}`}>
           <Screen />
           <Paper />
         </div>

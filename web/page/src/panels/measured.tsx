@@ -160,9 +160,12 @@ function Follow({ name, id }: { name: string; id: string }) {
   return (
     <>
       <Problems of={now.problems} />
-      <Aged age={now.busy ? "computing" : "current"}>
-        {now.value && <Comparison compared={now.value} name={name} />}
-      </Aged>
+      {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
+      {now.value && (
+        <Aged age={now.age} count={now.count}>
+          <Comparison compared={now.value} name={name} />
+        </Aged>
+      )}
     </>
   );
 }
@@ -195,7 +198,7 @@ export function MeasuredPanel() {
           are matched by name, directions to within 1°.
         </span>
       </div>
-      {id && <Follow name={name} id={id} />}
+      {id && <Follow key={id} name={name} id={id} />}
     </section>
   );
 }

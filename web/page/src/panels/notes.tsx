@@ -4,6 +4,7 @@ import { digits } from "../model/format.ts";
 import { at } from "../model/json.ts";
 import { answer, fields, result } from "../state/design.ts";
 import { openTab, showTab } from "../state/tab.ts";
+import { LiveMark, liveClass } from "./aged.tsx";
 
 /** The tables of a scenario that are not part of its result, and what uses them. */
 const STUDIES = {
@@ -42,7 +43,7 @@ export function Notes() {
   const took = answer.value?.cost_ms;
   const error = `\u00b1${digits(100 * now.solver.relative_error_reached, 2)} %`;
   return (
-    <footer class="notes">
+    <footer class={`notes${liveClass()}`}>
       {now.warnings.map((words) => (
         <p class="warning" key={words}>
           <b>Warning:</b> {words}
@@ -55,7 +56,7 @@ export function Notes() {
         </p>
       ))}
       <p class="trace">
-        Papilio {now.papilio}, {now.solver.method}, {now.solver.is_final ? "exact to" : "first answer"} {error}
+        <LiveMark /> Papilio {now.papilio}, {now.solver.method}, {now.solver.is_final ? "exact to" : "first answer"} {error}
         {took === undefined ? "" : `, ${took.toFixed(1)} ms`}; scenario{" "}
         <code title={`SHA-256 of the scenario and its files: ${now.hash}`}>{now.hash.slice(0, 12)}</code>
       </p>

@@ -6,7 +6,7 @@ import { plain } from "../model/format.ts";
 import { words } from "../model/words.ts";
 import { labelOf } from "../state/labels.ts";
 import { set } from "../state/live.ts";
-import { computeByMonteCarlo, progress, rescue } from "../state/rescue.ts";
+import { computeByMonteCarlo, isOfNow, progress, rescue } from "../state/rescue.ts";
 
 /** Returns the label of the button that sets a key to a value. */
 function offer(path: string, value: unknown): string {
@@ -17,7 +17,7 @@ function offer(path: string, value: unknown): string {
 
 /** The run of the Monte Carlo solver in place of adding, with its progress. */
 function ByMonteCarlo() {
-  const isRunning = rescue.phase.value === "running";
+  const isRunning = isOfNow.value && rescue.phase.value === "running";
   const error = progress.value?.relative_error;
   return (
     <span class="mend">
@@ -34,7 +34,7 @@ function ByMonteCarlo() {
         {isRunning &&
           (error === undefined ? "computing…" : `computing, relative error ${(100 * error).toPrecision(2)} %`)}
       </small>
-      <Problems of={rescue.problems.value} />
+      {isOfNow.value && <Problems of={rescue.problems.value} />}
     </span>
   );
 }
@@ -45,7 +45,7 @@ function Mend({ of }: { of: Problem }) {
   if (!path || accepted === undefined || accepted === null) return null;
   return (
     <span class="mend">
-      <button type="button" class="run" onClick={() => set(path, accepted, "")}>
+      <button type="button" class="run" onClick={() => set(path, accepted)}>
         {offer(path, accepted)}
       </button>
     </span>

@@ -32,7 +32,7 @@ function Reader() {
             <span>
               {name}: {text}, not specified
             </span>{" "}
-            <button type="button" class="quiet" onClick={() => set(path, reader[key], "")}>
+            <button type="button" class="quiet" onClick={() => set(path, reader[key])}>
               Set {name.toLowerCase()}
             </button>
           </div>

@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 
 import { fixed } from "../model/format.ts";
+import { liveAge } from "../state/age.ts";
 import { view } from "../state/design.ts";
 
 /** Time without changes after which the summary is announced, ms. */
@@ -11,7 +12,8 @@ const REST_MS = 900;
 
 export function Spoken() {
   const words = useSignal("");
-  const now = view.value;
+  const isCurrent = liveAge.value === "current" || liveAge.value === "first";
+  const now = isCurrent ? view.value : null;
   useEffect(() => {
     if (!now) return;
     const say = () => {

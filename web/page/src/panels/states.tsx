@@ -15,7 +15,7 @@ function drive(state: string, sub: string, to: Drive): void {
     [...drives(fields.value, state)].map(([name, value]) => [name, name === sub ? to : value]),
   );
   const named = Object.fromEntries(Object.entries(own).filter(([, value]) => value !== 0));
-  set(join("display.pixel.states", state), named, `${state}.${sub}`);
+  set(join("display.pixel.states", state), named);
 }
 
 function SubPixel({ state, sub, value }: { state: string; sub: string; value: Drive }) {

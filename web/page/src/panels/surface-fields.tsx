@@ -236,10 +236,10 @@ function CoatingField() {
 }
 
 /** The text of the surface, which is measured when it is left. */
-function Text() {
+function Text({ isOpen = false }: { isOpen?: boolean }) {
   const wrong = problems.value.filter(({ path }) => !path);
   return (
-    <details class="more">
+    <details class="more" {...(isOpen ? { open: true } : {})}>
       <summary>Text (TOML)</summary>
       <textarea
         class="surface-text"
@@ -258,6 +258,16 @@ function Text() {
 export function SurfaceFields() {
   const found = schema.value?.find(ROOT, values.value);
   if (!found || !schema.value) return null;
+  if (own.value["surface"] === undefined)
+    // A text that was not read yet, or cannot be: the fields of another surface would have the wrong values.
+    return (
+      <div class="surface-fields">
+        <p class="remark" role="status">
+          {problems.value.length > 0 ? "The fields are shown when the text can be read." : "reading the surface…"}
+        </p>
+        <Text key={problems.value.length > 0 ? "open" : "closed"} isOpen={problems.value.length > 0} />
+      </div>
+    );
   const kind = schema.value.chosen(found.node, own.value);
   const names = Object.keys(kind.properties ?? {}).filter((key) => key !== "surface" && key !== "coating");
   const keys = ordered(String(own.value["surface"]), names);

@@ -40,6 +40,7 @@ function OfDesign() {
 /** Why the surface cannot be a layer of a display; "" if it can. */
 function unusable(): string {
   const own = state.own.value;
+  if (state.age.value === "failed") return "What cannot be measured cannot be a layer.";
   if (own["surface"] === "volume") return "A volume is no face, and cannot be a layer.";
   if (own["coating"]) return "A coated surface cannot be a layer.";
   return "";
@@ -117,7 +118,8 @@ function Refusal() {
   return (
     <div class="refusal">
       <p>
-        <b>This surface cannot be measured.</b> The numbers are those of the last one that could.
+        <b>This surface cannot be measured.</b>{" "}
+        {state.age.value === "refused" && "The numbers are those of the last one that could, before this change."}
       </p>
       <Problems of={loose} />
       {state.pending.value.length > 0 && (
@@ -136,6 +138,8 @@ export function SurfacePanel() {
   }, []);
   useEffect(state.again, [fileIds.value]);
   const kind = SURFACES[String(state.own.value["surface"] ?? "")];
+  // Numbers of another surface are not shown below the name of one that cannot be measured.
+  const shown = state.age.value === "failed" ? null : state.gonio.value;
   return (
     <section aria-label="Surface">
       <OfDesign />
@@ -145,9 +149,9 @@ export function SurfacePanel() {
         <SurfaceFields />
         <div>
           <Refusal />
-          <Aged age={state.busy.value && state.gonio.value ? "computing" : "current"}>
-            {state.gonio.value ? (
-              <SurfaceResult of={state.gonio.value} />
+          <Aged age={shown ? state.age.value : "current"} thing="surface" name={state.name.value || "surface"}>
+            {shown ? (
+              <SurfaceResult of={shown} />
             ) : (
               <p role="status">
                 {state.problems.value.length > 0 ? "no result" : `measuring ${kind?.name ?? "the surface"}…`}

@@ -16,11 +16,11 @@ import { Map as Field } from "../plots/map.tsx";
 import { svgOf } from "../plots/picture.ts";
 import { states } from "../state/design.ts";
 import {
+  age,
   apply,
   axes,
   done,
   isOfFile,
-  isStale,
   keep,
   metric,
   ofFile,
@@ -225,7 +225,7 @@ function Result() {
   const chosen = points.value.find((point) => point.index === selectedPoint.value);
   const last = points.value.reduce((end, point) => (point.index > end.index ? point : end));
   return (
-    <Aged age={isStale.value ? "earlier" : "current"}>
+    <Aged age={age.value}>
       {swept.value.length === 1 ? <Line axis={axis} best={best} /> : <Plane best={best} />}
       <div class="controls">
         <label for="sweep-best">Best point</label>
@@ -316,7 +316,7 @@ export function SweepPanel() {
             </button>
           )}
         </div>
-        <Problems of={sweep.problems.value} />
+        {age.value === "current" && <Problems of={sweep.problems.value} />}
         <AxesFields />
       </div>
       <div class="sweep-result">

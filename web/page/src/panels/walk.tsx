@@ -6,7 +6,7 @@ import type { Rows as Cells } from "../model/csv.ts";
 import { count, digits, fixed, plain, signed } from "../model/format.ts";
 import { numberAt } from "../model/json.ts";
 import { fields, viewIndex } from "../state/design.ts";
-import { aim, course, progress, run, stale, walk } from "../state/walk.ts";
+import { age, aim, course, progress, run, walk } from "../state/walk.ts";
 import { curvesSvg } from "../plots/curves-svg.ts";
 import { Curves, type Plot } from "../plots/curves.tsx";
 import { dark } from "../state/theme.ts";
@@ -164,8 +164,8 @@ export function WalkPanel() {
           {walk.phase.value === "done" && ", done"}
         </span>
       </div>
-      <Problems of={walk.problems.value} />
-      <Aged age={stale.value ? "earlier" : "current"}>
+      {age.value === "current" && <Problems of={walk.problems.value} />}
+      <Aged age={now || course.value.length > 0 ? age.value : "current"}>
         {states.length > 0 && (
           <>
             <div class="scroll" tabindex={0} role="region" aria-label="Monte Carlo and adding">

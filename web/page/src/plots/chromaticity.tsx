@@ -8,6 +8,7 @@ import type { View } from "../api/types.ts";
 import { hex, linearSrgb, type Triple } from "../model/colour.ts";
 import { fixed, withError } from "../model/format.ts";
 import { EBU, LOCUS, NAMED_NM, SRGB } from "../model/locus.ts";
+import { LiveMark } from "../panels/aged.tsx";
 import { Downloads } from "../panels/downloads.tsx";
 import { result, showState, states, view } from "../state/design.ts";
 import { highlighted, hovered, pointsAt } from "../state/hover.ts";
@@ -226,7 +227,7 @@ export function Chromaticity() {
     <figure class="chromaticity">
       <figcaption>
         <span>
-          Chromaticity <small>u′v′, CIE 1976</small>
+          Chromaticity <small>u′v′, CIE 1976</small> <LiveMark />
         </span>
         <Downloads
           name="chromaticity"

@@ -5,6 +5,7 @@ import { useComputed, useSignal } from "@preact/signals";
 import type { View } from "../api/types.ts";
 import { fixed } from "../model/format.ts";
 import { stroke } from "../model/states.ts";
+import { LiveMark } from "../panels/aged.tsx";
 import { Downloads } from "../panels/downloads.tsx";
 import { result, shownState, states, title, view } from "../state/design.ts";
 import { hoverClass, hovered, pointsAt } from "../state/hover.ts";
@@ -85,7 +86,8 @@ export function Spectra() {
             {nm === null || nm === undefined
               ? "move the pointer over the curves to read values"
               : `at ${fixed(nm, 0)} nm`}
-          </small>
+          </small>{" "}
+          <LiveMark />
         </span>
         <Downloads name="spectra" table={table} svg={() => curvesSvg(plot)} />
       </figcaption>

@@ -9,7 +9,8 @@ import { computed, signal } from "@preact/signals";
 import type { Edit, Live, Problem, Result } from "../api/types.ts";
 import { textAt, type Json } from "../model/json.ts";
 import type { Schema } from "../model/schema.ts";
-import { edited } from "./edits.ts";
+import { edited, type Change } from "./edits.ts";
+import type { Revision } from "./revision.ts";
 
 /** The TOML to which the shown result belongs. */
 export const text = signal("");
@@ -20,11 +21,15 @@ export const draftName = signal("");
 /** The name of an example or a file that is being opened, or "". */
 export const opening = signal("");
 /** Edits that are not in the text yet. */
-export const pending = signal<readonly Edit[]>([]);
+export const pending = signal<readonly Change[]>([]);
 /** The edit of a text box that still has the focus. It becomes pending when the focus or the page is lost. */
 export const held = signal<Edit | null>(null);
 /** The last response of the server. */
 export const answer = signal<Live | null>(null);
+/** The design to which it belongs. */
+export const resultOf = signal<Revision>("");
+/** The number of results so far. */
+export const resultCount = signal(0);
 /** The errors of the pending edits or of the draft. */
 export const problems = signal<readonly Problem[]>([]);
 /** The errors because of which the page could not start. */

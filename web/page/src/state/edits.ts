@@ -4,16 +4,33 @@
 import type { Edit } from "../api/types.ts";
 import { at, isTable, split, type Json } from "../model/json.ts";
 
+/** An edit, and the gesture that made it (gesture.ts); "" for one that is an undo step of its own. */
+export type Change = Edit & { readonly gesture?: string };
+
+/** The edits of changes, as the server reads them. */
+export const editsOf = (changes: readonly Change[]): Edit[] => changes.map(({ gesture: _, ...edit }) => edit as Edit);
+
+/** The changes of each gesture, in order. */
+export function byGesture(changes: readonly Change[]): Change[][] {
+  const groups: Change[][] = [];
+  for (const change of changes) {
+    const last = groups.at(-1);
+    if (last && last[0]!.gesture && last[0]!.gesture === change.gesture) last.push(change);
+    else groups.push([change]);
+  }
+  return groups;
+}
+
 /**
- * Appends `more` to `edits`. If a key is set again, only the newer value is kept, unless entries were inserted, removed
+ * Appends `more` to `edits`. If a key is set again by the same gesture, only the newer value is kept, unless entries were inserted, removed
  * or moved in between.
  */
-export function merged(edits: readonly Edit[], more: readonly Edit[]): Edit[] {
+export function merged(edits: readonly Change[], more: readonly Change[]): Change[] {
   const all = [...edits];
   for (const edit of more) {
     const barrier = all.findLastIndex((earlier) => earlier.op !== "set");
     const same =
-      edit.op === "set" ? all.findIndex((e, i) => i > barrier && e.op === "set" && e.path === edit.path) : -1;
+      edit.op === "set" ? all.findIndex((e, i) => i > barrier && e.op === "set" && e.path === edit.path && e.gesture === edit.gesture) : -1;
     if (same >= 0) all.splice(same, 1);
     all.push(edit);
   }

@@ -20,6 +20,8 @@ export interface Dropped {
   readonly audit: Upload | null;
   /** The errors because of which there is no audit. */
   readonly problems: readonly Problem[];
+  /** Whether it is being read. Until then, the design keeps the file of this name that it had. */
+  readonly isReading: boolean;
 }
 
 export const files = signal<readonly Dropped[]>([]);
@@ -44,18 +46,19 @@ function put(file: Dropped): void {
 /** Adds the files of the scenario with which the server was started, without audits. */
 export function adopt(ids: Record<string, string>): void {
   for (const [name, id] of Object.entries(ids))
-    put({ name, bytes: 0, id, audit: { id, name, kind: "spectrum", words: [], figures: [], edits: [] }, problems: [] });
+    put({ name, bytes: 0, id, audit: { id, name, kind: "spectrum", words: [], figures: [], edits: [] }, problems: [], isReading: false });
 }
 
 /** Uploads a file. It is stored in the browser for the next visit after the server has read it. Returns whether it was read. */
 export async function add(name: string, bytes: Blob, id: string | null = null): Promise<boolean> {
-  const file: Dropped = { name, bytes: bytes.size, id, audit: null, problems: [] };
+  const file: Dropped = { name, bytes: bytes.size, id, audit: null, problems: [], isReading: false };
   const limit = `${LARGEST / 1024 / 1024} MiB at most`;
   if (bytes.size > LARGEST) {
     put({ ...file, problems: [{ message: "This file is too large.", expected: limit }] });
     return false;
   }
-  put(file);
+  const former = files.value.find((one) => one.name === name);
+  put({ ...file, id: id ?? former?.id ?? null, audit: former?.audit ?? null, isReading: true });
   try {
     const audit = await upload<Upload>(name, bytes);
     if (audit.id !== id) await keepFile(audit.id, bytes);

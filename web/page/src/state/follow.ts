@@ -6,59 +6,74 @@ import { useEffect } from "preact/hooks";
 
 import { post, Refused, type Work } from "../api/client.ts";
 import type { Problem } from "../api/types.ts";
-import { fileIds } from "./files.ts";
+import { present } from "./age.ts";
 import { text } from "./design.ts";
-import { BUSY } from "./live.ts";
+import { fileIds, keptIds, sendAgain } from "./files.ts";
+import { BUSY } from "./server.ts";
+import { ageOf, revisionOf, type Age, type Revision } from "./revision.ts";
 
 /** Time after which a request to a busy server is repeated, ms. */
 const AGAIN_MS = 1000;
 
 export interface Followed<T> {
+  /** The last result, whose age is `age`; null if there is none, or the current design has none. */
   readonly value: T | null;
+  readonly age: Age;
+  /** Why there is no result of the current design. */
   readonly problems: readonly Problem[];
-  readonly busy: boolean;
+  /** The number of results so far. */
+  readonly count: number;
+}
+
+/** A result or a refusal, with the design and the settings for which it was requested. */
+interface Kept<T> {
+  readonly value: T;
+  readonly design: Revision;
+  readonly settings: string;
+  readonly count: number;
 }
 
 /** Requests `path` for a scenario (by default the current one), with the additional fields `more`. */
-export function useFollowed<T>(
-  path: string,
-  more: object,
-  restMs: number,
-  scenario: string | null = text.value,
-): Followed<T> {
-  const state = useSignal<Followed<T>>({ value: null, problems: [], busy: true });
-  const files = fileIds.value;
-  const request = JSON.stringify([scenario, more, files]);
+export function useFollowed<T>(path: string, more: object, restMs: number, other?: string | null): Followed<T> {
+  const found = useSignal<Kept<T> | null>(null);
+  const refused = useSignal<Kept<readonly Problem[]> | null>(null);
+  const scenario = other === undefined ? text.value : other;
+  const files = keptIds.value;
+  const [design, settings] = [scenario === null ? "" : revisionOf(scenario, files), JSON.stringify(more)];
   useEffect(() => {
-    if (scenario === null) {
-      state.value = { value: null, problems: [], busy: false };
-      return;
-    }
+    if (scenario === null) return;
     const abort = new AbortController();
-    state.value = { ...state.value, busy: true };
+    let isSent = false;
     let rest = setTimeout(async function request() {
       try {
-        const work: Work = { scenario, files };
+        const work: Work = { scenario, files: fileIds.value };
         const value = await post<T>(path, { ...work, ...more }, abort.signal);
-        state.value = { value, problems: [], busy: false };
+        found.value = { value, design, settings, count: (found.value?.count ?? 0) + 1 };
       } catch (why) {
         if (abort.signal.aborted) return;
-        if (why instanceof Refused && why.status === BUSY) {
-          // All places of the server are in use, for example by the same request for the pinned design.
-          rest = setTimeout(request, AGAIN_MS);
+        // All places of the server are in use, for example by the same request for the pinned design; or it has lost the files.
+        const isBusy = why instanceof Refused && why.status === BUSY;
+        if (isBusy || (why instanceof Refused && !isSent && (isSent = await sendAgain(why)))) {
+          if (!abort.signal.aborted) rest = setTimeout(request, AGAIN_MS);
           return;
         }
-        state.value = {
-          value: state.value.value,
-          problems: why instanceof Refused ? why.problems : [{ message: String(why) }],
-          busy: false,
-        };
+        const value = why instanceof Refused ? why.problems : [{ message: String(why) }];
+        refused.value = { value, design, settings, count: 0 };
       }
     }, restMs);
     return () => {
       clearTimeout(rest);
       abort.abort();
     };
-  }, [request]);
-  return state.value;
+  }, [design, settings]);
+  const isOf = (kept: Kept<unknown> | null): boolean => kept?.design === design && kept.settings === settings;
+  const hasFailed = isOf(refused.value) && !isOf(found.value);
+  const now = other === undefined ? present.value : { revision: design, isWaiting: false, isRefused: false };
+  const age = ageOf(found.value?.design ?? "", now);
+  return {
+    value: scenario === null || hasFailed ? null : (found.value?.value ?? null),
+    age: age === "current" && found.value?.settings !== settings ? "settings" : age,
+    count: found.value?.count ?? 0,
+    problems: hasFailed ? refused.value!.value : [],
+  };
 }

@@ -5,23 +5,34 @@ import { batch, computed, signal } from "@preact/signals";
 
 import { postForBlob, postForBytes, Refused, type Work } from "../api/client.ts";
 import type { Problem } from "../api/types.ts";
-import { numberAt } from "../model/json.ts";
+import { at, numberAt } from "../model/json.ts";
 import { anglesOf, type Tilt, tiltOf } from "../model/perspective.ts";
 import { brighter, exposure, intensities, unpacked, type Planes, type ScreenLight, type Seen, type White } from "../model/seen.ts";
 import { answer, fields, states, text, viewIndex } from "./design.ts";
-import { fileIds, sendAgain } from "./files.ts";
-import { BUSY, settled } from "./live.ts";
+import { present } from "./age.ts";
+import { fileIds, keptIds, sendAgain } from "./files.ts";
+import { settled } from "./live.ts";
+import { BUSY } from "./server.ts";
+import { ageOf, revisionOf, type Age, type Revision } from "./revision.ts";
 
 /** Time without changes after which the states are decided again, ms. */
 const REST_MS = 300;
 /** Time after which a request to a busy server is repeated, ms. */
 const AGAIN_MS = 700;
+/** A request older than this is cancelled for another design or view, ms. */
+const PATIENCE_MS = 1000;
 /** Time after which a request to a server that does not respond is repeated, ms. */
 const GONE_MS = 2000;
 
-/** What is seen, with the design and the lights for which it was computed. */
+/** What is seen, with the design, the request and the lights for which it was computed. */
 export interface Shown {
   readonly seen: Seen;
+  readonly design: Revision;
+  readonly request: string;
+  /** How many there were before it. */
+  readonly count: number;
+  /** Name of the picture: that of its file, or in words. */
+  readonly picture: string;
   /** Illuminance of each light, lx. */
   readonly lights: ReadonlyMap<string, number>;
   /** Whether the states were decided for this light and view. */
@@ -29,8 +40,8 @@ export interface Shown {
 }
 
 export const shown = signal<Shown | null>(null);
-export const imageProblems = signal<readonly Problem[]>([]);
-export const isComputing = signal(false);
+/** The last refusal. */
+const refused = signal<{ readonly request: string; readonly problems: readonly Problem[] } | null>(null);
 /** The name of a picture that was dropped or chosen; null: that of the scenario, or the program's own. */
 export const pictureName = signal<string | null>(null);
 /** The halftone that is chosen on the page; null: that of the scenario. */
@@ -108,6 +119,32 @@ const wanted = (): Wanted => ({
   ...anglesOf(tilt.value),
 });
 
+/** What determines the picture. */
+const keyOf = ({ scenario, picture, halftone, theta_deg, phi_deg }: Wanted): string =>
+  JSON.stringify([revisionOf(scenario, keptIds.value), picture, keptIds.value[picture ?? ""], halftone, theta_deg, phi_deg]);
+const wantedKey = computed(() => keyOf(wanted()));
+
+/** Why there is no picture of the current design and settings. */
+export const imageProblems = computed(() => (refused.value?.request === wantedKey.value ? refused.value.problems : []));
+
+/**
+ * The age of the picture. While the eye moves, it is that of the direction before, which its words say.
+ */
+export const imageAge = computed((): Age => {
+  if (shown.value === null) return "current";
+  const hasFailed = imageProblems.value.length > 0;
+  const age = ageOf(shown.value.design, present.value, hasFailed);
+  return age === "current" && shown.value.request !== wantedKey.value ? (hasFailed ? "failed" : "settings") : age;
+});
+
+const OWN_SOURCES = ["file", "text", "pattern"];
+
+/** The name of the picture that a request shows. */
+const nameOf = ({ picture }: Wanted): string => {
+  const isGiven = OWN_SOURCES.some((key) => typeof at(fields.value, `image.${key}`) === "string");
+  return picture ?? (isGiven ? "Picture of the scenario" : "A page of text and a photograph");
+};
+
 /** What is shown if light and view do not matter: the states are held as long as it is the same. */
 const motif = (of: Wanted): string => JSON.stringify([of.picture, of.halftone]);
 
@@ -121,12 +158,16 @@ let resent = "";
 let heldFor = "";
 let rest: ReturnType<typeof setTimeout> | undefined;
 let abort: AbortController | null = null;
+/** The request in progress, and when it was sent. */
+let flying = { what: "", since: 0 };
 
 /** Requests the picture if anything has changed. Called whenever it may have. */
 export function follow(): void {
   stopped = false;
-  const what = JSON.stringify(wanted());
+  const what = wantedKey.value;
   clearTimeout(rest);
+  const flight = abort;
+  if (flight && what !== flying.what) setTimeout(() => abort === flight && flight.abort(), Math.max(0, flying.since + PATIENCE_MS - performance.now()));
   if (what !== done.what) void run(false);
   if (isTilting.value || (done.what === what && (done.isFresh || holds.value))) return;
   rest = setTimeout(() => void run(true), REST_MS);
@@ -142,22 +183,23 @@ export function unfollow(): void {
 async function run(isResting: boolean): Promise<void> {
   if (running || stopped) return;
   running = true;
-  isComputing.value = true;
   const request = wanted();
-  const what = JSON.stringify(request);
+  const [what, design, picture] = [keyOf(request), revisionOf(request.scenario, keptIds.value), nameOf(request)];
   const head = shown.value?.seen.head;
   const names = states.value.map(([name]) => name);
   const canHold = head?.states.every((name) => names.includes(name)) && heldFor === motif(request);
   const isHeld = canHold && head?.held != null && (holds.value || !isResting);
   const lights = intensities(answer.value?.fields as never);
   abort = new AbortController();
+  flying = { what, since: performance.now() };
   let wait = 0;
   try {
     const seen = unpacked(await postForBytes("image", isHeld ? { ...request, held: head?.held } : request, abort.signal));
     batch(() => {
-      shown.value = { seen, lights, isFresh: !isHeld };
+      const count = (shown.value?.count ?? 0) + 1;
+      shown.value = { seen, design, request: what, count, picture, lights, isFresh: !isHeld };
       if (seen.source) source.value = seen.source;
-      imageProblems.value = [];
+      refused.value = null;
     });
     heldFor = motif(request);
     done = { what, isFresh: !isHeld };
@@ -171,13 +213,12 @@ async function run(isResting: boolean): Promise<void> {
       heldFor = "";
     } else if (resent !== what && (await sendAgain(refusal))) resent = what;
     else {
-      imageProblems.value = refusal.problems;
+      refused.value = { request: what, problems: refusal.problems };
       done = { what, isFresh: true };
     }
   } finally {
     abort = null;
     running = false;
-    isComputing.value = false;
   }
   if (wait > 0) await new Promise((resolve) => setTimeout(resolve, wait));
   if (!stopped) follow();

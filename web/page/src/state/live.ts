@@ -5,15 +5,18 @@
 // exact one of this view as soon as nothing has changed for a moment; and then with all views. A new change cancels the
 // later ones. The server answers exactly at once if that takes little work.
 
-import { batch } from "@preact/signals";
+import { batch, effect, untracked } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit, Live } from "../api/types.ts";
-import { answer, busy, draft, draftName, held, opening, pending, problems, text, viewIndex } from "./design.ts";
-import { merged } from "./edits.ts";
-import { fileIds, sendAgain } from "./files.ts";
+import { answer, busy, draft, draftName, held, opening, pending, problems, resultCount, resultOf, text, viewIndex } from "./design.ts";
+import { byGesture, editsOf, merged, type Change } from "./edits.ts";
+import { fileIds, keptIds, sendAgain } from "./files.ts";
+import { revisionOf, type Ids } from "./revision.ts";
 import { said } from "./said.ts";
-import { awaitServer, gone } from "./server.ts";
+import { gesture } from "./gesture.ts";
+import { awaitServer, BUSY, gone } from "./server.ts";
+import { stepsOf, type Step as TextStep } from "./steps.ts";
 import { accepted, undone } from "./undo.ts";
 import type { Work as Kept } from "./works.ts";
 
@@ -24,8 +27,6 @@ const SHOWN_MS = 300;
 /** Time without changes after which the exact answer is requested, ms. */
 const REST_MS = 100;
 
-/** The status of a server whose places are all in use. */
-export const BUSY = 503;
 /** Time after which the request is repeated, ms. */
 const AGAIN_MS = 700;
 const pause = (): Promise<true> => new Promise((resolve) => setTimeout(() => resolve(true), AGAIN_MS));
@@ -33,45 +34,53 @@ const pause = (): Promise<true> => new Promise((resolve) => setTimeout(() => res
 /** The sequence of requests in progress, or null. */
 let running: Promise<void> | null = null;
 let dirty = false;
-let gesture = "";
 let lastTook = 0;
 export const isUnanswered = (): boolean => gone.value;
 /** The edits of the last refused request. */
-let refused: readonly Edit[] = [];
+let refused: readonly Change[] = [];
 /** The answers to a change, in turn: the view that is shown, coarsely and exactly; all views, exactly. */
 type Step = "first" | "exact" | "all";
 let flight: { abort: AbortController; since: number; step: Step } | null = null;
 /** The timer of the request for the next answer. */
 let rest: ReturnType<typeof setTimeout> | undefined;
 
-/** Changes keys; `name` is the gesture, which is one undo step. */
-export function edit(edits: readonly Edit[], name = ""): void {
+/** Changes keys. All changes of a gesture are one undo step. */
+export function edit(edits: readonly Edit[]): void {
+  const of = gesture();
   batch(() => {
-    pending.value = merged(pending.value, edits);
+    pending.value = merged(
+      pending.value,
+      edits.map((one) => ({ ...one, gesture: of })),
+    );
     held.value = null;
   });
-  gesture = name;
   kick();
 }
 
-export const set = (path: string, value: unknown, name = path): void => edit([{ op: "set", path, value }], name);
+export const set = (path: string, value: unknown): void => edit([{ op: "set", path, value }]);
 
 /** Whether the draft is being typed, and therefore exists nowhere else. */
 let typed = false;
+/** The gesture that made it. */
+let draftGesture = "";
 export const isTyped = (): boolean => draft.value !== null && typed;
 
 /** Replaces the whole text while it is being typed. */
-export const retype = (whole: string): void => replace(whole, "source", "", true);
+export function retype(whole: string): void {
+  // What was typed before is a step, also if the server has not answered it.
+  if (isTyped() && draftGesture !== gesture()) accepted(draft.value!, draftGesture);
+  replace(whole, "", gesture());
+}
 
-/** Replaces the current text and all pending edits by a whole text. */
-export function replace(whole: string, name = "", file = "", isTyped = false): void {
-  typed = isTyped;
+/** Replaces the current text and all pending edits by a whole text; `by` is the gesture in which it is typed. */
+export function replace(whole: string, file = "", by = ""): void {
+  typed = by !== "";
+  draftGesture = by;
   batch(() => {
     pending.value = [];
     draft.value = whole;
     draftName.value = file;
   });
-  gesture = name;
   kick();
 }
 
@@ -79,7 +88,7 @@ export function replace(whole: string, name = "", file = "", isTyped = false): v
  * Discards edits that were refused before and again together with newer ones, so that a wrong value does not block all
  * later changes. They are sent together first, because they may be valid together (two fractions of one sum).
  */
-function dropRefused(sent: readonly Edit[]): boolean {
+function dropRefused(sent: readonly Change[]): boolean {
   const newer = sent.filter((edit) => !refused.includes(edit));
   if (newer.length === 0 || newer.length === sent.length) return false;
   pending.value = pending.value.filter((edit) => !refused.includes(edit));
@@ -92,9 +101,10 @@ export const isRefused = (): boolean => pending.value.length > 0 && !running && 
 
 /** Discards refused edits and the draft; a typed draft can be restored with redo. */
 export function discard(): void {
+  let before: string | null = null;
   if (isTyped()) {
     accepted(draft.value!, "");
-    undone();
+    before = undone();
   }
   batch(() => {
     pending.value = [];
@@ -103,7 +113,9 @@ export function discard(): void {
     problems.value = [];
   });
   flight?.abort.abort();
-  kick();
+  // What was typed before may have no answer yet.
+  if (before !== null && before !== text.value) replace(before);
+  else kick();
 }
 
 /** Waits until all changes are in the text; returns false if they were refused or the server does not respond. */
@@ -126,7 +138,7 @@ export function resume(work: Kept): void {
     held.value = null;
     problems.value = [];
   });
-  gesture = "";
+  draftGesture = "";
   refused = [];
   kick();
 }
@@ -179,25 +191,46 @@ export async function exact(): Promise<boolean> {
   return next() === null;
 }
 
-/** Takes over a result, whose text contains the edits that were sent. */
-export function adopt(live: Live, sent: readonly Edit[], name: string): void {
+/** Takes over a result, whose text contains the edits that were sent, and which was computed with files; `steps` led to it. */
+export function adopt(live: Live, sent: readonly Change[], files: Ids, steps: readonly TextStep[]): void {
   batch(() => {
     text.value = live.scenario;
+    resultOf.value = revisionOf(live.scenario, files);
+    resultCount.value += 1;
     draft.value = null;
     answer.value = live;
     pending.value = pending.value.filter((edit) => !sent.includes(edit));
     problems.value = [];
     refused = [];
-    accepted(live.scenario, name);
+    for (const [before, of] of steps) accepted(before, of);
+    accepted(live.scenario, sent.at(-1)?.gesture ?? draftGesture);
   });
 }
 
 awaitServer(() => kick());
 
+// A file that the design uses was replaced or removed.
+effect(() => {
+  const files = keptIds.value;
+  untracked(() => resultOf.value !== "" && resultOf.value !== revisionOf(text.value, files) && kick());
+});
+
+/** The steps before the last one of changes that were sent together: a whole text, and the gestures. */
+async function stepsTo(base: string | null, sent: readonly Change[]): Promise<readonly TextStep[]> {
+  const first: TextStep[] = base !== null && sent.length > 0 ? [[base, draftGesture]] : [];
+  const groups = byGesture(sent);
+  if (groups.length < 2) return first;
+  try {
+    return [...first, ...(await stepsOf(base ?? text.value, groups.slice(0, -1).flat())).steps];
+  } catch {
+    return first;
+  }
+}
+
 async function once(step: Step): Promise<void> {
   const sent = pending.value;
   const base = draft.value;
-  const name = gesture;
+  const files = keptIds.value;
   const abort = new AbortController();
   const since = performance.now();
   flight = { abort, since, step };
@@ -207,18 +240,20 @@ async function once(step: Step): Promise<void> {
   try {
     const work = { scenario: base ?? text.value, files: fileIds.value };
     const [accuracy, view] = [step === "first" ? step : "exact", step === "all" ? null : viewIndex.value] as const;
-    const live = await api.live(work, sent, accuracy, view, abort.signal);
+    const live = await api.live(work, editsOf(sent), accuracy, view, abort.signal);
     if (step === "first") lastTook = performance.now() - since;
     gone.value = false;
-    if (draft.value === base) adopt(live, sent, name);
+    const steps = await stepsTo(base, sent);
+    if (draft.value === base) adopt(live, sent, files, steps);
   } catch (why) {
     if (abort.signal.aborted) return;
     const refusal = why instanceof api.Refused ? why : new api.Refused(0, [{ message: String(why) }]);
     gone.value = refusal.status === 0;
     if (refusal.status === BUSY) dirty = await pause();
-    else if ((await sendAgain(refusal)) || dropRefused(sent)) dirty = true;
+    else if ((await sendAgain(refusal)) || (!gone.value && dropRefused(sent))) dirty = true;
     else problems.value = refusal.problems;
-    refused = dirty ? [] : sent;
+    // What got no answer is not refused.
+    refused = dirty || gone.value ? [] : sent;
   } finally {
     clearTimeout(slow);
     clearTimeout(impatient);

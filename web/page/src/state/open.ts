@@ -2,29 +2,30 @@
 
 import { batch, computed } from "@preact/signals";
 
-import * as api from "../api/client.ts";
 import { draft, held, opening, pending, text } from "./design.ts";
-import { BUSY, discard, edit, isRefused, isTyped, kick, replace } from "./live.ts";
+import { discard, edit, isRefused, isTyped, kick, replace } from "./live.ts";
 import { said } from "./said.ts";
+import { stepsOf, type Steps } from "./steps.ts";
 import { accepted, history, redone, undone } from "./undo.ts";
 
-/** Applies the pending edits to their text, which becomes the draft and an undo step; returns false without a server. */
+/** Applies the pending edits to their text, which becomes the draft; each gesture is an undo step. Returns false without a server. */
 async function write(): Promise<boolean> {
   const [base, sent] = [draft.value, pending.value];
   const whole = base ?? text.value;
-  let scenario = whole;
+  let found: Steps;
   try {
-    ({ scenario } = await api.post<{ scenario: string }>("edit", { scenario: whole, edits: sent }));
-  } catch (why) {
-    if (!(why instanceof api.Refused) || why.status === 0 || why.status === BUSY) return false;
-    said.value = `A change that cannot be applied was discarded: ${why.message}`;
+    found = await stepsOf(whole, sent);
+  } catch {
+    return false;
   }
+  if (found.refusal) said.value = `A change that cannot be applied was discarded: ${found.refusal.message}`;
   // A response may have applied the edits in the meantime.
   if (draft.value !== base || (base === null && text.value !== whole)) return true;
   batch(() => {
     pending.value = pending.value.filter((edit) => !sent.includes(edit));
-    draft.value = scenario;
-    accepted(scenario, "");
+    draft.value = found.steps.at(-1)?.[0] ?? whole;
+    if (base !== null) accepted(base, "");
+    for (const [scenario, gesture] of found.steps) accepted(scenario, gesture);
   });
   return true;
 }
@@ -51,7 +52,7 @@ async function leave(): Promise<boolean> {
 export async function open(whole: string, file = "", name = file): Promise<boolean> {
   if (!(await leave())) return false;
   opening.value = name;
-  replace(whole, "", file);
+  replace(whole, file);
   return true;
 }
 

@@ -5,6 +5,9 @@ import { effect, signal } from "@preact/signals";
 
 import { get } from "../api/client.ts";
 
+/** The status of a server whose places are all in use. */
+export const BUSY = 503;
+
 /** Time between two questions, ms. */
 const EVERY_MS = 2000;
 

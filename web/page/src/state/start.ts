@@ -5,10 +5,12 @@ import { batch, effect, signal } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Start } from "../api/types.ts";
+import { lastChange, titleOf } from "../model/about.ts";
 import { followDesign, linked, opening } from "./address.ts";
-import { answer, draft, draftName, held, pending, text, title } from "./design.ts";
+import { draft, draftName, held, pending, text } from "./design.ts";
 import { merged } from "./edits.ts";
 import { adopt, keptIds, recallFiles, recallFormer } from "./files.ts";
+import { gesture } from "./gesture.ts";
 import { forgetUnused } from "./keep.ts";
 import { isTyped, resume } from "./live.ts";
 import { mirrored } from "./mirror.ts";
@@ -43,24 +45,32 @@ let given: string | null = null;
 let isTouched = false;
 /** Files of the scenario with which the server was started. */
 let adopted: Readonly<Record<string, string>> = {};
-/** The design as it was last written; its title is used until there is a response. */
+/** The design as it was last written. */
 let last: Work | null = null;
 
 /** Earlier designs and designs of other tabs, newest first. */
 export const earlier = signal<readonly Earlier[]>([]);
 export const lookForEarlier = (): void => void (earlier.value = works.earlier());
 
+/** The title of the design itself: that of its text, with the changes that wait. */
+function ownTitle(): string {
+  const changed = [...pending.value, ...(held.value === null ? [] : [held.value])].findLast(({ path }) => path === "title");
+  const typed = changed?.op === "set" ? String(changed.value) : null;
+  return typed || titleOf(draft.value ?? text.value) || "Untitled";
+}
+
 const now = (): Now => ({
   text: text.value,
   draft: draft.value,
   draftName: draftName.value,
   typed: isTyped(),
-  pending: held.value === null ? pending.value : merged(pending.value, [held.value]),
+  pending: held.value === null ? pending.value : merged(pending.value, [{ ...held.value, gesture: gesture() }]),
   present: history.value.present === text.value ? null : history.value.present,
   pinned: pinned.value?.text ?? waitingPin.value,
   started,
   files: keptIds.value,
-  title: answer.value === null ? (last?.title ?? "Untitled") : title.value,
+  title: ownTitle(),
+  change: lastChange(history.value.past.at(-1), draft.value ?? text.value),
 });
 
 /** A pinned text that is being computed again. */

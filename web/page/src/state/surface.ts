@@ -12,9 +12,11 @@ import { Schema, type Node } from "../model/schema.ts";
 import { facesOf, type Face } from "../model/surface.ts";
 import { fields as design, text as scenario } from "./design.ts";
 import { edited, merged } from "./edits.ts";
-import { add, fileIds, sendAgain } from "./files.ts";
+import { add, fileIds, keptIds, sendAgain } from "./files.ts";
+import { ageOf, revisionOf, type Ids, type Revision } from "./revision.ts";
 import { recall, remember } from "./keep.ts";
-import { BUSY, edit as editDesign } from "./live.ts";
+import { edit as editDesign } from "./live.ts";
+import { BUSY } from "./server.ts";
 import { said } from "./said.ts";
 import { showTab } from "./tab.ts";
 import { long } from "./work.ts";
@@ -43,14 +45,26 @@ export const text = signal("");
 /** Changes that are not in the text yet. */
 export const pending = signal<readonly Edit[]>([]);
 export const gonio = signal<Gonio | null>(null);
+/** The surface to which it belongs. */
+const gonioOf = signal<Revision>("");
 export const problems = signal<readonly Problem[]>([]);
-export const busy = signal(false);
 /** A full measurement, and its progress. */
 export const full = long();
 export const progress = signal<GonioProgress | null>(null);
 
+const revision = computed(() => revisionOf(text.value, keptIds.value));
+
+/** The age of what was measured. */
+export const age = computed(() => {
+  const isWaiting = pending.value.length > 0;
+  const hasFailed = problems.value.length > 0;
+  return ageOf(gonioOf.value, { revision: revision.value, isWaiting, isRefused: isWaiting && hasFailed }, hasFailed);
+});
+
+/** The keys of the surface with all defaults, without changes; none before its text was read. */
+const known = computed(() => (gonioOf.value === revision.value ? ((gonio.value?.fields ?? {}) as Json) : {}));
 /** The surface with all defaults, and with the changes that are not measured yet. */
-export const fields = computed(() => edited((gonio.value?.fields ?? {}) as Json, pending.value));
+export const fields = computed(() => edited(known.value, pending.value));
 export const own = computed((): Table => tableAt(fields.value, "microgeometry"));
 
 let isOpen = false;
@@ -61,9 +75,9 @@ let waiting = false;
 /** Whether the surface is the user's own, which is stored; examples and layers are not. */
 let isOwn = false;
 
-/** Opens another text. The numbers of the last surface stay until there are new ones. */
+/** Opens another text. What was measured of the last surface stays, marked, until there are new numbers. */
 export function open(whole: string, file: string, own = true, edits: readonly Edit[] = []): void {
-  full.cancel();
+  full.reset();
   isOwn = own;
   batch(() => {
     [text.value, name.value, pending.value, problems.value] = [whole, file.replace(/\.toml$/, ""), edits, []];
@@ -74,7 +88,7 @@ export function open(whole: string, file: string, own = true, edits: readonly Ed
 
 /** Changes keys. */
 export function edit(edits: readonly Edit[]): void {
-  full.cancel();
+  full.reset();
   isOwn = true;
   pending.value = merged(pending.value, edits);
   kick();
@@ -92,7 +106,6 @@ export function discard(): void {
 function kick(): void {
   clearTimeout(timer);
   if (!isOpen || text.value === "") return;
-  busy.value = true;
   waiting = flight !== null;
   if (flight === null) void request("first");
   else if (flight.step === "fine") flight.abort.abort();
@@ -100,7 +113,7 @@ function kick(): void {
 
 async function request(step: Step): Promise<void> {
   clearTimeout(timer);
-  const [base, sent] = [text.value, pending.value];
+  const [base, sent, ids] = [text.value, pending.value, keptIds.value];
   const abort = new AbortController();
   flight = { abort, step };
   waiting = false;
@@ -108,7 +121,7 @@ async function request(step: Step): Promise<void> {
   try {
     const work = { scenario: base, files: fileIds.value, edits: sent, rays: RAYS[step] };
     const found = await post<Gonio>("gonio", work, abort.signal);
-    if (text.value === base) take(found, sent);
+    if (text.value === base) take(found, sent, ids);
     if (step === "first" && found.totals.length > 0)
       next = () => (timer = setTimeout(() => void request("fine"), REST_MS));
   } catch (why) {
@@ -122,13 +135,13 @@ async function request(step: Step): Promise<void> {
     flight = null;
     if (waiting && isOpen) void request("first");
     else if (next && isOpen) next();
-    busy.value = flight !== null;
   }
 }
 
-function take(found: Gonio, sent: readonly Edit[]): void {
+function take(found: Gonio, sent: readonly Edit[], ids: Ids): void {
   batch(() => {
     gonio.value = found;
+    gonioOf.value = revisionOf(found.scenario, ids);
     text.value = found.scenario;
     pending.value = pending.value.filter((edit) => !sent.includes(edit));
     problems.value = [];
@@ -141,10 +154,10 @@ export async function measure(): Promise<void> {
   clearTimeout(timer);
   flight?.abort.abort();
   progress.value = null;
-  const base = text.value;
+  const [base, ids] = [text.value, keptIds.value];
   await full.start("gonio/full", { scenario: base, files: fileIds.value }, [], (event, data) => {
     if (event === "progress") progress.value = data as GonioProgress;
-    if (event === "done" && text.value === base) take(data as Gonio, []);
+    if (event === "done" && text.value === base) take(data as Gonio, [], ids);
   });
 }
 
@@ -178,9 +191,9 @@ export function showLayer(face: Face): void {
   showTab("surface");
 }
 
-/** Measures again what was refused, for example because a file was missing. */
+/** Measures again what was refused or belongs to other files, for example because a file was missing. */
 export function again(): void {
-  if (problems.peek().length > 0) kick();
+  if (problems.peek().length > 0 || (gonio.peek() !== null && gonioOf.peek() !== revision.peek())) kick();
 }
 
 /** Shows a surface of the heights or the triangles of an uploaded file in its tab. */

@@ -6,11 +6,13 @@ import type { Edit, SweepDone, SweepPoint } from "../api/types.ts";
 import { axesOf, spaced, written, type Axis, type Line } from "../model/axes.ts";
 import { listAt, type Json } from "../model/json.ts";
 import { leaves, numbers } from "../model/keys.ts";
+import { present } from "./age.ts";
 import { fields, selected, text } from "./design.ts";
 import { fileIds } from "./files.ts";
 import { edit } from "./live.ts";
 import { isOfPixels } from "./metrics.ts";
 import { ready } from "./ready.ts";
+import { ageOfRun, type Revision } from "./revision.ts";
 import { long } from "./work.ts";
 
 export const sweep = long();
@@ -32,10 +34,11 @@ export const metric = computed(() => chosenMetric.value ?? figures.value[0] ?? "
 
 export const points = signal<readonly SweepPoint[]>([]);
 export const done = signal<SweepDone | null>(null);
-/** The axes and the scenario to which the points belong. */
+/** The axes and the design to which the points belong. */
 export const swept = signal<readonly Axis[]>([]);
-const sweptText = signal<string | null>(null);
-export const isStale = computed(() => sweptText.value !== null && sweptText.value !== text.value);
+const sweptOf = signal<Revision>("");
+/** The age of the points. */
+export const age = computed(() => ageOfRun(sweptOf.value, present.value));
 /** The index of the point that is selected in the plot. */
 export const selectedPoint = signal<number | null>(null);
 
@@ -96,7 +99,7 @@ export function keep(): void {
 export async function run(): Promise<void> {
   if (!(await ready("swept"))) return;
   swept.value = axes.value;
-  sweptText.value = text.value;
+  sweptOf.value = present.value.revision;
   points.value = [];
   done.value = null;
   selectedPoint.value = null;

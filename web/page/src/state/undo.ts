@@ -16,7 +16,7 @@ export function resume(past: readonly string[], present: string, future: readonl
 /** Records a text that the server has accepted, or that is replaced by another one; the first text is the oldest. */
 export function accepted(text: string, gesture: string): void {
   const first = history.value.present === "";
-  history.value = first ? begin(text) : record(history.value, text, gesture, Date.now());
+  history.value = first ? begin(text) : record(history.value, text, gesture);
 }
 
 const stepped = (next: History): string | null => {

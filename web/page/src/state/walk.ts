@@ -3,26 +3,28 @@
 import { computed, signal } from "@preact/signals";
 
 import type { Edit, WalkProgress } from "../api/types.ts";
-import { fileIds } from "./files.ts";
+import { present } from "./age.ts";
 import { text } from "./design.ts";
+import { fileIds } from "./files.ts";
 import { ready } from "./ready.ts";
+import { ageOfRun, type Revision } from "./revision.ts";
 import { long } from "./work.ts";
 
 export const walk = long();
-/** The scenario of the run. */
-export const scenarioOfRun = signal("");
+/** The design of the run. */
+const runOf = signal<Revision>("");
 export const progress = signal<WalkProgress | null>(null);
 /** Paths and relative error so far, for the curve. */
 export const course = signal<readonly (readonly [number, number])[]>([]);
-/** Whether the design has changed since the run. */
-export const stale = computed(() => scenarioOfRun.value !== "" && scenarioOfRun.value !== text.value);
+/** The age of the run. */
+export const age = computed(() => ageOfRun(runOf.value, present.value));
 
 /** The relative error at which the run ends; null: that of the scenario. */
 export const aim = signal<number | null>(null);
 
 export async function run(): Promise<void> {
   if (!(await ready("run"))) return;
-  scenarioOfRun.value = text.value;
+  runOf.value = present.value.revision;
   progress.value = null;
   course.value = [];
   const edits: Edit[] = aim.value === null ? [] : [{ op: "set", path: "solver.relative_error", value: aim.value }];

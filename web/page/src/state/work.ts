@@ -13,6 +13,8 @@ export interface Long {
   /** Starts a computation of a scenario after edits, which are not applied to the current design. */
   start(path: string, work: Work, edits: readonly Edit[], on: (event: string, data: unknown) => void): Promise<void>;
   cancel(): void;
+  /** Cancels it and forgets why it ended. */
+  reset(): void;
 }
 
 export function long(): Long {
@@ -23,6 +25,10 @@ export function long(): Long {
     if (phase.value !== "running") return;
     phase.value = "cancelled";
     abort?.abort();
+  };
+  const reset = (): void => {
+    cancel();
+    [phase.value, problems.value] = ["idle", []];
   };
   const start: Long["start"] = async (path, work, edits, on) => {
     abort?.abort();
@@ -45,5 +51,5 @@ export function long(): Long {
       phase.value = "failed";
     }
   };
-  return { phase, problems, start, cancel };
+  return { phase, problems, start, cancel, reset };
 }

@@ -7,7 +7,7 @@
 // meantime. Thus two tabs have two designs, and a reload leaves no second record.
 
 import { chained, unchained } from "../model/delta.ts";
-import type { Edit } from "../api/types.ts";
+import type { Change } from "../state/edits.ts";
 
 /** The data of a design without its undo steps. */
 export interface Now {
@@ -18,7 +18,7 @@ export interface Now {
   readonly draftName: string;
   readonly typed: boolean;
   /** Pending edits, including those that are being typed. */
-  readonly pending: readonly Edit[];
+  readonly pending: readonly Change[];
   /** The text at the current position of undo and redo, if it is not `text`. */
   readonly present: string | null;
   readonly pinned: string | null;
@@ -27,6 +27,8 @@ export interface Now {
   /** Ids of the uploaded files by their names. */
   readonly files: Readonly<Record<string, string>>;
   readonly title: string;
+  /** What was changed last, as text. */
+  readonly change: string;
 }
 
 export interface Steps {
@@ -40,6 +42,7 @@ export interface Work extends Now, Steps {}
 export interface Earlier {
   readonly id: string;
   readonly title: string;
+  readonly change: string;
   /** Time of the last write, ms. */
   readonly at: number;
 }
@@ -92,6 +95,7 @@ const EMPTY: Now = {
   started: "",
   files: {},
   title: "",
+  change: "",
 };
 
 function read(place: Place | null, key: string): unknown {
@@ -271,7 +275,7 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
     earlier: () =>
       heads()
         .filter((kept) => kept.id !== id && kept.id !== origin?.stamp.id)
-        .map(({ id, title, at }) => ({ id, title, at })),
+        .map(({ id, title, change, at }) => ({ id, title, change, at })),
     files: () => new Set(heads().flatMap((kept) => Object.values(kept.files))),
     take(of) {
       const kept = record(read(all, WORK + of));

@@ -257,7 +257,7 @@ test("every figure and every table can be saved", { timeout: 240_000 }, async ()
     if (tab === "cone") await page.locator("#tab-panel img.drawn").first().waitFor({ timeout: 60_000 });
     await settled(page);
     await page.locator("#tab-panel .download").first().waitFor({ timeout: 60_000 });
-    await page.waitForFunction(() => !document.querySelector('#tab-panel [data-age="computing"]'));
+    await page.waitForFunction(() => !document.querySelector('#tab-panel :is([data-age="before"], [data-age="settings"])'));
     const menus = await page.locator(tab === "states" ? ".download" : "#tab-panel .download").all();
     assert.ok(menus.length > 0, tab);
     for (const menu of menus) {

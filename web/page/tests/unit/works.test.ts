@@ -41,6 +41,7 @@ const at = (text: string): Now => ({
   started: "indoor",
   files: {},
   title: text.slice(0, 20),
+  change: "",
 });
 const none: Steps = { past: [], future: [] };
 const after = (...past: string[]): Steps => ({ past, future: [] });
