@@ -18,13 +18,16 @@ use papilio_formats::{
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{ALL_STATES, Brdf, BrdfFormat};
-use crate::run::with_progress;
+use crate::progress::Computation;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
 const FILE: &str = "display-bsdf.npz";
 const SPLIT: &str = "reflection.csv";
 const MIRROR: &str = "display-mirror";
 const SCENE: &str = "scene.py";
+
+/// Fractions of the progress that are the table and the components of the reflection, about.
+const PARTS: [f64; 2] = [0.9, 0.1];
 
 pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let resolved =
@@ -33,10 +36,12 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let states = chosen_states(&arguments.states, &all)?;
     let directions = directions(arguments, &resolved.scene, states.len())?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
-    let table = compute(arguments, &resolved, directions, (&states, all.len()))?;
-    let split = with_progress(&resolved, arguments.workers.threads, |control| {
+    let mut computation = Computation::in_parts(&PARTS);
+    let table = compute(arguments, &resolved, directions, (&states, all.len()), &mut computation)?;
+    let split = computation.part(&resolved, arguments.workers.threads, |control| {
         papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
     })?;
+    drop(computation);
     let mut split = split.ok_or(Failure::Interrupted(NOTHING))?;
     let beams = match &table {
         Table::Directions(table) => table,
@@ -151,9 +156,10 @@ fn compute(
     resolved: &Resolved,
     directions: Directions,
     (states, count): (&[usize], usize),
+    computation: &mut Computation,
 ) -> Result<Table, Failure> {
     let (scene, threads, allowed) = (&resolved.scene, arguments.workers.threads, arguments.allow_error);
-    let table = with_progress(resolved, threads, |control| match directions {
+    let table = computation.part(resolved, threads, |control| match directions {
         Directions::Grid(grid) => {
             let mut table = papilio_display::brdf(scene, grid, control)?;
             if states.len() < count {

@@ -46,14 +46,24 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
     let rooms = arguments.rooms.iter().map(|name| Ok((name, room(&arguments.command, &resolved, name)?)));
     let rooms = rooms.collect::<Result<Vec<(&String, Resolved)>, Failure>>()?;
     show(&arguments.command, &resolved, |control| {
-        let mut here = image(&resolved.scene, &request.source, &request.settings, screen, control)?;
+        let part =
+            |number: usize| [number, number + 1].map(|lights| lights as f64 / (1 + rooms.len()) as f64);
+        let (source, settings) = (&request.source, &request.settings);
+        let mut here =
+            control.within(part(0), |control| image(&resolved.scene, source, settings, screen, control))?;
         // The panel holds its states while the light changes.
         let given = (!here.states.is_empty()).then(|| here.states.clone());
         let held = ImageSettings { given, ..request.settings.clone() };
-        let there = |(name, room): &(&String, Resolved)| {
-            Ok(((*name).clone(), image(&room.scene, &request.source, &held, screen, control)?))
+        let there = |(number, (name, room)): (usize, &(&String, Resolved))| {
+            let seen = control
+                .within(part(number + 1), |control| image(&room.scene, source, &held, screen, control))?;
+            Ok(((*name).clone(), seen))
         };
-        let rooms = rooms.iter().map(there).collect::<Result<Vec<(String, ImageResult)>, DisplayError>>()?;
+        let rooms = rooms
+            .iter()
+            .enumerate()
+            .map(there)
+            .collect::<Result<Vec<(String, ImageResult)>, DisplayError>>()?;
         let numbers =
             rooms.iter().map(|(room, one)| ImageInRoom { room: room.clone(), numbers: one.numbers.clone() });
         here.numbers.rooms = numbers.collect();

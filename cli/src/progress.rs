@@ -1,17 +1,164 @@
-//! Progress of a computation: a bar on a terminal, a line every 20 s in a log.
+//! Progress of a computation: a bar on a terminal, a line every 20 s in a log. What is shown never goes back.
 
 use std::io::{IsTerminal, stderr};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Mutex, Once, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use papilio_display::{Control, DisplayError, Progress as Report, ProgressFraction};
+use papilio_scenario::Resolved;
 
-use crate::print_message;
 use crate::terminal::is_quiet;
+use crate::{Failure, interrupt, print_message};
+
+/// Time between two lines in a log, unless [`BETWEEN_LINES_VARIABLE`] is set.
+const BETWEEN_LINES: Duration = Duration::from_secs(20);
+
+/// Environment variable: seconds between two lines in a log.
+const BETWEEN_LINES_VARIABLE: &str = "PAPILIO_PROGRESS_SECONDS";
+
+/// Time between two frames of a computation's bar: it appears after the first, and its time goes on while a level is computed.
+const BETWEEN_FRAMES: Duration = Duration::from_secs(1);
+
+/// Positions of a bar that shows a fraction.
+const POSITIONS: u64 = 1000;
+
+/// Computes a quantity of a scenario with a progress bar; `None` if interrupted before there was a result.
+pub(crate) fn with_progress<T>(
+    resolved: &Resolved,
+    threads: Option<u16>,
+    compute: impl FnOnce(&Control<'_>) -> Result<T, DisplayError>,
+) -> Result<Option<T>, Failure> {
+    Computation::in_parts(&[1.0]).part(resolved, threads, compute)
+}
+
+/// A computation of a display in one or more parts, with one bar for all of them.
+pub(crate) struct Computation {
+    bar: FractionBar,
+    /// Fractions of the whole at which the parts begin, and 1.
+    begins: Vec<f64>,
+    next: usize,
+    _log: Option<Heartbeat>,
+    _shown: Heartbeat,
+}
+
+impl Computation {
+    /// `parts` are the expected work of each part, relative to each other.
+    pub(crate) fn in_parts(parts: &[f64]) -> Self {
+        Self::after(0.0, FractionBar::new(), parts)
+    }
+
+    /// Continues a bar of which this fraction is other work.
+    pub(crate) fn after(other: f64, bar: FractionBar, parts: &[f64]) -> Self {
+        let log = bar.in_log(String::new);
+        let waiting = bar.bar.clone();
+        let all: f64 = parts.iter().sum();
+        let mut begins = vec![other];
+        parts.iter().for_each(|part| begins.push(begins[begins.len() - 1] + (1.0 - other) * part / all));
+        let shown = Heartbeat::every(BETWEEN_FRAMES, move || waiting.tick());
+        Self { bar, begins, next: 0, _log: log, _shown: shown }
+    }
+
+    /// Computes the next part; `None` if interrupted before it had a result.
+    pub(crate) fn part<T>(
+        &mut self,
+        resolved: &Resolved,
+        threads: Option<u16>,
+        compute: impl FnOnce(&Control<'_>) -> Result<T, DisplayError>,
+    ) -> Result<Option<T>, Failure> {
+        interrupt::catch_ctrl_c();
+        let at = |number: usize| self.begins.get(number).copied().unwrap_or(1.0);
+        let part = [at(self.next), at(self.next + 1)];
+        self.next += 1;
+        let show = |report: Report<'_>| self.bar.show(&report.within(part));
+        let threads = threads.map(usize::from);
+        match compute(&Control { threads, progress: &show, stop: &interrupt::STOP }) {
+            Err(DisplayError::Interrupted) => Ok(None),
+            other => other.map(Some).map_err(|error| Failure::from_display(resolved, error)),
+        }
+    }
+}
+
+/// A bar that shows a fraction, which never decreases, and words on the current work.
+pub(crate) struct FractionBar {
+    bar: ProgressBar,
+    fraction: ProgressFraction,
+    /// The fraction and the paths of the report that is shown.
+    last: Mutex<(f64, u64)>,
+}
+
+impl FractionBar {
+    /// A bar on standard error, visible only on a terminal.
+    pub(crate) fn new() -> Self {
+        let bar = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(POSITIONS) };
+        bar.set_length(POSITIONS);
+        if let Ok(style) = ProgressStyle::with_template("  {bar:30} {percent:>3} %  {msg}  {elapsed}") {
+            bar.set_style(style);
+        }
+        Self { bar, fraction: ProgressFraction::default(), last: Mutex::default() }
+    }
+
+    /// Shows a report, unless a later one of another thread is shown already.
+    fn show(&self, report: &Report<'_>) {
+        let fraction = report.fraction();
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let paths = report.paths.unwrap_or(0);
+        if fraction < last.0 && paths <= last.1 {
+            return;
+        }
+        *last = (fraction.max(last.0), paths);
+        self.advance(fraction, in_words(report));
+    }
+
+    /// Shows a fraction, unless more was shown before, and words.
+    pub(crate) fn advance(&self, fraction: f64, words: String) {
+        self.bar.set_position((POSITIONS as f64 * self.fraction.advance(fraction)) as u64);
+        self.bar.set_message(words);
+    }
+
+    /// Prints the fraction, the words and `more` periodically in a log, until the result is dropped.
+    pub(crate) fn in_log(&self, more: impl Fn() -> String + Send + 'static) -> Option<Heartbeat> {
+        in_log(&self.bar, move |bar| {
+            let parts = [format!("{} % done", 100 * bar.position() / POSITIONS), bar.message(), more()];
+            parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
+        })
+    }
+}
+
+impl Drop for FractionBar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// The error, the paths and the views of a report.
+fn in_words(report: &Report<'_>) -> String {
+    let target = report.target.map_or(String::new(), |target| format!(" (target {:.2} %)", 100.0 * target));
+    let error = report.relative_error.filter(|error| error.is_finite());
+    let error = error.map(|error| format!("relative error {:.2} %{target}", 100.0 * error));
+    let paths = report.paths.map(|paths| format!("{paths} paths"));
+    let (done, all) = report.views_done;
+    let views = (all > 1).then(|| format!("{done} of {all} {} done", report.unit));
+    [error, paths, views].into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
 
 /// Time between two lines in a log.
-const BETWEEN_LINES: Duration = Duration::from_secs(20);
+fn between_lines() -> Duration {
+    static WARNED: Once = Once::new();
+    let Ok(text) = std::env::var(BETWEEN_LINES_VARIABLE) else { return BETWEEN_LINES };
+    let seconds = text.trim().parse::<f64>().ok().filter(|seconds| *seconds > 0.0);
+    seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).unwrap_or_else(|| {
+        WARNED.call_once(|| {
+            print_message(&format!(
+                "warning: {BETWEEN_LINES_VARIABLE} = \"{text}\" is not a number of seconds above 0; progress is printed every {} s",
+                BETWEEN_LINES.as_secs()
+            ));
+        });
+        BETWEEN_LINES
+    })
+}
 
 /// Progress of work items, sequential or parallel.
 pub(crate) struct Progress {
@@ -49,7 +196,7 @@ impl Drop for Progress {
 }
 
 /// A progress bar on standard error, visible only on a terminal.
-pub(crate) fn bar(items: usize, unit: &str) -> ProgressBar {
+fn bar(items: usize, unit: &str) -> ProgressBar {
     let bar = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(items as u64) };
     bar.set_length(items as u64);
     if let Ok(style) = ProgressStyle::with_template(&format!("  {{bar:30}} {{pos}} of {{len}} {unit}{{msg}}"))
@@ -61,13 +208,10 @@ pub(crate) fn bar(items: usize, unit: &str) -> ProgressBar {
     bar
 }
 
-/// Prints the state of a bar as a line every 20 s, if standard error is not a terminal, until the result is dropped.
-pub(crate) fn in_log(
-    bar: &ProgressBar,
-    line: impl Fn(&ProgressBar) -> String + Send + 'static,
-) -> Option<Heartbeat> {
+/// Prints the state of a bar as a line every 20 s (or [`BETWEEN_LINES_VARIABLE`]), if standard error is not a terminal, until the result is dropped.
+fn in_log(bar: &ProgressBar, line: impl Fn(&ProgressBar) -> String + Send + 'static) -> Option<Heartbeat> {
     let bar = bar.clone();
-    (!stderr().is_terminal()).then(|| Heartbeat::every(BETWEEN_LINES, move || print_message(&line(&bar))))
+    (!stderr().is_terminal()).then(|| Heartbeat::every(between_lines(), move || print_message(&line(&bar))))
 }
 
 /// A thread that calls a function periodically until this is dropped.

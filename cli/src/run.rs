@@ -1,26 +1,21 @@
 //! `papilio run`: the result of a scenario.
 
 use std::io::Write;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{AngleMedium, Method};
-use papilio_display::{
-    ConeGrid, ConeResult, Control, DisplayError, Progress, adding_seconds, ambient_light_by_direction,
-    forecast,
-};
+use papilio_display::{ConeGrid, ConeResult, Control, adding_seconds, ambient_light_by_direction, forecast};
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
 use crate::folder::Chosen;
-use crate::progress::{Heartbeat, in_log};
-use crate::terminal::is_quiet;
+use crate::progress::Computation;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
-/// Time between two frames of the bar: it appears after the first, and its time goes on while a level is computed.
-const BETWEEN_FRAMES: Duration = Duration::from_secs(1);
+/// Fractions of the progress that are the views and their cone, about.
+const PARTS: [f64; 2] = [0.2, 0.8];
 
 /// Shortest computation that is announced, in seconds of one processor.
 const LONG_SECONDS: f64 = 1.0;
@@ -30,11 +25,18 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let out = out_folder(arguments, &resolved.hash)?;
     cost_note(&resolved)?.iter().for_each(|note| print_message(note));
     let started = Instant::now();
-    let mut result = compute(&resolved, arguments.workers.threads)?;
+    let threads = arguments.workers.threads;
+    let mut computation = Computation::in_parts(if arguments.cone { &PARTS } else { &[1.0] });
+    let result =
+        computation.part(&resolved, threads, |control| papilio_display::run(&resolved.scene, control))?;
+    let mut result = result.ok_or(Failure::Interrupted("no result was computed; no file was written"))?;
     let seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let cone =
-        if arguments.cone && !result.solver.interrupted { compute_cone(&resolved, arguments)? } else { None };
+    let cone = match arguments.cone && !result.solver.interrupted {
+        true => compute_cone(&resolved, arguments, &mut computation)?,
+        false => None,
+    };
+    drop(computation);
     let cone_seconds = started.elapsed().as_secs_f64();
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
     result.notes.splice(0..0, resolved.notes.iter().cloned());
@@ -152,68 +154,15 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
     Ok(input::scenario::<Scenario>(&arguments.scenario.file, &overrides)?.resolve()?)
 }
 
-/// Computes the result of a scenario.
-pub(crate) fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunResult, Failure> {
-    let result = with_progress(resolved, threads, |control| papilio_display::run(&resolved.scene, control))?;
-    result.ok_or(Failure::Interrupted("no result was computed; no file was written"))
-}
-
 /// Computes the conoscopic maps; `None` if interrupted.
-fn compute_cone(resolved: &Resolved, arguments: &Run) -> Result<Option<ConeResult>, Failure> {
+fn compute_cone(
+    resolved: &Resolved,
+    arguments: &Run,
+    computation: &mut Computation,
+) -> Result<Option<ConeResult>, Failure> {
     let mut grid = ConeGrid::within(&resolved.scene)?;
     grid.reference_deg = arguments.cone_reference.unwrap_or(grid.reference_deg);
-    with_progress(resolved, arguments.workers.threads, |control| {
+    computation.part(resolved, arguments.workers.threads, |control| {
         papilio_display::cone(&resolved.scene, grid, control)?.allowing(arguments.allow_error)
     })
-}
-
-/// Computes a quantity of a scenario with a progress bar; `None` if interrupted before there was a result.
-pub(crate) fn with_progress<T>(
-    resolved: &Resolved,
-    threads: Option<u16>,
-    compute: impl FnOnce(&Control<'_>) -> Result<T, DisplayError>,
-) -> Result<Option<T>, Failure> {
-    interrupt::catch_ctrl_c();
-    let bar = progress_bar();
-    let _log = in_log(&bar, |bar| {
-        let message = Some(bar.message()).filter(|message| !message.is_empty());
-        let message = message.map_or(String::new(), |message| format!(", {message}"));
-        format!("{} % done{message}", bar.position() / 10)
-    });
-    let waiting = bar.clone();
-    let _shown = Heartbeat::every(BETWEEN_FRAMES, move || waiting.tick());
-    let show = |progress: Progress<'_>| show(&bar, progress);
-    let control = Control { threads: threads.map(usize::from), progress: &show, stop: &interrupt::STOP };
-    let result = compute(&control);
-    bar.finish_and_clear();
-    match result {
-        Err(DisplayError::Interrupted) => Ok(None),
-        other => other.map(Some).map_err(|error| Failure::from_display(resolved, error)),
-    }
-}
-
-/// A progress bar on standard error, visible only on a terminal.
-fn progress_bar() -> ProgressBar {
-    let bar = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(1000) };
-    bar.set_length(1000);
-    if let Ok(style) = ProgressStyle::with_template("  {bar:30} {percent:>3} %  {msg}  {elapsed}") {
-        bar.set_style(style);
-    }
-    bar
-}
-
-fn show(bar: &ProgressBar, progress: Progress<'_>) {
-    let (views_done, views) = progress.views_done;
-    let fraction = match (progress.target, progress.relative_error) {
-        (Some(target), Some(error)) => (target / error).min(1.0),
-        _ => progress.share_of_view.unwrap_or(0.0),
-    };
-    // A complete view is already counted in `views_done`.
-    let fraction = if fraction < 1.0 { fraction } else { 0.0 };
-    bar.set_position((1000.0 * (views_done as f64 + fraction) / views as f64) as u64);
-    let target = progress.target.map_or(String::new(), |target| format!(" (target {:.2} %)", 100.0 * target));
-    let error = progress.relative_error.map(|error| format!("relative error {:.2} %{target}", 100.0 * error));
-    let paths = progress.paths.map(|paths| format!("{paths} paths"));
-    let views = (views > 1).then(|| format!("{views_done} of {views} views done"));
-    bar.set_message([error, paths, views].into_iter().flatten().collect::<Vec<_>>().join(", "));
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::arguments::SpatialCommand;
 use crate::folder::Chosen;
-use crate::run::with_progress;
+use crate::progress::with_progress;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report, terminal};
 
 /// A result with places.

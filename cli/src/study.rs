@@ -12,7 +12,8 @@ use papilio_sampling::table_4_1::Estimator;
 use papilio_scenario::Scenario;
 
 use crate::arguments::StudySampling;
-use crate::{Failure, folder, input, interrupt, numbers, output, print_notes, report, run};
+use crate::progress::with_progress;
+use crate::{Failure, folder, input, interrupt, numbers, output, print_notes, report};
 
 /// Smallest number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
@@ -29,9 +30,8 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
         std::iter::successors(Some(FIRST), |n| Some(4 * n)).take_while(|n| *n <= arguments.paths).collect();
     let started = Instant::now();
     let clock = || cpu_seconds().unwrap_or_else(|| started.elapsed().as_secs_f64());
-    let curves =
-        run::with_progress(&resolved, None, |control| study(&resolved.scene, &paths, &clock, control))?
-            .ok_or(Failure::Interrupted("the study is incomplete; no file was written"))?;
+    let curves = with_progress(&resolved, None, |control| study(&resolved.scene, &paths, &clock, control))?
+        .ok_or(Failure::Interrupted("the study is incomplete; no file was written"))?;
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = crate::terminal::output(false);
     stdout.write_all(format!("{}{}", table_4_1(), table(&title, &curves)).as_bytes())?;

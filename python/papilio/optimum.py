@@ -216,8 +216,8 @@ def optimize(
         client: a `distributed.Client`, whose workers compute one work item per thread. None: this machine.
         threads: without ``client``: number of threads; None: one for each processor. The results do not depend on it.
         retries: how often a work item is submitted again after its worker was lost.
-        progress: function that is called with ``done`` and ``of``, the numbers of completed and of all searches of a round; or True for
-            a line on the terminal.
+        progress: function that is called with ``done`` and ``of``, the numbers of completed searches and of those that are known so
+            far (a front adds more); or True for a line on the terminal.
 
     Returns:
         The best design, or the designs of a Pareto front.

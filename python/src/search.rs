@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use papilio_design::output::{moved, search_figures, search_table};
 use papilio_design::search::{
-    self, Record, SearchRecords, SearchResult, SearchSchedule, SelectedDesign, WorkItem, WorkResult,
-    was_stopped,
+    self, Record, SearchProgress, SearchRecords, SearchResult, SearchSchedule, SelectedDesign, WorkItem,
+    WorkResult, was_stopped,
 };
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_formats::{FormatError, LockedJournal, SearchHead, journal_name};
@@ -154,8 +154,8 @@ impl Search {
             let evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
             let mut way = self.way();
             let Some(RunningSearch { schedule, journal }) = way.as_mut() else { return Ok(()) };
-            let mut on_record = |record: &Record, (done, of): (usize, usize)| {
-                watch.tell(ProgressState::Done(done, of));
+            let mut on_record = |record: &Record, now: SearchProgress| {
+                watch.tell(ProgressState::Done(now.done, now.of));
                 journal.as_mut().map_or(Ok(()), |journal| journal.add(record)).map_err(Failure::Journal)
             };
             schedule.run(&evaluator, threads, &mut on_record)
@@ -163,9 +163,10 @@ impl Search {
         outcome.map_err(|failure| failure.raised(py))
     }
 
-    /// Number of completed tasks of this round, and of all its tasks.
+    /// Number of completed tasks, and of all tasks that are known.
     fn progress(&self) -> PyResult<(usize, usize)> {
-        Ok(begun(&mut self.way())?.schedule.progress())
+        let now = begun(&mut self.way())?.schedule.progress();
+        Ok((now.done, now.of))
     }
 
     /// The result as JSON: names of variables and quantities, the scenario's own design and the resulting designs with their values,

@@ -2,12 +2,14 @@
 
 use std::io::Write;
 
+use papilio_display::Control;
 use papilio_display::result::{RunResult, View};
 use papilio_figures::spectra_over;
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::Steps;
-use crate::{Failure, folder, input, numbers, output, print_message, print_notes, report, run};
+use crate::progress::Computation;
+use crate::{Failure, folder, input, numbers, output, print_message, print_notes, report};
 
 /// A key of `[display.diffuser]`, the value that disables the step, and the name of the display without it.
 const STEPS: [(&str, &str, &str); 6] = [
@@ -31,18 +33,26 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     let scenario = &arguments.scenario;
     let base = input::scenario::<Scenario>(&scenario.file, &scenario.set)?.resolve()?;
     let out = folder::choose(scenario, &base.hash)?;
-    let compute = |resolved: &Resolved| run::compute(resolved, arguments.workers.threads);
-    let mut variants = vec![Variant { name: "as specified".to_owned(), key: None, result: compute(&base)? }];
+    let mut displays = vec![("as specified".to_owned(), None, base.clone())];
     for (key, off, name) in active_steps(&base)? {
         let set = [scenario.set.clone(), vec![format!("display.diffuser.{key}={off}")]].concat();
-        let result = compute(&input::scenario::<Scenario>(&scenario.file, &set)?.resolve()?)?;
-        variants.push(Variant { name: name.to_owned(), key: Some(key), result });
+        let resolved = input::scenario::<Scenario>(&scenario.file, &set)?.resolve()?;
+        displays.push((name.to_owned(), Some(key), resolved));
     }
     if let Some(reference) = &arguments.beside {
         let resolved = input::scenario::<Scenario>(reference, &[])?.resolve()?;
         let name = resolved.title.clone().unwrap_or_else(|| report::file_title(reference));
-        variants.push(Variant { name, key: None, result: compute(&resolved)? });
+        displays.push((name, None, resolved));
     }
+    let mut computation = Computation::in_parts(&vec![1.0; displays.len()]);
+    let mut variants = Vec::with_capacity(displays.len());
+    for (name, key, resolved) in displays {
+        let run = |control: &Control<'_>| papilio_display::run(&resolved.scene, control);
+        let result = computation.part(&resolved, arguments.workers.threads, run)?;
+        let result = result.ok_or(Failure::Interrupted("no file was written"))?;
+        variants.push(Variant { name, key, result });
+    }
+    drop(computation);
     print_notes(&base.notes);
     base.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
     let title = base.title.clone().unwrap_or_else(|| report::file_title(&scenario.file));

@@ -1,21 +1,16 @@
-//! The best design computed by the Monte Carlo solver too, which shares no integration with adding.
+//! The selected designs computed by the Monte Carlo solver too, which shares no integration with adding, to the scenario's own target.
 
-use papilio_design::NamedQuantity;
 use papilio_design::search::{Search, SelectedDesign};
+use papilio_design::{NamedQuantity, Study};
 use papilio_display::result::RunResult;
-use papilio_display::scene::{Method, MetricSource, Stop};
+use papilio_display::scene::{Method, MetricSource};
 use papilio_display::spatial::{crosstalk, mtf};
 use papilio_display::{Control, DisplayError};
 use serde_json::{Value, json};
 
-use crate::run::with_progress;
+use super::SEARCH;
+use crate::progress::{Computation, FractionBar};
 use crate::{Failure, print_message};
-
-/// Relative standard error of Y by the Monte Carlo solver.
-const RELATIVE_ERROR: f64 = 0.001;
-
-/// Number of paths of a view with which its sharpness and crosstalk are computed.
-const PATHS_WITH_PLACES: u64 = 1 << 20;
 
 /// Why metrics of sparkle have no second solver here.
 const SPARKLE: &str = "metrics of sparkle are those of random faces in any case; their standard errors are in sparkle.json of best.toml";
@@ -25,6 +20,8 @@ const LEAST_CONTRAST: f64 = 1.5;
 
 /// A quantity computed by both solvers.
 pub(super) struct SolverComparison {
+    /// Number of the design, from 1.
+    pub(super) design: usize,
     name: String,
     adding: Option<f64>,
     monte_carlo: Option<f64>,
@@ -34,12 +31,16 @@ pub(super) struct SolverComparison {
 
 impl SolverComparison {
     /// Compares a value with value and standard error of the Monte Carlo solver.
-    fn new(of: &NamedQuantity, adding: Option<f64>, [monte_carlo, standard_error]: [Option<f64>; 2]) -> Self {
-        Self { name: of.name.clone(), adding, monte_carlo, standard_error }
+    fn new(
+        design: usize,
+        (of, adding): (&NamedQuantity, &Option<f64>),
+        [monte_carlo, standard_error]: [Option<f64>; 2],
+    ) -> Self {
+        Self { design, name: of.name.clone(), adding: *adding, monte_carlo, standard_error }
     }
 
     pub(super) fn json(&self) -> Value {
-        json!({ "name": self.name, "adding": self.adding, "walk": self.monte_carlo, "standard_error": self.standard_error })
+        json!({ "design": self.design, "name": self.name, "adding": self.adding, "walk": self.monte_carlo, "standard_error": self.standard_error })
     }
 
     /// Row of the table on the terminal.
@@ -78,77 +79,168 @@ fn note_dark_states(results: &[RunResult]) {
     }
 }
 
-/// Computes a design by the Monte Carlo solver under every condition; `None` if interrupted. What that solver does not cover is
-/// named in a note.
+/// Computes the selected designs by the Monte Carlo solver under every condition, to the target of the scenario; `None` if interrupted.
+/// What that solver does not cover is named in a note.
 pub(super) fn check(
     search: &Search,
-    best: &SelectedDesign,
+    chosen: &[SelectedDesign],
     threads: Option<u16>,
+    bar: FractionBar,
 ) -> Result<Option<Vec<SolverComparison>>, Failure> {
     let study = search.study();
-    let values = study.values(&best.design)?;
-    let (mut results, mut compared) = (Vec::new(), Vec::new());
-    for (number, condition) in study.conditions.iter().enumerate() {
-        let resolved = condition.varied.scenario(&values)?.resolve()?;
+    let is_of = |source: MetricSource| study.quantities.iter().any(|one| one.quantity.source() == source);
+    if chosen.is_empty() {
+        return Ok(Some(Vec::new()));
+    }
+    let parts =
+        chosen.len() * study.conditions.len() * BY_PATHS.iter().filter(|source| is_of(**source)).count();
+    let mut check = Check {
+        study,
+        computation: Computation::after(SEARCH, bar, &vec![1.0; parts]),
+        threads,
+        compared: Vec::new(),
+        uncovered: Vec::new(),
+    };
+    let mut results = Vec::new();
+    for (number, design) in chosen.iter().enumerate() {
+        for condition in 0..study.conditions.len() {
+            match check.design(number + 1, design, condition)? {
+                Some(result) => results.extend(result.filter(|_| number == 0)),
+                None => return Ok(None),
+            }
+        }
+    }
+    let Check { computation, mut compared, uncovered, .. } = check;
+    drop(computation);
+    let which = if chosen.len() == 1 { "the best design is" } else { "the designs are" };
+    for error in uncovered {
+        print_message(&format!("note: {which} not checked by the Monte Carlo solver: {error}"));
+    }
+    note_other_sources(study);
+    note_dark_states(&results);
+    let order = |one: &SolverComparison| {
+        (one.design, study.quantities.iter().position(|known| known.name == one.name))
+    };
+    compared.sort_by_key(order);
+    Ok(Some(compared))
+}
+
+/// What the Monte Carlo solver computes, in this order.
+const BY_PATHS: [MetricSource; 3] = [MetricSource::Colours, MetricSource::Mtf, MetricSource::Crosstalk];
+
+/// A check of designs.
+struct Check<'a> {
+    study: &'a Study,
+    computation: Computation,
+    threads: Option<u16>,
+    compared: Vec<SolverComparison>,
+    /// What the solver does not cover, each once.
+    uncovered: Vec<String>,
+}
+
+impl Check<'_> {
+    /// Compares a design under a condition. Returns the result of a run, if the solver covers it; `None` if interrupted.
+    fn design(
+        &mut self,
+        number: usize,
+        design: &SelectedDesign,
+        condition: usize,
+    ) -> Result<Option<Option<RunResult>>, Failure> {
+        let study = self.study;
+        let resolved =
+            study.conditions[condition].varied.scenario(&study.values(&design.design)?)?.resolve()?;
         let mut scene = resolved.scene.clone();
         scene.solver.method = Method::MonteCarlo;
         let own = |source: MetricSource| {
-            let own = study.quantities.iter().zip(&best.values);
-            own.filter(move |(one, _)| one.condition == number && one.quantity.source() == source)
+            let own = study.quantities.iter().zip(&design.values);
+            own.filter(move |(one, _)| one.condition == condition && one.quantity.source() == source)
         };
-        scene.solver.stop = Stop::RelativeError { target: RELATIVE_ERROR, per_wavelength: false };
-        let run = |control: &Control<'_>| covered(papilio_display::run(&scene, control));
-        let Some(result) = with_progress(&resolved, threads, run)? else { return Ok(None) };
-        if let Some(result) = noted(result, own(MetricSource::Colours)) {
-            if result.solver.interrupted {
-                return Ok(None);
+        let mut of_run = None;
+        for source in BY_PATHS {
+            if own(source).next().is_none() {
+                continue;
             }
-            compared.extend(own(MetricSource::Colours).map(|(one, adding)| {
-                let both = [one.quantity.of(&result), one.quantity.standard_error(&result)];
-                SolverComparison::new(one, *adding, both)
-            }));
-            results.push(result);
-        }
-        if own(MetricSource::Mtf).next().is_some() {
-            scene.solver.stop = Stop::Paths(PATHS_WITH_PLACES);
-            let mtf = |control: &Control<'_>| covered(mtf(&scene, &resolved.patterns, control));
-            let Some(result) = with_progress(&resolved, threads, mtf)? else { return Ok(None) };
-            if let Some(result) = noted(result, own(MetricSource::Mtf)) {
-                compared.extend(own(MetricSource::Mtf).map(|(one, adding)| {
-                    SolverComparison::new(one, *adding, one.quantity.of_sharpness(&result))
-                }));
+            let (patterns, threads) = (&resolved.patterns, self.threads);
+            let compared = match source {
+                MetricSource::Mtf => {
+                    let one = |control: &Control<'_>| covered(mtf(&scene, patterns, control));
+                    let Some(result) = self.computation.part(&resolved, threads, one)? else {
+                        return Ok(None);
+                    };
+                    result.map(|result| {
+                        own(source)
+                            .map(|one| {
+                                SolverComparison::new(number, one, one.0.quantity.of_sharpness(&result))
+                            })
+                            .collect::<Vec<_>>()
+                    })
+                }
+                MetricSource::Crosstalk => {
+                    let one = |control: &Control<'_>| covered(crosstalk(&scene, &patterns.text, control));
+                    let Some(result) = self.computation.part(&resolved, threads, one)? else {
+                        return Ok(None);
+                    };
+                    result.map(|result| {
+                        own(source)
+                            .map(|one| {
+                                SolverComparison::new(number, one, one.0.quantity.of_crosstalk(&result))
+                            })
+                            .collect()
+                    })
+                }
+                _ => {
+                    let one = |control: &Control<'_>| covered(papilio_display::run(&scene, control));
+                    let Some(result) = self.computation.part(&resolved, threads, one)? else {
+                        return Ok(None);
+                    };
+                    if result.as_ref().is_ok_and(|result| result.solver.interrupted) {
+                        return Ok(None);
+                    }
+                    result.map(|result| {
+                        let both = |one: &NamedQuantity| {
+                            [one.quantity.of(&result), one.quantity.standard_error(&result)]
+                        };
+                        let compared =
+                            own(source).map(|one| SolverComparison::new(number, one, both(one.0))).collect();
+                        of_run = Some(result);
+                        compared
+                    })
+                }
+            };
+            match compared {
+                Ok(compared) => self.compared.extend(compared),
+                Err(error) => {
+                    let error = error.to_string();
+                    if !self.uncovered.contains(&error) {
+                        self.uncovered.push(error);
+                    }
+                }
             }
         }
-        if own(MetricSource::Crosstalk).next().is_some() {
-            scene.solver.stop = Stop::Paths(PATHS_WITH_PLACES);
-            let text = &resolved.patterns.text;
-            let shares = |control: &Control<'_>| covered(crosstalk(&scene, text, control));
-            let Some(result) = with_progress(&resolved, threads, shares)? else { return Ok(None) };
-            if let Some(result) = noted(result, own(MetricSource::Crosstalk)) {
-                compared.extend(own(MetricSource::Crosstalk).map(|(one, adding)| {
-                    SolverComparison::new(one, *adding, one.quantity.of_crosstalk(&result))
-                }));
-            }
-        }
-        let names: Vec<&str> = own(MetricSource::Sparkle).map(|(one, _)| one.name.as_str()).collect();
-        if !names.is_empty() {
-            print_message(&format!(
-                "note: not checked by the Monte Carlo solver: {}\n  = help: {SPARKLE}",
-                names.join(", ")
-            ));
-        }
-        let names: Vec<&str> = own(MetricSource::Image).map(|(one, _)| one.name.as_str()).collect();
-        if !names.is_empty() {
-            print_message(&format!(
-                "note: pictures are not checked by the Monte Carlo solver: {}",
-                names.join(", ")
-            ));
-        }
+        Ok(Some(of_run))
     }
-    note_dark_states(&results);
-    let order = |one: &SolverComparison| study.quantities.iter().position(|known| known.name == one.name);
-    compared.sort_by_key(order);
-    Ok(Some(compared))
+}
+
+/// Prints a note on the metrics that the Monte Carlo solver does not compute here.
+fn note_other_sources(study: &Study) {
+    let names = |source: MetricSource| -> Vec<&str> {
+        let own = study.quantities.iter().filter(|one| one.quantity.source() == source);
+        own.map(|one| one.name.as_str()).collect()
+    };
+    let sparkle = names(MetricSource::Sparkle);
+    if !sparkle.is_empty() {
+        print_message(&format!(
+            "note: not checked by the Monte Carlo solver: {}\n  = help: {SPARKLE}",
+            sparkle.join(", ")
+        ));
+    }
+    let image = names(MetricSource::Image);
+    if !image.is_empty() {
+        print_message(&format!(
+            "note: pictures are not checked by the Monte Carlo solver: {}",
+            image.join(", ")
+        ));
+    }
 }
 
 /// Result of a display, or what the Monte Carlo solver does not cover.
@@ -159,23 +251,5 @@ fn covered<T>(result: Result<T, DisplayError>) -> Result<Covered<T>, DisplayErro
     match result {
         Err(error @ DisplayError::PlacesNotComputed { .. }) => Ok(Err(error)),
         other => other.map(Ok),
-    }
-}
-
-/// Returns the result; prints a note instead if quantities are wanted of it and it is not covered.
-fn noted<'a, T>(
-    result: Covered<T>,
-    mut wanted: impl Iterator<Item = (&'a NamedQuantity, &'a Option<f64>)>,
-) -> Option<T> {
-    match result {
-        Ok(result) => Some(result),
-        Err(error) => {
-            if wanted.next().is_some() {
-                print_message(&format!(
-                    "note: the best design is not checked by the Monte Carlo solver: {error}"
-                ));
-            }
-            None
-        }
     }
 }

@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use papilio_design::output::{design_texts, search_figures, search_table};
 use papilio_design::search::{
-    Record, Search, SearchRecords, SearchResult, SearchSchedule, SelectedDesign, was_stopped,
+    Record, Search, SearchProgress, SearchRecords, SearchResult, SearchSchedule, SelectedDesign, was_stopped,
 };
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_formats::{LockedJournal, SearchHead, write_file};
@@ -23,8 +23,11 @@ use papilio_scenario::{Edit, Optimisation, edit};
 
 use self::check::{SolverComparison, check};
 use crate::arguments::Optimize;
-use crate::progress::{self, in_log};
+use crate::progress::FractionBar;
 use crate::{Failure, input, interrupt, output, print_message, print_notes};
+
+/// Fraction of the progress that is the search, about; the rest is the check of its designs.
+const SEARCH: f64 = 0.8;
 
 pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     let mut overrides = arguments.scenario.set.clone();
@@ -50,7 +53,8 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         Some(shard) => SearchSchedule::shard(Arc::clone(&search), records, threads, shard),
         None => SearchSchedule::new(Arc::clone(&search), records, threads),
     };
-    let new = run_schedule(&mut schedule, &evaluator, threads, &mut journal)?;
+    let bar = FractionBar::new();
+    let new = run_schedule(&mut schedule, &evaluator, threads, &mut journal, &bar)?;
     let found = schedule.results();
     let seconds = started.elapsed().as_secs_f64();
     let all = report::evaluations(&found);
@@ -75,11 +79,9 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
             search.spec().evaluations
         ));
     }
-    let comparison = match chosen.first() {
-        Some(best) if !arguments.no_check => {
-            check(&search, best, arguments.workers.threads)?.ok_or(INTERRUPTED)?
-        }
-        _ => Vec::new(),
+    let comparison = match arguments.no_check {
+        true => Vec::new(),
+        false => check(&search, &chosen, arguments.workers.threads, bar)?.ok_or(INTERRUPTED)?,
     };
     interrupt::uninterrupted(|| journal.put(&head, found.iter()))?;
     finish(arguments, &folder, &search, &found, &chosen, &comparison)
@@ -91,23 +93,22 @@ fn run_schedule(
     evaluator: &Evaluator<'_>,
     threads: usize,
     journal: &mut LockedJournal,
+    bar: &FractionBar,
 ) -> Result<usize, Failure> {
-    let (bar, mut new) = (progress::bar(schedule.progress().1, "searches"), 0);
+    let mut new = 0;
+    let words = |now: &SearchProgress| format!("{} of {} searches", now.done, now.of);
+    let first = schedule.progress();
+    bar.advance(SEARCH * first.fraction, words(&first));
     let counter = evaluator.evaluated();
-    let log = in_log(&bar, move |bar| {
-        let (done, total) = (bar.position(), bar.length().unwrap_or_default());
-        format!("{done} of {total} searches, {} designs", counter.load(Ordering::Relaxed))
-    });
-    let mut store = |record: &Record, (done, total): (usize, usize)| {
+    let log = bar.in_log(move || format!("{} designs", counter.load(Ordering::Relaxed)));
+    let mut store = |record: &Record, now: SearchProgress| {
         if let Record::Task(found) = record {
             new += found.evaluations;
         }
-        bar.set_length(total as u64);
-        bar.set_position(done as u64);
+        bar.advance(SEARCH * now.fraction, words(&now));
         journal.add(record).map_err(Failure::from)
     };
     let result = schedule.run(evaluator, threads, &mut store);
-    bar.finish_and_clear();
     drop(log);
     result.map_err(|failure| match failure {
         Failure::Design(error) => or_interrupted::<()>(Err(error)).err().unwrap_or(INTERRUPTED),
@@ -118,7 +119,7 @@ fn run_schedule(
 
 /// Fails if a shard has no work.
 fn check_shard((k, n): (usize, usize), search: &Arc<Search>) -> Result<(), Failure> {
-    let (_, tasks) = SearchSchedule::new(Arc::clone(search), SearchRecords::default(), 1).progress();
+    let tasks = SearchSchedule::new(Arc::clone(search), SearchRecords::default(), 1).progress().of;
     if k <= tasks {
         return Ok(());
     }
@@ -157,14 +158,7 @@ fn finish(
         stdout.write_all(b"\n")?;
     } else {
         stdout.write_all(report::text(&title, search, chosen).as_bytes())?;
-        if !comparison.is_empty() {
-            let titles =
-                ["best design", "adding", "Monte Carlo", "standard error"].map(str::to_owned).to_vec();
-            let rows: Vec<Vec<String>> =
-                std::iter::once(titles).chain(comparison.iter().map(SolverComparison::row)).collect();
-            let which = if is_feasible { "best" } else { "nearest" };
-            write!(stdout, "\nthe {which} design by both solvers\n{}", crate::report::table(&rows))?;
-        }
+        stdout.write_all(report::comparison(&chosen_as(is_feasible, chosen), comparison).as_bytes())?;
     }
     stdout.flush()?;
     output::print_written(folder, &names);
@@ -177,6 +171,15 @@ fn finish(
         ));
     }
     Ok(())
+}
+
+/// The selected designs in words.
+fn chosen_as(is_feasible: bool, chosen: &[SelectedDesign]) -> String {
+    match (is_feasible, chosen.len()) {
+        (true, 0 | 1) => "the best design".to_owned(),
+        (true, several) => format!("the {several} designs of the front"),
+        (false, _) => "the nearest design".to_owned(),
+    }
 }
 
 fn write(

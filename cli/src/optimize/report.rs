@@ -26,8 +26,7 @@ fn best_design(search: &Search, best: &SelectedDesign) -> String {
     for (index, variable) in search.spec().variables.iter().enumerate() {
         let range = match &variable.range {
             SearchRange::Bounds(from, to) => {
-                let end = if is_at_end(best.design[index], *from, *to) { " (at its end)" } else { "" };
-                format!("{from} to {to}{end}")
+                format!("{from} to {to}{}", end(search, index, best.design[index]))
             }
             SearchRange::Choices(choices) => format!("one of {}", choices.len()),
         };
@@ -49,8 +48,16 @@ fn best_design(search: &Search, best: &SelectedDesign) -> String {
 }
 
 /// Returns whether a variable is at an end of its range, within the precision of a design.
-fn is_at_end(x: f64, from: f64, to: f64) -> bool {
-    (x - from).min(to - x) <= 1e-6 * (to - from)
+fn is_at_end(search: &Search, index: usize, x: f64) -> bool {
+    match search.spec().variables[index].range {
+        SearchRange::Bounds(from, to) => (x - from).min(to - x) <= 1e-6 * (to - from),
+        SearchRange::Choices(_) => false,
+    }
+}
+
+/// Words for a variable at an end of its range.
+fn end(search: &Search, index: usize, x: f64) -> &'static str {
+    if is_at_end(search, index, x) { " (at its end)" } else { "" }
 }
 
 /// Aims and constraints of a quantity in words, and whether the result violates a constraint.
@@ -86,15 +93,17 @@ fn front(search: &Search, chosen: &[SelectedDesign]) -> String {
     let titles: Vec<String> = ["design".to_owned()].into_iter().chain(quantities).chain(variables).collect();
     let mut rows = headings(&titles);
     let (own, own_values) = search.own();
-    let row = |name: String, values: &[Option<f64>], design: &[f64]| {
+    let row = |name: String, values: &[Option<f64>], design: Vec<String>| {
         let values = values.iter().map(|value| value.map_or("-".to_owned(), digits));
-        let design = design.iter().enumerate().map(|(index, x)| value(search, index, *x));
         [name].into_iter().chain(values).chain(design).collect::<Vec<String>>()
     };
-    rows.push(row("scenario".to_owned(), own_values, own));
-    rows.extend(
-        chosen.iter().enumerate().map(|(index, one)| row((index + 1).to_string(), &one.values, &one.design)),
-    );
+    let own = own.iter().enumerate().map(|(index, x)| value(search, index, *x));
+    rows.push(row("scenario".to_owned(), own_values, own.collect()));
+    rows.extend(chosen.iter().enumerate().map(|(number, one)| {
+        let design = one.design.iter().enumerate();
+        let design = design.map(|(index, x)| value(search, index, *x) + end(search, index, *x));
+        row((number + 1).to_string(), &one.values, design.collect())
+    }));
     table(&rows)
 }
 
@@ -104,6 +113,24 @@ fn value(search: &Search, index: usize, x: f64) -> String {
         SearchRange::Bounds(..) => digits(x),
         SearchRange::Choices(choices) => choices.get(x as usize).map_or_else(|| "-".to_owned(), sweep_value),
     }
+}
+
+/// The designs by both solvers; empty if nothing was compared.
+pub(super) fn comparison(designs: &str, comparison: &[SolverComparison]) -> String {
+    let Some(first) = comparison.first() else { return String::new() };
+    let several = comparison.iter().any(|one| one.design != first.design);
+    let mut titles =
+        vec![if several { "metric" } else { "best design" }, "adding", "Monte Carlo", "standard error"];
+    if several {
+        titles.insert(0, "design");
+    }
+    let titles = titles.into_iter().map(str::to_owned).collect();
+    let row = |one: &SolverComparison| {
+        let number = several.then(|| one.design.to_string());
+        number.into_iter().chain(one.row()).collect()
+    };
+    let rows: Vec<Vec<String>> = std::iter::once(titles).chain(comparison.iter().map(row)).collect();
+    format!("\n{designs} by both solvers\n{}", table(&rows))
 }
 
 /// The result as JSON.
@@ -122,9 +149,14 @@ pub(super) fn json(
         let settings = study.settings(design).unwrap_or_default();
         settings.into_iter().map(|(path, value)| (path.to_owned(), value)).collect()
     };
+    let at_end = |design: &[f64]| -> Vec<&str> {
+        let ends = design.iter().enumerate().filter(|(index, x)| is_at_end(search, *index, **x));
+        ends.map(|(index, _)| search.spec().variables[index].name.as_str()).collect()
+    };
     let one = |chosen: &SelectedDesign| {
         json!({
             "set": settings(&chosen.design),
+            "at_end": at_end(&chosen.design),
             "quantities": quantities(&chosen.values),
             "meets_limits": chosen.meets_limits(),
             "missed": chosen.missed,

@@ -30,6 +30,7 @@ mod new;
 mod optimize;
 mod palette;
 mod pixel;
+mod progress;
 mod reference;
 mod run;
 mod serve;

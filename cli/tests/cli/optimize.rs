@@ -82,6 +82,41 @@ fn search_finds_and_writes_a_better_design() {
     assert_eq!(names, ["best.toml", "optimize.csv", "optimize.jsonl", "trace.svg"]);
 }
 
+/// The report of a front marks variables at an end of their range, and both solvers compute every design of it, to the target of the
+/// scenario: a tenth of the usual one would be met with a tenth of its error.
+#[test]
+fn front_marks_ends_of_ranges_and_is_checked_design_by_design() {
+    // Both aims want less of the absorber than the range allows.
+    let text = format!("{SCENARIO}{SECOND_AIM}").replace("bounds = [3, 25]", "bounds = [13, 15]");
+    let (_folder, file, out) = place(&text);
+    let output = papilio(&["optimize", &file, "--out", &out, "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let designs = found["designs"].as_array().unwrap();
+    assert!(designs.len() > 1);
+    for design in designs {
+        let ends = design["at_end"].as_array().unwrap();
+        assert!(ends.iter().any(|key| key == "display.pixel.film.1.thickness_nm"), "{design:#}");
+    }
+    let checked = found["checked_by_walk"].as_array().unwrap();
+    assert_eq!(checked.len(), 3 * designs.len());
+    let mut largest = 0.0_f64;
+    for one in checked {
+        let number = |key: &str| one[key].as_f64().unwrap();
+        let design = &designs[one["design"].as_u64().unwrap() as usize - 1];
+        assert_eq!(one["adding"], design["quantities"][one["name"].as_str().unwrap()]);
+        let [adding, walk, error] = ["adding", "walk", "standard_error"].map(number);
+        assert!((adding - walk).abs() < 5.0 * error + 0.01 * adding, "{one}");
+        largest = largest.max(if one["name"] == "contrast_ratio" { error / walk } else { 0.0 });
+    }
+    // The contrast has the error of its darkest state, to which the target of 1 % applies.
+    assert!((0.002..0.02).contains(&largest), "{largest}");
+    let report = papilio(&["optimize", &file, "--out", &out]);
+    let text = String::from_utf8(report.stdout).unwrap();
+    assert_eq!(text.matches("13.000 (at its end)").count(), designs.len(), "{text}");
+    assert!(text.contains(&format!("the {} designs of the front by both solvers", designs.len())), "{text}");
+}
+
 /// Wherever a journal is cut off, and however many threads resume the search, the results of descents, fronts and
 /// populations are the same, byte for byte.
 #[test]

@@ -21,10 +21,11 @@ pub fn palette(
 ) -> Result<PaletteResult, DisplayError> {
     let view = SingleView::of(&scene.viewer, "a palette")?;
     let of = |result: &RunResult| Palette::of(result, 0).ok_or(DisplayError::NoWhite { what: "a palette" });
-    let here = run(scene, control)?;
+    let part = |number: usize| [number, number + 1].map(|lights| lights as f64 / (1 + rooms.len()) as f64);
+    let here = control.within(part(0), |control| run(scene, control))?;
     let palette = of(&here)?;
-    let rooms = rooms.iter().map(|(name, scene)| {
-        let there = of(&run(scene, control)?)?;
+    let rooms = rooms.iter().enumerate().map(|(number, (name, scene))| {
+        let there = of(&control.within(part(number + 1), |control| run(scene, control))?)?;
         Ok((name.clone(), there.into_room(&palette)))
     });
     let rooms = Named(rooms.collect::<Result<_, DisplayError>>()?);

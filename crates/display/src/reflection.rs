@@ -71,11 +71,13 @@ pub fn reflection(
     control: &Control<'_>,
 ) -> Result<Vec<Reflection>, DisplayError> {
     let light = ambient_spectrum(scene)?;
-    let one = |theta: &f64| {
-        let result = run(&reflection_scene(scene, *theta, &light), control)?;
+    let one = |(number, theta): (usize, &f64)| {
+        let part = [number, number + 1].map(|done| done as f64 / theta_deg.len() as f64);
+        let scene = reflection_scene(scene, *theta, &light);
+        let result = control.within(part, |control| run(&scene, control))?;
         Ok(Reflection { theta_deg: *theta, states: split(&result, *theta) })
     };
-    theta_deg.iter().map(one).collect()
+    theta_deg.iter().enumerate().map(one).collect()
 }
 
 /// Relative spectrum of the total ambient light; an equal-energy spectrum if there is none.

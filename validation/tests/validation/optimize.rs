@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use papilio_design::search::{
-    FEASIBLE, Record, Search, SearchRecords, SearchResult, SearchSchedule, SelectedDesign,
+    FEASIBLE, Record, Search, SearchProgress, SearchRecords, SearchResult, SearchSchedule, SelectedDesign,
 };
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_display::scene::{Method, Stop};
@@ -19,7 +19,7 @@ fn search(overrides: &[String]) -> (Arc<Search>, Vec<SearchResult>, SelectedDesi
     let said = Optimisation::load(&file, overrides).unwrap();
     let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &STOP);
     let search = Arc::new(Search::new(said, &mut evaluator).unwrap());
-    let mut on_record = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
+    let mut on_record = |_: &Record, _: SearchProgress| Ok::<(), DesignError>(());
     let mut schedule = SearchSchedule::new(Arc::clone(&search), SearchRecords::default(), 2);
     schedule.run(&evaluator, 2, &mut on_record).unwrap();
     let found = schedule.results();

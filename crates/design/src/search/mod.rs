@@ -23,7 +23,7 @@ pub use aims::{Aims, FEASIBLE};
 pub use front::front;
 pub use records::{Batch, Record, SearchRecords, SearchResult};
 pub use run::{OnRecord, was_stopped};
-pub use schedule::{SearchSchedule, WorkItem, WorkResult};
+pub use schedule::{SearchProgress, SearchSchedule, WorkItem, WorkResult};
 pub use selection::SelectedDesign;
 
 use std::sync::Arc;

@@ -36,6 +36,16 @@ impl Search {
         tasks
     }
 
+    /// Number of rounds of a search in which every round finds designs.
+    pub(super) fn expected_rounds(&self) -> usize {
+        let of_front = match self.aims.objectives() {
+            1 => 0,
+            2 if self.spec.method != SearchMethod::Global => 2,
+            _ => 1,
+        };
+        1 + usize::from(self.spec.method == SearchMethod::Both) + of_front
+    }
+
     fn task(
         &self,
         objective: usize,

@@ -7,14 +7,14 @@ use papilio_display::DisplayError;
 use papilio_scenario::SearchRange;
 
 use super::descent::descend;
-use super::schedule::{SearchSchedule, WorkItem};
+use super::schedule::{SearchProgress, SearchSchedule, WorkItem};
 use super::starts::best_random_point;
 use super::task_problem::DescentTask;
 use super::{Record, Search, SearchResult, Task, TaskMethod};
 use crate::{DesignError, Evaluator};
 
-/// Callback for every new record, with the numbers of finished and of all tasks of its round.
-pub type OnRecord<'a, E> = dyn FnMut(&Record, (usize, usize)) -> Result<(), E> + 'a;
+/// Callback for every new record, with the progress of the search.
+pub type OnRecord<'a, E> = dyn FnMut(&Record, SearchProgress) -> Result<(), E> + 'a;
 
 /// State that the threads share.
 struct Shared<'a> {
@@ -25,8 +25,8 @@ struct Shared<'a> {
     stop: AtomicBool,
 }
 
-/// Message of a thread: new records and the progress of the round.
-type Message = Result<(Vec<Record>, (usize, usize)), DesignError>;
+/// Message of a thread: new records and the progress of the search.
+type Message = Result<(Vec<Record>, SearchProgress), DesignError>;
 
 impl SearchSchedule {
     /// Runs the search, or its shard, to the end on `threads` threads.

@@ -50,6 +50,17 @@ pub enum WorkResult {
     },
 }
 
+/// Progress of a search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchProgress {
+    /// Number of finished tasks.
+    pub done: usize,
+    /// Number of tasks that are known: those of the current round and of the rounds before it.
+    pub of: usize,
+    /// Fraction of the search that is done, with rounds of equal length. It never decreases.
+    pub fraction: f64,
+}
+
 /// State of a search: results, active populations and open work items.
 #[derive(Debug)]
 pub struct SearchSchedule {
@@ -182,12 +193,16 @@ impl SearchSchedule {
         std::mem::take(&mut self.new_records)
     }
 
-    /// Number of finished tasks, and of all tasks, of the current round.
-    pub fn progress(&self) -> (usize, usize) {
-        if self.finished && self.tasks.is_empty() {
-            return (self.results.len(), self.results.len());
+    /// Progress over all rounds.
+    pub fn progress(&self) -> SearchProgress {
+        let rounds = if self.shard.is_some() { 1 } else { self.search.expected_rounds() };
+        let round = self.done.len() as f64 / self.tasks.len().max(1) as f64;
+        let fraction = (self.round as f64 + round) / rounds.max(self.round + 1) as f64;
+        SearchProgress {
+            done: self.results.len() + self.done.len(),
+            of: self.results.len() + self.tasks.len(),
+            fraction: if self.finished { 1.0 } else { fraction },
         }
-        (self.done.len(), self.tasks.len())
     }
 
     /// Returns true if the search is finished.

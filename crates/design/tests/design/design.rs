@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use papilio_design::search::{
-    Record, Search, SearchRecords, SearchResult, SearchSchedule, WorkItem, WorkResult, front,
+    Record, Search, SearchProgress, SearchRecords, SearchResult, SearchSchedule, WorkItem, WorkResult, front,
 };
 use papilio_design::{
     Condition, DesignError, Evaluator, Key, NamedQuantity, Quantity, Study, Values, Variable,
@@ -102,7 +102,7 @@ fn run(
 ) -> (Vec<SearchResult>, Vec<Record>) {
     let mut schedule = SearchSchedule::new(Arc::clone(search), known.clone(), threads);
     let mut records = Vec::new();
-    let mut on_record = |record: &Record, _: (usize, usize)| {
+    let mut on_record = |record: &Record, _: SearchProgress| {
         records.push(record.clone());
         Ok::<(), DesignError>(())
     };
@@ -225,7 +225,7 @@ fn search_result_does_not_depend_on_transport_of_work_items() {
 #[test]
 fn joined_shards_equal_a_single_search() {
     let (search, evaluator) = search(SEARCH);
-    let mut on_record = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
+    let mut on_record = |_: &Record, _: SearchProgress| Ok::<(), DesignError>(());
     let mut joined = SearchRecords::default();
     for k in 1..=3 {
         let mut shard = SearchSchedule::shard(Arc::clone(&search), SearchRecords::default(), 1, (k, 3));

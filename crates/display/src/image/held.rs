@@ -142,8 +142,10 @@ impl HeldPicture {
             return Err(DisplayError::NoHalftone);
         }
         let size = source.size_on(scene)?;
-        let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
-        let brought = Brought::new(&lit, scene, source, settings, control)?;
+        let mut prepared = Prepared::new(scene)?;
+        let lit = control.within([0.0, 0.3], |control| Lit::new(scene, settings, &mut prepared, control))?;
+        let brought =
+            control.within([0.3, 1.0], |control| Brought::new(&lit, scene, source, settings, control))?;
         Ok(Self { size, states: brought.states, names: lit.palette.names(), surround: settings.surround })
     }
 

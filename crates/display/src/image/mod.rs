@@ -224,22 +224,26 @@ pub fn image(
     let held;
     let settings = match &settings.prepared_for {
         Some(there) if settings.given.is_none() && settings.halftone != Halftone::None => {
-            let given = HeldPicture::new(there, source, settings, control)?.states;
+            let given = control.within([0.0, 0.3], |control| {
+                Ok::<_, DisplayError>(HeldPicture::new(there, source, settings, control)?.states)
+            })?;
             held = ImageSettings { given: Some(given), ..settings.clone() };
             &held
         }
         _ => settings,
     };
-    let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
+    let mut prepared = Prepared::new(scene)?;
+    let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
     let Brought { rendering, rendered: Rendered { wanted, mapped, photograph, inside }, states, cut } =
-        Brought::new(&lit, scene, source, settings, control)?;
+        control.within([0.4, 0.6], |control| Brought::new(&lit, scene, source, settings, control))?;
     let Lit { view, result, palette, white } = lit;
     let to_screen =
         Adaptation::between(white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let picture = Picture { size, states: &states, wholes: &[] };
     let Seen { pixels: seen, error, neighbours_light } = match states.is_empty() {
         true => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
-        false => seen_by_reader(scene, picture, &palette, settings, control)?,
+        false => control
+            .within([0.6, 0.8], |control| seen_by_reader(scene, picture, &palette, settings, control))?,
     };
     stopped(control)?;
     let shown_as = match screen.white {
@@ -265,7 +269,9 @@ pub fn image(
     let sampled = match (samples_per_pixel, states.is_empty()) {
         (1, _) => None,
         (count, true) => Some(samples::repeated(&seen, size[0], count)),
-        (count, false) => Some(samples::seen(scene, picture, &palette, count, settings, control)?),
+        (count, false) => Some(control.within([0.8, 1.0], |control| {
+            samples::seen(scene, picture, &palette, count, settings, control)
+        })?),
     };
     let shown = sampled.as_ref().unwrap_or(&seen);
     let OnScreen { bytes: on_screen, linear, clipped } =

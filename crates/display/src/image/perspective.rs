@@ -150,6 +150,11 @@ struct Pages<'a> {
     known: BTreeMap<[usize; 2], PageThere>,
 }
 
+/// The part of the progress that is a page, by its number from 0; how many there will be is not known. The first grid has 9.
+fn part_of_page(number: usize) -> [f64; 2] {
+    [number, number + 1].map(|pages| pages as f64 / (pages as f64 + 9.0))
+}
+
 /// Pages in one direction.
 struct PageThere {
     scene: Scene,
@@ -163,7 +168,9 @@ impl Pages<'_> {
     fn at(&mut self, at: [usize; 2]) -> Result<&PageThere, DisplayError> {
         if !self.known.contains_key(&at) {
             let scene = self.eye.scene(self.scene, at.map(|k| chebyshev(k, MOST)));
-            let lit = Lit::new(&scene, self.settings, &mut self.prepared, self.control)?;
+            let lit = self.control.within(part_of_page(self.known.len()), |control| {
+                Lit::new(&scene, self.settings, &mut self.prepared, control)
+            })?;
             let colours = colours_of_pages(&scene, &lit.palette, true)?;
             self.known.insert(at, PageThere { scene, lit, colours });
         }

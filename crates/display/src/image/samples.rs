@@ -60,9 +60,13 @@ pub(super) fn seen(
     let size = picture.size.map(|pixels| per_pixel * pixels);
     // All states of the divided panel are needed, not only those of the palette.
     let settings = ImageSettings { states: Vec::new(), ..settings.clone() };
-    let lit = Lit::new(&divided.scene, &settings, &mut Prepared::new(&divided.scene)?, control)?;
+    let mut prepared = Prepared::new(&divided.scene)?;
+    let lit =
+        control.within([0.0, 0.3], |control| Lit::new(&divided.scene, &settings, &mut prepared, control))?;
     let picture = Picture { size, states: &states, wholes: &divided.wholes };
-    Ok(seen_by_reader(&divided.scene, picture, &lit.palette, &settings, control)?.pixels)
+    let seen =
+        |control: &Control<'_>| seen_by_reader(&divided.scene, picture, &lit.palette, &settings, control);
+    Ok(control.within([0.3, 1.0], seen)?.pixels)
 }
 
 /// A picture with each pixel repeated `per_pixel` times in both directions.

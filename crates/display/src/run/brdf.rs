@@ -13,8 +13,9 @@ use papilio_transport::{Cone, Estimate, ReflectanceFactor, Source, Stack, specul
 use rayon::ThreadPool;
 
 use super::cone::DEFAULT_TARGET;
+use super::progress::{Progress, SAMPLE, part_of_pass};
 use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
-use super::{Control, Progress, Workers, each};
+use super::{Control, Workers, each};
 use crate::brdf::{BrdfGrid, BrdfState, BrdfTable};
 use crate::scene::{Scene, Stop};
 use crate::setup::Setup;
@@ -120,7 +121,9 @@ impl<'a> Survey<'a> {
         let error = |levels: [&Luminous; 2], before: Option<&Luminous>| {
             of_levels(bound, levels.map(Clone::clone), before.map(Vec::as_slice))
         };
-        refine(target, self.finest, at, error, |error, _| self.report(error, target, 0))
+        let of_sample = Progress { unit: "directions", ..Progress::of_views(0, 1) }.within([0.0, SAMPLE]);
+        let report = |error: f64, _: bool| (self.control.progress)(of_sample.with_error(error, target));
+        refine(target, self.finest, at, error, report)
     }
 
     /// Prepares a kernel; `None` if it was stopped.
@@ -147,7 +150,7 @@ impl<'a> Survey<'a> {
         target: f64,
         pool: Option<&ThreadPool>,
     ) -> Option<Rows> {
-        let (mut spectra, mut luminous, mut nodes) = self.scattered(kernel, pool)?;
+        let (mut spectra, mut luminous, mut nodes) = self.scattered(kernel, 0, pool)?;
         let Stack::Layered(_) = self.setup.stack else {
             let errors = vec![sample.error; self.setup.states.len() * self.grid.pairs()];
             return Some(((spectra, nodes), errors));
@@ -155,8 +158,8 @@ impl<'a> Survey<'a> {
         let rest = slowness([&sample.finer, &sample.coarser], sample.before.as_deref());
         let times = error_over_difference(&self.setup.stack, &self.beams).max(rest);
         let mut level = sample.level;
-        let (_, mut coarser, _) = self.scattered(&Kernel::new(level as u32 - 1), pool)?;
-        loop {
+        let (_, mut coarser, _) = self.scattered(&Kernel::new(level as u32 - 1), 1, pool)?;
+        for pass in 2.. {
             let errors = self.errors(&luminous, &coarser, times);
             let misses = |error: &f64| error.is_finite() && *error > target;
             if level >= self.finest || !errors.iter().any(misses) {
@@ -165,8 +168,9 @@ impl<'a> Survey<'a> {
             level += 1;
             *kernel = Kernel::new(level as u32);
             coarser = luminous;
-            (spectra, luminous, nodes) = self.scattered(kernel, pool)?;
+            (spectra, luminous, nodes) = self.scattered(kernel, pass, pool)?;
         }
+        None
     }
 
     /// Returns the relative errors of Y, `[state][theta_i][theta_o][dphi]`.
@@ -190,14 +194,17 @@ impl<'a> Survey<'a> {
         errors
     }
 
-    fn report(&self, relative_error: f64, target: f64, done: usize) {
-        let progress = Progress::of_views(done, self.grid.theta_o_deg.len());
-        (self.control.progress)(progress.with_error(relative_error, target));
+    /// The part of the progress that is a pass through all directions, from 0. A panel has one.
+    pub(super) fn pass(&self, pass: u32) -> [f64; 2] {
+        match self.setup.stack {
+            Stack::Panel(_) => [SAMPLE, 1.0],
+            Stack::Layered(_) => part_of_pass(pass).map(|passes| SAMPLE + (1.0 - SAMPLE) * passes),
+        }
     }
 
     /// Computes the spectra scattered towards each inclination of the viewer, [dphi][theta_i][state][wavelength], their Y, and
     /// the number of nodes.
-    fn scattered(&self, kernel: &Kernel, pool: Option<&ThreadPool>) -> Option<Scattered> {
+    fn scattered(&self, kernel: &Kernel, pass: u32, pool: Option<&ThreadPool>) -> Option<Scattered> {
         let stack = &self.setup.stack;
         let fields = |theta: f64| self.grid.dphi_deg.iter().map(move |phi| view(theta, *phi));
         let azimuths = self.grid.dphi_deg.len();
@@ -227,7 +234,9 @@ impl<'a> Survey<'a> {
                 }
             }
             rows.2 = own.map_or(0, |kernel| kernel.nodes() as u64);
-            self.report(0.0, 1.0, done.fetch_add(1, Ordering::Relaxed) + 1);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            let rows = Progress { unit: "rows", ..Progress::of_views(done, self.grid.theta_o_deg.len()) };
+            (self.control.progress)(rows.within(self.pass(pass)));
             Some(())
         };
         let mut rows = vec![(Vec::new(), Luminous::new(), 0); self.grid.theta_o_deg.len()];

@@ -11,8 +11,9 @@ use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
+use super::progress::{Progress, SAMPLE, part_of_pass};
 use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
-use super::{Control, Progress, Run, Workers, each};
+use super::{Control, Run, Workers, each};
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::Meter;
 use crate::scene::{DirectedLight, Lighting, Scene, Standard, Stop};
@@ -154,7 +155,7 @@ impl Survey<'_> {
     fn of_panel(&self, target: f64, pool: Option<&ThreadPool>) -> Option<Rows> {
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
-        let (rows, nodes) = self.all(kernel, pool)?;
+        let (rows, nodes) = self.all(kernel, [SAMPLE, 1.0], pool)?;
         let views = self.views(&rows, &sample.finer[0], pool);
         let states = self.run.setup.states.len();
         let errors = views.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect();
@@ -189,7 +190,7 @@ impl Survey<'_> {
             finite.fold(sampled, largest)
         };
         let at = |level: usize| self.level(level, pool);
-        let refined = refine(target, self.finest, at, error, |error, _| self.report(error, target, 0))?;
+        let refined = refine(target, self.finest, at, error, |_, _| {})?;
         refined.finished.then_some(())?;
         let (_, errors) = errors([&refined.finer, &refined.coarser], refined.before.as_ref());
         let Level { reference, rows, nodes } = &refined.finer;
@@ -198,7 +199,7 @@ impl Survey<'_> {
 
     /// Computes all directions of general layers at a level; `None` if it was stopped.
     fn level(&self, level: usize, pool: Option<&ThreadPool>) -> Option<Level> {
-        let (mut rows, nodes) = self.all(Kernel::new(level as u32), pool)?;
+        let (mut rows, nodes) = self.all(Kernel::new(level as u32), part_of_pass(level as u32), pool)?;
         let reference = rows.pop()?.pop()?;
         Some(Level { reference, rows, nodes })
     }
@@ -275,7 +276,7 @@ impl Survey<'_> {
         let error = |levels: [&Colours; 2], before: Option<&Colours>| {
             of_levels(bound, levels.map(luminous), before.map(luminous).as_deref())
         };
-        refine(target, self.finest, at, error, |error, _| self.report(error, target, 0))
+        refine(target, self.finest, at, error, |error, _| self.report_sample(error, target))
     }
 
     /// Computes the colours of a view; `None` if it was stopped.
@@ -289,14 +290,25 @@ impl Survey<'_> {
         Some(self.run.meter.colours(&rho))
     }
 
-    fn report(&self, relative_error: f64, target: f64, done: usize) {
-        let progress = Progress::of_views(done, self.run.setup.views.len());
-        (self.run.control.progress)(progress.with_error(relative_error, target));
+    /// Reports the error of the sample.
+    fn report_sample(&self, relative_error: f64, target: f64) {
+        let progress = self.directions(0).with_error(relative_error, target).within([0.0, SAMPLE]);
+        (self.run.control.progress)(progress);
+    }
+
+    /// Progress in the directions of the maps.
+    fn directions(&self, done: usize) -> Progress<'static> {
+        Progress { unit: "directions", ..Progress::of_views(done, self.run.setup.views.len()) }
     }
 
     /// Computes all inclinations at the selected azimuths, `[theta][phi]`; of general layers also, as a last row, the
-    /// reference direction. Returns the colours and the number of nodes.
-    fn all(&self, mut kernel: Kernel, pool: Option<&ThreadPool>) -> Option<(Vec<Colours>, u64)> {
+    /// reference direction. Returns the colours and the number of nodes. `part` is the part of the progress that this is.
+    fn all(
+        &self,
+        mut kernel: Kernel,
+        part: [f64; 2],
+        pool: Option<&ThreadPool>,
+    ) -> Option<(Vec<Colours>, u64)> {
         let setup = self.run.setup;
         let computed = self.computed();
         let thetas = self.grid.theta_deg.len();
@@ -332,7 +344,8 @@ impl Survey<'_> {
                 |k: usize| if self.run.control.stopped() { None } else { self.colours(kernel, first + k) };
             let row = (0..fields.len()).map(colours).collect::<Option<Colours>>()?;
             let more = if theta < thetas { self.grid.phi_deg.len() } else { 0 };
-            self.report(0.0, 1.0, done.fetch_add(more, Ordering::Relaxed) + more);
+            let done = done.fetch_add(more, Ordering::Relaxed) + more;
+            (self.run.control.progress)(self.directions(done).within(part));
             Some((row, own.map_or(0, |kernel| kernel.nodes() as u64)))
         };
         let mut rows: Vec<usize> = (0..count).collect();

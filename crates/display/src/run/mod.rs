@@ -6,6 +6,7 @@ mod auto;
 mod brdf;
 mod cone;
 mod filtered;
+mod progress;
 mod refine;
 mod study;
 mod viewers;
@@ -23,6 +24,7 @@ pub(crate) use auto::is_quick;
 pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, forecast};
 pub use brdf::brdf;
 pub use cone::cone;
+pub use progress::{Progress, ProgressFraction};
 pub use refine::adding_seconds;
 pub(crate) use refine::{finest, largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
@@ -42,42 +44,6 @@ const FINEST_REACHED: &str = "adding's finest level is reached; the Monte Carlo 
 /// Largest estimated error of X, Y and Z by interpolation between wavelengths, relative to a perfect white, that gives no
 /// warning.
 const NEGLIGIBLE_ERROR: f64 = 1e-3;
-
-/// Progress of a run.
-#[derive(Clone, Copy)]
-pub struct Progress<'a> {
-    /// Paths traced so far, over all views (Monte Carlo).
-    pub paths: Option<u64>,
-    /// Fraction of the current view's work that is done, if it is known.
-    pub share_of_view: Option<f64>,
-    /// Largest relative error of Y in the current view, if it is estimated.
-    pub relative_error: Option<f64>,
-    /// Target of the relative error, if there is one.
-    pub target: Option<f64>,
-    /// Number of views that are done, and of all views.
-    pub views_done: (usize, usize),
-    /// Computes the number of the current view, from 0, and its result so far (Monte Carlo).
-    pub so_far: Option<&'a dyn Fn() -> (usize, View)>,
-}
-
-impl Progress<'_> {
-    /// Progress of a computation without paths, in which a number of views out of all are done.
-    pub(crate) fn of_views(done: usize, all: usize) -> Self {
-        Self {
-            paths: None,
-            share_of_view: None,
-            relative_error: None,
-            target: None,
-            views_done: (done, all),
-            so_far: None,
-        }
-    }
-
-    /// Adds the largest relative error of the views that are being computed, and its target.
-    pub(crate) fn with_error(self, relative_error: f64, target: f64) -> Self {
-        Self { relative_error: Some(relative_error), target: Some(target), ..self }
-    }
-}
 
 /// Accuracy of an answer of a prepared display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,6 +67,12 @@ pub struct Control<'a> {
 impl Control<'_> {
     pub(crate) fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Calls `compute` with a control that reports its progress as a part of this computation, from one fraction to another.
+    pub fn within<T>(&self, part: [f64; 2], compute: impl FnOnce(&Control<'_>) -> T) -> T {
+        let progress = |now: Progress<'_>| (self.progress)(now.within(part));
+        compute(&Control { progress: &progress, ..*self })
     }
 
     /// Number of worker threads.

@@ -3,8 +3,8 @@
 use papilio_sampling::SampleStream;
 use papilio_transport::walk::Walk;
 
-use super::Control;
 use super::walk::{Confidence, REPLICATES, round_size};
+use super::{Control, Progress};
 use crate::DisplayError;
 use crate::meter::{Meter, Sample};
 use crate::scene::{Sampler, Scene, Strategy};
@@ -79,7 +79,13 @@ pub fn study(
     let study = Study { setup: &setup, meter: Meter::new(&setup), paths, seconds, control };
     let at = setup.views.first().ok_or(DisplayError::Interrupted)?;
     let pairs = Sampler::ALL.into_iter().flat_map(|s| Strategy::ALL.into_iter().map(move |t| (s, t)));
-    pairs.map(|(sampler, strategy)| study.curve(at, sampler, strategy)).collect()
+    let pairs: Vec<_> = pairs.collect();
+    let curve = |(number, (sampler, strategy)): (usize, &(Sampler, Strategy))| {
+        let now = Progress { unit: "curves", ..Progress::of_views(number, pairs.len()) };
+        (control.progress)(now);
+        study.curve(at, *sampler, *strategy)
+    };
+    pairs.iter().enumerate().map(curve).collect()
 }
 
 /// Cost of the first view of a scene with the Monte Carlo solver on one thread.

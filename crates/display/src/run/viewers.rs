@@ -84,15 +84,15 @@ impl OfViewers<'_> {
         };
         let mut kernel = Kernel::new(0);
         let sample = self.survey.sample(target, &mut kernel)?;
-        let mut lights = self.scattered(&kernel, pool)?;
+        let mut lights = self.scattered(&kernel, 0, pool)?;
         let states = setup.states.len();
         let mut relative = vec![sample.error; states * self.viewers.iter().map(Vec::len).sum::<usize>()];
         if let Stack::Layered(_) = setup.stack {
             let rest = slowness([&sample.finer, &sample.coarser], sample.before.as_deref());
             let times = error_over_difference(&setup.stack, &self.survey.beams).max(rest);
             let mut level = sample.level;
-            let mut coarser = self.scattered(&Kernel::new(level as u32 - 1), pool)?;
-            loop {
+            let mut coarser = self.scattered(&Kernel::new(level as u32 - 1), 1, pool)?;
+            for pass in 2.. {
                 relative = self.errors(&lights, &coarser, times);
                 let misses = |error: &f64| error.is_finite() && *error > target;
                 if level >= self.survey.finest || !relative.iter().any(misses) {
@@ -101,7 +101,7 @@ impl OfViewers<'_> {
                 level += 1;
                 kernel = Kernel::new(level as u32);
                 coarser = lights;
-                lights = self.scattered(&kernel, pool)?;
+                lights = self.scattered(&kernel, pass, pool)?;
             }
         }
         let returned = self.survey.returned(&kernel)?;
@@ -142,7 +142,7 @@ impl OfViewers<'_> {
     }
 
     /// Computes what each direction of the light scatters.
-    fn scattered(&self, kernel: &Kernel, pool: Option<&ThreadPool>) -> Option<Vec<OfLight>> {
+    fn scattered(&self, kernel: &Kernel, pass: u32, pool: Option<&ThreadPool>) -> Option<Vec<OfLight>> {
         let survey = &self.survey;
         let stack = &survey.setup.stack;
         let stop = survey.control.stop;
@@ -183,8 +183,9 @@ impl OfViewers<'_> {
                 }
                 found.nodes += own.nodes() as u64;
             }
-            let progress = Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, count);
-            (survey.control.progress)(progress.with_error(0.0, 1.0));
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            let parts = Progress { unit: "parts", ..Progress::of_views(done, count) };
+            (survey.control.progress)(parts.within(survey.pass(pass)));
             Some(())
         };
         each(pool, &mut parts, part).into_iter().collect::<Option<Vec<()>>>()?;

@@ -325,20 +325,25 @@ impl<'a> Runner<'a> {
     }
 
     fn progress(&self, work: &Work<'_>, done: &Done) -> Progress<'static> {
+        let is_enough = self.is_enough(work);
         let (share_of_view, target) = match self.run.scene.solver.stop {
             Stop::Paths(paths) => (Some((work.paths as f64 / paths as f64).min(1.0)), None),
-            Stop::RelativeError { target, .. } => (None, Some(target)),
+            // The error falls with the root of the number of paths.
+            Stop::RelativeError { target, .. } => {
+                (Some((target / work.relative_error).powi(2).min(1.0)), Some(target))
+            }
             // Estimated from the ratio of tolerance to error.
-            Stop::Target(_) => (Some((1.0 / work.missed_by()).min(1.0)), None),
+            Stop::Target(_) => (Some((1.0 / work.missed_by()).powi(2).min(1.0)), None),
         };
-        let views = done.views.len() + usize::from(self.is_enough(work));
+        let views = done.views.len() + usize::from(is_enough);
+        // A view that has met its target may need further paths.
+        let share_of_view = share_of_view.filter(|_| !is_enough).map(|share| share.min(0.99));
         Progress {
             paths: Some(done.paths + work.paths),
-            share_of_view,
+            share_of_view: share_of_view.or(Some(0.0)),
             relative_error: Some(work.relative_error),
             target,
-            views_done: (views, self.run.setup.views.len()),
-            so_far: None,
+            ..Progress::of_views(views, self.run.setup.views.len())
         }
     }
 
