@@ -6,11 +6,8 @@
 
 crates/spectra/data/materials.txt: name, what it is, page, source and licence of each material, and its numbers, as they are in the
 page: the coefficients of its formula, or rows of its table from 300 to 1100 nm. A row is left out if linear interpolation between
-its neighbours changes n by less than 1e-4 (relative for n above 1), k by less than 1e-6 or 0.1 %, and the transmittance of 1 um to
-10 mm by less than 0.001.
-pages.csv (next to this file): n and k of the pages of the materials that the program computes by itself, from the models and
-constants of publications, and of glasses; `cargo test -p papilio-validation materials` compares them with the program.
-materials.csv: n and k of other samples or measurements of the same material from a second page, for the
+its neighbours changes n by less than 1e-4 (relative for n above 1) and k by less than 1e-6 or 0.1 %.
+materials.csv (next to this file): n and k of other samples or measurements of the same material from a second page, for the
 comparison by `cargo test -p papilio-validation materials`.
 """
 
@@ -42,7 +39,6 @@ MATERIALS = [
     ("SiO2:Lemarchand", "silicon dioxide, sputtered film of 580 nm", "main/SiO2/nk/Lemarchand"),
     ("Al2O3:Franta", "aluminium oxide, evaporated film of 121.5 nm, amorphous", "main/Al2O3/nk/Franta"),
     ("MgF2:Franta", "magnesium fluoride, evaporated film of 134.2 nm", "main/MgF2/nk/Franta"),
-    ("ITO", "indium tin oxide, film of 72 nm on glass", "other/mixed crystals/In2O3-SnO2/nk/Konig"),
     ("ITO:Minenkov", "indium tin oxide, film of 110 nm on glass", "other/mixed crystals/In2O3-SnO2/nk/Minenkov-glass"),
     ("ITO:Minenkov-top", "indium tin oxide, upper part of a graded sputtered film of 88 nm", "other/mixed crystals/In2O3-SnO2/nk/Minenkov-wafer-top"),
     ("ITO:Minenkov-bottom", "indium tin oxide, lower part of a graded sputtered film of 88 nm", "other/mixed crystals/In2O3-SnO2/nk/Minenkov-wafer-bottom"),
@@ -65,7 +61,6 @@ MATERIALS = [
      "other/commercial polymers/Kapton/nk/Arakawa", "other/commercial polymers/Kapton/nk/French"),
     ("EVA", "ethylene-vinyl acetate, lamination foil", "other/commercial polymers/EVASKY S87/nk/Vogt"),
     ("soda-lime", "soda-lime glass, clear window", "glass/misc/soda-lime/nk/Rubin-clear"),
-    ("BK7", "borosilicate crown glass N-BK7", "specs/schott/optical/N-BK7"),
     ("H2O", "water at 20 C", "main/H2O/nk/Daimon-20.0C"),
 ]
 
@@ -97,20 +92,6 @@ SECOND = [
     ("soda-lime", "glass/misc/soda-lime/nk/Vogt-703ppm", 0.011, 0.001),
     ("H2O", "main/H2O/nk/Hale", 0.004, 0.001),
 ]
-# Materials of the program that are not made from a page, and the page with which they are compared.
-BUILT_IN = [
-    ("SiO2", "main/SiO2/nk/Malitson"),
-    ("MgF2", "main/MgF2/nk/Dodge-o"),
-    ("Al2O3", "main/Al2O3/nk/Malitson-o"),
-    ("Si3N4", "main/Si3N4/nk/Philipp"),
-    ("Cr:Johnson", "main/Cr/nk/Johnson"),
-    *((name, f"main/{name}/nk/Rakic-LD") for name in ("Al", "Cr", "W", "Ni", "Ti", "Au", "Ag")),
-    *((f"{name}:BB", f"main/{name}/nk/Rakic-BB") for name in ("Al", "Cr", "W")),
-]
-
-# Glasses whose thinned tables are compared with their pages there, too, in a display with millimetres of them.
-GLASSES = [("soda-lime", "glass/misc/soda-lime/nk/Rubin-clear"), ("BK7", "specs/schott/optical/N-BK7")]
-
 COMPARED_UM = [0.45, 0.55, 0.5893, 0.65, 0.7]
 
 
@@ -133,8 +114,6 @@ def source(data):
     authors = re.split(r"\.\s*\n|\. Optical|,\s*<i>|\.\s*<i>", text)[0]
     people = re.split(r",| and ", plain(authors))
     people = [one.strip() for one in people if one.strip()]
-    if "SCHOTT" in text:
-        return "SCHOTT, optical glass catalogue (2017)"
     who = people[0] if len(people) == 1 else " and ".join(people) if len(people) == 2 else f"{people[0]} et al."
     links = re.findall(r"<a [^>]*>(.*?)</a>", text, re.S)
     if "private communications" in text:
@@ -247,8 +226,6 @@ def formula(number, c, um):
         first = c[1] * um ** c[2] / (square - c[3] ** c[4])
         second = c[5] * um ** c[6] / (square - c[7] ** c[8]) if len(c) > 5 else 0
         return np.sqrt(c[0] + first + second + sum(c[i] * um ** c[i + 1] for i in range(9, len(c), 2)))
-    if number == 5:
-        return c[0] + sum(c[i] * um ** c[i + 1] for i in range(1, len(c), 2))
     raise ValueError(number)
 
 
@@ -280,19 +257,6 @@ def comparison():
                 continue
             k, limit = ("", "") if difference_k is None or k is None else (f"{k:.6g}", difference_k)
             yield [name, second.replace("/nk/", "/"), f"{1e3 * um:g}", f"{n:.6g}", k, difference_n, limit]
-
-
-def pages():
-    """n and k of the pages of BUILT_IN and of glasses: every 10 nm of a formula, every row of a table, between 380 and 780 nm."""
-    yield ["name", "page", "nm", "n", "k"]
-    for name, where in BUILT_IN + GLASSES:
-        data = page(where)
-        tables = [part for part in data["DATA"] if part["type"].startswith("tabulated") and (name, where) not in GLASSES]
-        rows = [float(row.split()[0]) for part in tables for row in part["data"].strip().splitlines()]
-        points = rows or np.arange(0.38, 0.7801, 0.01)
-        for um in sorted(one for one in points if 0.38 <= one <= 0.7801):
-            n, k = index(data, um)
-            yield [name, where.replace("/nk/", "/"), f"{1e3 * um:.6g}", f"{n:.8g}", f"{k or 0:.6g}"]
 
 
 def judged(text):
@@ -334,9 +298,9 @@ def judged(text):
 
 
 def main():
-    table, own = ("".join(",".join(map(str, row)) + "\n" for row in rows) for rows in (comparison(), pages()))
+    table = "".join(",".join(map(str, row)) + "\n" for row in comparison())
     text = "\n".join(tables()) + "\n"
-    files = [(ROOT / "crates" / "spectra" / "data" / "materials.txt", text), (HERE / "materials.csv", table), (HERE / "pages.csv", own)]
+    files = [(ROOT / "crates" / "spectra" / "data" / "materials.txt", text), (HERE / "materials.csv", table)]
     if sys.argv[1:] == ["--write"]:
         for path, text in files:
             path.write_text(text, encoding="utf-8")

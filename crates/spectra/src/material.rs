@@ -8,13 +8,15 @@ use crate::{Dispersion, MaterialInfo, SpectraError, Tabulated, catalogue};
 
 /// Materials that are defined here: name, what it is, source.
 #[rustfmt::skip]
-const BUILT_IN: [(&str, &str, &str); 18] = [
+const BUILT_IN: [(&str, &str, &str); 20] = [
     ("air", "air, n = 1", "by definition; 3e-4 below the real index"),
     ("SiO2", "fused silica", "I. H. Malitson, J. Opt. Soc. Am. 55, 1205-1208 (1965)"),
     ("MgF2", "magnesium fluoride, crystal, ordinary ray; similar to dense films", "M. J. Dodge, Appl. Opt. 23, 1980-1985 (1984)"),
     ("Al2O3", "sapphire, ordinary ray", "I. H. Malitson, M. J. Dodge, J. Opt. Soc. Am. 62, 1405A (1972)"),
     ("AlOx", "aluminium oxide, deposited film, n = 1.64", "typical of the visible"),
     ("Si3N4", "silicon nitride", "H. R. Philipp, J. Electrochem. Soc. 120, 295-300 (1973)"),
+    ("BK7", "borosilicate crown glass N-BK7", "Schott, data sheet"),
+    ("ITO", "indium tin oxide, film of 72 nm on glass", "T. A. F. Koenig et al., ACS Nano 8, 6182-6192 (2014)"),
     ("OCA", "optically clear adhesive, acrylic, n = 1.47", "typical; manufacturers state 1.4 to 1.5 for optically clear adhesives"),
     ("Al", "aluminium, Lorentz-Drude model", RAKIC),
     ("Cr", "chromium, Lorentz-Drude model", RAKIC),
@@ -134,6 +136,8 @@ pub fn material(name: &str) -> Result<Dispersion, SpectraError> {
         "AlOx" => Dispersion::constant(1.64, 0.0),
         "OCA" => Dispersion::constant(1.47, 0.0),
         "Si3N4" => sellmeier(&SI3N4, (207.0, 1240.0)),
+        "BK7" => Dispersion::formula(2, &BK7, (300.0, 2500.0), None),
+        "ITO" => table(&ITO),
         "Cr:Johnson" => table(&CR_JOHNSON),
         _ => match metal(name) {
             Some(metal) => Ok(metal),
@@ -186,6 +190,8 @@ const SIO2: [f64; 7] = [0.0, 0.6961663, 0.0684043, 0.4079426, 0.1162414, 0.89747
 const MGF2: [f64; 7] = [0.0, 0.48755108, 0.04338408, 0.39875031, 0.09461442, 2.3120353, 23.793604];
 const AL2O3: [f64; 7] = [0.0, 1.4313493, 0.0726631, 0.65054713, 0.1193242, 5.3414021, 18.028251];
 const SI3N4: [f64; 3] = [0.0, 2.8939, 0.13967];
+/// Formula 2: 0, then (B, C^2 in um^2) of each term.
+const BK7: [f64; 7] = [0.0, 1.03961212, 0.00600069867, 0.231792344, 0.0200179144, 1.01046945, 103.560653];
 
 const AL: [Oscillator; 4] =
     [(0.227, 0.333, 0.162), (0.050, 0.312, 1.544), (0.166, 1.351, 1.808), (0.030, 3.382, 3.473)];
@@ -228,6 +234,34 @@ const W_BB: [(Oscillator, f64); 4] = [
     ((0.022, 0.277, 0.985), 0.059),
     ((0.136, 1.433, 1.962), 0.273),
     ((2.648, 4.555, 5.442), 1.912),
+];
+
+/// Koenig et al. 2014, sputtered ITO: (um, n, k).
+const ITO: [(f64, f64, f64); 24] = [
+    (0.3598, 2.110, 0.0199),
+    (0.3805, 2.068, 0.0144),
+    (0.3996, 2.036, 0.0109),
+    (0.4203, 2.006, 0.0083),
+    (0.4394, 1.981, 0.0067),
+    (0.4601, 1.957, 0.0054),
+    (0.4807, 1.934, 0.0045),
+    (0.4998, 1.914, 0.0040),
+    (0.5205, 1.893, 0.0036),
+    (0.5395, 1.874, 0.0033),
+    (0.5602, 1.854, 0.0032),
+    (0.5793, 1.835, 0.0031),
+    (0.5999, 1.815, 0.0031),
+    (0.6205, 1.795, 0.0032),
+    (0.6395, 1.776, 0.0033),
+    (0.6601, 1.755, 0.0035),
+    (0.6807, 1.734, 0.0037),
+    (0.6997, 1.714, 0.0039),
+    (0.7203, 1.692, 0.0042),
+    (0.7392, 1.671, 0.0045),
+    (0.7598, 1.648, 0.0048),
+    (0.7803, 1.624, 0.0052),
+    (0.8008, 1.599, 0.0057),
+    (0.8307, 1.561, 0.0064),
 ];
 
 /// Johnson and Christy 1974: (um, n, k).
@@ -308,7 +342,7 @@ mod tests {
             assert_index("Si3N4", nm, n.into(), 1e-4);
         }
         assert_index("AlOx", 550.0, 1.64.into(), 1e-15);
-        assert_index("ITO", 560.2, Complex64::new(1.854, 0.0032), 5e-4);
+        assert_index("ITO", 560.2, Complex64::new(1.854, 0.0032), 1e-12);
         assert_index("Cr:Johnson", 549.0, Complex64::new(3.18, 3.33), 1e-12);
     }
 
