@@ -1,15 +1,17 @@
 //! Light from the whole hemisphere: a radiance for each direction of the hemisphere of air.
 //!
 //! # Model
-//! A field consists either of cells, rows of inclination times equal columns of azimuth with uniform
-//! radiance in each (exact for rings; the reader of a map resamples it to cells), or of a formula
-//! ([`Radiance`]), which is evaluated for look-ups and integrated for sums. Radiance is stored for unit
-//! irradiance in the display plane: its integral over direction cosines is 1.
+//! A field consists of cells, rows of inclination times equal columns of azimuth with uniform radiance in
+//! each (exact for rings, and for a map over a horizontal display); or of the [`Pixels`] of a map in any
+//! orientation; or of a formula ([`Radiance`]). Pixels and formulas are evaluated for look-ups and for means
+//! over a view. Sums of the light with smooth functions integrate a formula, and use cells with the light of
+//! the pixels. Radiance is stored for unit irradiance in the display plane: its integral over direction
+//! cosines is 1.
 //!
 //! [`Field::sample`] samples directions (inverse cumulative distributions of rows, then of columns; uniform
 //! in direction cosines within a cell) with the density [`Field::density`]. For cells, the density is
-//! proportional to the radiance. A formula also has cells, which are about as bright as it is, and nowhere
-//! dark where it is bright.
+//! proportional to the radiance. Formulas and pixels also have cells to sample from, which are about as
+//! bright as they are, and nowhere dark where they are bright.
 //!
 //! A field of one column is the same at all azimuths.
 
@@ -19,12 +21,31 @@ use std::sync::Arc;
 use papilio_optics::Beta;
 
 use crate::formula::{Formula, Polar, Radiance};
+use crate::pixels::Pixels;
 
 /// Radiance by direction, zero outside its rows.
 #[derive(Debug, Clone)]
 pub struct Field {
+    /// Cells from which directions are sampled.
     cells: Cells,
-    formula: Option<OfUnit>,
+    light: Exact,
+}
+
+/// The radiances themselves.
+#[derive(Debug, Clone)]
+enum Exact {
+    /// Those of the cells from which directions are sampled.
+    Cells,
+    Formula(OfUnit),
+    Pixels(Arc<UnitPixels>),
+}
+
+/// Pixels, the factor that makes their irradiance one, and cells with their light.
+#[derive(Debug, PartialEq)]
+struct UnitPixels {
+    pixels: Pixels,
+    scale: f64,
+    cells: Cells,
 }
 
 /// A formula, and the factor that makes its irradiance one.
@@ -37,10 +58,20 @@ struct OfUnit {
 /// Light of a field in the form in which it is summed.
 #[derive(Debug)]
 pub(crate) enum Light<'a> {
-    /// The lit rows: the inclinations between which they lie, radians, and their radiances.
-    Cells(Vec<([f64; 2], &'a [f64])>),
+    Cells(Lit<'a>),
     /// A formula, and the factor of its radiances.
     Formula(&'a Formula, f64),
+    /// Pixels, the factor of their radiances, and cells with about the same light.
+    Pixels(&'a Pixels, f64, Lit<'a>),
+}
+
+/// Lit rows of cells.
+#[derive(Debug)]
+pub(crate) struct Lit<'a> {
+    /// The inclinations between which they lie, radians, and their radiances.
+    pub(crate) rows: Vec<([f64; 2], &'a [f64])>,
+    /// Azimuth at which the first column begins, radians.
+    pub(crate) turn: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +80,8 @@ struct Cells {
     edges: Vec<f64>,
     squares: Vec<f64>,
     columns: usize,
+    /// Azimuth at which the first column begins, radians.
+    turn: f64,
     /// `[row][column]`.
     radiance: Vec<f64>,
     /// Irradiance up to the end of each row.
@@ -57,15 +90,20 @@ struct Cells {
     up_to_column: Vec<f64>,
 }
 
-/// Fraction of the mean over all cells that is sampled even where a formula seems dark: a cell that contains
-/// an edge may do so.
+/// Fraction of the mean over all cells that is sampled even where a formula or pixels seem dark: a cell that
+/// contains an edge may do so.
 const WHEREVER: f64 = 0.01;
 
 impl PartialEq for Field {
     /// Formulas are equal if their irradiances and their cells are, to the last digit.
     fn eq(&self, other: &Self) -> bool {
-        let scale = |field: &Self| field.formula.as_ref().map(|formula| formula.scale);
-        self.cells == other.cells && scale(self) == scale(other)
+        self.cells == other.cells
+            && match (&self.light, &other.light) {
+                (Exact::Cells, Exact::Cells) => true,
+                (Exact::Formula(one), Exact::Formula(other)) => one.scale == other.scale,
+                (Exact::Pixels(one), Exact::Pixels(other)) => one == other,
+                _ => false,
+            }
     }
 }
 
@@ -78,7 +116,32 @@ impl Field {
     /// if a radiance is negative or NaN, or if there is no light.
     pub fn new(edges_deg: &[f64], columns: usize, radiance: Vec<f64>) -> Option<(Self, f64)> {
         let (cells, irradiance) = Cells::new(edges_deg, columns, radiance)?;
-        Some((Self { cells, formula: None }, irradiance))
+        Some((Self { cells, light: Exact::Cells }, irradiance))
+    }
+
+    /// Builds a field from pixels; returns it with its irradiance and its integral over the solid angle above
+    /// the display. Sums of the light with smooth functions use cells, as of [`Field::new`] with their first
+    /// column at `turn_deg`, that have approximately the light of the pixels, at any scale.
+    pub fn of_pixels(
+        pixels: Pixels,
+        edges_deg: &[f64],
+        columns: usize,
+        turn_deg: f64,
+        radiance: Vec<f64>,
+    ) -> Option<(Self, [f64; 2])> {
+        let turned = |radiance| Some(Cells::new(edges_deg, columns, radiance)?.0.turned(turn_deg));
+        let sampled = turned(wherever(radiance.clone()))?;
+        let cells = turned(radiance)?;
+        let [irradiance, light] = pixels.light();
+        let unit = UnitPixels { pixels, scale: 1.0 / irradiance, cells };
+        (irradiance > 0.0 && irradiance.is_finite())
+            .then(|| (Self { cells: sampled, light: Exact::Pixels(Arc::new(unit)) }, [irradiance, light]))
+    }
+
+    /// Returns a field of cells whose first column begins at this azimuth.
+    #[must_use]
+    pub fn turned(self, turn_deg: f64) -> Self {
+        Self { cells: self.cells.turned(turn_deg), ..self }
     }
 
     /// Builds a field from a formula; returns it with its irradiance. Directions are sampled from cells as
@@ -88,16 +151,14 @@ impl Field {
         radiance: Arc<dyn Radiance>,
         edges_deg: &[f64],
         columns: usize,
-        mut about: Vec<f64>,
+        about: Vec<f64>,
     ) -> Option<(Self, f64)> {
-        let mean = about.iter().sum::<f64>() / about.len() as f64;
-        about.iter_mut().for_each(|value| *value += WHEREVER * mean);
-        let (cells, _) = Cells::new(edges_deg, columns, about)?;
+        let (cells, _) = Cells::new(edges_deg, columns, wherever(about))?;
         let formula = Formula::new(radiance, Polar::NORMAL);
         debug_assert!(columns > 1 || formula.is_round(), "one column has no azimuths");
         let irradiance = formula.irradiance();
-        let formula = Some(OfUnit { formula, scale: 1.0 / irradiance });
-        (irradiance > 0.0 && irradiance.is_finite()).then_some((Self { cells, formula }, irradiance))
+        let light = Exact::Formula(OfUnit { formula, scale: 1.0 / irradiance });
+        (irradiance > 0.0 && irradiance.is_finite()).then_some((Self { cells, light }, irradiance))
     }
 
     /// Returns uniform light from a ring around the normal, or from a cap if it begins at 0, degrees.
@@ -108,16 +169,17 @@ impl Field {
     /// Returns radiance over irradiance, 1/sr, of the light that propagates with `beta`.
     #[inline]
     pub fn radiance(&self, beta: Beta) -> f64 {
-        match &self.formula {
-            None => self.cells.at(beta),
-            Some(OfUnit { formula, scale }) => {
-                let square = 1.0 - beta.squared();
-                // Directions beyond the horizon carry no light.
-                if square < -1e-12 {
-                    return 0.0;
-                }
-                scale * formula.radiance([-beta.x, -beta.y, square.max(0.0).sqrt()])
+        // Directions beyond the horizon carry no light.
+        let source = || {
+            let square = 1.0 - beta.squared();
+            (square >= -1e-12).then(|| [-beta.x, -beta.y, square.max(0.0).sqrt()])
+        };
+        match &self.light {
+            Exact::Cells => self.cells.at(beta),
+            Exact::Formula(OfUnit { formula, scale }) => {
+                source().map_or(0.0, |direction| scale * formula.radiance(direction))
             }
+            Exact::Pixels(unit) => source().map_or(0.0, |direction| unit.scale * unit.pixels.at(direction)),
         }
     }
 
@@ -141,11 +203,19 @@ impl Field {
 
     /// Returns the light in the form in which it is summed.
     pub(crate) fn light(&self) -> Light<'_> {
-        match &self.formula {
-            None => Light::Cells(self.cells.lit_rows().collect()),
-            Some(OfUnit { formula, scale }) => Light::Formula(formula, *scale),
+        match &self.light {
+            Exact::Cells => Light::Cells(self.cells.lit()),
+            Exact::Formula(OfUnit { formula, scale }) => Light::Formula(formula, *scale),
+            Exact::Pixels(unit) => Light::Pixels(&unit.pixels, unit.scale, unit.cells.lit()),
         }
     }
+}
+
+/// Adds a little light everywhere to radiances of cells from which directions are sampled.
+fn wherever(mut radiance: Vec<f64>) -> Vec<f64> {
+    let mean = radiance.iter().sum::<f64>() / radiance.len() as f64;
+    radiance.iter_mut().for_each(|value| *value += WHEREVER * mean);
+    radiance
 }
 
 impl Cells {
@@ -178,7 +248,11 @@ impl Cells {
         }
         up_to_row.iter_mut().for_each(|part| *part /= irradiance);
         let radiance = radiance.into_iter().map(|value| value / irradiance).collect();
-        Some((Self { edges, squares, columns, radiance, up_to_row, up_to_column }, irradiance))
+        Some((Self { edges, squares, columns, turn: 0.0, radiance, up_to_row, up_to_column }, irradiance))
+    }
+
+    fn turned(self, turn_deg: f64) -> Self {
+        Self { turn: turn_deg.to_radians(), ..self }
     }
 
     #[inline]
@@ -200,7 +274,7 @@ impl Cells {
         if self.columns == 1 {
             return 0;
         }
-        let turn = (-beta.y).atan2(-beta.x).rem_euclid(TAU) / TAU;
+        let turn = ((-beta.y).atan2(-beta.x) - self.turn).rem_euclid(TAU) / TAU;
         ((turn * self.columns as f64) as usize).min(self.columns - 1)
     }
 
@@ -209,16 +283,15 @@ impl Cells {
         let (row, along) = pick(&self.up_to_row, u[0]);
         let (column, turn) = pick(&self.up_to_column[row * self.columns..][..self.columns], u[1]);
         let square = self.squares[row] + along * (self.squares[row + 1] - self.squares[row]);
-        let (sin, cos) = ((column as f64 + turn) * TAU / self.columns as f64).sin_cos();
+        let (sin, cos) = (self.turn + (column as f64 + turn) * TAU / self.columns as f64).sin_cos();
         let radius = -square.sqrt();
         (Beta { x: radius * cos, y: radius * sin }, self.row(row)[column])
     }
 
-    /// Returns the lit rows: the inclinations between which they lie, radians, and their radiances.
-    fn lit_rows(&self) -> impl Iterator<Item = ([f64; 2], &[f64])> {
+    fn lit(&self) -> Lit<'_> {
         let rows = self.edges.windows(2).zip(self.radiance.chunks_exact(self.columns));
         let lit = rows.filter(|(_, row)| row.iter().any(|value| *value > 0.0));
-        lit.map(|(edges, row)| ([edges[0], edges[1]], row))
+        Lit { rows: lit.map(|(edges, row)| ([edges[0], edges[1]], row)).collect(), turn: self.turn }
     }
 
     fn row(&self, row: usize) -> &[f64] {

@@ -4,7 +4,7 @@
 //!   ([`Medium`]), the pixel ([`Base`]; a specular one is an [`AngularTable`]).
 //! - [`Layered`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it.
 //! - [`Source`], [`Field`] and [`Cone`]: directions of light and of the viewer; spectrum and illuminance of a
-//!   source are the caller's. A field consists of cells or of a formula ([`Radiance`]).
+//!   source are the caller's. A field consists of cells, of [`Pixels`] or of a formula ([`Radiance`]).
 //! - [`walk`]: unbiased Monte Carlo. The result is, for each source, the reflectance factor
 //!   under that source alone, by state and wavelength, and an energy ledger.
 //!
@@ -55,6 +55,7 @@ mod layered;
 mod layers;
 mod light;
 mod panel;
+mod pixels;
 mod product;
 mod skeleton;
 pub mod spatial;
@@ -72,4 +73,5 @@ pub use layered::{Layer, Layered, Stack};
 pub use layers::*;
 pub use light::{Cone, Source};
 pub use panel::{Panel, Top};
+pub use pixels::Pixels;
 pub use specular::{Image, disc_image, specular_image};

@@ -135,6 +135,11 @@ impl Cone {
         self.half_angle == 0.0
     }
 
+    /// Returns true if none of it is beyond the horizon.
+    pub(crate) fn is_above(&self) -> bool {
+        self.axis[2] >= self.half_angle.sin()
+    }
+
     /// Returns its solid angle.
     pub(crate) fn solid_angle(&self) -> f64 {
         1.0 / warp::uniform_cone_density(self.half_angle)

@@ -17,7 +17,7 @@ mod sheet;
 mod sky;
 
 pub use cap::cap;
-pub use map::{Cells, Panorama};
+pub use map::{MapField, Panorama};
 pub use pose::Pose;
 pub use profile::profile;
 pub use sheet::{Sheet, luminous_sheet};

@@ -2,6 +2,7 @@
 mod fields_of_view;
 mod formulas;
 mod third_road;
+mod turned_maps;
 
 use std::path::Path;
 

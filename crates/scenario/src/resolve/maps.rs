@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use papilio_colour::Observer;
-use papilio_display::environment::{Panorama, Pose};
-use papilio_display::scene::{Environment, EnvironmentPart, Field};
+use papilio_display::environment::{MapField, Panorama, Pose};
+use papilio_display::scene::{Environment, EnvironmentPart};
 use papilio_formats::{LightMap, MapChannel, MapColour, read_light_map};
 use papilio_spectra::{Grid, LightSpectrum, SpectraError, Spectrum, Tabulated, srgb_primaries};
 use serde_json::json;
@@ -75,15 +75,15 @@ impl Resolver<'_> {
             height: picture.height,
             channels: picture.channels.iter().map(|channel| &channel.radiance[..]).collect(),
         };
-        let cells = panorama.over(Pose { tilt_deg: map.tilt_deg.0 }, map.rotate_deg.0);
+        let fields = panorama.over(Pose { tilt_deg: map.tilt_deg.0 }, map.rotate_deg.0);
         let mut parts = Vec::new();
         let (mut above, mut everywhere) = (0.0, 0.0);
-        for (k, (spectrum, lm_per_w)) in spectra.into_iter().zip(lm_per_w).enumerate() {
-            above += lm_per_w * cells.light(k);
+        for (k, (field, (spectrum, lm_per_w))) in
+            fields.into_iter().zip(spectra.into_iter().zip(lm_per_w)).enumerate()
+        {
             everywhere += lm_per_w * panorama.light(k);
-            if let Some((field, irradiance)) =
-                Field::new(&cells.edges_deg, cells.columns, cells.channels[k].clone())
-            {
+            if let Some(MapField { field, irradiance, light }) = field {
+                above += lm_per_w * light;
                 parts.push(EnvironmentPart {
                     field: Arc::new(field),
                     share: irradiance * lm_per_w,

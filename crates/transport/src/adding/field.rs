@@ -4,7 +4,7 @@
 //! view's mirror direction. A field is rough, down to its cells. Therefore the response of the view is
 //! interpolated (product integration): over inclination by polynomials on panels graded around the peaks,
 //! over azimuth by trigonometric polynomials. The weights of their nodes are integrals of the field: exact
-//! ones for cells; for a formula, by rules that take into account where it is not smooth ([`Formula`]). The
+//! ones for cells (also those that represent pixels); for a formula, by rules that take into account where it is not smooth ([`Formula`]). The
 //! number of directions is that of the smooth response, however many cells there are; weights may be
 //! negative.
 
@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use papilio_optics::Beta;
 
 use super::quadrature::{Point, Pole, gauss, legendre, panels, points_for};
-use crate::field::Light;
+use crate::field::{Light, Lit};
 use crate::formula::Formula;
 use crate::{Cone, Field};
 
@@ -69,7 +69,9 @@ impl Ring {
 pub(crate) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
     let light = field.light();
     let span = match &light {
-        Light::Cells(lit) => lit.first().zip(lit.last()).map(|(first, last)| [first.0[0], last.0[1]]),
+        Light::Cells(lit) | Light::Pixels(.., lit) => {
+            lit.rows.first().zip(lit.rows.last()).map(|(first, last)| [first.0[0], last.0[1]])
+        }
         Light::Formula(formula, _) => Some(formula.span()),
     };
     let Some([from, to]) = span else { return Vec::new() };
@@ -87,8 +89,9 @@ pub(crate) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
         let orders: Vec<usize> =
             radii().map(|radius| orders(radius, &centres, peaks.width, digits)).collect();
         let harmonics = match &light {
-            Light::Cells(lit) => {
-                panel.columns(lit).iter().zip(&orders).map(|(columns, m)| of_columns(columns, *m)).collect()
+            Light::Cells(lit) | Light::Pixels(.., lit) => {
+                let columns = panel.columns(lit);
+                columns.iter().zip(&orders).map(|(columns, m)| of_columns(columns, lit.turn, *m)).collect()
             }
             Light::Formula(formula, scale) => panel.harmonics(formula, *scale, &orders, digits),
         };
@@ -156,11 +159,11 @@ impl Panel {
     }
 
     /// Returns for each node its light, by column of the field.
-    fn columns(&self, lit: &[([f64; 2], &[f64])]) -> Vec<Vec<f64>> {
-        let columns = lit.first().map_or(0, |row| row.1.len());
+    fn columns(&self, lit: &Lit<'_>) -> Vec<Vec<f64>> {
+        let columns = lit.rows.first().map_or(0, |row| row.1.len());
         let width = TAU / columns.max(1) as f64;
         let mut sums = vec![vec![0.0; columns]; self.nodes.len()];
-        for ([start, end], row) in lit {
+        for ([start, end], row) in &lit.rows {
             let (from, to) = (start.max(self.from), end.min(self.to));
             if from < to {
                 for (sum, moment) in sums.iter_mut().zip(self.moments(from, to)) {
@@ -217,8 +220,8 @@ impl Panel {
 }
 
 /// Returns the integrals of `exp(-i m phi)`, real and imaginary parts, up to these orders, of light that is
-/// uniform within columns.
-fn of_columns(columns: &[f64], orders: usize) -> Vec<[f64; 2]> {
+/// uniform within columns, of which the first begins at this azimuth.
+fn of_columns(columns: &[f64], turn: f64, orders: usize) -> Vec<[f64; 2]> {
     let parts = columns.len();
     let whole: f64 = columns.iter().sum();
     if parts == 1 {
@@ -235,7 +238,8 @@ fn of_columns(columns: &[f64], orders: usize) -> Vec<[f64; 2]> {
             cos += column * c;
             sin += column * s;
         }
-        [mean * cos, -mean * sin]
+        let (sin_turn, cos_turn) = (m as f64 * turn).sin_cos();
+        [mean * (cos * cos_turn - sin * sin_turn), -mean * (sin * cos_turn + cos * sin_turn)]
     };
     std::iter::once([whole, 0.0]).chain((1..=orders).map(of)).collect()
 }
@@ -282,7 +286,7 @@ mod tests {
         let lobe = |beta: Beta| width / (width * width + (beta + centre).squared()).powf(1.5);
         let mut truth = 0.0;
         let Light::Cells(lit) = field.light() else { unreachable!("these are cells") };
-        for ([from, to], row) in lit {
+        for ([from, to], row) in lit.rows {
             for (column, value) in row.iter().enumerate() {
                 let step = TAU / columns as f64;
                 for theta in gauss(from, to, 8) {

@@ -5,13 +5,15 @@
 //! of a circle that lies within the other cone is known in closed form (half-side formula of
 //! spherical trigonometry), and a square root ends the range of radii where arcs begin.
 
+use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
 
 use papilio_optics::Beta;
 
 use super::quadrature::{Node, Nodes, Point, cone_points, cone_points_of, gauss, smooth_at};
-use crate::field::Light;
+use crate::field::{Light, Lit};
 use crate::formula::{Formula, Polar};
+use crate::pixels::{Pixels, rotated};
 use crate::{Cone, Field, Source};
 
 /// Points of a source's image that a view sees: `rho` is the sum of weights times
@@ -81,7 +83,11 @@ fn in_view(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
             let formula = formula.about(Polar::mirrored(view));
             of_formula(view, &formula, PI * scale / view.solid_angle(), fine)
         }
-        Light::Cells(rows) if !view.is_point() => of_cells(view, &Rows { rows }, fine),
+        Light::Cells(lit) if !view.is_point() => of_cells(view, &Rows::of_cells(&lit), fine),
+        // Circles about another axis than the normal are no circles in a medium, and the horizon cuts them.
+        Light::Pixels(pixels, scale, _) if !view.is_point() && view.is_in_air() && view.is_above() => {
+            of_cells(view, &Rows::of_pixels(pixels, scale, view), fine)
+        }
         _ => by_spiral(view, field, fine),
     }
 }
@@ -162,15 +168,52 @@ fn of_moments(light: f64, [x, y, xx, xy, yy]: [f64; 5], axis: Beta) -> [Point; 4
     around.map(|beta| Point { beta: if is_above { beta } else { Beta { x, y } }, weight: 0.25 * light })
 }
 
-/// Cells of a field: the inclinations between which the lit rows lie, radians, and their radiances.
+/// Cells of a field: the inclinations between which rows lie, radians, and their radiances, in a frame of
+/// their own (azimuth 0, azimuth 90 deg, pole).
 struct Rows<'a> {
-    rows: Vec<([f64; 2], &'a [f64])>,
+    rows: Vec<([f64; 2], Cow<'a, [f64]>)>,
+    frame: [[f64; 3]; 3],
 }
 
-/// Returns points of cells: circles about the normal cross the view and the cells in arcs that are known in
+impl<'a> Rows<'a> {
+    fn of_cells(lit: &Lit<'a>) -> Self {
+        let (sin, cos) = lit.turn.sin_cos();
+        let rows = lit.rows.iter().map(|(edges, row)| (*edges, Cow::Borrowed(*row)));
+        Self { rows: rows.collect(), frame: [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]] }
+    }
+
+    /// Returns the rows of pixels that the mirror of this view shows, from the pole on whose side it is.
+    fn of_pixels(pixels: &Pixels, scale: f64, view: &Cone) -> Self {
+        let axis = source_of(view);
+        let flipped = rotated(&pixels.frame, axis)[2] < 0.0;
+        let frame = if flipped {
+            let [x, y, pole] = pixels.frame;
+            [x, y.map(|part| -part), pole.map(|part| -part)]
+        } else {
+            pixels.frame
+        };
+        let middle = inclination(rotated(&frame, axis));
+        let mut rows = pixels.rows_within([middle - view.half_angle(), middle + view.half_angle()], flipped);
+        rows.iter_mut().flat_map(|(_, row)| row).for_each(|value| *value *= scale);
+        Self { rows: rows.into_iter().map(|(edges, row)| (edges, Cow::Owned(row))).collect(), frame }
+    }
+}
+
+/// Returns the direction, in the medium of the view, from which the mirror shows light in its middle.
+fn source_of(view: &Cone) -> [f64; 3] {
+    let (axis, index) = (view.axis_towards(), view.index());
+    let (x, y) = (-axis.x / index, -axis.y / index);
+    [x, y, (1.0 - x * x - y * y).max(0.0).sqrt()]
+}
+
+fn inclination([x, y, z]: [f64; 3]) -> f64 {
+    x.hypot(y).atan2(z)
+}
+
+/// Returns points of cells: circles about their pole cross the view and the cells in arcs that are known in
 /// closed form.
 fn of_cells(view: &Cone, rows: &Rows<'_>, fine: Fine) -> Vec<Point> {
-    let circles = CirclesInView::new(view);
+    let circles = CirclesInView::new(view, rows.frame);
     let scale = PI / view.solid_angle();
     let points = (2.0 + 0.4 * fine.digits).ceil() as usize;
     let (mut light, mut sum) = (Vec::new(), 0.0);
@@ -215,33 +258,35 @@ fn of_cells(view: &Cone, rows: &Rows<'_>, fine: Fine) -> Vec<Point> {
 /// Number of points of the arc of a circle in a cell: cells are small.
 const POINTS_OF_AN_ARC: usize = 3;
 
-/// Circles about the normal, as far as they lie in the directions that a mirror shows in a view. Angles are
-/// those in the medium of the view.
+/// Circles about the pole of cells, as far as they lie in the directions that a mirror shows in a view.
+/// Angles are those in the medium of the view; the pole is the normal, or the medium is air.
 struct CirclesInView {
     half_angle: f64,
     /// Inclination and azimuth of the middle.
     middle: f64,
     azimuth: f64,
     index: f64,
+    frame: [[f64; 3]; 3],
 }
 
 impl CirclesInView {
-    fn new(view: &Cone) -> Self {
-        let axis = -view.axis_towards();
-        let index = view.index();
-        let middle = (axis.length() / index).min(1.0).asin();
-        Self { half_angle: view.half_angle(), middle, azimuth: axis.y.atan2(axis.x), index }
+    fn new(view: &Cone, frame: [[f64; 3]; 3]) -> Self {
+        let [x, y, z] = rotated(&frame, source_of(view));
+        let middle = inclination([x, y, z]);
+        Self { half_angle: view.half_angle(), middle, azimuth: y.atan2(x), index: view.index(), frame }
     }
 
     /// Converts an inclination in the air.
     fn inclination(&self, in_air: f64) -> f64 {
-        (in_air.sin() / self.index).min(1.0).asin()
+        if self.index == 1.0 { in_air } else { (in_air.sin() / self.index).min(1.0).asin() }
     }
 
     /// Returns the direction cosines towards a place on a circle.
     fn from(&self, inclination: f64, azimuth: f64) -> Beta {
-        let (radius, (sin, cos)) = (self.index * inclination.sin(), azimuth.sin_cos());
-        Beta { x: radius * cos, y: radius * sin }
+        let ((sin, cos), (sin_turn, cos_turn)) = (inclination.sin_cos(), azimuth.sin_cos());
+        let [out, side, pole] = &self.frame;
+        let along = |i: usize| sin * (cos_turn * out[i] + sin_turn * side[i]) + cos * pole[i];
+        Beta { x: self.index * along(0), y: self.index * along(1) }
     }
 
     /// Returns half of the arc of a circle that lies in the view.
@@ -256,7 +301,8 @@ impl CirclesInView {
     /// between the inclinations at which the rim of the view crosses an edge of a cell.
     fn nodes(&self, [from, to]: [f64; 2], step: f64, points: usize) -> Vec<Node> {
         let first = (self.middle - self.half_angle).abs();
-        let last = (self.middle + self.half_angle).min(FRAC_PI_2);
+        // Rows end at the horizon, if the pole is the normal.
+        let last = (self.middle + self.half_angle).min(PI);
         let mut nodes = Vec::new();
         // Whole circles around the normal.
         if self.half_angle > self.middle && from < first {
