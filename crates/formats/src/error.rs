@@ -188,10 +188,15 @@ pub enum Problem {
     Picture(Box<PictureProblem>),
     /// An error of a map of heights.
     Surface(Box<SurfaceProblem>),
-    /// An error of a luminaire file.
+    /// An error of an IES LM-63 file.
     Ies {
         /// What is wrong.
-        what: &'static str,
+        what: String,
+    },
+    /// An error of a EULUMDAT file.
+    Eulumdat {
+        /// What is wrong.
+        what: String,
     },
     /// An error of a BSDF file.
     Bsdf(Box<BsdfProblem>),
@@ -268,6 +273,7 @@ impl Problem {
             Self::NoIndex => Diagnostic::new("no entry of `DATA` holds the refractive index n")
                 .expected("an entry of type `tabulated nk`, `tabulated n` or `formula 1` to `formula 9`"),
             Self::Ies { what } => Diagnostic::new(format!("this IES LM-63 file cannot be used: {what}")),
+            Self::Eulumdat { what } => Diagnostic::new(format!("this EULUMDAT file cannot be used: {what}")),
             Self::Map(problem) => problem.diagnostic(),
             Self::Picture(problem) => problem.diagnostic(),
             Self::Surface(problem) => problem.diagnostic(),

@@ -6,7 +6,7 @@
 //! | [`read_fractions`], [`read_light`] | the same, with values from 0 to 1, or of a light source |
 //! | [`read_profile`] | two columns: angle in degrees, relative radiance |
 //! | [`read_light_map`] | Radiance pictures and OpenEXR maps of the whole sphere (detected from the content) |
-//! | [`read_ies`] | luminaires, IES LM-63 type C |
+//! | [`read_luminaire`] | luminaires, IES LM-63 (types A, B and C) and EULUMDAT |
 //! | [`read_index`] | n-k in nm, or a refractiveindex.info page (detected from the content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
 //! | [`read_windows`] | rectangles of sub-pixels: name, x0, y0, x1, y1 |
@@ -129,7 +129,8 @@ pub use journal::{
 };
 pub use json::write_json;
 pub use light::{
-    LightMap, Luminaire, MapChannel, MapColour, MapProblem, read_ies, read_light_map, read_profile,
+    IntensityEdge, LightMap, Luminaire, MapChannel, MapColour, MapProblem, Opening, OpeningShape, is_luminaire,
+    read_light_map, read_luminaire, read_profile,
 };
 pub use measured_panel::read_measured_panel;
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};

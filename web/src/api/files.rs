@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_scan};
 use papilio_formats::{
-    BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, read_bsdf,
-    read_heights, read_ies, read_index_within, read_light_map, read_measured_panel, read_mesh, read_picture,
+    BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, is_luminaire, read_bsdf,
+    read_heights, read_index_within, read_light_map, read_luminaire, read_measured_panel, read_mesh, read_picture,
     read_pixel_table, read_profile, read_spectrum,
 };
 use papilio_goniometry::{Audit, MeasuredPart, Measurement};
@@ -36,7 +36,7 @@ pub(super) enum FileKind {
     Pixel,
     /// A light map: radiance over all directions.
     Map,
-    /// A luminaire (IES).
+    /// A luminaire (IES, EULUMDAT).
     Luminaire,
     /// A light profile: radiance by inclination.
     Profile,
@@ -115,11 +115,11 @@ fn read_contents(site: &Site, file: &DataFile, stop: &AtomicBool) -> Result<Cont
         Err(FormatError { problem: Problem::Bsdf(problem), .. }) if *problem == BsdfProblem::Unknown => {}
         Err(error) => return Err(error.into()),
     }
+    if is_luminaire(file) {
+        return luminaire(file);
+    }
     if let Some(contents) = geometry(site, file) {
         return contents;
-    }
-    if file.bytes.starts_with(b"IESNA") {
-        return luminaire(file);
     }
     if file.bytes.starts_with(b"#?") || file.bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
         return map(file).or_else(|fault| heights(file).map_err(|_| fault));
@@ -220,12 +220,13 @@ fn scattering(
 }
 
 fn luminaire(file: &DataFile) -> Result<Contents, Fault> {
-    let read = read_ies(file)?;
-    let [length, width] = read.opening_m;
-    let words = vec![
-        format!("{}: luminaire (IES LM-63)", file.name),
-        format!("opening {length} m by {width} m{}", if read.is_round { ", round" } else { "" }),
+    let read = read_luminaire(file)?;
+    let mut words = vec![
+        format!("{}: luminaire", file.name),
+        format!("opening: {}", read.opening.in_words()),
+        format!("luminous flux: {:.1} lm", read.flux_lm()[0]),
     ];
+    words.extend(read.notes.iter().cloned());
     let points = (0..=180).map(|deg| (f64::from(deg), read.intensity(f64::from(deg), 0.0))).collect();
     let drawn = drawn("intensity", ["Angle from the nadir (deg)", "Intensity (cd)"], vec![points]);
     let light = json!({ "model": "luminaire", "file": file.name, "elevation_deg": 60, "azimuth_deg": 90,

@@ -2,7 +2,6 @@
 //!
 //! The apparent area of the plane is proportional to the cosine of the angle: its radiance is the intensity over the cosine.
 
-use std::f64::consts::FRAC_PI_2;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -15,20 +14,25 @@ pub trait Sheet: Debug + Send + Sync + 'static {
     /// Returns the intensity at an angle from the normal and the azimuth *towards* which the light travels, degrees.
     fn intensity(&self, theta_deg: f64, phi_deg: f64) -> f64;
 
-    /// Returns the angles and azimuths between which the intensity is smooth, degrees.
-    fn angles_deg(&self) -> [Vec<f64>; 2];
+    /// Returns the circles of directions between which the intensity is smooth: the centre, a unit vector (azimuth 0, azimuth
+    /// 90 deg, normal) *towards* which light travels, and the angular radius, degrees.
+    fn edges(&self) -> Vec<([f64; 3], f64)>;
 }
 
 /// Number of rows and columns of the cells from which the Monte Carlo solver draws directions.
 const CELLS: [usize; 2] = [180, 180];
-/// Largest number of angles of a table at which integrals are subdivided.
-const MOST_ANGLES: usize = 90;
 
 /// Returns the light of a luminous plane over the display; `None` if the intensity is 0 everywhere.
 pub fn luminous_sheet(sheet: impl Sheet) -> Option<Field> {
     let [rows, columns] = CELLS;
-    let [thetas, phis] = sheet.angles_deg().map(thinned);
-    let mut down = Down { sheet, thetas, phis };
+    let towards = sheet.edges().into_iter();
+    // Light that travels towards an azimuth comes from the opposite one.
+    let edge = |([x, y, z], radius_deg): ([f64; 3], f64)| Edge {
+        centre: [-x, -y, z],
+        radius: radius_deg.to_radians(),
+        scale: f64::INFINITY,
+    };
+    let mut down = Down { edges: towards.map(edge).collect(), sheet };
     let edges: Vec<f64> = (0..=rows).map(|row| 90.0 * row as f64 / rows as f64).collect();
     let turn = |column: usize| 360.0 * (column as f64 + 0.5) / columns as f64;
     let about: Vec<f64> = edges
@@ -38,24 +42,17 @@ pub fn luminous_sheet(sheet: impl Sheet) -> Option<Field> {
         .collect();
     let is_uniform = |row: &[f64]| row.iter().all(|value| (value - row[0]).abs() <= 1e-12 * row[0]);
     if about.chunks_exact(columns).all(is_uniform) {
-        down.phis.clear();
+        down.edges.retain(|edge| edge.centre[2].abs() > 1.0 - 1e-12);
         let about = about.into_iter().step_by(columns).collect();
         return Some(Field::of(Arc::new(down), &edges, 1, about)?.0);
     }
     Some(Field::of(Arc::new(down), &edges, columns, about)?.0)
 }
 
-/// Selects at most [`MOST_ANGLES`] of these angles.
-fn thinned(angles: Vec<f64>) -> Vec<f64> {
-    let step = angles.len().div_ceil(MOST_ANGLES).max(1);
-    angles.into_iter().step_by(step).collect()
-}
-
 #[derive(Debug)]
 struct Down<S> {
     sheet: S,
-    thetas: Vec<f64>,
-    phis: Vec<f64>,
+    edges: Vec<Edge>,
 }
 
 impl<S: Sheet> Radiance for Down<S> {
@@ -66,14 +63,7 @@ impl<S: Sheet> Radiance for Down<S> {
     }
 
     fn edges(&self) -> Vec<Edge> {
-        let edge = |centre, radius| Edge { centre, radius, scale: f64::INFINITY };
-        let rows = self.thetas.iter().map(|theta| edge([0.0, 0.0, 1.0], theta.to_radians()));
-        // An azimuth is a great circle about the horizontal direction perpendicular to it.
-        let columns = self
-            .phis
-            .iter()
-            .map(|phi| edge(by_inclination(FRAC_PI_2, phi.to_radians() + FRAC_PI_2), FRAC_PI_2));
-        rows.chain(columns).collect()
+        self.edges.clone()
     }
 }
 
@@ -95,8 +85,8 @@ mod tests {
             self.0(theta_deg, phi_deg)
         }
 
-        fn angles_deg(&self) -> [Vec<f64>; 2] {
-            [vec![0.0, 90.0], vec![90.0]]
+        fn edges(&self) -> Vec<([f64; 3], f64)> {
+            vec![([0.0, 0.0, 1.0], 90.0), ([1.0, 0.0, 0.0], 90.0)]
         }
     }
 

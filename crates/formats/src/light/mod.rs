@@ -1,14 +1,19 @@
 //! Input files of light sources: profiles over inclination, maps of the whole sphere, luminaires.
 
+mod eulumdat;
 mod ies;
+mod luminaire;
 mod map;
+mod numbers;
+mod opening;
 mod openexr;
 mod primaries;
 mod problem;
 mod profile;
 mod radiance;
 
-pub use ies::{Luminaire, read_ies};
+pub use luminaire::{IntensityEdge, Luminaire, is_luminaire, read_luminaire};
 pub use map::{LightMap, MapChannel, MapColour, read_light_map};
+pub use opening::{Opening, OpeningShape};
 pub use problem::MapProblem;
 pub use profile::read_profile;

@@ -11,6 +11,7 @@ mod arrays;
 mod bsdf;
 mod heights;
 mod light_maps;
+mod luminaires;
 mod meshes;
 mod pictures;
 mod reading;

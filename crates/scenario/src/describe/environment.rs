@@ -20,7 +20,7 @@ kinds! {
         Sky(Sky) = "sky",
         /// A map of radiance over the whole sphere.
         Map(Map) = "map",
-        /// A distant luminaire, given by its IES file.
+        /// A distant luminaire, given by its IES or EULUMDAT file.
         Luminaire(Luminaire) = "luminaire",
     }
 }
@@ -145,7 +145,7 @@ table! {
         share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// An IES LM-63 file (.ies), type C photometry.
+        /// An IES LM-63 file (.ies) or a EULUMDAT file (.ldt).
         file: String,
         /// Elevation of the luminaire above the horizon, seen from the display.
         elevation_deg: Elevation,

@@ -37,7 +37,7 @@ table! {
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// Directions of the light that the guide emits downwards: a file with two columns, inclination in degrees (0 to 90,
-        /// increasing) and relative radiance, the same at all azimuths; or an IES file (.ies, type C), whose nadir is the
+        /// increasing) and relative radiance, the same at all azimuths; or an IES or EULUMDAT file (.ies, .ldt), whose nadir is the
         /// display's normal and whose plane C = 0 is along x. Allowed only if an ordinary panel has a diffuser given by a lobe. Default: diffuse.
         distribution: Option<String>,
         /// Fraction of all its light that the guide emits upwards, diffusely.

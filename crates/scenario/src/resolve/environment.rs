@@ -6,7 +6,7 @@ use std::sync::Arc;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::environment::{Pose, Sky, cap as cap_field, profile};
 use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field};
-use papilio_formats::{read_ies, read_profile};
+use papilio_formats::{read_luminaire, read_profile};
 use papilio_spectra::LightSpectrum;
 
 use super::Resolver;
@@ -149,14 +149,15 @@ impl Resolver<'_> {
         luminaire: &Spanned<describe::Luminaire>,
         spectrum: Option<LightSpectrum>,
     ) -> Option<DirectedLight> {
-        let light = self.data(&luminaire.file.value, luminaire.file.origin, read_ies)?;
+        let light = self.data(&luminaire.file.value, luminaire.file.origin, read_luminaire)?;
+        self.notes.extend(light.notes.iter().map(|note| format!("{key}: {note}")));
         let pose = Pose { tilt_deg: luminaire.tilt_deg.0 };
         let (theta_deg, phi_deg) = pose.sees([luminaire.elevation_deg.0, luminaire.azimuth_deg.0]);
         // Light towards the display leaves the luminaire at this angle from its nadir, in the opposite azimuth.
         let from_nadir_deg = 90.0 - luminaire.elevation_deg.0;
-        let intensity =
-            light.intensity(from_nadir_deg, luminaire.azimuth_deg.0 + 180.0 - luminaire.rotation_deg.0);
-        let seen_m2 = light.opening_m2() * from_nadir_deg.to_radians().cos();
+        let turn_deg = luminaire.azimuth_deg.0 + 180.0 - luminaire.rotation_deg.0;
+        let intensity = light.intensity(from_nadir_deg, turn_deg);
+        let seen_m2 = light.opening.seen_m2(from_nadir_deg, turn_deg);
         let radius_deg = (seen_m2 / PI).sqrt().atan2(luminaire.distance_m.0).to_degrees();
         if theta_deg + radius_deg >= 90.0 {
             let at = luminaire
@@ -172,7 +173,7 @@ impl Resolver<'_> {
             return None;
         }
         let lux = intensity * theta_deg.to_radians().cos() / luminaire.distance_m.0.powi(2);
-        self.check_far(key, luminaire.distance_m.0, light.opening_m);
+        self.check_far(key, luminaire.distance_m.0, light.opening.longest_m());
         self.notes.push(format!(
             "{key}: the luminaire has {intensity:.1} cd towards the display, which are {lux:.2} lx there; these values are not used, `share` sets the level"
         ));
@@ -188,8 +189,7 @@ impl Resolver<'_> {
 
     /// Warns of a luminaire that is too close: its file is its far field, which is correct within 1 % from five times its
     /// opening (the illuminance of a Lambertian disc of diameter D at distance d is 1/(1 + (D/2d)^2) of the inverse square law).
-    fn check_far(&mut self, key: &str, distance_m: f64, opening_m: [f64; 2]) {
-        let widest = opening_m[0].max(opening_m[1]);
+    fn check_far(&mut self, key: &str, distance_m: f64, widest: f64) {
         if distance_m < FAR * widest {
             self.warnings.push(format!(
                 "{key}: the luminaire is {distance_m} m away, less than five times its opening of {widest:.2} m: its file is its far \

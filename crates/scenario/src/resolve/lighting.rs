@@ -5,7 +5,7 @@ use std::sync::Arc;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::environment::{Sheet, luminous_sheet, profile};
 use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting};
-use papilio_formats::{Luminaire, read_ies, read_profile};
+use papilio_formats::{Luminaire, is_luminaire, read_luminaire, read_profile};
 use papilio_spectra::LightSpectrum;
 
 use super::Resolver;
@@ -104,16 +104,25 @@ impl Resolver<'_> {
 
     /// Resolves the directions of the downward light of a front light.
     fn distribution(&mut self, name: &str, origin: Origin) -> Option<Field> {
-        let field = if name.to_ascii_lowercase().ends_with(".ies") {
-            let light = self.data(name, origin, read_ies)?;
-            if light.intensity(180.0, 0.0) > 0.0 || light.intensity(135.0, 0.0) > 0.0 {
-                self.notes.push(format!(
-                    "lighting.front_light: the upward light of {name} is ignored; upward_leak sets it"
-                ));
+        // By the content: any name is accepted.
+        let read = |file: &_| {
+            Ok(if is_luminaire(file) {
+                Distribution::Luminaire(read_luminaire(file)?)
+            } else {
+                Distribution::Profile(read_profile(file)?)
+            })
+        };
+        let field = match self.data(name, origin, read)? {
+            Distribution::Luminaire(light) => {
+                self.notes.extend(light.notes.iter().map(|note| format!("lighting.front_light: {note}")));
+                if light.intensity(180.0, 0.0) > 0.0 || light.intensity(135.0, 0.0) > 0.0 {
+                    self.notes.push(format!(
+                        "lighting.front_light: the upward light of {name} is ignored; upward_leak sets it"
+                    ));
+                }
+                luminous_sheet(Guide(light))
             }
-            luminous_sheet(Guide(light))
-        } else {
-            profile(&self.data(name, origin, read_profile)?)
+            Distribution::Profile(points) => profile(&points),
         };
         if field.is_none() {
             self.errors.push(origin, mistake::dark_field());
@@ -194,17 +203,26 @@ impl Resolver<'_> {
     }
 }
 
-/// A light guide with the intensities of an IES file, whose nadir is the display's normal.
+/// Distribution of the light of a guide.
+enum Distribution {
+    Luminaire(Luminaire),
+    Profile(Vec<(f64, f64)>),
+}
+
+/// A light guide with the intensities of a luminaire, whose nadir is the display's normal.
 #[derive(Debug)]
 struct Guide(Luminaire);
+
+/// Largest number of angles of a table at which integrals are subdivided.
+const MOST_ANGLES: usize = 90;
 
 impl Sheet for Guide {
     fn intensity(&self, theta_deg: f64, phi_deg: f64) -> f64 {
         self.0.intensity(theta_deg, phi_deg)
     }
 
-    fn angles_deg(&self) -> [Vec<f64>; 2] {
-        self.0.angles_deg()
+    fn edges(&self) -> Vec<([f64; 3], f64)> {
+        self.0.edges(MOST_ANGLES).into_iter().map(|edge| (edge.centre, edge.radius_deg)).collect()
     }
 }
 
