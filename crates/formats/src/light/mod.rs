@@ -1,5 +1,6 @@
 //! Input files of light sources: profiles over inclination, maps of the whole sphere, luminaires.
 
+mod cube;
 mod eulumdat;
 mod ies;
 mod luminaire;

@@ -12,6 +12,12 @@ pub(super) type Primaries = [[f64; 2]; 4];
 /// Those of sRGB (IEC 61966-2-1).
 const SRGB: Primaries = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
 
+/// Primaries whose colours are X, Y and Z.
+pub(super) const XYZ: Primaries = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]];
+
+/// Luminous efficacy of pictures, lm/W: the convention of Radiance.
+pub(super) const PICTURE_LM_PER_W: f64 = 179.0;
+
 type Matrix = [[f64; 3]; 3];
 
 /// Converts the pixels of a map whose colours have these primaries.
@@ -59,12 +65,19 @@ fn xyz_of_srgb() -> Option<Matrix> {
     xyz(SRGB)
 }
 
+/// Returns the luminances of red, green and blue of these primaries (sRGB: `None`), 1 for white.
+pub(super) fn luminances(primaries: Option<Primaries>) -> Option<[f64; 3]> {
+    Some(xyz(primaries.unwrap_or(SRGB))?[1])
+}
+
 /// Returns the matrix from RGB to XYZ, Y = 1 for white.
 fn xyz([red, green, blue, white]: Primaries) -> Option<Matrix> {
-    let column = |[x, y]: [f64; 2]| (y.abs() > 1e-9).then(|| [x / y, 1.0, (1.0 - x - y) / y]);
-    let columns = [column(red)?, column(green)?, column(blue)?];
+    // Primaries need no luminance: X and Z have none.
+    let columns = [red, green, blue].map(|[x, y]| [x, y, 1.0 - x - y]);
     let plain: Matrix = std::array::from_fn(|row| std::array::from_fn(|k| columns[k][row]));
-    let scale = times(inverse(plain)?, column(white)?);
+    let [x, y] = white;
+    let white = (y.abs() > 1e-9).then(|| [x / y, 1.0, (1.0 - x - y) / y])?;
+    let scale = times(inverse(plain)?, white);
     Some(plain.map(|row| std::array::from_fn(|k| row[k] * scale[k])))
 }
 

@@ -26,6 +26,13 @@ pub enum MapProblem {
         /// Number of rows.
         height: usize,
     },
+    /// A cube whose faces do not have a supported size.
+    Cube {
+        /// Pixels in a row.
+        width: usize,
+        /// Number of rows.
+        height: usize,
+    },
     /// The file ends before the last row.
     Truncated {
         /// The row, from 1.
@@ -79,8 +86,9 @@ impl MapProblem {
             }
             Self::Header { line, what } => Diagnostic::new(format!("line {line} of the header: {what}")),
             Self::Orientation { found } => Diagnostic::new(format!("the scanlines of this map have the order `{found}`"))
-                .expected("`-Y height +X width`")
-                .hint("save the picture upright in the program that created it"),
+                .expected("an order such as `-Y height +X width`"),
+            Self::Cube { width, height } => Diagnostic::new(format!("this cube has {width} x {height} pixels"))
+                .expected("six square faces of 2 to 1024 pixels, one below the other"),
             Self::Size { width, height } => Diagnostic::new(format!("this map has {width} x {height} pixels"))
                 .expected(
                     "an equirectangular map, twice as wide as high, of 4 x 2 to 4096 x 2048 pixels, with an even number of rows",
@@ -97,7 +105,7 @@ impl MapProblem {
                 Diagnostic::new(pixel).expected("a radiance of 0 or more")
             }
             Self::Channels { found } => Diagnostic::new(format!("this map has the channels {found}"))
-                .expected("R, G and B, or Y, or wavelengths such as `S0.550,0nm`, all in one part of the file"),
+                .expected("R, G and B, or X, Y and Z, or Y, or wavelengths such as `S0.550,0nm`, all in one part of the file"),
             Self::Exr { message } => Diagnostic::new(format!("this OpenEXR file cannot be read: {message}")),
         }
     }

@@ -1,25 +1,31 @@
 //! Radiance pictures (.hdr, .pic): four bytes per pixel, three mantissas and an exponent, with run-length encoding.
 //!
 //! G. Ward, *Real pixels*, Graphics Gems II (1991); the file format is described in Radiance's manual. The factors of all
-//! `EXPOSURE` and `COLORCORR` lines are multiplied, and the pixels are divided by the product.
+//! `EXPOSURE` and `COLORCORR` lines are multiplied, and the pixels are divided by the product. Scanlines may run in any of the eight
+//! orders of the resolution line. Colours are red, green and blue, in W/(m2 sr), or X, Y and Z, in cd/m2. Without `PRIMARIES`, they
+//! are those of sRGB: photographs have these, not the default of Radiance.
 
 use super::map::{LightMap, MapChannel, MapColour, check_size};
-use super::primaries::Primaries;
+use super::primaries::{PICTURE_LM_PER_W, Primaries, XYZ};
 use super::problem::MapProblem;
 
 pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapProblem> {
     let header = Header::read(bytes)?;
-    let Header { width, height, start, scale, primaries, notes } = header;
+    let Header { order, start, scale, primaries, notes } = header;
+    let Order { width, height, .. } = order;
     let mut input = &bytes[start..];
-    let mut channels: [Vec<f32>; 3] = Default::default();
-    let mut row = vec![[0_u8; 4]; width];
-    for number in 1..=height {
+    let mut channels: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0.0; width * height]);
+    let (scans, length) = order.scans();
+    let mut row = vec![[0_u8; 4]; length];
+    for number in 0..scans {
         scanline(&mut input, &mut row).map_err(|error| match error {
-            ScanlineError::End => MapProblem::Truncated { row: number, height },
-            ScanlineError::Run => MapProblem::Run { row: number },
+            ScanlineError::End => MapProblem::Truncated { row: number + 1, height: scans },
+            ScanlineError::Run => MapProblem::Run { row: number + 1 },
         })?;
         for (channel, (values, scale)) in channels.iter_mut().zip(scale).enumerate() {
-            values.extend(row.iter().map(|pixel| (value(pixel[channel], pixel[3]) / scale) as f32));
+            for (k, pixel) in row.iter().enumerate() {
+                values[order.place(number, k)] = (value(pixel[channel], pixel[3]) / scale) as f32;
+            }
         }
     }
     let colours = [MapColour::Red, MapColour::Green, MapColour::Blue];
@@ -28,14 +34,56 @@ pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapPro
     Ok((LightMap { width, height, channels, notes }, primaries))
 }
 
+/// Size of a picture and the order of its pixels: two axes, the slow one first, each with the sense in which it runs. Y points up.
+#[derive(Debug, Clone, Copy)]
+struct Order {
+    width: usize,
+    height: usize,
+    /// Whether scanlines are columns.
+    by_columns: bool,
+    /// Whether rows follow each other downwards, and columns to the right.
+    down: bool,
+    right: bool,
+}
+
+impl Order {
+    /// Reads a resolution line such as `-Y 512 +X 1024`.
+    fn read(line: &str) -> Result<Self, MapProblem> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let other = || MapProblem::Orientation { found: line.chars().take(40).collect() };
+        let [first, slow, second, fast] = words[..] else { return Err(other()) };
+        let by_columns = match (first, second) {
+            ("-Y" | "+Y", "-X" | "+X") => false,
+            ("-X" | "+X", "-Y" | "+Y") => true,
+            _ => return Err(other()),
+        };
+        let [slow, fast] = [slow, fast].map(str::parse::<usize>);
+        let (slow, fast) = (slow.map_err(|_| other())?, fast.map_err(|_| other())?);
+        let ((vertical, height), (horizontal, width)) =
+            if by_columns { ((second, fast), (first, slow)) } else { ((first, slow), (second, fast)) };
+        Ok(Self { width, height, by_columns, down: vertical == "-Y", right: horizontal == "+X" })
+    }
+
+    /// Returns the number of scanlines, and of pixels of each.
+    fn scans(self) -> (usize, usize) {
+        if self.by_columns { (self.width, self.height) } else { (self.height, self.width) }
+    }
+
+    /// Returns the place, by rows from the upper left, of a pixel of a scanline.
+    fn place(self, scan: usize, pixel: usize) -> usize {
+        let (row, column) = if self.by_columns { (pixel, scan) } else { (scan, pixel) };
+        let row = if self.down { row } else { self.height - 1 - row };
+        row * self.width + if self.right { column } else { self.width - 1 - column }
+    }
+}
+
 /// Returns the value at the middle of the mantissa's step, as Radiance does.
 fn value(mantissa: u8, exponent: u8) -> f64 {
     if exponent == 0 { 0.0 } else { (f64::from(mantissa) + 0.5) * 2.0_f64.powi(i32::from(exponent) - 136) }
 }
 
 struct Header {
-    width: usize,
-    height: usize,
+    order: Order,
     /// Start of the pixels, bytes.
     start: usize,
     /// Factors by which the pixels were multiplied.
@@ -51,26 +99,41 @@ impl Header {
         let mut scale = [1.0; 3];
         let (mut primaries, mut notes) = (None, Vec::new());
         let mut at = 0;
-        let mut in_lines = true;
+        let (mut in_lines, mut is_xyz) = (true, false);
         for number in 1_usize.. {
             let rest = bytes.get(at..).unwrap_or_default();
             // Longest line of a header: 2048 bytes.
             let end = rest.iter().take(2048).position(|byte| *byte == b'\n');
             let wrong = |what| MapProblem::Header { line: number, what };
             let line = end.map(|end| &rest[..end]).ok_or(wrong("it has no newline"))?;
-            let line = str::from_utf8(line).map_err(|_| wrong("it is not text"))?.trim_end();
+            // Comments and names of files may have any encoding.
+            let line = String::from_utf8_lossy(line);
+            let line = line.trim_end();
             at += end.unwrap_or_default() + 1;
             if !in_lines {
-                let (width, height) = size(line)?;
-                check_size(width, height)?;
-                return Ok(Self { width, height, start: at.min(bytes.len()), scale, primaries, notes });
+                let order = Order::read(line)?;
+                check_size(order.width, order.height)?;
+                if is_xyz {
+                    if primaries.replace(XYZ).is_some() {
+                        notes.push("PRIMARIES is not used: the colours are X, Y and Z".to_owned());
+                    }
+                    notes.push("X, Y and Z are taken in cd/m2, 179 lm/W".to_owned());
+                    scale.iter_mut().for_each(|scale| *scale *= PICTURE_LM_PER_W);
+                }
+                return Ok(Self { order, start: at.min(bytes.len()), scale, primaries, notes });
             }
             if line.is_empty() {
                 in_lines = false;
             } else if let Some(format) = line.strip_prefix("FORMAT=") {
-                if format.trim() != "32-bit_rle_rgbe" {
-                    return Err(wrong("its FORMAT is not supported; expected 32-bit_rle_rgbe"));
-                }
+                is_xyz = match format.trim() {
+                    "32-bit_rle_rgbe" => false,
+                    "32-bit_rle_xyze" => true,
+                    _ => {
+                        return Err(wrong(
+                            "its FORMAT is not supported; expected 32-bit_rle_rgbe or 32-bit_rle_xyze",
+                        ));
+                    }
+                };
             } else if let Some(exposure) = line.strip_prefix("EXPOSURE=") {
                 let factor =
                     factors::<1>(exposure).ok_or(wrong("its EXPOSURE is not a number from 1e-12 to 1e12"))?;
@@ -111,13 +174,6 @@ fn factors<const N: usize>(text: &str) -> Option<[f64; N]> {
     let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
     let numbers: [f64; N] = numbers?.try_into().ok()?;
     numbers.iter().all(|number| (1e-12..=1e12).contains(number)).then_some(numbers)
-}
-
-fn size(line: &str) -> Result<(usize, usize), MapProblem> {
-    let words: Vec<&str> = line.split_whitespace().collect();
-    let other = || MapProblem::Orientation { found: line.chars().take(40).collect() };
-    let ["-Y", height, "+X", width] = words[..] else { return Err(other()) };
-    Ok((width.parse().map_err(|_| other())?, height.parse().map_err(|_| other())?))
 }
 
 /// Error of a scanline.
