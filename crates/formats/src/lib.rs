@@ -138,7 +138,7 @@ pub use palette::{PaletteTable, device_colour, palette_files, read_palette};
 pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use picture::{
     LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, PictureProblem, RgbSpace, SourcePicture, Transfer,
-    read_picture, write_indexed_png, write_rgb_png, write_scene_exr,
+    picture_format, read_picture, write_indexed_png, write_rgb_png, write_scene_exr,
 };
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};

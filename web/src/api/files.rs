@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_scan};
 use papilio_formats::{
-    BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, is_luminaire, read_bsdf,
+    BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, is_luminaire, picture_format, read_bsdf,
     read_heights, read_index_within, read_light_map, read_luminaire, read_measured_panel, read_mesh, read_picture,
     read_pixel_table, read_profile, read_spectrum,
 };
@@ -98,16 +98,14 @@ pub(super) async fn file(site: Site, name: String, bytes: Vec<u8>) -> Result<Kep
         .await
 }
 
-/// First bytes of PNG and JPEG files.
-const PICTURES: [&[u8]; 2] = [b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"];
-
 /// Maximum number of pixels of a picture: linear light needs 12 bytes for each.
 const MOST_PIXELS: usize = 16_000_000;
 
 /// Detects the kind of a file from its content, and reads it. The readers are tried from the most specific to
 /// the most general one.
 fn read_contents(site: &Site, file: &DataFile, stop: &AtomicBool) -> Result<Contents, Fault> {
-    if PICTURES.iter().any(|magic| file.bytes.starts_with(magic)) {
+    // Other pictures than PNG and JPEG are refused by their names; a TIFF file holds heights.
+    if picture_format(&file.bytes).is_some_and(|format| format != "TIFF") {
         return picture(file);
     }
     match read_bsdf(file) {

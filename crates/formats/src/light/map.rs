@@ -6,6 +6,7 @@ use super::problem::MapProblem;
 use super::{openexr, primaries, radiance};
 use crate::error::FormatError;
 use crate::file::DataFile;
+use crate::picture_format;
 
 /// Largest width of a map, pixels.
 pub(super) const MOST_WIDTH: usize = 4096;
@@ -60,7 +61,7 @@ pub fn read_light_map(file: &DataFile) -> Result<LightMap, FormatError> {
     } else if file.bytes.starts_with(b"#?") {
         radiance::read(&file.bytes)
     } else {
-        Err(MapProblem::NotAMap)
+        Err(picture_format(&file.bytes).map_or(MapProblem::NotAMap, |format| MapProblem::Format { format }))
     };
     let converted = map.and_then(|(map, primaries)| {
         let mut map = checked(map)?;

@@ -2,11 +2,18 @@
 
 use papilio_diagnostics::Diagnostic;
 
+use crate::picture::convert_to;
+
 /// The errors of a light map.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MapProblem {
     /// The file does not begin as a Radiance picture or an OpenEXR file.
     NotAMap,
+    /// A picture of a format without radiances.
+    Format {
+        /// Its name.
+        format: &'static str,
+    },
     /// A malformed header.
     Header {
         /// Number of the line, from 1.
@@ -84,6 +91,9 @@ impl MapProblem {
             Self::NotAMap => {
                 Diagnostic::new("this is neither a Radiance picture (.hdr) nor an OpenEXR file (.exr)")
             }
+            Self::Format { format } => Diagnostic::new(format!("this is a {format} file, which is not supported"))
+                .expected("a Radiance picture (.hdr) or an OpenEXR file (.exr)")
+                .hint(convert_to(format, "OpenEXR; a usual photograph has no radiances, and lamps in it are as bright as paper")),
             Self::Header { line, what } => Diagnostic::new(format!("line {line} of the header: {what}")),
             Self::Orientation { found } => Diagnostic::new(format!("the scanlines of this map have the order `{found}`"))
                 .expected("an order such as `-Y height +X width`"),

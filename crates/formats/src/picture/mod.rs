@@ -8,6 +8,7 @@ mod exif;
 mod icc;
 mod icc_table;
 mod jpeg;
+mod other;
 mod png_read;
 mod problem;
 mod source;
@@ -15,6 +16,8 @@ mod transfer;
 mod write;
 
 pub use colour_space::RgbSpace;
+pub(crate) use other::convert_to;
+pub use other::picture_format;
 pub use problem::PictureProblem;
 pub use source::SourcePicture;
 pub use transfer::Transfer;
@@ -49,7 +52,12 @@ pub fn read_picture(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<Sourc
         crate::guard::decoded(|| jpeg::read(&file.bytes, untagged))
             .unwrap_or_else(|message| damaged("JPEG", message))
     } else {
-        Err(PictureProblem::NotAPicture)
+        Err(match picture_format(&file.bytes) {
+            Some(format) => PictureProblem::Format { format },
+            None if file.bytes.starts_with(b"#?") => PictureProblem::Format { format: "Radiance" },
+            None if file.bytes.starts_with(b"\x76\x2f\x31\x01") => PictureProblem::Format { format: "OpenEXR" },
+            None => PictureProblem::NotAPicture,
+        })
     };
     picture.map_err(|problem| FormatError { place: Place::whole(&file.name), problem: problem.into() })
 }

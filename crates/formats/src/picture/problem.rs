@@ -2,11 +2,18 @@
 
 use papilio_diagnostics::Diagnostic;
 
+use super::convert_to;
+
 /// The errors of a picture, in addition to those of any data file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PictureProblem {
     /// The file is neither PNG nor JPEG.
     NotAPicture,
+    /// A picture of another format.
+    Format {
+        /// Its name.
+        format: &'static str,
+    },
     /// An unsupported size.
     Size {
         /// Pixels in a row.
@@ -42,6 +49,9 @@ impl PictureProblem {
             Self::NotAPicture => Diagnostic::new("this is not a picture in a supported format")
                 .expected("a PNG or JPEG file")
                 .hint("save the picture as PNG in the program that created it"),
+            Self::Format { format } => Diagnostic::new(format!("this is a {format} file, which is not supported"))
+                .expected("a PNG or JPEG file")
+                .hint(convert_to(format, "PNG")),
             Self::Size { columns, rows } => {
                 Diagnostic::new(format!("this picture has {columns} x {rows} pixels"))
                     .expected("1 to 64 million pixels")

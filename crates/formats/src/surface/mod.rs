@@ -42,6 +42,11 @@ pub struct HeightFile {
 /// The errors of a map of heights, in addition to those of any data file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SurfaceProblem {
+    /// A picture of a format without heights.
+    Format {
+        /// Its name.
+        format: &'static str,
+    },
     /// The file has no known format.
     NotAMap,
     /// The file is not the kernel of a face.
@@ -78,6 +83,9 @@ impl SurfaceProblem {
     /// Returns what is wrong, what was expected and what to do, in words.
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
+            Self::Format { format } => Diagnostic::new(format!("this is a {format} file, which is not supported"))
+                .expected("heights as .npy, CSV, .sdf, .x3p, OpenEXR, or a grey picture of 16 bits as PNG or TIFF")
+                .hint("export the heights themselves: such pictures hold colours of few levels, often with losses"),
             Self::NotAMap => Diagnostic::new("this is not a map of heights in a supported format")
                 .expected(
                     "a .npy array of two dimensions, rows of numbers, a grey PNG or TIFF of 16 bits, an OpenEXR file, an SDF file of ISO 25178-71, or an \
@@ -111,7 +119,10 @@ impl From<SurfaceProblem> for Problem {
 /// An unknown format, a damaged file, holes, and more than 4096 x 4096 heights, before memory is taken for them.
 pub fn read_heights(file: &DataFile) -> Result<HeightFile, FormatError> {
     let bytes = file.bytes.as_slice();
-    let map = if bytes.starts_with(b"\x93NUMPY") {
+    let other = picture_format(bytes).filter(|format| !["PNG", "TIFF"].contains(format));
+    let map = if let Some(format) = other {
+        Err(SurfaceProblem::Format { format })
+    } else if bytes.starts_with(b"\x93NUMPY") {
         of_npy(bytes)
     } else if bytes.starts_with(b"\x89PNG") {
         of_png(bytes)

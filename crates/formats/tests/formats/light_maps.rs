@@ -66,7 +66,8 @@ fn picture_with_exposure_is_divided_by_it() {
 fn malformed_picture_is_refused_with_its_reason() {
     let body = [128; 32];
     for (bytes, wanted) in [
-        (b"P6\n4 2\n".to_vec(), "neither a Radiance picture"),
+        (b"P6\n4 2\n".to_vec(), "this is a Portable Anymap file"),
+        (b"any text".to_vec(), "neither a Radiance picture"),
         (header("", 4, 4), "4 x 4 pixels"),
         (header("", 3, 6), "6 x 3 pixels"),
         (header("", 4_000_000_000, 8_000_000_000), "8000000000 x 4000000000 pixels"),

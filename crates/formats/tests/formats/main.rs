@@ -12,6 +12,7 @@ mod bsdf;
 mod heights;
 mod light_maps;
 mod luminaires;
+mod other_pictures;
 mod meshes;
 mod pictures;
 mod reading;

@@ -1,0 +1,59 @@
+//! Pictures of formats that are not read: refused by their names, wherever a picture, a light map or heights are read.
+
+use papilio_formats::{DataFile, RgbSpace, picture_format, read_heights, read_light_map, read_picture};
+
+/// First bytes of files as programs write them.
+const FILES: [(&str, &[u8]); 15] = [
+    ("WebP", b"RIFF\x24\0\0\0WEBPVP8 "),
+    ("HEIC", b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"),
+    ("HEIC", b"\0\0\0\x18ftypmif1\0\0\0\0mif1heic"),
+    ("AVIF", b"\0\0\0\x1cftypavif\0\0\0\0avifmif1"),
+    ("GIF", b"GIF89a\x01\0\x01\0"),
+    ("GIF", b"GIF87a\x01\0\x01\0"),
+    ("BMP", b"BM\x46\0\0\0\0\0\0\0\x36\0\0\0"),
+    ("TIFF", b"II*\0\x08\0\0\0"),
+    ("TIFF", b"MM\0*\0\0\0\x08"),
+    ("JPEG XL", b"\xff\x0a\xfa\x1f"),
+    ("JPEG 2000", b"\0\0\0\x0cjP  \x0d\x0a\x87\x0a"),
+    ("Photoshop", b"8BPS\0\x01"),
+    ("PDF", b"%PDF-1.7\n"),
+    ("Portable Anymap", b"P6\n4 2\n255\n"),
+    ("Portable Float Map", b"PF\n4 2\n-1.0\n"),
+];
+
+#[test]
+fn picture_of_another_format_is_refused_by_its_name_with_what_to_do() {
+    for (name, bytes) in FILES {
+        assert_eq!(picture_format(bytes), Some(name));
+        let file = DataFile { name: "picture".into(), bytes: bytes.to_vec() };
+        let picture = read_picture(&file, &RgbSpace::srgb()).unwrap_err().to_string();
+        let map = read_light_map(&file).unwrap_err().to_string();
+        let heights = read_heights(&file).unwrap_err().to_string();
+        let wanted = format!("this is a {name} file, which is not supported");
+        assert!(picture.contains(&wanted) && picture.contains("convert it to PNG"), "{picture}");
+        assert!(map.contains(&wanted) && map.contains("convert it to OpenEXR"), "{map}");
+        // Heights are read from TIFF files.
+        assert_eq!(heights.contains(&wanted), name != "TIFF", "{heights}");
+        assert!(name == "TIFF" || heights.contains("export the heights"), "{heights}");
+        assert_eq!(picture.contains("most compatible"), name == "HEIC");
+    }
+}
+
+/// Each kind of picture that one reader takes is named by the others.
+#[test]
+fn picture_for_another_reader_is_refused_by_its_name() {
+    let file = |bytes: &[u8]| DataFile { name: "picture".into(), bytes: bytes.to_vec() };
+    let hdr = file(b"#?RADIANCE\n\n-Y 2 +X 4\n");
+    let exr = file(b"\x76\x2f\x31\x01\x02\0\0\0");
+    for (picture, name) in [(&hdr, "Radiance"), (&exr, "OpenEXR")] {
+        let error = read_picture(picture, &RgbSpace::srgb()).unwrap_err().to_string();
+        assert!(error.contains(&format!("this is a {name} file")), "{error}");
+    }
+    for (bytes, name) in [(&b"\x89PNG\r\n\x1a\n"[..], "PNG"), (b"\xff\xd8\xff\xe0", "JPEG")] {
+        let error = read_light_map(&file(bytes)).unwrap_err().to_string();
+        assert!(error.contains(&format!("this is a {name} file")), "{error}");
+    }
+    // Letters that begin a name, and text.
+    assert_eq!(picture_format(b"BMI,value\n1,2\n"), None);
+    assert_eq!(picture_format(b"theta,radiance\n"), None);
+}
