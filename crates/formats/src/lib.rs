@@ -129,8 +129,8 @@ pub use journal::{
 };
 pub use json::write_json;
 pub use light::{
-    IntensityEdge, LightMap, Luminaire, MapChannel, MapColour, MapProblem, Opening, OpeningShape, is_luminaire,
-    read_light_map, read_luminaire, read_profile,
+    IntensityEdge, LightMap, Luminaire, MapChannel, MapColour, MapProblem, Opening, OpeningShape,
+    is_luminaire, read_light_map, read_luminaire, read_profile,
 };
 pub use measured_panel::read_measured_panel;
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};

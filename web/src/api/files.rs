@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_scan};
 use papilio_formats::{
-    BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, is_luminaire, picture_format, read_bsdf,
-    read_heights, read_index_within, read_light_map, read_luminaire, read_measured_panel, read_mesh, read_picture,
-    read_pixel_table, read_profile, read_spectrum,
+    BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, is_luminaire,
+    picture_format, read_bsdf, read_heights, read_index_within, read_light_map, read_luminaire,
+    read_measured_panel, read_mesh, read_picture, read_pixel_table, read_profile, read_spectrum,
 };
 use papilio_goniometry::{Audit, MeasuredPart, Measurement};
 use papilio_scenario::{Edit, SurfaceScenario};

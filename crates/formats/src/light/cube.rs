@@ -15,8 +15,9 @@ pub(super) fn equirectangular(face: usize, channels: &mut [MapChannel]) -> (usiz
     let width = (4 * face).min(MOST_WIDTH);
     let height = width / 2;
     let mut maps = vec![vec![0.0_f64; width * height]; channels.len()];
-    let turns: Vec<(f64, f64)> =
-        (0..PARTS * width).map(|k| (PI - TAU * (k as f64 + 0.5) / (PARTS * width) as f64).sin_cos()).collect();
+    let turns: Vec<(f64, f64)> = (0..PARTS * width)
+        .map(|k| (PI - TAU * (k as f64 + 0.5) / (PARTS * width) as f64).sin_cos())
+        .collect();
     for fine_row in 0..PARTS * height {
         let (up, across) = (0.5 * PI - PI * (fine_row as f64 + 0.5) / (PARTS * height) as f64).sin_cos();
         for (fine_column, (sin, cos)) in turns.iter().enumerate() {

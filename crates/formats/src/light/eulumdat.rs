@@ -26,9 +26,8 @@ const SAME_FLUX: f64 = 0.05;
 
 /// Returns true if the lines that hold the symmetry and the numbers of angles do so.
 pub(super) fn is_eulumdat(text: &str) -> bool {
-    let number = |line: usize| -> Option<f64> {
-        text.lines().nth(line - 1)?.trim().replace(',', ".").parse().ok()
-    };
+    let number =
+        |line: usize| -> Option<f64> { text.lines().nth(line - 1)?.trim().replace(',', ".").parse().ok() };
     let is_count = |line| number(line).is_some_and(|count| count >= 1.0 && count.fract() == 0.0);
     // A column of numbers has no names.
     let has_names = [1, 8, 9, 10, 11, 12].into_iter().any(|line| number(line).is_none());
@@ -41,7 +40,9 @@ fn problem(what: &str) -> Problem {
 }
 
 fn cut() -> Problem {
-    problem("the file ends before its last number; it may be cut off, or a count of angles or lamps may be wrong")
+    problem(
+        "the file ends before its last number; it may be cut off, or a count of angles or lamps may be wrong",
+    )
 }
 
 /// Lines of a file, and their places.
@@ -80,7 +81,8 @@ impl<'a> Lines<'a> {
         expected: &'static str,
     ) -> Result<f64, FormatError> {
         let place = self.place(line)?;
-        let error = |problem| FormatError { place: Place::in_text(self.name, self.text, place.clone()), problem };
+        let error =
+            |problem| FormatError { place: Place::in_text(self.name, self.text, place.clone()), problem };
         let word = self.text(line)?;
         let Ok(value) = word.replace(',', ".").parse::<f64>() else {
             return Err(error(Problem::NotANumber { found: word.chars().take(40).collect() }));
@@ -129,7 +131,8 @@ pub(super) fn read(name: &str, text: &str) -> Result<Luminaire, FormatError> {
             "the luminaire was tilted by {tilt} deg when it was measured, which is not used: it hangs level"
         ));
     }
-    let sets = lines.number(LINES, "the number of sets of lamps", (1.0, MOST_SETS), "an integer from 1 to 20")?;
+    let sets =
+        lines.number(LINES, "the number of sets of lamps", (1.0, MOST_SETS), "an integer from 1 to 20")?;
     let lumens = |set: usize| {
         let line = LINES + LINES_OF_A_SET * set + 3;
         lines.number(line, "the luminous flux of the lamps", (1e-9, 1e9), "a flux from 1e-9 to 1e9 lm")
@@ -143,8 +146,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Luminaire, FormatError> {
         ));
     }
     let first = LINES + LINES_OF_A_SET * sets as usize + RATIOS + 1;
-    let mut numbers =
-        Numbers { name, text, at: lines.place(first)?.start, comma_separates: false, cut };
+    let mut numbers = Numbers { name, text, at: lines.place(first)?.start, comma_separates: false, cut };
     let expected = "ascending angles, from 0 to 360 deg (C) or 0 to 180 deg (from the nadir)";
     let all = numbers.angles(planes, "the angle of a plane C", (0.0, 360.0), expected)?;
     let vertical_deg = numbers.angles(rows, "the angle in a plane C", (0.0, 180.0), expected)?;
@@ -188,8 +190,7 @@ fn opening(lines: &Lines<'_>) -> Result<Opening, FormatError> {
 /// Returns the planes whose intensities the file holds, in its order.
 fn stored(name: &str, planes: &[f64], symmetry: f64) -> Result<Vec<f64>, FormatError> {
     let from_to = |from: f64, to: f64| -> Option<Vec<f64>> {
-        let stored: Vec<f64> =
-            planes.iter().copied().filter(|plane| (from..=to).contains(plane)).collect();
+        let stored: Vec<f64> = planes.iter().copied().filter(|plane| (from..=to).contains(plane)).collect();
         (stored.first() == Some(&from) && stored.last() == Some(&to)).then_some(stored)
     };
     let found = match symmetry as u8 {
@@ -207,7 +208,9 @@ fn stored(name: &str, planes: &[f64], symmetry: f64) -> Result<Vec<f64>, FormatE
     };
     found.ok_or_else(|| FormatError {
         place: Place::whole(name),
-        problem: problem("the symmetry needs planes C that the file does not list: 0; 0 to 180; 270 to 90; or 0 to 90 deg"),
+        problem: problem(
+            "the symmetry needs planes C that the file does not list: 0; 0 to 180; 270 to 90; or 0 to 90 deg",
+        ),
     })
 }
 

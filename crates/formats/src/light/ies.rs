@@ -76,7 +76,9 @@ fn header(text: &str) -> (Edition, Vec<String>) {
     // [MORE] continues the line before it.
     let mut keyword = String::new();
     for line in lines.by_ref().map(str::trim) {
-        let Some((word, value)) = line.strip_prefix('[').and_then(|rest| rest.split_once(']')) else { continue };
+        let Some((word, value)) = line.strip_prefix('[').and_then(|rest| rest.split_once(']')) else {
+            continue;
+        };
         if word != "MORE" {
             keyword = word.to_ascii_uppercase();
         }
@@ -168,8 +170,7 @@ fn luminaire(
     let factor = multiplier * ballast * lamp * tilt;
     let mut candela = numbers.intensities(rows * columns, factor)?;
     if let Some(place) = numbers.surplus() {
-        let what =
-            "a number follows the last intensity; a count of angles may be wrong, or a row may have too many numbers";
+        let what = "a number follows the last intensity; a count of angles may be wrong, or a row may have too many numbers";
         return Err(numbers.error(place, problem(what)));
     }
     // Without symmetry the last angle may be below 360 deg: the first plane follows it.
@@ -185,16 +186,20 @@ fn luminaire(
 /// flux, simulation, unknown origin.
 fn origin(edition: Edition, number: f64) -> Option<String> {
     if edition < Edition::Of2019 {
-        return (number != 1.0).then(|| format!("the number after the ballast factor, {number}, is not used"));
+        return (number != 1.0)
+            .then(|| format!("the number after the ballast factor, {number}, is not used"));
     }
     let digits = ((number - 1.0) * 1e5).round();
     let digit = |place: f64| (digits / place).floor() % 10.0 == 1.0;
     if !(0.0..=11_111.0).contains(&digits) {
         return Some(format!("the type of its generation, {number}, is not one of LM-63-2019"));
     }
-    let words = [(1e3, "interpolated"), (1e2, "scaled in flux"), (1e1, "simulated"), (1.0, "of unknown origin")];
-    let found: Vec<&str> = words.into_iter().filter(|(place, _)| digit(*place)).map(|(_, word)| word).collect();
-    (!found.is_empty()).then(|| format!("its intensities are {} (type of generation {number})", found.join(", ")))
+    let words =
+        [(1e3, "interpolated"), (1e2, "scaled in flux"), (1e1, "simulated"), (1.0, "of unknown origin")];
+    let found: Vec<&str> =
+        words.into_iter().filter(|(place, _)| digit(*place)).map(|(_, word)| word).collect();
+    (!found.is_empty())
+        .then(|| format!("its intensities are {} (type of generation {number})", found.join(", ")))
 }
 
 fn angles(

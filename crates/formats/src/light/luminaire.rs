@@ -145,7 +145,8 @@ impl Luminaire {
         let is_c = self.photometry == Photometry::C;
         let symmetric = of[0] > 0.0 || of[0] == 0.0 && (!is_c || of[of.len() - 1] <= 180.0);
         let turns = of.iter().flat_map(|turn| [Some(*turn), symmetric.then_some(-turn)]).flatten();
-        let mut turns: Vec<f64> = turns.map(|turn| if is_c { turn.rem_euclid(180.0) } else { turn }).collect();
+        let mut turns: Vec<f64> =
+            turns.map(|turn| if is_c { turn.rem_euclid(180.0) } else { turn }).collect();
         turns.sort_by(f64::total_cmp);
         turns.dedup_by(|a, b| *a - *b < 1e-9);
         turns
@@ -158,7 +159,8 @@ impl Luminaire {
         for band in 0..360 {
             let vertical = 0.5 * (f64::from(band) + 0.5);
             let half = 0.25_f64.to_radians();
-            let area = 2.0 * vertical.to_radians().sin() * half.sin() * std::f64::consts::TAU / f64::from(turns);
+            let area =
+                2.0 * vertical.to_radians().sin() * half.sin() * std::f64::consts::TAU / f64::from(turns);
             let sum: f64 = (0..turns)
                 .map(|turn| self.intensity(vertical, (f64::from(turn) + 0.5) * 360.0 / f64::from(turns)))
                 .sum();

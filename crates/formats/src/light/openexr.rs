@@ -23,6 +23,9 @@ pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Largest number of values of all channels.
 const MOST_VALUES: usize = 1 << 26;
 
+/// Largest error of a colour from luminance and chroma, relative to the luminance: half precision.
+const ROUNDING: f64 = 5e-3;
+
 /// Channels that form a map.
 #[derive(Debug, Clone, PartialEq)]
 enum ChannelSet {
@@ -44,7 +47,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapPro
     let mut notes = Vec::new();
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
     let image = reader.all_layers().all_attributes().from_buffered(Cursor::new(bytes)).map_err(refused)?;
-    let list = image.layer_data.into_iter().nth(part).map(|layer| layer.channel_data.list).unwrap_or_default();
+    let list =
+        image.layer_data.into_iter().nth(part).map(|layer| layer.channel_data.list).unwrap_or_default();
     unused(headers, part, &set, &mut notes);
     let sizes = |channel: &AnyChannel<FlatSamples>| channel.sample_data.len() == header.layer_size.area();
     if !list.iter().all(sizes) {
@@ -53,7 +57,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapPro
     let named: Vec<(String, Vec<f32>)> =
         list.into_iter().map(|channel| (channel.name.to_string(), values(&channel.sample_data))).collect();
     let primaries = primaries(header, &set, &mut notes);
-    let mut channels = channels(named, &set, primaries).ok_or_else(|| MapProblem::Channels { found: names(headers) })?;
+    let mut channels =
+        channels(named, &set, primaries).ok_or_else(|| MapProblem::Channels { found: names(headers) })?;
     let (width, height) = place(header, &mut channels, &mut notes)?;
     meaning(header, &set, &mut channels, &mut notes);
     let primaries = if matches!(set, ChannelSet::Xyz(_)) { Some(XYZ) } else { primaries };
@@ -64,7 +69,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapPro
 fn checked(headers: &[Header]) -> Result<(usize, ChannelSet), MapProblem> {
     let all = || headers.iter().flat_map(|header| &header.channels.list);
     if headers.iter().any(|header| header.deep) {
-        let message = "it has deep data, several values for each pixel; flatten it in the program that created it";
+        let message =
+            "it has deep data, several values for each pixel; flatten it in the program that created it";
         return Err(MapProblem::Exr { message: message.to_owned() });
     }
     if let Some(coarse) = all().find(|channel| channel.sampling.area() != 1) {
@@ -75,7 +81,8 @@ fn checked(headers: &[Header]) -> Result<(usize, ChannelSet), MapProblem> {
         return Err(MapProblem::Exr { message });
     }
     let found = |(k, header): (usize, &Header)| {
-        let names: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+        let names: Vec<String> =
+            header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
         Some((k, chosen(&names)?))
     };
     let found = headers.iter().enumerate().find_map(found);
@@ -103,7 +110,8 @@ fn chosen(names: &[String]) -> Option<ChannelSet> {
         let rises = spectral.windows(2).all(|pair| pair[0].1 < pair[1].1);
         return rises.then_some(ChannelSet::Spectral(spectral));
     }
-    let mut layers: Vec<&str> = names.iter().map(|name| name.rsplit_once('.').map_or("", |(layer, _)| layer)).collect();
+    let mut layers: Vec<&str> =
+        names.iter().map(|name| name.rsplit_once('.').map_or("", |(layer, _)| layer)).collect();
     layers.sort_unstable();
     layers.dedup();
     let of_layer = |layer: &&str| {
@@ -129,7 +137,9 @@ impl ChannelSet {
     fn names(&self) -> Vec<&str> {
         match self {
             Self::Spectral(all) => all.iter().map(|(name, _)| &**name).collect(),
-            Self::Colours(three) | Self::Xyz(three) | Self::Chroma(three) => three.iter().map(|name| &**name).collect(),
+            Self::Colours(three) | Self::Xyz(three) | Self::Chroma(three) => {
+                three.iter().map(|name| &**name).collect()
+            }
             Self::Grey(name) => vec![name],
         }
     }
@@ -179,20 +189,26 @@ fn channels(
     };
     let colours = [MapColour::Red, MapColour::Green, MapColour::Blue];
     match set {
-        ChannelSet::Spectral(all) => all.iter().map(|(name, nm)| taken(name, MapColour::Wavelength(*nm))).collect(),
+        ChannelSet::Spectral(all) => {
+            all.iter().map(|(name, nm)| taken(name, MapColour::Wavelength(*nm))).collect()
+        }
         ChannelSet::Colours(three) | ChannelSet::Xyz(three) => {
             three.iter().zip(colours).map(|(name, colour)| taken(name, colour)).collect()
         }
         ChannelSet::Grey(name) => Some(vec![taken(name, MapColour::Grey)?]),
         ChannelSet::Chroma([y, ry, by]) => {
-            let [y, ry, by] = [taken(y, MapColour::Grey)?, taken(ry, MapColour::Grey)?, taken(by, MapColour::Grey)?];
+            let [y, ry, by] =
+                [taken(y, MapColour::Grey)?, taken(ry, MapColour::Grey)?, taken(by, MapColour::Grey)?];
             let weights = luminances(primaries)?;
             let mut rgb: [Vec<f32>; 3] = Default::default();
             for ((y, ry), by) in y.radiance.iter().zip(&ry.radiance).zip(&by.radiance) {
                 let [y, ry, by] = [*y, *ry, *by].map(f64::from);
                 let (red, blue) = ((ry + 1.0) * y, (by + 1.0) * y);
                 let green = (y - weights[0] * red - weights[2] * blue) / weights[1];
-                rgb.iter_mut().zip([red, green, blue]).for_each(|(all, value)| all.push(value as f32));
+                // Chroma is rounded, so that dark colours may come out slightly negative.
+                let rounded = |value: f64| if value > -ROUNDING * y { value.max(0.0) } else { value };
+                let values = [red, green, blue].map(rounded);
+                rgb.iter_mut().zip(values).for_each(|(all, value)| all.push(value as f32));
             }
             let three = colours.into_iter().zip(rgb);
             Some(three.map(|(colour, radiance)| MapChannel { colour, radiance }).collect())
@@ -245,7 +261,10 @@ fn place(
     match window(header)? {
         Window::Cube => {
             let (width, height) = equirectangular(data.size.0, channels);
-            notes.push(format!("its six faces of {} pixels are resampled to {width} x {height} pixels", data.size.0));
+            notes.push(format!(
+                "its six faces of {} pixels are resampled to {width} x {height} pixels",
+                data.size.0
+            ));
             Ok((width, height))
         }
         Window::Data => {
@@ -306,7 +325,8 @@ fn meaning(header: &Header, set: &ChannelSet, channels: &mut [MapChannel], notes
         }
     }
     if let Some(Vec2(x, y)) = own.adopted_neutral {
-        notes.push(format!("adoptedNeutral {x}, {y} is not used: no adaptation to another white takes place"));
+        notes
+            .push(format!("adoptedNeutral {x}, {y} is not used: no adaptation to another white takes place"));
     }
     if header.shared_attributes.pixel_aspect != 1.0 {
         let aspect = header.shared_attributes.pixel_aspect;
@@ -320,7 +340,9 @@ fn meaning(header: &Header, set: &ChannelSet, channels: &mut [MapChannel], notes
             _ => "of an unknown type".to_owned(),
         };
         if found != "lin_rec709_scene" {
-            notes.push(format!("colorInteropID {found} is not used: primaries are those of `chromaticities`, or of sRGB"));
+            notes.push(format!(
+                "colorInteropID {found} is not used: primaries are those of `chromaticities`, or of sRGB"
+            ));
         }
     }
 }

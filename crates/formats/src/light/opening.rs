@@ -71,7 +71,9 @@ impl Opening {
         let sides = format!("{along_m} m along C = 0 by {across_m} m, {high} m high");
         match self.shape {
             OpeningShape::Point => "a point".to_owned(),
-            OpeningShape::Box if high == 0.0 => format!("a rectangle of {along_m} m along C = 0 by {across_m} m"),
+            OpeningShape::Box if high == 0.0 => {
+                format!("a rectangle of {along_m} m along C = 0 by {across_m} m")
+            }
             OpeningShape::Box => format!("a box of {sides}"),
             OpeningShape::VerticalCylinder if high == 0.0 && along_m == across_m => {
                 format!("a disc of {along_m} m")
@@ -103,7 +105,15 @@ pub(super) enum Edition {
 /// Returns the opening of these sides, m, by the rules of an edition; `None` if no rule has these signs.
 pub(super) fn by_signs(edition: Edition, [width, length, height]: [f64; 3]) -> Option<Opening> {
     use OpeningShape as Shape;
-    let sign = |side: f64| if side == 0.0 { '0' } else if side < 0.0 { '-' } else { '+' };
+    let sign = |side: f64| {
+        if side == 0.0 {
+            '0'
+        } else if side < 0.0 {
+            '-'
+        } else {
+            '+'
+        }
+    };
     let signs: String = [width, length, height].into_iter().map(sign).collect();
     let [w, l, h] = [width, length, height].map(f64::abs);
     let (shape, [along, across, high]) = match (&*signs, edition) {

@@ -55,7 +55,9 @@ pub fn read_picture(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<Sourc
         Err(match picture_format(&file.bytes) {
             Some(format) => PictureProblem::Format { format },
             None if file.bytes.starts_with(b"#?") => PictureProblem::Format { format: "Radiance" },
-            None if file.bytes.starts_with(b"\x76\x2f\x31\x01") => PictureProblem::Format { format: "OpenEXR" },
+            None if file.bytes.starts_with(b"\x76\x2f\x31\x01") => {
+                PictureProblem::Format { format: "OpenEXR" }
+            }
             None => PictureProblem::NotAPicture,
         })
     };

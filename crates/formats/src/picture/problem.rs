@@ -49,9 +49,11 @@ impl PictureProblem {
             Self::NotAPicture => Diagnostic::new("this is not a picture in a supported format")
                 .expected("a PNG or JPEG file")
                 .hint("save the picture as PNG in the program that created it"),
-            Self::Format { format } => Diagnostic::new(format!("this is a {format} file, which is not supported"))
-                .expected("a PNG or JPEG file")
-                .hint(convert_to(format, "PNG")),
+            Self::Format { format } => {
+                Diagnostic::new(format!("this is a {format} file, which is not supported"))
+                    .expected("a PNG or JPEG file")
+                    .hint(convert_to(format, "PNG"))
+            }
             Self::Size { columns, rows } => {
                 Diagnostic::new(format!("this picture has {columns} x {rows} pixels"))
                     .expected("1 to 64 million pixels")

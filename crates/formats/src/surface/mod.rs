@@ -16,6 +16,7 @@ use papilio_diagnostics::{Diagnostic, Place};
 use crate::DataFile;
 use crate::error::{FormatError, Problem};
 use crate::npy::Header;
+use crate::picture_format;
 use crate::rows::Table;
 
 pub use density::read_density;

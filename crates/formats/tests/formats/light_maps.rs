@@ -256,7 +256,8 @@ fn picture_in_x_y_z_is_converted() {
     assert!(map.notes[0].contains("X, Y and Z are taken in cd/m2"), "{:?}", map.notes);
 }
 
-type Change<'a> = &'a dyn Fn(&mut exr::meta::header::LayerAttributes, &mut exr::meta::header::ImageAttributes);
+type Change<'a> =
+    &'a dyn Fn(&mut exr::meta::header::LayerAttributes, &mut exr::meta::header::ImageAttributes);
 
 /// An OpenEXR file of 8 x 4 pixels with red, green and blue of 10, 10, 0, and these attributes.
 fn exr_of_attributes(change: Change<'_>) -> Vec<u8> {
@@ -266,11 +267,7 @@ fn exr_of_attributes(change: Change<'_>) -> Vec<u8> {
     let layer =
         Layer::new((8, 4), LayerAttributes::default(), Encoding::FAST_LOSSLESS, AnyChannels::sort(channels));
     let mut image = Image::from_layer(layer);
-    change(&mut image.layer_data[0].attributes, &mut image.attributes);
-    written(&image)
-}
-
-fn written(image: &Image<SmallVec<[Layer<AnyChannels<FlatSamples>>; 2]>>) -> Vec<u8> {
+    change(&mut image.layer_data.attributes, &mut image.attributes);
     let mut bytes = Cursor::new(Vec::new());
     image.write().non_parallel().to_buffered(&mut bytes).unwrap();
     bytes.into_inner()
@@ -281,19 +278,66 @@ fn written(image: &Image<SmallVec<[Layer<AnyChannels<FlatSamples>>; 2]>>) -> Vec
 fn each_attribute_of_openexr_is_used_or_named() {
     use exr::math::Vec2;
     use exr::meta::attribute::{EnvironmentMap, IntegerBounds};
-    let text = |text: &str| Some(Text::from(text));
+    fn text(text: &str) -> Option<Text> {
+        Some(Text::from(text))
+    }
     let changes: Vec<(&str, Change<'_>, f32, &str)> = vec![
         ("none", &|_, _| (), 10.0, ""),
-        ("displayWindow", &|_, image| image.display_window.size = Vec2(9, 4), 10.0, "the display window is no map"),
-        ("dataWindow", &|layer, _| layer.layer_position = Vec2(0, 2), 0.0, "the rest is dark, and pixels outside are not used"),
-        ("dataWindow, a part", &|_, image| image.display_window = IntegerBounds { position: Vec2(-2, -2), size: Vec2(16, 8) }, 0.0, "which is the whole sphere: the rest is dark"),
-        ("dataWindow, larger", &|_, image| image.display_window = IntegerBounds { position: Vec2(2, 1), size: Vec2(4, 2) }, 10.0, "pixels outside are not used"),
+        (
+            "displayWindow",
+            &|_, image| image.display_window.size = Vec2(9, 4),
+            10.0,
+            "the display window is no map",
+        ),
+        (
+            "dataWindow",
+            &|layer, _| layer.layer_position = Vec2(0, 2),
+            0.0,
+            "the rest is dark, and pixels outside are not used",
+        ),
+        (
+            "dataWindow, a part",
+            &|_, image| image.display_window = IntegerBounds { position: Vec2(-2, -2), size: Vec2(16, 8) },
+            0.0,
+            "which is the whole sphere: the rest is dark",
+        ),
+        (
+            "dataWindow, larger",
+            &|_, image| image.display_window = IntegerBounds { position: Vec2(2, 1), size: Vec2(4, 2) },
+            10.0,
+            "pixels outside are not used",
+        ),
         ("pixelAspectRatio", &|_, image| image.pixel_aspect = 2.0, 10.0, "pixelAspectRatio 2 is not used"),
-        ("whiteLuminance", &|layer, _| layer.white_luminance = Some(358.0), 20.0, "its values of 1 are 358 cd/m2"),
-        ("whiteLuminance of nothing", &|layer, _| layer.white_luminance = Some(0.0), 10.0, "whiteLuminance 0 is not used"),
-        ("adoptedNeutral", &|layer, _| layer.adopted_neutral = Some(Vec2(0.34, 0.36)), 10.0, "adoptedNeutral 0.34, 0.36 is not used"),
+        (
+            "whiteLuminance",
+            &|layer, _| layer.white_luminance = Some(358.0),
+            20.0,
+            "its values of 1 are 358 cd/m2",
+        ),
+        (
+            "whiteLuminance of nothing",
+            &|layer, _| layer.white_luminance = Some(0.0),
+            10.0,
+            "whiteLuminance 0 is not used",
+        ),
+        (
+            "adoptedNeutral",
+            &|layer, _| layer.adopted_neutral = Some(Vec2(0.34, 0.36)),
+            10.0,
+            "adoptedNeutral 0.34, 0.36 is not used",
+        ),
         ("envmap", &|layer, _| layer.environment_map = Some(EnvironmentMap::LatitudeLongitude), 10.0, ""),
-        ("colorInteropID", &|layer, _| { layer.other.insert(Text::from("colorInteropID"), exr::meta::attribute::AttributeValue::Text(Text::from("lin_ap1_scene"))); }, 10.0, "colorInteropID lin_ap1_scene is not used"),
+        (
+            "colorInteropID",
+            &|layer, _| {
+                layer.other.insert(
+                    Text::from("colorInteropID"),
+                    exr::meta::attribute::AttributeValue::Text(Text::from("lin_ap1_scene")),
+                );
+            },
+            10.0,
+            "colorInteropID lin_ap1_scene is not used",
+        ),
         // These describe how the picture was made, or how to show it.
         ("screenWindowCenter", &|layer, _| layer.screen_window_center = Vec2(0.5, 0.5), 10.0, ""),
         ("screenWindowWidth", &|layer, _| layer.screen_window_width = 2.0, 10.0, ""),
@@ -308,7 +352,14 @@ fn each_attribute_of_openexr_is_used_or_named() {
         ("longitude", &|layer, _| layer.longitude = Some(8.0), 10.0, ""),
         ("wrapmodes", &|layer, _| layer.wrap_mode_name = text("black"), 10.0, ""),
         ("renderingTransform", &|layer, _| layer.rendering_transform_name = text("x"), 10.0, ""),
-        ("originalDataWindow", &|layer, _| layer.original_data_window = Some(IntegerBounds { position: Vec2(0, 0), size: Vec2(8, 4) }), 10.0, ""),
+        (
+            "originalDataWindow",
+            &|layer, _| {
+                layer.original_data_window = Some(IntegerBounds { position: Vec2(0, 0), size: Vec2(8, 4) })
+            },
+            10.0,
+            "",
+        ),
     ];
     for (name, change, wanted, note) in changes {
         let map = read(&exr_of_attributes(change)).unwrap();
@@ -340,10 +391,9 @@ fn data_window_has_its_place_in_the_display_window() {
 /// Parts, layers, sample types, line orders, tiles and compressions change how the values are stored, not the values.
 #[test]
 fn values_of_openexr_do_not_depend_on_their_storage() {
-    use exr::meta::attribute::LineOrder;
     let value = |k: usize| (k % 7 + 1) as f32;
     let samples = |kind: usize, by: f32| match kind {
-        0 => FlatSamples::F16((0..32).map(|k| exr::prelude::f16::from_f32(by * value(k))).collect()),
+        0 => FlatSamples::F16((0..32).map(|k| f16::from_f32(by * value(k))).collect()),
         1 => FlatSamples::F32((0..32).map(|k| by * value(k)).collect()),
         _ => FlatSamples::U32((0..32).map(|k| (by * value(k)) as u32).collect()),
     };
@@ -364,7 +414,13 @@ fn values_of_openexr_do_not_depend_on_their_storage() {
         assert!(if note.is_empty() { notes.is_empty() } else { notes.contains(note) }, "{what}: {notes}");
     };
     let orders = [LineOrder::Increasing, LineOrder::Decreasing];
-    let compressions = [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ];
+    let compressions = [
+        Compression::Uncompressed,
+        Compression::RLE,
+        Compression::ZIP1,
+        Compression::ZIP16,
+        Compression::PIZ,
+    ];
     for kind in 0..3 {
         for line_order in orders {
             for compression in compressions {
@@ -373,7 +429,11 @@ fn values_of_openexr_do_not_depend_on_their_storage() {
                     let image = Image::from_layer(layer("map", "", kind, encoding));
                     let mut bytes = Cursor::new(Vec::new());
                     image.write().non_parallel().to_buffered(&mut bytes).unwrap();
-                    check(&bytes.into_inner(), "", &format!("{kind} {line_order:?} {compression:?} {blocks:?}"));
+                    check(
+                        &bytes.into_inner(),
+                        "",
+                        &format!("{kind} {line_order:?} {compression:?} {blocks:?}"),
+                    );
                 }
             }
         }
@@ -381,8 +441,10 @@ fn values_of_openexr_do_not_depend_on_their_storage() {
     let fast = Encoding::FAST_LOSSLESS;
     let parts = |layers: Vec<Layer<AnyChannels<FlatSamples>>>| {
         let attributes = exr::meta::header::ImageAttributes::with_size((8, 4));
-        let layers: SmallVec<[Layer<AnyChannels<FlatSamples>>; 2]> = layers.into_iter().collect();
-        written(&Image::from_layers(attributes, layers))
+        let layers: Layers<AnyChannels<FlatSamples>> = layers.into_iter().collect();
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layers(attributes, layers).write().non_parallel().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
     };
     let mut depth = layer("depth", "", 1, fast);
     depth.channel_data.list.truncate(1);
@@ -391,8 +453,9 @@ fn values_of_openexr_do_not_depend_on_their_storage() {
     let named = parts(vec![layer("map", "beauty.", 1, fast)]);
     check(&named, "", "a layer");
     let mut two = layer("map", "", 1, fast);
-    let more = layer("map", "sky.", 1, fast).channel_data.list;
-    two.channel_data.list.extend(more);
+    let mut both = two.channel_data.list;
+    both.extend(layer("map", "sky.", 1, fast).channel_data.list);
+    two.channel_data = AnyChannels::sort(both);
     check(&parts(vec![two]), "its channels sky.B, sky.G, sky.R are not used", "two layers");
 }
 
@@ -431,9 +494,10 @@ fn faces_of_a_cube_have_their_directions() {
     ]
     .into_iter()
     .collect();
-    let mut attributes = LayerAttributes::default();
-    attributes.environment_map = Some(EnvironmentMap::Cube);
-    let layer = Layer::new((face, 6 * face), attributes, Encoding::FAST_LOSSLESS, AnyChannels::sort(channels));
+    let attributes =
+        LayerAttributes { environment_map: Some(EnvironmentMap::Cube), ..LayerAttributes::default() };
+    let layer =
+        Layer::new((face, 6 * face), attributes, Encoding::FAST_LOSSLESS, AnyChannels::sort(channels));
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
     let map = read(&bytes.into_inner()).unwrap();
@@ -442,9 +506,14 @@ fn faces_of_a_cube_have_their_directions() {
         let (row, column) = (((0.5 - up / 180.0) * 16.0) as usize, ((0.5 + right / 360.0) * 32.0) as usize);
         map.channels[channel].radiance[row * 32 + column]
     };
-    for (right, up, number) in
-        [(3.0, 3.0, 5.0), (-87.0, 3.0, 1.0), (93.0, 3.0, 2.0), (177.0, 3.0, 6.0), (3.0, 87.0, 3.0), (3.0, -87.0, 4.0)]
-    {
+    for (right, up, number) in [
+        (3.0, 3.0, 5.0),
+        (-87.0, 3.0, 1.0),
+        (93.0, 3.0, 2.0),
+        (177.0, 3.0, 6.0),
+        (3.0, 87.0, 3.0),
+        (3.0, -87.0, 4.0),
+    ] {
         assert_eq!(at(0, right, up), number, "{right} {up}");
     }
     // On the sides, rows run down, and columns to the right as seen from inside.

@@ -49,7 +49,7 @@ fn picture_for_another_reader_is_refused_by_its_name() {
         let error = read_picture(picture, &RgbSpace::srgb()).unwrap_err().to_string();
         assert!(error.contains(&format!("this is a {name} file")), "{error}");
     }
-    for (bytes, name) in [(&b"\x89PNG\r\n\x1a\n"[..], "PNG"), (b"\xff\xd8\xff\xe0", "JPEG")] {
+    for (bytes, name) in [(&b"\x89PNG\r\n\x1a\n"[..], "PNG"), (&b"\xff\xd8\xff\xe0"[..], "JPEG")] {
         let error = read_light_map(&file(bytes)).unwrap_err().to_string();
         assert!(error.contains(&format!("this is a {name} file")), "{error}");
     }
