@@ -11,6 +11,7 @@
 mod chapter_5;
 mod colour_oracle;
 mod colour_table_5_1;
+mod errors_over_seeds;
 mod lamps;
 mod materials;
 mod measured;

@@ -65,6 +65,7 @@ impl Resolver<'_> {
             let lobe = Unbounded {
                 path: path.to_owned(),
                 scatter: scatter.clone(),
+                alpha: ward.alpha.value.0,
                 transmittance: transmittance.max(),
                 regular_fraction: ward.regular_fraction.0,
             };

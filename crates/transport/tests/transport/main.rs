@@ -13,6 +13,7 @@ mod closed_forms;
 mod common;
 mod double_pass;
 mod few_wavelengths;
+mod errors_over_paths;
 mod fields;
 mod flat_return;
 mod layered_spread;

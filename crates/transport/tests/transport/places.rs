@@ -1,6 +1,7 @@
 //! The walk with places against closed forms, deterministic solvers, published values and the uniform walk.
 
 mod slabs;
+mod unscattered;
 
 use std::cell::RefCell;
 use std::collections::HashMap;

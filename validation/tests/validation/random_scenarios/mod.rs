@@ -5,9 +5,9 @@
 //! `PAPILIO_SCENARIOS=300` sets their number, `PAPILIO_SCENARIOS=17..18` selects some; `PAPILIO_SCENARIO_SEEDS=2..6`
 //! selects other Monte Carlo seeds.
 
-mod draw;
+pub(crate) mod draw;
 mod scores;
-mod solvers;
+pub(crate) mod solvers;
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -37,7 +37,7 @@ fn seeds() -> Range<u64> {
 
 /// Returns `f` of each item, in order, computed on all processors. (rayon is unsuitable: its threads start other work
 /// while a run waits for its own.)
-fn each<T: Sync, R: Send>(all: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
+pub(crate) fn each<T: Sync, R: Send>(all: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let found: Mutex<Vec<(usize, R)>> = Mutex::new(Vec::new());
     let work = || {

@@ -4,8 +4,8 @@
 //! ordered by where they are, and the points of a low-discrepancy set are given to them in this order. Neighbours, whose
 //! futures are distributed almost equally, then take decisions that complement each other, in every generation and not only
 //! in the first few (array-RQMC: P. L'Ecuyer, C. Lécot, B. Tuffin, Oper. Res. 56, 958 (2008)). Each branch by itself has
-//! uniform numbers that are independent of its past, since the set of each generation is randomized anew: estimates are
-//! unbiased. Roulette is systematic for the same reason ([`Roulette`]).
+//! uniform numbers that are independent of its past, since the set of each generation of each batch is randomized anew: estimates
+//! are unbiased, and the errors of batches are independent. Roulette is systematic for the same reason ([`Roulette`]).
 
 use papilio_sampling::SampleStream;
 
@@ -13,9 +13,6 @@ use super::bulk::Stay;
 use super::crossings::Record;
 use super::light::Light;
 use super::{Gathered, OutgoingRay};
-
-/// Points of a batch's generation that continue the set of earlier batches, for each path.
-const POINTS: u64 = 4;
 
 /// The branches that are to be followed.
 #[derive(Debug, Clone, Default)]
@@ -106,32 +103,27 @@ impl Generation {
 }
 
 /// Random numbers of a generation of a batch.
+///
+/// Each generation of each batch has a set with a scramble of its own. A set that continued over the batches would give a branch of
+/// the same rank nearly the same number in every batch (the leading digits of a Sobol point follow from the last digits of its
+/// index), and the error of these pairs of rank and number would not fall with the number of batches.
 #[derive(Debug)]
-pub(super) struct GenerationNumbers {
-    /// Numbers of all batches, and of this batch alone.
-    shared: SampleStream,
-    own: SampleStream,
-    /// Points of the set of all batches that belong to this one.
-    first: u64,
-    count: u64,
-}
+pub(super) struct GenerationNumbers(SampleStream);
 
 impl GenerationNumbers {
-    /// Numbers for generation `generation` of the batch that begins with path `first` and has `count` paths.
-    pub(super) fn new(numbers: &SampleStream, generation: u32, (first, count): (u64, u64)) -> Self {
-        let shared = numbers.part(u64::from(generation));
-        Self { shared, own: shared.part(first), first: POINTS * first, count: POINTS * count }
+    /// Numbers for generation `generation` of the batch that begins with path `first`.
+    pub(super) fn new(numbers: &SampleStream, generation: u32, first: u64) -> Self {
+        Self(numbers.part(u64::from(generation)).part(first))
     }
 
     /// Returns the numbers of the branch with this rank.
     pub(super) fn of(&self, rank: usize) -> [f64; 4] {
-        let rank = rank as u64;
-        if rank < self.count { self.shared.block(self.first + rank, 0) } else { self.own.block(rank, 0) }
+        self.0.block(rank as u64, 0)
     }
 
     /// Returns a roulette for each of several alternatives.
     pub(super) fn roulettes(&self, count: usize) -> Vec<Roulette> {
-        let numbers = self.own.independent();
+        let numbers = self.0.independent();
         (0..count).map(|k| Roulette(numbers.block(k as u64, u32::MAX)[0])).collect()
     }
 }

@@ -263,7 +263,7 @@ impl<'a> Layered<'a> {
         }
         let mut generation = 0;
         while !workspace.next.is_empty() {
-            let numbers = GenerationNumbers::new(numbers, generation, (paths.start, count as u64));
+            let numbers = GenerationNumbers::new(numbers, generation, paths.start);
             self.travel(generation, &numbers, sums, workspace);
             self.scatter(generation, &numbers, sums, workspace);
             generation = generation.saturating_add(1);

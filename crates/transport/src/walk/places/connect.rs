@@ -62,7 +62,7 @@ impl Tracer<'_> {
         work: &mut Workspace,
         record: &mut impl Record,
     ) {
-        let Workspace { path, last, targets, flat, of_last, pixel } = work;
+        let Workspace { path, last, targets, flat, of_last, pixel, .. } = work;
         for (source, target) in targets.iter().enumerate() {
             let Some(target) = target else { continue };
             for going in face.leaves() {

@@ -1,5 +1,6 @@
 //! Flat parts: crossings of media, reflection and transmission by interfaces.
 
+use super::branches::{self, Branches};
 use super::dice::Dice;
 use super::path::Path;
 use super::tally::Record;
@@ -65,23 +66,62 @@ impl Tracer<'_> {
         for (k, face) in faces.iter().enumerate() {
             self.connect_from_face((number, face, first && face.passes()), 2 + k, dice, work, record);
         }
-        let alternatives = 2 + faces.len();
-        let Some(chosen) = self.choose(alternatives, || dice.next()[0], &mut work.path, &mut work.flat)
-        else {
+        let Workspace { path, flat, branches, .. } = work;
+        if path.is_unscattered() {
+            self.divide((number, first), dice, path, flat, branches);
             return false;
-        };
-        let path = &mut work.path;
+        }
+        let Some(chosen) = self.choose(2 + faces.len(), || dice.next()[0], path, flat) else { return false };
+        self.take((number, first), chosen, dice, path, &mut flat.factors)
+    }
+
+    /// Adds branches for all alternatives of an interface, by roulette where they are faint; see [`branches`].
+    fn divide(
+        &self,
+        (number, first): (usize, bool),
+        dice: &mut Dice<'_>,
+        path: &Path,
+        flat: &mut FlatWork,
+        branches: &mut Branches,
+    ) {
+        let alternatives = 2 + self.faces[number][path.going as usize].len();
+        let (weights, all) = self.weights(alternatives, path, flat);
+        let brightness = path.light.brightness() / all;
+        for (chosen, weight) in weights.into_iter().enumerate().take(alternatives) {
+            let Some(scale) = branches::weight(brightness * weight, dice) else { continue };
+            let FlatWork { fractions, factors, .. } = &mut *flat;
+            let taken = &fractions[chosen * self.bands..][..self.bands];
+            factors.iter_mut().zip(taken).for_each(|(factor, fraction)| *factor = scale * fraction);
+            let (branch, counts) = branches.add(path, dice.branch());
+            branch.light.multiply(factors);
+            let before = std::mem::replace(&mut dice.counts, *counts);
+            let goes_on = self.take((number, first), chosen, dice, branch, factors);
+            *counts = std::mem::replace(&mut dice.counts, before);
+            if !goes_on {
+                branches.drop_last();
+            }
+        }
+    }
+
+    /// Takes an alternative of an interface: reflection, transmission, or scattering; false if the path ends.
+    fn take(
+        &self,
+        (number, first): (usize, bool),
+        chosen: usize,
+        dice: &mut Dice<'_>,
+        path: &mut Path,
+        factors: &mut [f64],
+    ) -> bool {
         match chosen {
             0 => path.turn(),
             1 => path.advance(),
             _ => {
-                let face = &faces[chosen - 2];
+                let face = &self.faces[number][path.going as usize][chosen - 2];
                 let Some((to, density, weight)) =
                     self.sample(face, first && face.passes(), path.beta, dice.next())
                 else {
                     return false;
                 };
-                let FlatWork { factors, .. } = &mut work.flat;
                 let colours = face.colours(path.beta, to.beta);
                 for (bin, factor) in factors.iter_mut().enumerate() {
                     *factor = weight * face.carried(to, bin) * colours.at(bin);
@@ -118,21 +158,9 @@ impl Tracer<'_> {
         path: &mut Path,
         flat: &mut FlatWork,
     ) -> Option<usize> {
-        let FlatWork { fractions, totals, factors, .. } = flat;
-        if self.bands > 1 {
-            totals.fill(0.0);
-            path.light.add_total(totals);
-        }
-        let weight = |k: usize| -> f64 {
-            let fractions = &fractions[k * self.bands..][..self.bands];
-            match fractions {
-                [fraction] => *fraction,
-                _ => fractions.iter().zip(&*totals).map(|(fraction, total)| fraction * total).sum(),
-            }
-        };
-        let mut weights = [0.0; MOST];
-        let weights = weights.get_mut(..alternatives)?;
-        weights.iter_mut().enumerate().for_each(|(k, out)| *out = weight(k));
+        let (weights, _) = self.weights(alternatives, path, flat);
+        let weights = weights.get(..alternatives)?;
+        let FlatWork { fractions, factors, .. } = flat;
         let sum: f64 = weights.iter().sum();
         if sum <= 0.0 {
             return None;
@@ -153,5 +181,22 @@ impl Tracer<'_> {
         factors.iter_mut().zip(taken).for_each(|(factor, fraction)| *factor = scale * fraction);
         path.light.multiply(factors);
         Some(chosen)
+    }
+
+    /// Light that each of the first alternatives of an interface takes, and all light that arrives, in one unit.
+    fn weights(&self, alternatives: usize, path: &Path, flat: &mut FlatWork) -> ([f64; MOST], f64) {
+        let FlatWork { fractions, totals, .. } = flat;
+        if self.bands > 1 {
+            totals.fill(0.0);
+            path.light.add_total(totals);
+        }
+        let weight = |fractions: &[f64]| match fractions {
+            [fraction] => *fraction,
+            _ => fractions.iter().zip(&*totals).map(|(fraction, total)| fraction * total).sum(),
+        };
+        let mut weights = [0.0; MOST];
+        let rows = fractions.chunks_exact(self.bands).take(alternatives);
+        weights.iter_mut().zip(rows).for_each(|(out, row)| *out = weight(row));
+        (weights, if self.bands > 1 { totals.iter().sum() } else { 1.0 })
     }
 }

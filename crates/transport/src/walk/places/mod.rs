@@ -15,7 +15,8 @@
 //!
 //! # Method
 //! A plain path tracer, backwards from the viewer; nothing is summed in closed form, since a closed form does not know where
-//! light meets the pixel. One event at a time is chosen in proportion to its light. At each scattering event the path is
+//! light meets the pixel. One event at a time is chosen in proportion to its light; until light is scattered, all bright
+//! alternatives are followed (`branches`). At each scattering event the path is
 //! connected to every directed source; the last part of a connection passes flat layers and mirrors by one route, chosen like
 //! those of paths. Discs and fields are also found by chance (balance heuristic). A scatterer above a mirror is sampled around the
 //! viewer's ray and around the rays of lamps: light of a lamp is seen around both. A path carries all images and wavelengths; where
@@ -32,6 +33,7 @@
 //! too.
 
 mod bins;
+mod branches;
 mod connect;
 mod dice;
 mod faces;

@@ -81,7 +81,7 @@ impl Path {
         (self.beta, self.plane, self.going) = (other.beta, other.plane, other.going);
         self.density = other.density;
         self.place_mm.copy_from_slice(&other.place_mm);
-        self.own_mm = other.own_mm;
+        (self.entry_mm, self.own_mm) = (other.entry_mm, other.own_mm);
         self.passed_mm.clone_from(&other.passed_mm);
         self.light.copy(&other.light);
         self.trace.copy(&other.trace);
@@ -107,6 +107,11 @@ impl Path {
             passed_mm: self.passed_mm.get(place).copied().unwrap_or(self.own_mm),
             is_first: self.light.meetings() == 0,
         }
+    }
+
+    /// True until the light is scattered.
+    pub(super) fn is_unscattered(&self) -> bool {
+        self.density.is_infinite()
     }
 
     /// Passes the next element.

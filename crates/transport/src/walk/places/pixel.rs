@@ -105,7 +105,7 @@ impl Tracer<'_> {
             let n = medium.index()[bin];
             if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 }
         };
-        let Workspace { path, last, targets, flat, of_last, pixel } = work;
+        let Workspace { path, last, targets, flat, of_last, pixel, .. } = work;
         path.going = Propagation::Up;
         for (source, target) in targets.iter().enumerate() {
             let Some(target) = target else { continue };

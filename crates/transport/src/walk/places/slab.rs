@@ -4,6 +4,7 @@ use papilio_optics::Beta;
 use papilio_optics::phase::HenyeyGreenstein;
 use papilio_sampling::warp;
 
+use super::branches;
 use super::connect::Last;
 use super::dice::Dice;
 use super::path::Path;
@@ -40,16 +41,32 @@ impl Tracer<'_> {
             let path = &mut work.path;
             let rest = if now[2] > 0.0 { thickness - depth } else { depth };
             let edge = rest / now[2].abs().max(f64::MIN_POSITIVE);
-            let flown = (-u[3].ln()).min(edge);
-            self.fly(layer, path, (now, flown / thickness), &mut work.flat);
-            if flown >= edge {
+            let out = |path: &mut Path| {
                 path.going = if now[2] > 0.0 { Propagation::Down } else { Propagation::Up };
                 path.plane = if now[2] > 0.0 { 2 * layer + 2 } else { 2 * layer + 1 };
+            };
+            let mut flown = (-u[3].ln()).min(edge);
+            if path.is_unscattered() {
+                // Light that is scattered here, and light that is not: see `branches`.
+                let (brightness, within) = (path.light.brightness(), -(-edge).exp_m1());
+                if let Some(weight) = branches::weight(brightness * (1.0 - within), dice) {
+                    let (branch, _) = work.branches.add(path, dice.branch());
+                    branch.light.multiply(&[weight * (1.0 - within)]);
+                    self.fly(layer, branch, (now, edge / thickness), &mut work.flat);
+                    out(branch);
+                }
+                let Some(weight) = branches::weight(brightness * within, dice) else { return false };
+                path.light.multiply(&[weight * within]);
+                flown = -(-u[3] * within).ln_1p();
+            }
+            self.fly(layer, path, (now, flown / thickness), &mut work.flat);
+            if flown >= edge && !path.is_unscattered() {
+                out(path);
                 return true;
             }
             depth = (depth + flown * now[2]).clamp(0.0, thickness);
             path.light.multiply(if self.bands == 1 { &scattering.albedo[..1] } else { &scattering.albedo });
-            let Workspace { path, last, targets, flat, of_last, pixel } = work;
+            let Workspace { path, last, targets, flat, of_last, pixel, .. } = work;
             for (source, target) in targets.iter().enumerate() {
                 let Some(target) = target.filter(|target| target.beta.squared() < index * index) else {
                     continue;

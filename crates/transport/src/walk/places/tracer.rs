@@ -1,5 +1,6 @@
 //! The tracer: one path at a time, with its place.
 
+use super::branches::Branches;
 use super::dice::Dice;
 use super::faces::Face;
 use super::filter::FilterPlane;
@@ -58,6 +59,7 @@ pub(super) struct Workspace {
     pub(super) path: Path,
     /// The last part of a connection to a source.
     pub(super) last: Path,
+    pub(super) branches: Branches,
     /// A point of each source.
     pub(super) targets: Vec<Option<Target>>,
     pub(super) flat: FlatWork,
@@ -156,6 +158,7 @@ impl<'a> Tracer<'a> {
         };
         Workspace {
             last: path.clone(),
+            branches: Branches::default(),
             path,
             targets: vec![None; self.sources.len()],
             of_last: flat.clone(),
@@ -180,10 +183,10 @@ impl<'a> Tracer<'a> {
         }
         path.entry_mm = path.place_mm.first().copied().unwrap_or_default();
         let mut dice = Dice::new(numbers);
-        while self.step(&mut dice, work, record) {
-            if !self.continues(&mut dice, work) {
-                return;
-            }
+        loop {
+            while self.step(&mut dice, work, record) && self.continues(&mut dice, work) {}
+            let Some(counts) = work.branches.take(&mut work.path) else { return };
+            dice.counts = counts;
         }
     }
 
@@ -217,8 +220,8 @@ impl<'a> Tracer<'a> {
 
     /// Counts a step; false if roulette ends the path.
     fn continues(&self, dice: &mut Dice<'_>, work: &mut Workspace) -> bool {
-        dice.steps += 1;
-        !dice.steps.is_multiple_of(OFTEN) || self.survives(dice, &mut work.path)
+        dice.counts.steps += 1;
+        !dice.counts.steps.is_multiple_of(OFTEN) || self.survives(dice, &mut work.path)
     }
 
     /// Follows a path to its next plane; false if it ends.
@@ -267,7 +270,7 @@ impl<'a> Tracer<'a> {
     /// Roulette; false if the path ends.
     pub(super) fn survives(&self, dice: &mut Dice<'_>, path: &mut Path) -> bool {
         let brightness = path.light.brightness();
-        let most = if dice.steps < FREE { 1.0 } else { MOST_SURVIVAL };
+        let most = if dice.counts.steps < FREE { 1.0 } else { MOST_SURVIVAL };
         let survival = (brightness / FAINT).min(most);
         if survival < 1.0 {
             if dice.of_connection() >= survival {

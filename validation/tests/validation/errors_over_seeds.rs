@@ -1,0 +1,180 @@
+//! Standard errors of the Monte Carlo solver: every example scenario and random scenarios.
+//!
+//! Two things are tested of Y of every state. The variance of Y between 16 seeds over the mean of their squared standard errors has the
+//! mean 1, with few and with four times as many paths. The standard error of 4, 16 and 64 times the paths is at most 1/2, 1/4
+//! and 1/8 (less, where the points of low discrepancy help).
+//!
+//! `docs/monte-carlo.md` has the table of the examples, which this command prints:
+//! `PAPILIO_SEEDS=16 cargo test -p papilio-validation --test validation -- errors_over_seeds --nocapture`.
+
+use std::fmt::Write as _;
+
+use papilio_display::DisplayError;
+use papilio_display::scene::{Method, Scene, Stop};
+use papilio_testing::{mean_square_bounds, sized};
+use papilio_validation::{run_on, scenario};
+
+use crate::random_scenarios::draw::drawn;
+use crate::random_scenarios::{each, solvers};
+
+/// Seeds of the variance between seeds.
+const SEEDS: u64 = 16;
+
+/// Numbers of paths, as multiples of the smallest, and the numbers of seeds from which their standard errors are computed.
+const MULTIPLES: [(u64, u64); 4] = [(1, SEEDS), (4, SEEDS), (16, 4), (64, 2)];
+
+/// Largest standard error over the one that falls with the root of the number of paths. Standard errors of 32 replicates are known to
+/// 13 %, the last ones therefore to 9 %.
+const MOST_OVER_ROOT: f64 = 1.5;
+
+/// Relative errors below this one are those of rounding.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// What the runs of a scenario say about one state.
+struct OfState {
+    name: String,
+    /// Standard error over Y with the fewest paths.
+    relative_error: f64,
+    /// Variance between seeds over the stated one, with the two smallest numbers of paths.
+    ratios: [f64; 2],
+    /// Standard error of each larger number of paths over that of the smallest.
+    falls: [f64; 3],
+}
+
+/// The runs of a scenario.
+struct Measured {
+    name: String,
+    paths: u64,
+    /// States with noise.
+    states: Vec<OfState>,
+}
+
+/// Computes Y of each state of the first view and its standard error.
+fn states(scene: &mut Scene, paths: u64, seed: u64) -> Result<Vec<(String, f64, f64)>, DisplayError> {
+    (scene.solver.stop, scene.solver.seed) = (Stop::Paths(paths), seed);
+    let run = run_on(scene, Some(1))?;
+    let of = run.views[0].states.iter();
+    Ok(of.map(|(name, state)| (name.to_owned(), state.value.Y, state.standard_error.Y)).collect())
+}
+
+fn measured(name: &str, mut scene: Scene, paths: u64) -> Result<Measured, DisplayError> {
+    scene.solver.method = Method::MonteCarlo;
+    scene.viewer.theta_deg.truncate(1);
+    scene.viewer.phi_deg.truncate(1);
+    let mut runs = Vec::new();
+    for (multiple, seeds) in MULTIPLES {
+        let of_seed = |seed| states(&mut scene, multiple * paths, 1000 * multiple + seed);
+        runs.push((0..seeds).map(of_seed).collect::<Result<Vec<_>, _>>()?);
+    }
+    let of_state = |k: usize| {
+        let squares: Vec<f64> = runs.iter().map(|runs| mean(runs.iter().map(|run| run[k].2.powi(2)))).collect();
+        let ratio = |number: usize| {
+            let values = runs[number].iter().map(|run| run[k].1);
+            let centre = mean(values.clone());
+            let square = values.map(|value| (value - centre).powi(2)).sum::<f64>();
+            square / (SEEDS - 1) as f64 / squares[number]
+        };
+        let (name, y, _) = &runs[0][0][k];
+        let relative_error = squares[0].sqrt() / y;
+        let falls = [1, 2, 3].map(|number| (squares[number] / squares[0]).sqrt());
+        (relative_error > NEGLIGIBLE).then(|| OfState {
+            name: name.clone(),
+            relative_error,
+            ratios: [0, 1].map(ratio),
+            falls,
+        })
+    };
+    let states = (0..runs[0][0].len()).filter_map(of_state).collect();
+    Ok(Measured { name: name.to_owned(), paths, states })
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}
+
+impl Measured {
+    fn largest(&self, of: impl Fn(&OfState) -> f64) -> f64 {
+        self.states.iter().map(of).fold(0.0, f64::max)
+    }
+
+    /// Row of the table; numbers are the largest of all states, and of ratios also the smallest.
+    fn row(&self) -> String {
+        let Self { name, paths, states } = self;
+        if states.is_empty() {
+            return format!("| `{name}` | {paths} | no noise | | | | | |");
+        }
+        let mut row = format!("| `{name}` | {paths} | {:.1e} |", self.largest(|one| one.relative_error));
+        for k in [0, 1] {
+            let least = states.iter().map(|one| one.ratios[k]).fold(f64::INFINITY, f64::min);
+            let _ = write!(row, " {least:.2} to {:.2} |", self.largest(|one| one.ratios[k]));
+        }
+        for k in [0, 1, 2] {
+            let _ = write!(row, " {:.3} |", self.largest(|one| one.falls[k]));
+        }
+        row
+    }
+
+    /// Describes what is not as it should be.
+    fn faults(&self) -> Vec<String> {
+        // The variance of a ratio: 2 by the seeds, and some by the uncertainty of the errors and by the tails of paths.
+        let bounds = mean_square_bounds(1.0, 2.55, (SEEDS - 1) as f64);
+        let mut faults = Vec::new();
+        for OfState { name, ratios, falls, .. } in &self.states {
+            if ratios.iter().any(|ratio| !bounds.contains(ratio)) {
+                faults.push(format!("{}, {name}: variance over stated variance {ratios:.2?}, not in {bounds:.2?}", self.name));
+            }
+            let most = [0.5, 0.25, 0.125].map(|root| MOST_OVER_ROOT * root);
+            if falls.iter().zip(most).any(|(fall, most)| *fall > most) {
+                faults.push(format!("{}, {name}: errors fall to {falls:.3?}, more than {most:.3?}", self.name));
+            }
+        }
+        faults
+    }
+}
+
+fn assert_honest(all: &[Measured]) {
+    let faults: Vec<String> = all.iter().flat_map(Measured::faults).collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Examples that take milliseconds: a colour filter, and layers.
+const EVERYDAY: [&str; 2] = ["printed-filter", "ward"];
+
+#[test]
+fn errors_over_seeds_of_every_example_are_honest() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let files = folder.read_dir().unwrap().flatten().map(|entry| entry.path());
+    let mut names: Vec<String> = files
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
+        .filter(|name| sized(EVERYDAY.contains(&name.as_str()), true))
+        .collect();
+    names.sort();
+    let all = each(&names, |name| {
+        let scene = scenario(name, &[sized("spectrum.step_nm=80", "spectrum.step_nm=20")]).unwrap().scene;
+        let measured = measured(name, scene, sized(256, 2048)).unwrap();
+        println!("{}", measured.row());
+        measured
+    });
+    assert_honest(&all);
+}
+
+#[test]
+fn errors_over_seeds_of_random_scenarios_are_honest() {
+    let numbers: Vec<u64> = (0..sized(1, 200)).collect();
+    let all = each(&numbers, |number| {
+        let drawn = drawn(*number);
+        let scene = solvers::scene(&drawn.text).ok()?;
+        let measured = measured(&format!("{number} ({})", drawn.name), scene, sized(64, 512)).ok()?;
+        println!("{}", measured.row());
+        Some(measured)
+    });
+    let all: Vec<Measured> = all.into_iter().flatten().collect();
+    let ratios = all.iter().flat_map(|one| one.states.first()).map(|state| state.ratios);
+    let (count, sums) = ratios.fold((0.0, [0.0; 2]), |(n, [a, b]), [c, d]| (n + 1.0, [a + c, b + d]));
+    println!("{count} scenarios with noise, mean of the ratios {:.3?}", sums.map(|sum| sum / count));
+    // Films with too many fringes are refused.
+    assert!(all.len() + 1 + numbers.len() / 50 >= numbers.len(), "{} of {}", all.len(), numbers.len());
+    assert_honest(&all);
+}
