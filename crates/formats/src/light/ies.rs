@@ -112,6 +112,10 @@ fn between(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
 /// With line and column: cells that are not numbers, angles out of order, negative intensities, photometry of type A or B, a
 /// tilt, too few or too many numbers, horizontal angles of no symmetry of the standard.
 pub fn read_ies(file: &DataFile) -> Result<Luminaire, FormatError> {
+    crate::guard::read(file, of_text)
+}
+
+fn of_text(file: &DataFile) -> Result<Luminaire, FormatError> {
     let latin: String;
     let text = match str::from_utf8(&file.bytes) {
         Ok(_) => file.text()?,
