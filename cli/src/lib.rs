@@ -9,7 +9,7 @@
 //! papilio --help                                     # the other commands: searches, tolerances, pictures, the web app
 //! ```
 //!
-//! Exit codes: 0 success; 1 internal error; 2 invalid input; 3 a search without a feasible design; 130 interrupted, with
+//! Exit codes: 0 success; 1 internal error, or a full disk; 2 invalid input; 3 a search without a feasible design; 130 interrupted, with
 //! finished work saved. Results are printed on standard output, all messages on standard error.
 
 mod arguments;

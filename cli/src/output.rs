@@ -6,7 +6,7 @@ use std::path::Path;
 use papilio_display::{AmbientLight, ConeResult};
 use papilio_figures::HAS_PNG;
 use papilio_formats::{
-    ConeFile, ResultFile, report::RunReport, write_cone_csv, write_cone_npy, write_file, write_json,
+    ConeFile, ResultFile, remove_abandoned, report::RunReport, unwritable, write_cone_csv, write_cone_npy, write_file, write_json,
     write_spectra, write_states,
 };
 
@@ -53,19 +53,26 @@ pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
     if !existing.is_dir() {
         return Err(failure("is not a folder"));
     }
-    let probe = existing.join(format!(".papilio.{}.tmp", std::process::id()));
-    std::fs::write(&probe, "")
-        .and_then(|()| std::fs::remove_file(&probe))
-        .map_err(|_| failure("is not writable"))
+    remove_abandoned(folder);
+    let probe = existing.join(format!(".papilio.{}.papilio.tmp", std::process::id()));
+    let probed = std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe));
+    probed.map_err(|error| if is_full(&error) { unwritable(existing, &error).into() } else { failure("is not writable") })
+}
+
+/// Whether the system has no space left, which is not an error of the input.
+fn is_full(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{QuotaExceeded, StorageFull};
+    matches!(error.kind(), StorageFull | QuotaExceeded)
 }
 
 /// Creates the folder for results.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let failure = |error| {
-        let folder = folder.display();
-        Failure::Input(format!(
-            "the folder {folder} cannot be created: {error}\n  = help: choose another folder with --out DIR"
-        ))
+    let failure = |error: std::io::Error| match is_full(&error) {
+        true => unwritable(folder, &error).into(),
+        false => Failure::Input(format!(
+            "the folder {} cannot be created: {error}\n  = help: choose another folder with --out DIR",
+            folder.display()
+        )),
     };
     std::fs::create_dir_all(folder).map_err(failure)
 }

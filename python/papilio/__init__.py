@@ -33,6 +33,11 @@ except ImportError as _error:
         "'pip install ./python' at the top of the repository, and start Python in another folder than 'python'"
     ) from None
 
+from . import _guard
+
+# Before other modules take functions and classes from it.
+_guard.guard_module(_papilio)
+
 from . import cluster, colour, diffuser, films, plot
 from ._papilio import __version__
 from ._sweeps import sweep
@@ -47,6 +52,7 @@ from .errors import (
     DesignError,
     DisplayError,
     FileError,
+    InternalError,
     Mistake,
     PapilioError,
     PapilioWarning,
@@ -78,6 +84,7 @@ __all__ = [
     "Evaluated",
     "Figure",
     "FileError",
+    "InternalError",
     "Image",
     "Label",
     "Mtf",

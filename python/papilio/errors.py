@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-__all__ = ["ArgumentError", "ClusterError", "DesignError", "DisplayError", "FileError", "Mistake", "PapilioError", "PapilioWarning", "ScenarioError"]
+__all__ = ["ArgumentError", "ClusterError", "DesignError", "DisplayError", "FileError", "InternalError", "Mistake", "PapilioError", "PapilioWarning", "ScenarioError"]
 
 
 def __dir__() -> list[str]:
@@ -115,3 +115,7 @@ class DesignError(PapilioError, ValueError):
 
 class ClusterError(PapilioError, RuntimeError):
     """A cluster that was closed, that lost a batch too often, or whose workers have another version or other files."""
+
+
+class InternalError(PapilioError, RuntimeError):
+    """A fault of papilio itself, and not of its input: please report the call, its files and the message."""

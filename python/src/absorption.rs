@@ -9,6 +9,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::columns::array;
 use crate::errors;
 use crate::scenario::Resolved;
+use crate::watch::detached;
 
 /// The absorptance of each layer of the film pixel of a scenario.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -22,7 +23,7 @@ impl Absorption {
     /// Computes it at these angles, 0 to 90 degrees, in the medium of the scenario's angles.
     #[new]
     fn new(py: Python<'_>, scenario: &Resolved, theta_deg: Vec<f64>) -> PyResult<Self> {
-        let found = py.detach(|| absorption(&scenario.of.scene, &theta_deg));
+        let found = detached(py, || absorption(&scenario.of.scene, &theta_deg))?;
         let in_air = scenario.of.scene.solver.angle_medium == AngleMedium::Air;
         let medium = if in_air { "air" } else { "glass" };
         found.map(|of| Self { of, medium }).map_err(|error| errors::display_of(py, &scenario.of, &error))

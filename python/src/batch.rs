@@ -15,6 +15,7 @@ use pyo3::prelude::*;
 use crate::errors;
 use crate::pool::{Pool, is_of_a_path, reason};
 use crate::scenario::{Resolved, library};
+use crate::watch::detached;
 
 /// A display, its varying keys, and the metrics that are requested of each design.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -44,7 +45,8 @@ impl Batch {
         views: Vec<usize>,
     ) -> PyResult<Self> {
         let paths: Vec<String> = variables.iter().flat_map(|(keys, _)| keys.clone()).collect();
-        let varied = ParameterisedScenario::from_text(text, name, library(folder, files), &[], &paths);
+        let read = || ParameterisedScenario::from_text(text, name, library(folder, files), &[], &paths);
+        let varied = detached(py, read)?;
         let varied = varied.map_err(|errors| errors::scenario(py, &errors))?;
         let variables = variables.into_iter().map(|(keys, choices)| {
             let choices = choices.map(|choices| serde_json::from_str(&choices)).transpose();

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::errors;
+use crate::watch::detached;
 
 /// Names and SVG texts.
 type Figures = Vec<(String, String)>;
@@ -28,7 +29,7 @@ impl Diffuser {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let name = path.display().to_string();
-        let read = py.detach(|| read(&path, &name)).map_err(|error| errors::format(py, &error))?;
+        let read = detached(py, || read(&path, &name))?.map_err(|error| errors::format(py, &error))?;
         Ok(Self { name, read })
     }
 

@@ -4,7 +4,6 @@ use papilio_design::DesignError;
 use papilio_display::DisplayError;
 use papilio_formats::{FormatError, Place};
 use papilio_scenario::{Resolved, ScenarioErrors};
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -65,7 +64,11 @@ pub(crate) fn search(py: Python<'_>, error: &DesignError) -> PyErr {
 
 /// Internal error of this program.
 pub(crate) fn internal(what: &str) -> PyErr {
-    PyRuntimeError::new_err(format!("internal error of papilio: {what}"))
+    let text = format!("internal error of papilio: {what}");
+    Python::attach(|py| {
+        let made = || py.import(MODULE)?.getattr("InternalError")?.call1((&text,));
+        made().map_or_else(|error| error, PyErr::from_value)
+    })
 }
 
 /// Position in a text as a dictionary.

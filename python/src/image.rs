@@ -12,6 +12,7 @@ use pyo3::types::PyDict;
 use crate::errors;
 use crate::scenario::{Described, Resolved};
 use crate::spatial::{computed, text};
+use crate::watch::detached;
 
 /// A picture on a display.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -42,10 +43,10 @@ impl Image {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let given = picture.map(|picture| source(&picture, encoded)).transpose()?;
-        let resolved = py.detach(|| match &given {
+        let resolved = detached(py, || match &given {
             Some(given) => described.scenario.resolve_with(given),
             None => described.scenario.resolve_with_picture(),
-        });
+        })?;
         let scenario = Resolved { of: Arc::new(resolved.map_err(|errors| errors::scenario(py, &errors))?) };
         let resolved = Arc::clone(&scenario.of);
         let request = resolved.image.as_ref().ok_or_else(|| errors::internal("a picture that is missing"))?;

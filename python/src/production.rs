@@ -15,6 +15,7 @@ use pyo3::types::PyBytes;
 use crate::errors;
 use crate::pool::Pool;
 use crate::scenario::library;
+use crate::watch::detached;
 
 /// The displays of a tolerance analysis, and the rows computed so far.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -59,12 +60,12 @@ impl Production {
         folder: Option<PathBuf>,
         files: Option<BTreeMap<String, Vec<u8>>>,
     ) -> PyResult<Self> {
-        let made = py.detach(|| {
+        let made = detached(py, || {
             let tolerance = Tolerance::from_text(text, name, library(folder, files), &[])?;
             let of = papilio_design::tolerance::Production::new(&tolerance);
             of.check(&tolerance)?;
             Ok((tolerance, of))
-        });
+        })?;
         let (tolerance, of) = made.map_err(|errors| errors::scenario(py, &errors))?;
         let pool = Pool::new(of.study().clone());
         Ok(Self { tolerance, of, pool, known: Mutex::new(Known::Memory(BTreeMap::new())) })

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use crate::errors;
 use crate::result::RunResult;
 use crate::scenario::Resolved;
-use crate::watch::watched;
+use crate::watch::{detached, watched};
 
 /// Interval between attempts to lock a display that another thread uses.
 const WAIT: Duration = Duration::from_millis(1);
@@ -26,7 +26,7 @@ pub(crate) struct Prepared {
 impl Prepared {
     #[new]
     fn new(py: Python<'_>, like: &Resolved) -> PyResult<Self> {
-        let prepared = py.detach(|| papilio_display::Prepared::new(&like.of.scene));
+        let prepared = detached(py, || papilio_display::Prepared::new(&like.of.scene))?;
         Ok(Self { display: Mutex::new(prepared.map_err(|error| errors::display_of(py, &like.of, &error))?) })
     }
 

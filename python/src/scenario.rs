@@ -10,6 +10,7 @@ use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::errors;
+use crate::watch::detached;
 
 /// A parsed scenario, with valid keys and types.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -49,7 +50,7 @@ impl Described {
         folder: Option<PathBuf>,
         files: Option<BTreeMap<String, Vec<u8>>>,
     ) -> PyResult<Self> {
-        let read = py.detach(|| Scenario::from_text(text, name, library(folder, files), &[]));
+        let read = detached(py, || Scenario::from_text(text, name, library(folder, files), &[]))?;
         Ok(Self { scenario: read.map_err(|errors| errors::scenario(py, &errors))? })
     }
 

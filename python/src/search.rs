@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 use crate::errors;
 use crate::scenario::library;
-use crate::watch::{ProgressState, watched};
+use crate::watch::{ProgressState, detached, watched};
 
 /// A search, its progress and its journal. Work items and their results are JSON texts.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -79,7 +79,7 @@ impl Search {
         folder: Option<PathBuf>,
         files: Option<BTreeMap<String, Vec<u8>>>,
     ) -> PyResult<Self> {
-        let optimisation = py.detach(|| Optimisation::from_text(text, name, library(folder, files), &[]));
+        let optimisation = detached(py, || Optimisation::from_text(text, name, library(folder, files), &[]))?;
         let optimisation = optimisation.map_err(|errors| errors::scenario(py, &errors))?;
         let hash = optimisation.hash.clone();
         // Leaks one byte for each search.

@@ -13,7 +13,7 @@ use pyo3::types::PyBytes;
 
 use crate::errors;
 use crate::spatial::{Figures, text};
-use crate::watch::{ProgressState, watched};
+use crate::watch::{ProgressState, detached, watched};
 
 /// A measured surface.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -42,7 +42,7 @@ impl Surface {
         threads: Option<u16>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let resolved = py.detach(|| SurfaceScenario::load(&path, &overrides)?.resolve());
+        let resolved = detached(py, || SurfaceScenario::load(&path, &overrides)?.resolve())?;
         let resolved = resolved.map_err(|errors| errors::scenario(py, &errors))?;
         let resolved = if preview { resolved.preview() } else { resolved };
         let title = resolved.title.clone().unwrap_or_else(|| name.to_owned());

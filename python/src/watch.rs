@@ -94,6 +94,15 @@ pub(crate) fn watched<T: Send>(
     })
 }
 
+/// Runs `work` without the interpreter. Constructors pass through here: the guard of the Python package wraps everything else.
+///
+/// # Errors
+/// An internal error if the work panics.
+pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let worked = py.detach(|| catch_unwind(AssertUnwindSafe(work)).ok());
+    worked.ok_or_else(|| errors::internal("the computation panicked"))
+}
+
 /// Waits one interval for a result; `None` if there is none yet.
 fn wait<T: Send>(from: Receiver<T>) -> (Receiver<T>, Option<Result<T, RecvTimeoutError>>) {
     let outcome = match from.recv_timeout(POLL) {

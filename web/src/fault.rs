@@ -82,6 +82,11 @@ impl Fault {
         Self::new(StatusCode::INTERNAL_SERVER_ERROR, message, "")
     }
 
+    /// Creates the response to a request whose computation has panicked.
+    pub(crate) fn panicked() -> Self {
+        Self::internal("the computation failed; this is an error in Papilio")
+    }
+
     /// Adds the scenario that the error concerns.
     pub(crate) fn about(mut self, scenario: &str) -> Self {
         self.body.scenario = Some(scenario.to_owned());

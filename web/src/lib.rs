@@ -26,6 +26,7 @@ mod guard;
 mod held;
 mod listen;
 mod page;
+mod panics;
 mod places;
 mod prepared;
 mod reading;

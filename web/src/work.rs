@@ -99,7 +99,7 @@ fn move_to(place: &Place, slow: &Arc<Semaphore>) -> Result<(), Fault> {
 
 /// Returns the result of a thread; a panic becomes an error.
 fn finished<T>(done: Result<Result<T, Fault>, JoinError>) -> Result<T, Fault> {
-    done.unwrap_or_else(|_| Err(Fault::internal("the computation failed; this is an error in Papilio")))
+    done.unwrap_or_else(|_| Err(Fault::panicked()))
 }
 
 /// Creates the response to a request for which there is no place.
@@ -169,6 +169,20 @@ mod tests {
         }
         for one in slow {
             assert_eq!(one.await.unwrap(), 422);
+        }
+    }
+
+    /// A panic is one error response; the places are free again.
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn panic_of_a_computation_is_an_error_and_frees_its_place() {
+        fn panics(_: &AtomicBool) -> Result<(), Fault> {
+            assert!(std::hint::black_box(false), "a panic of this test");
+            Ok(())
+        }
+        let gate = Gate::new(1, Duration::from_secs(9)).with_slow(Duration::from_secs(1), 1);
+        for _ in 0..3 {
+            assert_eq!(status(gate.clone(), panics).await, 500);
+            assert_eq!(status(gate.clone(), |_| Ok(())).await, 200);
         }
     }
 

@@ -32,7 +32,7 @@ pub(crate) use self::studies::{
                   papilio new office office.toml\n  \
                   papilio run office.toml\n\n\
                   Results are written to out/ unless --out specifies another folder. docs/README.md lists the documentation.\n\n\
-                  Exit codes: 0 success; 1 internal error; 2 invalid input; 3 a search without a feasible design; 130 interrupted, with \
+                  Exit codes: 0 success; 1 internal error, or a full disk; 2 invalid input; 3 a search without a feasible design; 130 interrupted, with \
                   finished work saved. If the environment variable NO_COLOR is set, nothing is printed in colours."
 )]
 pub(crate) struct Arguments {

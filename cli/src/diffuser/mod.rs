@@ -77,7 +77,12 @@ fn write(input: &Path, measurement: &Measurement, format: BsdfFormat, output: &P
             output.display()
         )));
     }
-    written.map_err(Failure::Data)?;
+    // A number that the readers refuse is a mistake of the input, and not of the system.
+    if matches!(lost, Err(WriteError::Number { .. })) {
+        written.map_err(Failure::Data)?;
+    } else {
+        written?;
+    }
     lost.unwrap_or_default().iter().for_each(|loss| print_message(&format!("note: {loss}")));
     print_message(&format!("wrote {}", output.display()));
     Ok(())

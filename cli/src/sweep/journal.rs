@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use papilio_formats::{LockedJournal, SweepHead, SweepJournal, SweepPoint, open_journal, tidy_journals};
+use papilio_formats::{LockedJournal, SweepHead, SweepJournal, SweepPoint, open_journal, remove_abandoned};
 
 use crate::Failure;
 use crate::journal;
@@ -33,7 +33,7 @@ impl Journal {
     /// sweep, are known too.
     pub(super) fn open(folder: &Path, name: &str, head: SweepHead) -> Result<Self, Failure> {
         let mut journal = LockedJournal::hold(folder.join(name))?;
-        tidy_journals(folder, &[name, "sweep.csv.", "sweep_"]);
+        remove_abandoned(folder);
         let mut known = HashMap::new();
         for (_, other) in read_all(folder)? {
             let own = other.lines.into_iter().filter(|point| point.papilio == head.papilio);

@@ -41,6 +41,23 @@ fn run_writes_results_and_prints_a_table() {
     assert_eq!(rows.lines().count(), 9);
 }
 
+/// Temporary files of a killed run are deleted by the next one; files of other programs, and of one that still writes, are not.
+#[test]
+fn what_a_killed_run_has_left_is_deleted_by_the_next_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    fs::create_dir(&out).unwrap();
+    let left = [".result.json.99999-0.papilio.tmp", ".patches.svg.1-17.papilio.tmp"];
+    left.iter().for_each(|name| fs::write(out.join(name), "cut off").unwrap());
+    let writing = fs::File::create(out.join(".states.csv.2-3.papilio.tmp")).unwrap();
+    writing.lock().unwrap();
+    fs::write(out.join(".mine.tmp"), "").unwrap();
+    let output = run("indoor", &[&["--out", out.to_str().unwrap()], &COARSE[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let hidden: Vec<String> = names(&out).into_iter().filter(|name| name.starts_with('.')).collect();
+    assert_eq!(hidden, [".mine.tmp", ".states.csv.2-3.papilio.tmp"]);
+}
+
 /// Readability is printed for a reader whom the scenario describes, with the bound that is not met.
 #[test]
 fn readability_is_printed_for_a_described_reader() {

@@ -29,6 +29,8 @@ pub enum Problem {
         /// The operating system's message.
         reason: String,
     },
+    /// The library that decodes the file has failed on its contents.
+    Undecodable,
     /// The file cannot be written.
     Unwritable {
         /// The operating system's message.
@@ -244,8 +246,11 @@ impl Problem {
     /// Returns what is wrong, what was expected and what to do, in words.
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
+            Self::Undecodable => Diagnostic::new("this file cannot be read: its contents contradict each other, so that the decoder failed")
+                .hint("is it damaged or cut off? Save it again, if possible in another format"),
             Self::Unreadable { reason } => Diagnostic::new(format!("this file cannot be read: {reason}")),
-            Self::Unwritable { reason } => Diagnostic::new(format!("this file cannot be written: {reason}")),
+            Self::Unwritable { reason } => Diagnostic::new(format!("this file cannot be written: {reason}"))
+                .hint("free some space or change the permissions, or choose another folder"),
             Self::Busy | Self::ForeignJournal | Self::BrokenLine { .. } | Self::BrokenHead { .. } => self.journal_diagnostic(),
             Self::TooLarge { bytes, limit } => {
                 Diagnostic::new(format!("this file has {bytes} bytes"))

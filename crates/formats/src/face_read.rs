@@ -25,6 +25,10 @@ const ROUNDING: f64 = 1e-9;
 /// # Errors
 /// Files that are no such archive, or whose arrays contradict each other.
 pub fn read_face(file: &DataFile) -> Result<(FaceTable, Option<usize>), FormatError> {
+    crate::guard::read(file, of_archive)
+}
+
+fn of_archive(file: &DataFile) -> Result<(FaceTable, Option<usize>), FormatError> {
     if !is_npz(file) {
         return Err(wrong_kind(file));
     }

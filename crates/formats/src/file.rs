@@ -7,6 +7,7 @@ use std::path::Path;
 use papilio_diagnostics::Place;
 
 use crate::error::{FormatError, Problem};
+use crate::temporary::{Temporary, remove_abandoned_once};
 
 /// Largest size of an input file, bytes; files of measured scattering have a limit of their own.
 pub const LARGEST_FILE: u64 = 64 << 20;
@@ -65,7 +66,8 @@ impl DataFile {
     }
 }
 
-/// Writes a file completely or not at all: first under a temporary name in the same folder, which is then renamed.
+/// Writes a file completely or not at all: first under a temporary name in the same folder, which is then renamed. Temporary files that a
+/// killed program has left in the folder are deleted.
 ///
 /// # Errors
 /// If the system or `write` reports an error. No partial file remains, and a previous file of this name is not changed.
@@ -73,33 +75,78 @@ pub fn write_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FormatError> {
-    write_and_rename(path, write).map_err(|e| FormatError {
-        place: Place::whole(&path.display().to_string()),
-        problem: Problem::Unwritable { reason: io_message(&e) },
-    })
+    write_and_rename(path, write).map_err(|error| unwritable(path, &error))
+}
+
+/// The error of a file, or of a folder, that the system cannot write.
+pub fn unwritable(path: &Path, error: &io::Error) -> FormatError {
+    let problem = Problem::Unwritable { reason: io_message(error) };
+    FormatError { place: Place::whole(&path.display().to_string()), problem }
 }
 
 fn write_and_rename(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let name = path.file_name().ok_or_else(|| io::Error::from(io::ErrorKind::InvalidFilename))?;
-    let temporary = path.with_file_name(format!(".{}.{}.tmp", name.to_string_lossy(), std::process::id()));
-    let written = File::create(&temporary).and_then(|file| {
-        let mut buffered = BufWriter::new(file);
-        write(&mut buffered)?;
-        buffered.flush()
-    });
-    let done = written.and_then(|()| fs::rename(&temporary, path));
-    if done.is_err() {
-        // The first error is reported; the temporary file may not exist.
-        let _ = fs::remove_file(&temporary);
+    remove_abandoned_once(path.parent().unwrap_or(Path::new("")));
+    let temporary = Temporary::of(path)?;
+    let mut out = System { file: BufWriter::new(&temporary.file), error: None };
+    let written = write(&mut out).and_then(|()| out.flush());
+    // The error of the system says more than what a library makes of it, and cannot be overlooked by one.
+    let written = out.error.take().map_or(written, Err);
+    drop(out);
+    match written {
+        Ok(()) => temporary.rename(path).map(drop),
+        Err(error) => {
+            temporary.delete();
+            Err(error)
+        }
     }
-    done
 }
 
-fn io_message(error: &io::Error) -> String {
+/// A file that remembers its first error. What follows is accepted and lost, so that libraries end without messages of their own.
+struct System<'a> {
+    file: BufWriter<&'a File>,
+    error: Option<io::Error>,
+}
+
+impl System<'_> {
+    fn remember<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        result.map_err(|error| {
+            let same = io::Error::from(error.kind());
+            if error.kind() != io::ErrorKind::Interrupted {
+                self.error.get_or_insert(error);
+            }
+            same
+        })
+    }
+}
+
+impl Write for System<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.error.is_some() {
+            return Ok(bytes.len());
+        }
+        let written = self.file.write(bytes);
+        self.remember(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.error.is_some() {
+            return Ok(());
+        }
+        let flushed = self.file.flush();
+        self.remember(flushed)
+    }
+}
+
+/// An error of the system in words.
+pub(crate) fn io_message(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),
         io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
         io::ErrorKind::IsADirectory => "this is a folder, not a file".to_owned(),
+        io::ErrorKind::StorageFull => "the disk is full".to_owned(),
+        io::ErrorKind::QuotaExceeded => "the quota of the disk is used up".to_owned(),
+        io::ErrorKind::ReadOnlyFilesystem => "the file system is read-only".to_owned(),
+        io::ErrorKind::FileTooLarge => "the file is larger than the system permits".to_owned(),
         _ => error.to_string(),
     }
 }
@@ -120,6 +167,30 @@ mod tests {
         assert!(matches!(failed.unwrap_err().problem, Problem::Unwritable { .. }));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    /// A device without space, as a disk that becomes full: the system's error is reported, whatever a library makes of it, also if it is
+    /// overlooked, and the archive library has no message of its own.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn full_disk_is_reported_in_words() {
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        let message = |write: &dyn Fn(&mut dyn Write) -> io::Result<()>| {
+            let mut out = System { file: BufWriter::new(&full), error: None };
+            let written = write(&mut out).and_then(|()| out.flush());
+            io_message(&out.error.take().map_or(written, Err).unwrap_err())
+        };
+        let large = vec![0; 100_000];
+        assert_eq!(message(&|out| out.write_all(&large)), "the disk is full");
+        assert_eq!(message(&|out| out.write_all(b"short")), "the disk is full");
+        assert_eq!(message(&|out| Ok(out.write_all(&large).unwrap_or_default())), "the disk is full");
+        let archive = |out: &mut dyn Write| {
+            let mut archive = zip::ZipWriter::new_stream(out);
+            archive.start_file("a.npy", crate::npy::stored())?;
+            archive.write_all(&large)?;
+            archive.finish().map(drop).map_err(|error| io::Error::other(error.to_string()))
+        };
+        assert_eq!(message(&archive), "the disk is full");
     }
 
     #[test]

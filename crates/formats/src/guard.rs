@@ -1,16 +1,38 @@
-//! Panics in libraries that decode files become errors of these files.
+//! Panics in libraries that decode files become errors of these files. All readers of formats of others pass through [`read`].
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::sync::Once;
+
+use papilio_diagnostics::Place;
+
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
 
 thread_local! {
     /// Whether this thread decodes a file: its panics are reported as errors, and not printed.
     static DECODES: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Calls a decoder. A panic in it is returned as a message.
-pub(crate) fn decoded<T>(decode: impl FnOnce() -> T) -> Result<T, String> {
+/// Calls the reader of a file. A panic in it is an error of the file.
+///
+/// # Errors
+/// Those of the reader, and [`Problem::Undecodable`].
+pub(crate) fn read<T>(
+    file: &DataFile,
+    reader: impl FnOnce(&DataFile) -> Result<T, FormatError>,
+) -> Result<T, FormatError> {
+    decoded(|| reader(file)).unwrap_or_else(|Panicked| {
+        Err(FormatError { place: Place::whole(&file.name), problem: Problem::Undecodable })
+    })
+}
+
+/// A decoder has panicked.
+#[derive(Debug, PartialEq, Eq)]
+struct Panicked;
+
+/// Calls a decoder, and does not print its panic.
+fn decoded<T>(decode: impl FnOnce() -> T) -> Result<T, Panicked> {
     static QUIET: Once = Once::new();
     QUIET.call_once(|| {
         let before = take_hook();
@@ -24,7 +46,7 @@ pub(crate) fn decoded<T>(decode: impl FnOnce() -> T) -> Result<T, String> {
     // The decoder's state is dropped with the panic; nothing of it is used afterwards.
     let decoded = catch_unwind(AssertUnwindSafe(decode));
     DECODES.set(outer);
-    decoded.map_err(|_| "its contents contradict each other (the decoder failed)".to_owned())
+    decoded.map_err(|_| Panicked)
 }
 
 #[cfg(test)]
@@ -32,9 +54,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn panic_of_a_decoder_is_a_message() {
-        let empty: Vec<u8> = Vec::new();
-        assert!(decoded(|| empty[std::hint::black_box(3)]).unwrap_err().contains("decoder"));
-        assert_eq!(decoded(|| 7), Ok(7));
+    fn panic_of_a_decoder_is_an_error_of_the_file() {
+        let file = DataFile { name: "a.bin".to_owned(), bytes: vec![1, 2] };
+        let read_at = |at: usize| read(&file, |file| Ok(file.bytes[std::hint::black_box(at)]));
+        let error = read_at(3).unwrap_err();
+        assert_eq!((error.place.name.as_str(), &error.problem), ("a.bin", &Problem::Undecodable));
+        assert!(error.to_string().contains("contradict each other"), "{error}");
+        assert_eq!(read_at(1), Ok(2));
     }
 }

@@ -99,6 +99,7 @@ mod sweep_parquet;
 #[cfg(not(feature = "parquet"))]
 #[path = "no_parquet.rs"]
 mod sweep_parquet;
+mod temporary;
 mod tolerance;
 mod windows;
 pub mod words;
@@ -116,7 +117,7 @@ pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write
 pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use error::{FormatError, Problem};
 pub use face_read::read_face;
-pub use file::{DataFile, LARGEST_FILE, write_file};
+pub use file::{DataFile, LARGEST_FILE, unwritable, write_file};
 pub use gonio::{
     AzimuthAudit, GonioHead, Holds, SurfaceAuditFile, WaveRow, WaveSide, roads_that_hold,
     surface_audit_schema, write_cutoffs, write_face, write_psd, write_totals, write_waves,
@@ -125,7 +126,7 @@ pub use index::{read_index, read_index_within};
 pub use journal::{
     Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,
     foreign_journal_error, journal_name, journal_paths, open_journal, read_journal, read_journals,
-    read_verified_lines, tidy_journals, write_journal_line,
+    read_verified_lines, write_journal_line,
 };
 pub use json::write_json;
 pub use light::{
@@ -147,7 +148,9 @@ pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};
 pub use spatial::{SpatialFile, TitledFile, image_schema, palette_schema};
 pub use spectrum::{read_fractions, read_light, read_spectrum};
 pub use study::write_study;
-pub use surface::{HeightFile, MeshFile, SurfaceProblem, read_density, read_heights, read_mesh};
+pub use surface::{
+    HeightFile, MeshFile, SurfaceProblem, is_height_file, read_density, read_heights, read_mesh,
+};
 pub use sweep::{
     LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
 };
@@ -155,6 +158,7 @@ pub use sweep_columns::{light_columns, sweep_columns};
 pub use sweep_json::write_sweep_json;
 pub use sweep_light::{light_points, write_light_csv, write_light_json};
 pub use sweep_parquet::{light_parquet, sweep_parquet};
+pub use temporary::remove_abandoned;
 pub use tolerance::{SearchHead, ToleranceHead, write_table};
 pub use windows::{NamedRectangle, read_windows};
 

@@ -82,6 +82,8 @@ fn longest(texts: &[&str]) -> usize {
 pub(crate) struct Header {
     pub(crate) kind: String,
     pub(crate) shape: Vec<usize>,
+    /// Whether the first index is the fastest.
+    is_fortran: bool,
 }
 
 impl Header {
@@ -97,21 +99,114 @@ impl Header {
         };
         let end = length.checked_add(begins)?;
         let text = std::str::from_utf8(rest.get(begins..end)?).ok()?;
-        let after = |key: &str| text.split_once(key).map(|(_, rest)| rest.trim_start());
-        if !after("'fortran_order':")?.starts_with("False") {
+        let after = |key: &str| {
+            let (_, rest) = text.split_once(&format!("'{key}'")).or_else(|| text.split_once(&format!("\"{key}\"")))?;
+            rest.trim_start().strip_prefix(':').map(str::trim_start)
+        };
+        let is_fortran = after("fortran_order")?.starts_with("True");
+        if !is_fortran && !after("fortran_order")?.starts_with("False") {
             return None;
         }
-        let kind = after("'descr':")?.strip_prefix('\'')?.split_once('\'')?.0.to_owned();
-        let shape = after("'shape':")?.strip_prefix('(')?.split_once(')')?.0;
+        let quoted = after("descr")?;
+        let quote = quoted.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
+        let kind = quoted[1..].split_once(quote)?.0.to_owned();
+        let shape = after("shape")?.strip_prefix('(')?.split_once(')')?.0;
         let lengths = shape.split(',').map(str::trim).filter(|length| !length.is_empty());
         let shape = lengths.map(|length| length.parse().ok()).collect::<Option<Vec<usize>>>()?;
-        Some((Self { kind, shape }, &rest[end..]))
+        Some((Self { kind, shape, is_fortran }, &rest[end..]))
+    }
+
+    /// Whether the items are integers or floating-point numbers of a size that is read.
+    pub(crate) fn has_numbers(&self) -> bool {
+        self.number().is_some()
+    }
+
+    /// The reader of an item, from its bytes in little-endian order, and the number of these bytes.
+    fn number(&self) -> Option<(usize, fn(&[u8]) -> f64)> {
+        let kind = self.kind.strip_prefix(['<', '>', '|', '='])?;
+        Some(match kind {
+            "f8" => (8, |b| f64::from_le_bytes(bytes_of(b))),
+            "f4" => (4, |b| f64::from(f32::from_le_bytes(bytes_of(b)))),
+            "f2" => (2, |b| half(u16::from_le_bytes(bytes_of(b)))),
+            "i8" => (8, |b| i64::from_le_bytes(bytes_of(b)) as f64),
+            "i4" => (4, |b| f64::from(i32::from_le_bytes(bytes_of(b)))),
+            "i2" => (2, |b| f64::from(i16::from_le_bytes(bytes_of(b)))),
+            "i1" => (1, |b| f64::from(i8::from_le_bytes(bytes_of(b)))),
+            "u8" => (8, |b| u64::from_le_bytes(bytes_of(b)) as f64),
+            "u4" => (4, |b| f64::from(u32::from_le_bytes(bytes_of(b)))),
+            "u2" => (2, |b| f64::from(u16::from_le_bytes(bytes_of(b)))),
+            "u1" => (1, |b| f64::from(u8::from_le_bytes(bytes_of(b)))),
+            _ => return None,
+        })
+    }
+
+    /// The numbers of an array, last index fastest; `None` if the items are no numbers, or not as many as the shape says.
+    pub(crate) fn numbers(&self, data: &[u8]) -> Option<Vec<f64>> {
+        let (size, number) = self.number()?;
+        if self.count()?.checked_mul(size)? != data.len() {
+            return None;
+        }
+        let is_big = self.kind.starts_with('>');
+        let read = |item: &[u8]| {
+            let mut little = [0; 8];
+            for (at, byte) in item.iter().enumerate() {
+                little[if is_big { size - 1 - at } else { at }] = *byte;
+            }
+            number(&little[..size])
+        };
+        let numbers: Vec<f64> = data.chunks_exact(size).map(read).collect();
+        Some(if self.is_fortran { last_fastest(&numbers, &self.shape) } else { numbers })
+    }
+
+    /// Whether texts of this array are in the order in which they are read.
+    pub(crate) fn is_flat(&self) -> bool {
+        !self.is_fortran || self.shape.len() < 2
     }
 
     /// Number of items; `None` if it is beyond all memory.
     pub(crate) fn count(&self) -> Option<usize> {
         self.shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length))
     }
+}
+
+/// As many bytes as a number has.
+fn bytes_of<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    let mut all = [0; N];
+    all.copy_from_slice(&bytes[..N]);
+    all
+}
+
+/// A floating-point number of 16 bits.
+fn half(bits: u16) -> f64 {
+    let sign = if bits >> 15 == 0 { 1.0 } else { -1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff));
+    match exponent {
+        0 => sign * fraction * 2.0_f64.powi(-24),
+        31 if fraction == 0.0 => sign * f64::INFINITY,
+        31 => f64::NAN,
+        _ => sign * (1.0 + fraction / 1024.0) * 2.0_f64.powi(exponent - 15),
+    }
+}
+
+/// Numbers of an array whose first index is the fastest, with the last one as the fastest.
+fn last_fastest(numbers: &[f64], shape: &[usize]) -> Vec<f64> {
+    let strides: Vec<usize> = shape
+        .iter()
+        .scan(1, |stride, length| {
+            let own = *stride;
+            *stride *= length;
+            Some(own)
+        })
+        .collect();
+    let place = |flat: usize| {
+        let places = shape.iter().zip(&strides).rev().scan(flat, |rest, (length, stride)| {
+            let at = *rest % length;
+            *rest /= length;
+            Some(at * stride)
+        });
+        places.sum::<usize>()
+    };
+    (0..numbers.len()).map(|flat| numbers[place(flat)]).collect()
 }
 
 /// Options of arrays in an archive: not compressed and without a date, so that equal arrays give equal bytes.

@@ -83,17 +83,12 @@ impl<'a> Npz<'a> {
     pub(crate) fn numbers(&mut self, array: &str) -> Result<Array, FormatError> {
         let bytes = self.bytes(array)?;
         let sound = Header::of(&bytes).and_then(|(header, data)| {
-            let values = match header.kind.as_str() {
-                "<f8" => data.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect::<Vec<f64>>(),
-                "<f4" => data.as_chunks().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect(),
-                _ => return None,
-            };
-            let is_whole = data.len() == values.len() * if header.kind == "<f8" { 8 } else { 4 };
-            (is_whole && header.count() == Some(values.len()))
-                .then_some(Array { shape: header.shape, values })
+            let is_float = header.kind.ends_with("f4") || header.kind.ends_with("f8");
+            let values = if is_float { header.numbers(data)? } else { return None };
+            Some(Array { shape: header.shape, values })
         });
         let array_values =
-            sound.ok_or_else(|| self.unsound(array, "it is not a C-ordered array of float32 or float64"))?;
+            sound.ok_or_else(|| self.unsound(array, "it is not an array of float32 or float64"))?;
         if array_values.values.len() > MOST_CELLS {
             return Err(self.error(BsdfProblem::TooManyCells { limit: MOST_CELLS }));
         }
@@ -106,7 +101,7 @@ impl<'a> Npz<'a> {
         let sound = Header::of(&bytes).and_then(|(header, data)| {
             let width: usize = header.kind.strip_prefix("<U")?.parse().ok()?;
             let size = width.checked_mul(4).filter(|size| *size > 0)?;
-            if header.count()?.checked_mul(size)? != data.len() {
+            if !header.is_flat() || header.count()?.checked_mul(size)? != data.len() {
                 return None;
             }
             let text = |item: &[u8]| -> Option<String> {

@@ -70,6 +70,10 @@ struct State {
 /// # Errors
 /// If the file is not JSON or not a result, or if its parts are inconsistent.
 pub fn read_result(file: &DataFile) -> Result<ReadResult, FormatError> {
+    crate::guard::read(file, of_json)
+}
+
+fn of_json(file: &DataFile) -> Result<ReadResult, FormatError> {
     let text = file.text()?;
     let read: File = serde_json::from_str(text).map_err(|error| {
         let line_start = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();

@@ -25,6 +25,22 @@ pub enum MicrogeometryError {
         /// "finite" or "positive".
         wanted: &'static str,
     },
+    /// Heights differ too much for rays.
+    #[error(
+        "the heights of the map are between {low_um} and {high_um} um, {:.0} times the distance of {pitch_um} um between them (expected at most \
+         {most}): rays would cross the map many times before they meet it",
+        (high_um - low_um) / pitch_um
+    )]
+    Relief {
+        /// Lowest height, um.
+        low_um: f64,
+        /// Highest height, um.
+        high_um: f64,
+        /// Smaller distance between heights, um.
+        pitch_um: f64,
+        /// The limit.
+        most: f64,
+    },
     /// A cap would be more than a hemisphere.
     #[error(
         "the aperture radius of a cap, {aperture_um} um, is beyond the radius of its ball, {radius_um} um (expected at most a hemisphere)"

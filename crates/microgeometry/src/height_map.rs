@@ -2,6 +2,10 @@
 
 use crate::MicrogeometryError;
 
+/// Largest difference of heights, in distances between them. A ray that comes in at 85 deg crosses eleven times as many cells before it can
+/// meet the lowest height.
+const MOST_RELIEF: f64 = 10_000.0;
+
 /// Heights over a rectangle that repeats in x and y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightMap {
@@ -37,6 +41,39 @@ impl HeightMap {
             });
         }
         Ok(Self { columns, pitch_um, heights_um })
+    }
+
+    /// Fails for heights that differ so much that rays would cross cells without an end before they meet the surface.
+    ///
+    /// # Errors
+    /// A difference of more than 10,000 distances between heights.
+    pub fn check_relief(&self) -> Result<(), MicrogeometryError> {
+        let [low, high] = self
+            .heights_um
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| [low.min(*height), high.max(*height)]);
+        let pitch_um = self.pitch_um[0].min(self.pitch_um[1]);
+        if high - low > MOST_RELIEF * pitch_um {
+            return Err(MicrogeometryError::Relief { low_um: low, high_um: high, pitch_um, most: MOST_RELIEF });
+        }
+        Ok(())
+    }
+
+    /// Root mean square slopes along x and y between neighbours within the map; 0 along an axis of a single height.
+    pub fn inner_slopes(&self) -> [f64; 2] {
+        let squares = |axis: usize| {
+            let next = [1, self.columns][axis];
+            let is_inner = |at: &usize| match axis {
+                0 => at % self.columns + 1 < self.columns,
+                _ => at + next < self.heights_um.len(),
+            };
+            let slopes = (0..self.heights_um.len()).filter(is_inner).map(|at| {
+                ((self.heights_um[at + next] - self.heights_um[at]) / self.pitch_um[axis]).powi(2)
+            });
+            let (count, sum) = slopes.fold((0.0, 0.0), |(count, sum), square| (count + 1.0, sum + square));
+            if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
+        };
+        [squares(0), squares(1)]
     }
 
     /// A flat face.
@@ -153,4 +190,27 @@ pub struct HeightStatistics {
     pub rms_um: f64,
     /// Root mean square slope between neighbours along x and y.
     pub slope_rms: [f64; 2],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inner_slopes_leave_out_the_edges_of_the_period() {
+        // A plane of slopes 1/2 and -1/4: its period has steps.
+        let height = |at: usize| 0.5 * (at % 4) as f64 * 2.0 - 0.25 * (at / 4) as f64 * 3.0;
+        let map = HeightMap::new(4, [2.0, 3.0], (0..20).map(height).collect()).unwrap();
+        let [x, y] = map.inner_slopes();
+        assert!((x - 0.5).abs() < 1e-12 && (y - 0.25).abs() < 1e-12, "{x} {y}");
+        assert!(map.statistics().slope_rms[0] > 0.8);
+        assert_eq!(HeightMap::flat().inner_slopes(), [0.0; 2]);
+    }
+
+    #[test]
+    fn heights_that_rays_would_not_reach_are_refused() {
+        let map = |height: f64| HeightMap::new(2, [1.0, 2.0], vec![0.0, 0.0, 0.0, height]).unwrap();
+        assert_eq!(map(-10_000.0).check_relief(), Ok(()));
+        assert!(matches!(map(10_001.0).check_relief(), Err(MicrogeometryError::Relief { .. })));
+    }
 }

@@ -2,23 +2,24 @@
 
 mod coating;
 mod density;
+mod heights;
 mod solids;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use papilio_diagnostics::Diagnostic;
-use papilio_formats::{DataFile, LARGEST_FILE, read_heights};
+use papilio_formats::{DataFile, LARGEST_FILE};
 use papilio_microgeometry::{
-    Caps, Goniometer, HeightMap, Lattice, Measurement, MicrogeometryError, REPLICATES, RandomHeights,
+    Caps, Goniometer, Lattice, Measurement, MicrogeometryError, REPLICATES, RandomHeights,
     Spectrum, Surface,
 };
 use serde_json::{Value, json};
 
 use crate::describe::microgeometry::{
-    self as described, CapLattice, FaceCoating, HeightDistance, MapPeriod, Microgeometry, Road, SurfaceFile,
+    CapLattice, FaceCoating, MapPeriod, Microgeometry, Road, SurfaceFile,
 };
-use crate::describe::numbers::{AzimuthStep, Inclination, SurfaceLength, Wavelength};
+use crate::describe::numbers::{AzimuthStep, Inclination, Wavelength};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, MemoryFile, Missing, sha256};
 use crate::origin::Origin;
@@ -26,9 +27,6 @@ use crate::read::{Read as _, Spanned};
 use crate::scenario::{Assembled, assemble, parse, sorted};
 use crate::source::Sources;
 use crate::tree::Node;
-
-/// Most heights of a map in memory, which a server is given by anyone: their mirror images take 128 MiB.
-const MOST_HEIGHTS_IN_MEMORY: usize = 1 << 22;
 
 /// A described surface. Its files are not read yet.
 #[derive(Debug)]
@@ -151,7 +149,8 @@ impl SurfaceScenario {
     pub fn resolve(&self) -> Result<ResolvedSurface, ScenarioErrors> {
         let mut errors = Errors::default();
         let mut inputs = BTreeMap::new();
-        let found = self.surface(&mut errors, &mut inputs);
+        let mut notes = self.notes.clone();
+        let found = self.surface(&mut errors, &mut inputs, &mut notes);
         let (surface, common) = errors.finish(found, &self.sources)?;
         let mut errors = Errors::default();
         let coating = self.coating(&common, &mut errors, &mut inputs);
@@ -185,7 +184,6 @@ impl SurfaceScenario {
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
-        let mut notes = self.notes.clone();
         if let Surface::Mesh(mesh) = &surface {
             notes.extend(mesh.notes());
         }
@@ -206,6 +204,7 @@ impl SurfaceScenario {
         &self,
         errors: &mut Errors,
         inputs: &mut BTreeMap<String, String>,
+        notes: &mut Vec<String>,
     ) -> Option<(Surface, Common<'_>)> {
         Some(match &self.file.microgeometry.value {
             Microgeometry::Flat(flat) => (Surface::Flat, common!(flat.value)),
@@ -223,7 +222,9 @@ impl SurfaceScenario {
                 });
                 (surface, common!(caps.value))
             }
-            Microgeometry::HeightMap(map) => (self.heights(&map.value, errors, inputs)?, common!(map.value)),
+            Microgeometry::HeightMap(map) => {
+                (self.heights(&map.value, errors, inputs, notes)?, common!(map.value))
+            },
             Microgeometry::Gaussian(face) => {
                 let spectrum = Spectrum::Gaussian {
                     rms_um: 1e-3 * face.rms_nm.0,
@@ -291,91 +292,6 @@ impl SurfaceScenario {
             Ok(face) => Some(Surface::Random(face)),
             Err(wrong) => {
                 errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
-                None
-            }
-        }
-    }
-
-    /// Reads a map of heights.
-    fn heights(
-        &self,
-        map: &described::HeightMap,
-        errors: &mut Errors,
-        inputs: &mut BTreeMap<String, String>,
-    ) -> Option<Surface> {
-        let kept = self.open(&map.file, errors, inputs)?;
-        let found = match read_heights(kept.file()) {
-            Ok(found) => found,
-            Err(error) => {
-                errors.push_data(map.file.origin, error);
-                return None;
-            }
-        };
-        if matches!(self.library, Library::Memory { .. }) && found.numbers.len() > MOST_HEIGHTS_IN_MEMORY {
-            let wrong = Diagnostic::new(format!("this map has {} heights", found.numbers.len()))
-                .expected(format!("at most {MOST_HEIGHTS_IN_MEMORY} here, such as 2048 x 2048"))
-                .hint("cut out a part of it, or measure it with `papilio gonio`, which reads 4096 x 4096 heights");
-            errors.push(map.file.origin, wrong);
-            return None;
-        }
-        let pitch_um = match &map.pixel_um.value {
-            None => found.pitch_um,
-            Some(HeightDistance::Square(both)) => Some([both.0; 2]),
-            Some(HeightDistance::Oblong(list)) => {
-                match list.iter().map(|length: &Spanned<SurfaceLength>| length.0).collect::<Vec<_>>()[..] {
-                    [both] => Some([both; 2]),
-                    [x, y] => Some([x, y]),
-                    _ => {
-                        let wrong = Diagnostic::new(format!("this list has {} numbers", list.len()))
-                            .expected("one distance, or those along x and y");
-                        errors.push(map.pixel_um.origin, wrong);
-                        return None;
-                    }
-                }
-            }
-        };
-        let Some(pitch_um) = pitch_um else {
-            let wrong = Diagnostic::new("this file does not state the distance of its heights")
-                .expected("the key `pixel_um`")
-                .hint("for example pixel_um = 0.5; only SDF and X3P files of profilometers state it");
-            errors.push(map.file.origin, wrong);
-            return None;
-        };
-        let unit_um = map.height_um_per_unit.value.map(|unit| unit.0).or(found.unit_um);
-        let Some(unit_um) = unit_um.or((!found.is_picture).then_some(1.0)) else {
-            let wrong = Diagnostic::new("a picture does not state the height of its steps")
-                .expected("the key `height_um_per_unit`, the height of the number 1 of 65535");
-            errors.push(map.file.origin, wrong);
-            return None;
-        };
-        let heights = found.numbers.iter().map(|number| number * unit_um).collect();
-        let made = HeightMap::new(found.columns, pitch_um, heights);
-        match made {
-            Ok(heights) => {
-                let heights = if map.level.value { heights.levelled() } else { heights };
-                let heights = match map.period.value {
-                    MapPeriod::Mirror => heights.mirrored(),
-                    MapPeriod::Repeat => heights,
-                };
-                let [short, long] =
-                    [&map.cutoff_um, &map.longest_um].map(|length| length.value.map(|length| length.0));
-                if let (Some(short), Some(long)) = (short, long)
-                    && short >= long
-                {
-                    let wrong = Diagnostic::new(format!(
-                        "the filters leave nothing: {short} um is not shorter than {long} um"
-                    ))
-                    .expected("`cutoff_um` below `longest_um`");
-                    errors.push(map.cutoff_um.origin, wrong);
-                    return None;
-                }
-                Some(Surface::Heights(match (short, long) {
-                    (None, None) => heights,
-                    _ => heights.filtered(short, long),
-                }))
-            }
-            Err(wrong) => {
-                errors.push(map.file.origin, Diagnostic::new(wrong.to_string()));
                 None
             }
         }

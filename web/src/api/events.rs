@@ -1,6 +1,7 @@
 //! Computations that report their progress as server-sent events, and stop when the browser disconnects.
 
 use std::convert::Infallible;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -9,6 +10,7 @@ use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream::unfold;
 use serde::Serialize;
+use serde_json::json;
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, oneshot};
 
@@ -85,7 +87,7 @@ impl EventSender {
     }
 }
 
-/// Starts a computation as soon as there is a place for it; its return value is the last event.
+/// Starts a computation as soon as there is a place for it; its return value is the last event, or `failed` if it panics.
 pub(super) async fn start<E: Serialize + 'static>(
     gate: &Gate,
     compute: impl FnOnce(&EventSender) -> E + Send + 'static,
@@ -97,7 +99,9 @@ pub(super) async fn start<E: Serialize + 'static>(
     let events = EventSender { sender, stop: guard.flag(), started: Instant::now(), deadline: gate.deadline };
     tokio::task::spawn_blocking(move || {
         let _permit = permit;
-        let event = as_event(&compute(&events));
+        // Nothing of the computation is used after a panic.
+        let done = catch_unwind(AssertUnwindSafe(|| as_event(&compute(&events))));
+        let event = done.unwrap_or_else(|_| as_event(&json!({ "event": "failed", "data": Fault::panicked().body })));
         let _ = finish.send(event);
     });
     Ok(Events { before, last: Some(last), _guard: guard })
@@ -124,5 +128,30 @@ impl IntoResponse for Events {
             next.map(|event| (Ok::<_, Infallible>(event), events))
         });
         Sse::new(stream).keep_alive(KeepAlive::default()).into_response()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::to_bytes;
+
+    use super::*;
+
+    /// The stream of a computation that panics ends with an error, as that of one that fails.
+    #[tokio::test]
+    async fn panic_of_a_computation_is_the_last_event() {
+        let gate = Gate::new(1, Duration::from_secs(9));
+        for _ in 0..2 {
+            let events = start(&gate, |events| {
+                events.send(&json!({ "event": "progress", "data": 1 }));
+                assert!(std::hint::black_box(false), "a panic of this test");
+                json!({ "event": "done", "data": 2 })
+            });
+            let response = events.await.unwrap().into_response();
+            let body = to_bytes(response.into_body(), 10_000).await.unwrap();
+            let text = String::from_utf8(body.to_vec()).unwrap();
+            assert!(text.contains("event: progress") && text.contains("event: failed"), "{text}");
+            assert!(text.contains("this is an error in Papilio"), "{text}");
+        }
     }
 }

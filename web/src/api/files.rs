@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_scan};
 use papilio_formats::{
-    BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, is_luminaire,
-    picture_format, read_bsdf, read_heights, read_index_within, read_light_map, read_luminaire,
+    BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, is_height_file,
+    is_luminaire, picture_format, read_bsdf, read_heights, read_index_within, read_light_map, read_luminaire,
     read_measured_panel, read_mesh, read_picture, read_pixel_table, read_profile, read_spectrum,
 };
 use papilio_goniometry::{Audit, MeasuredPart, Measurement};
@@ -141,12 +141,9 @@ fn read_contents(site: &Site, file: &DataFile, stop: &AtomicBool) -> Result<Cont
     }
 }
 
-/// First bytes of files of heights: NumPy, TIFF, X3P, SDF.
-const HEIGHTS: [&[u8]; 6] = [b"\x93NUMPY", b"II*\0", b"MM\0*", b"PK\x03\x04", b"aISO-1.0", b"bISO-1.0"];
-
 /// Reads a surface, its heights or its triangles; `None` for other files.
 fn geometry(site: &Site, file: &DataFile) -> Option<Result<Contents, Fault>> {
-    if HEIGHTS.iter().any(|magic| file.bytes.starts_with(magic)) {
+    if is_height_file(&file.bytes) {
         return Some(heights(file));
     }
     let Ok(text) = file.text() else {
@@ -181,6 +178,7 @@ fn heights(file: &DataFile) -> Result<Contents, Fault> {
         Some([x, y]) => format!("{x} um apart along x, {y} um along y"),
         None => "it does not state the distance of its heights".to_owned(),
     });
+    words.extend(read.warnings.iter().map(|warning| format!("warning: {warning}")));
     Ok(Contents { kind: FileKind::Heights, words, figures: vec![], edits: vec![] })
 }
 

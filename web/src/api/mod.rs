@@ -25,7 +25,7 @@ use serde_json::Value;
 
 use self::endpoint::Endpoints;
 use crate::site::Site;
-use crate::{guard, page};
+use crate::{guard, page, panics};
 
 /// All endpoints, under `/api/v1`.
 fn endpoints() -> Endpoints {
@@ -104,7 +104,8 @@ fn endpoints() -> Endpoints {
 /// The router of the whole site.
 pub(crate) fn routes(site: Site) -> Router {
     let guard = middleware::from_fn_with_state(site.clone(), guard::check_request);
-    endpoints().router().fallback(page::file).layer(guard).with_state(site)
+    let caught = middleware::from_fn(panics::caught);
+    endpoints().router().fallback(page::file).layer(caught).layer(guard).with_state(site)
 }
 
 /// Returns the OpenAPI 3.1 description of the API, as `GET /api/v1/openapi.json` does.

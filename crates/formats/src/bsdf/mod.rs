@@ -136,6 +136,10 @@ impl BsdfFile {
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
 pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile, FormatError> {
+    crate::guard::read(file, |file| of_any_format(file, part))
+}
+
+fn of_any_format(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile, FormatError> {
     let mut read: BsdfFile = if crate::npz::is_npz(file) {
         read_archive(file)?.into()
     } else if rgl::is_rgl(file) {

@@ -66,20 +66,6 @@ pub fn open_journal<H: DeserializeOwned, L: DeserializeOwned>(
         .and_then(|file| read_journal(&file, wanted))
 }
 
-/// Deletes the temporary files that a killed program has left in place of its journal, table and figures: those whose names begin
-/// with one of `beginnings`. The caller holds the lock of the journal, so that no program is still writing them.
-pub fn tidy_journals(folder: &Path, beginnings: &[&str]) {
-    let is_temporary = |file: &str| {
-        let name = file.strip_prefix('.').filter(|_| file.ends_with(".tmp"));
-        name.is_some_and(|name| beginnings.iter().any(|beginning| name.starts_with(beginning)))
-    };
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    for entry in entries.filter(|entry| entry.file_name().to_str().is_some_and(is_temporary)) {
-        // A file that cannot be deleted does no harm.
-        let _ = fs::remove_file(entry.path());
-    }
-}
-
 /// Returns the error for a journal of a different computation.
 pub fn foreign_journal_error(path: &Path) -> FormatError {
     FormatError { place: Place::whole(&path.display().to_string()), problem: Problem::ForeignJournal }

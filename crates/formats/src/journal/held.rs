@@ -15,6 +15,8 @@ use serde::de::DeserializeOwned;
 use super::folder::has_head;
 use super::{read_verified_lines, write_journal_line, write_row};
 use crate::error::{FormatError, Problem};
+use crate::file::unwritable;
+use crate::temporary::{Temporary, has_name};
 
 /// A locked journal: no other program can write it until it is closed.
 #[derive(Debug)]
@@ -143,18 +145,16 @@ impl LockedJournal {
 
     /// Replaces the file by a new one, which is locked before it gets the name.
     fn replace(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), FormatError> {
-        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
-        let new = self.path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-        // A killed program may have left one; if it cannot be deleted, `create_new` reports the error.
-        let _ = fs::remove_file(&new);
-        let file = locked(&new, OpenOptions::new().create_new(true).append(true))?;
-        let mut out = BufWriter::new(&file);
-        let written = write(&mut out).and_then(|()| out.flush()).and_then(|()| fs::rename(&new, &self.path));
+        let failed = |error: io::Error| unwritable(&self.path, &error);
+        let new = Temporary::of(&self.path).map_err(failed)?;
+        let mut out = BufWriter::new(&new.file);
+        let written = write(&mut out).and_then(|()| out.flush());
         drop(out);
         if let Err(error) = written {
-            let _ = fs::remove_file(&new);
-            return Err(unwritable(&self.path, &error));
+            new.delete();
+            return Err(failed(error));
         }
+        let file = new.rename(&self.path).map_err(failed)?;
         self.file = file;
         Ok(())
     }
@@ -183,24 +183,6 @@ fn locked(path: &Path, options: &OpenOptions) -> Result<File, FormatError> {
     }
 }
 
-/// Returns whether a file is still the one with this name: another program may have replaced it before it was locked.
-#[cfg(unix)]
-fn has_name(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let identity = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
-    file.metadata()
-        .ok()
-        .map(identity)
-        .zip(fs::metadata(path).ok().map(identity))
-        .is_some_and(|(own, named)| own == named)
-}
-
-/// Always true: on these systems, an open file cannot be replaced.
-#[cfg(not(unix))]
-fn has_name(_: &File, _: &Path) -> bool {
-    true
-}
-
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.to_owned().into_os_string();
     name.push(".");
@@ -210,11 +192,6 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 
 fn busy(path: &Path) -> FormatError {
     FormatError { place: Place::whole(&path.display().to_string()), problem: Problem::Busy }
-}
-
-fn unwritable(path: &Path, error: &io::Error) -> FormatError {
-    let problem = Problem::Unwritable { reason: error.to_string() };
-    FormatError { place: Place::whole(&path.display().to_string()), problem }
 }
 
 #[cfg(test)]

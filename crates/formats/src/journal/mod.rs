@@ -21,7 +21,7 @@ use crate::file::DataFile;
 
 pub use folder::{
     Journals, foreign_journal_error, journal_name, journal_paths, open_journal, read_journals,
-    read_verified_lines, tidy_journals,
+    read_verified_lines,
 };
 pub use held::LockedJournal;
 pub use rows::{JournalRows, RowsHead};

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::folder::{foreign_journal_error, journal_name, open_journal, read_journals, tidy_journals};
+use super::folder::{foreign_journal_error, journal_name, open_journal, read_journals};
+use crate::temporary::remove_abandoned;
 use super::{Journal, JournalNumber, JournalRow, LockedJournal};
 use crate::error::FormatError;
 use crate::gonio::GonioHead;
@@ -61,7 +62,7 @@ impl<H: RowsHead> JournalRows<H> {
     ) -> Result<Self, FormatError> {
         let name = journal_name(stem, shard);
         let mut journal = LockedJournal::hold(folder.join(&name))?;
-        tidy_journals(folder, &[&name, &format!("{stem}.csv."), &format!("{stem}_")]);
+        remove_abandoned(folder);
         journal.make_way(|path| {
             let found: Journal<H, JournalRow> = open_journal(path, |_| false)?;
             Ok(found.head.is_some_and(|own| head.is_of(&own)))

@@ -191,6 +191,10 @@ fn between(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
 /// With line and column: cells that are not numbers, angles out of order, negative intensities, too few or too many numbers,
 /// horizontal angles of no symmetry of the format.
 pub fn read_luminaire(file: &DataFile) -> Result<Luminaire, FormatError> {
+    crate::guard::read(file, of_any_format)
+}
+
+fn of_any_format(file: &DataFile) -> Result<Luminaire, FormatError> {
     let text = decoded(file);
     if ies::is_ies(&text) || !eulumdat::is_eulumdat(&text) {
         ies::read(&file.name, &text)

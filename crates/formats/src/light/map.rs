@@ -55,9 +55,12 @@ pub enum MapColour {
 /// If the size or projection is not supported; if a pixel is negative or not finite, with its row and column. Sizes are
 /// checked before memory is allocated.
 pub fn read_light_map(file: &DataFile) -> Result<LightMap, FormatError> {
+    crate::guard::read(file, of_any_format)
+}
+
+fn of_any_format(file: &DataFile) -> Result<LightMap, FormatError> {
     let map = if file.bytes.starts_with(&openexr::MAGIC) {
-        crate::guard::decoded(|| openexr::read(&file.bytes))
-            .unwrap_or_else(|message| Err(MapProblem::Exr { message }))
+        openexr::read(&file.bytes)
     } else if file.bytes.starts_with(b"#?") {
         radiance::read(&file.bytes)
     } else {

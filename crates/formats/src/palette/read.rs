@@ -48,6 +48,10 @@ struct Points {
 /// With line and column: a header without the required columns, cells that are not numbers or out of range, two rows for the same point, a
 /// spectrum with a single wavelength, names that are not [permitted](is_name).
 pub fn read_palette(file: &DataFile) -> Result<PaletteTable, FormatError> {
+    crate::guard::read(file, of_table)
+}
+
+fn of_table(file: &DataFile) -> Result<PaletteTable, FormatError> {
     let table = Table::new(file)?;
     let mut rows = table.rows().filter(|row| !row.begins_with_hash());
     let header = rows.next().ok_or_else(|| table.error(Problem::EmptyPalette))?;

@@ -44,13 +44,14 @@ pub const MOST_PICTURE_PIXELS: usize = 64_000_000;
 /// If the file is neither, is damaged or cut off, or has more than [`MOST_PICTURE_PIXELS`]; sizes are checked before memory is
 /// allocated. If its encoding is one of high dynamic range, which has no white.
 pub fn read_picture(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePicture>, FormatError> {
-    let damaged = |format, message| Err(PictureProblem::Damaged { format, message });
+    crate::guard::read(file, |file| of_any_format(file, untagged))
+}
+
+fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePicture>, FormatError> {
     let picture = if file.bytes.starts_with(png_read::MAGIC) {
-        crate::guard::decoded(|| png_read::read(&file.bytes, untagged))
-            .unwrap_or_else(|message| damaged("PNG", message))
+        png_read::read(&file.bytes, untagged)
     } else if file.bytes.starts_with(&jpeg::MAGIC) {
-        crate::guard::decoded(|| jpeg::read(&file.bytes, untagged))
-            .unwrap_or_else(|message| damaged("JPEG", message))
+        jpeg::read(&file.bytes, untagged)
     } else {
         Err(match picture_format(&file.bytes) {
             Some(format) => PictureProblem::Format { format },

@@ -30,6 +30,10 @@ pub struct MeshFile {
 /// A file that is none of the formats; numbers that are not finite; faces of vertices that do not exist. Errors of texts state the line, and
 /// those of binary files the byte.
 pub fn read_mesh(file: &DataFile) -> Result<MeshFile, FormatError> {
+    crate::guard::read(file, of_any_format)
+}
+
+fn of_any_format(file: &DataFile) -> Result<MeshFile, FormatError> {
     let bytes = file.bytes.as_slice();
     let whole =
         |problem: SurfaceProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };

@@ -39,7 +39,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
             format!("its channels are {} (expected `Z`, `Y`, or a single one)", names.join(", ")),
         )
     };
-    let channel = channels.swap_remove(number.filter(|number| *number < channels.len()).ok_or_else(wrong)?);
+    let number = number.filter(|number| *number < channels.len()).ok_or_else(wrong)?;
+    let channel = channels.swap_remove(number);
     let numbers: Vec<f64> = match &channel.sample_data {
         FlatSamples::F16(values) => values.iter().map(|value| f64::from(value.to_f32())).collect(),
         FlatSamples::F32(values) => values.iter().map(|value| f64::from(*value)).collect(),
@@ -48,5 +49,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     if numbers.len() != columns * rows {
         return Err(damaged("OpenEXR", "its channels have another size than its layer"));
     }
-    Ok(HeightFile { columns, pitch_um: None, unit_um: None, is_picture: false, numbers })
+    let mut map = HeightFile::plain(columns, numbers).upside_down();
+    if names.len() > 1 {
+        map.warnings.push(format!("only the channel `{}` of this OpenEXR file is used", names[number]));
+    }
+    Ok(map)
 }

@@ -1,80 +1,131 @@
 //! Maps of heights in X3P files of ISO 25178-72: a zip archive with `main.xml` and, usually, the heights as a binary file.
 //!
-//! Lengths are in metres. Heights are numbers times the increment of the z axis, plus its offset; those of an integer type that are missing are
-//! its smallest value, of a floating type NaN.
+//! Both revisions, of ISO 5436-2 and ISO 25178-72, are read alike. Lengths are in metres. Heights are numbers times the increment of the z axis,
+//! plus its offset, by rows from the lowest y. Missing ones have a 0 in the mask, and are the smallest value of an integer type, NaN of a
+//! floating type, or an empty element.
 
-use std::io::{Cursor, Read};
-
-use zip::read::ZipArchive;
-
+use super::archive::{Archive, XML};
+use super::bytes::{Bytes, Kind};
 use super::{HeightFile, SurfaceProblem, UM, damaged, sized};
 
 /// Largest size of `main.xml`, which may contain the heights, bytes.
 const LARGEST_XML: u64 = 64 << 20;
-
-/// Largest number of files in the archive.
-const MOST_FILES: usize = 1000;
 
 fn wrong(what: impl Into<String>) -> SurfaceProblem {
     damaged("X3P", what)
 }
 
 /// Reads a map.
-pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| wrong(error.to_string()))?;
-    if archive.len() > MOST_FILES {
-        return Err(wrong(format!("its archive has {} files", archive.len())));
-    }
-    let xml = content(&mut archive, "main.xml", LARGEST_XML)?;
+pub(super) fn read(archive: &mut Archive<'_>) -> Result<HeightFile, SurfaceProblem> {
+    let xml = archive.content("main.xml", LARGEST_XML)?;
     let xml = String::from_utf8(xml).map_err(|_| wrong("main.xml is not UTF-8"))?;
-    let document = roxmltree::Document::parse(&xml).map_err(|error| wrong(format!("main.xml: {error}")))?;
-    let text = |path: &[&str]| -> Option<String> {
-        let node = path.iter().try_fold(document.root_element(), |node, name| child(node, name))?;
-        Some(node.text().unwrap_or_default().trim().to_owned())
-    };
-    let number = |path: &[&str]| -> Result<f64, SurfaceProblem> {
-        let found = text(path).and_then(|text| text.parse::<f64>().ok()).filter(|number| number.is_finite());
-        found.ok_or_else(|| wrong(format!("main.xml has no number {}", path.join("/"))))
-    };
-    let count = |name: &str| -> Result<usize, SurfaceProblem> {
-        let number = number(&["Record3", "MatrixDimension", name])?;
-        let is_count = number.fract() == 0.0 && (0.0..=1e9).contains(&number);
-        if is_count { Ok(number as usize) } else { Err(wrong(format!("{name} is {number}"))) }
-    };
-    let (columns, rows) = (count("SizeX")?, count("SizeY")?);
+    let document = roxmltree::Document::parse_with_options(&xml, XML).map_err(|error| wrong(format!("main.xml: {error}")))?;
+    let main = Main { document: &document };
+    main.check_kind()?;
+    let (columns, rows) = (main.count("SizeX")?, main.count("SizeY")?);
     let total = sized(columns, rows)?;
-    if count("SizeZ")? != 1 {
+    if main.count("SizeZ")? != 1 {
         return Err(wrong("it has several layers (expected SizeZ 1)"));
     }
-    if text(&["Record1", "Axes", "CX", "AxisType"]).as_deref() != Some("I") {
-        return Err(wrong("its places are not those of a grid (expected axes of type I)"));
-    }
-    let increment = |axis: &str| -> Result<f64, SurfaceProblem> {
-        let number = number(&["Record1", "Axes", axis, "Increment"])?;
-        if number > 0.0 { Ok(number) } else { Err(wrong(format!("the increment of {axis} is {number} m"))) }
-    };
-    let pitch_um = [UM * increment("CX")?, UM * increment("CY")?];
+    let pitch_um = [UM * main.increment("CX")?, UM * main.increment("CY")?];
     // Axes of absolute numbers need no increment.
-    let scale = increment("CZ").unwrap_or(1.0);
-    let offset = number(&["Record1", "Axes", "CZ", "Offset"]).unwrap_or(0.0);
-    let kind = text(&["Record1", "Axes", "CZ", "DataType"]).unwrap_or_default();
-    let numbers = match text(&["Record3", "DataLink", "PointDataLink"]) {
+    let scale_m = main.increment("CZ").unwrap_or(1.0);
+    let offset_m = main.number(&["Record1", "Axes", "CZ", "Offset"]).unwrap_or(0.0);
+    let kind = main.text(&["Record1", "Axes", "CZ", "DataType"]).unwrap_or_default();
+    let numbers = match main.text(&["Record3", "DataLink", "PointDataLink"]) {
         Some(name) => {
-            let size = size_of(&kind)?;
-            let data = content(&mut archive, &name, (size * total) as u64)?;
-            of_bytes(&kind, &data)
+            let kind = kind_of(&kind)?;
+            let data = archive.content(&name, (kind.size() * total) as u64)?;
+            let numbers = Bytes { all: &data, format: "X3P" }.numbers(0, data.len() / kind.size(), kind)?;
+            // The smallest integer marks a missing height.
+            let missing = Some(kind.ends()[0]).filter(|_| matches!(kind, Kind::I16 | Kind::I32));
+            numbers.into_iter().map(|number| if Some(number) == missing { f64::NAN } else { number }).collect()
         }
         None => of_texts(&document)?,
     };
     if numbers.len() != total {
         return Err(wrong(format!("it has {} heights, and its dimensions {total}", numbers.len())));
     }
-    let numbers = numbers.into_iter().map(|number| UM * (offset + scale * number)).collect();
-    // Rows begin at y = 0, and here at the top.
-    let mut map =
-        HeightFile { columns, pitch_um: Some(pitch_um), unit_um: Some(1.0), is_picture: false, numbers };
-    map.numbers = map.numbers.chunks_exact(columns).rev().flatten().copied().collect();
+    let mut map = HeightFile::plain(columns, numbers);
+    if let Some(name) = main.text(&["Record3", "DataLink", "ValidPointsLink"]) {
+        let mask = archive.content(&name, total.div_ceil(8) as u64)?;
+        mask_out(&mut map.numbers, &mask)?;
+    }
+    if main.is_rotated() {
+        map.warnings.push("the rotation of the axes in this X3P file is not used: heights are taken along z of the file".to_owned());
+    }
+    (map.pitch_um, map.unit_um) = (Some(pitch_um), Some(UM * scale_m));
+    // Markers of missing heights stand for themselves before the offset.
+    if offset_m != 0.0 {
+        map.numbers.iter_mut().for_each(|number| *number += offset_m / scale_m);
+    }
     Ok(map)
+}
+
+/// `main.xml`.
+struct Main<'a, 'b> {
+    document: &'a roxmltree::Document<'b>,
+}
+
+impl Main<'_, '_> {
+    fn text(&self, path: &[&str]) -> Option<String> {
+        let node = path.iter().try_fold(self.document.root_element(), |node, name| child(node, name))?;
+        Some(node.text().unwrap_or_default().trim().to_owned())
+    }
+
+    fn number(&self, path: &[&str]) -> Result<f64, SurfaceProblem> {
+        let found = self.text(path).and_then(|text| text.parse::<f64>().ok()).filter(|number| number.is_finite());
+        found.ok_or_else(|| wrong(format!("main.xml has no number {}", path.join("/"))))
+    }
+
+    fn count(&self, name: &str) -> Result<usize, SurfaceProblem> {
+        let number = self.number(&["Record3", "MatrixDimension", name])?;
+        let is_count = number.fract() == 0.0 && (0.0..=1e9).contains(&number);
+        if is_count { Ok(number as usize) } else { Err(wrong(format!("{name} is {number}"))) }
+    }
+
+    fn increment(&self, axis: &str) -> Result<f64, SurfaceProblem> {
+        let number = self.number(&["Record1", "Axes", axis, "Increment"])?;
+        if number > 0.0 { Ok(number) } else { Err(wrong(format!("the increment of {axis} is {number} m"))) }
+    }
+
+    /// Fails for profiles, clouds of points, and places that are no grid.
+    fn check_kind(&self) -> Result<(), SurfaceProblem> {
+        match self.text(&["Record1", "FeatureType"]).as_deref() {
+            Some("PRF") => return Err(wrong("it holds a profile (FeatureType PRF; expected a surface, SUR)")),
+            Some("PCL") => return Err(wrong("it holds a cloud of points (FeatureType PCL; expected a surface, SUR)")),
+            _ => {}
+        }
+        // Dimensions are missing in files that are no map, which says more than an axis.
+        self.count("SizeX")?;
+        for axis in ["CX", "CY"] {
+            if self.text(&["Record1", "Axes", axis, "AxisType"]).as_deref() != Some("I") {
+                return Err(wrong(format!("its places along {axis} are not those of a grid (expected axes of type I)")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the axes are rotated.
+    fn is_rotated(&self) -> bool {
+        ["r11", "r22", "r33"].iter().any(|name| {
+            let entry = self.number(&["Record1", "Axes", "Rotation", name]);
+            entry.is_ok_and(|entry| (entry - 1.0).abs() > 1e-9)
+        })
+    }
+}
+
+/// Removes heights whose bit is 0: a bit for each height, the lowest bit of a byte first.
+fn mask_out(numbers: &mut [f64], mask: &[u8]) -> Result<(), SurfaceProblem> {
+    if mask.len() != numbers.len().div_ceil(8) {
+        return Err(wrong(format!("its mask has {} bytes for {} heights", mask.len(), numbers.len())));
+    }
+    for (at, number) in numbers.iter_mut().enumerate() {
+        if mask[at / 8] >> (at % 8) & 1 == 0 {
+            *number = f64::NAN;
+        }
+    }
+    Ok(())
 }
 
 /// The first child of this name, in any name space.
@@ -82,55 +133,17 @@ fn child<'a, 'b>(node: roxmltree::Node<'a, 'b>, name: &str) -> Option<roxmltree:
     node.children().find(|child| child.tag_name().name() == name)
 }
 
-/// Content of a file of the archive, of at most this size.
-fn content(
-    archive: &mut ZipArchive<Cursor<&[u8]>>,
-    name: &str,
-    most: u64,
-) -> Result<Vec<u8>, SurfaceProblem> {
-    let file = archive.by_name(name).map_err(|error| wrong(format!("{}: {error}", name.escape_debug())))?;
-    let mut bytes = Vec::new();
-    file.take(most + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| wrong(format!("{}: {error}", name.escape_debug())))?;
-    if bytes.len() as u64 > most {
-        return Err(wrong(format!("{} is larger than the dimensions of the map say", name.escape_debug())));
-    }
-    Ok(bytes)
-}
-
-/// Bytes of a number of a type.
-fn size_of(kind: &str) -> Result<usize, SurfaceProblem> {
+/// The type of numbers by its letter.
+fn kind_of(kind: &str) -> Result<Kind, SurfaceProblem> {
     match kind {
-        "I" => Ok(2),
-        "L" | "F" => Ok(4),
-        "D" => Ok(8),
+        "I" => Ok(Kind::I16),
+        "L" => Ok(Kind::I32),
+        "F" => Ok(Kind::F32),
+        "D" => Ok(Kind::F64),
         other => Err(wrong(format!(
             "the type of its heights is `{}` (expected I, L, F or D)",
             other.escape_debug()
         ))),
-    }
-}
-
-/// Numbers of a binary file, little-endian.
-fn of_bytes(kind: &str, data: &[u8]) -> Vec<f64> {
-    match kind {
-        "I" => {
-            let value = |b: &[u8; 2]| match i16::from_le_bytes(*b) {
-                i16::MIN => f64::NAN,
-                value => f64::from(value),
-            };
-            data.as_chunks().0.iter().map(value).collect()
-        }
-        "L" => {
-            let value = |b: &[u8; 4]| match i32::from_le_bytes(*b) {
-                i32::MIN => f64::NAN,
-                value => f64::from(value),
-            };
-            data.as_chunks().0.iter().map(value).collect()
-        }
-        "F" => data.as_chunks().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect(),
-        _ => data.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
     }
 }
 

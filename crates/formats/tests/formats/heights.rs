@@ -1,4 +1,11 @@
-//! Maps of heights: X3P and OpenEXR files, right and damaged ones.
+//! Maps of heights in all formats, right and damaged ones.
+
+mod fields;
+mod files;
+mod formats;
+mod texts;
+
+pub(crate) use formats::all as all_formats;
 
 use std::io::{Cursor, Write};
 
@@ -10,6 +17,58 @@ use zip::write::SimpleFileOptions;
 
 fn read(bytes: Vec<u8>) -> Result<HeightFile, String> {
     read_heights(&DataFile { name: "map".to_owned(), bytes }).map_err(|error| error.to_string())
+}
+
+/// What a reader does with a field of a format's document.
+#[derive(Debug, Clone, Copy)]
+enum Done {
+    /// The map changes.
+    Used,
+    /// A value that cannot be used is an error with these words.
+    Refused(&'static str),
+    /// The heights stay, and a warning has these words.
+    Warned(&'static str),
+    /// It is about the measurement, or about what no result depends on: nothing changes.
+    Described,
+}
+
+/// A field, a change of it, and what is done with it.
+type Field = (&'static str, fn(&mut Vec<u8>), Done);
+
+fn set(bytes: &mut [u8], at: usize, part: &[u8]) {
+    bytes[at..at + part.len()].copy_from_slice(part);
+}
+
+/// Replaces a part of a text.
+fn replaced(bytes: &mut Vec<u8>, old: &str, new: &str) {
+    let text = String::from_utf8(std::mem::take(bytes)).unwrap();
+    assert!(text.contains(old), "{old}");
+    *bytes = text.replacen(old, new, 1).into_bytes();
+}
+
+/// Checks what is done with each field of a file.
+fn audit(base: &[u8], fields: &[Field]) {
+    for (name, change, done) in fields {
+        let mut changed = base.to_vec();
+        change(&mut changed);
+        check(name, base, &changed, *done);
+    }
+}
+
+/// Checks what is done with a field that differs between two files.
+fn check(field: &str, base: &[u8], changed: &[u8], done: Done) {
+    let base = read(base.to_vec()).unwrap();
+    let found = read(changed.to_vec());
+    match (done, found) {
+        (Done::Refused(words), Err(error)) => assert!(error.contains(words), "{field}: {error}"),
+        (Done::Used, Ok(found)) => assert_ne!(found, base, "{field}"),
+        (Done::Described, Ok(found)) => assert_eq!(found, base, "{field}"),
+        (Done::Warned(words), Ok(found)) => {
+            assert_eq!(found.numbers, base.numbers, "{field}");
+            assert!(found.warnings.iter().any(|warning| warning.contains(words)), "{field}: {:?}", found.warnings);
+        }
+        (done, found) => panic!("{field}: {done:?}, and found {found:?}"),
+    }
 }
 
 fn main_xml(kind: &str, size: [usize; 3], data: &str) -> String {
@@ -65,7 +124,8 @@ fn x3p_files_are_read() {
         assert_eq!((map.columns, map.numbers.len()), (3, 6));
         let pitch = map.pitch_um.unwrap();
         assert!((pitch[0] - 1.0).abs() < 1e-12 && (pitch[1] - 2.0).abs() < 1e-12);
-        assert!(map.numbers.iter().zip(&um).all(|(a, b)| (a - b).abs() < 1e-9), "{kind}: {:?}", map.numbers);
+        let found = map.numbers.iter().map(|number| number * map.unit_um.unwrap());
+        assert!(found.zip(&um).all(|(a, b)| (a - b).abs() < 1e-9), "{kind}: {:?}", map.numbers);
     }
 }
 
@@ -161,7 +221,7 @@ fn tiff_maps_are_read() {
         assert_eq!((map.columns, map.numbers), (3, vec![300.0, 400.0, 65_535.0, 0.0, 100.0, 20_000.0]));
         assert!(map.is_picture && map.unit_um.is_none());
     }
-    assert!(read(written(false, 8)).unwrap_err().contains("expected a grey picture of 16 bits"));
+    assert!(read(written(false, 8)).unwrap_err().contains("expected a grey picture of 16 or 32 bits"));
     let whole = written(false, 16);
     let mut dice = Dice::new(0x71f, 0);
     for _ in 0..2000 {

@@ -9,6 +9,7 @@
 
 mod arrays;
 mod bsdf;
+mod decoders;
 mod heights;
 mod light_maps;
 mod luminaires;

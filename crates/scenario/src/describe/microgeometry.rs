@@ -94,7 +94,7 @@ surface! {
 surface! {
     /// Heights of a file, which repeat in both directions.
     HeightMap {
-        /// The file: .npy, .csv, a grey PNG or TIFF of 16 bits, OpenEXR, or an SDF or X3P file of ISO 25178-71 and -72.
+        /// The file: that of a profilometer (SDF, X3P, .sur, .gsf, .opd, .plux, .vk4, .vk6), a text of rows or points, .npy, OpenEXR, a grey PNG or TIFF.
         file: String,
         /// Distance of neighbouring heights, one number or along x and y. Default: that of the file.
         pixel_um: Option<HeightDistance>,

@@ -274,6 +274,7 @@ impl Resolver<'_> {
             }
             Ok(surface) => {
                 self.inputs.insert(format!("{path}.surface"), surface.hash.clone());
+                self.notes.extend(surface.notes.iter().map(|note| format!("{name}: {note}")));
                 let text = with_keys(&text, &given);
                 let inputs = surface.canonical["inputs"].as_object();
                 let inputs = inputs.into_iter().flat_map(|files| files.keys().cloned()).collect();

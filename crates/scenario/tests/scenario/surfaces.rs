@@ -166,10 +166,10 @@ fn meshes_and_volumes_are_resolved() {
 fn maps_of_heights_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
-    // A plane of slope 1/2 and 1/4 per um along x and y, from the top row, with one bump.
+    // A plane of slope 1/2 and -1/4 per um along x and y with one bump: rows of a text begin at the top, profiles of ISO 25178-71 at the bottom.
     write("rows.csv", b"# um\n1.0 1.5 2.0\n0.75 4.25 1.75\n0.5 1.0 1.5\n");
     let sdf = "aISO-1.0\nManufacID = X\nNumPoints = 3\nNumProfiles = 3\nXscale = 1e-6\nYscale = 1e-6\nZscale = 1e-9\n*\n\
-        1000 1500 2000 750 4250 1750 500 1000 1500\n*\n";
+        500 1000 1500 750 4250 1750 1000 1500 2000\n*\n";
     write("map.sdf", sdf.as_bytes());
     let text = |file: &str, more: &str| {
         format!(
@@ -200,7 +200,7 @@ fn maps_of_heights_are_read() {
     assert_eq!(&mirrored.heights_um()[..6], [0.5, 1.0, 1.5, 1.5, 1.0, 0.5]);
 
     write("holes.sdf", sdf.replace("4250", "BAD").as_bytes());
-    write("short.sdf", sdf.replace("1000 1500\n*", "1000\n*").as_bytes());
+    write("short.sdf", sdf.replace("1500 2000\n*", "1500\n*").as_bytes());
     write("scale.sdf", sdf.replace("1e-9", "0").as_bytes());
     write("ragged.csv", b"1 2\n3\n");
     write("word.csv", b"1 2\n3 x\n");
@@ -233,6 +233,39 @@ fn maps_of_heights_are_read() {
     }
 }
 
+/// A spike that would cost hours is refused before, and slopes that no instrument measures are doubted; so is a distance that contradicts the file.
+#[test]
+fn implausible_heights_are_refused_or_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |file: &str, more: &str| {
+        format!("[microgeometry]\nsurface = \"height-map\"\nfile = \"{file}\"\nperiod = \"repeat\"\n{more}")
+    };
+    let write = |name: &str, spike: &str| {
+        let row = "0.01 0.02 0.01 0 0.01 0.02 0.01 0\n";
+        let spiked = row.replacen("0.01", spike, 1);
+        std::fs::write(folder.path().join(name), format!("{}{spiked}{}", row.repeat(4), row.repeat(3))).unwrap();
+    };
+    let notes = |file: &str, more: &str| {
+        let found = SurfaceScenario::from_text(&text(file, more), "s.toml", folder.path(), &[]);
+        found.and_then(|surface| surface.resolve()).unwrap().notes
+    };
+    write("flat.csv", "0.01");
+    write("spike.csv", "1e6");
+    write("steep.csv", "40");
+    assert_eq!(notes("flat.csv", "pixel_um = 1\n"), Vec::<String>::new());
+    let refused = wrong(&text("spike.csv", "pixel_um = 1\n"), folder.path());
+    assert!(refused.contains("s.toml:3:8") && refused.contains("1000000 times the distance"), "{refused}");
+    assert!(refused.contains("a spike?"), "{refused}");
+    // 40 um up and down again on a grid of 1 um: two of 56 slopes along x.
+    let doubted = notes("steep.csv", "pixel_um = 1\n");
+    assert!(doubted.len() == 1 && doubted[0].contains("steep.csv: the slopes along"), "{doubted:?}");
+    let slope = (2.0_f64 * 40.0 * 40.0 / 56.0).sqrt();
+    assert!(doubted[0].contains(&format!("{slope:.1}")[..3]), "{slope} {doubted:?}");
+    std::fs::write(folder.path().join("points.csv"), "0 0 1\n2 0 1\n0 2 1\n2 2 1.1\n").unwrap();
+    let contradicted = notes("points.csv", "pixel_um = 1\n");
+    assert!(contradicted.iter().any(|note| note.contains("`pixel_um` is used instead")), "{contradicted:?}");
+}
+
 /// No file of heights makes the reader panic: cut off and changed SDF files and arrays.
 #[test]
 fn damaged_maps_are_errors() {
@@ -249,7 +282,7 @@ fn damaged_maps_are_errors() {
         papilio_formats::read_heights(&papilio_formats::DataFile { name: "map".to_owned(), bytes })
     };
     let map = read(binary.clone()).unwrap();
-    assert_eq!((map.columns, map.numbers), (2, vec![3.0, 4.0, 1.0, 2.0]));
+    assert_eq!((map.columns, map.numbers), (2, vec![1.0, 2.0, 3.0, 4.0]));
     assert!((map.pitch_um.unwrap()[0] - 1.0).abs() < 1e-12 && (map.unit_um.unwrap() - 1e-3).abs() < 1e-15);
     for length in 0..binary.len() {
         assert!(read(binary[..length].to_vec()).is_err(), "{length} bytes");
