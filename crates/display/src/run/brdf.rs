@@ -120,7 +120,7 @@ impl<'a> Survey<'a> {
         let error = |levels: [&Luminous; 2], before: Option<&Luminous>| {
             of_levels(bound, levels.map(Clone::clone), before.map(Vec::as_slice))
         };
-        refine(target, self.finest, at, error, |error, _| self.report(error, target, 0))
+        refine(target, self.finest, at, error, |error, _| self.report(error, target))
     }
 
     /// Prepares a kernel; `None` if it was stopped.
@@ -190,8 +190,9 @@ impl<'a> Survey<'a> {
         errors
     }
 
-    fn report(&self, relative_error: f64, target: f64, done: usize) {
-        let progress = Progress::of_views(done, self.grid.theta_o_deg.len());
+    /// Reports the error of the sample of directions, of which none is done.
+    fn report(&self, relative_error: f64, target: f64) {
+        let progress = Progress::of_views(0, self.grid.theta_o_deg.len());
         (self.control.progress)(progress.with_error(relative_error, target));
     }
 
@@ -227,7 +228,8 @@ impl<'a> Survey<'a> {
                 }
             }
             rows.2 = own.map_or(0, |kernel| kernel.nodes() as u64);
-            self.report(0.0, 1.0, done.fetch_add(1, Ordering::Relaxed) + 1);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            (self.control.progress)(Progress::of_views(done, self.grid.theta_o_deg.len()));
             Some(())
         };
         let mut rows = vec![(Vec::new(), Luminous::new(), 0); self.grid.theta_o_deg.len()];

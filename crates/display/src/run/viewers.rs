@@ -184,7 +184,7 @@ impl OfViewers<'_> {
                 found.nodes += own.nodes() as u64;
             }
             let progress = Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, count);
-            (survey.control.progress)(progress.with_error(0.0, 1.0));
+            (survey.control.progress)(progress);
             Some(())
         };
         each(pool, &mut parts, part).into_iter().collect::<Option<Vec<()>>>()?;
