@@ -3,16 +3,16 @@
 use std::io::Write;
 use std::path::Path;
 
-use papilio_design::output::{brdf_warnings, rings_warning};
+use papilio_design::output::{Refinable, between_warning, brdf_warnings};
 use papilio_diagnostics::suggestion;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Scene, Stop};
 use papilio_display::{
-    BrdfGrid, BrdfTable, Control, DisplayError, HalfVectorGrid, HalfVectorTable, RingGrid, RingTable,
-    ViewerGrid, ViewerTable,
+    BrdfGrid, BrdfTable, Control, DisplayError, HalfVectorGrid, HalfVectorTable, LobeWidths, ProbeGrid, RingGrid,
+    RingTable, ViewerGrid, ViewerTable,
 };
 use papilio_formats::{
-    BsdfSource, MirrorFile, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant,
+    BetweenError, BsdfSource, Exported, MirrorFile, between_error, klems_rings, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant,
     write_file, write_json, write_mirror_csv, write_reflection, write_rgl,
 };
 use papilio_scenario::{Resolved, Scenario};
@@ -34,10 +34,10 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
         input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     let all = state_names(&resolved.scene.display.pixel);
     let states = chosen_states(&arguments.states, &all)?;
-    let directions = directions(arguments, &resolved.scene, states.len())?;
+    check_size(arguments, &resolved.scene, states.len())?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let mut computation = Computation::in_parts(&PARTS);
-    let table = compute(arguments, &resolved, directions, (&states, all.len()), &mut computation)?;
+    let (table, probes) = compute(arguments, &resolved, (&states, all.len()), &mut computation)?;
     let split = computation.part(&resolved, arguments.workers.threads, |control| {
         papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
     })?;
@@ -45,7 +45,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let mut split = split.ok_or(Failure::Interrupted(NOTHING))?;
     let beams = match &table {
         Table::Directions(table) => table,
-        Table::HalfVectors(_, beams) | Table::Rings(_, beams) => beams,
+        Table::HalfVectors(_, beams) | Table::Rings(_, beams) | Table::Patches(_, beams) => beams,
     };
     let is_chosen = |name: &String| beams.states.iter().any(|state| state.name == *name);
     split.iter_mut().for_each(|one| one.states.retain(|state| is_chosen(&state.name)));
@@ -68,19 +68,12 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     resolved
         .warnings
         .iter()
-        .chain(&table_warnings(arguments, &resolved.scene, &table))
+        .chain(&table_warnings(arguments, &resolved.scene, &table, &probes)?)
         .for_each(|warning| print_message(&format!("warning: {warning}")));
     Ok(())
 }
 
 const NOTHING: &str = "no file was written";
-
-/// Directions of a table.
-enum Directions {
-    Grid(BrdfGrid),
-    HalfVectors(HalfVectorGrid),
-    Rings(RingGrid),
-}
 
 /// A table of the chosen states.
 enum Table {
@@ -89,6 +82,8 @@ enum Table {
     HalfVectors(HalfVectorTable, BrdfTable),
     /// The same.
     Rings(RingTable, BrdfTable),
+    /// The same, on the rings from which patches are averaged.
+    Patches(RingTable, BrdfTable),
 }
 
 /// Returns the numbers of the states to write, ascending.
@@ -112,8 +107,8 @@ fn chosen_states(chosen: &[String], all: &[String]) -> Result<Vec<usize>, Failur
     Ok(numbers)
 }
 
-/// Directions of the table. Fails if the table would be too large.
-fn directions(arguments: &Brdf, scene: &Scene, states: usize) -> Result<Directions, Failure> {
+/// Fails if the table would be too large.
+fn check_size(arguments: &Brdf, scene: &Scene, states: usize) -> Result<(), Failure> {
     let (step, bins) = (arguments.step, scene.grid.len());
     if arguments.grid.is_some() && arguments.format != BrdfFormat::Rgl {
         return Err(Failure::Input(
@@ -122,22 +117,19 @@ fn directions(arguments: &Brdf, scene: &Scene, states: usize) -> Result<Directio
                 .to_owned(),
         ));
     }
-    let (directions, numbers, axes, smaller) = match arguments.format {
+    let (numbers, axes, smaller) = match arguments.format {
         BrdfFormat::Rgl => {
-            let grid = HalfVectorGrid::even(step, arguments.grid.unwrap_or(HalfVectorGrid::USUAL));
-            let numbers = grid.numbers(states, bins);
-            (Directions::HalfVectors(grid), numbers, "theta_i x grid x grid", "a smaller --grid, ")
+            let size = grid_size(arguments);
+            (HalfVectorGrid::numbers(step, size, states, bins), "theta_i x grid x grid", "a smaller --grid, ")
         }
-        BrdfFormat::Radiant => {
-            let grid = RingGrid::even(step);
-            let numbers = grid.cells().saturating_mul(states.saturating_mul(bins));
-            (Directions::Rings(grid), numbers, "theta_i x azimuths x distances", "")
-        }
-        BrdfFormat::Npz | BrdfFormat::Csv | BrdfFormat::Klems => {
+        // What is computed at once; a file has X, Y and Z.
+        BrdfFormat::Radiant => (RingGrid::numbers(step, states, bins), "theta_i x viewers", ""),
+        BrdfFormat::Klems => (0, "", ""),
+        BrdfFormat::Npz | BrdfFormat::Csv => {
             let steps = (90.0 / step).round() as usize;
             // A large number of steps is refused before the grid takes memory.
             let numbers = (steps * steps * (2 * steps + 1)).saturating_mul(states.saturating_mul(bins));
-            (Directions::Grid(BrdfGrid::even(step)), numbers, "theta_i x theta_o x dphi", "")
+            (numbers, "theta_i x theta_o x dphi", "")
         }
     };
     if numbers > BrdfGrid::MOST_NUMBERS {
@@ -147,38 +139,65 @@ fn directions(arguments: &Brdf, scene: &Scene, states: usize) -> Result<Directio
             BrdfGrid::MOST_NUMBERS
         )));
     }
-    Ok(directions)
+    Ok(())
 }
 
-/// Computes the table of the chosen states, of all `count`.
+/// Number of half vectors along each axis.
+fn grid_size(arguments: &Brdf) -> usize {
+    arguments.grid.unwrap_or(HalfVectorGrid::USUAL)
+}
+
+/// Computes the table of the chosen states, of all `count`, and the display between its directions.
 fn compute(
     arguments: &Brdf,
     resolved: &Resolved,
-    directions: Directions,
     (states, count): (&[usize], usize),
     computation: &mut Computation,
-) -> Result<Table, Failure> {
-    let (scene, threads, allowed) = (&resolved.scene, arguments.workers.threads, arguments.allow_error);
-    let table = computation.part(resolved, threads, |control| match directions {
-        Directions::Grid(grid) => {
-            let mut table = papilio_display::brdf(scene, grid, control)?;
-            if states.len() < count {
-                table = table.with_states(states);
+) -> Result<(Table, ViewerTable<ProbeGrid>), Failure> {
+    let (scene, threads, step) = (&resolved.scene, arguments.workers.threads, arguments.step);
+    let some = (states, count, arguments.allow_error);
+    let found = computation.part(resolved, threads, |control| {
+        let widths = LobeWidths::of_scene(scene, control)?;
+        let (table, lights) = match arguments.format {
+            BrdfFormat::Npz | BrdfFormat::Csv => {
+                let mut table = papilio_display::brdf(scene, BrdfGrid::even(step), control)?;
+                if states.len() < count {
+                    table = table.with_states(states);
+                }
+                let lights = table.grid.theta_i_deg.clone();
+                (Table::Directions(table.allowing(arguments.allow_error)?), lights)
             }
-            Ok(Table::Directions(table.allowing(allowed)?))
-        }
-        Directions::HalfVectors(grid) => {
-            let table = at_viewers(scene, grid, control, (states, count, allowed))?;
-            let beams = table.of_beams();
-            Ok(Table::HalfVectors(table, beams))
-        }
-        Directions::Rings(grid) => {
-            let table = at_viewers(scene, grid, control, (states, count, allowed))?;
-            let beams = table.of_beams();
-            Ok(Table::Rings(table, beams))
-        }
+            BrdfFormat::Rgl => {
+                let grid = HalfVectorGrid::new(step, grid_size(arguments), &widths);
+                let (table, beams, lights) = with_beams(scene, grid, control, some)?;
+                (Table::HalfVectors(table, beams), lights)
+            }
+            BrdfFormat::Radiant => {
+                let (table, beams, lights) = with_beams(scene, RingGrid::new(step, &widths), control, some)?;
+                (Table::Rings(table, beams), lights)
+            }
+            BrdfFormat::Klems => {
+                let (table, beams, lights) = with_beams(scene, klems_rings(&widths), control, some)?;
+                (Table::Patches(table, beams), lights)
+            }
+        };
+        let probes = papilio_display::brdf_at_viewers(scene, ProbeGrid::between(&lights, &widths), control)?;
+        let probes = if states.len() < count { probes.with_states(states) } else { probes };
+        Ok((table, probes))
     })?;
-    table.ok_or(Failure::Interrupted(NOTHING))
+    found.ok_or(Failure::Interrupted(NOTHING))
+}
+
+/// Computes a table at viewers that move with the light, with what depends on the light alone, and the inclinations of the light.
+fn with_beams<G: ViewerGrid>(
+    scene: &Scene,
+    grid: G,
+    control: &Control<'_>,
+    some: (&[usize], usize, Option<f64>),
+) -> Result<(ViewerTable<G>, BrdfTable, Vec<f64>), DisplayError> {
+    let table = at_viewers(scene, grid, control, some)?;
+    let (beams, lights) = (table.of_beams(), table.grid.theta_i_deg().to_vec());
+    Ok((table, beams, lights))
 }
 
 /// Computes the table of the chosen states, of all `count`, at viewers that move with the light.
@@ -224,17 +243,17 @@ fn write_table(
         Table::Directions(table) => {
             names.extend(state_files(table, end));
             for (state, name) in names.iter().enumerate() {
-                write_file(&folder.join(name), |out| match format {
-                    BrdfFormat::Klems => write_bsdf_klems(out, source, table, state),
-                    _ => write_bsdf_csv(out, table, state),
-                })?;
+                write_file(&folder.join(name), |out| write_bsdf_csv(out, table, state))?;
             }
             names.push(write_mirror(folder, table)?);
         }
-        Table::Rings(table, beams) => {
+        Table::Rings(table, beams) | Table::Patches(table, beams) => {
             names.extend(state_files(beams, end));
             for (state, name) in names.iter().enumerate() {
-                write_file(&folder.join(name), |out| write_bsdf_radiant(out, source, table, state))?;
+                write_file(&folder.join(name), |out| match format {
+                    BrdfFormat::Klems => write_bsdf_klems(out, source, table, state),
+                    _ => write_bsdf_radiant(out, source, table, state),
+                })?;
             }
             names.push(write_mirror(folder, beams)?);
         }
@@ -279,18 +298,28 @@ fn state_files(table: &BrdfTable, end: &str) -> Vec<String> {
     names
 }
 
-fn table_warnings(arguments: &Brdf, scene: &Scene, table: &Table) -> Vec<String> {
+fn table_warnings(
+    arguments: &Brdf,
+    scene: &Scene,
+    table: &Table,
+    probes: &ViewerTable<ProbeGrid>,
+) -> Result<Vec<String>, Failure> {
     let target = match scene.solver.stop {
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) | Stop::Target(_) => None,
     };
-    match table {
-        Table::Directions(table) => brdf_warnings(table, target, Some(arguments.step), "--step "),
-        Table::HalfVectors(_, beams) => brdf_warnings(beams, target, None, "--step "),
-        Table::Rings(table, beams) => {
-            let mut warnings = brdf_warnings(beams, target, None, "--step ");
-            warnings.extend(rings_warning(table.missed()));
-            warnings
+    let (exported, beams, refinable) = match table {
+        Table::Directions(table) => {
+            (Exported::Directions(table), table, Refinable::Step(arguments.step, "--step "))
         }
-    }
+        Table::HalfVectors(table, beams) => {
+            (Exported::HalfVectors(table), beams, Refinable::Grid(grid_size(arguments)))
+        }
+        Table::Rings(table, beams) => (Exported::Rings(table), beams, Refinable::Rings),
+        Table::Patches(table, beams) => (Exported::Patches(table), beams, Refinable::Patches),
+    };
+    let mut warnings = brdf_warnings(beams, target);
+    let error: Option<BetweenError> = between_error(exported, probes)?;
+    warnings.extend(error.and_then(|error| between_warning(&error, refinable)));
+    Ok(warnings)
 }

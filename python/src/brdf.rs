@@ -2,11 +2,13 @@
 
 use std::sync::atomic::AtomicBool;
 
-use papilio_design::output::{brdf_warnings, finer_step};
+use papilio_design::output::{Refinable, between_warning, brdf_warnings, finer_step};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::Stop;
-use papilio_display::{BrdfGrid, Control, DisplayError, brdf, reflection};
-use papilio_formats::{BsdfSource, write_bsdf, write_reflection};
+use papilio_display::{
+    BrdfGrid, Control, DisplayError, LobeWidths, ProbeGrid, brdf, brdf_at_viewers, reflection,
+};
+use papilio_formats::{BsdfSource, Exported, between_error, write_bsdf, write_reflection};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -21,8 +23,8 @@ type Written<'py> = (Bound<'py, PyBytes>, f64, Vec<String>, Option<f64>);
 /// Computes the display's BSDF at inclinations of light and viewer and azimuths between them, degrees.
 ///
 /// Returns the bytes of `display-bsdf.npz`; the relative deviation of the sum over the directions from the light that leaves;
-/// warnings; and a sufficient step if `step_deg` is too coarse and a table with that step is not too large. The sum is only
-/// checked for directions in steps of `step_deg`.
+/// warnings; and a sufficient step if the sum with `step_deg` deviates and a table with that step is not too large. What readers
+/// interpolate between the directions is only checked for steps of `step_deg`.
 #[pyfunction]
 #[pyo3(signature = (scenario, title, theta_i_deg, theta_o_deg, dphi_deg, step_deg, threads=None, progress=None, allow_error=None))]
 #[allow(clippy::too_many_arguments, reason = "directions of a table and options of its computation")]
@@ -56,13 +58,24 @@ pub(crate) fn bsdf<'py>(
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) | Stop::Target(_) => None,
     };
-    let (bytes, missed, warnings) = computed(py, of, threads, progress, |control| {
+    let (table, probes) = computed(py, of, threads, progress, |control| {
         let table = brdf(&of.scene, grid, control)?.allowing(allow_error)?;
-        let mut bytes = Vec::new();
-        let written = write_bsdf(&mut bytes, &source, &table).map(|()| bytes);
-        Ok((written, table.missed(), brdf_warnings(&table, target, step_deg, "step_deg=")))
+        if step_deg.is_none() {
+            return Ok((table, None));
+        }
+        let widths = LobeWidths::of_scene(&of.scene, control)?;
+        let probes = ProbeGrid::between(&table.grid.theta_i_deg, &widths);
+        Ok((table, Some(brdf_at_viewers(&of.scene, probes, control)?)))
     })?;
-    let bytes = bytes.map_err(|error| errors::internal(&error.to_string()))?;
+    let internal = |error: std::io::Error| errors::internal(&error.to_string());
+    let (mut bytes, missed) = (Vec::new(), table.missed());
+    write_bsdf(&mut bytes, &source, &table).map_err(internal)?;
+    let mut warnings = brdf_warnings(&table, target);
+    if let (Some(step_deg), Some(probes)) = (step_deg, probes) {
+        let error = between_error(Exported::Directions(&table), &probes).map_err(internal)?;
+        let refinable = Refinable::Step(step_deg, "step_deg=");
+        warnings.extend(error.and_then(|error| between_warning(&error, refinable)));
+    }
     let fits =
         |step: &f64, finer: &f64| numbers as f64 * (step / finer).powi(3) <= BrdfGrid::MOST_NUMBERS as f64;
     let finer = step_deg.and_then(|step| finer_step(step, missed).filter(|finer| fits(&step, finer)));

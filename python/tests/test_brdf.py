@@ -30,8 +30,8 @@ def test_table_without_step_meets_its_limit(scenarios, program, tmp_path):
     """Without a step, the deviation is at most 0.02; a step that is too coarse causes the program's warning."""
     coarse = {"spectrum.step_nm": 200}
     found = papilio.brdf(scenarios / "indoor.toml", theta_i_deg=[0, 30, 60], set=coarse)
-    assert found.missed <= 0.02 and np.diff(found.theta_o_deg)[0] < 5 and not any("sum over" in text for text in found.warnings)
-    with pytest.warns(papilio.PapilioWarning, match="differs by 7 % from the light that leaves the display") as heard:
+    assert found.missed <= 0.02 and np.diff(found.theta_o_deg)[0] < 5
+    with pytest.warns(papilio.PapilioWarning, match="what its readers interpolate differs by up to") as heard:
         five = papilio.brdf(scenarios / "indoor.toml", step_deg=5, set=coarse)
     assert five.missed > 0.05 and five.warnings == [str(one.message) for one in heard] and "warnings" in repr(five)
     command = [program, "brdf", scenarios / "indoor.toml", "--set", "spectrum.step_nm=200", "--out", tmp_path]

@@ -1,4 +1,5 @@
-"""Files of `papilio brdf --format rgl` in Mitsuba: the density of its samples, and the colours of a panel in a uniform sky.
+"""Files of `papilio brdf --format rgl` in Mitsuba: radiances between their nodes, the density of the samples, the colours of a panel in a
+uniform sky, and a map of light with a spectrum in each pixel.
 
 The variant is `scalar_spectral`, which needs no other software; the chi-square test of Mitsuba's own package needs LLVM or a graphics
 processor.
@@ -8,6 +9,7 @@ import importlib.util
 import json
 import os
 import subprocess
+import sys
 from array import array
 from statistics import NormalDist
 
@@ -28,14 +30,18 @@ SAMPLES = 100_000
 SIGNIFICANCE = 0.01
 
 
+def export(folder, *options):
+    """Runs `papilio brdf` of the indoor panel; returns its messages."""
+    command = [os.environ["PAPILIO"], "brdf", ROOT / "scenarios" / "indoor.toml", "--out", folder, *options]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stderr
+
+
 @pytest.fixture(scope="module")
 def indoor(tmp_path_factory):
     """The scene script of an exported display, and its materials."""
     mi.set_variant("scalar_spectral")
     folder = tmp_path_factory.mktemp("export")
-    options = ["--format", "rgl", "--states", "white,red", "--set", "spectrum.step_nm=10", "--out", folder]
-    command = [os.environ["PAPILIO"], "brdf", ROOT / "scenarios" / "indoor.toml", *options]
-    subprocess.run(command, check=True, capture_output=True)
+    export(folder, "--format", "rgl", "--states", "white,red", "--set", "spectrum.step_nm=10")
     place = importlib.util.spec_from_file_location("scene", folder / "scene.py")
     script = importlib.util.module_from_spec(place)
     place.loader.exec_module(script)
@@ -56,6 +62,65 @@ def scattering(display_of):
     """The scattered light of white."""
     script, display = display_of
     return mi.load_dict({"type": "measured", "filename": str(script.HERE / display.mirror["states"]["white"]["file"])})
+
+
+@pytest.mark.parametrize(("haze", "grid", "most"), [(0.78, 64, 0.025), (0.2, 64, 0.04), (0.05, 128, 0.03)])
+def test_radiances_between_nodes_are_those_of_the_display(tmp_path, haze, grid, most):
+    """The solver's own values at directions that are no nodes of the file: a table in steps of 4.5 deg; and the light
+    that leaves in all directions. The largest error is stated by a warning if it is above 2 %."""
+    mi.set_variant("scalar_spectral")
+    few = ["--states", "white", "--set", "spectrum.step_nm=50", "--set", f"display.diffuser.haze={haze}"]
+    message = export(tmp_path, "--format", "rgl", "--grid", str(grid), *few)
+    export(tmp_path, "--step", "4.5", *few)
+    exact = np.load(tmp_path / "display-bsdf.npz")
+    bsdf = mi.load_dict({"type": "measured", "filename": str(tmp_path / "display-white.bsdf")})
+    bins = [list(exact["wavelength_nm"]).index(nm) for nm in (430.0, 480.0, 530.0, 630.0)]
+    context, largest = mi.BSDFContext(), 0.0
+    for i, theta_i in enumerate(exact["theta_i_deg"]):
+        if theta_i not in (4.5, 13.5, 36.0, 49.5, 58.5):
+            continue
+        point = lit(theta_i)
+        point.wavelengths = [float(exact["wavelength_nm"][bin]) for bin in bins]
+        values = exact["brdf"][0, i][..., bins]
+        for o, theta_o in enumerate(np.radians(exact["theta_o_deg"])):
+            for p, dphi in enumerate(np.radians(exact["dphi_deg"])):
+                to = [np.sin(theta_o) * np.cos(dphi), np.sin(theta_o) * np.sin(dphi), np.cos(theta_o)]
+                found = np.array(bsdf.eval(context, point, to)) / np.cos(theta_o)
+                if theta_o < np.radians(80.0):
+                    error = np.abs(found - values[o, p]) / np.maximum(values[o, p], 0.01 * values.max(axis=(0, 1)))
+                    largest = max(largest, error.max())
+        # The mean of f cos over the density with which Mitsuba samples is the albedo.
+        sampler = mi.load_dict({"type": "independent"})
+        sampler.seed(3)
+        weights = [bsdf.sample(context, point, sampler.next_1d(), sampler.next_2d())[1] for _ in range(SAMPLES // 5)]
+        albedo = np.mean([list(weight) for weight in weights], axis=0)
+        scattered = (exact["directional_hemispherical"] - exact["specular"])[0, i, bins]
+        np.testing.assert_allclose(albedo, scattered, rtol=most)
+    assert largest < most
+    assert largest < 0.025 or "between the directions of the file" in message
+
+
+def test_map_with_a_spectrum_in_each_pixel_becomes_one_of_colours(indoor, tmp_path):
+    """A pixel of constant radiance 1 per nm is white of luminance 1; one of a line is of its X, Y and Z."""
+    mi.set_variant("scalar_spectral")
+    script, _ = indoor
+    names = [f"S0.{nm},000000nm" for nm in range(380, 781, 40)]
+    pixels = np.zeros((2, 4, len(names)), np.float16)
+    pixels[0] = 1.0
+    pixels[1, 2, names.index("S0.540,000000nm")] = 1.0
+    path = tmp_path / "spectra.exr"
+    mi.Bitmap(pixels, mi.Bitmap.PixelFormat.MultiChannel, channel_names=names).write(str(path))
+    found = np.array(script.light_map(mi, path))
+    assert found.shape == (2, 4, 3)
+    # Equal energy has x = y = 1/3.
+    np.testing.assert_allclose(found[0, 0], [1.2048, 0.9484, 0.9087], atol=0.01)
+    assert found[1, 2, 1] > 5.0 * found[1, 2, 0] and found[1, 0].max() == 0.0
+    command = [sys.executable, script.HERE / "scene.py", "--light", path, "--width", "24", "--samples", "4", "--out"]
+    subprocess.run([*command, tmp_path / "lit.png"], check=True, capture_output=True)
+    assert (tmp_path / "lit.png").exists()
+    mi.Bitmap(np.ones((2, 4, 5), np.float32), mi.Bitmap.PixelFormat.MultiChannel, channel_names=list("abcde")).write(str(path))
+    told = subprocess.run([*command, tmp_path / "none.png"], capture_output=True, text=True)
+    assert told.returncode != 0 and "expected channels R, G and B" in told.stderr and "Traceback" not in told.stderr
 
 
 def fractions_of(bsdf, point, count):

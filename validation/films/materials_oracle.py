@@ -7,8 +7,9 @@
 crates/spectra/data/materials.txt: name, what it is, page, source and licence of each material, and its numbers, as they are in the
 page: the coefficients of its formula, or rows of its table from 300 to 1100 nm. A row is left out if linear interpolation between
 its neighbours changes n by less than 1e-4 (relative for n above 1) and k by less than 1e-6 or 0.1 %.
-materials.csv (next to this file): n and k of other samples or measurements of the same material from a second page, for the
-comparison by `cargo test -p papilio-validation materials`.
+materials.csv (next to this file): n and k of other samples or measurements of the same material from a second page, and
+source-pages.csv: n and k of every named material, also of those that the program has as formulas and models from publications, from the
+page of its own source, for the comparison by `cargo test -p papilio-validation materials`.
 """
 
 import html
@@ -92,6 +93,20 @@ SECOND = [
     ("soda-lime", "glass/misc/soda-lime/nk/Vogt-703ppm", 0.011, 0.001),
     ("H2O", "main/H2O/nk/Hale", 0.004, 0.001),
 ]
+# Materials that the program has as formulas, models and tables from publications, and the pages of these. Constants have none: air,
+# AlOx, OCA.
+BUILT_IN = [
+    ("SiO2", "main/SiO2/nk/Malitson"),
+    ("MgF2", "main/MgF2/nk/Dodge-o"),
+    ("Al2O3", "main/Al2O3/nk/Malitson-o"),
+    ("Si3N4", "main/Si3N4/nk/Philipp"),
+    ("BK7", "specs/schott/optical/N-BK7"),
+    ("ITO", "other/mixed crystals/In2O3-SnO2/nk/Konig"),
+    *((metal, f"main/{metal}/nk/Rakic-LD") for metal in ("Al", "Cr", "W", "Ni", "Ti", "Au", "Ag")),
+    *((f"{metal}:BB", f"main/{metal}/nk/Rakic-BB") for metal in ("Al", "Cr", "W")),
+    ("Cr:Johnson", "main/Cr/nk/Johnson"),
+]
+SOURCE_UM = [0.38 + 0.02 * k for k in range(21)]
 COMPARED_UM = [0.45, 0.55, 0.5893, 0.65, 0.7]
 
 
@@ -226,6 +241,8 @@ def formula(number, c, um):
         first = c[1] * um ** c[2] / (square - c[3] ** c[4])
         second = c[5] * um ** c[6] / (square - c[7] ** c[8]) if len(c) > 5 else 0
         return np.sqrt(c[0] + first + second + sum(c[i] * um ** c[i + 1] for i in range(9, len(c), 2)))
+    if number == 5:
+        return c[0] + sum(c[i] * um ** c[i + 1] for i in range(1, len(c), 2))
     raise ValueError(number)
 
 
@@ -257,6 +274,18 @@ def comparison():
                 continue
             k, limit = ("", "") if difference_k is None or k is None else (f"{k:.6g}", difference_k)
             yield [name, second.replace("/nk/", "/"), f"{1e3 * um:g}", f"{n:.6g}", k, difference_n, limit]
+
+
+def source_pages():
+    """n and k of every named material from its own page; k of the second page where the first one has none."""
+    yield ["name", "page", "nm", "n", "k"]
+    for name, *pages in [*BUILT_IN, *((name, *pages) for name, _, *pages in MATERIALS)]:
+        data = [page(one) for one in pages]
+        for um in SOURCE_UM:
+            n, k = index(data[0], round(um, 6))
+            if n is None or (len(pages) > 1 and k is None and (k := index(data[1], round(um, 6))[1]) is None):
+                continue
+            yield [name, pages[0].replace("/nk/", "/"), f"{1e3 * um:g}", f"{n:.8g}", f"{0 if k is None else k:.6g}"]
 
 
 def judged(text):
@@ -300,7 +329,9 @@ def judged(text):
 def main():
     table = "".join(",".join(map(str, row)) + "\n" for row in comparison())
     text = "\n".join(tables()) + "\n"
-    files = [(ROOT / "crates" / "spectra" / "data" / "materials.txt", text), (HERE / "materials.csv", table)]
+    sources = "".join(",".join(map(str, row)) + "\n" for row in source_pages())
+    data = ROOT / "crates" / "spectra" / "data" / "materials.txt"
+    files = [(data, text), (HERE / "materials.csv", table), (HERE / "source-pages.csv", sources)]
     if sys.argv[1:] == ["--write"]:
         for path, text in files:
             path.write_text(text, encoding="utf-8")

@@ -1,11 +1,12 @@
 """Random thin-film stacks through PyPI `tmm` 0.2.0, as a table for the Rust tests.
 
-    python validation/films/tmm_oracle.py --check    # recompute, compare with the table
-    python validation/films/tmm_oracle.py --write    # write the table
+    python validation/films/tmm_oracle.py --check    # recompute, compare with the tables
+    python validation/films/tmm_oracle.py --write    # write the tables
 
-Needs `pip install tmm==0.2.0 numpy`. The table, `tmm.csv` next to
-this file, has one row for each film with both polarisations, from a
-fixed seed.
+Needs `pip install tmm==0.2.0 numpy`. The tables are next to this file:
+`tmm.csv` has one row for each film with both polarisations, from a
+fixed seed; `coatings.csv` has single absorbing films between air and
+substrates of many indices, in unpolarised light from both sides.
 
 Limits of tmm 0.2.0 as a reference:
 
@@ -33,6 +34,7 @@ import numpy as np
 import tmm
 
 TABLE = pathlib.Path(__file__).with_name("tmm.csv")
+COATINGS = pathlib.Path(__file__).with_name("coatings.csv")
 SEED = 20_120_501
 ROWS = 500
 MAX_LAYERS = 6
@@ -42,6 +44,20 @@ COLUMNS = (
     + ["r_s_re", "r_s_im", "r_p_re", "r_p_im", "t_s_re", "t_s_im", "t_p_re", "t_p_im"]
     + ["R_s", "R_p", "T_s", "T_p", "A_s", "A_p"]
 )
+
+
+# Name, n + ik at 550 nm: Cr (two samples), Al, Ni, Ti, Ag, Ge, ITO.
+FILMS = [
+    ("Cr", 3.181 + 3.329j), ("Cr:Sytchkova", 3.588 + 4.898j), ("Al", 0.966 + 6.458j), ("Ni", 1.815 + 3.259j),
+    ("Ti", 1.791 + 3.003j), ("Ag", 0.134 + 3.172j), ("Ge", 5.194 + 2.117j), ("ITO", 1.864 + 0.003j),
+]
+# Adhesive, BK7, glasses of high index, sapphire, silicon nitride, titania and others.
+SUBSTRATES = [1.30, 1.38, 1.47, 1.519, 1.59, 1.64, 1.72, 1.77, 1.79, 1.80, 1.97, 2.023, 2.4]
+THICKNESSES_NM = [2.0, 12.0, 45.0]
+# Sines of the angle in air, and beyond its critical angle as parts of what is left up to the substrate.
+SINES = [0.0, 0.5, 0.9, 0.999]
+BEYOND = [0.01, 0.5, 0.99]
+COATING_COLUMNS = ["film", "n", "k", "thickness_nm", "substrate", "beta", "R_from_air", "T", "R_from_substrate"]
 
 
 def medium(random, kind):
@@ -117,6 +133,27 @@ def rows():
         yield line + [number(x) for x in amplitudes + powers] + absorbed
 
 
+def coating_rows():
+    """Yields rows of single films in unpolarised light; what does not exist beyond the critical angle is 0."""
+
+    def mean(indices, thicknesses, theta):
+        both = [tmm.coh_tmm(polarisation, indices, thicknesses, theta, 550.0) for polarisation in "sp"]
+        return [sum(data[name] for data in both) / 2 for name in ("R", "T")]
+
+    for name, index in FILMS:
+        for thickness in THICKNESSES_NM:
+            for below in SUBSTRATES:
+                for beta in SINES + [1 + part * (below - 1) for part in BEYOND]:
+                    # Angles in an absorbing film are complex: tmm takes that of the incident medium.
+                    thicknesses = [math.inf, thickness, math.inf]
+                    from_air, through = 0.0, 0.0
+                    if beta < 1:
+                        from_air, through = mean([1.0, index, below], thicknesses, math.asin(beta))
+                    from_below, _ = mean([below, index, 1.0], thicknesses, math.asin(beta / below))
+                    numbers = [index.real, index.imag, thickness, below, beta, from_air, through, from_below]
+                    yield [name, *map(number, numbers)]
+
+
 def agree(old, new):
     """Returns whether all numbers are equal within the tolerance, which is relative for the inputs."""
     if old[0] != new[0]:
@@ -139,19 +176,25 @@ def main():
     action.add_argument("--write", action="store_true", help="write the table")
     arguments = parser.parse_args()
 
-    fresh = list(rows())
-    if arguments.write:
-        with TABLE.open("w", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows([COLUMNS, *fresh])
-        print(f"{len(fresh)} films written")
+    tables = [(TABLE, COLUMNS, rows()), (COATINGS, COATING_COLUMNS, coating_rows())]
+    results = [update(arguments.write, path, list(columns), list(fresh)) for path, columns, fresh in tables]
+    return max(results)
+
+
+def update(write, path, columns, fresh):
+    """Writes or compares a table; returns the exit code."""
+    if write:
+        with path.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([columns, *fresh])
+        print(f"{path.name}: {len(fresh)} films written")
         return 0
-    with TABLE.open(newline="") as file:
+    with path.open(newline="") as file:
         header, *committed = csv.reader(file)
     differing = [i for i, (a, b) in enumerate(zip(committed, fresh)) if not agree(a, b)]
-    if header != list(COLUMNS) or len(committed) != len(fresh) or differing:
-        print(f"the table differs from tmm: rows {differing[:10]}", file=sys.stderr)
+    if header != columns or len(committed) != len(fresh) or differing:
+        print(f"{path.name} differs from tmm: rows {differing[:10]}", file=sys.stderr)
         return 1
-    print(f"{len(fresh)} films equal tmm {tmm_version()} within {TOLERANCE:g}")
+    print(f"{path.name}: {len(fresh)} films equal tmm {tmm_version()} within {TOLERANCE:g}")
     return 0
 
 

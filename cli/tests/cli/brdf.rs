@@ -55,9 +55,10 @@ fn rgl_has_a_file_for_each_state_a_mirror_part_and_a_scene() {
         serde_json::from_slice(&fs::read(folder.path().join("display-mirror.json")).unwrap()).unwrap();
     assert_eq!(mirror["states"]["white"]["file"], "display-white.bsdf");
     assert_eq!(mirror["states"]["white"]["specular"][0].as_array().map(Vec::len), Some(9));
-    // Light from 0, 45 and 89 deg; 9 wavelengths; 8 x 8 half vectors; 4 bytes each.
+    // Light from 0, 45, 67.5 and 89 deg; 9 wavelengths, the luminance, and 4 values of the density, for each of 8 x 8 half vectors; 4
+    // bytes each.
     let bytes = fs::metadata(folder.path().join("display-white.bsdf")).unwrap().len();
-    assert!((3 * 10 * 64 * 4..3 * 10 * 64 * 4 + 1000).contains(&bytes), "{bytes}");
+    assert!((4 * 14 * 64 * 4..4 * 14 * 64 * 4 + 1000).contains(&bytes), "{bytes}");
     assert_inspected(folder.path());
     let compiled =
         Command::new("python3").args(["-m", "py_compile"]).arg(folder.path().join("scene.py")).output();
@@ -98,7 +99,7 @@ fn radiant_has_the_colours_of_a_run_in_a_collimated_lamp() {
     let numbers = |line: &str| -> Vec<f64> { line.split('\t').map(|word| word.parse().unwrap()).collect() };
     let below = |word: &str| lines.iter().position(|line| line.starts_with(word)).unwrap() + 1;
     let column = numbers(lines[below("ScatterRadial")]).iter().position(|r| *r == 20.0).unwrap();
-    // Two incidences of a line TIS and 37 azimuths, of which the first is towards the normal.
+    // Incidences of 0, 45, 67.5 and 89 deg, of a line TIS and 37 azimuths each, of which the first is towards the normal.
     let found = ["X", "Y", "Z"].map(|channel| {
         let second = below(&format!("Tristimulus{channel}")) + 1 + 38;
         assert!(lines[second].starts_with("TIS"), "{}", lines[second]);

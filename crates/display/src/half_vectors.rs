@@ -4,11 +4,16 @@
 //! there, wherever the light is: values on a grid of half vectors can be interpolated between directions of the light, which values
 //! at fixed directions of the viewer cannot (their peaks would be doubled).
 //!
-//! The grid is that of the RGL tensor files (Dupuy & Jakob 2018, ACM Trans. Graph. 37(6)) with a uniform distribution of visible
-//! normals: `u = sqrt(theta_m / (pi/2))` and `v = (phi_m - phi_i + pi) / (2 pi)`, both from 0 to 1 in equal steps.
+//! The grid is that of the RGL tensor files (Dupuy & Jakob 2018, ACM Trans. Graph. 37(6)). Rows have equal steps of azimuth, `v = (phi_m -
+//! phi_i + pi) / (2 pi)`. Along a row, `u = sqrt(theta_m / (pi/2))` follows a density, which the files call the distribution of visible
+//! normals: more nodes within the lobe of the display, none below the horizon ([`NodeDensity`]). Readers interpolate linearly between
+//! nodes, and between directions of the light at equal places on the grid; towards grazing light, where a lobe changes fastest on
+//! half vectors, its inclinations are closer.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::lobe_width::LobeWidths;
+use crate::node_density::NodeDensity;
 use crate::viewers::{Viewer, ViewerGrid, ViewerTable};
 
 /// BSDF on half vectors.
@@ -21,6 +26,8 @@ pub struct HalfVectorGrid {
     pub theta_i_deg: Vec<f64>,
     /// Number of nodes along u and along v, at least 2.
     pub size: usize,
+    /// Inclination of the half vector within which the lobe falls by half, for each inclination of the light, degrees.
+    pub width_deg: Vec<f64>,
 }
 
 impl HalfVectorGrid {
@@ -33,24 +40,52 @@ impl HalfVectorGrid {
     /// Number of nodes along an axis that suits most displays.
     pub const USUAL: usize = 64;
 
-    /// Largest inclination of the light of [`even`](Self::even), degrees: renderers hold its values up to 90 degrees.
+    /// Largest inclination of the light of [`lights_deg`](Self::lights_deg), degrees: renderers hold its values up to 90 degrees.
     pub const LAST_THETA_DEG: f64 = 89.0;
 
-    /// Grid with inclinations of the light in steps of `step_deg` degrees, a divisor of 90, and at
-    /// [`LAST_THETA_DEG`](Self::LAST_THETA_DEG) instead of 90.
-    pub fn even(step_deg: f64, size: usize) -> Self {
-        let steps = (90.0 / step_deg).round() as u32;
-        let mut theta_i_deg: Vec<f64> = (0..steps).map(|k| step_deg * f64::from(k)).collect();
-        if theta_i_deg.last().is_some_and(|last| *last < Self::LAST_THETA_DEG) {
-            theta_i_deg.push(Self::LAST_THETA_DEG);
-        }
-        Self { theta_i_deg, size }
+    /// Grid for a lobe of these widths, with [`lights_deg`](Self::lights_deg).
+    pub fn new(step_deg: f64, size: usize, widths: &LobeWidths) -> Self {
+        let theta_i_deg = Self::lights_deg(step_deg);
+        let width_deg = theta_i_deg.iter().map(|theta| widths.at(*theta)).collect();
+        Self { theta_i_deg, size, width_deg }
     }
 
-    /// Returns u and v of a node, `[column, row]`.
-    pub fn node(&self, column: usize, row: usize) -> [f64; 2] {
+    /// Returns inclinations of the light in steps of `step_deg` degrees, a divisor of 90, to 30 degrees, of half of it to 70 degrees, and
+    /// of a quarter of it beyond; the last one is [`LAST_THETA_DEG`](Self::LAST_THETA_DEG).
+    pub fn lights_deg(step_deg: f64) -> Vec<f64> {
+        let mut lights = Vec::new();
+        let mut quarters = 0_u32;
+        loop {
+            let theta = 0.25 * step_deg * f64::from(quarters);
+            if theta > Self::LAST_THETA_DEG - 0.4 * step_deg {
+                break;
+            }
+            lights.push(theta);
+            quarters += match theta {
+                theta if theta < 30.0 => 4,
+                theta if theta < 70.0 => 2,
+                _ => 1,
+            };
+        }
+        lights.push(Self::LAST_THETA_DEG);
+        lights
+    }
+
+    /// Density of the half vectors of one direction of the light, number `light`.
+    pub fn density(&self, light: usize) -> NodeDensity {
+        NodeDensity::new(self.theta_i_deg[light], self.width_deg[light], self.size)
+    }
+
+    /// Returns u and v of the nodes of one direction of the light, `[row][column]`.
+    pub fn nodes(&self, light: usize) -> Vec<[f64; 2]> {
         let steps = self.size.saturating_sub(1).max(1) as f64;
-        [column as f64 / steps, row as f64 / steps]
+        let fractions: Vec<f64> = (0..self.size).map(|k| k as f64 / steps).collect();
+        let density = self.density(light);
+        let row = |(row, v): (usize, &f64)| {
+            let (u, v) = (density.places(row, &fractions), *v);
+            u.into_iter().map(move |u| [u, v])
+        };
+        fractions.iter().enumerate().flat_map(row).collect()
     }
 
     /// Returns the half vector of a point (u, v) of the square, relative to the azimuth of the light: inclination and azimuth,
@@ -82,6 +117,7 @@ impl HalfVectorGrid {
     /// of its viewer; `None` below the horizon. Nodes that are mirror images in the plane of incidence have the same viewer.
     pub fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>) {
         let theta_i = self.theta_i_deg[light];
+        let nodes = self.nodes(light);
         let mut viewers = Vec::new();
         let mut numbers: Vec<Option<usize>> = vec![None; self.size * self.size];
         for row in 0..self.size {
@@ -91,7 +127,7 @@ impl HalfVectorGrid {
                 numbers[row * self.size + column] = if first_row < row {
                     numbers[first_row * self.size + column]
                 } else {
-                    Self::viewer(theta_i, self.node(column, row)).map(|viewer| {
+                    Self::viewer(theta_i, nodes[row * self.size + column]).map(|viewer| {
                         viewers.push(viewer);
                         viewers.len() - 1
                     })
@@ -101,9 +137,9 @@ impl HalfVectorGrid {
         (viewers, numbers)
     }
 
-    /// Returns the number of values of a file of each of `states` states, all together.
-    pub fn numbers(&self, states: usize, wavelengths: usize) -> usize {
-        [self.theta_i_deg.len(), self.size, self.size, wavelengths]
+    /// Returns the number of values of a file of each of `states` states, all together, for a [`new`](Self::new) grid.
+    pub fn numbers(step_deg: f64, size: usize, states: usize, wavelengths: usize) -> usize {
+        [Self::lights_deg(step_deg).len(), size, size, wavelengths]
             .iter()
             .fold(states, |product, length| product.saturating_mul(*length))
     }
@@ -138,16 +174,15 @@ mod tests {
         assert_eq!(HalfVectorGrid::viewer(30.0, [1.0, 0.0]), None);
     }
 
-    /// Mirror images share a viewer, and the number of viewers is about a quarter of that of the nodes.
+    /// Mirror images share a viewer, and the number of viewers is about half of that of the nodes.
     #[test]
     fn mirror_images_have_one_viewer() {
-        let grid = HalfVectorGrid::even(30.0, 16);
-        assert_eq!(grid.theta_i_deg, [0.0, 30.0, 60.0, 89.0]);
-        for light in 0..4 {
+        let grid = HalfVectorGrid::new(30.0, 16, &LobeWidths::constant(2.0));
+        assert_eq!(grid.theta_i_deg, [0.0, 30.0, 45.0, 60.0, 75.0, 89.0]);
+        for light in 0..6 {
             let (viewers, numbers) = grid.viewers(light);
             for (node, number) in numbers.iter().enumerate() {
-                let (row, column) = (node / 16, node % 16);
-                let own = HalfVectorGrid::viewer(grid.theta_i_deg[light], grid.node(column, row));
+                let own = HalfVectorGrid::viewer(grid.theta_i_deg[light], grid.nodes(light)[node]);
                 assert_eq!(number.is_some(), own.is_some());
                 if let (Some(number), Some(own)) = (number, own) {
                     let shared = viewers[*number];

@@ -80,13 +80,16 @@ mod half_vectors;
 pub mod image;
 mod label;
 mod lamp_images;
+mod lobe_width;
 mod lobes;
 mod meter;
 mod metrics;
+mod node_density;
 mod notes;
 pub mod palette;
 pub mod pixel;
 mod prepared;
+mod probes;
 pub mod readability;
 mod reflection;
 pub mod result;
@@ -110,8 +113,11 @@ pub use half_vectors::{HalfVectorGrid, HalfVectorTable};
 pub use label::{
     Label, capitalised, label_from_name, labelled_names, metric_label, split_unit, uncapitalised,
 };
+pub use lobe_width::LobeWidths;
 pub use lobes::{TransmittedLobe, transmitted_lobes};
+pub use node_density::NodeDensity;
 pub use prepared::Prepared;
+pub use probes::ProbeGrid;
 pub use reflection::{Reflection, ReflectionState, reflection};
 pub use rings::{RingGrid, RingTable};
 pub use rows::RowErrors;

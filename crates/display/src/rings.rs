@@ -4,7 +4,9 @@
 //! azimuth A about it is in the direction `cos r s + sin r (cos A e0 + sin A e1)`, with `e0 = (-cos a, 0, sin a)`, towards the normal, and
 //! `e1 = (0, -1, 0)`.
 
-use crate::viewers::{Viewer, ViewerGrid, ViewerState, ViewerTable};
+use crate::HalfVectorGrid;
+use crate::lobe_width::LobeWidths;
+use crate::viewers::{Viewer, ViewerGrid, ViewerTable};
 
 /// BSDF on rings about the mirror direction.
 pub type RingTable = ViewerTable<RingGrid>;
@@ -21,18 +23,48 @@ pub struct RingGrid {
     pub radials_deg: Vec<f64>,
 }
 
+/// Largest step of the distances, as a fraction of the distance plus the width of the lobe: the chord of a lobe that falls as the third
+/// power is then 0.5 % above it.
+const STEP_ON_LOBE: f64 = 0.06;
+
+/// Number of distances for most lobes: 116 to 215.
+const USUAL_RADIALS: usize = 160;
+
 impl RingGrid {
-    /// Grid with inclinations of the light in steps of `step_deg` degrees, a divisor of 90, from 0 to below 90; azimuths in steps of
-    /// 5 deg, and distances in steps of 0.5 deg to 10 deg, 1 deg to 30 deg and 2 deg beyond.
-    pub fn even(step_deg: f64) -> Self {
-        let steps = (90.0 / step_deg).round() as u32;
-        let fine = (0..20).map(|k| 0.5 * f64::from(k));
+    /// Grid with the [inclinations of the light of half vectors](HalfVectorGrid::lights_deg), and the axes of
+    /// [`about_lights`](Self::about_lights).
+    pub fn new(step_deg: f64, widths: &LobeWidths) -> Self {
+        Self::about_lights(HalfVectorGrid::lights_deg(step_deg), widths)
+    }
+
+    /// Grid for these inclinations of the light; azimuths in steps of 5 deg; distances in steps of 0.5 deg to 10 deg, 1 deg to 30 deg and
+    /// 2 deg beyond, and between them as close as the lobe needs.
+    pub fn about_lights(theta_i_deg: Vec<f64>, widths: &LobeWidths) -> Self {
+        let fine = (1..20).map(|k| 0.5 * f64::from(k));
         let medium = (10..30).map(f64::from);
-        Self {
-            theta_i_deg: (0..steps).map(|k| step_deg * f64::from(k)).collect(),
-            azimuths_deg: (0..=36).map(|k| 5.0 * f64::from(k)).collect(),
-            radials_deg: fine.chain(medium).chain((15..=90).map(|k| 2.0 * f64::from(k))).collect(),
+        let known = fine.chain(medium).chain((15..=90).map(|k| 2.0 * f64::from(k)));
+        // Half vectors are half as far from the normal as viewers are from the mirror direction.
+        let width_deg = 2.0 * widths.at(0.0);
+        let mut radials_deg = vec![0.0];
+        for end in known {
+            let start: f64 = radials_deg.last().copied().unwrap_or(0.0);
+            // Distances plus the width in equal ratios.
+            let ratio = (end + width_deg) / (start + width_deg);
+            let parts = (ratio.ln() / STEP_ON_LOBE.ln_1p()).ceil().max(1.0);
+            let inner = (1..parts as u32).map(|k| (start + width_deg) * ratio.powf(f64::from(k) / parts) - width_deg);
+            radials_deg.extend(inner.map(|radial| (1e5 * radial).round() / 1e5));
+            radials_deg.push(end);
         }
+        Self { theta_i_deg, azimuths_deg: (0..=36).map(|k| 5.0 * f64::from(k)).collect(), radials_deg }
+    }
+
+    /// Returns about how many values the viewers of a [`new`](Self::new) grid have.
+    pub fn numbers(step_deg: f64, states: usize, wavelengths: usize) -> usize {
+        // Of the cells, 0.65 are above the horizon.
+        let of_light = USUAL_RADIALS * 37 * 65 / 100;
+        [HalfVectorGrid::lights_deg(step_deg).len(), of_light, wavelengths]
+            .iter()
+            .fold(states, |product, length| product.saturating_mul(*length))
     }
 
     /// Returns the number of cells.
@@ -83,64 +115,6 @@ impl ViewerGrid for RingGrid {
     }
 }
 
-impl RingTable {
-    /// Computes the difference between the sum over the table's directions and the scattered light: the largest over states and
-    /// inclinations of the light, relative to the largest of the state; spectra are averaged. It shows whether the directions are
-    /// dense enough to resolve the lobes of the display.
-    pub fn missed(&self) -> f64 {
-        let bins = self.wavelength_nm.len().max(1);
-        let mean = |spectrum: &mut dyn Iterator<Item = f64>| spectrum.sum::<f64>() / bins as f64;
-        let weights: Vec<Vec<f64>> =
-            (0..self.grid.theta_i_deg.len()).map(|light| self.weights(light)).collect();
-        let of_state = |state: &ViewerState| {
-            let mut rest = state.brdf.chunks_exact(bins);
-            let beams =
-                state.directional_hemispherical.chunks_exact(bins).zip(state.specular.chunks_exact(bins));
-            let (mut missed, mut most) = (0.0_f64, 0.0_f64);
-            for (weights, (leaving, mirror)) in weights.iter().zip(beams) {
-                let sum: f64 = weights
-                    .iter()
-                    .zip(&mut rest)
-                    .map(|(weight, spectrum)| weight * mean(&mut spectrum.iter().map(|f| f64::from(*f))))
-                    .sum();
-                let scattered =
-                    mean(&mut leaving.iter().zip(mirror).map(|(leaving, mirror)| leaving - mirror));
-                missed = missed.max((sum - scattered).abs());
-                most = most.max(mean(&mut leaving.iter().copied()));
-            }
-            if most > 0.0 { missed / most } else { 0.0 }
-        };
-        self.states.iter().map(of_state).fold(0.0, f64::max)
-    }
-
-    /// Projected solid angle of each viewer of one direction of the light, for both sides of the plane of incidence, by the
-    /// trapezoidal rule.
-    fn weights(&self, light: usize) -> Vec<f64> {
-        let (viewers, numbers) = self.grid.viewers(light);
-        let [arcs, steps] = [&self.grid.azimuths_deg, &self.grid.radials_deg].map(|axis| widths(axis));
-        let mut weights = vec![0.0; viewers.len()];
-        for (cell, number) in numbers.iter().enumerate() {
-            let (row, column) = (cell / steps.len().max(1), cell % steps.len().max(1));
-            if let Some(number) = number {
-                let ring = self.grid.radials_deg[column].to_radians().sin() * steps[column];
-                weights[*number] += 2.0 * arcs[row] * ring * viewers[*number].cos_theta_o;
-            }
-        }
-        weights
-    }
-}
-
-/// Widths of the trapezoidal rule at these angles, radians.
-fn widths(angles_deg: &[f64]) -> Vec<f64> {
-    let half = |pair: &[f64]| 0.5 * (pair[1] - pair[0]).to_radians();
-    let mut widths = vec![0.0; angles_deg.len()];
-    for (k, pair) in angles_deg.windows(2).enumerate() {
-        widths[k] += half(pair);
-        widths[k + 1] += half(pair);
-    }
-    widths
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,37 +132,24 @@ mod tests {
         assert_eq!(RingGrid::viewer(75.0, 180.0, 20.0), None);
     }
 
-    /// A perfect white scatters all light: the sum of the projected solid angles is pi.
+    /// Distances are at most 2 deg apart, and close within a lobe; those that users read in tables are among them.
     #[test]
-    fn sum_over_rings_of_a_perfect_white_equals_its_reflectance() {
-        let grid = RingGrid::even(15.0);
-        let viewers: usize = (0..6).map(|light| grid.viewers(light).0.len()).sum();
-        let state = ViewerState {
-            name: "white".to_owned(),
-            brdf: vec![std::f64::consts::FRAC_1_PI as f32; viewers],
-            specular: vec![0.0; 6],
-            directional_hemispherical: vec![1.0; 6],
-        };
-        let mut table = RingTable {
-            grid,
-            wavelength_nm: vec![550.0],
-            states: vec![state],
-            nodes: 0,
-            discretisation_error: 0.0,
-            row_errors: crate::RowErrors::default(),
-        };
-        assert!(table.missed() < 5e-3, "{}", table.missed());
-        table.states[0].directional_hemispherical.fill(0.9);
-        assert!((table.missed() - 1.0 / 9.0).abs() < 6e-3, "{}", table.missed());
+    fn distances_follow_the_lobe() {
+        for width in [0.02, 0.5, 10.0] {
+            let radials = RingGrid::new(45.0, &LobeWidths::constant(width)).radials_deg;
+            let close = |pair: &[f64]| pair[1] - pair[0] < 0.0601 * (pair[0] + 2.0 * width).min(34.0);
+            assert!(radials.windows(2).all(|pair| pair[0] < pair[1] && close(pair)), "{width}: {radials:?}");
+            assert!([0.0, 0.5, 5.0, 20.0, 45.0 + 1.0, 180.0].iter().all(|known| radials.contains(known)));
+            assert!(radials.len() < 220, "{}", radials.len());
+        }
     }
 
     #[test]
     fn equal_directions_have_one_viewer() {
-        let grid = RingGrid::even(45.0);
+        let grid = RingGrid::new(45.0, &LobeWidths::constant(10.0));
         let (normal, numbers) = grid.viewers(0);
         assert_eq!(numbers.len(), grid.azimuths_deg.len() * grid.radials_deg.len());
-        // Below 90 deg.
-        assert_eq!(normal.len(), 20 + 20 + 30);
+        assert_eq!(normal.len(), grid.radials_deg.iter().filter(|radial| **radial < 90.0).count());
         let (oblique, numbers) = grid.viewers(1);
         assert_eq!(oblique.len() + 36, numbers.iter().flatten().count());
     }

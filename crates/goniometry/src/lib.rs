@@ -45,6 +45,7 @@ mod instrument;
 mod kernel;
 mod measurement;
 mod models;
+mod patch_rings;
 mod shape;
 mod tree;
 mod two_instruments;
@@ -69,6 +70,7 @@ pub use measurement::{
     Channel, MeasuredPart, Measurement, Provenance, ScatterMode, may_be_relative, tis_in_percent,
 };
 pub use models::{Kind, Meaning, Model, Normalisation};
+pub use patch_rings::{ring_patch_lights, ring_patch_means};
 pub use shape::{Fill, Shape, on_specular_grid};
 pub use tree::patch_means;
 pub use two_instruments::incidence_scale;

@@ -1,6 +1,7 @@
 //! Warnings about BSDF tables.
 
-use papilio_display::BrdfTable;
+use papilio_display::{BrdfTable, HalfVectorGrid};
+use papilio_formats::BetweenError;
 
 /// Largest accepted deviation of the sum over a table's directions, as a fraction of the light that leaves
 /// the display.
@@ -9,28 +10,17 @@ pub const MOST_MISSED: f64 = 0.02;
 /// Steps in degrees; each divides 90.
 const STEPS: [f64; 12] = [4.5, 3.0, 2.5, 2.0, 1.5, 1.0, 0.9, 0.5, 0.4, 0.3, 0.2, 0.1];
 
-/// Warns if adding has not reached the relative error `target`, or if directions in steps of `step_deg` are
-/// too coarse for the BSDF.
-///
-/// `option` is the name of the step in the message, such as `--step `.
-pub fn brdf_warnings(
-    table: &BrdfTable,
-    target: Option<f64>,
-    step_deg: Option<f64>,
-    option: &str,
-) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if let Some(target) = target.filter(|target| table.discretisation_error > *target) {
-        warnings.push(format!(
+/// Warns if adding has not reached the relative error `target`.
+pub fn brdf_warnings(table: &BrdfTable, target: Option<f64>) -> Vec<String> {
+    let missed = target.filter(|target| table.discretisation_error > *target);
+    let warning = missed.map(|target| {
+        format!(
             "relative error {:.2e} instead of {target:.2e} in the worst of the sampled directions (which may \
              have a small value): adding's finest level is reached",
             table.discretisation_error
-        ));
-    }
-    if let Some(step_deg) = step_deg {
-        warnings.extend(missed_warning(step_deg, table.missed(), option));
-    }
-    warnings
+        )
+    });
+    warning.into_iter().collect()
 }
 
 /// Returns a sufficient step where `step_deg` is too large, if there is one for a table.
@@ -44,50 +34,88 @@ pub fn finer_step(step_deg: f64, missed: f64) -> Option<f64> {
     STEPS.into_iter().find(|finer| *finer <= wanted && *finer < step_deg)
 }
 
-/// Returns a warning where the rings of a tabular BSDF are too coarse for the lobe; `missed` is from
-/// [`RingTable::missed`](papilio_display::RingTable::missed).
-pub fn rings_warning(missed: f64) -> Option<String> {
-    (missed > MOST_MISSED).then(|| {
-        format!(
-            "the sum over the directions of the table and the light that leaves differ by {:.1} %: the lobe is too narrow for rings \
-             in steps of 0.5 deg and 5 deg of azimuth; --format rgl follows narrower lobes",
-            100.0 * missed
-        )
-    })
+/// Export of a BSDF with what the user can refine in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Refinable<'a> {
+    /// Directions in steps, with the name of the option: `--step `.
+    Step(f64, &'a str),
+    /// Half vectors, with their number along each axis.
+    Grid(usize),
+    /// Rings about the mirror direction.
+    Rings,
+    /// Patches of the Klems basis.
+    Patches,
 }
 
-fn missed_warning(step_deg: f64, missed: f64, option: &str) -> Option<String> {
-    let help = || match finer_step(step_deg, missed) {
-        Some(finer) => format!(
-            "{option}{finer} reduces the deviation to about {:.1} %; a larger spectrum.step_nm keeps the table \
-             small",
-            100.0 * missed * (finer / step_deg).powi(2)
-        ),
-        None => {
-            let reason = "the lobe is so narrow that it needs a step below 0.1 deg";
-            format!("{reason}, which is too many directions for a table")
+/// Warns if what readers interpolate between the nodes of an export differs by more than [`MOST_MISSED`] from the display.
+///
+/// The difference is proportional to the square of the distance between nodes.
+pub fn between_warning(error: &BetweenError, of: Refinable<'_>) -> Option<String> {
+    let BetweenError { relative, state, theta_i_deg, viewer } = error;
+    let help = || match of {
+        Refinable::Step(step, option) => match finer_step(step, *relative) {
+            Some(finer) => format!(
+                "{option}{finer} reduces this to about {:.1} %; --format rgl and radiant have rings about the mirror direction, which \
+                 follow a lobe with fewer numbers",
+                100.0 * relative * (finer / step).powi(2)
+            ),
+            None => "the lobe is too narrow for equal steps; --format rgl and radiant follow it".to_owned(),
+        },
+        Refinable::Grid(size) if size < HalfVectorGrid::LARGEST => {
+            let wanted = (size as f64 * (relative / MOST_MISSED).sqrt() / 32.0).ceil() as usize * 32;
+            let finer = wanted.clamp(size + 1, HalfVectorGrid::LARGEST);
+            format!("--grid {finer} and, for oblique light, a smaller --step reduce this")
+        }
+        Refinable::Grid(_) | Refinable::Rings => "a smaller --step has more directions of the light".to_owned(),
+        Refinable::Patches => {
+            "the patches of the Klems basis are 5 to 15 deg wide, and readers take their means; --format rgl and radiant follow a lobe"
+                .to_owned()
         }
     };
-    (missed > MOST_MISSED).then(|| {
+    (*relative > MOST_MISSED).then(|| {
         format!(
-            "the sum over the table's directions differs by {:.0} % from the light that leaves the display: \
-             the directions are too coarse for the BSDF\n  = help: {}",
-            100.0 * missed,
+            "between the directions of the file, what its readers interpolate differs by up to {} % from the display (luminous BRDF, \
+             relative to its value or to 1 % of the largest one for this light): state {state}, light from {theta_i_deg:.1} deg, viewer \
+             at {:.1} deg, azimuth {:.0} deg from the light\n  = help: {}",
+            per_cent(*relative),
+            viewer.theta_o_deg,
+            viewer.dphi_deg,
             help()
         )
     })
 }
 
+/// Returns a fraction in per cent, with two digits below 10.
+fn per_cent(fraction: f64) -> String {
+    let per_cent = 100.0 * fraction;
+    if per_cent < 10.0 { format!("{per_cent:.1}") } else { format!("{per_cent:.0}") }
+}
+
 #[cfg(test)]
 mod tests {
+    use papilio_display::Viewer;
+
     use super::*;
 
     #[test]
-    fn coarse_step_warning_names_a_sufficient_step() {
-        let warning = |step, missed| missed_warning(step, missed, "--step ").unwrap_or_default();
-        assert!(warning(5.0, 0.06).contains("help: --step 2.5 reduces the deviation to about 1.5 %"));
-        assert!(warning(1.0, 0.021).contains("--step 0.9 "));
-        assert!(warning(0.1, 0.5).contains("too many directions"));
-        assert_eq!(warning(5.0, 0.019), "");
+    fn error_between_nodes_names_what_reduces_it() {
+        let viewer = Viewer { cos_theta_o: 0.5, theta_o_deg: 60.0, dphi_deg: 170.0 };
+        let error = |relative| BetweenError { relative, state: "white".to_owned(), theta_i_deg: 62.5, viewer };
+        let warning = |relative, of| between_warning(&error(relative), of).unwrap_or_default();
+        assert_eq!(warning(0.019, Refinable::Grid(64)), "");
+        let text = warning(0.08, Refinable::Grid(64));
+        assert!(text.contains("up to 8.0 %") && text.contains("state white, light from 62.5 deg"), "{text}");
+        assert!(text.contains("--grid 128"), "{text}");
+        assert!(warning(0.08, Refinable::Step(5.0, "--step ")).contains("--step 2.5 reduces this to about 2.0 %"));
+        assert!(warning(9.0, Refinable::Grid(256)).contains("a smaller --step"));
+        assert!(warning(3.0, Refinable::Patches).contains("300 %"));
+    }
+
+    #[test]
+    fn finer_step_is_a_divisor_that_is_sufficient() {
+        assert_eq!(finer_step(5.0, 0.06), Some(2.5));
+        assert_eq!(finer_step(1.0, 0.021), Some(0.9));
+        assert_eq!(finer_step(0.1, 0.5), None);
+        assert_eq!(finer_step(5.0, 0.019), None);
     }
 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | a search | [`search_table`] (`optimize.csv`), [`search_figures`], [`design_texts`] (`best.toml` or the front) |
 //! | a tolerance analysis | [`tolerance_tables`], [`tolerance_figures`] |
-//! | the BSDF table of a display | [`brdf_warnings`], [`rings_warning`], and the sufficient [`finer_step`] |
+//! | the BSDF table of a display | [`brdf_warnings`], [`between_warning`], and the sufficient [`finer_step`] |
 //!
 //! The program writes these texts into a folder; the Python package shows them and writes the same bytes.
 //!
@@ -25,7 +25,7 @@ mod search_figures;
 mod search_table;
 mod tolerance;
 
-pub use brdf::{MOST_MISSED, brdf_warnings, finer_step, rings_warning};
+pub use brdf::{MOST_MISSED, Refinable, between_warning, brdf_warnings, finer_step};
 pub use designs::{design_texts, moved};
 pub use search_figures::search_figures;
 pub use search_table::search_table;

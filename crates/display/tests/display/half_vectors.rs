@@ -16,7 +16,9 @@ fn scene(name: &str) -> Scene {
 }
 
 fn on_half_vectors(scene: &Scene, theta_i_deg: &[f64], size: usize) -> HalfVectorTable {
-    let grid = HalfVectorGrid { theta_i_deg: theta_i_deg.to_vec(), size };
+    // The lobe of `indoor` has 1.6 deg; that of the others is broad.
+    let width_deg = theta_i_deg.iter().map(|theta| 1.6 / theta.to_radians().cos()).collect();
+    let grid = HalfVectorGrid { theta_i_deg: theta_i_deg.to_vec(), size, width_deg };
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(2), progress: &|_| {}, stop: &stop };
     brdf_at_viewers(scene, grid, &control).unwrap()
@@ -59,16 +61,17 @@ fn integral_over_half_vectors_is_the_scattered_light() {
     let found = on_half_vectors(&scene("indoor"), &[20.0], 48);
     let (grid, bins) = (&found.grid, found.wavelength_nm.len());
     let (viewers, numbers) = grid.viewers(0);
+    let (places, density) = (grid.nodes(0), grid.density(0));
     for bin in [2, 5] {
         let mut sum = 0.0;
         for (node, number) in numbers.iter().enumerate() {
-            let (row, column) = (node / grid.size, node % grid.size);
+            let row = node / grid.size;
             // The first and the last row are the same half vectors.
             let weight = if row == 0 || row + 1 == grid.size { 0.5 } else { 1.0 };
-            if let Some(number) = number {
+            if let Some(number) = number.filter(|_| places[node][0] > 0.0) {
                 let f = f64::from(found.states[0].brdf[number * bins + bin]);
-                let jacobian = HalfVectorGrid::jacobian(20.0, grid.node(column, row));
-                sum += weight * f * viewers[*number].cos_theta_o * 8.0 * PI * PI * jacobian;
+                let jacobian = HalfVectorGrid::jacobian(20.0, places[node]) / density.at(row, places[node][0]);
+                sum += weight * f * viewers[number].cos_theta_o * 8.0 * PI * PI * jacobian;
             }
         }
         sum /= ((grid.size - 1) * (grid.size - 1)) as f64;

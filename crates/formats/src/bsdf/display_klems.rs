@@ -1,51 +1,40 @@
-//! Writer of the display's BSDF as Klems matrices: X, Y and Z of one state in D65, averaged over the patches of the full basis.
+//! Writer of the display's BSDF as Klems matrices: X, Y and Z of one state in D65, averaged over the patches of the full basis, both of the
+//! light and of the viewer.
 
 use std::io::{self, Write};
 
-use papilio_display::BrdfTable;
+use papilio_display::{LobeWidths, RingGrid, RingTable};
 use papilio_goniometry::{
-    Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, SphericalGrid,
+    Geometry, KLEMS_FULL, MeasuredPart, Measurement, Provenance, ring_patch_lights, ring_patch_means,
 };
 
 use super::display::BsdfSource;
-use super::tristimulus::weights;
+use super::display_radiant::{rings_part, unsound};
 use super::write::{BsdfFormat, write_measurement};
 
-/// Writes the scattered part of one state, number `state`, for light with the spectrum of D65.
+/// Returns the directions from which [`write_bsdf_klems`] averages, for a display with a lobe of these widths: those of the tabular BSDF,
+/// with every second azimuth, because a lobe hardly depends on it.
+pub fn klems_rings(widths: &LobeWidths) -> RingGrid {
+    let rings = RingGrid::about_lights(ring_patch_lights(&KLEMS_FULL), widths);
+    RingGrid { azimuths_deg: rings.azimuths_deg.iter().step_by(2).copied().collect(), ..rings }
+}
+
+/// Writes the scattered part of one state, number `state`, for light with the spectrum of D65; the table has the directions of
+/// [`klems_rings`].
 ///
 /// # Errors
 /// Those of `out`, if the lengths of the table's arrays do not match its grid, or its wavelengths are not equally spaced.
 pub fn write_bsdf_klems(
     out: impl Write,
     source: &BsdfSource<'_>,
-    table: &BrdfTable,
+    table: &RingTable,
     state: usize,
 ) -> io::Result<()> {
-    let unsound = |message: &str| io::Error::new(io::ErrorKind::InvalidInput, message.to_owned());
-    let (grid, bins) = (&table.grid, table.wavelength_nm.len());
-    let found = table.states.get(state).filter(|found| found.brdf.len() == grid.pairs() * bins);
-    let found = found.ok_or_else(|| unsound("the BSDF does not match its directions"))?;
-    let weights = weights(&table.wavelength_nm).map_err(|message| unsound(&message))?;
-    let mut values = Vec::with_capacity(3 * grid.pairs());
-    for weights in &weights {
-        let sum = |spectrum: &[f32]| spectrum.iter().zip(weights).map(|(f, w)| f64::from(*f) * w).sum();
-        values.extend(found.brdf.chunks_exact(bins.max(1)).map(sum).map(|value: f64| value.max(0.0)));
-    }
-    let part = MeasuredPart {
-        way: ScatterMode::FrontReflection,
-        channels: vec![Channel::X, Channel::Y, Channel::Z],
-        geometry: Geometry::Spherical(SphericalGrid {
-            theta_i_deg: grid.theta_i_deg.clone(),
-            phi_i_deg: vec![0.0],
-            theta_o_deg: grid.theta_o_deg.clone(),
-            phi_o_deg: grid.dphi_deg.clone(),
-        }),
-        values,
-        tis: Vec::new(),
-    };
+    let part = patches_part(table, state)?;
+    let name = table.states.get(state).map_or("", |found| found.name.as_str());
     let provenance = Provenance {
         format: "papilio".to_owned(),
-        sample: format!("{} ({})", source.title, found.name),
+        sample: format!("{} ({name})", source.title),
         source: "computed".to_owned(),
         remarks: Vec::new(),
     };
@@ -53,4 +42,19 @@ pub fn write_bsdf_klems(
     // What is lost is the same for all displays; the documentation of the format states it.
     let written = write_measurement(out, BsdfFormat::Klems, &measurement);
     written.map(|_| ()).map_err(|error| unsound(&error.to_string()))
+}
+
+/// Returns the matrices of a state as the file holds them: X, Y and Z in D65, of which Y of a perfect white is 1/pi.
+pub(super) fn patches_part(table: &RingTable, state: usize) -> io::Result<MeasuredPart> {
+    let (rings, whites) = rings_part(table, state)?;
+    let Geometry::Specular(grid) = &rings.geometry else { return Err(unsound("the BSDF is not on rings")) };
+    let (mut values, lights) = (Vec::new(), grid.incidences_deg.len());
+    for (channel, white) in whites.iter().enumerate() {
+        let totals = &rings.tis[channel * lights..][..lights];
+        let means = ring_patch_means(grid, rings.channel(channel), totals, &KLEMS_FULL);
+        let means = means.ok_or_else(|| unsound("the BSDF is not on the directions of the patches"))?;
+        values.extend(means.into_iter().map(|mean| mean * white));
+    }
+    let geometry = Geometry::Patches { incoming: KLEMS_FULL.to_vec(), outgoing: KLEMS_FULL.to_vec() };
+    Ok(MeasuredPart { geometry, values, tis: Vec::new(), ..rings })
 }

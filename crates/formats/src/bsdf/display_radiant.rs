@@ -25,7 +25,7 @@ pub fn write_bsdf_radiant(
     table: &RingTable,
     state: usize,
 ) -> io::Result<()> {
-    let part = rings_part(table, state)?;
+    let (part, _) = rings_part(table, state)?;
     let name = table.states.get(state).map_or("", |found| found.name.as_str());
     let measurement = Measurement {
         provenance: Provenance {
@@ -45,8 +45,8 @@ pub fn write_bsdf_radiant(
     written.map(|_| ()).map_err(|error| unsound(&error.to_string()))
 }
 
-/// Returns the values and the TIS of a state as the format holds them.
-fn rings_part(table: &RingTable, state: usize) -> io::Result<MeasuredPart> {
+/// Returns the values and the TIS of a state as the format holds them, and X, Y and Z of a perfect white, times pi.
+pub(super) fn rings_part(table: &RingTable, state: usize) -> io::Result<(MeasuredPart, Vec<f64>)> {
     let (grid, bins) = (&table.grid, table.wavelength_nm.len().max(1));
     let lights: Vec<(usize, Vec<Option<usize>>)> = (0..grid.theta_i_deg.len())
         .map(|light| {
@@ -62,8 +62,10 @@ fn rings_part(table: &RingTable, state: usize) -> io::Result<MeasuredPart> {
     let found = found.ok_or_else(|| unsound("the BSDF does not match its directions"))?;
     let mut values = Vec::with_capacity(3 * grid.cells());
     let mut tis = Vec::with_capacity(3 * lights.len());
+    let mut whites = Vec::new();
     for weights in weights(&table.wavelength_nm).map_err(|message| unsound(&message))? {
         let white: f64 = weights.iter().sum();
+        whites.push(white);
         let relative = |spectrum: &mut dyn Iterator<Item = f64>| -> f64 {
             // Slightly negative values are discretisation errors.
             (spectrum.zip(&weights).map(|(value, weight)| value * weight).sum::<f64>() / white).max(0.0)
@@ -83,7 +85,7 @@ fn rings_part(table: &RingTable, state: usize) -> io::Result<MeasuredPart> {
             relative(&mut leaving.iter().zip(mirror).map(|(leaving, mirror)| leaving - mirror))
         }));
     }
-    Ok(MeasuredPart {
+    let part = MeasuredPart {
         way: ScatterMode::FrontReflection,
         channels: vec![Channel::X, Channel::Y, Channel::Z],
         geometry: Geometry::Specular(SpecularGrid {
@@ -95,9 +97,10 @@ fn rings_part(table: &RingTable, state: usize) -> io::Result<MeasuredPart> {
         }),
         values,
         tis,
-    })
+    };
+    Ok((part, whites))
 }
 
-fn unsound(message: &str) -> io::Error {
+pub(super) fn unsound(message: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, message.to_owned())
 }

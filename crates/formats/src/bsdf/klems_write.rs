@@ -110,22 +110,24 @@ fn choose_channels(
     Ok(chosen.into_iter().unzip())
 }
 
-/// Number of integration points of each incident patch, in theta and in azimuth.
-const POINTS_IN: [usize; 2] = [2, 2];
-/// Number of integration points of each outgoing patch, in theta and in azimuth.
-const POINTS_OUT: [usize; 2] = [6, 6];
+/// Number of integration points of each patch, in theta and in azimuth, the same for light and viewer: the means of reciprocal values are
+/// reciprocal.
+const POINTS: [usize; 2] = [4, 4];
+/// Number of azimuths of a patch of an isotropic sample, of which only the difference of light and viewer counts.
+const AZIMUTHS: usize = 6;
 
 /// Returns the mean of f for each pair of patches, weighted with both cosines.
 fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
     if let Geometry::Tree(tree) = &part.geometry {
         return patch_means(tree, part.channel(channel), &KLEMS_FULL);
     }
-    let [from, to] = [POINTS_IN, POINTS_OUT].map(|counts| patches(&KLEMS_FULL, counts));
+    let from = patches(&KLEMS_FULL, POINTS);
+    let to = &from;
     let mean = |light: &Patch, viewer: &Patch| {
-        let lights = light.points.iter().map(|light| light.specular());
-        let pairs = lights.flat_map(|i| viewer.points.iter().map(move |o| (i, *o)));
+        let pairs = light.points_to(viewer, part.geometry.is_isotropic());
         let (sum, count) = pairs
-            .filter_map(|(i, o)| part.evaluate(channel, i, o))
+            .into_iter()
+            .filter_map(|[i, o]| part.evaluate(channel, i.specular(), o))
             .fold((0.0, 0.0), |(sum, count), f| (sum + f, count + 1.0));
         (count > 0.0).then(|| sum / count)
     };
@@ -133,7 +135,7 @@ fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<
     let mut empty = false;
     let mut values = Vec::with_capacity(from.len() * to.len());
     for light in &from {
-        for viewer in &to {
+        for viewer in to {
             let class = light.equivalence_class(viewer, &part.geometry);
             let f: &mut Option<f64> = known.entry(class).or_insert_with(|| mean(light, viewer));
             empty |= f.is_none();
@@ -193,6 +195,42 @@ struct Patch {
 }
 
 impl Patch {
+    /// Returns pairs of directions, through this patch and to `viewer`, with equal weights. Those of an isotropic sample have the
+    /// inclinations of the points, and differences of azimuth.
+    fn points_to(&self, viewer: &Self, isotropic: bool) -> Vec<[Direction; 2]> {
+        let pairs = |from: &[Direction], to: &[Direction]| -> Vec<[Direction; 2]> {
+            from.iter().flat_map(|i| to.iter().map(move |o| [*i, *o])).collect()
+        };
+        if !isotropic {
+            return pairs(&self.points, &viewer.points);
+        }
+        // Points with the same inclination follow each other.
+        let [along, around] = POINTS;
+        let inclinations = |patch: &Self| -> Vec<f64> {
+            patch.points.iter().step_by(around).take(along).map(|point| point.theta_deg).collect()
+        };
+        let turns = self.turns_to(viewer);
+        let of_thetas = |from: f64, to: f64| {
+            turns.iter().map(move |turn| [Direction::new(from, 0.0), Direction::new(to, *turn)]).collect::<Vec<_>>()
+        };
+        let (from, to) = (inclinations(self), inclinations(viewer));
+        from.iter().flat_map(|i| to.iter().flat_map(|o| of_thetas(*i, *o)).collect::<Vec<_>>()).collect()
+    }
+
+    /// Differences of azimuth between points of this patch and of `viewer`, degrees, with equal weights.
+    fn turns_to(&self, viewer: &Self) -> Vec<f64> {
+        let middle = |k: usize, count: usize| (k as f64 + 0.5) / count as f64 - 0.5;
+        let [own, other] = [self, viewer].map(|patch| 360.0 / patch.count as f64);
+        let apart = other * viewer.number as f64 - own * self.number as f64;
+        if self.count == 1 || viewer.count == 1 {
+            return (0..AZIMUTHS * AZIMUTHS).map(|k| 360.0 * middle(k, AZIMUTHS * AZIMUTHS)).collect();
+        }
+        let turn = |k: usize| {
+            apart + other * middle(k % AZIMUTHS, AZIMUTHS) - own * middle(k / AZIMUTHS, AZIMUTHS)
+        };
+        (0..AZIMUTHS * AZIMUTHS).map(turn).collect()
+    }
+
     /// Returns the equivalence class of a pair of patches; equivalent pairs have the same mean. For an isotropic sample, pairs are
     /// equivalent if their rings and the azimuth between them are equal. The azimuth is counted in multiples of a fraction of 360 deg
     /// that divides the patches of both rings.
@@ -201,6 +239,10 @@ impl Patch {
             return [self.ring, self.number, viewer.ring, viewer.number];
         }
         let parts = self.count * viewer.count;
+        if self.count == 1 || viewer.count == 1 {
+            // The patch about the normal has all azimuths.
+            return [self.ring, viewer.ring, 0, 0];
+        }
         let turn = (viewer.number * self.count + parts - self.number * viewer.count) % parts;
         let mirrored = matches!(geometry, Geometry::Specular(grid) if grid.symmetry == Symmetry::Plane);
         [self.ring, viewer.ring, if mirrored { turn.min(parts - turn) } else { turn }, 0]

@@ -4,6 +4,7 @@
 //! proportional to the size of the file, and a file with more than [`MOST_CELLS`] values is refused.
 
 mod astm;
+mod between;
 mod display;
 mod display_csv;
 mod display_klems;
@@ -31,9 +32,10 @@ mod window;
 mod write;
 mod xml;
 
+pub use between::{BetweenError, Exported, FAINT, between_error};
 pub use display::{BsdfSource, write_bsdf};
 pub use display_csv::{MirrorFile, write_bsdf_csv, write_mirror_csv};
-pub use display_klems::write_bsdf_klems;
+pub use display_klems::{klems_rings, write_bsdf_klems};
 pub use display_radiant::write_bsdf_radiant;
 pub use formats::{bsdf_format_table, bsdf_formats};
 pub use problem::BsdfProblem;

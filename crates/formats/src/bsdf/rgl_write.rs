@@ -1,16 +1,18 @@
 //! Writer of a display's BSDF as a tensor file of the RGL material database (`.bsdf`), which the plugin `measured` of Mitsuba and
 //! the material `measured` of pbrt-v4 load.
 //!
-//! The distribution of visible normals is uniform, so that the grid of values is that of the half vectors ([`HalfVectorGrid`]). The
-//! values are f cos(theta_o), without a Jacobian; below the horizon they are 0. `luminance` is what a renderer samples: its density
-//! over the half vectors is proportional to the mean of f cos(theta_o) over wavelengths. The mirror part is not in the file, because it
-//! has no finite value per steradian.
+//! The distribution of visible normals of the file is the density of the grid's nodes ([`HalfVectorGrid`]), which a reader inverts to
+//! find the place of a half vector between the nodes. The values are f cos(theta_o), without a Jacobian; below the horizon they are 0.
+//! `luminance` is what a renderer samples: its density over the nodes is proportional to the mean of f cos(theta_o) over wavelengths. The
+//! mirror part is not in the file, because it has no finite value per steradian.
 
 use std::io::{self, Write};
 
-use papilio_display::{HalfVectorGrid, HalfVectorTable};
+use papilio_display::{HalfVectorGrid, HalfVectorTable, NodeDensity};
+use papilio_goniometry::{Channel, Geometry, MeasuredPart, ScatterMode, WarpFields, WarpedGrid};
 
 use super::display::BsdfSource;
+use super::tristimulus::luminous_weights;
 
 /// Magic bytes and version 1.0.
 const HEAD: &[u8] = b"tensor_file\0\x01\x00";
@@ -32,31 +34,24 @@ pub fn write_rgl(
     table: &HalfVectorTable,
     state: usize,
 ) -> io::Result<()> {
-    let grid = &table.grid;
+    let (grid, found) = (&table.grid, table.states.get(state).ok_or_else(|| unsound("there is no such state"))?);
     let (lights, size, bins) = (grid.theta_i_deg.len(), grid.size, table.wavelength_nm.len());
-    let found = table.states.get(state).ok_or_else(|| unsound("there is no such state"))?;
-    let viewers: Vec<Vec<Option<usize>>> = (0..lights).map(|light| grid.viewers(light).1).collect();
-    let counts: Vec<usize> = (0..lights).map(|light| grid.viewers(light).0.len()).collect();
-    if bins == 0 || size < 2 || found.brdf.len() != counts.iter().sum::<usize>() * bins {
-        return Err(unsound("the BSDF does not match its directions"));
-    }
     let mut spectra = Vec::with_capacity(lights * bins * size * size);
     let mut luminance = Vec::with_capacity(lights * size * size);
-    let mut rest = found.brdf.as_slice();
-    for ((theta_i, numbers), count) in grid.theta_i_deg.iter().zip(&viewers).zip(&counts) {
-        let (of_light, others) = rest.split_at(count * bins);
-        rest = others;
-        let nodes = Nodes::new(grid, *theta_i, numbers, of_light, bins);
+    let mut densities = Vec::new();
+    for nodes in Nodes::of_lights(table, state)? {
         (0..bins).for_each(|bin| spectra.extend(nodes.values(bin)));
         luminance.extend(nodes.luminance());
+        densities.extend_from_slice(nodes.density.values());
     }
+    let columns = densities.len() / (lights * size).max(1);
     let description = format!(
         "{}; state {}; papilio {}; scenario {}",
         source.title, found.name, source.papilio, source.hash
     );
     let theta_i: Vec<f32> = grid.theta_i_deg.iter().map(|deg| deg.to_radians() as f32).collect();
     let wavelengths: Vec<f32> = table.wavelength_nm.iter().map(|nm| *nm as f32).collect();
-    let (ones, uniform) = ([1.0; 4], vec![1.0; 4 * lights]);
+    let ones = [1.0; 4];
     let fields = [
         Field {
             name: "description",
@@ -68,7 +63,7 @@ pub fn write_rgl(
         Field { name: "wavelengths", shape: vec![bins], items: Items::Single(&wavelengths) },
         Field { name: "ndf", shape: vec![2, 2], items: Items::Single(&ones) },
         Field { name: "sigma", shape: vec![2, 2], items: Items::Single(&ones) },
-        Field { name: "vndf", shape: vec![1, lights, 2, 2], items: Items::Single(&uniform) },
+        Field { name: "vndf", shape: vec![1, lights, size, columns], items: Items::Single(&densities) },
         Field { name: "luminance", shape: vec![1, lights, size, size], items: Items::Single(&luminance) },
         Field { name: "spectra", shape: vec![1, lights, bins, size, size], items: Items::Single(&spectra) },
         Field { name: "jacobian", shape: vec![1], items: Items::Bytes(&[0]) },
@@ -77,12 +72,48 @@ pub fn write_rgl(
     out.flush()
 }
 
+/// Returns the luminous values of the file of one state in D65, as its readers understand them.
+pub(super) fn luminous_part(table: &HalfVectorTable, state: usize) -> io::Result<MeasuredPart> {
+    let grid = &table.grid;
+    let weights = luminous_weights(&table.wavelength_nm);
+    let (mut values, mut densities, mut columns) = (Vec::new(), Vec::new(), 0);
+    for nodes in Nodes::of_lights(table, state)? {
+        let mut sums = vec![0.0; grid.size * grid.size];
+        for (bin, weight) in weights.iter().enumerate() {
+            sums.iter_mut().zip(nodes.values(bin)).for_each(|(sum, value)| *sum += weight * f64::from(value));
+        }
+        values.extend(sums);
+        columns = nodes.density.columns();
+        densities.extend(nodes.density.values().iter().map(|value| f64::from(*value)));
+    }
+    let fields = WarpFields {
+        phi_i: vec![0.0],
+        theta_i: grid.theta_i_deg.iter().map(|theta| theta.to_radians()).collect(),
+        ndf: (vec![1.0; 4], [2, 2]),
+        sigma: (vec![1.0; 4], [2, 2]),
+        vndf: (densities, [grid.size, columns]),
+        shape: [grid.size; 2],
+        jacobian: false,
+    };
+    let warped = WarpedGrid::new(fields).ok_or_else(|| unsound("the densities of the nodes are not sound"))?;
+    Ok(MeasuredPart {
+        way: ScatterMode::FrontReflection,
+        channels: vec![Channel::Y],
+        geometry: Geometry::Warped(Box::new(warped)),
+        values,
+        tis: Vec::new(),
+    })
+}
+
 /// The nodes of one direction of the light.
 struct Nodes<'a> {
-    grid: &'a HalfVectorGrid,
     theta_i_deg: f64,
+    size: usize,
+    /// u and v of each node.
+    places: Vec<[f64; 2]>,
+    density: NodeDensity,
     /// Number of the viewer of each node.
-    numbers: &'a [Option<usize>],
+    numbers: Vec<Option<usize>>,
     /// Cosine of the viewer of each node; 0 below the horizon.
     cosines: Vec<f64>,
     /// BRDF, `[viewer][wavelength]`.
@@ -91,20 +122,37 @@ struct Nodes<'a> {
 }
 
 impl<'a> Nodes<'a> {
+    /// Returns the nodes of all directions of the light of a state, number `state`.
+    fn of_lights(table: &'a HalfVectorTable, state: usize) -> io::Result<Vec<Self>> {
+        let (grid, bins) = (&table.grid, table.wavelength_nm.len());
+        let found = table.states.get(state).ok_or_else(|| unsound("there is no such state"))?;
+        let viewers: Vec<_> = (0..grid.theta_i_deg.len()).map(|light| grid.viewers(light)).collect();
+        let count: usize = viewers.iter().map(|(different, _)| different.len()).sum();
+        if bins == 0 || grid.size < 2 || found.brdf.len() != count * bins {
+            return Err(unsound("the BSDF does not match its directions"));
+        }
+        let mut rest = found.brdf.as_slice();
+        let of_light = |(light, (different, numbers)): (usize, (Vec<_>, Vec<Option<usize>>))| {
+            let (own, others) = rest.split_at(different.len() * bins);
+            rest = others;
+            Self::new(grid, light, numbers, (own, bins))
+        };
+        Ok(viewers.into_iter().enumerate().map(of_light).collect())
+    }
+
     fn new(
-        grid: &'a HalfVectorGrid,
-        theta_i_deg: f64,
-        numbers: &'a [Option<usize>],
-        brdf: &'a [f32],
-        bins: usize,
+        grid: &HalfVectorGrid,
+        light: usize,
+        numbers: Vec<Option<usize>>,
+        (brdf, bins): (&'a [f32], usize),
     ) -> Self {
-        let cosine = |(node, number): (usize, &Option<usize>)| {
-            let at = grid.node(node % grid.size, node / grid.size);
-            let viewer = number.and_then(|_| HalfVectorGrid::viewer(theta_i_deg, at));
+        let (theta_i_deg, places) = (grid.theta_i_deg[light], grid.nodes(light));
+        let cosine = |(at, number): (&[f64; 2], &Option<usize>)| {
+            let viewer = number.and_then(|_| HalfVectorGrid::viewer(theta_i_deg, *at));
             viewer.map_or(0.0, |viewer| viewer.cos_theta_o)
         };
-        let cosines = numbers.iter().enumerate().map(cosine).collect();
-        Self { grid, theta_i_deg, numbers, cosines, brdf, bins }
+        let cosines = places.iter().zip(&numbers).map(cosine).collect();
+        Self { theta_i_deg, size: grid.size, places, density: grid.density(light), numbers, cosines, brdf, bins }
     }
 
     /// Values of a wavelength at all nodes: f cos(theta_o). Slightly negative values, which are discretisation errors, are
@@ -124,8 +172,9 @@ impl<'a> Nodes<'a> {
             let nodes = self.numbers.iter().zip(&self.cosines).enumerate();
             nodes
                 .map(|(node, (number, cosine))| {
-                    let at = self.grid.node(node % self.grid.size, node / self.grid.size);
-                    let jacobian = HalfVectorGrid::jacobian(self.theta_i_deg, at);
+                    let at = self.places[node];
+                    let per_u = self.density.at(node / self.size, at[0]);
+                    let jacobian = HalfVectorGrid::jacobian(self.theta_i_deg, at) / per_u.max(f64::MIN_POSITIVE);
                     number.map_or(0.0, |number| (f(number) * cosine * jacobian) as f32)
                 })
                 .collect()
@@ -196,6 +245,6 @@ fn write_tensors(out: &mut dyn Write, fields: &[Field<'_>]) -> io::Result<()> {
     Ok(())
 }
 
-fn unsound(message: &'static str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidInput, message)
+fn unsound(message: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, message.to_owned())
 }

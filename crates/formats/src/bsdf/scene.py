@@ -6,7 +6,7 @@
     python scene.py --state black --out black.png
     python scene.py --picture photograph.png         # a picture on the panel
     python scene.py --image out/page                 # the pixels that `papilio image` wrote into this folder
-    python scene.py --light garden.exr               # a map of the whole sphere (EXR or HDR)
+    python scene.py --light garden.exr               # a map of the whole sphere (EXR or HDR), also one with a channel per wavelength
 
 `papilio brdf --format rgl` wrote this file, the scattered light of each state (display-STATE.bsdf) and the mirror parts
 (display-mirror.json). Wavelengths are those of the scenario: the colours are computed from spectra, not from R, G, B.
@@ -29,8 +29,10 @@ from __future__ import annotations
 
 import argparse
 import array
+import ctypes
 import json
 import operator
+import re
 import struct
 import sys
 import tempfile
@@ -42,6 +44,8 @@ HERE = Path(__file__).resolve().parent
 MIRROR = "display-mirror.json"
 #: Corner states of a picture: [red][green][blue] areas off or on.
 CORNERS = [[["black", "blue"], ["green", "cyan"]], [["red", "magenta"], ["yellow", "white"]]]
+#: Linear red, green and blue of sRGB (IEC 61966-2-1) of X, Y and Z.
+SRGB_OF_XYZ = [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
 #: Roughness of the mirror part.
 ROUGHNESS = 0.01
 #: Mirror parts below this fraction are not rendered.
@@ -54,6 +58,8 @@ def main() -> None:
         import mitsuba as mi
     except ImportError:
         sys.exit("scene.py needs Mitsuba: pip install mitsuba")
+    mi.set_variant("scalar_spectral")
+    light = None if arguments.light == "room" else light_map(mi, Path(arguments.light))
     mi.set_variant(arguments.variant)
     mirror = json.loads((HERE / MIRROR).read_text(encoding="utf-8"))
     state = chosen(arguments.state, mirror["states"])
@@ -69,7 +75,7 @@ def main() -> None:
             coverages, columns, rows = image_coverages(arguments.image)
             panel = mixture(display, coverages, columns)
             size = [columns / rows, 1.0]
-        scene = mi.load_dict(scene_of(mi, arguments, panel, material, size))
+        scene = mi.load_dict(scene_of(mi, arguments, light, panel, material, size))
         image = mi.render(scene, spp=arguments.samples, seed=arguments.seed)
     out = arguments.out
     mi.util.write_bitmap(str(out.with_suffix(".exr")), image)
@@ -354,7 +360,7 @@ def unfiltered(kind: int, row: bytes, above: bytes) -> bytes:
     return bytes(found)
 
 
-def scene_of(mi, arguments: argparse.Namespace, panel: dict, ball: dict, size: list[float]) -> dict:
+def scene_of(mi, arguments: argparse.Namespace, light, panel: dict, ball: dict, size: list[float]) -> dict:
     """Lengths in metres; z is up, the viewer looks along y. The panel is 16 cm high."""
     T = mi.ScalarTransform4f
     half = [0.08 * size[0], 0.08]
@@ -381,13 +387,81 @@ def scene_of(mi, arguments: argparse.Namespace, panel: dict, ball: dict, size: l
             "bsdf": {"type": "diffuse", "reflectance": uniform(0.25)},
         },
     }
-    if arguments.light == "room":
+    if light is None:
         return scene | room(T, arguments.exposure)
-    if not Path(arguments.light).exists():
-        sys.exit(f"--light {arguments.light}: expected room, or a file (EXR or HDR) that exists")
     up = T().rotate([1, 0, 0], 90)
-    sky = {"type": "envmap", "filename": arguments.light, "scale": arguments.exposure, "to_world": up}
+    sky = {"type": "envmap", "bitmap": light, "scale": arguments.exposure, "to_world": up}
     return scene | {"sky": sky}
+
+
+def light_map(mi, path: Path):
+    """A map of the whole sphere as a bitmap of red, green and blue, or grey.
+
+    Mitsuba's maps have no spectra. A map with one channel per wavelength becomes one with its X, Y and Z, of which Mitsuba makes smooth
+    spectra; a map of constant radiance 1 has a luminance of 1.
+    """
+    if not path.exists():
+        sys.exit(f"--light {path}: expected room, or a file (EXR or HDR) that exists")
+    try:
+        bitmap = mi.Bitmap(str(path))
+    except RuntimeError as error:
+        sys.exit(f"--light {path}: {error}")
+    if bitmap.pixel_format() != mi.Bitmap.PixelFormat.MultiChannel:
+        return bitmap
+    names = [field.name for field in bitmap.struct_()]
+    weights = channel_weights(mi, names)
+    if weights is None:
+        channels = ", ".join(names[:12])
+        sys.exit(f"--light {path}: expected channels R, G and B, or Y, or wavelengths (S0.550,0nm); it has {channels}")
+    import drjit
+
+    (columns, rows), values = bitmap.size(), array.array("f")
+    for row in channel_rows(bitmap, len(names)):
+        found = []
+        for own in weights:
+            color = [0.0] * columns
+            for channel, weight in enumerate(own):
+                if weight != 0.0:
+                    color = [sum_ + weight * value for sum_, value in zip(color, row[channel :: len(names)])]
+            found.append(color)
+        # Colours outside the gamut of sRGB have no spectrum in Mitsuba.
+        values.extend(max(value, 0.0) for pixel in zip(*found) for value in pixel)
+    return mi.Bitmap(mi.TensorXf(drjit.array_t(mi.TensorXf)(values.tolist()), (rows, columns, 3)))
+
+
+def channel_weights(mi, names: list[str]) -> list[list[float]] | None:
+    """The weights of the channels in linear red, green and blue; None if the channels are neither colours nor wavelengths."""
+    found = [re.fullmatch(r"(?:S0\.)?(\d+(?:[.,]\d+)?)nm", name) for name in names]
+    nm = [float(match.group(1).replace(",", ".")) if match else None for match in found]
+    known = sorted(one for one in nm if one is not None)
+    if len(known) > 1:
+        print("scene.py: the map has a spectrum in each pixel; it is rendered with smooth spectra of the same X, Y and Z")
+        xyz = {one: [0.0] * 3 for one in known}
+        for low, high in zip(known, known[1:]):
+            # Radiances are linear between the channels.
+            steps = max(int(high - low), 1)
+            for step in range(steps):
+                t = (step + 0.5) / steps
+                for k, bar in enumerate(mi.cie1931_xyz(low + t * (high - low))):
+                    xyz[low][k] += (1.0 - t) * float(bar) * (high - low) / steps
+                    xyz[high][k] += t * float(bar) * (high - low) / steps
+        bars = [[0.0] * 3 if one is None else xyz[one] for one in nm]
+        # The integral of y-bar is 106.857 nm.
+        return [[sum(a * b for a, b in zip(row, own)) / 106.857 for own in bars] for row in SRGB_OF_XYZ]
+    if {"R", "G", "B"} <= set(names):
+        return [[float(name == color) for name in names] for color in "RGB"]
+    return None
+
+
+def channel_rows(bitmap, channels: int):
+    """The rows of a bitmap as numbers, with the channels of each pixel together."""
+    columns, rows = bitmap.size()
+    about = bitmap.__array_interface__
+    kind = about["typestr"]
+    code = {"f2": "e", "f4": "f", "u4": "I"}[(kind.decode() if isinstance(kind, bytes) else kind)[1:]]
+    layout = struct.Struct(f"={columns * channels}{code}")
+    for row in range(rows):
+        yield layout.unpack(ctypes.string_at(about["data"][0] + row * layout.size, layout.size))
 
 
 def room(T, exposure: float) -> dict:

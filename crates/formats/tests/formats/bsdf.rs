@@ -4,6 +4,7 @@ mod astm;
 mod audit;
 mod binary;
 mod display;
+mod exports;
 mod mutations;
 mod radiant;
 mod samples;

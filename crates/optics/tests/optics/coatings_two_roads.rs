@@ -227,3 +227,24 @@ fn absorbing_film_on_any_substrate_is_tabulated() {
         }
     }
 }
+
+/// Single metal and ITO films on substrates from 1.3 to 2.4, from both sides and beyond the critical angle, against the table that PyPI
+/// `tmm` makes (`validation/films/tmm_oracle.py`).
+#[test]
+fn absorbing_films_on_any_substrate_equal_tmm() {
+    let table = include_str!("../../../../validation/films/coatings.csv");
+    let mut rows = 0;
+    for row in table.lines().skip(1) {
+        let cells: Vec<f64> = row.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+        let [n, k, thickness_nm, below, beta, from_air, through, from_below] = cells[..] else { panic!("{row}") };
+        let part = coating(1.0, &[layer(n, k, thickness_nm)], below).part(beta * beta, 0);
+        let expected = [from_air, through, from_below];
+        let found = [part.above, part.transmittance, part.below];
+        let is_used = [beta < 1.0, beta < 1.0, true];
+        for ((found, expected), is_used) in found.into_iter().zip(expected).zip(is_used) {
+            assert!(!is_used || (found - expected).abs() < 1e-7, "{row}: {found} {expected}");
+        }
+        rows += 1;
+    }
+    assert_eq!(rows, 8 * 3 * 13 * 7);
+}

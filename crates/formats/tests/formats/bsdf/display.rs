@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use papilio_display::{
-    BrdfGrid, BrdfState, BrdfTable, HalfVectorGrid, HalfVectorTable, RingGrid, RingTable, RowErrors,
+    BrdfGrid, BrdfState, BrdfTable, HalfVectorGrid, HalfVectorTable, LobeWidths, RingGrid, RingTable, RowErrors,
     ViewerGrid, ViewerState,
 };
 use papilio_formats::{
-    BsdfSource, DataFile, read_bsdf, scene_script, write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant,
+    BsdfSource, DataFile, read_bsdf, scene_script, write_bsdf_csv, write_bsdf_radiant,
     write_indexed_png, write_mirror_csv, write_rgl,
 };
 use papilio_goniometry::{Direction, Fill, Geometry, MeasuredPart, ScatterMode, Shape};
@@ -16,7 +16,8 @@ const SOURCE: BsdfSource<'_> = BsdfSource { papilio: "0", title: "a \"panel\"", 
 
 /// Table of a display with f(theta_i, theta_o, dphi), degrees, at two wavelengths; twice as much at the second.
 fn table(step_deg: f64, size: usize, f: impl Fn(f64, f64, f64) -> f64) -> HalfVectorTable {
-    let grid = HalfVectorGrid::even(step_deg, size);
+    // The lobe has a half-width of 12.6 deg, and half vectors half of it.
+    let grid = HalfVectorGrid::new(step_deg, size, &LobeWidths::constant(6.3));
     let mut brdf = Vec::new();
     for (light, theta_i) in grid.theta_i_deg.iter().enumerate() {
         for viewer in grid.viewers(light).0 {
@@ -84,8 +85,9 @@ fn rgl_file_of_a_perfect_white_has_its_cosine_at_all_nodes() {
     assert_eq!((grid.fields().shape, part.channels.len()), ([32, 32], 2));
     let mut above = 0;
     for (light, theta_i) in table.grid.theta_i_deg.iter().enumerate() {
+        let nodes = table.grid.nodes(light);
         for node in 0..32 * 32 {
-            let viewer = HalfVectorGrid::viewer(*theta_i, table.grid.node(node % 32, node / 32));
+            let viewer = HalfVectorGrid::viewer(*theta_i, nodes[node]);
             let value = part.channel(0)[light * 32 * 32 + node];
             let expected = viewer.map_or(0.0, |viewer| viewer.cos_theta_o / PI);
             assert!((value - expected).abs() < 1e-6, "{theta_i} deg, node {node}: {value} {expected}");
@@ -139,10 +141,11 @@ fn rgl_file_has_a_density_of_directions_for_each_light() {
         let (bytes, _) = written(&table);
         let nodes = 16 * 16;
         // The arrays are at the end, in this order: luminance, spectra, jacobian.
-        let spectra = 4 * 3 * 2 * nodes;
+        let lights = table.grid.theta_i_deg.len();
+        let spectra = 4 * lights * 2 * nodes;
         let jacobian = bytes.len() - 1;
-        let start = jacobian - spectra - 4 * 3 * nodes;
-        let numbers: Vec<f32> = bytes[start..start + 4 * 3 * nodes]
+        let start = jacobian - spectra - 4 * lights * nodes;
+        let numbers: Vec<f32> = bytes[start..start + 4 * lights * nodes]
             .chunks_exact(4)
             .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
             .collect();
@@ -201,7 +204,8 @@ fn csv_has_a_row_for_each_pair_of_directions_and_wavelength() {
 /// A lobe, read back: X, Y, Z of a grey display are equal, their integral is the TIS, and the mirror part is in neither.
 #[test]
 fn radiant_file_read_back_has_the_values_and_the_total_integrated_scatter() {
-    let grid = RingGrid::even(15.0);
+    let lights: Vec<f64> = (0..6).map(|k| 15.0 * f64::from(k)).collect();
+    let grid = RingGrid::about_lights(lights, &LobeWidths::constant(6.3));
     let wavelength_nm: Vec<f64> = (0..9).map(|k| 380.0 + 50.0 * f64::from(k)).collect();
     let (mut brdf, mut leaving) = (Vec::new(), Vec::new());
     for (light, theta_i) in grid.theta_i_deg.iter().enumerate() {
@@ -221,7 +225,6 @@ fn radiant_file_read_back_has_the_values_and_the_total_integrated_scatter() {
         discretisation_error: 0.0,
         row_errors: RowErrors::default(),
     };
-    assert!(table.missed() < 5e-3, "{}", table.missed());
     let mut bytes = Vec::new();
     write_bsdf_radiant(&mut bytes, &SOURCE, &table, 0).unwrap();
     let read = read_bsdf(&DataFile { name: "white.bsdf".to_owned(), bytes }).unwrap();
@@ -257,18 +260,6 @@ fn radiant_file_read_back_has_the_values_and_the_total_integrated_scatter() {
         }
     }
     assert!(write_bsdf_radiant(Vec::new(), &SOURCE, &table, 1).is_err());
-}
-
-/// A reflectance without a colour has the X, Y and Z of D65 times itself: f = 0.25 gives Y = 0.25 in each patch.
-#[test]
-fn klems_matrices_of_a_grey_display_have_its_luminous_value() {
-    let mut bytes = Vec::new();
-    write_bsdf_klems(&mut bytes, &SOURCE, &grid_table(10.0), 0).unwrap();
-    let read = read_bsdf(&DataFile { name: "grey.xml".to_owned(), bytes }).unwrap();
-    let part = &read.value.parts[0];
-    let y = part.luminous();
-    let inside = part.evaluate(y, Direction::new(30.0, 0.0), Direction::new(40.0, 90.0)).unwrap();
-    assert!((inside - 0.25).abs() < 1e-6, "{inside}");
 }
 
 #[test]

@@ -1,0 +1,264 @@
+//! Means between patches of what an isotropic sample scatters on rings about the mirror direction.
+//!
+//! Both sides are averaged: light over the inclinations and azimuths of its patch, and viewers over theirs. A lobe may be much narrower
+//! than a patch, because the rings follow it. Light of a patch comes evenly from its projected solid angle, so that the means of a
+//! reciprocal sample are symmetric: what the rule of the rings leaves of an asymmetry is averaged, and the sum of each column is that of
+//! the light which the sample scatters.
+
+use crate::geometry::projected_solid_angle;
+use crate::{Ring, SpecularGrid, patch_count};
+
+/// Nodes and weights of Gauss and Legendre's rule on 0 to 1.
+const GAUSS: [[f64; 2]; 4] = [
+    [0.069_431_844_202_973_71, 0.173_927_422_568_726_93],
+    [0.330_009_478_207_571_87, 0.326_072_577_431_273_07],
+    [0.669_990_521_792_428_1, 0.326_072_577_431_273_07],
+    [0.930_568_155_797_026_3, 0.173_927_422_568_726_93],
+];
+
+/// Parts of a cell of the rings along each of its axes.
+const PARTS: usize = 4;
+
+/// Azimuths from 0 to 180 deg at which scattered light is collected.
+const AZIMUTHS: usize = 361;
+
+/// Returns the inclinations of the light that [`ring_patch_means`] needs, degrees, ascending: four for each ring of patches.
+pub fn ring_patch_lights(rings: &[Ring]) -> Vec<f64> {
+    let of_ring = |k: usize| {
+        let [low, high] = bounds(rings, k).map(|theta| theta.to_radians().sin().powi(2));
+        GAUSS.map(|[x, _]| (low + (high - low) * x).sqrt().asin().to_degrees())
+    };
+    (0..rings.len()).flat_map(of_ring).collect()
+}
+
+/// Edges of a ring, degrees.
+fn bounds(rings: &[Ring], k: usize) -> [f64; 2] {
+    [rings[k].from_deg, rings.get(k + 1).map_or(90.0, |next| next.from_deg)]
+}
+
+/// Returns the mean of f between patches, `[in][out]`, 1/sr, from values on `grid`, whose incidences are
+/// [`ring_patch_lights`], and the fraction of the light that each incidence scatters.
+///
+/// `None` if the lengths do not match.
+pub fn ring_patch_means(
+    grid: &SpecularGrid,
+    values: &[f64],
+    totals: &[f64],
+    rings: &[Ring],
+) -> Option<Vec<f64>> {
+    let lights = GAUSS.len() * rings.len();
+    if grid.incidences_deg.len() != lights || totals.len() != lights || values.len() != grid.cells() {
+        return None;
+    }
+    let cells = grid.azimuths_deg.len() * grid.radials_deg.len();
+    // Light that arrives in each ring, by azimuth from the mirror direction, for each ring of incident patches.
+    let mut arrived = vec![vec![[0.0; AZIMUTHS]; rings.len()]; rings.len()];
+    let mut scattered = vec![0.0; rings.len()];
+    for (light, (values, total)) in values.chunks_exact(cells).zip(totals).enumerate() {
+        let (ring, weight) = (light / GAUSS.len(), GAUSS[light % GAUSS.len()][1]);
+        let found = collected(grid, grid.incidences_deg[light], values, rings);
+        let sum: f64 = found.iter().flatten().sum();
+        let scale = if sum > 0.0 { weight * total / sum } else { 0.0 };
+        scattered[ring] += weight * total;
+        for (mean, found) in arrived[ring].iter_mut().zip(&found) {
+            mean.iter_mut().zip(found).for_each(|(mean, found)| *mean += scale * found);
+        }
+    }
+    Some(symmetric(&between(&arrived, rings), &scattered, rings))
+}
+
+/// Returns the light of one incidence that arrives in each ring, by azimuth from the mirror direction, which is not normalised.
+fn collected(
+    grid: &SpecularGrid,
+    incidence_deg: f64,
+    values: &[f64],
+    rings: &[Ring],
+) -> Vec<[f64; AZIMUTHS]> {
+    let (azimuths, radials) = (&grid.azimuths_deg, &grid.radials_deg);
+    let mut found = vec![[0.0; AZIMUTHS]; rings.len()];
+    let value = |azimuth: usize, radial: usize| {
+        SpecularGrid::direction(incidence_deg, azimuths[azimuth], radials[radial])?;
+        Some(values[azimuth * radials.len() + radial].max(0.0))
+    };
+    for a in 1..azimuths.len() {
+        for r in 1..radials.len() {
+            let corners = [value(a - 1, r - 1), value(a - 1, r), value(a, r - 1), value(a, r)];
+            if corners.iter().all(Option::is_none) {
+                continue;
+            }
+            let [width, length] = [azimuths[a] - azimuths[a - 1], radials[r] - radials[r - 1]];
+            for part in 0..PARTS * PARTS {
+                let [x, y] = [part % PARTS, part / PARTS].map(|k| (k as f64 + 0.5) / PARTS as f64);
+                let radial = radials[r - 1] + x * length;
+                let Some(to) = SpecularGrid::direction(incidence_deg, azimuths[a - 1] + y * width, radial) else {
+                    continue;
+                };
+                let weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
+                let above = corners.iter().zip(weights).filter_map(|(value, weight)| Some((value.as_ref()?, weight)));
+                let (sum, whole) = above.fold((0.0, 0.0), |(sum, whole), (value, weight)| {
+                    (sum + value * weight, whole + weight)
+                });
+                let light = sum / whole * radial.to_radians().sin() * length * width * to.theta_deg.to_radians().cos();
+                let ring = rings.partition_point(|ring| ring.from_deg <= to.theta_deg).saturating_sub(1);
+                let place = (to.phi_deg + 180.0).rem_euclid(360.0) - 180.0;
+                let place = place.abs() / 180.0 * (AZIMUTHS - 1) as f64;
+                let node = (place as usize).min(AZIMUTHS - 2);
+                let beyond = place - node as f64;
+                found[ring][node] += light * (1.0 - beyond);
+                found[ring][node + 1] += light * beyond;
+            }
+        }
+    }
+    found
+}
+
+/// Returns the means of f between patches, `[in][out]`, from the light that arrives in each ring.
+fn between(arrived: &[Vec<[f64; AZIMUTHS]>], rings: &[Ring]) -> Vec<f64> {
+    let omega = projected_solid_angle(rings);
+    let mut means = Vec::with_capacity(omega.len() * omega.len());
+    for (incoming, of_ring) in rings.iter().zip(arrived) {
+        for number in 0..incoming.patches {
+            let from = 360.0 * number as f64 / incoming.patches as f64;
+            let mut patch = 0;
+            for (outgoing, light) in rings.iter().zip(of_ring) {
+                let widths = [incoming, outgoing].map(|ring| 360.0 / ring.patches as f64);
+                for k in 0..outgoing.patches {
+                    let apart = 360.0 * k as f64 / outgoing.patches as f64 - from;
+                    let both = |(node, light): (usize, &f64)| {
+                        let turn = 180.0 * node as f64 / (AZIMUTHS - 1) as f64;
+                        0.5 * light * (overlap(apart - turn, widths) + overlap(apart + turn, widths))
+                    };
+                    means.push(light.iter().enumerate().map(both).sum::<f64>() / omega[patch]);
+                    patch += 1;
+                }
+            }
+        }
+    }
+    means
+}
+
+/// Returns the fraction of an arc of the first width that lies in an arc of the second width, whose middles are `apart` degrees apart.
+fn overlap(apart: f64, [width, other]: [f64; 2]) -> f64 {
+    let off = (apart + 180.0).rem_euclid(360.0) - 180.0;
+    let both = |off: f64| (0.5 * (width + other) - off.abs()).clamp(0.0, width.min(other));
+    // The arcs may meet on either side of the circle.
+    ((both(off) + both(360.0 - off.abs())) / width).min(1.0)
+}
+
+/// Averages a pair of patches and its reverse, and adds to each pair of a patch with its mirror direction what the column then lacks.
+fn symmetric(means: &[f64], scattered: &[f64], rings: &[Ring]) -> Vec<f64> {
+    let (count, omega) = (patch_count(rings), projected_solid_angle(rings));
+    let mut found: Vec<f64> = (0..count * count)
+        .map(|pair| 0.5 * (means[pair] + means[pair % count * count + pair / count]))
+        .collect();
+    let of_patches = rings.iter().zip(scattered).flat_map(|(ring, total)| std::iter::repeat_n(*total, ring.patches));
+    for (patch, total) in of_patches.enumerate() {
+        let column = &mut found[patch * count..][..count];
+        let sum: f64 = column.iter().zip(&omega).map(|(f, omega)| f * omega).sum();
+        column[patch] = (column[patch] + (total - sum) / omega[patch]).max(0.0);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::{KLEMS_FULL, Symmetry};
+
+    /// Means of a lobe f of the distance between viewer and mirror direction in direction cosines; `total` is what it scatters.
+    fn means(f: impl Fn(f64) -> f64, total: impl Fn(f64) -> f64) -> Vec<f64> {
+        let radials_deg = (0..60).map(|k| 0.1 * f64::from(k)).chain((6..=180).map(f64::from)).collect();
+        let grid = SpecularGrid {
+            rotations_deg: vec![0.0],
+            incidences_deg: ring_patch_lights(&KLEMS_FULL),
+            azimuths_deg: (0..=36).map(|k| 5.0 * f64::from(k)).collect(),
+            radials_deg,
+            symmetry: Symmetry::Plane,
+        };
+        let mut values = Vec::new();
+        for incidence in &grid.incidences_deg {
+            for azimuth in &grid.azimuths_deg {
+                for radial in &grid.radials_deg {
+                    let viewer = SpecularGrid::direction(*incidence, *azimuth, *radial);
+                    let distance = viewer.map(|viewer| {
+                        let [x, y, _] = viewer.vector();
+                        (x - incidence.to_radians().sin()).hypot(y)
+                    });
+                    values.push(distance.map_or(0.0, &f));
+                }
+            }
+        }
+        let totals: Vec<f64> = grid.incidences_deg.iter().map(|theta| total(*theta)).collect();
+        ring_patch_means(&grid, &values, &totals, &KLEMS_FULL).unwrap()
+    }
+
+    /// Fraction of exp(-(r / width)^2) about a point at the distance sin theta from the centre that lies in the unit disc.
+    fn in_disc(theta_deg: f64, width: f64) -> f64 {
+        let (n, sin) = (200, theta_deg.to_radians().sin());
+        let is_inside = |k: &i32| {
+            let [q, turn] = [k / n, k % n].map(|k| (f64::from(k) + 0.5) / f64::from(n));
+            let r = width * (-(-q).ln_1p()).sqrt();
+            let (y, x) = (2.0 * PI * turn).sin_cos();
+            (sin + r * x).hypot(r * y) < 1.0
+        };
+        (0..n * n).filter(is_inside).count() as f64 / f64::from(n * n)
+    }
+
+    /// Mean of [`in_disc`] over the projected solid angle of each patch.
+    fn mean_totals(width: f64) -> Vec<f64> {
+        let of_ring = |k: usize| {
+            let [low, high] = bounds(&KLEMS_FULL, k).map(|theta| theta.to_radians().sin().powi(2));
+            let lights = &ring_patch_lights(&KLEMS_FULL)[4 * k..][..4];
+            let inside = |theta: &f64| (low..=high).contains(&theta.to_radians().sin().powi(2));
+            assert!(lights.iter().all(inside));
+            let mean = lights.iter().zip(GAUSS).map(|(theta, [_, weight])| weight * in_disc(*theta, width)).sum();
+            std::iter::repeat_n(mean, KLEMS_FULL[k].patches)
+        };
+        (0..9).flat_map(|k| of_ring(k).collect::<Vec<f64>>()).collect()
+    }
+
+    #[test]
+    fn perfect_white_is_the_same_between_all_patches() {
+        let found = means(|_| 1.0 / PI, |_| 1.0);
+        for (pair, f) in found.iter().enumerate() {
+            assert!((f * PI - 1.0).abs() < 0.02, "{} to {}: {}", pair / 145, pair % 145, f * PI);
+        }
+    }
+
+    /// A lobe of the same shape about the mirror direction in direction cosines, wide and narrow: columns have their totals, the matrix
+    /// is symmetric, and the patch about the normal is the same to all patches of a ring. The mean between the patch about the normal
+    /// and those of the next ring against a sum over pairs of points.
+    #[test]
+    fn lobe_has_its_totals_and_is_symmetric() {
+        for width in [0.15, 0.03] {
+            let lobe = |r: f64| (-(r / width).powi(2)).exp() / (PI * width * width);
+            let found = means(lobe, |theta| in_disc(theta, width));
+            let omega = projected_solid_angle(&KLEMS_FULL);
+            let means_of_totals = mean_totals(width);
+            for column in 0..145 {
+                let of = &found[column * 145..][..145];
+                let sum: f64 = of.iter().zip(&omega).map(|(f, omega)| f * omega).sum();
+                let expected = means_of_totals[column];
+                assert!((sum / expected - 1.0).abs() < 1e-9, "{column}: {sum} {expected}");
+                for row in 0..145 {
+                    assert_eq!(of[row], found[row * 145 + column]);
+                    assert!(of[row] >= 0.0);
+                }
+            }
+            let next = found[1];
+            assert!(found[1..9].iter().all(|f| (f / next - 1.0).abs() < 1e-9));
+            // Direction cosines of the patch and of the ring, at equal areas.
+            let [near, far] = [5.0_f64, 15.0].map(|theta| theta.to_radians().sin().powi(2));
+            let (mut sum, n) = (0.0, 24);
+            for k in 0..n * n * n {
+                let [a, b, c] = [k % n, k / n % n, k / n / n].map(|k| (f64::from(k) + 0.5) / f64::from(n));
+                let (r, s) = ((near * a).sqrt(), (near + (far - near) * b).sqrt());
+                let (sin, cos) = (PI * c).sin_cos();
+                sum += lobe((r - s * cos).hypot(s * sin)) / f64::from(n * n * n);
+            }
+            assert!((next / sum - 1.0).abs() < 0.01, "{width}: {next} {sum}");
+        }
+    }
+}
