@@ -14,4 +14,5 @@ mod light_maps;
 mod meshes;
 mod pictures;
 mod reading;
+mod tables;
 mod writing;
