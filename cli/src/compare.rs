@@ -28,7 +28,8 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     };
     out.as_deref().map_or(Ok(()), output::check)?;
     let read = read_result(&open(&result)?).map_err(Failure::Data)?;
-    let measured = read_measured_panel(&open(&arguments.measured)?).map_err(Failure::Data)?;
+    let panel = read_measured_panel(&open(&arguments.measured)?).map_err(Failure::Data)?;
+    let measured = panel.value;
     let suggestion = suggestion(&read.simulated, &measured);
     let all = compare(&read.simulated, &measured).map_err(|error| {
         let help = suggestion.clone().unwrap_or_else(|| {
@@ -40,8 +41,10 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     })?;
     let title = read.title.unwrap_or_else(|| report::file_title(&result));
     let heading = heading(&title, read.hash.as_deref(), &result, &arguments.measured);
-    let written =
-        out.as_deref().map(|folder| interrupt::uninterrupted(|| write(folder, &all, &title))).transpose()?;
+    let written = out
+        .as_deref()
+        .map(|folder| interrupt::uninterrupted(|| write(folder, &all, &title, arguments.png)))
+        .transpose()?;
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &all)?;
@@ -52,6 +55,8 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     if let (Some(folder), Some(names)) = (out, written) {
         output::print_written(&folder, &names);
     }
+    let measured_name = arguments.measured.display();
+    panel.warnings.iter().for_each(|note| print_message(&format!("note: {measured_name}: {note}")));
     all.left_out.iter().for_each(|reason| print_message(&format!("note: {reason}")));
     suggestion.iter().for_each(|help| print_message(&format!("  = help: {help}")));
     if all.looks_like_percent() {
@@ -67,8 +72,9 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
 fn suggestion(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
     let all = simulated.views.iter().flat_map(|view| &view.states);
     let known: BTreeSet<&str> = all.map(|(name, ..)| name.as_str()).collect();
+    let is_known = |name: &&str| known.iter().any(|known| known.to_lowercase() == name.to_lowercase());
     let unknown: BTreeSet<&str> =
-        measured.iter().map(|one| one.state.as_str()).filter(|name| !known.contains(name)).collect();
+        measured.iter().map(|one| one.state.as_str()).filter(|name| !is_known(name)).collect();
     let close =
         unknown.iter().filter_map(|wrong| nearest(wrong, known.iter().copied()).map(|name| (wrong, name)));
     let close: Vec<String> = close.map(|(wrong, name)| format!("`{name}` for `{wrong}`")).collect();
@@ -84,7 +90,7 @@ fn open(path: &Path) -> Result<DataFile, Failure> {
     DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)
 }
 
-fn write(folder: &Path, all: &Comparison, title: &str) -> Result<Vec<String>, Failure> {
+fn write(folder: &Path, all: &Comparison, title: &str, png: bool) -> Result<Vec<String>, Failure> {
     output::make_folder(folder)?;
     // Figures of an earlier comparison could be mistaken for those of this one.
     output::remove(folder, |name| name.starts_with("compared-") || name == "comparison-spectra.csv")?;
@@ -101,11 +107,10 @@ fn write(folder: &Path, all: &Comparison, title: &str) -> Result<Vec<String>, Fa
         } else {
             format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
         };
-        if let Some(svg) = compared_spectra(all, view, title) {
-            names.extend(output::write_figure(folder, &format!("compared-spectra{suffix}"), &svg)?);
-        }
-        let gamuts = compared_gamuts(all, view, title);
-        names.extend(output::write_figure(folder, &format!("compared-gamuts{suffix}"), &gamuts)?);
+        let spectra =
+            compared_spectra(all, view, title).map(|svg| (format!("compared-spectra{suffix}"), svg));
+        let gamuts = (format!("compared-gamuts{suffix}"), compared_gamuts(all, view, title));
+        names.extend(output::write_figures(folder, spectra.into_iter().chain([gamuts]).collect(), png)?);
     }
     Ok(names)
 }
@@ -166,8 +171,9 @@ fn display_metrics(view: &ViewComparison) -> String {
     let mut parts: Vec<String> = known
         .map(|(name, pair, unit)| format!("{name} {}{unit}", pair_text(pair, 2)).trim_start().to_owned())
         .collect();
-    if let Some(peaks) = view.average_peak_difference_nm {
-        parts.push(format!("mean difference of the peaks {} nm", numbers::signed(peaks, 1)));
+    if let Some((rms, mean)) = view.rms_peak_difference_nm.zip(view.average_peak_difference_nm) {
+        let mean = numbers::signed(mean, 1);
+        parts.push(format!("rms difference of the peaks {rms:.1} nm (mean with sign {mean} nm)"));
     }
     if parts.is_empty() { String::new() } else { format!("  {}\n", parts.join(", ")) }
 }

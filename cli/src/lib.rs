@@ -174,6 +174,7 @@ fn missing_feature(command: &Command) -> Option<String> {
         Command::Mtf(of_place) | Command::Crosstalk(of_place) => (of_place.spatial.png, false),
         Command::Sparkle(of_place) => (of_place.png, false),
         Command::Gonio(gonio) => (gonio.png, false),
+        Command::Compare(compare) => (compare.png, false),
         Command::Sweep(sweep) => {
             let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| &merge.outputs);
             let outputs = merge.unwrap_or(&sweep.outputs);

@@ -371,7 +371,7 @@ pub(crate) struct Compare {
     /// A result.json, or the folder that contains it
     #[arg(value_name = "RESULT")]
     pub(crate) result: PathBuf,
-    /// Measured spectra or colours (CSV)
+    /// Measured spectra or colours (CSV, CGATS, CxF)
     #[arg(value_name = "MEASURED")]
     pub(crate) measured: PathBuf,
     /// Folder for tables and figures [default: out/compare]
@@ -380,6 +380,9 @@ pub(crate) struct Compare {
     /// Print the comparison as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
+    /// Write each figure as PNG too
+    #[arg(long)]
+    pub(crate) png: bool,
 }
 
 #[derive(Debug, Args)]

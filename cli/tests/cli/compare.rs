@@ -36,7 +36,7 @@ fn synthetic_panel_differs_by_its_stated_deviations() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let table = String::from_utf8(output.stdout).unwrap();
     for words in
-        ["Under an overcast sky", "seen from 20 deg", "simulated / measured", "mean difference of the peaks"]
+        ["Under an overcast sky", "seen from 20 deg", "simulated / measured", "rms difference of the peaks"]
     {
         assert!(table.contains(words), "{words} is not in\n{table}");
     }
@@ -78,6 +78,54 @@ fn tables_of_a_run_compare_as_equal() {
             assert!(one["delta_E_2000"].as_f64().unwrap() < most.sqrt(), "{table}: {one}");
             assert!(one["difference_Y"].as_f64().unwrap().abs() < most, "{table}: {one}");
         }
+    }
+}
+
+/// CIELAB and wide tables of the result itself, with capital names and without angles, have no difference: L\*, a\*, b\* of states.csv
+/// are relative to the same white, and a spectrum in per cent is the same spectrum.
+#[test]
+fn measurement_in_the_forms_of_instruments_is_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = shipped("overcast.toml");
+    let output = papilio(&[Path::new("run"), &scenario, Path::new("--out"), folder.path()]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let columns = |table: &str, wanted: &[&str]| -> Vec<Vec<String>> {
+        let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+        let at: Vec<usize> =
+            wanted.iter().map(|name| names.iter().position(|other| other == name).unwrap()).collect();
+        let row = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            at.iter().map(|at| cells[*at].to_owned()).collect()
+        };
+        table.lines().skip(1).map(row).collect()
+    };
+    let mut lab = String::from("b*;Sample;L*;a*\n");
+    for row in columns(&read("states.csv"), &["state", "L_star", "a_star", "b_star"]) {
+        let [state, l, a, b] = &row[..] else { panic!("{row:?}") };
+        lab += &format!("{b};{};{l};{a}\n", state.to_uppercase()).replace('.', ",");
+    }
+    let spectra = columns(&read("spectra.csv"), &["state", "wavelength_nm", "reflectance_factor"]);
+    let of_white: Vec<&Vec<String>> = spectra.iter().filter(|row| row[0] == "white").collect();
+    let head: Vec<String> = of_white.iter().map(|row| format!("{} nm", row[1])).collect();
+    let cells = of_white.iter().map(|row| (100.0 * row[2].parse::<f64>().unwrap()).to_string());
+    let wide = format!("Name,{}\nWhite,{}\n", head.join(","), cells.collect::<Vec<_>>().join(","));
+    let columns = of_white.iter().map(|row| format!("{},{}\n", row[1], row[2])).collect::<String>();
+    for (text, count, words) in [
+        (lab, 8, "in capital letters only"),
+        (wide, 1, "are read as per cent"),
+        (format!("wavelength_nm,white\n{columns}"), 1, "not measured"),
+    ] {
+        let file = folder.path().join("measured.csv");
+        fs::write(&file, &text).unwrap();
+        let output = compare(folder.path(), &file, &[Path::new("--json")]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{text}: {said}");
+        let all: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let states = all["states"].as_array().unwrap();
+        assert_eq!(states.len(), count, "{text}");
+        assert!(states.iter().all(|one| one["delta_E_2000"].as_f64().unwrap() < 1e-4), "{text}: {states:?}");
+        assert!(said.contains(words), "{words}: {said}");
     }
 }
 

@@ -102,15 +102,16 @@ fn wrong_input_is_answered_with_its_place() {
     };
     let good = "state,L,a,b\nwhite,60,0,0\n";
     for (csv, part) in [
-        ("state,R,G,B\nwhite,1,2,3\n", "`wavelength_nm`, `reflectance_factor` or `L`, `a`, `b`"),
+        ("state,wavelength_nm\nwhite,400\n", "`wavelength_nm`, `reflectance_factor` or `L`, `a`, `b`"),
+        ("state,R,G,B\nwhite,1,2,3\n", "the column `G` is not understood"),
         ("state,L,a,b\n", "there are no rows of data"),
         ("state,L,a,b\nwhite,160,0,0\n", "inks.csv:2:7"),
-        ("state,L,a,b\nwhite,60,0,0\nwhite,61,0,0\n", "`white` has two rows"),
+        ("state,L,a,b\nwhite,60,0,0\nwhite,61,0,0\n", "`white` has two values"),
         ("state,L,a,b\nred,95,90,90\n", "no surface has the colour of state `red`"),
         ("state,wavelength_nm,reflectance_factor\nwhite,0.4,0.1\nwhite,0.7,0.2\n", "micrometres"),
         (
             "state,wavelength_nm,reflectance_factor\nwhite,400,0.1\nwhite,400,0.2\n",
-            "`white` at 400 nm has two rows",
+            "`white` at 400 nm has two values",
         ),
         ("state,wavelength_nm,reflectance_factor\nwhite,400,0.1\nwhite,700,0.2\n", "400"),
     ] {

@@ -49,6 +49,58 @@ pub enum Problem {
     },
     /// The bytes are not UTF-8.
     NotUtf8,
+    /// The bytes are no text in any supported encoding.
+    NotText,
+    /// A column whose name is not understood.
+    UnknownColumn {
+        /// Its name.
+        found: String,
+        /// The quantity that it names, if it is one that this file cannot hold.
+        known: Option<&'static str>,
+        /// The names that are accepted, with their units.
+        accepted: String,
+    },
+    /// A column whose unit is not understood, or is that of another quantity.
+    UnknownUnit {
+        /// Name of the column.
+        column: String,
+        /// The unit.
+        unit: String,
+        /// The units that are accepted.
+        expected: &'static str,
+    },
+    /// Two columns for the same quantity.
+    TwoColumns {
+        /// The quantity.
+        what: &'static str,
+        /// The second column.
+        found: String,
+        /// The first column.
+        other: String,
+    },
+    /// A header without a required column.
+    MissingColumn {
+        /// The required columns.
+        missing: &'static str,
+    },
+    /// A spectrum of light over photon energies, wavenumbers or frequencies.
+    EnergyAxis,
+    /// Angles that are probably in radians.
+    Radians,
+    /// An error of a file of an instrument.
+    Instrument {
+        /// Name of the format.
+        format: &'static str,
+        /// What is wrong.
+        what: String,
+    },
+    /// The file holds another quantity than the one that is needed.
+    OtherQuantity {
+        /// The quantity of the file.
+        found: &'static str,
+        /// The quantity that is needed.
+        expected: &'static str,
+    },
     /// A table has too few rows.
     TooFew {
         /// Number of rows found.
@@ -88,21 +140,14 @@ pub enum Problem {
     PaletteHeader,
     /// A measured palette without rows.
     EmptyPalette,
-    /// Two rows of a measured palette for the same state and wavelength.
-    PaletteTwice {
+    /// Two values for the same measured state, direction and wavelength.
+    StateTwice {
         /// The state.
         state: String,
-        /// Wavelength, nm; `None` in CIELAB.
+        /// Inclination, degrees, if it is stated.
+        theta_deg: Option<f64>,
+        /// Wavelength, nm; `None` for a colour.
         nm: Option<f64>,
-    },
-    /// Two rows of a measured panel for the same state and direction.
-    MeasuredTwice {
-        /// The state.
-        state: String,
-        /// Inclination, degrees.
-        theta_deg: f64,
-        /// Azimuth, degrees.
-        phi_deg: f64,
     },
     /// The file is not JSON, or not a result of a run.
     NotAResult {
@@ -111,6 +156,11 @@ pub enum Problem {
     },
     /// An empty cell instead of a number.
     EmptyCell,
+    /// A mark of a missing value instead of a number.
+    MissingValue {
+        /// Content of the cell.
+        found: String,
+    },
     /// A cell that is not a number.
     NotANumber {
         /// Content of the cell.
@@ -258,14 +308,29 @@ impl Problem {
                     .hint("remove unnecessary data: use fewer rows or a coarser grid")
             }
             Self::NotUtf8 => Diagnostic::new("this file is not text in UTF-8").hint("save it as plain text in UTF-8"),
+            Self::NotText => Diagnostic::new("this file is not text")
+                .expected("text in UTF-8, UTF-16 or Latin-1")
+                .hint("save it as plain text, such as CSV"),
+            Self::UnknownColumn { .. }
+            | Self::UnknownUnit { .. }
+            | Self::TwoColumns { .. }
+            | Self::MissingColumn { .. }
+            | Self::EnergyAxis
+            | Self::Radians => self.header_diagnostic(),
+            Self::Instrument { format, what } => Diagnostic::new(format!("this {format} file cannot be used: {what}")),
+            Self::OtherQuantity { found, expected } => {
+                Diagnostic::new(format!("this file holds {found}")).expected(expected)
+            }
             Self::BadName => Diagnostic::new("this name is not permitted").expected(GOOD_NAME),
             Self::Header => Diagnostic::new("this is not the header of a pixel table")
                 .expected("`state,theta_deg,wavelength_nm,reflectance`"),
             Self::PanelHeader => Diagnostic::new("this is not the header of a measured panel").expected(
-                "the columns `state`, `theta_deg`, and `wavelength_nm`, `reflectance_factor` or `X`, `Y`, `Z`",
+                "the columns `state`, optionally `theta_deg`, and `wavelength_nm`, `reflectance_factor` or `X`, `Y`, `Z` or `L`, `a`, `b`; \
+                 or `wavelength_nm` and a column for each state; or `state` and a column for each wavelength",
             ),
             Self::PaletteHeader => Diagnostic::new("this is not the header of a measured palette").expected(
-                "the columns `state`, and `wavelength_nm`, `reflectance_factor` or `L`, `a`, `b`",
+                "the columns `state`, and `wavelength_nm`, `reflectance_factor` or `L`, `a`, `b`; or `wavelength_nm` and a column for each \
+                 state; or `state` and a column for each wavelength",
             ),
             Self::WindowHeader => Diagnostic::new("this is not the header of a table of rectangles").expected("`name,x0,y0,x1,y1`"),
             Self::NotAResult { message } => Diagnostic::new(format!("this is not a result.json: {message}"))
@@ -288,6 +353,42 @@ impl Problem {
                 Diagnostic::new(error.to_string()).hint_if(sign.then_some(SIGN_OF_K))
             }
             _ => self.row_diagnostic(),
+        }
+    }
+
+    /// Diagnostics of the names and units of columns.
+    fn header_diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::UnknownColumn { found, known, accepted } => {
+                let holds = known.map_or(String::new(), |known| format!(": it names {known}"));
+                Diagnostic::new(format!("the column `{found}` is not understood{holds}"))
+                    .expected("a name of a column that this file may have")
+                    .hint(format!("rename the column, or remove it; the columns are {accepted}"))
+            }
+            Self::UnknownUnit { column, unit, expected } => {
+                let wrong = match unit.as_str() {
+                    "none" => format!("the column `{column}` states no unit"),
+                    unit if unit == column => format!("the column `{column}` has the unit of another quantity"),
+                    unit => format!("the unit `{unit}` of the column `{column}` is not understood"),
+                };
+                Diagnostic::new(wrong)
+                    .expected(expected)
+                    .hint("write the unit in brackets behind the name, or as in `wavelength_nm`")
+            }
+            Self::TwoColumns { what, found, other } => {
+                Diagnostic::new(format!("`{other}` and `{found}` both name {what}"))
+                    .expected("one column for each quantity")
+                    .hint("remove one of the two columns, or rename it")
+            }
+            Self::MissingColumn { missing } => Diagnostic::new("a required column is missing").expected(missing),
+            Self::EnergyAxis => Diagnostic::new("this spectrum of light is given over photon energy, wavenumber or frequency")
+                .expected("a wavelength")
+                .hint(
+                    "power per eV (or per cm-1) is not power per nm: multiply the values by the square of the energy, and convert the                      energies to wavelengths (1239.84 nm eV)",
+                ),
+            _ => Diagnostic::new("the angles are probably in radians")
+                .expected("angles in degrees")
+                .hint("write the unit in the names of the columns, such as `theta_i (rad)` or `theta_i (deg)`"),
         }
     }
 
@@ -338,9 +439,10 @@ impl Problem {
                     "a first row with the names of the columns, and a row for each state (for spectra, for each state and wavelength)",
                 )
                 .hint(WHOLE_FILE),
-            Self::PaletteTwice { state, nm } => {
+            Self::StateTwice { state, theta_deg, nm } => {
+                let direction = theta_deg.map_or(String::new(), |theta| format!(" at {theta} deg"));
                 let at = nm.map_or(String::new(), |nm| format!(" at {nm} nm"));
-                Diagnostic::new(format!("state `{state}`{at} has two rows")).hint("remove one of the two rows")
+                Diagnostic::new(format!("state `{state}`{direction}{at} has two values")).hint("remove one of the two")
             }
             Self::NoRectangles => {
                 too_few(0).expected("a row for each rectangle: name, x0, y0, x1, y1").hint(WHOLE_FILE)
@@ -354,15 +456,12 @@ impl Problem {
                 wrong.hint(if found < count {
                     "separate the columns with commas, semicolons, tabs or blanks"
                 } else {
-                    "remove the additional columns; write decimals with a point, and names that contain separators in double quotes"
+                    "remove the additional columns; with decimal commas, separate the columns by semicolons or tabs; write names that \
+                     contain separators in double quotes"
                 })
             }
             Self::Quotes => Diagnostic::new("the quotation marks of this cell do not match")
                 .hint("begin and end a quoted cell with a double quote; write a double quote inside it twice"),
-            Self::MeasuredTwice { state, theta_deg, phi_deg } => Diagnostic::new(format!(
-                "state `{state}` at theta {theta_deg} deg, phi {phi_deg} deg has two rows"
-            ))
-            .hint("remove one of the two rows"),
             Self::Duplicate { state, theta_deg, nm } => {
                 Diagnostic::new(format!("state `{state}` at {theta_deg} deg and {nm} nm has two rows"))
                     .hint("remove one of the two rows")
@@ -375,9 +474,9 @@ impl Problem {
             Self::NoNormal { theta_deg } => Diagnostic::new(format!("the smallest angle is {theta_deg} deg"))
                 .expected("0 deg as the smallest angle")
                 .hint("add rows for 0 deg, the normal of the display"),
-            Self::Micrometres => Diagnostic::new("the wavelengths are probably in micrometres")
+            Self::Micrometres => Diagnostic::new("the wavelengths are probably in micrometres or in eV")
                 .expected("wavelengths in nm")
-                .hint("multiply the wavelengths by 1000"),
+                .hint("multiply um by 1000, or write the unit in the header: `wavelength_um`, `energy_eV`"),
             Self::OutOfOrder { nm, before } => {
                 Diagnostic::new(format!("wavelength {nm} nm is out of order after {before} nm"))
                     .expected("wavelengths that all increase, or all decrease, from row to row")
@@ -393,10 +492,14 @@ impl Problem {
             Self::EmptyCell => Diagnostic::new("this cell is empty")
                 .expected("a number")
                 .hint("enter the value, or remove the row"),
+            Self::MissingValue { found } => Diagnostic::new(format!("`{found}` stands for a missing value"))
+                .expected("a number")
+                .hint("enter the value, or remove the row"),
             Self::NotANumber { found } => {
                 let wrong = Diagnostic::new(format!("`{found}` is not a number")).expected("a number");
                 wrong.hint(if found.contains([',', ';', ' ', '\t']) {
-                    "decimal commas are not supported: write decimals with a point, and use the same separator in all rows"
+                    "use the same separator in all rows, and the same decimal mark in all numbers; with decimal commas, separate the \
+                     columns by semicolons or tabs"
                 } else {
                     "write numbers as 0.5 or 1.2e-3; a line that begins with `#` is a comment"
                 })
@@ -406,7 +509,7 @@ impl Problem {
                 .hint("remove the row, or enter its value"),
             Self::OutOfRange { what, value, expected } => {
                 let hint = match *what {
-                    "reflectance" | "the fraction" if *value > 1.0 => {
+                    "reflectance" | "the fraction" | "the reflectance factor" if *value > 1.0 => {
                         Some("write fractions as numbers from 0 to 1, not in percent")
                     }
                     "k" => Some(SIGN_OF_K),

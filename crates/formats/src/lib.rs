@@ -2,12 +2,12 @@
 //!
 //! | reader | input |
 //! |---|---|
-//! | [`read_spectrum`] | two columns: wavelength in nm, value |
+//! | [`read_spectrum`] | a wavelength and a value: tables, and files of instruments (CGATS, CxF, IES TM-27, Argyll, Ocean Optics, Sekonic) |
 //! | [`read_fractions`], [`read_light`] | the same, with values from 0 to 1, or of a light source |
 //! | [`read_profile`] | two columns: angle in degrees, relative radiance |
 //! | [`read_light_map`] | Radiance pictures and OpenEXR maps of the whole sphere (detected from the content) |
 //! | [`read_luminaire`] | luminaires, IES LM-63 (types A, B and C) and EULUMDAT |
-//! | [`read_index`] | n-k in nm, or a refractiveindex.info page (detected from the content) |
+//! | [`read_index`] | a table of n and k or of a permittivity, or a refractiveindex.info page (detected from the content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
 //! | [`read_windows`] | rectangles of sub-pixels: name, x0, y0, x1, y1 |
 //! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
@@ -70,6 +70,7 @@ mod file;
 mod gonio;
 mod guard;
 mod index;
+mod instrument;
 mod journal;
 mod json;
 mod light;
@@ -84,10 +85,10 @@ mod refractiveindex;
 pub mod report;
 mod result;
 mod result_read;
-mod rows;
 mod sparkle;
 mod spatial;
 mod spectrum;
+mod states;
 mod study;
 mod surface;
 mod sweep;
@@ -99,6 +100,7 @@ mod sweep_parquet;
 #[cfg(not(feature = "parquet"))]
 #[path = "no_parquet.rs"]
 mod sweep_parquet;
+mod table;
 mod temporary;
 mod tolerance;
 mod windows;
@@ -146,7 +148,9 @@ pub use result::{ResultFile, result_schema, write_reflection, write_spectra, wri
 pub use result_read::{ReadResult, read_result};
 pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};
 pub use spatial::{SpatialFile, TitledFile, image_schema, palette_schema};
-pub use spectrum::{read_fractions, read_light, read_spectrum};
+pub use spectrum::{
+    read_fractions, read_fractions_with_notes, read_light, read_light_with_notes, read_spectrum,
+};
 pub use study::write_study;
 pub use surface::{
     HeightFile, MeshFile, SurfaceProblem, is_height_file, read_density, read_heights, read_mesh,
@@ -161,6 +165,9 @@ pub use sweep_parquet::{light_parquet, sweep_parquet};
 pub use temporary::remove_abandoned;
 pub use tolerance::{SearchHead, ToleranceHead, write_table};
 pub use windows::{NamedRectangle, read_windows};
+
+// Readers of heights use rows of numbers without names.
+pub(crate) use table::rows;
 
 /// Whether this build can write tables as Parquet: the feature `parquet`, which is on by default in builds of the program.
 pub const HAS_PARQUET: bool = cfg!(feature = "parquet");

@@ -11,11 +11,15 @@ use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::rows::{Cell, Row, Table};
+use crate::table::quantities::{REFLECTANCE, STATE, THETA, WAVELENGTH};
+use crate::table::{Column, Header, Quantity, Row, Table, TableText};
 use crate::words::{is_formula, is_override};
 
 /// The columns of `pixel.csv`.
 pub const PIXEL_COLUMNS: [&str; 4] = ["state", "theta_deg", "wavelength_nm", "reflectance"];
+
+/// Range of a wavelength, nm.
+pub(crate) const NM: (f64, f64) = (30.0, 1e6);
 
 /// Reflectances of complete states on a rectangular grid of angles and wavelengths.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +64,7 @@ impl PixelTable {
     }
 }
 
-/// Reads a pixel table. Its first row holds the names of the columns, [`PIXEL_COLUMNS`].
+/// Reads a pixel table. Its first row holds the names of the columns, [`PIXEL_COLUMNS`] in any order and with their units.
 ///
 /// # Errors
 /// With line and column: cells that are not numbers, reflectances outside 0 to
@@ -68,17 +72,39 @@ impl PixelTable {
 /// state has the same angles and wavelengths), a smallest angle other than 0,
 /// states whose names are not [permitted](is_name).
 pub fn read_pixel_table(file: &DataFile) -> Result<PixelTable, FormatError> {
-    let table = Table::new(file)?;
+    let text = TableText::new(file)?;
+    let table = text.table();
     let mut rows = table.rows().filter(|row| !is_comment(row));
-    let header = rows.next().ok_or_else(|| table.error(Problem::TooFew { rows: 0 }))?;
-    if !header.cells.iter().map(|cell| &cell.text).eq(PIXEL_COLUMNS) {
-        return Err(header.error(Problem::Header));
-    }
+    let head = rows.next().ok_or_else(|| table.error(Problem::TooFew { rows: 0 }))?;
+    let columns = PixelColumns::of(&head)?;
     let mut points = Points::default();
     for row in rows {
-        points.push(&row)?;
+        points.push(&row, &columns)?;
     }
     points.into_table(table)
+}
+
+/// The columns of a pixel table.
+struct PixelColumns {
+    state: Column,
+    theta: Column,
+    wavelength: Column,
+    reflectance: Column,
+    count: usize,
+}
+
+impl PixelColumns {
+    fn of(head: &Row<'_>) -> Result<Self, FormatError> {
+        static ACCEPTED: [&Quantity; 4] = [&STATE, &THETA, &WAVELENGTH, &REFLECTANCE];
+        let mut header = Header::of(head, &ACCEPTED)?;
+        header.refuse_others(head, &ACCEPTED)?;
+        let [Some(state), Some(theta), Some(wavelength), Some(reflectance)] =
+            ACCEPTED.map(|quantity| header.get(quantity))
+        else {
+            return Err(head.error(Problem::Header));
+        };
+        Ok(Self { state, theta, wavelength, reflectance, count: header.count })
+    }
 }
 
 /// Returns whether a state or sub-pixel may have this name: 1 to 64 characters without control characters or characters that change
@@ -91,8 +117,8 @@ pub fn is_name(text: &str) -> bool {
 
 /// Returns whether a row is a comment. A state may be called `#1`: a row that begins with `#` is a comment unless it could be a point.
 fn is_comment(row: &Row<'_>) -> bool {
-    row.begins_with_hash()
-        && !(row.cells.len() == PIXEL_COLUMNS.len() && row.cells[1..].iter().any(Cell::is_number))
+    row.is_comment()
+        && !(row.cells.len() >= PIXEL_COLUMNS.len() && (1..row.cells.len()).any(|cell| row.is_number(cell)))
 }
 
 /// The points of the rows read so far.
@@ -116,21 +142,23 @@ struct Point {
 }
 
 impl Points {
-    fn push(&mut self, row: &Row<'_>) -> Result<(), FormatError> {
-        row.expect_cells(4, "four columns: state, theta_deg, wavelength_nm, reflectance")?;
-        let name: &str = &row.cells[0].text;
+    fn push(&mut self, row: &Row<'_>, columns: &PixelColumns) -> Result<(), FormatError> {
+        row.expect_cells(columns.count, "four columns: state, theta_deg, wavelength_nm, reflectance")?;
+        let name = columns.state.text(row);
         let state = match self.by_name.get(name) {
             Some(&state) => state,
-            None if !is_name(name) => return Err(row.cell_error(0, Problem::BadName)),
+            None if !is_name(name) => return Err(row.cell_error(columns.state.cell, Problem::BadName)),
             None => {
                 self.by_name.insert(name.to_owned(), self.names.len());
                 self.names.push(name.to_owned());
                 self.names.len() - 1
             }
         };
-        let theta_deg = in_range(row, 1, "an angle", 0.0, 90.0, "an angle from 0 to 90 deg")?;
-        let nm = in_range(row, 2, "a wavelength", 30.0, 1e6, "a wavelength in nm, 30 to 1e6")?;
-        let reflectance = in_range(row, 3, "reflectance", 0.0, 1.0, "a reflectance from 0 to 1")?;
+        let PixelColumns { theta, wavelength, reflectance, .. } = columns;
+        let theta_deg = theta.number_within(row, "an angle", (0.0, 90.0), "an angle from 0 to 90 deg")?;
+        let nm = wavelength.number_within(row, "a wavelength", NM, "a wavelength in nm, 30 to 1e6")?;
+        let reflectance =
+            reflectance.number_within(row, "reflectance", (0.0, 1.0), "a reflectance from 0 to 1")?;
         self.points.push(Point { state, theta_deg, nm, reflectance, row: self.places.len() });
         self.places.push(row.cells[0].start());
         Ok(())
@@ -192,22 +220,6 @@ impl Points {
         }
         Ok(())
     }
-}
-
-pub(crate) fn in_range(
-    row: &Row<'_>,
-    cell: usize,
-    what: &'static str,
-    least: f64,
-    most: f64,
-    expected: &'static str,
-) -> Result<f64, FormatError> {
-    // Adding 0 turns -0 into 0, so that both compare and sort as equal.
-    let value = row.number(cell)? + 0.0;
-    if (least..=most).contains(&value) {
-        return Ok(value);
-    }
-    Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected }))
 }
 
 /// Returns the distinct values in ascending order.

@@ -16,7 +16,7 @@ use papilio_spectra::{Dispersion, Tabulated};
 mod download;
 mod page;
 
-pub(crate) use self::download::{is_download, read_download};
+pub(crate) use self::download::{are_um, is_download, read_download};
 use self::page::{Entry, Value, fault};
 use crate::error::{FormatError, Problem};
 use crate::rows::Table;

@@ -4,11 +4,12 @@ use papilio_diagnostics::Place;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::pixel_table::{in_range, is_name};
-use crate::rows::{Cell, Row, Table};
+use crate::pixel_table::is_name;
+use crate::table::quantities::{NAME, X_0, X_1, Y_0, Y_1};
+use crate::table::{Column, Header, Quantity, Row, TableText};
 
 /// The columns of the table.
-const COLUMNS: [&str; 5] = ["name", "x0", "y0", "x1", "y1"];
+static COLUMNS: [&Quantity; 5] = [&NAME, &X_0, &Y_0, &X_1, &Y_1];
 
 /// A rectangle of a sub-pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +22,7 @@ pub struct NamedRectangle {
     pub place: Place,
 }
 
-/// Reads a table of rectangles in the order of its rows. Its first row holds the names of the columns, `name,x0,y0,x1,y1`.
+/// Reads a table of rectangles in the order of its rows. Its first row holds the names of the columns, `name,x0,y0,x1,y1` in any order.
 ///
 /// # Errors
 /// With line and column: cells that are not numbers from 0 to 1, rectangles without area, names that are not
@@ -35,37 +36,46 @@ pub struct NamedRectangle {
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
 pub fn read_windows(file: &DataFile) -> Result<Vec<NamedRectangle>, FormatError> {
-    let table = Table::new(file)?;
+    let text = TableText::new(file)?;
+    let table = text.table();
     let mut rows = table.rows().filter(|row| !is_comment(row));
-    let header = rows.next().ok_or_else(|| table.error(Problem::NoRectangles))?;
-    if !header.cells.iter().map(|cell| &cell.text).eq(COLUMNS) {
-        return Err(header.error(Problem::WindowHeader));
-    }
-    let rectangles = rows.map(|row| rectangle(&row)).collect::<Result<Vec<_>, _>>()?;
+    let head = rows.next().ok_or_else(|| table.error(Problem::NoRectangles))?;
+    let mut header = Header::of(&head, &COLUMNS)?;
+    header.refuse_others(&head, &COLUMNS)?;
+    let all = COLUMNS.map(|quantity| header.get(quantity));
+    let [Some(name), Some(x0), Some(y0), Some(x1), Some(y1)] = all else {
+        return Err(head.error(Problem::WindowHeader));
+    };
+    let columns = ([x0, y0, x1, y1], name, header.count);
+    let rectangles = rows.map(|row| rectangle(&row, columns)).collect::<Result<Vec<_>, _>>()?;
     if rectangles.is_empty() {
         return Err(table.error(Problem::NoRectangles));
     }
     Ok(rectangles)
 }
 
-fn rectangle(row: &Row<'_>) -> Result<NamedRectangle, FormatError> {
-    row.expect_cells(COLUMNS.len(), "five columns: name, x0, y0, x1, y1")?;
-    let name: &str = &row.cells[0].text;
-    if !is_name(name) {
-        return Err(row.cell_error(0, Problem::BadName));
+fn rectangle(
+    row: &Row<'_>,
+    (edges, name, count): ([Column; 4], Column, usize),
+) -> Result<NamedRectangle, FormatError> {
+    row.expect_cells(count, "five columns: name, x0, y0, x1, y1")?;
+    let text = name.text(row);
+    if !is_name(text) {
+        return Err(row.cell_error(name.cell, Problem::BadName));
     }
-    let edge = |cell| in_range(row, cell, "an edge", 0.0, 1.0, "a fraction of the pitch from 0 to 1");
-    let corners = [edge(1)?, edge(2)?, edge(3)?, edge(4)?];
+    let expected = "a fraction of the pitch from 0 to 1";
+    let edge = |column: Column| column.number_within(row, "an edge", (0.0, 1.0), expected);
+    let corners = [edge(edges[0])?, edge(edges[1])?, edge(edges[2])?, edge(edges[3])?];
     if corners[0] >= corners[2] || corners[1] >= corners[3] {
         return Err(row.error(Problem::EmptyRectangle));
     }
-    Ok(NamedRectangle { name: name.to_owned(), corners, place: row.place() })
+    Ok(NamedRectangle { name: text.to_owned(), corners, place: row.place() })
 }
 
 /// Returns whether a row is a comment: it begins with `#` and is not a rectangle of a sub-pixel such as `#1`.
 fn is_comment(row: &Row<'_>) -> bool {
-    row.begins_with_hash()
-        && !(row.cells.len() == COLUMNS.len() && row.cells[1..].iter().any(Cell::is_number))
+    row.is_comment()
+        && !(row.cells.len() >= COLUMNS.len() && (1..row.cells.len()).any(|cell| row.is_number(cell)))
 }
 
 #[cfg(test)]
@@ -78,7 +88,7 @@ mod tests {
 
     #[test]
     fn rectangles_are_read_in_order() {
-        let text = "# a quad\nname;x0;y0;x1;y1\nred;0;0.5;0.5;1\n\nblue;0.5;0;1;0.5\nred;0;0;0.1;0.1\n";
+        let text = "# a quad\nx0;name;y0;x1 (%);y1\n0;red;0,5;50;1\n\n0,5;blue;0;100;0,5\n0;red;0;10;0,1\n";
         let found = read(text).unwrap();
         let names: Vec<&str> = found.iter().map(|one| one.name.as_str()).collect();
         assert_eq!(names, ["red", "blue", "red"]);
@@ -92,7 +102,7 @@ mod tests {
         for (text, line, problem) in [
             ("", None, Problem::NoRectangles),
             (HEAD, None, Problem::NoRectangles),
-            ("name,x,y,w,h\nred,0,0,1,1\n", Some(1), Problem::WindowHeader),
+            ("name,x0,y0,x1\nred,0,0,1\n", Some(1), Problem::WindowHeader),
             (&format!("{HEAD}red,0.5,0,0.5,1\n"), Some(2), Problem::EmptyRectangle),
             (&format!("{HEAD}red,0,0.6,0.5,0.5\n"), Some(2), Problem::EmptyRectangle),
             (&format!("{HEAD}=red,0,0,1,1\n"), Some(2), Problem::BadName),

@@ -59,12 +59,12 @@ fn compared(site: &Site, request: CompareOf, stop: &AtomicBool) -> Result<Compar
         fault.body.missing = Some(vec![panel]);
         fault
     })?;
-    let measured = read_measured_panel(file.file())?;
+    let panel = read_measured_panel(file.file())?;
     let answer = compute_scenario(site, &Given { scenario, files }, stop)?;
     // The simulated side is read from result.json, as on the command line.
     let bytes = bytes(|out| write_json(out, &answer.file()))?;
     let simulated = read_result(&DataFile { name: "result.json".to_owned(), bytes })?.simulated;
-    let all = compare_with(&simulated, &measured).map_err(|error| {
+    let all = compare_with(&simulated, &panel.value).map_err(|error| {
         let hint =
             "the names of states must equal those of the design, and angles must agree to within 1 deg";
         Fault::too_much(error.to_string(), hint)
@@ -78,7 +78,12 @@ fn compared(site: &Site, request: CompareOf, stop: &AtomicBool) -> Result<Compar
             false => String::new(),
         },
         figures: figures(&all, answer.title()),
-        warnings: all.looks_like_percent().then(|| warning.to_owned()).into_iter().collect(),
+        warnings: all
+            .looks_like_percent()
+            .then(|| warning.to_owned())
+            .into_iter()
+            .chain(panel.warnings)
+            .collect(),
         comparison: all,
     })
 }

@@ -122,22 +122,22 @@ fn read_contents(site: &Site, file: &DataFile, stop: &AtomicBool) -> Result<Cont
     if file.bytes.starts_with(b"#?") || file.bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
         return map(file).or_else(|fault| heights(file).map_err(|_| fault));
     }
-    let mut rows = file.text()?.lines().filter(|line| !line.trim_start().starts_with('#'));
+    let text = String::from_utf8_lossy(&file.bytes);
+    let mut rows = text.lines().filter(|line| !line.trim_start().starts_with('#'));
     let head: Vec<&str> = rows.next().unwrap_or_default().split([',', ';', '\t']).map(str::trim).collect();
-    let two_columns = rows.next().is_some_and(|row| row.split([',', ';', '\t']).count() < 3);
-    if head.contains(&"state") && head.contains(&"reflectance") {
+    if read_pixel_table(file).is_ok() || (head.contains(&"state") && head.contains(&"reflectance")) {
         return pixel(file);
     }
     if head.contains(&"state") {
         return panel(file);
     }
-    match read_spectrum(file) {
-        Ok(read) if two_columns => return Ok(spectrum(file, read.wavelengths_nm(), read.values())),
-        _ => {}
+    if let Ok(read) = read_spectrum(file) {
+        return Ok(spectrum(file, read.wavelengths_nm(), read.values()));
     }
     match read_profile(file) {
         Ok(points) => Ok(profile(file, &points)),
-        Err(_) => material(file).or_else(|fault| heights(file).map_err(|_| fault)),
+        // The message about a material is the clearest one.
+        Err(_) => material(file).or_else(|fault| panel(file).or_else(|_| heights(file)).map_err(|_| fault)),
     }
 }
 
@@ -282,7 +282,7 @@ fn pixel(file: &DataFile) -> Result<Contents, Fault> {
 }
 
 fn panel(file: &DataFile) -> Result<Contents, Fault> {
-    let measured = read_measured_panel(file)?;
+    let measured = read_measured_panel(file)?.value;
     let words = vec![
         format!("{}: measured panel, {} measurements (states and directions)", file.name, measured.len()),
         "compare it with a simulated panel: `papilio compare`".to_owned(),

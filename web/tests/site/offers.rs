@@ -113,7 +113,7 @@ fn comparison_with_a_measured_panel_equals_the_command_line() {
     let mut json_bytes = Vec::new();
     write_json(&mut json_bytes, &file).unwrap();
     let simulated = read_result(&DataFile { name: "r".to_owned(), bytes: json_bytes }).unwrap().simulated;
-    let measured = read_measured_panel(&DataFile { name: "p".to_owned(), bytes }).unwrap();
+    let measured = read_measured_panel(&DataFile { name: "p".to_owned(), bytes }).unwrap().value;
     let wanted = serde_json::to_value(compare(&simulated, &measured).unwrap()).unwrap();
     let compared = answer.json();
     assert_eq!(

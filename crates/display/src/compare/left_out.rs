@@ -4,8 +4,8 @@
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LeftOut {
     pub(super) state: String,
-    /// Inclination and azimuth, degrees.
-    pub(super) direction: [f64; 2],
+    /// Inclination and azimuth, degrees, if they are stated.
+    pub(super) direction: Option<[f64; 2]>,
     pub(super) why: String,
 }
 
@@ -33,15 +33,16 @@ fn places(similar: &[&LeftOut]) -> String {
             continue;
         }
         seen.push(&one.state);
-        let directions: Vec<[f64; 2]> =
-            similar.iter().filter(|other| other.state == one.state).map(|other| other.direction).collect();
+        let same = similar.iter().filter(|other| other.state == one.state);
+        let directions: Vec<[f64; 2]> = same.filter_map(|other| other.direction).collect();
         match groups.iter_mut().find(|(known, _)| *known == directions) {
             Some((_, states)) => states.push(&one.state),
             None => groups.push((directions, vec![&one.state])),
         }
     }
     let place = |(directions, states): &(Vec<[f64; 2]>, Vec<&str>)| {
-        format!("{} at {}", states.join(", "), in_words(directions))
+        let states = states.join(", ");
+        if directions.is_empty() { states } else { format!("{states} at {}", in_words(directions)) }
     };
     groups.iter().map(place).collect::<Vec<_>>().join("; ")
 }
@@ -64,7 +65,7 @@ mod tests {
     fn states_with_the_same_reason_are_combined() {
         let one = |state: &str, theta: f64, phi: f64, why: &str| LeftOut {
             state: state.to_owned(),
-            direction: [theta, phi],
+            direction: Some([theta, phi]),
             why: why.to_owned(),
         };
         let mut all = Vec::new();

@@ -2,7 +2,8 @@
 //!
 //! **What.** Each measured spectrum (or X, Y, Z) is compared with the simulated state of the same name in the
 //! nearest view, which must be within [`NEAREST_DEG`]. Spectra are compared over the common wavelength range,
-//! on the simulation's grid, and both colours are computed over that range in the simulation's light.
+//! on the simulation's grid, and both colours are computed over that range in the simulation's light. L\*, a\*, b\* are taken as
+//! relative to the white of that light. Names of states are compared with the case of their letters, or else without.
 //! States without a counterpart are skipped and reported.
 //! **Source.** Feng 2012, figures 5.6 (spectra) and 5.7 (gamuts); differences are CIEDE2000 and u'v' distances.
 
@@ -10,7 +11,7 @@ mod left_out;
 mod pairs;
 mod views;
 
-use papilio_colour::{Standard, Xyz};
+use papilio_colour::{Lab, Standard, Xyz};
 use papilio_spectra::{Grid, Tabulated};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -51,8 +52,9 @@ pub struct SimulatedView {
 pub struct Measured {
     /// Name of the state.
     pub state: String,
-    /// Inclination, degrees; negative: towards phi + 180.
-    pub theta_deg: f64,
+    /// Inclination, degrees; negative: towards phi + 180. `None` if the measurement does not state it: it is then that of the only
+    /// simulated view.
+    pub theta_deg: Option<f64>,
     /// Azimuth, degrees.
     pub phi_deg: f64,
     /// Measured quantity.
@@ -66,6 +68,8 @@ pub enum Quantity {
     Spectrum(Tabulated),
     /// Relative X, Y, Z: Y = 1 for a perfect white.
     Xyz(Xyz),
+    /// CIELAB relative to a perfect white in the light of the measurement.
+    Lab(Lab),
 }
 
 /// Error of a comparison.
@@ -181,8 +185,11 @@ pub struct ViewComparison {
     pub gamut_percent_ebu: [Option<f64>; 2],
     /// Coverage of the sRGB triangle, %.
     pub coverage_percent_srgb: [Option<f64>; 2],
-    /// Mean over red, green and blue of the simulated minus the measured peak wavelength, nm.
+    /// Mean over red, green and blue of the simulated minus the measured peak wavelength, nm, with its sign: differences of opposite
+    /// signs cancel.
     pub average_peak_difference_nm: Option<f64>,
+    /// Root mean square over red, green and blue of the difference of the peak wavelengths, nm.
+    pub rms_peak_difference_nm: Option<f64>,
 }
 
 impl Comparison {
@@ -202,7 +209,10 @@ pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Compariso
     let mut pairs = Vec::new();
     for one in measured {
         match pair(simulated, one) {
-            Ok(pair) => pairs.push(pair),
+            Ok((pair, note)) => {
+                pairs.push(pair);
+                left_out.extend(note);
+            }
             Err(reason) => left_out.push(reason),
         }
     }
@@ -263,7 +273,7 @@ mod tests {
         let nm: Vec<f64> = (nm[0]..=nm[1]).step_by(3).map(f64::from).collect();
         let values = nm.iter().map(|nm| of(*nm)).collect();
         let quantity = Quantity::Spectrum(Tabulated::new(nm, values).unwrap());
-        Measured { state: state.to_owned(), theta_deg, phi_deg, quantity }
+        Measured { state: state.to_owned(), theta_deg: Some(theta_deg), phi_deg, quantity }
     }
 
     /// A linear spectrum that is measured at other wavelengths than simulated has no difference.
@@ -291,7 +301,7 @@ mod tests {
         let xyz = Quantity::Xyz(Xyz { x: 0.2, y: 0.2, z: 0.2 });
         let at = |state: &str, theta_deg| Measured {
             state: state.to_owned(),
-            theta_deg,
+            theta_deg: Some(theta_deg),
             phi_deg: 0.0,
             quantity: xyz.clone(),
         };
@@ -310,6 +320,45 @@ mod tests {
         }
         let none = compare(&simulated(), &measured[..2]).unwrap_err();
         assert!(none.to_string().contains("orange"), "{none}");
+    }
+
+    /// CIELAB of the simulated states themselves, with other letters in the names and without an angle, has no difference.
+    #[test]
+    fn lab_with_capital_names_and_without_angles_is_compared() {
+        let mut simulated = simulated();
+        let white = Observer::new(&simulated.grid).unwrap().xyz(&simulated.radiance_of_white);
+        let white = white * (1.0 / white.y);
+        let lab = |name: &str, xyz: Xyz| Measured {
+            state: name.to_uppercase(),
+            theta_deg: None,
+            phi_deg: 0.0,
+            quantity: Quantity::Lab(xyz.lab(white).unwrap()),
+        };
+        let states = simulated.views[0].states.clone();
+        let measured: Vec<Measured> = states.iter().map(|(name, _, xyz)| lab(name, *xyz)).collect();
+        let several = compare(&simulated, &measured).unwrap_err().to_string();
+        assert!(several.contains("several views") && several.contains("WHITE"), "{several}");
+        simulated.views.truncate(1);
+        let all = compare(&simulated, &measured).unwrap();
+        assert_eq!((all.states.len(), all.states[0].state.as_str()), (2, "white"));
+        assert!(all.states.iter().all(|one| one.delta_E_2000.unwrap() < 1e-9));
+        assert!(
+            all.left_out.iter().any(|note| note.ends_with("in capital letters only: WHITE, BLACK")),
+            "{:?}",
+            all.left_out
+        );
+    }
+
+    /// A spectrum of a dark state whose noise is stronger than its signal has no colour.
+    #[test]
+    fn spectrum_with_negative_luminance_is_skipped_with_its_reason() {
+        let measured = [
+            spectrum("white", 8.0, 0.0, |_| 0.2, [400, 700]),
+            spectrum("black", 8.0, 0.0, |_| -0.01, [400, 700]),
+        ];
+        let all = compare(&simulated(), &measured).unwrap();
+        assert_eq!(all.states.len(), 1);
+        assert!(all.left_out.iter().any(|reason| reason.contains("negative")), "{:?}", all.left_out);
     }
 
     #[test]

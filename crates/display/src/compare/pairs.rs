@@ -8,31 +8,47 @@ use super::{
     Colour, Measured, NEAREST_DEG, Quantity, Simulated, SimulatedView, SpectrumComparison, StateComparison,
 };
 
+/// Note on states that are found without the case of their letters.
+const OTHER_CAPITALS: &str = "read as the states of the result whose names differ in capital letters only";
+
 /// Comparison of a state, with the number of its view.
 pub(super) struct Pair {
     pub(super) view: usize,
     pub(super) comparison: StateComparison,
 }
 
-/// Finds the simulated counterpart of a measured state and compares the two; fails with the reason if there is none.
-pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<Pair, LeftOut> {
+/// Finds the simulated counterpart of a measured state and compares the two, with a note if their names differ in the case of
+/// letters; fails with the reason if there is none.
+pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, Option<LeftOut>), LeftOut> {
     let Measured { state, theta_deg, phi_deg, quantity } = measured;
-    let left_out = |why: String| LeftOut { state: state.clone(), direction: [*theta_deg, *phi_deg], why };
-    let away = |view: &SimulatedView| between([view.theta_deg, view.phi_deg], [*theta_deg, *phi_deg]);
-    let nearest = simulated.views.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
-    let (index, view) = nearest
-        .filter(|(_, view)| away(view) <= NEAREST_DEG)
-        .ok_or_else(|| left_out(format!("no view of the result is within {NEAREST_DEG} deg")))?;
-    let known = view.states.iter().find(|(name, ..)| name == state);
-    let (_, factor, xyz) = known.ok_or_else(|| left_out("the result has no such state".to_owned()))?;
+    let direction = theta_deg.map(|theta_deg| [theta_deg, *phi_deg]);
+    let left_out = |why: String| LeftOut { state: state.clone(), direction, why };
+    let (index, view) = match (direction, &simulated.views[..]) {
+        (Some(direction), views) => {
+            let away = |view: &SimulatedView| between([view.theta_deg, view.phi_deg], direction);
+            let nearest = views.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+            nearest
+                .filter(|(_, view)| away(view) <= NEAREST_DEG)
+                .ok_or_else(|| left_out(format!("no view of the result is within {NEAREST_DEG} deg")))?
+        }
+        (None, [only]) => (0, only),
+        (None, _) => {
+            let why = "the measurement states no angle, and the result has several views (add a column `theta_deg`)";
+            return Err(left_out(why.to_owned()));
+        }
+    };
+    let (name, factor, xyz) =
+        named(view, state).ok_or_else(|| left_out("the result has no such state".to_owned()))?;
+    let note = (name != state).then(|| left_out(OTHER_CAPITALS.to_owned()));
     let compared = match quantity {
-        Quantity::Xyz(measured) => simulated.colours(*xyz, *measured),
+        Quantity::Xyz(measured) => simulated.colours(*xyz, |_| *measured),
+        Quantity::Lab(measured) => simulated.colours(*xyz, |white| measured.xyz(white)),
         Quantity::Spectrum(spectrum) => simulated.spectra(factor, spectrum),
     };
     let (colours, spectrum) = compared.map_err(|reason| left_out(reason.to_string()))?;
     let [(simulated_xyz, simulated), (measured_xyz, measured)] = colours;
     let comparison = StateComparison {
-        state: state.clone(),
+        state: name.clone(),
         theta_deg: view.theta_deg,
         phi_deg: view.phi_deg,
         delta_E_2000: lab(&simulated).zip(lab(&measured)).map(|(a, b)| a.delta_e_2000(b)),
@@ -42,7 +58,16 @@ pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<Pair, L
         measured,
         spectrum,
     };
-    Ok(Pair { view: index, comparison })
+    Ok((Pair { view: index, comparison }, note))
+}
+
+/// Returns the state of a view with this name, or else the only one whose name differs in the case of letters alone.
+fn named<'a>(view: &'a SimulatedView, name: &str) -> Option<&'a (String, Vec<f64>, Xyz)> {
+    let exact = view.states.iter().find(|(known, ..)| known == name);
+    exact.or_else(|| {
+        let mut alike = view.states.iter().filter(|(known, ..)| known.to_lowercase() == name.to_lowercase());
+        alike.next().filter(|_| alike.next().is_none())
+    })
 }
 
 type Colours = [(Xyz, Colour); 2];
@@ -51,12 +76,12 @@ impl Simulated {
     fn colours(
         &self,
         simulated: Xyz,
-        measured: Xyz,
+        measured: impl FnOnce(Xyz) -> Xyz,
     ) -> Result<(Colours, Option<SpectrumComparison>), Unequal> {
         let observer = Observer::of(self.observer, &self.grid)?;
         let white = observer.xyz(&self.radiance_of_white);
         let white = white * (1.0 / white.y);
-        Ok(([simulated, measured].map(|xyz| (xyz, colour(xyz, white, None))), None))
+        Ok(([simulated, measured(white)].map(|xyz| (xyz, colour(xyz, white, None))), None))
     }
 
     /// Compares both spectra over their common wavelength range.
@@ -84,6 +109,9 @@ impl Simulated {
             (xyz, colour(xyz, white * (1.0 / white.y), peak_nm(&common, factor)))
         };
         let colours = [simulated, &*measured].map(seen);
+        if colours[1].0.y < 0.0 {
+            return Err(Unequal::Negative { y: colours[1].0.y });
+        }
         Ok((colours, Some(differences(&common, simulated, &measured))))
     }
 }
@@ -93,6 +121,8 @@ impl Simulated {
 enum Unequal {
     #[error("the measured wavelengths, {from} to {to} nm, do not overlap those of the result")]
     NoCommonRange { from: f64, to: f64 },
+    #[error("the measured Y is negative, {y:.4}: check the dark signal of the measurement")]
+    Negative { y: f64 },
     #[error(transparent)]
     Spectra(#[from] SpectraError),
     #[error(transparent)]

@@ -36,6 +36,7 @@ pub(super) fn together(mut pairs: Vec<&mut Pair>) -> ViewComparison {
         let one = one.as_ref()?;
         Some(one.simulated.peak_nm? - one.measured.peak_nm?)
     });
+    let peaks = r.zip(g).zip(b).map(|((r, g), b)| [r, g, b]);
     let white = named(&pairs, "white");
     ViewComparison {
         theta_deg: pairs[0].comparison.theta_deg,
@@ -45,7 +46,8 @@ pub(super) fn together(mut pairs: Vec<&mut Pair>) -> ViewComparison {
         gamut_percent_ebu: area(GamutReference::Ebu),
         coverage_percent_srgb: SIDES
             .map(|side| triangle(side).map(|uv| coverage_percent(uv, GamutReference::Srgb))),
-        average_peak_difference_nm: r.zip(g).zip(b).map(|((r, g), b)| (r + g + b) / 3.0),
+        average_peak_difference_nm: peaks.map(|peaks| peaks.iter().sum::<f64>() / 3.0),
+        rms_peak_difference_nm: peaks.map(|peaks| (peaks.iter().map(|d| d * d).sum::<f64>() / 3.0).sqrt()),
     }
 }
 
@@ -59,7 +61,7 @@ pub(super) fn not_measured(simulated: &Simulated, pairs: &[Pair]) -> Vec<LeftOut
         if missing.len() < view.states.len() {
             left_out.extend(missing.into_iter().map(|state| LeftOut {
                 state: state.clone(),
-                direction: [view.theta_deg, view.phi_deg],
+                direction: Some([view.theta_deg, view.phi_deg]),
                 why: "not measured".to_owned(),
             }));
         }
@@ -70,7 +72,7 @@ pub(super) fn not_measured(simulated: &Simulated, pairs: &[Pair]) -> Vec<LeftOut
         let (from, to) = (spectrum.wavelength_nm.first()?, spectrum.wavelength_nm.last()?);
         (*from > LUMINOUS_NM.0 || *to < LUMINOUS_NM.1).then(|| LeftOut {
             state: one.state.clone(),
-            direction: [one.theta_deg, one.phi_deg],
+            direction: Some([one.theta_deg, one.phi_deg]),
             why: format!("colours are computed over {from} to {to} nm only"),
         })
     });

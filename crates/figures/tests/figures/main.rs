@@ -463,6 +463,7 @@ fn comparison_shows_simulated_and_measured() {
         gamut_percent_ebu: [Some(20.0), None],
         coverage_percent_srgb: [None, None],
         average_peak_difference_nm: None,
+        rms_peak_difference_nm: None,
     };
     let states = ["white", "red", "green", "blue", "odd <name>"];
     let mut all = Comparison {

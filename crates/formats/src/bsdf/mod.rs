@@ -43,6 +43,8 @@ pub use rgl_write::write_rgl;
 pub use scene_script::scene_script;
 pub use write::{BsdfFormat, WriteError, write_measurement};
 
+use std::borrow::Cow;
+
 use papilio_diagnostics::{Place, Warned};
 use papilio_goniometry::{Channel, Measurement, ScatterMode};
 
@@ -148,7 +150,24 @@ fn of_any_format(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile,
         BsdfFile::from(rgl::read(file)?).of_either_side()
     } else if merl::is_merl(file) {
         BsdfFile::from(merl::read(file)?).of_either_side()
-    } else if window::is_window(file) {
+    } else {
+        read_text(&decoded(file), part)?
+    };
+    if let (Some(way), [only]) = (part, &mut read.measurement.parts[..])
+        && way != only.way
+        && (!read.states_part || (way.is_transmission() == only.way.is_transmission() && !read.states_side))
+    {
+        let (old, new) = (only.way.name(), way.name());
+        read.notes.iter_mut().for_each(|note| *note = note.replace(old, new));
+        only.way = way;
+    }
+    read.states_part |= part.is_some();
+    Ok(read)
+}
+
+/// Reads a file in one of the formats of text.
+fn read_text(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile, FormatError> {
+    Ok(if window::is_window(file) {
         window::read(file)?.into()
     } else if radiant_read::is_radiant(file) {
         BsdfFile::from(radiant_read::read(file)?).of_either_side()
@@ -161,18 +180,18 @@ fn of_any_format(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile,
     } else if scan::is_scan(file, part.is_some()) {
         scan::read(file, part.is_some())?
     } else {
-        return Err(FormatError { place: Place::whole(&file.name), problem: BsdfProblem::Unknown.into() });
-    };
-    if let (Some(way), [only]) = (part, &mut read.measurement.parts[..])
-        && way != only.way
-        && (!read.states_part || (way.is_transmission() == only.way.is_transmission() && !read.states_side))
-    {
-        let (old, new) = (only.way.name(), way.name());
-        read.notes.iter_mut().for_each(|note| *note = note.replace(old, new));
-        only.way = way;
+        let unknown =
+            || FormatError { place: Place::whole(&file.name), problem: BsdfProblem::Unknown.into() };
+        return Err(table_read::refusal(file).unwrap_or_else(unknown));
+    })
+}
+
+/// Returns a file as UTF-8, if it is a text in another encoding.
+fn decoded(file: &DataFile) -> Cow<'_, DataFile> {
+    match crate::table::decode(&file.bytes) {
+        Some(Cow::Owned(text)) => Cow::Owned(DataFile { name: file.name.clone(), bytes: text.into_bytes() }),
+        _ => Cow::Borrowed(file),
     }
-    read.states_part |= part.is_some();
-    Ok(read)
 }
 
 impl BsdfFile {

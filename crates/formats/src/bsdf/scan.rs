@@ -8,11 +8,13 @@ use std::ops::Range;
 
 use papilio_goniometry::{Channel, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry};
 
-use super::table_read::{cells, provenance, separator};
+use super::table_read::{cells, is_not_measured, provenance, table_of, way_of_name};
 use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
+use crate::table::quantities::{BSDF, THETA};
+use crate::table::{Dimension, Header, Quantity, Unit};
 
 /// Name of the format.
 const NAME: &str = "scan at normal incidence";
@@ -21,6 +23,9 @@ const NAME: &str = "scan at normal incidence";
 const FEWEST: usize = 3;
 const MOST: usize = 100_000;
 
+/// Angles up to here, without a unit, are probably in radians.
+const LARGEST_RADIAN: f64 = 1.571;
+
 /// Relative difference of the two sides of a scan that gives a warning.
 const ASYMMETRY: f64 = 0.02;
 
@@ -28,69 +33,86 @@ const ASYMMETRY: f64 = 0.02;
 const NOTE: &str = "a scan at normal incidence: the lobe is taken as rotationally symmetric about the specular direction, and as \
                     shift-invariant in direction cosines (at other incidences it depends on beta_out - beta_in alone)";
 
-/// Names of the column of angles, without a unit.
-const ANGLES: [&str; 8] =
-    ["theta", "theta_o", "theta_s", "theta_r", "theta_t", "theta_out", "angle", "scattering_angle"];
+/// Number of lines among which the header is searched.
+const FIRST_LINES: usize = 60;
 
 /// Columns of a scan.
 struct Layout {
     separator: Option<u8>,
     has_header: bool,
+    /// Whether the angle is the second column.
+    is_reversed: bool,
+    /// The unit of the angles, if it is stated.
+    unit: Option<Unit>,
     /// The part that the name of the value column states.
     way: Option<ScatterMode>,
 }
 
 impl Layout {
-    /// Detects the layout from the first line. A line of numbers, or with other names, begins a scan only if the caller states that
+    /// Detects the layout from a line. A line of numbers, or with other names, begins a scan only if the caller states that
     /// the file is one (`is_stated`): other tables have two columns, too.
-    fn of(text: Text<'_>, line: Range<usize>, is_stated: bool) -> Option<Self> {
-        let separator = separator(text, line.clone());
-        let words: Vec<String> = cells(text, line, separator).take(3).map(|cell| text.quote(cell)).collect();
-        let [angle, value] = &words[..] else { return None };
-        let is_number = |word: &String| word.parse::<f64>().is_ok();
-        if words.iter().all(is_number) {
-            return is_stated.then_some(Self { separator, has_header: false, way: None });
-        }
-        if words.iter().any(is_number) {
+    fn of(row: &crate::table::Row<'_>, is_stated: bool) -> Option<Self> {
+        static ACCEPTED: [&Quantity; 2] = [&THETA, &BSDF];
+        let separator = row.table.dialect.separator.and_then(|separator| u8::try_from(separator).ok());
+        if row.cells.len() != 2 {
             return None;
         }
-        let way = match without_unit(value, &["1_sr", "sr_1", "per_sr"]).as_str() {
-            "btdf" => Some(ScatterMode::FrontTransmission),
-            "brdf" => Some(ScatterMode::FrontReflection),
-            "bsdf" => None,
-            _ if is_stated => None,
-            _ => return None,
-        };
-        let is_angle = ANGLES.contains(&without_unit(angle, &["deg", "degree", "degrees"]).as_str());
-        is_angle.then_some(Self { separator, has_header: true, way })
+        let (first, second) = (row.is_number(0), row.is_number(1));
+        if first && second {
+            let layout = Self { separator, has_header: false, is_reversed: false, unit: None, way: None };
+            return is_stated.then_some(layout);
+        }
+        if first || second {
+            return None;
+        }
+        let header = Header::of(row, &ACCEPTED).ok()?;
+        let theta = header.get(&THETA)?;
+        let value = header.get(&BSDF);
+        // A quantity that is called `value` is a BSDF only if the caller states it.
+        let is_named =
+            value.is_some_and(|value| !header.names[value.cell].trim().eq_ignore_ascii_case("value"));
+        let way = value.and_then(|value| way_of_name(&header.names[value.cell]));
+        let is_reversed = theta.cell == 1;
+        (is_stated || is_named).then_some(Self {
+            separator,
+            has_header: true,
+            is_reversed,
+            unit: theta.unit,
+            way,
+        })
     }
 }
 
-/// Returns the name of a column in lower case, without its unit: `theta` of `"Theta (deg)"`.
-fn without_unit(name: &str, units: &[&str]) -> String {
-    let plain: String =
-        name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect();
-    let words: Vec<&str> = plain.split('_').filter(|word| !word.is_empty()).collect();
-    let name = words.join("_");
-    let bare = units.iter().find_map(|unit| name.strip_suffix(unit)?.strip_suffix('_'));
-    bare.unwrap_or(&name).to_owned()
+/// Returns the text of a scan, its layout and its first line.
+fn find(file: &DataFile, is_stated: bool) -> Option<(Text<'_>, Layout, Range<usize>)> {
+    let (text, table) = table_of(file)?;
+    let mut lines = Lines::new(text);
+    for k in 0..FIRST_LINES {
+        let line = lines.next().ok()??;
+        let row = table.row_at(line.clone());
+        if let Some(layout) = Layout::of(&row, is_stated) {
+            return (k == 0 || layout.has_header).then_some((text, layout, line));
+        }
+        // Below rows of numbers there is no header.
+        if row.cells.len() == 2 && row.is_number(0) && row.is_number(1) {
+            return None;
+        }
+    }
+    None
 }
 
 pub(super) fn is_scan(file: &DataFile, is_stated: bool) -> bool {
-    let text = Text::new(file);
-    let first = Lines::new(text).next().ok().flatten();
-    first.is_some_and(|line| Layout::of(text, line, is_stated).is_some())
+    find(file, is_stated).is_some()
 }
 
 /// A row: angle, degrees, value, and its place.
 type Row = (f64, f64, Range<usize>);
 
 pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatError> {
-    let text = Text::new(file);
+    let unknown = || Text::new(file).whole(BsdfProblem::Unknown);
+    let (text, layout, first) = find(file, is_stated).ok_or_else(unknown)?;
     let mut lines = Lines::new(text);
-    let first = lines.expect("the first row of data")?;
-    let layout =
-        Layout::of(text, first.clone(), is_stated).ok_or_else(|| text.whole(BsdfProblem::Unknown))?;
+    while lines.expect("the first row of data")?.start < first.start {}
     let mut rows: Vec<Row> = Vec::new();
     let mut line = if layout.has_header { lines.next()? } else { Some(first) };
     while let Some(place) = line {
@@ -102,6 +124,11 @@ pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatE
     }
     if rows.is_empty() {
         return Err(text.ends("the first row of data"));
+    }
+    let most = rows.iter().map(|(theta, ..)| theta.abs()).fold(0.0, f64::max);
+    let is_whole = rows.iter().all(|(theta, ..)| theta.fract() == 0.0);
+    if layout.unit.is_none() && most <= LARGEST_RADIAN && !is_whole {
+        return Err(text.whole(Problem::Radians));
     }
     let (behind, before): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|(theta, ..)| theta.abs() > 90.0);
     let states_side = !behind.is_empty();
@@ -126,12 +153,14 @@ fn row(text: Text<'_>, layout: &Layout, line: Range<usize>) -> Result<Option<Row
         let expected = "two columns: the angle from the normal in deg, and the BSDF in 1/sr";
         return Err(text.error(line, Problem::Columns { count: 2, expected, found: found.len() }));
     };
+    let (angle, value) = if layout.is_reversed { (value, angle) } else { (angle, value) };
     let theta = text.number(angle.clone())?;
+    let theta = layout.unit.map_or(theta, |unit| unit.convert(theta, Dimension::Angle));
     if !(-180.0..=180.0).contains(&theta) {
         let expected = "an angle from -180 to 180 deg, from the normal";
         return Err(text.error(angle.clone(), Problem::OutOfRange { what: "theta", value: theta, expected }));
     }
-    if value.is_empty() {
+    if is_not_measured(text, value) {
         return Ok(None);
     }
     Ok(Some((theta, text.value(value.clone())?, line)))

@@ -15,6 +15,10 @@ use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem, MOST_CELLS};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
+use crate::table::quantities::{
+    BSDF, CHANNEL, D_PHI, ERROR, PHI_I, PHI_O, REMARK, THETA_I, THETA_O, WAVELENGTH, WAY,
+};
+use crate::table::{self, Dialect, Dimension, Header, Quantity, Row, Table, Unit};
 
 /// Name of the format.
 pub(super) const NAME: &str = "CSV";
@@ -22,39 +26,30 @@ pub(super) const NAME: &str = "CSV";
 /// Largest number of values; sorting them into pairs of directions takes some hundred bytes each.
 const MOST_ROWS: usize = 10_000_000;
 
+/// Number of lines among which the header is searched.
+const FIRST_LINES: usize = 60;
+
 /// Quantity of a column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Column {
     ScatterMode,
-    /// One of the four angles of a row.
-    Angle(usize),
-    Channel,
+    /// One of the four angles of a row, with its unit if it is stated.
+    Angle(usize, Option<Unit>),
+    /// The name of a channel, or a wavelength in this unit (nm if it is not stated).
+    Channel(Option<Unit>),
     Value,
-    /// Error of the value, which is not read.
-    Error,
+    /// What is not read: an uncertainty, a remark.
+    Other,
 }
 
-/// Names of the angles.
+/// Names of the angles, in messages.
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_o", "phi_o"];
 
-/// Name of the azimuth of the viewer where light has none.
-const DPHI: &str = "dphi";
+static ACCEPTED: [&Quantity; 11] =
+    [&THETA_I, &PHI_I, &THETA_O, &PHI_O, &D_PHI, &CHANNEL, &WAVELENGTH, &BSDF, &WAY, &ERROR, &REMARK];
 
-impl Column {
-    fn of_name(name: &str) -> Option<Self> {
-        let name = name.trim_matches('"').trim().to_ascii_lowercase();
-        let bare = name.strip_suffix("_deg").unwrap_or(&name);
-        Some(match bare {
-            "way" => Self::ScatterMode,
-            "wavelength" | "wavelength_nm" | "channel" => Self::Channel,
-            "value" | "bsdf" | "brdf" | "btdf" | "f" => Self::Value,
-            "error" => Self::Error,
-            // The azimuth of the viewer relative to that of the light, which is 0.
-            DPHI => Self::Angle(3),
-            angle => Self::Angle(ANGLES.iter().position(|known| *known == angle)?),
-        })
-    }
-}
+const MISSING: &str =
+    "the columns theta_i, phi_i, theta_o, phi_o (or theta_i, theta_o, dphi) and a value: bsdf, brdf or btdf";
 
 /// Layout of the rows.
 struct Layout {
@@ -63,54 +58,120 @@ struct Layout {
     has_header: bool,
     /// The part that the name of the value column states.
     way: Option<ScatterMode>,
+    notes: Vec<String>,
 }
 
 pub(super) fn is_table(file: &DataFile) -> bool {
+    find(file).is_some()
+}
+
+/// Returns the table of a file, the layout, and the line with which it begins: the header, or the first row of numbers.
+fn find(file: &DataFile) -> Option<(Text<'_>, Layout, Range<usize>)> {
+    let (text, table) = table_of(file)?;
+    let mut lines = Lines::new(text);
+    for k in 0..FIRST_LINES {
+        let line = lines.next().ok()??;
+        if let Some(mut layout) = Layout::of(&table.row_at(line.clone())) {
+            // Numbers below lines of text are those of another format.
+            if k > 0 && !layout.has_header {
+                return None;
+            }
+            if k > 0 {
+                layout.notes.push("the lines above the names of the columns are not read".to_owned());
+            }
+            return Some((text, layout, line));
+        }
+    }
+    None
+}
+
+/// Returns the text of a file with its dialect; `None` if it is not UTF-8.
+pub(super) fn table_of(file: &DataFile) -> Option<(Text<'_>, Table<'_>)> {
     let text = Text::new(file);
-    Lines::new(text).next().ok().flatten().is_some_and(|line| Layout::of(text, line).is_some())
+    let content = std::str::from_utf8(text.bytes).ok()?;
+    let dialect = Dialect::of(content);
+    let text = Text { decimal_comma: dialect.decimal_comma, ..text };
+    Some((text, Table { name: &file.name, text: content, dialect }))
+}
+
+/// Returns the error about a file that is probably a table of this kind, but whose header is not understood.
+pub(super) fn refusal(file: &DataFile) -> Option<FormatError> {
+    let (_, table) = table_of(file)?;
+    let names_incidence = |row: &Row<'_>| {
+        row.cells.iter().any(|cell| table::ColumnName::new(&cell.text).is_one_of(THETA_I.names, false))
+    };
+    let row = table.data().take(FIRST_LINES).find(|row| row.cells.len() > 2 && names_incidence(row))?;
+    Some(match Header::of(&row, &ACCEPTED).map(|header| header.others.into_iter().next()) {
+        Ok(Some(other)) => row.cell_error(other.cell, table::unknown(&other.name, &ACCEPTED[..9])),
+        Ok(None) => row.error(Problem::MissingColumn { missing: MISSING }),
+        Err(error) => error,
+    })
 }
 
 impl Layout {
-    /// Detects the layout from the first line; `None` if the line cannot begin such a table.
-    fn of(text: Text<'_>, line: Range<usize>) -> Option<Self> {
-        use Column::{Angle, Channel, Value};
-        let separator = separator(text, line.clone());
-        let cells = cells(text, line, separator).take(20);
-        let words: Vec<String> = cells.map(|cell| text.quote(cell)).collect();
-        if words.iter().all(|word| word.parse::<f64>().is_ok()) {
-            let columns = match words.len() {
-                5 => vec![Angle(0), Angle(1), Angle(2), Angle(3), Value],
-                6 => vec![Angle(0), Angle(1), Angle(2), Angle(3), Channel, Value],
+    /// Detects the layout from a header, or from the first row of numbers; `None` if the row is neither.
+    fn of(row: &Row<'_>) -> Option<Self> {
+        let separator = row.table.dialect.separator.and_then(|separator| u8::try_from(separator).ok());
+        let count = row.cells.len();
+        if (0..count).all(|cell| row.is_number(cell)) {
+            use Column::{Angle, Channel, Value};
+            let angles = [Angle(0, None), Angle(1, None), Angle(2, None), Angle(3, None)];
+            let columns = match count {
+                5 => [&angles[..], &[Value]].concat(),
+                6 => [&angles[..], &[Channel(None), Value]].concat(),
                 _ => return None,
             };
-            return Some(Self { separator, columns, has_header: false, way: None });
+            return Some(Self { separator, columns, has_header: false, way: None, notes: Vec::new() });
         }
-        let columns: Option<Vec<Column>> = words.iter().map(|word| Column::of_name(word)).collect();
-        let columns = columns.filter(|columns| {
-            let relative = words.iter().any(|word| word.to_ascii_lowercase().contains(DPHI));
-            let needed = [Angle(0), Angle(2), Angle(3), Value];
-            let twice = (1..columns.len()).any(|k| columns[..k].contains(&columns[k]));
-            // The azimuth of the light is either stated, or it is that from which azimuths are counted.
-            let azimuth = columns.contains(&Angle(1)) != relative;
-            !twice && azimuth && needed.iter().all(|column| columns.contains(column))
-        })?;
-        let value = columns.iter().position(|column| *column == Value).map(|k| words[k].to_ascii_lowercase());
-        let way = value.and_then(|name| match name.trim_matches('"') {
-            "btdf" => Some(ScatterMode::FrontTransmission),
-            "brdf" => Some(ScatterMode::FrontReflection),
-            _ => None,
-        });
-        Some(Self { separator, columns, has_header: true, way })
+        let header = Header::of(row, &ACCEPTED).ok().filter(|header| header.others.is_empty())?;
+        let has = |quantity| header.get(quantity).is_some();
+        // The azimuth of the light is either stated, or it is that from which azimuths are counted.
+        let azimuth = has(&PHI_I) != has(&D_PHI) && has(&PHI_O) != has(&D_PHI);
+        if !(azimuth && has(&THETA_I) && has(&THETA_O) && has(&BSDF)) || (has(&CHANNEL) && has(&WAVELENGTH)) {
+            return None;
+        }
+        let mut columns = vec![Column::Other; count];
+        for (quantity, make) in Self::MEANINGS {
+            if let Some(column) = header.get(quantity) {
+                columns[column.cell] = make(column.unit);
+            }
+        }
+        let remark = header.get(&REMARK).map(|column| column.cell);
+        let notes =
+            remark.map(|cell| format!("the column `{}` is not used", table::clip(&header.names[cell])));
+        let way = header.get(&BSDF).and_then(|column| way_of_name(&header.names[column.cell]));
+        Some(Self { separator, columns, has_header: true, way, notes: notes.into_iter().collect() })
+    }
+
+    /// The columns that are read.
+    const MEANINGS: [(&'static Quantity, fn(Option<Unit>) -> Column); 9] = [
+        (&THETA_I, |unit| Column::Angle(0, unit)),
+        (&PHI_I, |unit| Column::Angle(1, unit)),
+        (&THETA_O, |unit| Column::Angle(2, unit)),
+        (&PHI_O, |unit| Column::Angle(3, unit)),
+        (&D_PHI, |unit| Column::Angle(3, unit)),
+        (&CHANNEL, Column::Channel),
+        (&WAVELENGTH, Column::Channel),
+        (&WAY, |_| Column::ScatterMode),
+        (&BSDF, |_| Column::Value),
+    ];
+
+    /// Whether no angle states its unit.
+    fn has_angles_without_unit(&self) -> bool {
+        self.columns.iter().all(|column| !matches!(column, Column::Angle(_, Some(_))))
     }
 }
 
-/// Returns the separator of the cells of a line; `None` means blanks.
-pub(super) fn separator(text: Text<'_>, line: Range<usize>) -> Option<u8> {
-    let bytes = &text.bytes[line];
-    [b';', b',', b'\t'].into_iter().find(|s| bytes.contains(s))
+/// Returns the part that the name of a column of values states.
+pub(super) fn way_of_name(name: &str) -> Option<ScatterMode> {
+    match table::ColumnName::new(name).name.as_str() {
+        "btdf" | "f_t" | "ft" => Some(ScatterMode::FrontTransmission),
+        "brdf" | "f_r" | "fr" => Some(ScatterMode::FrontReflection),
+        _ => None,
+    }
 }
 
-/// Returns the cells of a line, without blanks around them.
+/// Returns the cells of a line, without blanks and double quotes around them.
 pub(super) fn cells(
     text: Text<'_>,
     line: Range<usize>,
@@ -126,21 +187,32 @@ pub(super) fn cells(
     std::iter::from_fn(move || {
         let line = rest.clone()?;
         let ends = |b: &u8| separator.map_or(b.is_ascii_whitespace(), |s| *b == s);
-        let end = bytes[line.clone()].iter().position(ends).map(|length| line.start + length);
+        let begins = blanks(line.clone()).start;
+        let quoted = bytes.get(begins) == Some(&b'"') && begins < line.end;
+        // The separator is searched behind the second quote.
+        let from = match quoted {
+            true => bytes[begins + 1..line.end]
+                .iter()
+                .position(|b| *b == b'"')
+                .map_or(line.end, |k| begins + k + 2),
+            false => line.start,
+        };
+        let end = bytes[from..line.end].iter().position(ends).map(|length| from + length);
         let cell = blanks(line.start..end.unwrap_or(line.end));
         rest = end.map(|end| match separator {
             Some(_) => end + 1..line.end,
             None => blanks(end..line.end),
         });
-        Some(cell)
+        let inside = cell.start + 1..cell.end.max(cell.start + 2) - 1;
+        Some(if quoted && cell.len() > 1 { blanks(inside) } else { cell })
     })
 }
 
 pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
-    let text = Text::new(file);
+    let unknown = || Text::new(file).whole(BsdfProblem::Unknown);
+    let (text, layout, first) = find(file).ok_or_else(unknown)?;
     let mut lines = Lines::new(text);
-    let first = lines.expect("the first row of data")?;
-    let layout = Layout::of(text, first.clone()).ok_or_else(|| text.whole(BsdfProblem::Unknown))?;
+    while lines.expect("the first row of data")?.start < first.start {}
     let mut rows = Rows::default();
     if !layout.has_header {
         rows.take(text, &layout, first)?;
@@ -151,10 +223,13 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
     if rows.count == 0 {
         return Err(text.ends("the first row of data"));
     }
+    if layout.has_angles_without_unit() && rows.may_be_radians() {
+        return Err(text.whole(Problem::Radians));
+    }
     let mut parts = rows.parts(text)?;
     // Inclinations up to 90 deg only: a file that names its values `btdf` has them from the normal of their own side.
     let has_ways = layout.columns.contains(&Column::ScatterMode);
-    let (mut notes, one_side) = (Vec::new(), !has_ways && is_front_reflection(&parts));
+    let (mut notes, one_side) = (layout.notes, !has_ways && is_front_reflection(&parts));
     if let ([part], true, Some(ScatterMode::FrontTransmission)) = (&mut parts[..], one_side, layout.way) {
         part.way = ScatterMode::FrontTransmission;
         notes.push(
@@ -228,12 +303,12 @@ impl Rows {
         let most = if layout.columns.contains(&Column::ScatterMode) { 90.0 } else { 180.0 };
         for (cell, column) in cells(text, line.clone(), layout.separator).zip(&layout.columns) {
             match *column {
-                Column::Angle(k) => angles[k] = angle(text, cell, k, most)?,
+                Column::Angle(k, unit) => angles[k] = angle(text, cell, (k, unit), most)?,
                 Column::ScatterMode => way = Some(way_of(text, cell)?),
-                Column::Channel => channel = channel_of(text, cell)?,
+                Column::Channel(unit) => channel = channel_of(text, cell, unit)?,
                 // An empty cell was not measured.
-                Column::Value if cell.is_empty() => {}
-                Column::Error => {}
+                Column::Value if is_not_measured(text, &cell) => {}
+                Column::Other => {}
                 Column::Value => value = text.value(cell)?,
             }
         }
@@ -257,6 +332,14 @@ impl Rows {
         self.count += 1;
         self.ways[way].take(angles, channel, value, line.start);
         Ok(())
+    }
+
+    /// Returns whether all angles could be in radians: inclinations up to 1.571, azimuths up to 6.284, and not only whole numbers.
+    fn may_be_radians(&self) -> bool {
+        let pairs = || self.ways.iter().flat_map(|way| &way.pairs);
+        let most = |k: usize| pairs().map(|angles| angles[k].abs()).fold(0.0, f64::max);
+        let is_whole = pairs().flatten().all(|angle| angle.fract() == 0.0);
+        most(0).max(most(2)) <= 1.571 && most(1).max(most(3)) <= 6.284 && !is_whole
     }
 
     fn channel(&mut self, text: Text<'_>, line: &Range<usize>, channel: Channel) -> Result<u32, FormatError> {
@@ -304,8 +387,27 @@ const NAMED: [Channel; 8] = [
     Channel::Solar,
 ];
 
-fn angle(text: Text<'_>, cell: Range<usize>, k: usize, most: f64) -> Result<f64, FormatError> {
+/// Returns whether a value is empty, or a mark of a missing value other than NaN, which is more often a fault of the measurement.
+pub(super) fn is_not_measured(text: Text<'_>, cell: &Range<usize>) -> bool {
+    let begins = text.bytes[cell.clone()].first();
+    match begins {
+        None => true,
+        Some(b'0'..=b'9' | b'.' | b'+') => false,
+        Some(_) => {
+            let word = text.quote(cell.clone());
+            table::is_missing(&word) && !word.eq_ignore_ascii_case("nan")
+        }
+    }
+}
+
+fn angle(
+    text: Text<'_>,
+    cell: Range<usize>,
+    (k, unit): (usize, Option<Unit>),
+    most: f64,
+) -> Result<f64, FormatError> {
     let value = text.number(cell.clone())?;
+    let value = unit.map_or(value, |unit| unit.convert(value, Dimension::Angle));
     let (least, most) = if k.is_multiple_of(2) { (0.0, most) } else { (-360.0, 720.0) };
     if (least..=most).contains(&value) {
         // Turns -0 into 0.
@@ -339,12 +441,13 @@ fn way_of(text: Text<'_>, cell: Range<usize>) -> Result<usize, FormatError> {
     })
 }
 
-fn channel_of(text: Text<'_>, cell: Range<usize>) -> Result<Channel, FormatError> {
+fn channel_of(text: Text<'_>, cell: Range<usize>, unit: Option<Unit>) -> Result<Channel, FormatError> {
     let word = text.quote(cell.clone());
     if let Some(named) = NAMED.iter().find(|named| named.to_string().eq_ignore_ascii_case(&word)) {
         return Ok(*named);
     }
     let value = text.number(cell.clone())?;
+    let value = unit.map_or(value, |unit| unit.convert(value, Dimension::Wavelength));
     super::wavelength(value).ok_or_else(|| {
         let expected = "the name of a channel, or a wavelength in nm of 30 or more";
         let out_of_range = Problem::OutOfRange { what: "a wavelength", value, expected };

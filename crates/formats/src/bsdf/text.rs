@@ -11,8 +11,10 @@ use crate::file::DataFile;
 /// The bytes of a text. Comments and names may have any encoding; keywords and numbers are ASCII.
 #[derive(Clone, Copy)]
 pub(super) struct Text<'a> {
-    name: &'a str,
+    pub(super) name: &'a str,
     pub(super) bytes: &'a [u8],
+    /// Whether numbers are written as `0,5`.
+    pub(super) decimal_comma: bool,
 }
 
 /// Number of bytes of a line that a message shows after the place.
@@ -21,7 +23,7 @@ const SHOWN_BEYOND: usize = 200;
 impl<'a> Text<'a> {
     pub(super) fn new(file: &'a DataFile) -> Self {
         let bytes = file.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&file.bytes);
-        Self { name: &file.name, bytes }
+        Self { name: &file.name, bytes, decimal_comma: false }
     }
 
     /// Returns an error about the bytes `range`.
@@ -62,7 +64,8 @@ impl<'a> Text<'a> {
 
     /// Reads a finite number.
     pub(super) fn number(&self, range: Range<usize>) -> Result<f64, FormatError> {
-        let parsed = std::str::from_utf8(&self.bytes[range.clone()]).ok().and_then(|text| text.parse().ok());
+        let word = std::str::from_utf8(&self.bytes[range.clone()]).ok();
+        let parsed = word.and_then(|word| crate::table::number(word, self.decimal_comma));
         match parsed {
             Some(value) if f64::is_finite(value) => Ok(value),
             Some(_) => Err(self.error(range.clone(), Problem::NotFinite { found: self.quote(range) })),

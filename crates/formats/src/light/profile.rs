@@ -1,22 +1,24 @@
-//! Light profiles in two columns: angle in degrees, relative radiance.
+//! Light profiles: angle, relative radiance.
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::rows::Table;
-use crate::spectrum::data_rows;
+use crate::table::quantities::{RADIANCE, THETA};
+use crate::table::{Column, Quantity, TableText, body};
 
 /// Largest relative radiance. The scale has no meaning, but computed values must remain finite.
 const LARGEST: f64 = 1e30;
 
-/// Reads a light profile: ascending angles in degrees from 0 to 90, and relative radiances of
+const MISSING: &str = "the columns `theta_deg` and `radiance`";
+
+/// Reads a light profile: ascending angles from 0 to 90 deg, and relative radiances of
 /// 0 or more.
 ///
-/// A header row and `#` comments are permitted. Columns are separated as in
-/// [`read_spectrum`](crate::read_spectrum).
+/// The columns are those that the header names, in any order and with their units (`theta_deg,radiance`), or without a header angle in
+/// degrees, radiance. `#` comments are permitted. Columns are separated as in [`read_spectrum`](crate::read_spectrum).
 ///
 /// # Errors
-/// With line and column: cells that are not finite numbers, rows without two columns, angles out of order or
-/// range, radiances below 0; fewer than two rows.
+/// With line and column: columns that are not understood, cells that are not finite numbers, rows without two columns, angles out of
+/// order or range, radiances below 0; fewer than two rows.
 ///
 /// ```
 /// # use papilio_formats::{DataFile, read_profile};
@@ -25,24 +27,31 @@ const LARGEST: f64 = 1e30;
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
 pub fn read_profile(file: &DataFile) -> Result<Vec<(f64, f64)>, FormatError> {
-    let table = Table::new(file)?;
+    static ACCEPTED: [&Quantity; 2] = [&THETA, &RADIANCE];
+    let text = TableText::new(file)?;
+    let table = text.table();
+    let found = body(table, &ACCEPTED, |header| header.columns.len() == 2, MISSING)?;
+    let (theta, value, count) = match (found.header, &found.head) {
+        (Some(mut header), Some(head)) => {
+            header.refuse_others(head, &ACCEPTED)?;
+            let columns = header.get(&THETA).zip(header.get(&RADIANCE));
+            let (theta, value) =
+                columns.ok_or_else(|| head.error(Problem::MissingColumn { missing: MISSING }))?;
+            (theta, value, header.count)
+        }
+        _ => (Column::at(0, &THETA), Column::at(1, &RADIANCE), 2),
+    };
     let mut points: Vec<(f64, f64)> = Vec::new();
-    for row in data_rows(table) {
-        row.expect_cells(2, "two columns: angle in degrees, relative radiance")?;
-        let (angle, radiance) = (row.number(0)?, row.number(1)?);
-        let out_of_range = |cell, what, value, expected| {
-            Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected }))
-        };
-        if !(0.0..=90.0).contains(&angle) {
-            return out_of_range(0, "the angle", angle, "an angle from 0 to 90 deg");
-        }
+    for row in &found.rows {
+        row.expect_cells(count, "two columns: angle in degrees, relative radiance")?;
+        let angle = theta.number_within(row, "the angle", (0.0, 90.0), "an angle from 0 to 90 deg")?;
         if points.last().is_some_and(|last| last.0 >= angle) {
-            return out_of_range(0, "the angle", angle, "angles that increase from row to row");
+            let expected = "angles that increase from row to row";
+            let problem = Problem::OutOfRange { what: "the angle", value: angle, expected };
+            return Err(row.cell_error(theta.cell, problem));
         }
-        if !(0.0..=LARGEST).contains(&radiance) {
-            return out_of_range(1, "the radiance", radiance, "a relative radiance from 0 to 1e30");
-        }
-        points.push((angle, radiance));
+        let expected = "a relative radiance from 0 to 1e30";
+        points.push((angle, value.number_within(row, "the radiance", (0.0, LARGEST), expected)?));
     }
     if points.len() < 2 {
         return Err(table.error(Problem::TooFewAngles { rows: points.len() }));

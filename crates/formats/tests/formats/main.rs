@@ -17,4 +17,5 @@ mod meshes;
 mod other_pictures;
 mod pictures;
 mod reading;
+mod tables;
 mod writing;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use num_complex::Complex64;
-use papilio_diagnostics::Diagnostic;
-use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_fractions, read_index_within};
+use papilio_diagnostics::{Diagnostic, Warned};
+use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_fractions_with_notes, read_index_within};
 use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_info};
 
 use super::Resolver;
@@ -87,13 +87,30 @@ impl Resolver<'_> {
         }
     }
 
+    /// Reads the file `name` with `read`, whose notes on the file become notes of the scenario.
+    pub(super) fn data_with_notes<T>(
+        &mut self,
+        name: &str,
+        origin: Origin,
+        read: fn(&DataFile) -> Result<Warned<T>, FormatError>,
+    ) -> Option<T> {
+        let Warned { value, warnings } = self.data(name, origin, read)?;
+        for note in warnings.iter().map(|note| format!("{name}: {note}")) {
+            // A file may be used in several places.
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+        Some(value)
+    }
+
     /// Resolves a fraction of the light on the grid, 0 to 1.
     pub(super) fn share(&mut self, share: &ShareSpectrum, origin: Origin) -> Option<Spectrum> {
         let name = match share {
             ShareSpectrum::Constant(share) => return Some(Spectrum::constant(&self.grid, share.0)),
             ShareSpectrum::File(name) => name,
         };
-        let on_grid = self.data(name, origin, read_fractions)?.on(&self.grid);
+        let on_grid = self.data_with_notes(name, origin, read_fractions_with_notes)?.on(&self.grid);
         self.sampled(name, origin, on_grid)
     }
 

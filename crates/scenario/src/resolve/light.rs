@@ -1,7 +1,7 @@
 //! The spectrum of a light: by name, from a file, or by models.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_formats::read_light;
+use papilio_formats::read_light_with_notes;
 use papilio_spectra::{
     Grid, LightSpectrum, SpectraError, Spectrum, Tabulated, daylight, illuminant, illuminant_info, ohno_led,
     planck,
@@ -143,7 +143,7 @@ impl Resolver<'_> {
         let part = |source| Part { name: name.to_owned(), origin: light.origin, weight: 1.0, source };
         match illuminant(name, &self.grid) {
             Err(SpectraError::UnknownName { .. }) if self.is_file(name) => {
-                let table = self.data(name, light.origin, read_light)?;
+                let table = self.data_with_notes(name, light.origin, read_light_with_notes)?;
                 Some(part(Source::Table(table)))
             }
             Err(SpectraError::UnknownName { .. }) => {

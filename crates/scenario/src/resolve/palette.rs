@@ -21,7 +21,7 @@ const STEP_NM: f64 = 5.0;
 impl Resolver<'_> {
     /// Resolves a palette as Lambertian states.
     pub(super) fn palette(&mut self, pixel: &Spanned<PalettePixel>) -> Option<UniformPixel> {
-        let table = self.data(&pixel.file, pixel.file.origin, read_palette)?;
+        let table = self.data_with_notes(&pixel.file, pixel.file.origin, read_palette)?;
         let count = match &table {
             PaletteTable::Spectra(states) => states.len(),
             PaletteTable::Lab(states) => states.len(),

@@ -105,8 +105,9 @@ function metrics(view: View): string {
   const known = parts
     .filter(([, values]) => values.some((value) => typeof value === "number"))
     .map(([name, values, unit]) => `${name}${pair(values[0], values[1], 2)}${unit}`);
-  const peaks = view.average_peak_difference_nm;
-  if (typeof peaks === "number") known.push(`mean difference of the peaks ${signed(peaks, 1)} nm`);
+  const [rms, mean] = [view.rms_peak_difference_nm, view.average_peak_difference_nm];
+  if (typeof rms === "number" && typeof mean === "number")
+    known.push(`rms difference of the peaks ${rms.toFixed(1)} nm (mean with sign ${signed(mean, 1)} nm)`);
   return known.join(", ");
 }
 

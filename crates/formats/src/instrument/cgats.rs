@@ -1,0 +1,206 @@
+//! CGATS.17 and ISO 28178, and the files of Argyll, which have the same syntax: keywords, names of fields, rows of data.
+
+use super::{Kind, Sample, SpectralFile, error};
+use crate::error::FormatError;
+
+const FORMAT: &str = "CGATS";
+
+/// Beginnings of the names of fields that hold a value of a spectrum; the rest of the name is the wavelength.
+const SPECTRAL: [&str; 10] =
+    ["SPECTRAL_NM_", "SPECTRAL_NM", "SPECTRAL_", "SPECTRAL", "SPEC_", "SPEC", "NM_", "NM", "R_", "WL_"];
+
+/// Returns whether the text has the names of fields of CGATS.
+pub(super) fn is_cgats(text: &str) -> bool {
+    text.lines().any(|line| line.trim() == "BEGIN_DATA_FORMAT")
+}
+
+/// A word of the file, with its line.
+struct Word<'a> {
+    text: &'a str,
+    line: usize,
+}
+
+/// Returns the words of a text. A text in double quotes is one word; `#` begins a comment.
+fn words(text: &str) -> Vec<Word<'_>> {
+    let mut words = Vec::new();
+    for (k, line) in text.lines().enumerate() {
+        let mut rest = line.trim();
+        while !rest.is_empty() && !rest.starts_with('#') {
+            let (word, after) = match rest.strip_prefix('"') {
+                Some(inner) => inner.split_once('"').unwrap_or((inner, "")),
+                None => rest.split_once(char::is_whitespace).unwrap_or((rest, "")),
+            };
+            words.push(Word { text: word, line: k + 1 });
+            rest = after.trim_start();
+        }
+    }
+    words
+}
+
+/// The parts of the first table of a file.
+struct Parts<'a> {
+    head: &'a [Word<'a>],
+    fields: &'a [Word<'a>],
+    data: &'a [Word<'a>],
+    has_more: bool,
+}
+
+impl<'a> Parts<'a> {
+    fn of(name: &str, words: &'a [Word<'a>]) -> Result<Self, FormatError> {
+        let find = |mark: &str, from: usize| {
+            let at = words[from..].iter().position(|word| word.text == mark).map(|at| from + at);
+            at.ok_or_else(|| error(name, 0, FORMAT, format!("there is no {mark}")))
+        };
+        let begin = find("BEGIN_DATA_FORMAT", 0)?;
+        let end = find("END_DATA_FORMAT", begin)?;
+        let data = find("BEGIN_DATA", end)?;
+        let last = find("END_DATA", data)?;
+        Ok(Self {
+            head: &words[..begin],
+            fields: &words[begin + 1..end],
+            data: &words[data + 1..last],
+            has_more: words[last + 1..].iter().any(|word| word.text == "BEGIN_DATA"),
+        })
+    }
+
+    /// Returns the value of a keyword.
+    fn value(&self, keyword: &str) -> Option<&'a str> {
+        let pairs = self.head.windows(2);
+        // `KEYWORD "X"` declares a keyword; its value follows on another line.
+        let mut found = pairs.filter(|pair| pair[0].text == keyword && pair[0].line == pair[1].line);
+        found.next().map(|pair| pair[1].text)
+    }
+
+    fn number(&self, keyword: &str) -> Option<f64> {
+        self.value(keyword)?.parse().ok().filter(|value: &f64| value.is_finite())
+    }
+
+    fn field(&self, names: &[&str]) -> Option<usize> {
+        let is = |field: &Word<'_>, name: &str| field.text.eq_ignore_ascii_case(name);
+        names.iter().find_map(|name| self.fields.iter().position(|field| is(field, name)))
+    }
+
+    /// Returns the three fields of a colour.
+    fn colour(&self, names: [&str; 3]) -> Option<[usize; 3]> {
+        let [a, b, c] = names.map(|name| self.field(&[name]));
+        Some([a?, b?, c?])
+    }
+
+    fn kind(&self) -> Kind {
+        let stated = |key: &str| self.value(key).unwrap_or_default().to_ascii_uppercase();
+        let words = ["MEAS_TYPE", "DEVICE_CLASS", "MEASUREMENT_TYPE"].map(stated);
+        let is = |text: &str| words.iter().any(|word| word.starts_with(text));
+        let is_light = self.head.first().is_some_and(|word| word.text == "CCSS")
+            || self.head.iter().any(|word| word.text == "Emission");
+        if is("REFLECT") {
+            Kind::Reflectance
+        } else if is("TRANSM") {
+            Kind::Transmittance
+        } else if is_light || is("EMISSION") || is("EMISSIVE") || is("AMBIENT") || is("DISPLAY") {
+            Kind::Light
+        } else {
+            Kind::Unstated
+        }
+    }
+
+    /// Returns the fields with values of a spectrum, and their wavelengths in nm. The names of Argyll's fields are rounded to nm: its
+    /// keywords give the exact wavelengths.
+    fn spectral(&self) -> Vec<(usize, f64)> {
+        let nm = |field: &str| {
+            let field = field.to_ascii_uppercase();
+            let rest = SPECTRAL.iter().find_map(|prefix| field.strip_prefix(prefix))?;
+            rest.trim_end_matches("NM").parse().ok().filter(|nm: &f64| (100.0..1e5).contains(nm))
+        };
+        let mut found: Vec<(usize, f64)> =
+            self.fields.iter().enumerate().filter_map(|(k, field)| Some((k, nm(field.text)?))).collect();
+        let exact = ["SPECTRAL_START_NM", "SPECTRAL_END_NM"].map(|key| self.number(key));
+        if let [Some(start), Some(end)] = exact
+            && found.len() > 1
+        {
+            let step = (end - start) / (found.len() - 1) as f64;
+            let at = |k: usize| start + k as f64 * step;
+            if found.iter().enumerate().all(|(k, (_, nm))| (at(k) - nm).abs() <= 0.51) {
+                found.iter_mut().enumerate().for_each(|(k, (_, nm))| *nm = at(k));
+            }
+        }
+        found
+    }
+}
+
+/// Returns the fields of wavelengths and of values of CGATS.17's pairs `SPECTRAL_NM SPECTRAL_PCT`, and the scale of the values.
+fn pairs(fields: &[Word<'_>]) -> Vec<(usize, usize, f64)> {
+    let is_nm = |k: &usize| fields[*k].text == "SPECTRAL_NM";
+    let pair = |k: usize| match fields.get(k + 1)?.text {
+        "SPECTRAL_PCT" => Some((k, k + 1, 100.0)),
+        "SPECTRAL_DEC" => Some((k, k + 1, 1.0)),
+        _ => None,
+    };
+    (0..fields.len()).filter(is_nm).filter_map(pair).collect()
+}
+
+pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> {
+    let words = words(text);
+    let parts = Parts::of(name, &words)?;
+    let wrong = |line, what: String| error(name, line, FORMAT, what);
+    let count = parts.fields.len();
+    if count == 0 || !parts.data.len().is_multiple_of(count) {
+        let line = parts.data.last().map_or(0, |word| word.line);
+        let what = format!("the {} values are not rows of {count} fields", parts.data.len());
+        return Err(wrong(line, what));
+    }
+    let sets = parts.data.len() / count;
+    for (key, found) in [("NUMBER_OF_FIELDS", count), ("NUMBER_OF_SETS", sets)] {
+        // Keywords of the data stand between the names of the fields and the data.
+        let stated = words.windows(2).find(|pair| pair[0].text == key).map(|pair| &pair[1]);
+        if let Some(stated) = stated.filter(|stated| stated.text.parse() != Ok(found)) {
+            return Err(wrong(stated.line, format!("{key} is {}, and {found} were found", stated.text)));
+        }
+    }
+    let names =
+        parts.field(&["SAMPLE_NAME", "SampleName", "NAME", "SAMPLE_ID", "SampleID", "SAMPLE_LOC", "STRING"]);
+    let (spectral, pairs) = (parts.spectral(), pairs(parts.fields));
+    let (lab, xyz) = (parts.colour(["LAB_L", "LAB_A", "LAB_B"]), parts.colour(["XYZ_X", "XYZ_Y", "XYZ_Z"]));
+    if spectral.is_empty() && pairs.is_empty() && lab.is_none() && xyz.is_none() {
+        let what =
+            "it has no spectra (fields SPEC_380, ...), no LAB_L, LAB_A, LAB_B and no XYZ_X, XYZ_Y, XYZ_Z"
+                .to_owned();
+        return Err(wrong(parts.fields[0].line, what));
+    }
+    let norm = parts.number("SPECTRAL_NORM").filter(|norm| *norm > 0.0);
+    let mut samples = Vec::with_capacity(sets);
+    for (k, row) in parts.data.chunks(count).enumerate() {
+        let number = |field: usize| {
+            let word = &row[field];
+            let value = word.text.replace(',', ".").parse().ok().filter(|value: &f64| value.is_finite());
+            let what = || format!("`{}` of {} is not a number", word.text, parts.fields[field].text);
+            value.ok_or_else(|| wrong(word.line, what()))
+        };
+        let mut spectrum = Vec::with_capacity(spectral.len());
+        for (field, nm) in &spectral {
+            spectrum.push((*nm, number(*field)? / norm.unwrap_or(1.0)));
+        }
+        for (nm, value, scale) in &pairs {
+            spectrum.push((number(*nm)?, number(*value)? / scale));
+        }
+        let three = |fields: [usize; 3]| {
+            Ok::<_, FormatError>([number(fields[0])?, number(fields[1])?, number(fields[2])?])
+        };
+        // X, Y, Z of CGATS are relative to Y = 100.
+        let xyz = xyz.map(three).transpose()?.map(|xyz| xyz.map(|value| value / 100.0));
+        samples.push(Sample {
+            name: names.map_or_else(|| (k + 1).to_string(), |field| row[field].text.trim().to_owned()),
+            spectrum,
+            lab: lab.map(three).transpose()?,
+            xyz,
+            ..Sample::default()
+        });
+    }
+    let mut file = SpectralFile { format: FORMAT, kind: parts.kind(), samples, notes: Vec::new() };
+    if parts.has_more {
+        file.notes.push("only the first table of the file is read".to_owned());
+    }
+    if norm.is_none() && pairs.is_empty() {
+        file.to_fractions();
+    }
+    Ok(file)
+}

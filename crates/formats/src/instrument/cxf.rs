@@ -1,0 +1,95 @@
+//! CxF3, the Color Exchange Format of X-Rite and ISO 17972-1: XML with an element `Object` for each sample.
+
+use roxmltree::Node;
+
+use super::{Kind, Sample, SpectralFile, error};
+use crate::error::FormatError;
+
+const FORMAT: &str = "CxF";
+
+fn named<'a>(node: Node<'a, 'a>, name: &'a str) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.descendants().filter(move |node| node.tag_name().name() == name)
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.trim().replace(',', ".").parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// Returns the first wavelength and the step of a spectrum, nm: its own, or those of its specification.
+fn wavelengths(root: Node<'_, '_>, spectrum: Node<'_, '_>) -> Option<(f64, f64)> {
+    let id = spectrum.attribute("ColorSpecification");
+    let all = || root.descendants().filter(|node| node.tag_name().name() == "ColorSpecification");
+    let of_id = all().find(|node| id.is_some() && node.attribute("Id") == id);
+    // A file with a single specification may not name it.
+    let specification = of_id.or_else(|| all().next().filter(|_| id.is_none() && all().count() == 1));
+    let range = specification
+        .and_then(|node| node.descendants().find(|node| node.tag_name().name() == "WavelengthRange"));
+    let of = |key: &str| {
+        let own = spectrum.attribute(key);
+        own.or_else(|| range?.attribute(key)).and_then(number)
+    };
+    Some((of("StartWL")?, of("Increment")?))
+}
+
+pub(super) fn read(name: &str, root: Node<'_, '_>) -> Result<SpectralFile, FormatError> {
+    const SPECTRA: [(&str, Kind); 3] = [
+        ("ReflectanceSpectrum", Kind::Reflectance),
+        ("TransmittanceSpectrum", Kind::Transmittance),
+        ("EmissiveSpectrum", Kind::Light),
+    ];
+    let wrong = |node: Node<'_, '_>, what: String| {
+        let line = node.document().text_pos_at(node.range().start).row as usize;
+        error(name, line, FORMAT, what)
+    };
+    let mut file =
+        SpectralFile { format: FORMAT, kind: Kind::Unstated, samples: Vec::new(), notes: Vec::new() };
+    let mut further = 0;
+    for object in named(root, "Object") {
+        let Some(values) = object.children().find(|node| node.tag_name().name() == "ColorValues") else {
+            continue;
+        };
+        let mut sample = Sample {
+            name: object.attribute("Name").unwrap_or_default().trim().to_owned(),
+            ..Sample::default()
+        };
+        for spectrum in values.children() {
+            let tag = spectrum.tag_name().name();
+            let Some((_, kind)) = SPECTRA.iter().find(|(name, _)| *name == tag) else { continue };
+            if !sample.spectrum.is_empty() {
+                further += 1;
+                continue;
+            }
+            if file.kind != Kind::Unstated && file.kind != *kind {
+                return Err(wrong(spectrum, "it has spectra of several quantities".to_owned()));
+            }
+            file.kind = *kind;
+            let (start, step) = wavelengths(root, spectrum)
+                .filter(|(start, step)| *start > 0.0 && *step > 0.0)
+                .ok_or_else(|| wrong(spectrum, format!("a {tag} has no StartWL and Increment")))?;
+            for (k, word) in spectrum.text().unwrap_or_default().split_whitespace().enumerate() {
+                let value =
+                    number(word).ok_or_else(|| wrong(spectrum, format!("`{word}` is not a number")))?;
+                sample.spectrum.push((start + k as f64 * step, value));
+            }
+        }
+        let colour = |tag: &str, parts: [&str; 3]| {
+            let colour = values.children().find(|node| node.tag_name().name() == tag)?;
+            let part =
+                |part: &str| number(colour.children().find(|node| node.tag_name().name() == part)?.text()?);
+            let [a, b, c] = parts.map(part);
+            Some([a?, b?, c?])
+        };
+        sample.lab = colour("ColorCIELab", ["L", "A", "B"]);
+        sample.xyz = colour("ColorCIEXYZ", ["X", "Y", "Z"]).map(|xyz| xyz.map(|value| value / 100.0));
+        if !sample.spectrum.is_empty() || sample.lab.is_some() || sample.xyz.is_some() {
+            file.samples.push(sample);
+        }
+    }
+    if further > 0 {
+        file.notes.push(format!(
+            "{further} further spectra of the same samples (other conditions of measurement) are not read"
+        ));
+    }
+    file.to_fractions();
+    Ok(file)
+}

@@ -1,0 +1,122 @@
+//! Spectra as instruments and their programs write them.
+//!
+//! | format | recognised by | read |
+//! |---|---|---|
+//! | CGATS.17, ISO 28178, Argyll's `.ti3`, `.sp`, `.ccss` | a line `BEGIN_DATA_FORMAT` | spectra or L\*, a\*, b\* or X, Y, Z of each sample |
+//! | CxF3 (ISO 17972) | the XML element `CxF` | the same |
+//! | IES TM-27 (`.spdx`) | the XML element `IESTM2714` or `IESTM2720` | the spectrum |
+//! | Ocean Optics, OceanView, SpectraSuite | a line `>>>>>Begin ... Spectral Data<<<<<` | the spectrum |
+//! | Sekonic, UPRtek and others | rows such as `Spectral Data 380[nm],0.01` | the spectrum of each column |
+//! | spectrophotometers' tables | a header with a column for each wavelength | the spectrum of each row |
+
+mod cgats;
+mod cxf;
+mod listed;
+mod ocean;
+mod tm27;
+mod wide;
+
+use papilio_diagnostics::Place;
+
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::table::TableText;
+
+/// Quantity of the spectra of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Reflectance,
+    Transmittance,
+    Absorptance,
+    Light,
+    /// The file does not state it.
+    Unstated,
+}
+
+/// What a file of an instrument holds.
+#[derive(Debug)]
+pub(crate) struct SpectralFile {
+    pub(crate) format: &'static str,
+    pub(crate) kind: Kind,
+    pub(crate) samples: Vec<Sample>,
+    /// How the file was interpreted.
+    pub(crate) notes: Vec<String>,
+}
+
+/// A measured sample: its spectrum or, without one, its colour.
+#[derive(Debug, Default)]
+pub(crate) struct Sample {
+    pub(crate) name: String,
+    /// Wavelengths, nm, and values.
+    pub(crate) spectrum: Vec<(f64, f64)>,
+    pub(crate) lab: Option<[f64; 3]>,
+    pub(crate) xyz: Option<[f64; 3]>,
+    /// Direction of the viewer, degrees.
+    pub(crate) theta_deg: Option<f64>,
+    pub(crate) phi_deg: Option<f64>,
+}
+
+/// A larger value of a reflectance, without a unit, is in per cent: instruments with a sphere or at 45 deg measure at most 1 and noise.
+pub(crate) const LARGEST_FRACTION: f64 = 1.5;
+
+/// Reads a file in one of the formats of instruments; `None` if it has none of them.
+pub(crate) fn read(file: &DataFile) -> Result<Option<SpectralFile>, FormatError> {
+    let Ok(text) = TableText::new(file) else { return Ok(None) };
+    let table = text.table();
+    let begins = table.text.trim_start();
+    let read = if begins.starts_with('<') {
+        xml(&file.name, table.text)?
+    } else if cgats::is_cgats(table.text) {
+        Some(cgats::read(&file.name, table.text)?)
+    } else if ocean::is_ocean(table.text) {
+        Some(ocean::read(table)?)
+    } else if let Some(listed) = listed::read(table)? {
+        Some(listed)
+    } else {
+        wide::read(table)?
+    };
+    if let Some(read) = &read
+        && read.samples.is_empty()
+    {
+        return Err(error(&file.name, 0, read.format, "it has no samples".to_owned()));
+    }
+    Ok(read)
+}
+
+/// Reads an XML file; `None` if its outermost element is unknown.
+fn xml(name: &str, text: &str) -> Result<Option<SpectralFile>, FormatError> {
+    // The declaration of an encoding refers to the bytes, which are decoded.
+    let Ok(document) = roxmltree::Document::parse(text) else { return Ok(None) };
+    let root = document.root_element();
+    match root.tag_name().name() {
+        "CxF" => cxf::read(name, root).map(Some),
+        tag if tag.to_ascii_uppercase().starts_with("IESTM27") => tm27::read(name, root).map(Some),
+        _ => Ok(None),
+    }
+}
+
+/// Returns an error of a file of an instrument, at a line if it is not 0.
+fn error(name: &str, line: usize, format: &'static str, what: String) -> FormatError {
+    let what = if line == 0 { what } else { format!("line {line}: {what}") };
+    FormatError { place: Place::whole(name), problem: Problem::Instrument { format, what } }
+}
+
+impl SpectralFile {
+    /// Divides reflectances in per cent by 100; without a stated scale, values above 1.5 show that they are.
+    pub(crate) fn to_fractions(&mut self) {
+        let values = || self.samples.iter().flat_map(|sample| &sample.spectrum);
+        let largest = values().map(|(_, value)| *value).fold(0.0, f64::max);
+        if self.kind == Kind::Light || largest <= LARGEST_FRACTION {
+            return;
+        }
+        for (_, value) in self.samples.iter_mut().flat_map(|sample| &mut sample.spectrum) {
+            *value /= 100.0;
+        }
+        self.notes.push(percent_note(largest));
+    }
+}
+
+/// Returns the note on values that are read as per cent.
+pub(crate) fn percent_note(largest: f64) -> String {
+    format!("the file states no scale; its values reach {largest}, and are read as per cent")
+}

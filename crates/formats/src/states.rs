@@ -1,0 +1,401 @@
+//! Measured states of a panel: spectra or colours, in the tables and files that instruments write.
+//!
+//! A table has one row for each state, direction and wavelength (`state,theta_deg,wavelength_nm,reflectance_factor`), one row for each
+//! state and direction with a colour (`state,theta_deg,X,Y,Z` or `state,L,a,b`), a column for each state (`wavelength_nm,white,black`), or
+//! a column for each wavelength. Columns may have any order.
+
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+
+use papilio_diagnostics::Place;
+use papilio_spectra::Tabulated;
+
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::instrument::{self, Kind, SpectralFile};
+use crate::is_name;
+use crate::pixel_table::NM;
+use crate::table::quantities::{
+    A_STAR, ABSORBANCE, B_STAR, EPS_1, EPS_2, K, L_STAR, LIGHT, N, PHI, REFLECTANCE, STATE, THETA,
+    WAVELENGTH, X, Y, Z,
+};
+use crate::table::{Column, ColumnName, Header, Quantity, Row, Table, TableText, body};
+
+/// A measured state.
+#[derive(Debug)]
+pub(crate) struct State {
+    pub(crate) name: String,
+    /// Inclination of the meter, degrees, if the file states it.
+    pub(crate) theta_deg: Option<f64>,
+    /// Azimuth of the meter, degrees.
+    pub(crate) phi_deg: f64,
+    pub(crate) value: Value,
+}
+
+/// What was measured.
+#[derive(Debug)]
+pub(crate) enum Value {
+    /// Reflectance factor against wavelength.
+    Spectrum(Tabulated),
+    /// L\*, a\*, b\*.
+    Lab([f64; 3]),
+    /// X, Y, Z relative to a perfect white (Y = 1).
+    Xyz([f64; 3]),
+}
+
+/// The measured states of a file, in the order of their first rows, and notes on how it was read.
+#[derive(Debug)]
+pub(crate) struct States {
+    pub(crate) states: Vec<State>,
+    pub(crate) notes: Vec<String>,
+}
+
+/// What a reader accepts.
+pub(crate) struct Accept {
+    /// Least and largest reflectance factor. Values below 0 and above the least are kept if it is negative.
+    pub(crate) factor: (f64, f64),
+    /// The largest factor, in words.
+    pub(crate) factor_in_words: &'static str,
+    /// Whether X, Y, Z are accepted.
+    pub(crate) xyz: bool,
+    /// Error of a file without rows.
+    pub(crate) empty: Problem,
+    /// Error of a header without the required columns.
+    pub(crate) header: Problem,
+}
+
+/// Values from here to 0 are the noise of a dark signal.
+const NOISE: f64 = -0.02;
+
+/// Reads the states of a file.
+///
+/// # Errors
+/// With line and column: columns that are not understood or missing, cells that are not numbers or out of range, two values for the
+/// same point, a spectrum with a single wavelength, names that are not permitted.
+pub(crate) fn read_states(file: &DataFile, accept: &Accept) -> Result<States, FormatError> {
+    let points = match instrument::read(file)? {
+        Some(read) => Points::of_instrument(file, read)?,
+        None => {
+            let text = TableText::new(file)?;
+            Points::of_table(text.table(), accept)?
+        }
+    };
+    points.finish(file, accept)
+}
+
+/// Values of a state in a direction, and the places of their cells.
+struct Point {
+    name: String,
+    theta_deg: Option<f64>,
+    phi_deg: f64,
+    /// Wavelengths in nm, values, and their places.
+    spectrum: Vec<(f64, f64, Range<usize>)>,
+    lab: Option<[f64; 3]>,
+    xyz: Option<[f64; 3]>,
+    /// Its first row.
+    at: Range<usize>,
+}
+
+/// Numbers of the points by state and direction.
+type Numbers = HashMap<(String, Option<u64>, u64), usize>;
+
+impl Point {
+    fn set_colour(&mut self, values: &Values, row: &Row<'_>, accept: &Accept) -> Result<(), FormatError> {
+        match values {
+            Values::Xyz(columns) => {
+                let expected = "a number from 0 to 1e4, where 1 is a perfect white";
+                let [x, y, z] = columns.map(|c| c.number_within(row, c.quantity.what, (0.0, 1e4), expected));
+                self.xyz = Some([x?, y?, z?]);
+            }
+            Values::Lab([l, a, b]) => {
+                let lightness = if accept.xyz { (0.0, 1e3) } else { (0.0, 100.0) };
+                let l = l.number_within(row, "L*", lightness, "a lightness from 0 to 100")?;
+                let expected = "a number from -200 to 200";
+                let a = a.number_within(row, "a*", (-200.0, 200.0), expected)?;
+                self.lab = Some([l, a, b.number_within(row, "b*", (-200.0, 200.0), expected)?]);
+            }
+            Values::Spectrum(..) | Values::Columns(..) => {}
+        }
+        Ok(())
+    }
+}
+
+struct Points {
+    all: Vec<Point>,
+    notes: Vec<String>,
+    /// Whether places are known: the file is a table.
+    is_table: bool,
+}
+
+static ACCEPTED: [&Quantity; 11] =
+    [&STATE, &THETA, &PHI, &WAVELENGTH, &REFLECTANCE, &X, &Y, &Z, &L_STAR, &A_STAR, &B_STAR];
+
+/// The columns of values.
+enum Values {
+    Spectrum(Column, Column),
+    Xyz([Column; 3]),
+    Lab([Column; 3]),
+    /// Wavelength, and cells and names of the states.
+    Columns(Column, Vec<(Column, String)>),
+}
+
+impl Values {
+    fn of(header: &Header, accept: &Accept) -> Option<Self> {
+        let three = |all: [&'static Quantity; 3]| {
+            let [a, b, c] = all.map(|quantity| header.get(quantity));
+            Some([a?, b?, c?])
+        };
+        let nm = header.get(&WAVELENGTH);
+        if header.get(&STATE).is_some() {
+            let spectrum = nm.zip(header.get(&REFLECTANCE)).map(|(nm, factor)| Self::Spectrum(nm, factor));
+            let xyz = || three([&X, &Y, &Z]).filter(|_| accept.xyz).map(Self::Xyz);
+            return spectrum.or_else(xyz).or_else(|| three([&L_STAR, &A_STAR, &B_STAR]).map(Self::Lab));
+        }
+        let states = state_columns(header);
+        let is_one_value = header.get(&REFLECTANCE).is_some() && states.len() == 1;
+        // A table of n and k has no states, although a state may be called `K`.
+        let others = [&N, &K, &EPS_1, &EPS_2, &ABSORBANCE, &LIGHT];
+        let is_other = |name: &ColumnName| others.iter().any(|other| name.is_one_of(other.names, false));
+        if states.iter().all(|(_, name)| is_other(&ColumnName::new(name))) {
+            return None;
+        }
+        nm.filter(|_| !states.is_empty() && !is_one_value).map(|nm| Self::Columns(nm, states))
+    }
+}
+
+/// Returns the columns that are not angles or wavelengths, with their names without units.
+fn state_columns(header: &Header) -> Vec<(Column, String)> {
+    let of_known = header.columns.iter().filter(|column| {
+        [&WAVELENGTH, &THETA, &PHI].iter().all(|other| !std::ptr::eq(column.quantity, *other))
+    });
+    let known = of_known.map(|column| column.cell);
+    let mut cells: Vec<usize> = known.chain(header.others.iter().map(|other| other.cell)).collect();
+    cells.sort_unstable();
+    let column = |cell: usize| {
+        let name = ColumnName::new(&header.names[cell]);
+        let unit = name.unit.clone().and_then(Result::ok).filter(|unit| unit.fits(REFLECTANCE.dimension));
+        let text = if unit.is_some() { name.text } else { header.names[cell].trim().to_owned() };
+        (Column { quantity: &REFLECTANCE, cell, unit }, text)
+    };
+    cells.into_iter().map(column).filter(|(_, name)| !name.is_empty()).collect()
+}
+
+impl Points {
+    fn of_table(table: Table<'_>, accept: &Accept) -> Result<Self, FormatError> {
+        let is_complete = |header: &Header| Values::of(header, accept).is_some();
+        // A palette has no directions, and no X, Y, Z.
+        let of_panel: [&Quantity; 5] = [&THETA, &PHI, &X, &Y, &Z];
+        let is_of_panel = |one: &Quantity| of_panel.iter().any(|other| std::ptr::eq(*other, one));
+        let accepted = ACCEPTED.iter().copied().filter(|one| accept.xyz || !is_of_panel(one));
+        let found = body(table, &accepted.collect::<Vec<_>>(), is_complete, "a required column");
+        let (mut header, head, rows) = match found {
+            Ok(found) => match (found.header, found.head) {
+                (Some(header), Some(head)) => (header, head, found.rows),
+                _ => return Err(no_header(table, accept)),
+            },
+            Err(error) if matches!(error.problem, Problem::MissingColumn { .. }) => {
+                return Err(no_header(table, accept));
+            }
+            Err(error) => return Err(error),
+        };
+        let values = Values::of(&header, accept).ok_or_else(|| head.error(accept.header.clone()))?;
+        if !matches!(values, Values::Columns(..)) && !is_own(&head) {
+            header.note_others();
+        }
+        let notes = std::mem::take(&mut header.notes);
+        let mut points = Self { all: Vec::new(), notes, is_table: true };
+        let mut by_name = HashMap::new();
+        for row in &rows {
+            points.push(&header, &values, row, (accept, &mut by_name))?;
+        }
+        if matches!(&values, Values::Columns(_, states) if states.iter().all(|(column, _)| column.unit.is_none()))
+        {
+            points.to_fractions();
+        }
+        Ok(points)
+    }
+
+    fn push(
+        &mut self,
+        header: &Header,
+        values: &Values,
+        row: &Row<'_>,
+        (accept, by_name): (&Accept, &mut Numbers),
+    ) -> Result<(), FormatError> {
+        row.expect_cells(header.count, "as many columns as the header")?;
+        let angle = |quantity: &'static Quantity, what, most: f64, expected| {
+            let column = header.get(quantity);
+            column.map(|column| column.number_within(row, what, (-most, most), expected)).transpose()
+        };
+        let theta_deg = angle(&THETA, "an angle", 90.0, "an angle from -90 to 90 deg")?;
+        let phi_deg = angle(&PHI, "an azimuth", 360.0, "an azimuth from -360 to 360 deg")?.unwrap_or(0.0);
+        let direction = (theta_deg, phi_deg);
+        let wavelength =
+            |column: &Column| column.number_within(row, "a wavelength", NM, "a wavelength in nm, 30 to 1e6");
+        if let Values::Columns(nm, states) = values {
+            let nm = wavelength(nm)?;
+            for (column, name) in states {
+                let (number, _) = self.number_of(name, direction, (row, column.cell), by_name)?;
+                let value = column.number(row)?;
+                self.all[number].spectrum.push((nm, value, row.cells[column.cell].bytes()));
+            }
+            return Ok(());
+        }
+        let Some(state) = header.get(&STATE) else { return Ok(()) };
+        let (number, is_known) = self.number_of(state.text(row), direction, (row, state.cell), by_name)?;
+        if let Values::Spectrum(nm, factor) = values {
+            let (nm, value) = (wavelength(nm)?, factor.number(row)?);
+            self.all[number].spectrum.push((nm, value, row.cells[factor.cell].bytes()));
+            return Ok(());
+        }
+        self.all[number].set_colour(values, row, accept)?;
+        if is_known {
+            let state = self.all[number].name.clone();
+            return Err(row.error(Problem::StateTwice { state, theta_deg, nm: None }));
+        }
+        Ok(())
+    }
+
+    /// Returns the number of the point of a state in a direction, and whether it is known from another row.
+    fn number_of(
+        &mut self,
+        name: &str,
+        (theta_deg, phi_deg): (Option<f64>, f64),
+        (row, cell): (&Row<'_>, usize),
+        by_name: &mut Numbers,
+    ) -> Result<(usize, bool), FormatError> {
+        if !is_name(name) {
+            return Err(row.cell_error(cell, Problem::BadName));
+        }
+        let key = (name.to_owned(), theta_deg.map(f64::to_bits), phi_deg.to_bits());
+        let next = self.all.len();
+        let number = *by_name.entry(key).or_insert(next);
+        if number == next {
+            let (name, spectrum, at) = (name.to_owned(), Vec::new(), row.bytes());
+            self.all.push(Point { name, theta_deg, phi_deg, spectrum, lab: None, xyz: None, at });
+        }
+        Ok((number, number != next))
+    }
+
+    fn of_instrument(file: &DataFile, mut read: SpectralFile) -> Result<Self, FormatError> {
+        if matches!(read.kind, Kind::Light) {
+            let problem = Problem::OtherQuantity { found: "a light", expected: "reflectances of states" };
+            return Err(FormatError { place: Place::whole(&file.name), problem });
+        }
+        if read.kind == Kind::Unstated {
+            read.to_fractions();
+        }
+        let has_spectra = read.samples.iter().all(|sample| !sample.spectrum.is_empty());
+        let point = |sample: instrument::Sample| Point {
+            name: sample.name,
+            theta_deg: sample.theta_deg,
+            phi_deg: sample.phi_deg.unwrap_or(0.0),
+            spectrum: match has_spectra {
+                true => sample.spectrum.into_iter().map(|(nm, value)| (nm, value, 0..0)).collect(),
+                false => Vec::new(),
+            },
+            lab: sample.lab,
+            xyz: sample.xyz,
+            at: 0..0,
+        };
+        Ok(Self { all: read.samples.into_iter().map(point).collect(), notes: read.notes, is_table: false })
+    }
+
+    /// Divides reflectances in per cent by 100, with a note, as those of instruments.
+    fn to_fractions(&mut self) {
+        let values = self.all.iter().flat_map(|point| &point.spectrum).map(|point| point.1);
+        let largest = values.fold(0.0, f64::max);
+        if largest > instrument::LARGEST_FRACTION {
+            self.all.iter_mut().flat_map(|point| &mut point.spectrum).for_each(|point| point.1 /= 100.0);
+            self.notes.push(instrument::percent_note(largest));
+        }
+    }
+
+    fn finish(mut self, file: &DataFile, accept: &Accept) -> Result<States, FormatError> {
+        let error = |at: &Range<usize>, state: &str, problem: Problem| {
+            let text = TableText::new(file).ok().filter(|_| self.is_table);
+            match text {
+                Some(text) => text.table().error_at(at.clone(), problem),
+                None => {
+                    let place = Place::whole(&format!("{}, sample `{state}`", file.name));
+                    FormatError { place, problem }
+                }
+            }
+        };
+        if self.all.is_empty() {
+            return Err(FormatError { place: Place::whole(&file.name), problem: accept.empty.clone() });
+        }
+        let (mut states, mut noise) = (Vec::new(), 0);
+        let mut names: HashSet<(&str, Option<u64>, u64)> = HashSet::new();
+        for point in &self.all {
+            let fault = |at: &Range<usize>, problem| Err(error(at, &point.name, problem));
+            let key = (point.name.as_str(), point.theta_deg.map(f64::to_bits), point.phi_deg.to_bits());
+            if !is_name(&point.name) {
+                return fault(&point.at, Problem::BadName);
+            }
+            if !names.insert(key) {
+                let (state, theta_deg) = (point.name.clone(), point.theta_deg);
+                return fault(&point.at, Problem::StateTwice { state, theta_deg, nm: None });
+            }
+            let value = match (point.spectrum.is_empty(), point.xyz.filter(|_| accept.xyz), point.lab) {
+                (false, ..) => {
+                    let (least, most) = accept.factor;
+                    let mut spectrum = point.spectrum.clone();
+                    for (_, value, at) in &mut spectrum {
+                        if *value < 0.0 && *value >= NOISE && least == 0.0 {
+                            *value = 0.0;
+                            noise += 1;
+                        }
+                        if !(least..=most).contains(value) {
+                            let (what, expected) = ("the reflectance factor", accept.factor_in_words);
+                            return fault(at, Problem::OutOfRange { what, value: *value, expected });
+                        }
+                    }
+                    Value::Spectrum(tabulated(point, spectrum, &error)?)
+                }
+                (true, Some(xyz), _) => Value::Xyz(xyz),
+                (true, None, Some(lab)) => Value::Lab(lab),
+                (true, None, None) => return fault(&point.at, accept.header.clone()),
+            };
+            let Point { name, theta_deg, phi_deg, .. } = point;
+            states.push(State { name: name.clone(), theta_deg: *theta_deg, phi_deg: *phi_deg, value });
+        }
+        if noise > 0 {
+            self.notes.push(format!("{noise} small negative reflectances are taken as 0 (noise)"));
+        }
+        Ok(States { states, notes: self.notes })
+    }
+}
+
+fn tabulated(
+    point: &Point,
+    mut spectrum: Vec<(f64, f64, Range<usize>)>,
+    error: &impl Fn(&Range<usize>, &str, Problem) -> FormatError,
+) -> Result<Tabulated, FormatError> {
+    let fault = |at: &Range<usize>, problem| error(at, &point.name, problem);
+    spectrum.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some(pair) = spectrum.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        let at = if pair[0].2.start > pair[1].2.start { &pair[0].2 } else { &pair[1].2 };
+        let (state, theta_deg, nm) = (point.name.clone(), point.theta_deg, Some(pair[1].0));
+        return Err(fault(at, Problem::StateTwice { state, theta_deg, nm }));
+    }
+    if spectrum.len() < 2 {
+        return Err(fault(&point.at, Problem::TooFew { rows: spectrum.len() }));
+    }
+    let (nm, values) = spectrum.into_iter().map(|(nm, value, _)| (nm, value)).unzip();
+    Tabulated::new(nm, values).map_err(|problem| fault(&point.at, problem.into()))
+}
+
+/// The error of a table without a header, or whose header lacks columns.
+fn no_header(table: Table<'_>, accept: &Accept) -> FormatError {
+    match table.data().next() {
+        Some(row) => row.error(accept.header.clone()),
+        None => table.error(accept.empty.clone()),
+    }
+}
+
+/// Returns whether a table is the `spectra.csv` or `states.csv` of a run, whose further columns are known.
+fn is_own(head: &Row<'_>) -> bool {
+    let has = |name: &str| head.cells.iter().any(|cell| cell.text == name);
+    has("radiance_se") || has("Y_se") || has("Y_de") || has("reflectance_factor_de")
+}
