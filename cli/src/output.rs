@@ -6,8 +6,8 @@ use std::path::Path;
 use papilio_display::{AmbientLight, ConeResult};
 use papilio_figures::HAS_PNG;
 use papilio_formats::{
-    ConeFile, ResultFile, remove_abandoned, report::RunReport, unwritable, write_cone_csv, write_cone_npy, write_file, write_json,
-    write_spectra, write_states,
+    ConeFile, ResultFile, remove_abandoned, report::RunReport, unwritable, write_cone_csv, write_cone_npy,
+    write_file, write_json, write_spectra, write_states,
 };
 
 use crate::Failure;
@@ -56,7 +56,9 @@ pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
     remove_abandoned(folder);
     let probe = existing.join(format!(".papilio.{}.papilio.tmp", std::process::id()));
     let probed = std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe));
-    probed.map_err(|error| if is_full(&error) { unwritable(existing, &error).into() } else { failure("is not writable") })
+    probed.map_err(|error| {
+        if is_full(&error) { unwritable(existing, &error).into() } else { failure("is not writable") }
+    })
 }
 
 /// Whether the system has no space left, which is not an error of the input.

@@ -9,6 +9,7 @@ use crate::bsdf::BsdfProblem;
 use crate::light::MapProblem;
 use crate::picture::PictureProblem;
 use crate::surface::SurfaceProblem;
+use crate::table::ColumnProblem;
 
 /// Error of a data file: what is wrong, and where.
 ///
@@ -51,33 +52,8 @@ pub enum Problem {
     NotUtf8,
     /// The bytes are no text in any supported encoding.
     NotText,
-    /// A column whose name is not understood.
-    UnknownColumn {
-        /// Its name.
-        found: String,
-        /// The quantity that it names, if it is one that this file cannot hold.
-        known: Option<&'static str>,
-        /// The names that are accepted, with their units.
-        accepted: String,
-    },
-    /// A column whose unit is not understood, or is that of another quantity.
-    UnknownUnit {
-        /// Name of the column.
-        column: String,
-        /// The unit.
-        unit: String,
-        /// The units that are accepted.
-        expected: &'static str,
-    },
-    /// Two columns for the same quantity.
-    TwoColumns {
-        /// The quantity.
-        what: &'static str,
-        /// The second column.
-        found: String,
-        /// The first column.
-        other: String,
-    },
+    /// A column whose name or unit cannot be used.
+    Column(Box<ColumnProblem>),
     /// A header without a required column.
     MissingColumn {
         /// The required columns.
@@ -144,10 +120,8 @@ pub enum Problem {
     StateTwice {
         /// The state.
         state: String,
-        /// Inclination, degrees, if it is stated.
-        theta_deg: Option<f64>,
-        /// Wavelength, nm; `None` for a colour.
-        nm: Option<f64>,
+        /// Inclination (degrees), if it is stated, and wavelength (nm); `None` for a colour.
+        at: Box<[Option<f64>; 2]>,
     },
     /// The file is not JSON, or not a result of a run.
     NotAResult {
@@ -262,6 +236,12 @@ impl From<SpectraError> for Problem {
     }
 }
 
+impl From<ColumnProblem> for Problem {
+    fn from(problem: ColumnProblem) -> Self {
+        Self::Column(Box::new(problem))
+    }
+}
+
 impl From<MapProblem> for Problem {
     fn from(problem: MapProblem) -> Self {
         Self::Map(Box::new(problem))
@@ -311,12 +291,8 @@ impl Problem {
             Self::NotText => Diagnostic::new("this file is not text")
                 .expected("text in UTF-8, UTF-16 or Latin-1")
                 .hint("save it as plain text, such as CSV"),
-            Self::UnknownColumn { .. }
-            | Self::UnknownUnit { .. }
-            | Self::TwoColumns { .. }
-            | Self::MissingColumn { .. }
-            | Self::EnergyAxis
-            | Self::Radians => self.header_diagnostic(),
+            Self::Column(problem) => problem.diagnostic(),
+            Self::MissingColumn { .. } | Self::EnergyAxis | Self::Radians => self.header_diagnostic(),
             Self::Instrument { format, what } => Diagnostic::new(format!("this {format} file cannot be used: {what}")),
             Self::OtherQuantity { found, expected } => {
                 Diagnostic::new(format!("this file holds {found}")).expected(expected)
@@ -359,27 +335,6 @@ impl Problem {
     /// Diagnostics of the names and units of columns.
     fn header_diagnostic(&self) -> Diagnostic {
         match self {
-            Self::UnknownColumn { found, known, accepted } => {
-                let holds = known.map_or(String::new(), |known| format!(": it names {known}"));
-                Diagnostic::new(format!("the column `{found}` is not understood{holds}"))
-                    .expected("a name of a column that this file may have")
-                    .hint(format!("rename the column, or remove it; the columns are {accepted}"))
-            }
-            Self::UnknownUnit { column, unit, expected } => {
-                let wrong = match unit.as_str() {
-                    "none" => format!("the column `{column}` states no unit"),
-                    unit if unit == column => format!("the column `{column}` has the unit of another quantity"),
-                    unit => format!("the unit `{unit}` of the column `{column}` is not understood"),
-                };
-                Diagnostic::new(wrong)
-                    .expected(expected)
-                    .hint("write the unit in brackets behind the name, or as in `wavelength_nm`")
-            }
-            Self::TwoColumns { what, found, other } => {
-                Diagnostic::new(format!("`{other}` and `{found}` both name {what}"))
-                    .expected("one column for each quantity")
-                    .hint("remove one of the two columns, or rename it")
-            }
             Self::MissingColumn { missing } => Diagnostic::new("a required column is missing").expected(missing),
             Self::EnergyAxis => Diagnostic::new("this spectrum of light is given over photon energy, wavenumber or frequency")
                 .expected("a wavelength")
@@ -439,7 +394,8 @@ impl Problem {
                     "a first row with the names of the columns, and a row for each state (for spectra, for each state and wavelength)",
                 )
                 .hint(WHOLE_FILE),
-            Self::StateTwice { state, theta_deg, nm } => {
+            Self::StateTwice { state, at } => {
+                let [theta_deg, nm] = **at;
                 let direction = theta_deg.map_or(String::new(), |theta| format!(" at {theta} deg"));
                 let at = nm.map_or(String::new(), |nm| format!(" at {nm} nm"));
                 Diagnostic::new(format!("state `{state}`{direction}{at} has two values")).hint("remove one of the two")

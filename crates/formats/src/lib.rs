@@ -110,9 +110,10 @@ pub use absorption::{write_absorption, write_sub_pixels};
 pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
-    BetweenError, BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, Exported, FAINT, LARGEST_BSDF_FILE, MOST_CELLS, MirrorFile, WriteError,
-    between_error, bsdf_format_table, bsdf_formats, klems_rings, read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv,
-    write_bsdf_klems, write_bsdf_radiant, write_measurement, write_mirror_csv, write_rgl,
+    BetweenError, BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, Exported, FAINT, LARGEST_BSDF_FILE,
+    MOST_CELLS, MirrorFile, WriteError, between_error, bsdf_format_table, bsdf_formats, klems_rings,
+    read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems,
+    write_bsdf_radiant, write_measurement, write_mirror_csv, write_rgl,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};
@@ -162,6 +163,7 @@ pub use sweep_columns::{light_columns, sweep_columns};
 pub use sweep_json::write_sweep_json;
 pub use sweep_light::{light_points, write_light_csv, write_light_json};
 pub use sweep_parquet::{light_parquet, sweep_parquet};
+pub use table::ColumnProblem;
 pub use temporary::remove_abandoned;
 pub use tolerance::{SearchHead, ToleranceHead, write_table};
 pub use windows::{NamedRectangle, read_windows};

@@ -100,7 +100,8 @@ impl Header {
         let end = length.checked_add(begins)?;
         let text = std::str::from_utf8(rest.get(begins..end)?).ok()?;
         let after = |key: &str| {
-            let (_, rest) = text.split_once(&format!("'{key}'")).or_else(|| text.split_once(&format!("\"{key}\"")))?;
+            let (_, rest) =
+                text.split_once(&format!("'{key}'")).or_else(|| text.split_once(&format!("\"{key}\"")))?;
             rest.trim_start().strip_prefix(':').map(str::trim_start)
         };
         let is_fortran = after("fortran_order")?.starts_with("True");

@@ -251,7 +251,7 @@ impl Points {
         self.all[number].set_colour(values, row, accept)?;
         if is_known {
             let state = self.all[number].name.clone();
-            return Err(row.error(Problem::StateTwice { state, theta_deg, nm: None }));
+            return Err(row.error(Problem::StateTwice { state, at: Box::new([theta_deg, None]) }));
         }
         Ok(())
     }
@@ -335,7 +335,7 @@ impl Points {
             }
             if !names.insert(key) {
                 let (state, theta_deg) = (point.name.clone(), point.theta_deg);
-                return fault(&point.at, Problem::StateTwice { state, theta_deg, nm: None });
+                return fault(&point.at, Problem::StateTwice { state, at: Box::new([theta_deg, None]) });
             }
             let value = match (point.spectrum.is_empty(), point.xyz.filter(|_| accept.xyz), point.lab) {
                 (false, ..) => {
@@ -377,7 +377,7 @@ fn tabulated(
     if let Some(pair) = spectrum.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         let at = if pair[0].2.start > pair[1].2.start { &pair[0].2 } else { &pair[1].2 };
         let (state, theta_deg, nm) = (point.name.clone(), point.theta_deg, Some(pair[1].0));
-        return Err(fault(at, Problem::StateTwice { state, theta_deg, nm }));
+        return Err(fault(at, Problem::StateTwice { state, at: Box::new([theta_deg, nm]) }));
     }
     if spectrum.len() < 2 {
         return Err(fault(&point.at, Problem::TooFew { rows: spectrum.len() }));

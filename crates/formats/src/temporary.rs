@@ -36,7 +36,9 @@ impl Temporary {
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
                 // Another program may have locked and deleted it since.
-                Ok(file) if is_lockable(&file) && has_name(&file, &own) => return Ok(Self { file, path: own }),
+                Ok(file) if is_lockable(&file) && has_name(&file, &own) => {
+                    return Ok(Self { file, path: own });
+                }
                 Ok(_) => {}
             }
         }
@@ -114,8 +116,10 @@ mod tests {
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<String> =
-            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        let mut names: Vec<String> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
         names.sort();
         names
     }
@@ -125,7 +129,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.csv");
         // A killed program has no lock; a file of another program has another name.
-        for left in [".a.csv.99999-0.papilio.tmp", ".b.json.1-7.papilio.tmp", ".a.csv.5.tmp", "notes.papilio.tmp"] {
+        for left in
+            [".a.csv.99999-0.papilio.tmp", ".b.json.1-7.papilio.tmp", ".a.csv.5.tmp", "notes.papilio.tmp"]
+        {
             fs::write(folder.path().join(left), "left").unwrap();
         }
         let mut writing = Temporary::of(&path).unwrap();

@@ -90,15 +90,20 @@ fn collected(
             for part in 0..PARTS * PARTS {
                 let [x, y] = [part % PARTS, part / PARTS].map(|k| (k as f64 + 0.5) / PARTS as f64);
                 let radial = radials[r - 1] + x * length;
-                let Some(to) = SpecularGrid::direction(incidence_deg, azimuths[a - 1] + y * width, radial) else {
+                let Some(to) = SpecularGrid::direction(incidence_deg, azimuths[a - 1] + y * width, radial)
+                else {
                     continue;
                 };
                 let weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
-                let above = corners.iter().zip(weights).filter_map(|(value, weight)| Some((value.as_ref()?, weight)));
-                let (sum, whole) = above.fold((0.0, 0.0), |(sum, whole), (value, weight)| {
-                    (sum + value * weight, whole + weight)
-                });
-                let light = sum / whole * radial.to_radians().sin() * length * width * to.theta_deg.to_radians().cos();
+                let above =
+                    corners.iter().zip(weights).filter_map(|(value, weight)| Some((value.as_ref()?, weight)));
+                let (sum, whole) = above
+                    .fold((0.0, 0.0), |(sum, whole), (value, weight)| (sum + value * weight, whole + weight));
+                let light = sum / whole
+                    * radial.to_radians().sin()
+                    * length
+                    * width
+                    * to.theta_deg.to_radians().cos();
                 let ring = rings.partition_point(|ring| ring.from_deg <= to.theta_deg).saturating_sub(1);
                 let place = (to.phi_deg + 180.0).rem_euclid(360.0) - 180.0;
                 let place = place.abs() / 180.0 * (AZIMUTHS - 1) as f64;
@@ -151,7 +156,8 @@ fn symmetric(means: &[f64], scattered: &[f64], rings: &[Ring]) -> Vec<f64> {
     let mut found: Vec<f64> = (0..count * count)
         .map(|pair| 0.5 * (means[pair] + means[pair % count * count + pair / count]))
         .collect();
-    let of_patches = rings.iter().zip(scattered).flat_map(|(ring, total)| std::iter::repeat_n(*total, ring.patches));
+    let of_patches =
+        rings.iter().zip(scattered).flat_map(|(ring, total)| std::iter::repeat_n(*total, ring.patches));
     for (patch, total) in of_patches.enumerate() {
         let column = &mut found[patch * count..][..count];
         let sum: f64 = column.iter().zip(&omega).map(|(f, omega)| f * omega).sum();
@@ -213,7 +219,8 @@ mod tests {
             let lights = &ring_patch_lights(&KLEMS_FULL)[4 * k..][..4];
             let inside = |theta: &f64| (low..=high).contains(&theta.to_radians().sin().powi(2));
             assert!(lights.iter().all(inside));
-            let mean = lights.iter().zip(GAUSS).map(|(theta, [_, weight])| weight * in_disc(*theta, width)).sum();
+            let mean =
+                lights.iter().zip(GAUSS).map(|(theta, [_, weight])| weight * in_disc(*theta, width)).sum();
             std::iter::repeat_n(mean, KLEMS_FULL[k].patches)
         };
         (0..9).flat_map(|k| of_ring(k).collect::<Vec<f64>>()).collect()

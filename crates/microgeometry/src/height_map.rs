@@ -48,13 +48,18 @@ impl HeightMap {
     /// # Errors
     /// A difference of more than 10,000 distances between heights.
     pub fn check_relief(&self) -> Result<(), MicrogeometryError> {
-        let [low, high] = self
-            .heights_um
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| [low.min(*height), high.max(*height)]);
+        let [low, high] =
+            self.heights_um.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
+                [low.min(*height), high.max(*height)]
+            });
         let pitch_um = self.pitch_um[0].min(self.pitch_um[1]);
         if high - low > MOST_RELIEF * pitch_um {
-            return Err(MicrogeometryError::Relief { low_um: low, high_um: high, pitch_um, most: MOST_RELIEF });
+            return Err(MicrogeometryError::Relief {
+                low_um: low,
+                high_um: high,
+                pitch_um,
+                most: MOST_RELIEF,
+            });
         }
         Ok(())
     }
@@ -67,9 +72,9 @@ impl HeightMap {
                 0 => at % self.columns + 1 < self.columns,
                 _ => at + next < self.heights_um.len(),
             };
-            let slopes = (0..self.heights_um.len()).filter(is_inner).map(|at| {
-                ((self.heights_um[at + next] - self.heights_um[at]) / self.pitch_um[axis]).powi(2)
-            });
+            let slopes = (0..self.heights_um.len())
+                .filter(is_inner)
+                .map(|at| ((self.heights_um[at + next] - self.heights_um[at]) / self.pitch_um[axis]).powi(2));
             let (count, sum) = slopes.fold((0.0, 0.0), |(count, sum), square| (count + 1.0, sum + square));
             if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
         };

@@ -11,14 +11,11 @@ use std::path::Path;
 use papilio_diagnostics::Diagnostic;
 use papilio_formats::{DataFile, LARGEST_FILE};
 use papilio_microgeometry::{
-    Caps, Goniometer, Lattice, Measurement, MicrogeometryError, REPLICATES, RandomHeights,
-    Spectrum, Surface,
+    Caps, Goniometer, Lattice, Measurement, MicrogeometryError, REPLICATES, RandomHeights, Spectrum, Surface,
 };
 use serde_json::{Value, json};
 
-use crate::describe::microgeometry::{
-    CapLattice, FaceCoating, MapPeriod, Microgeometry, Road, SurfaceFile,
-};
+use crate::describe::microgeometry::{CapLattice, FaceCoating, MapPeriod, Microgeometry, Road, SurfaceFile};
 use crate::describe::numbers::{AzimuthStep, Inclination, Wavelength};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, MemoryFile, Missing, sha256};
@@ -224,7 +221,7 @@ impl SurfaceScenario {
             }
             Microgeometry::HeightMap(map) => {
                 (self.heights(&map.value, errors, inputs, notes)?, common!(map.value))
-            },
+            }
             Microgeometry::Gaussian(face) => {
                 let spectrum = Spectrum::Gaussian {
                     rms_um: 1e-3 * face.rms_nm.0,

@@ -67,7 +67,8 @@ fn measured(name: &str, mut scene: Scene, paths: u64) -> Result<Measured, Displa
         runs.push((0..seeds).map(of_seed).collect::<Result<Vec<_>, _>>()?);
     }
     let of_state = |k: usize| {
-        let squares: Vec<f64> = runs.iter().map(|runs| mean(runs.iter().map(|run| run[k].2.powi(2)))).collect();
+        let squares: Vec<f64> =
+            runs.iter().map(|runs| mean(runs.iter().map(|run| run[k].2.powi(2)))).collect();
         let ratio = |number: usize| {
             let values = runs[number].iter().map(|run| run[k].1);
             let centre = mean(values.clone());
@@ -122,11 +123,15 @@ impl Measured {
         let mut faults = Vec::new();
         for OfState { name, ratios, falls, .. } in &self.states {
             if ratios.iter().any(|ratio| !bounds.contains(ratio)) {
-                faults.push(format!("{}, {name}: variance over stated variance {ratios:.2?}, not in {bounds:.2?}", self.name));
+                faults.push(format!(
+                    "{}, {name}: variance over stated variance {ratios:.2?}, not in {bounds:.2?}",
+                    self.name
+                ));
             }
             let most = [0.5, 0.25, 0.125].map(|root| MOST_OVER_ROOT * root);
             if falls.iter().zip(most).any(|(fall, most)| *fall > most) {
-                faults.push(format!("{}, {name}: errors fall to {falls:.3?}, more than {most:.3?}", self.name));
+                faults
+                    .push(format!("{}, {name}: errors fall to {falls:.3?}, more than {most:.3?}", self.name));
             }
         }
         faults

@@ -101,7 +101,8 @@ pub(super) async fn start<E: Serialize + 'static>(
         let _permit = permit;
         // Nothing of the computation is used after a panic.
         let done = catch_unwind(AssertUnwindSafe(|| as_event(&compute(&events))));
-        let event = done.unwrap_or_else(|_| as_event(&json!({ "event": "failed", "data": Fault::panicked().body })));
+        let event =
+            done.unwrap_or_else(|_| as_event(&json!({ "event": "failed", "data": Fault::panicked().body })));
         let _ = finish.send(event);
     });
     Ok(Events { before, last: Some(last), _guard: guard })

@@ -7,11 +7,11 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::folder::{foreign_journal_error, journal_name, open_journal, read_journals};
-use crate::temporary::remove_abandoned;
 use super::{Journal, JournalNumber, JournalRow, LockedJournal};
 use crate::error::FormatError;
 use crate::gonio::GonioHead;
 use crate::sweep::SweepHead;
+use crate::temporary::remove_abandoned;
 use crate::tolerance::ToleranceHead;
 
 /// A light journal: rows of numbers by index, with a common head. A journal with a different head is set aside.

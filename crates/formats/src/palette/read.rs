@@ -46,7 +46,7 @@ fn of_table(file: &DataFile) -> Result<Warned<PaletteTable>, FormatError> {
         let whole = |problem| FormatError { place: Place::whole(&file.name), problem };
         if names.contains(&state.name) {
             let (state, theta_deg) = (state.name, state.theta_deg);
-            return Err(whole(Problem::StateTwice { state, theta_deg, nm: None }));
+            return Err(whole(Problem::StateTwice { state, at: Box::new([theta_deg, None]) }));
         }
         names.push(state.name.clone());
         match state.value {

@@ -12,9 +12,12 @@ const MOST_FILES: usize = 1000;
 /// Largest size of an array: heights of 8 bytes and a header.
 const LARGEST_ARRAY: u64 = 8 * MOST_HEIGHTS as u64 + (1 << 16);
 
-/// Options for XML in an archive: a packed file could unpack to more nodes than memory has room for.
-pub(super) const XML: roxmltree::ParsingOptions<'static> =
-    roxmltree::ParsingOptions { allow_dtd: false, nodes_limit: 4_000_000, entity_resolver: None };
+/// Reads XML of an archive, with a limit: a packed file could unpack to more nodes than memory has room for.
+pub(super) fn document(xml: &str) -> Result<roxmltree::Document<'_>, roxmltree::Error> {
+    let options =
+        roxmltree::ParsingOptions { allow_dtd: false, nodes_limit: 4_000_000, entity_resolver: None };
+    roxmltree::Document::parse_with_options(xml, options)
+}
 
 /// An archive and what errors call it.
 pub(super) struct Archive<'a> {
@@ -24,7 +27,8 @@ pub(super) struct Archive<'a> {
 
 /// Reads a map.
 pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
-    let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged("zip archive", error.to_string()))?;
+    let zip =
+        ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged("zip archive", error.to_string()))?;
     if zip.len() > MOST_FILES {
         return Err(damaged("zip archive", format!("it has {} files", zip.len())));
     }

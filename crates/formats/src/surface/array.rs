@@ -26,7 +26,11 @@ pub(super) fn read(bytes: &[u8], format: &'static str) -> Result<HeightFile, Sur
         )));
     }
     let numbers = header.numbers(data).ok_or_else(|| {
-        wrong(format!("it has {} bytes of numbers, too few or too many for {rows} x {columns} of {}", data.len(), header.kind.escape_debug()))
+        wrong(format!(
+            "it has {} bytes of numbers, too few or too many for {rows} x {columns} of {}",
+            data.len(),
+            header.kind.escape_debug()
+        ))
     })?;
     debug_assert_eq!(numbers.len(), count);
     Ok(HeightFile::plain(columns, numbers).upside_down())

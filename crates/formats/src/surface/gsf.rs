@@ -35,7 +35,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     let mut warnings = Vec::new();
     let mut unit = |name: &str| match word(name) {
         Some(word) if !word.is_empty() => um_of(word).ok_or_else(|| {
-            wrong(format!("{name} is `{}` (expected a length: the field holds no heights)", word.escape_debug()))
+            wrong(format!(
+                "{name} is `{}` (expected a length: the field holds no heights)",
+                word.escape_debug()
+            ))
         }),
         _ => {
             warnings.push(format!("this GSF file has no {name}: metres are taken"));
@@ -56,7 +59,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     let begins = 4 * (end / 4 + 1);
     let numbers = data.numbers(begins, total, Kind::F32)?;
     if bytes.len() != begins + 4 * total {
-        return Err(wrong(format!("it has {} bytes of heights, and its header {}", bytes.len() - begins, 4 * total)));
+        return Err(wrong(format!(
+            "it has {} bytes of heights, and its header {}",
+            bytes.len() - begins,
+            4 * total
+        )));
     }
     let mut map = HeightFile::plain(columns, numbers).upside_down();
     (map.pitch_um, map.unit_um, map.warnings) = (Some(pitch_um), Some(z_um), warnings);

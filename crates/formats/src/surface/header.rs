@@ -63,44 +63,241 @@ enum Key {
 const KEYS: [(Key, &[&str]); 16] = [
     (
         Key::Size(0),
-        &["width", "x length", "xlength", "length x", "xreal", "x real", "x range", "size x", "physical width", "field width", "fov x", "šířka", "breite", "anchura", "largeur", "larghezza", "幅", "폭", "largura", "ширина"],
+        &[
+            "width",
+            "x length",
+            "xlength",
+            "length x",
+            "xreal",
+            "x real",
+            "x range",
+            "size x",
+            "physical width",
+            "field width",
+            "fov x",
+            "šířka",
+            "breite",
+            "anchura",
+            "largeur",
+            "larghezza",
+            "幅",
+            "폭",
+            "largura",
+            "ширина",
+        ],
     ),
     (
         Key::Size(1),
-        &["height", "y length", "ylength", "length y", "yreal", "y real", "y range", "size y", "physical height", "field height", "fov y", "výška", "höhe", "altura", "hauteur", "altezza", "高さ", "높이", "высота"],
+        &[
+            "height",
+            "y length",
+            "ylength",
+            "length y",
+            "yreal",
+            "y real",
+            "y range",
+            "size y",
+            "physical height",
+            "field height",
+            "fov y",
+            "výška",
+            "höhe",
+            "altura",
+            "hauteur",
+            "altezza",
+            "高さ",
+            "높이",
+            "высота",
+        ],
     ),
     (
         Key::Pitch(0),
-        &["x pitch", "dx", "x step", "x increment", "x spacing", "pixel size x", "x pixel size", "scale x", "x scale", "sampling x", "spacing x", "step x", "increment x", "pixel width"],
+        &[
+            "x pitch",
+            "dx",
+            "x step",
+            "x increment",
+            "x spacing",
+            "pixel size x",
+            "x pixel size",
+            "scale x",
+            "x scale",
+            "sampling x",
+            "spacing x",
+            "step x",
+            "increment x",
+            "pixel width",
+        ],
     ),
     (
         Key::Pitch(1),
-        &["y pitch", "dy", "y step", "y increment", "y spacing", "pixel size y", "y pixel size", "scale y", "y scale", "sampling y", "spacing y", "step y", "increment y", "pixel height"],
+        &[
+            "y pitch",
+            "dy",
+            "y step",
+            "y increment",
+            "y spacing",
+            "pixel size y",
+            "y pixel size",
+            "scale y",
+            "y scale",
+            "sampling y",
+            "spacing y",
+            "step y",
+            "increment y",
+            "pixel height",
+        ],
     ),
-    (Key::BothPitches, &["pixel size", "pitch", "pixel pitch", "lateral resolution", "cellsize", "cell size", "sampling", "spacing", "step", "xy step"]),
+    (
+        Key::BothPitches,
+        &[
+            "pixel size",
+            "pitch",
+            "pixel pitch",
+            "lateral resolution",
+            "cellsize",
+            "cell size",
+            "sampling",
+            "spacing",
+            "step",
+            "xy step",
+        ],
+    ),
     (
         Key::Count(0),
-        &["columns", "ncols", "x pixels", "xpixels", "pixels x", "nx", "xres", "x res", "x points", "points x", "number of columns", "points per line", "numpoints", "w", "cols", "num columns"],
+        &[
+            "columns",
+            "ncols",
+            "x pixels",
+            "xpixels",
+            "pixels x",
+            "nx",
+            "xres",
+            "x res",
+            "x points",
+            "points x",
+            "number of columns",
+            "points per line",
+            "numpoints",
+            "w",
+            "cols",
+            "num columns",
+        ],
     ),
     (
         Key::Count(1),
-        &["rows", "nrows", "lines", "y pixels", "ypixels", "pixels y", "ny", "yres", "y res", "y points", "points y", "number of rows", "number of lines", "numprofiles", "h", "num rows"],
+        &[
+            "rows",
+            "nrows",
+            "lines",
+            "y pixels",
+            "ypixels",
+            "pixels y",
+            "ny",
+            "yres",
+            "y res",
+            "y points",
+            "points y",
+            "number of rows",
+            "number of lines",
+            "numprofiles",
+            "h",
+            "num rows",
+        ],
     ),
     (Key::Unit(0), &["x unit", "xunit", "unit x", "x units"]),
     (Key::Unit(1), &["y unit", "yunit", "unit y", "y units"]),
     (
         Key::Unit(2),
-        &["z unit", "zunit", "unit z", "z units", "zunits", "value units", "value unit", "unit data", "data unit", "height unit", "height units", "jednotky hodnot", "einheiten", "einheit", "unités", "unità valore", "値の単位", "값 단위", "unidades de valor", "единицы измерения"],
+        &[
+            "z unit",
+            "zunit",
+            "unit z",
+            "z units",
+            "zunits",
+            "value units",
+            "value unit",
+            "unit data",
+            "data unit",
+            "height unit",
+            "height units",
+            "jednotky hodnot",
+            "einheiten",
+            "einheit",
+            "unités",
+            "unità valore",
+            "値の単位",
+            "값 단위",
+            "unidades de valor",
+            "единицы измерения",
+        ],
     ),
     (Key::LateralUnit, &["lateral units", "lateral unit", "xy unit", "xy units", "xyunits"]),
     (Key::AllUnits, &["unit", "units", "length unit"]),
-    (Key::Factor, &["z scale", "scale z", "scale data", "z factor", "height factor", "height scale", "z increment"]),
-    (Key::Missing, &["nodata value", "no data", "no data value", "nodata", "missing", "missing value", "bad value", "invalid value", "undefined value"]),
+    (
+        Key::Factor,
+        &["z scale", "scale z", "scale data", "z factor", "height factor", "height scale", "z increment"],
+    ),
+    (
+        Key::Missing,
+        &[
+            "nodata value",
+            "no data",
+            "no data value",
+            "nodata",
+            "missing",
+            "missing value",
+            "bad value",
+            "invalid value",
+            "undefined value",
+        ],
+    ),
     (
         Key::Description,
-        &["channel", "title", "date", "time", "operator", "instrument", "comment", "comments", "name", "sample", "kanál", "kanal", "canal", "canale", "チャネル", "채널", "канал", "file", "fileformat", "file format", "version", "creator", "objective", "manufacid", "created", "start of data"],
+        &[
+            "channel",
+            "title",
+            "date",
+            "time",
+            "operator",
+            "instrument",
+            "comment",
+            "comments",
+            "name",
+            "sample",
+            "kanál",
+            "kanal",
+            "canal",
+            "canale",
+            "チャネル",
+            "채널",
+            "канал",
+            "file",
+            "fileformat",
+            "file format",
+            "version",
+            "creator",
+            "objective",
+            "manufacid",
+            "created",
+            "start of data",
+        ],
     ),
-    (Key::Description, &["xllcorner", "yllcorner", "xllcenter", "yllcenter", "x offset", "y offset", "origin x", "origin y", "x0", "y0"]),
+    (
+        Key::Description,
+        &[
+            "xllcorner",
+            "yllcorner",
+            "xllcenter",
+            "yllcenter",
+            "x offset",
+            "y offset",
+            "origin x",
+            "origin y",
+            "x0",
+            "y0",
+        ],
+    ),
 ];
 
 impl Header {
@@ -114,10 +311,13 @@ impl Header {
             let (name, own_unit) = name_and_unit(key);
             return match key_of(&name) {
                 Some(Key::Description) => Ok(()),
-                Some(key) => self.take(key, value, own_unit).map_err(|what| format!("`{}`: {what}", shown(line))),
-                None if states_a_scale(&name, value) => {
-                    Err(format!("`{}` is not understood, and seems to state a size, a scale or a unit", shown(line)))
+                Some(key) => {
+                    self.take(key, value, own_unit).map_err(|what| format!("`{}`: {what}", shown(line)))
                 }
+                None if states_a_scale(&name, value) => Err(format!(
+                    "`{}` is not understood, and seems to state a size, a scale or a unit",
+                    shown(line)
+                )),
                 None => {
                     self.note(line, is_comment);
                     Ok(())
@@ -126,7 +326,9 @@ impl Header {
         }
         let cells: Vec<String> = line
             .split([',', ';', '\t'])
-            .flat_map(|cell| if line.contains([',', ';', '\t']) { vec![cell] } else { cell.split_whitespace().collect() })
+            .flat_map(|cell| {
+                if line.contains([',', ';', '\t']) { vec![cell] } else { cell.split_whitespace().collect() }
+            })
             .map(|cell| cell.trim().trim_matches('"').to_owned())
             .filter(|cell| !cell.is_empty())
             .collect();
@@ -154,8 +356,10 @@ impl Header {
 
     fn take(&mut self, key: Key, value: &str, own_unit: Option<f64>) -> Result<(), String> {
         let (number, rest) = leading_number(value);
-        let positive = || number.filter(|number| *number > 0.0).ok_or("a number above 0 is expected".to_owned());
-        let unit = |text: &str| um_of(text).ok_or_else(|| format!("`{}` is not a unit of length", shown(text)));
+        let positive =
+            || number.filter(|number| *number > 0.0).ok_or("a number above 0 is expected".to_owned());
+        let unit =
+            |text: &str| um_of(text).ok_or_else(|| format!("`{}` is not a unit of length", shown(text)));
         let length = || -> Result<Option<Length>, String> {
             let stated = if rest.is_empty() { own_unit } else { Some(unit(rest)?) };
             Ok(Some(Length { value: positive()?, unit_um: stated }))
@@ -173,7 +377,8 @@ impl Header {
             Key::AllUnits => self.unit_um = [Some(unit(value)?); 3],
             Key::Factor => {
                 self.factor = Some(positive()?);
-                self.unit_um[2] = if rest.is_empty() { own_unit.or(self.unit_um[2]) } else { Some(unit(rest)?) };
+                self.unit_um[2] =
+                    if rest.is_empty() { own_unit.or(self.unit_um[2]) } else { Some(unit(rest)?) };
             }
             Key::Missing => self.missing = Some(number.ok_or("a number is expected")?),
             Key::Description => {}
@@ -205,7 +410,9 @@ fn quantity(line: &str) -> Option<(&str, &str)> {
     // `X Size<tab>640`, `Pixel Size,0.5,um`, `X Pixels 512`: the value begins at the first number.
     let at = line.find(['\t', ';', ',']).or_else(|| {
         let mut words = line.match_indices(char::is_whitespace).map(|(at, _)| at);
-        words.find(|at| line[*at..].trim_start().starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.')))
+        words.find(|at| {
+            line[*at..].trim_start().starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.'))
+        })
     })?;
     let value = line[at..].trim_matches(|c: char| c.is_whitespace() || c == ',' || c == ';');
     // A word such as a unit, if it is the only one; several are names of columns.
@@ -233,8 +440,21 @@ fn name_and_unit(key: &str) -> (String, Option<f64>) {
 /// Whether a line with an unknown name may change what the numbers mean.
 fn states_a_scale(name: &str, value: &str) -> bool {
     const WORDS: [&str; 15] = [
-        "unit", "units", "scale", "size", "length", "factor", "pitch", "spacing", "step", "increment", "width", "height",
-        "resolution", "multiplier", "bit2nm",
+        "unit",
+        "units",
+        "scale",
+        "size",
+        "length",
+        "factor",
+        "pitch",
+        "spacing",
+        "step",
+        "increment",
+        "width",
+        "height",
+        "resolution",
+        "multiplier",
+        "bit2nm",
     ];
     let is_quantity = leading_number(value).0.is_some() || um_of(value).is_some();
     is_quantity && name.split(' ').any(|word| WORDS.contains(&word))

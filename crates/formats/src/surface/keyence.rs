@@ -29,7 +29,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     // The last three of 45 numbers that come before the gamma of the pictures.
     let length = |number: usize| -> Result<f64, SurfaceProblem> {
         let pm = file.u32(conditions.saturating_add(4 * number))?;
-        if pm > 0 { Ok(pm as f64 * UM_PER_PM) } else { Err(wrong("a length per pixel or per step is 0".to_owned())) }
+        if pm > 0 {
+            Ok(pm as f64 * UM_PER_PM)
+        } else {
+            Err(wrong("a length per pixel or per step is 0".to_owned()))
+        }
     };
     let [x, y, z] = [length(42)?, length(43)?, length(44)?];
     let (columns, rows) = (file.u32(head)?, file.u32(head + 4)?);

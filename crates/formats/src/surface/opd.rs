@@ -44,7 +44,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
             false => Err(wrong(format!("the block {name} is {number}"))),
         }
     };
-    let block = HEIGHTS.iter().find_map(|name| blocks.iter().find(|block| block.name == *name && block.kind == 3));
+    let block =
+        HEIGHTS.iter().find_map(|name| blocks.iter().find(|block| block.name == *name && block.kind == 3));
     let block = block.ok_or_else(|| wrong("it has no block of heights (expected RAW_DATA)"))?;
     let (columns, rows) = (file.u16(block.at)?, file.u16(block.at + 2)?);
     let (kind, missing_from) = match file.u16(block.at + 4)? {
@@ -59,8 +60,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     }
     let along_y = file.numbers(block.at + 6, count, kind)?;
     let height = |at: usize| along_y[at % columns * rows + at / columns];
-    let numbers =
-        (0..count).map(height).map(|number| if number >= missing_from { f64::NAN } else { number });
+    let numbers = (0..count).map(height).map(|number| if number >= missing_from { f64::NAN } else { number });
     let mut map = HeightFile::plain(columns, numbers.collect());
     let wavelength_nm =
         number("Wavelength")?.ok_or_else(|| wrong("it has no block Wavelength, the scale of its heights"))?;
@@ -81,7 +81,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
 }
 
 fn directory(file: Bytes<'_>) -> Result<Vec<Block>, SurfaceProblem> {
-    let length = |at: usize| -> Result<usize, SurfaceProblem> { Ok(file.i32(at + 18)?.max(0).unsigned_abs() as usize) };
+    let length = |at: usize| -> Result<usize, SurfaceProblem> {
+        Ok(file.i32(at + 18)?.max(0).unsigned_abs() as usize)
+    };
     let entries = length(2)? / ENTRY;
     if entries > MOST_ENTRIES {
         return Err(wrong(format!("its directory has {entries} entries")));
@@ -90,7 +92,8 @@ fn directory(file: Bytes<'_>) -> Result<Vec<Block>, SurfaceProblem> {
     let mut blocks = Vec::new();
     for entry in 1..entries {
         let entry = 2 + ENTRY * entry;
-        let block = Block { name: file.text(entry, 16)?, kind: file.i16(entry + 16)?, at, length: length(entry)? };
+        let block =
+            Block { name: file.text(entry, 16)?, kind: file.i16(entry + 16)?, at, length: length(entry)? };
         at = at.saturating_add(block.length);
         blocks.push(block);
     }

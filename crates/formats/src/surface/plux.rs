@@ -1,6 +1,6 @@
 //! Sensofar, `.plux`: a zip archive with `index.xml` and the heights of its first layer, single-precision numbers in um by rows from the top.
 
-use super::archive::{Archive, XML};
+use super::archive::{Archive, document};
 use super::bytes::{Bytes, Kind};
 use super::{HeightFile, SurfaceProblem, damaged, sized};
 
@@ -18,7 +18,7 @@ pub(super) fn read(archive: &mut Archive<'_>) -> Result<HeightFile, SurfaceProbl
     let wrong = |what: String| damaged("PLUX", what);
     let xml = archive.content(INDEX, LARGEST_XML)?;
     let xml = String::from_utf8(xml).map_err(|_| wrong(format!("{INDEX} is not UTF-8")))?;
-    let document = roxmltree::Document::parse_with_options(&xml, XML).map_err(|error| wrong(format!("{INDEX}: {error}")))?;
+    let document = document(&xml).map_err(|error| wrong(format!("{INDEX}: {error}")))?;
     let number = |name: &str| -> Result<f64, SurfaceProblem> {
         let general = document.root_element().children().find(|node| node.has_tag_name("GENERAL"));
         let node = general.and_then(|general| general.children().find(|node| node.has_tag_name(name)));

@@ -66,7 +66,9 @@ fn named(header: &Header, rows: &Rows) -> Result<Option<Columns>, SurfaceProblem
 /// A name of a column, and its unit: `X [mm]`, `z(um)`, `x/nm`, `x_um`.
 fn name_and_unit(name: &str) -> (String, Option<f64>) {
     let lower = |name: &str| name.trim().to_lowercase();
-    for split in [name.split_once(['(', '[']), name.rsplit_once('/'), name.rsplit_once('_'), name.rsplit_once(' ')] {
+    for split in
+        [name.split_once(['(', '[']), name.rsplit_once('/'), name.rsplit_once('_'), name.rsplit_once(' ')]
+    {
         if let Some((name, unit)) = split
             && let Some(um) = um_of(unit)
         {
@@ -92,13 +94,19 @@ pub(super) fn map(header: &Header, rows: &Rows) -> Result<HeightFile, SurfacePro
     let points: Vec<[f64; 3]> =
         rows.numbers.chunks_exact(rows.columns).map(|row| columns.at.map(|at| row[at])).collect();
     let mut map = on_grid(&points)?;
-    map.pitch_um = map.pitch_um.map(|[x, y]| [x * lateral_um[0].unwrap_or(1.0), y * lateral_um[1].unwrap_or(1.0)]);
+    map.pitch_um =
+        map.pitch_um.map(|[x, y]| [x * lateral_um[0].unwrap_or(1.0), y * lateral_um[1].unwrap_or(1.0)]);
     map.unit_um = match (z_um, header.factor) {
         (None, None) => None,
         (unit, factor) => Some(unit.unwrap_or(1.0) * factor.unwrap_or(1.0)),
     };
     let size = [map.columns, map.numbers.len() / map.columns];
-    map.warnings.push(format!("a list of {} points x, y, z was put on its grid of {} x {}", points.len(), size[0], size[1]));
+    map.warnings.push(format!(
+        "a list of {} points x, y, z was put on its grid of {} x {}",
+        points.len(),
+        size[0],
+        size[1]
+    ));
     if lateral_um[0].is_none() || map.unit_um.is_none() {
         let what = match (lateral_um[0], map.unit_um) {
             (None, None) => "places and heights",
@@ -191,6 +199,8 @@ fn axis(points: &[[f64; 3]], axis: usize) -> Result<Axis, SurfaceProblem> {
     };
     match values.iter().find(is_off) {
         None => Ok(axis),
-        Some(value) => Err(off_grid(format!("{name} {value} is no multiple of {} from {} on", axis.step, axis.first))),
+        Some(value) => {
+            Err(off_grid(format!("{name} {value} is no multiple of {} from {} on", axis.step, axis.first)))
+        }
     }
 }

@@ -96,8 +96,7 @@ impl Head {
 
 /// The type of numbers by its code.
 fn kind_of(code: usize) -> Result<Kind, SurfaceProblem> {
-    let kinds =
-        [Kind::U8, Kind::U16, Kind::U32, Kind::F32, Kind::I8, Kind::I16, Kind::I32, Kind::F64];
+    let kinds = [Kind::U8, Kind::U16, Kind::U32, Kind::F32, Kind::I8, Kind::I16, Kind::I32, Kind::F64];
     kinds.get(code).copied().ok_or_else(|| wrong(format!("its data type is {code} (expected 0 to 7)")))
 }
 
@@ -147,7 +146,8 @@ fn of_text(text: &str, revision: Revision) -> Result<HeightFile, SurfaceProblem>
         if is_count { Ok(number as usize) } else { Err(wrong(format!("`{name}` is {number}"))) }
     };
     let code = |name: &str| {
-        let named = word(name).and_then(|word| NAMES.iter().find(|(known, _)| word.eq_ignore_ascii_case(known)));
+        let named =
+            word(name).and_then(|word| NAMES.iter().find(|(known, _)| word.eq_ignore_ascii_case(known)));
         named.map_or_else(|| count(name), |(_, code)| Ok(*code))
     };
     if word("Compression").is_some() && code("Compression")? != 0 {

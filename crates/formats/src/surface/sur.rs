@@ -41,7 +41,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
         32 => Kind::I32,
         other => return Err(wrong(format!("its numbers have {other} bits (expected 16 or 32)"))),
     };
-    let length = |at: usize| -> Result<usize, SurfaceProblem> { Ok(head.i16(at)?.max(0).unsigned_abs().into()) };
+    let length =
+        |at: usize| -> Result<usize, SurfaceProblem> { Ok(head.i16(at)?.max(0).unsigned_abs().into()) };
     let begins = HEAD + length(334)? + length(336)?;
     let numbers = if bytes.starts_with(MAGICS[1]) {
         let data = unpacked(head, begins, total * kind.size())?;
@@ -54,7 +55,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
         let spacing = head.f32(120 + 4 * axis)?;
         let unit = head.text(180 + 16 * axis, 16)?;
         let um = um_of(&unit).ok_or_else(|| {
-            wrong(format!("the unit of {} is `{}` (expected a length)", ["x", "y", "z"][axis], unit.escape_debug()))
+            wrong(format!(
+                "the unit of {} is `{}` (expected a length)",
+                ["x", "y", "z"][axis],
+                unit.escape_debug()
+            ))
         })?;
         if !(spacing.is_finite() && spacing > 0.0) {
             return Err(wrong(format!("the spacing of {} is {spacing}", ["x", "y", "z"][axis])));
@@ -63,7 +68,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     };
     let [x, y, z] = [axis(0)?, axis(1)?, axis(2)?];
     if head.i16(288)? != 0 {
-        warnings.push("this SUR file is that of a replica: its heights are not turned into those of the original".to_owned());
+        warnings.push(
+            "this SUR file is that of a replica: its heights are not turned into those of the original"
+                .to_owned(),
+        );
     }
     let (numbers, is_turned) = inverted(numbers, columns, marker, head.i16(290)?)?;
     let mut map = HeightFile::plain(columns, numbers);

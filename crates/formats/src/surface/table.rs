@@ -56,7 +56,8 @@ impl Rows {
 
 /// Reads a map.
 pub(super) fn read(file: &DataFile) -> Result<HeightFile, FormatError> {
-    let whole = |problem: SurfaceProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };
+    let whole =
+        |problem: SurfaceProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };
     let source = Source { name: &file.name, text: decoded(&file.bytes).map_err(whole)? };
     if zygo::is_zygo(&source.text) {
         return zygo::read(&source);
@@ -126,7 +127,10 @@ fn rows(source: &Source<'_>) -> Result<(Header, Rows), FormatError> {
 }
 
 fn text_problem(what: String) -> SurfaceProblem {
-    SurfaceProblem::Text { what, expected: "a line such as `Width: 100 um`, `X Pixels = 512` or `Value units: nm`" }
+    SurfaceProblem::Text {
+        what,
+        expected: "a line such as `Width: 100 um`, `X Pixels = 512` or `Value units: nm`",
+    }
 }
 
 /// Whether a line before the first row is a row: numbers, or words for missing ones.
@@ -146,7 +150,10 @@ fn matrix(header: &Header, rows: Rows) -> Result<HeightFile, SurfaceProblem> {
         }
         columns = x;
     } else if let Some(x) = header.count[0].filter(|x| *x != columns) {
-        return Err(wrong(format!("the header states {x} columns, and the rows have {columns}"), "equal numbers"));
+        return Err(wrong(
+            format!("the header states {x} columns, and the rows have {columns}"),
+            "equal numbers",
+        ));
     } else if let Some(y) = header.count[1].filter(|y| y * columns != numbers.len()) {
         let what = format!("the header states {y} rows, and the file has {}", numbers.len() / columns);
         return Err(wrong(what, "equal numbers"));

@@ -48,9 +48,9 @@ impl Style {
             *dot |= line.contains('.');
             *comma |= line.contains(',');
             // A comma that separates: next to a blank or another comma, at an end, or two in a word.
-            *bare_comma |= line.split_whitespace().any(|word| {
-                word.starts_with(',') || word.ends_with(',') || word.matches(',').count() > 1
-            });
+            *bare_comma |= line
+                .split_whitespace()
+                .any(|word| word.starts_with(',') || word.ends_with(',') || word.matches(',').count() > 1);
             *bare_comma |= line.contains(',') && !line.contains(char::is_whitespace);
         }
         let [semicolon, tab, dot, comma, bare_comma] = found;
@@ -106,26 +106,15 @@ fn is_no_data(first: &str, second: &str) -> bool {
 
 /// Words of programs for a height that was not measured.
 const MISSING: [&str; 15] = [
-    "",
-    "BAD",
-    "NAN",
-    "NODATA",
-    "NO DATA",
-    "NO_DATA",
-    "NULL",
-    "NA",
-    "N/A",
-    "#N/A",
-    "NM",
-    "-",
-    "--",
-    "---",
+    "", "BAD", "NAN", "NODATA", "NO DATA", "NO_DATA", "NULL", "NA", "N/A", "#N/A", "NM", "-", "--", "---",
     "***",
 ];
 
 pub(super) fn is_missing(cell: &str) -> bool {
     MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word))
-        || ["nan(ind)", "-nan", "-nan(ind)", "1.#QNAN", "-1.#IND", "?"].iter().any(|word| cell.eq_ignore_ascii_case(word))
+        || ["nan(ind)", "-nan", "-nan(ind)", "1.#QNAN", "-1.#IND", "?"]
+            .iter()
+            .any(|word| cell.eq_ignore_ascii_case(word))
 }
 
 /// Whether a line has numbers only, and words for missing ones.
@@ -134,7 +123,10 @@ fn is_numbers(line: &str) -> bool {
         && line.split(|c: char| c.is_whitespace() || c == ',' || c == ';').all(|word| {
             is_missing(word)
                 || ["no", "not", "data", "measured"].iter().any(|missing| word.eq_ignore_ascii_case(missing))
-                || word.chars().all(|c| c.is_ascii_digit() || matches!(c, '+' | '-' | '\u{2212}' | '.' | 'e' | 'E' | 'd' | 'D' | '"'))
+                || word.chars().all(|c| {
+                    c.is_ascii_digit()
+                        || matches!(c, '+' | '-' | '\u{2212}' | '.' | 'e' | 'E' | 'd' | 'D' | '"')
+                })
         })
 }
 

@@ -33,9 +33,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     if let Ok(Some(turned)) = decoder.find_tag_unsigned::<u16>(Tag::Orientation)
         && turned != 1
     {
-        return Err(damaged("TIFF", format!("its Orientation is {turned} (expected 1, the first row at the top)")));
+        return Err(damaged(
+            "TIFF",
+            format!("its Orientation is {turned} (expected 1, the first row at the top)"),
+        ));
     }
-    let missing = text(&mut decoder, Tag::Unknown(GDAL_NODATA)).and_then(|text| text.trim().parse::<f64>().ok());
+    let missing =
+        text(&mut decoder, Tag::Unknown(GDAL_NODATA)).and_then(|text| text.trim().parse::<f64>().ok());
     let mut warnings = warnings(&mut decoder);
     let decoded = decoder.read_image().map_err(wrong)?;
     let (numbers, is_picture): (Vec<f64>, bool) = match decoded {
@@ -43,7 +47,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
         DecodingResult::I16(values) => (values.into_iter().map(f64::from).collect(), true),
         DecodingResult::U32(values) => (values.into_iter().map(f64::from).collect(), true),
         DecodingResult::I32(values) => (values.into_iter().map(f64::from).collect(), true),
-        DecodingResult::F16(values) => (values.into_iter().map(|value| f64::from(value.to_f32())).collect(), false),
+        DecodingResult::F16(values) => {
+            (values.into_iter().map(|value| f64::from(value.to_f32())).collect(), false)
+        }
         DecodingResult::F32(values) => (values.into_iter().map(f64::from).collect(), false),
         DecodingResult::F64(values) => (values, false),
         _ => return Err(damaged("TIFF", "its numbers are integers of 8 or 64 bits")),
@@ -52,7 +58,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
         return Err(damaged("TIFF", format!("it has {} heights, and its head {count}", numbers.len())));
     }
     if !is_picture {
-        warnings.push("a TIFF picture states no unit of its numbers: um are taken unless `height_um_per_unit` is set".to_owned());
+        warnings.push(
+            "a TIFF picture states no unit of its numbers: um are taken unless `height_um_per_unit` is set"
+                .to_owned(),
+        );
     }
     let mark = |number: f64| if Some(number) == missing { f64::NAN } else { number };
     let mut map = HeightFile::plain(columns, numbers.into_iter().map(mark).collect()).upside_down();
@@ -72,12 +81,18 @@ fn warnings(decoder: &mut Decoder<Cursor<&[u8]>>) -> Vec<String> {
     }
     if let Some(description) = text(decoder, Tag::ImageDescription).filter(|text| !text.trim().is_empty()) {
         let first = super::header::shown(description.trim());
-        warnings.push(format!("the description of this TIFF file is not used, nor a scale or a unit in it: `{first}`"));
+        warnings.push(format!(
+            "the description of this TIFF file is not used, nor a scale or a unit in it: `{first}`"
+        ));
     }
-    let states = |decoder: &mut Decoder<Cursor<&[u8]>>, tag: Tag| decoder.find_tag(tag).ok().flatten().is_some();
+    let states =
+        |decoder: &mut Decoder<Cursor<&[u8]>>, tag: Tag| decoder.find_tag(tag).ok().flatten().is_some();
     // Programs write 72 per inch where they know nothing: without a unit of its own, it is no distance of heights.
     if states(decoder, Tag::XResolution) || states(decoder, Tag::Unknown(PIXEL_SCALE)) {
-        warnings.push("the resolution in this TIFF file is not used: `pixel_um` is the distance of its heights".to_owned());
+        warnings.push(
+            "the resolution in this TIFF file is not used: `pixel_um` is the distance of its heights"
+                .to_owned(),
+        );
     }
     warnings
 }

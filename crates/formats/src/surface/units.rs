@@ -9,7 +9,8 @@ pub(super) fn um_of(unit: &str) -> Option<f64> {
         "m" | "meter" | "metre" | "meters" | "metres" => 1e6,
         "cm" => 1e4,
         "mm" | "millimeter" | "millimetre" | "millimeters" | "millimetres" => 1e3,
-        "um" | "uM" | "micron" | "microns" | "micrometer" | "micrometre" | "micrometers" | "micrometres" | "Micrometer" => 1.0,
+        "um" | "uM" | "micron" | "microns" | "micrometer" | "micrometre" | "micrometers" | "micrometres"
+        | "Micrometer" => 1.0,
         "nm" | "nanometer" | "nanometre" | "nanometers" | "nanometres" => 1e-3,
         "A" | "\u{c5}" | "\u{212b}" | "Ang" | "ang" | "angstrom" | "Angstrom" => 1e-4,
         "pm" => 1e-6,

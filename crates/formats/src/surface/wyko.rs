@@ -35,7 +35,9 @@ pub(super) fn read(text: &str) -> Result<HeightFile, SurfaceProblem> {
     for line in lines.by_ref().take(columns) {
         for word in line.split_whitespace() {
             let height = if word.eq_ignore_ascii_case("bad") { Some(f64::NAN) } else { word.parse().ok() };
-            along_y.push(height.ok_or_else(|| wrong(format!("`{}` is not a height", super::header::shown(word))))?);
+            along_y.push(
+                height.ok_or_else(|| wrong(format!("`{}` is not a height", super::header::shown(word))))?,
+            );
         }
     }
     if along_y.len() != total {
@@ -53,7 +55,9 @@ pub(super) fn read(text: &str) -> Result<HeightFile, SurfaceProblem> {
     let aspect = number("Aspect").filter(|aspect| *aspect > 0.0).unwrap_or(1.0);
     map.pitch_um = number("Pixel_size").map(|mm| [1e3 * mm, 1e3 * mm * aspect]);
     if (aspect - 1.0).abs() > 1e-6 {
-        map.warnings.push(format!("the pixels are not square: Aspect {aspect} is taken as their length along y over that along x"));
+        map.warnings.push(format!(
+            "the pixels are not square: Aspect {aspect} is taken as their length along y over that along x"
+        ));
     }
     if lines.next().is_some() {
         map.warnings.push("further blocks of this Wyko ASCII file are not used".to_owned());

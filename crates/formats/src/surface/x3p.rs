@@ -4,7 +4,7 @@
 //! plus its offset, by rows from the lowest y. Missing ones have a 0 in the mask, and are the smallest value of an integer type, NaN of a
 //! floating type, or an empty element.
 
-use super::archive::{Archive, XML};
+use super::archive::{Archive, document};
 use super::bytes::{Bytes, Kind};
 use super::{HeightFile, SurfaceProblem, UM, damaged, sized};
 
@@ -19,7 +19,7 @@ fn wrong(what: impl Into<String>) -> SurfaceProblem {
 pub(super) fn read(archive: &mut Archive<'_>) -> Result<HeightFile, SurfaceProblem> {
     let xml = archive.content("main.xml", LARGEST_XML)?;
     let xml = String::from_utf8(xml).map_err(|_| wrong("main.xml is not UTF-8"))?;
-    let document = roxmltree::Document::parse_with_options(&xml, XML).map_err(|error| wrong(format!("main.xml: {error}")))?;
+    let document = document(&xml).map_err(|error| wrong(format!("main.xml: {error}")))?;
     let main = Main { document: &document };
     main.check_kind()?;
     let (columns, rows) = (main.count("SizeX")?, main.count("SizeY")?);
@@ -39,7 +39,10 @@ pub(super) fn read(archive: &mut Archive<'_>) -> Result<HeightFile, SurfaceProbl
             let numbers = Bytes { all: &data, format: "X3P" }.numbers(0, data.len() / kind.size(), kind)?;
             // The smallest integer marks a missing height.
             let missing = Some(kind.ends()[0]).filter(|_| matches!(kind, Kind::I16 | Kind::I32));
-            numbers.into_iter().map(|number| if Some(number) == missing { f64::NAN } else { number }).collect()
+            numbers
+                .into_iter()
+                .map(|number| if Some(number) == missing { f64::NAN } else { number })
+                .collect()
         }
         None => of_texts(&document)?,
     };
@@ -52,7 +55,10 @@ pub(super) fn read(archive: &mut Archive<'_>) -> Result<HeightFile, SurfaceProbl
         mask_out(&mut map.numbers, &mask)?;
     }
     if main.is_rotated() {
-        map.warnings.push("the rotation of the axes in this X3P file is not used: heights are taken along z of the file".to_owned());
+        map.warnings.push(
+            "the rotation of the axes in this X3P file is not used: heights are taken along z of the file"
+                .to_owned(),
+        );
     }
     (map.pitch_um, map.unit_um) = (Some(pitch_um), Some(UM * scale_m));
     // Markers of missing heights stand for themselves before the offset.
@@ -74,7 +80,8 @@ impl Main<'_, '_> {
     }
 
     fn number(&self, path: &[&str]) -> Result<f64, SurfaceProblem> {
-        let found = self.text(path).and_then(|text| text.parse::<f64>().ok()).filter(|number| number.is_finite());
+        let found =
+            self.text(path).and_then(|text| text.parse::<f64>().ok()).filter(|number| number.is_finite());
         found.ok_or_else(|| wrong(format!("main.xml has no number {}", path.join("/"))))
     }
 
@@ -92,15 +99,21 @@ impl Main<'_, '_> {
     /// Fails for profiles, clouds of points, and places that are no grid.
     fn check_kind(&self) -> Result<(), SurfaceProblem> {
         match self.text(&["Record1", "FeatureType"]).as_deref() {
-            Some("PRF") => return Err(wrong("it holds a profile (FeatureType PRF; expected a surface, SUR)")),
-            Some("PCL") => return Err(wrong("it holds a cloud of points (FeatureType PCL; expected a surface, SUR)")),
+            Some("PRF") => {
+                return Err(wrong("it holds a profile (FeatureType PRF; expected a surface, SUR)"));
+            }
+            Some("PCL") => {
+                return Err(wrong("it holds a cloud of points (FeatureType PCL; expected a surface, SUR)"));
+            }
             _ => {}
         }
         // Dimensions are missing in files that are no map, which says more than an axis.
         self.count("SizeX")?;
         for axis in ["CX", "CY"] {
             if self.text(&["Record1", "Axes", axis, "AxisType"]).as_deref() != Some("I") {
-                return Err(wrong(format!("its places along {axis} are not those of a grid (expected axes of type I)")));
+                return Err(wrong(format!(
+                    "its places along {axis} are not those of a grid (expected axes of type I)"
+                )));
             }
         }
         Ok(())

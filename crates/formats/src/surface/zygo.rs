@@ -44,13 +44,25 @@ pub(super) fn read(source: &Source<'_>) -> Result<HeightFile, FormatError> {
         let place = [place(left), place(top)];
         let rest = words.next().unwrap_or("");
         let at = match place {
-            [Some(x), Some(y)] if is_count(x) && is_count(y) && (x as usize) < columns => y as usize * columns + x as usize,
-            _ => return Err(wrong(format!("`{}` is no place within the rectangle", super::header::shown(line)))),
+            [Some(x), Some(y)] if is_count(x) && is_count(y) && (x as usize) < columns => {
+                y as usize * columns + x as usize
+            }
+            _ => {
+                return Err(wrong(format!(
+                    "`{}` is no place within the rectangle",
+                    super::header::shown(line)
+                )));
+            }
         };
         let height = if rest.eq_ignore_ascii_case("no") { Some(f64::NAN) } else { rest.parse::<f64>().ok() };
         match (heights.get_mut(at), height) {
             (Some(to), Some(height)) => *to = height,
-            _ => return Err(wrong(format!("`{}` is no height within the rectangle", super::header::shown(line)))),
+            _ => {
+                return Err(wrong(format!(
+                    "`{}` is no height within the rectangle",
+                    super::header::shown(line)
+                )));
+            }
         }
     }
     let mut map = HeightFile::plain(columns, heights).upside_down();
@@ -58,4 +70,3 @@ pub(super) fn read(source: &Source<'_>) -> Result<HeightFile, FormatError> {
     map.pitch_um = camera_res_m.map(|res| [UM * res; 2]);
     Ok(map)
 }
-

@@ -1,6 +1,7 @@
 //! Headers of tables: which column holds which quantity, in which unit.
 
 use super::names::ColumnName;
+use super::problem::ColumnProblem;
 use super::quantities::{ERROR, KNOWN, Quantity, REMARK};
 use super::rows::{Row, Table, clip};
 use super::units::{Dimension, Unit};
@@ -65,8 +66,8 @@ impl Header {
             if let Some(other) = header.columns.iter().find(|column| std::ptr::eq(column.quantity, quantity))
             {
                 let other = row.cells[other.cell].text.to_string();
-                let problem = Problem::TwoColumns { what: quantity.what, found: clip(text), other };
-                return Err(row.cell_error(cell, problem));
+                let problem = ColumnProblem::Twice { what: quantity.what, found: clip(text), other };
+                return Err(row.cell_error(cell, problem.into()));
             }
             let unit = unit_of(&name, quantity).map_err(|problem| row.cell_error(cell, problem))?;
             header.columns.push(Column { quantity, cell, unit });
@@ -274,10 +275,9 @@ fn is_plausible(quantity: &Quantity, name: &ColumnName) -> bool {
 
 /// Returns the unit of a column, if it fits the quantity. Photon energies and frequencies must state theirs; wavenumbers are in 1/cm.
 fn unit_of(name: &ColumnName, quantity: &Quantity) -> Result<Option<Unit>, Problem> {
-    let wrong = |unit: &str| Problem::UnknownUnit {
-        column: clip(&name.raw),
-        unit: clip(unit),
-        expected: quantity.dimension.units(),
+    let wrong = |unit: &str| {
+        let (column, unit) = (clip(&name.raw), clip(unit));
+        Problem::from(ColumnProblem::UnknownUnit { column, unit, expected: quantity.dimension.units() })
     };
     let unit = match &name.unit {
         Some(Ok(unit)) if unit.fits(quantity.dimension) => Some(*unit),
@@ -309,11 +309,8 @@ pub(crate) fn unknown(name: &ColumnName, accepted: &[&'static Quantity]) -> Prob
         let names = one.names.iter().take(3).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
         format!("{names} ({})", one.dimension.units())
     };
-    Problem::UnknownColumn {
-        found: clip(&name.raw),
-        known,
-        accepted: accepted.iter().map(in_words).collect::<Vec<_>>().join("; "),
-    }
+    let accepted = accepted.iter().map(in_words).collect::<Vec<_>>().join("; ");
+    ColumnProblem::Unknown { found: clip(&name.raw), known, accepted }.into()
 }
 
 /// Returns whether no row of the table has anything in this column: lines that end with a separator.

@@ -61,12 +61,6 @@ pub(crate) struct Cell<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// The table of a file in UTF-8.
-    pub(crate) fn new(file: &'a DataFile) -> Result<Self, FormatError> {
-        let text = file.text()?;
-        Ok(Self { name: &file.name, text, dialect: Dialect::of(text) })
-    }
-
     /// Returns the rows, comments included.
     pub(crate) fn rows(self) -> impl Iterator<Item = Row<'a>> {
         let lines = self.text.split_inclusive('\n').scan(0, |next, line| {
@@ -186,11 +180,6 @@ impl<'a> Row<'a> {
     /// Returns whether the row is a comment. Where names may begin with `#`, this is not sufficient.
     pub(crate) fn is_comment(&self) -> bool {
         self.cells.first().is_some_and(|cell| is_comment_line(&self.table.text[cell.place.start..]))
-    }
-
-    /// Returns whether the row begins with `#`. Where names may begin with `#`, this is not sufficient for a comment.
-    pub(crate) fn begins_with_hash(&self) -> bool {
-        self.cells.first().is_some_and(|cell| self.table.text[cell.place.clone()].starts_with('#'))
     }
 
     /// Returns the cells of a comment without its mark, separated as the rows are, or else by blanks if those give `count` cells.

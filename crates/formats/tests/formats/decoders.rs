@@ -1,8 +1,8 @@
 //! Every reader of files of others with damaged files of every format: an error with the name of the file, and never a panic.
 
 use papilio_formats::{
-    DataFile, FormatError, RgbSpace, read_bsdf, read_face, read_heights, read_luminaire, read_light_map, read_mesh,
-    read_palette, read_picture, read_result, write_rgb_png,
+    DataFile, FormatError, RgbSpace, read_bsdf, read_face, read_heights, read_light_map, read_luminaire,
+    read_mesh, read_palette, read_picture, read_result, write_rgb_png,
 };
 use papilio_testing::{Dice, sized};
 
@@ -68,7 +68,8 @@ fn damaged_files_are_errors_of_every_reader() {
             for _ in 0..dice.below(4) {
                 let at = dice.below(bytes.len().max(1));
                 if let Some(byte) = bytes.get_mut(at) {
-                    *byte = [dice.bits() as u8, 0, 255, b'9', b'-', *byte ^ (1 << dice.below(8))][dice.below(6)];
+                    *byte =
+                        [dice.bits() as u8, 0, 255, b'9', b'-', *byte ^ (1 << dice.below(8))][dice.below(6)];
                 }
             }
             let file = DataFile { name: "damaged".to_owned(), bytes };

@@ -65,7 +65,11 @@ fn check(field: &str, base: &[u8], changed: &[u8], done: Done) {
         (Done::Described, Ok(found)) => assert_eq!(found, base, "{field}"),
         (Done::Warned(words), Ok(found)) => {
             assert_eq!(found.numbers, base.numbers, "{field}");
-            assert!(found.warnings.iter().any(|warning| warning.contains(words)), "{field}: {:?}", found.warnings);
+            assert!(
+                found.warnings.iter().any(|warning| warning.contains(words)),
+                "{field}: {:?}",
+                found.warnings
+            );
         }
         (done, found) => panic!("{field}: {done:?}, and found {found:?}"),
     }

@@ -65,9 +65,10 @@ impl SurfaceScenario {
         if let (Some(short), Some(long)) = (short, long)
             && short >= long
         {
-            let wrong =
-                Diagnostic::new(format!("the filters leave nothing: {short} um is not shorter than {long} um"))
-                    .expected("`cutoff_um` below `longest_um`");
+            let wrong = Diagnostic::new(format!(
+                "the filters leave nothing: {short} um is not shorter than {long} um"
+            ))
+            .expected("`cutoff_um` below `longest_um`");
             errors.push(map.cutoff_um.origin, wrong);
             return None;
         }

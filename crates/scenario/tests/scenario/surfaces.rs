@@ -243,7 +243,8 @@ fn implausible_heights_are_refused_or_doubted() {
     let write = |name: &str, spike: &str| {
         let row = "0.01 0.02 0.01 0 0.01 0.02 0.01 0\n";
         let spiked = row.replacen("0.01", spike, 1);
-        std::fs::write(folder.path().join(name), format!("{}{spiked}{}", row.repeat(4), row.repeat(3))).unwrap();
+        std::fs::write(folder.path().join(name), format!("{}{spiked}{}", row.repeat(4), row.repeat(3)))
+            .unwrap();
     };
     let notes = |file: &str, more: &str| {
         let found = SurfaceScenario::from_text(&text(file, more), "s.toml", folder.path(), &[]);

@@ -34,8 +34,16 @@ fn fields_of_text_sdf() {
         ("version, another revision", |b| set(b, 5, b"7.0"), Refused("its revision is `BCR-7.0`")),
         ("ManufacID", |b| replaced(b, "sdf-test", "\u{b5}-Optics"), Described),
         ("CreateDate", |b| replaced(b, "251120260322", "010120261200"), Described),
-        ("NumPoints", |b| replaced(b, "NumPoints = 4", "NumPoints = 5"), Refused("12 heights, and its header 15")),
-        ("NumProfiles", |b| replaced(b, "NumProfiles = 3", "NumProfiles = x"), Refused("no number `NumProfiles`")),
+        (
+            "NumPoints",
+            |b| replaced(b, "NumPoints = 4", "NumPoints = 5"),
+            Refused("12 heights, and its header 15"),
+        ),
+        (
+            "NumProfiles",
+            |b| replaced(b, "NumProfiles = 3", "NumProfiles = x"),
+            Refused("no number `NumProfiles`"),
+        ),
         ("Xscale", |b| replaced(b, "Xscale = 5.0e-7", "Xscale = 6.0e-7"), Used),
         ("Yscale", |b| replaced(b, "Yscale = 5.0e-7", "Yscale = 6.0e-7"), Used),
         ("Zscale", |b| replaced(b, "Zscale = 1.0e-9", "Zscale = 2.0e-9"), Used),
@@ -58,23 +66,83 @@ fn fields_of_x3p() {
         ("Record1/Revision", "ISO5436 - 2000", "ISO25178 - 2017", Described),
         ("Record1/FeatureType, a profile", ">SUR<", ">PRF<", Refused("holds a profile")),
         ("Record1/FeatureType, points", ">SUR<", ">PCL<", Refused("a cloud of points")),
-        ("Axes/CX/AxisType", "<CX><AxisType>I", "<CX><AxisType>A", Refused("along CX are not those of a grid")),
-        ("Axes/CX/DataType, for absolute places", "<CX><AxisType>I</AxisType><DataType>D", "<CX><AxisType>I</AxisType><DataType>F", Described),
+        (
+            "Axes/CX/AxisType",
+            "<CX><AxisType>I",
+            "<CX><AxisType>A",
+            Refused("along CX are not those of a grid"),
+        ),
+        (
+            "Axes/CX/DataType, for absolute places",
+            "<CX><AxisType>I</AxisType><DataType>D",
+            "<CX><AxisType>I</AxisType><DataType>F",
+            Described,
+        ),
         ("Axes/CX/Increment", "<Increment>1e-6<", "<Increment>2e-6<", Used),
-        ("Axes/CX/Offset, the place of the map", "<Offset>0</Offset></CX>", "<Offset>1</Offset></CX>", Described),
-        ("Axes/CY/AxisType", "<CY><AxisType>I", "<CY><AxisType>A", Refused("along CY are not those of a grid")),
+        (
+            "Axes/CX/Offset, the place of the map",
+            "<Offset>0</Offset></CX>",
+            "<Offset>1</Offset></CX>",
+            Described,
+        ),
+        (
+            "Axes/CY/AxisType",
+            "<CY><AxisType>I",
+            "<CY><AxisType>A",
+            Refused("along CY are not those of a grid"),
+        ),
         ("Axes/CY/Increment", "<Increment>2e-6<", "<Increment>0<", Refused("the increment of CY is 0 m")),
-        ("Axes/CZ/DataType", "<AxisType>A</AxisType><DataType>D", "<AxisType>A</AxisType><DataType>X", Refused("is `X`")),
+        (
+            "Axes/CZ/DataType",
+            "<AxisType>A</AxisType><DataType>D",
+            "<AxisType>A</AxisType><DataType>X",
+            Refused("is `X`"),
+        ),
         ("Axes/CZ/Increment", "<Increment>1e-9<", "<Increment>3e-9<", Used),
         ("Axes/CZ/Offset", "<Offset>0</Offset></CZ>", "<Offset>1e-6</Offset></CZ>", Used),
-        ("Axes/Rotation", "</CZ>", "</CZ><Rotation><r11>-1</r11></Rotation>", Warned("the rotation of the axes")),
-        ("Record2, about the measurement", "</Record1>", "</Record1><Record2><Date>2026</Date></Record2>", Described),
-        ("Record3/MatrixDimension/SizeX", "<SizeX>3<", "<SizeX>4<", Refused("6 heights, and its dimensions 8")),
+        (
+            "Axes/Rotation",
+            "</CZ>",
+            "</CZ><Rotation><r11>-1</r11></Rotation>",
+            Warned("the rotation of the axes"),
+        ),
+        (
+            "Record2, about the measurement",
+            "</Record1>",
+            "</Record1><Record2><Date>2026</Date></Record2>",
+            Described,
+        ),
+        (
+            "Record3/MatrixDimension/SizeX",
+            "<SizeX>3<",
+            "<SizeX>4<",
+            Refused("6 heights, and its dimensions 8"),
+        ),
         ("Record3/MatrixDimension/SizeZ", "<SizeZ>1<", "<SizeZ>2<", Refused("several layers")),
-        ("Record3/ListDimension, of points", "MatrixDimension", "ListDimension", Refused("no number Record3/MatrixDimension/SizeX")),
-        ("Record3/DataLink/PointDataLink", "bindata/data.bin", "bindata/none.bin", Refused("bindata/none.bin")),
-        ("Record3/DataLink/MD5ChecksumPointData, beside that of zip", "</DataLink>", "<MD5ChecksumPointData>0</MD5ChecksumPointData></DataLink>", Described),
-        ("Record4/ChecksumFile, beside that of zip", "</Record3>", "</Record3><Record4><ChecksumFile>a</ChecksumFile></Record4>", Described),
+        (
+            "Record3/ListDimension, of points",
+            "MatrixDimension",
+            "ListDimension",
+            Refused("no number Record3/MatrixDimension/SizeX"),
+        ),
+        (
+            "Record3/DataLink/PointDataLink",
+            "bindata/data.bin",
+            "bindata/none.bin",
+            Refused("bindata/none.bin"),
+        ),
+        (
+            "Record3/DataLink/MD5ChecksumPointData, beside that of zip",
+            "</DataLink>",
+            "<MD5ChecksumPointData>0</MD5ChecksumPointData></DataLink>",
+            Described,
+        ),
+        (
+            "Record4/ChecksumFile, beside that of zip",
+            "</Record3>",
+            "</Record3><Record4><ChecksumFile>a</ChecksumFile></Record4>",
+            Described,
+        ),
     ];
     let whole = x3p::archive(&base, &[]);
     for (field, old, new, done) in FIELDS {
@@ -82,8 +150,14 @@ fn fields_of_x3p() {
         super::check(field, &whole, &x3p::archive(&base.replace(old, new), &[]), done);
     }
     // DataLink/ValidPointsLink: a bit for each height, the lowest first.
-    let linked = base.replace("</DataLink>", "<ValidPointsLink>bindata/valid.bin</ValidPointsLink></DataLink>");
-    super::check("all valid", &whole, &x3p::archive(&linked, &[("bindata/valid.bin", &[0b11_1111])]), Described);
+    let linked =
+        base.replace("</DataLink>", "<ValidPointsLink>bindata/valid.bin</ValidPointsLink></DataLink>");
+    super::check(
+        "all valid",
+        &whole,
+        &x3p::archive(&linked, &[("bindata/valid.bin", &[0b11_1111])]),
+        Described,
+    );
     let masked = x3p::archive(&linked, &[("bindata/valid.bin", &[0b10_1110])]);
     super::check("ValidPointsLink", &whole, &masked, Refused("2 of 6 heights are missing"));
 }
@@ -132,7 +206,11 @@ fn fields_of_sur() {
         ("absolute heights", |b| set(b, 88, &[1, 0]), Described),
         ("resolution of the gauge", |b| set(b, 90, &1_f32.to_le_bytes()), Described),
         ("bits per point", |b| set(b, 98, &[8, 0]), Refused("8 bits")),
-        ("smallest number, for the mark of missing heights", |b| set(b, 100, &1_i32.to_le_bytes()), Described),
+        (
+            "smallest number, for the mark of missing heights",
+            |b| set(b, 100, &1_i32.to_le_bytes()),
+            Described,
+        ),
         ("largest number", |b| set(b, 104, &1_i32.to_le_bytes()), Described),
         ("points per line", |b| set(b, 108, &5_i32.to_le_bytes()), Refused("12 heights for 5 x 3")),
         ("lines", |b| set(b, 112, &(-3_i32).to_le_bytes()), Refused("its size is negative")),
@@ -230,7 +308,11 @@ fn tags_of_tiff() {
     for (field, more, done) in [
         ("Orientation, at the top", (274, 3, 1, 1), Described),
         ("Orientation, another one", (274, 3, 1, 4), Refused("its Orientation is 4")),
-        ("ImageDescription", (270, 2, 4, short(b"um=\0")), Warned("description of this TIFF file is not used")),
+        (
+            "ImageDescription",
+            (270, 2, 4, short(b"um=\0")),
+            Warned("description of this TIFF file is not used"),
+        ),
         // A fraction in the heights.
         ("XResolution", (282, 5, 1, 8), Warned("`pixel_um` is the distance")),
         ("ModelPixelScale of GeoTIFF", (33550, 12, 1, 8), Warned("`pixel_um` is the distance")),
@@ -246,7 +328,11 @@ fn tags_of_tiff() {
         super::check(field, &base, &tiff(32, 3, &singles(), &[more]), done);
     }
     let map = super::read(base).unwrap();
-    assert!(!map.is_picture && map.warnings.iter().any(|warning| warning.contains("um are taken")), "{:?}", map.warnings);
+    assert!(
+        !map.is_picture && map.warnings.iter().any(|warning| warning.contains("um are taken")),
+        "{:?}",
+        map.warnings
+    );
     assert_eq!(map.numbers[..5], [9.0, 10.0, 11.0, 12.0, 5.0]);
     let integers = super::read(tiff(16, 1, &singles()[..24], &[])).unwrap();
     assert!(integers.is_picture && integers.warnings.is_empty());

@@ -142,7 +142,18 @@ pub(super) fn tiff(bits: u32, format: u32, heights: &[u8], more: &[(u16, u16, u3
     let table = 8 + heights.len() as u32;
     bytes.extend(table.to_le_bytes());
     bytes.extend(heights);
-    let own = [(256, 4), (257, 3), (258, bits), (259, 1), (262, 1), (273, 8), (277, 1), (278, 3), (279, heights.len() as u32), (339, format)];
+    let own = [
+        (256, 4),
+        (257, 3),
+        (258, bits),
+        (259, 1),
+        (262, 1),
+        (273, 8),
+        (277, 1),
+        (278, 3),
+        (279, heights.len() as u32),
+        (339, format),
+    ];
     let mut entries: Vec<_> = own.into_iter().map(|(tag, value)| (tag, 4_u16, 1_u32, value)).collect();
     entries.retain(|(tag, ..)| more.iter().all(|(other, ..)| other != tag));
     entries.extend(more);

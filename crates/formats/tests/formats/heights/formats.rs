@@ -52,12 +52,14 @@ fn marks_of_missing_heights_in_sdf_are_those_of_the_revision() {
         bytes[end - 2..].copy_from_slice(&height.to_le_bytes());
         read(bytes)
     };
-    let missing = |found: Result<HeightFile, String>| found.is_err_and(|error| error.contains("1 of 12 heights"));
+    let missing =
+        |found: Result<HeightFile, String>| found.is_err_and(|error| error.contains("1 of 12 heights"));
     for iso in [b"bISO-1.0", b"bISO-2.0"] {
         assert!(missing(with(iso, i16::MIN)) && with(iso, 20).is_ok());
     }
     assert!(missing(with(b"bBCR-1.0", i16::MAX)) && with(b"bBCR-1.0", 20).is_ok());
-    for (word, mark) in [("aISO-1.0", "BAD"), ("aISO-2.0", "bad"), ("aBCR-1.0", "32767"), ("aBCR-1.0", "BAD")] {
+    for (word, mark) in [("aISO-1.0", "BAD"), ("aISO-2.0", "bad"), ("aBCR-1.0", "32767"), ("aBCR-1.0", "BAD")]
+    {
         assert!(missing(read(sdf_text(word).replace(" 12", &format!(" {mark}")).into())), "{word} {mark}");
     }
 }
@@ -71,14 +73,17 @@ fn arrays_are_read_in_any_order() {
     };
     let by_rows = [1_u8, 2, 3, 4, 5, 6];
     let by_columns = [1_u8, 4, 2, 5, 3, 6];
-    let data = |bytes: fn(u8) -> Vec<u8>, order: [u8; 6]| -> Vec<u8> { order.into_iter().flat_map(bytes).collect() };
+    let data =
+        |bytes: fn(u8) -> Vec<u8>, order: [u8; 6]| -> Vec<u8> { order.into_iter().flat_map(bytes).collect() };
     let types: [(&str, fn(u8) -> Vec<u8>); 12] = [
         ("<f8", |n| f64::from(n).to_le_bytes().to_vec()),
         (">f8", |n| f64::from(n).to_be_bytes().to_vec()),
         ("<f4", |n| f32::from(n).to_le_bytes().to_vec()),
         (">f4", |n| f32::from(n).to_be_bytes().to_vec()),
         // 1, 2, 3 to 6 as numbers of 16 bits.
-        ("<f2", |n| [0x3c00_u16, 0x4000, 0x4200, 0x4400, 0x4500, 0x4600][usize::from(n) - 1].to_le_bytes().to_vec()),
+        ("<f2", |n| {
+            [0x3c00_u16, 0x4000, 0x4200, 0x4400, 0x4500, 0x4600][usize::from(n) - 1].to_le_bytes().to_vec()
+        }),
         ("<i8", |n| i64::from(n).to_le_bytes().to_vec()),
         (">i4", |n| i32::from(n).to_be_bytes().to_vec()),
         ("<i2", |n| i16::from(n).to_le_bytes().to_vec()),
@@ -146,7 +151,9 @@ fn damaged_files_of_all_formats_are_errors() {
                 let at = dice.below(bytes.len().max(1));
                 if let Some(byte) = bytes.get_mut(at) {
                     // Bits, extremes, and what means something in texts.
-                    *byte = [dice.bits() as u8, 0, 255, b',', b'-', b'9', b'\n', *byte ^ (1 << dice.below(8))][dice.below(8)];
+                    *byte =
+                        [dice.bits() as u8, 0, 255, b',', b'-', b'9', b'\n', *byte ^ (1 << dice.below(8))]
+                            [dice.below(8)];
                 }
             }
             match read(bytes) {

@@ -40,7 +40,8 @@ fn texts_with_headers_are_read_with_their_sizes_and_units() {
                 9 10 11 12\n";
     let esri = "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 0.5\nNODATA_value -9999\n1 2 3 4\n5 6 7 8\n9 10 11 12\n";
     let cells = "Pixel Size,0.5,um\nColumns,4\nRows,3\nUnit Z,nm\n1,2,3,4\n5,6,7,8\n9,10,11,12\n";
-    let commas = "Width (mm): 0,002\nHeight (mm): 0,0015\nZ unit: \u{c5}\n1,0;2,0;3,0;4,0;\n5;6;7;8\n9;10;11;12";
+    let commas =
+        "Width (mm): 0,002\nHeight (mm): 0,0015\nZ unit: \u{c5}\n1,0;2,0;3,0;4,0;\n5;6;7;8\n9;10;11;12";
     let blanks = "X Pixels 4\nY Pixels 3\n1,0 2,00 3 4\n5,0 6 7 8\r\n9 10 11 12";
     let one_column: String = (1..=12).map(|k| format!("{k}\n")).collect();
     let wrapped = format!("columns = 4\nrows = 3\npitch = 0.5 um\n{one_column}");
@@ -59,7 +60,12 @@ fn texts_with_headers_are_read_with_their_sizes_and_units() {
         ("a single column", wrapped.into_bytes(), half, None),
         ("rows alone", b"\xEF\xBB\xBF1, 2, 3, 4\r5, 6, 7, 8\r9, 10, 11, 12\r".to_vec(), None, None),
     ] {
-        is_the_surface(name, &read(bytes).unwrap_or_else(|error| panic!("{name}: {error}")), pitch_um, unit_um);
+        is_the_surface(
+            name,
+            &read(bytes).unwrap_or_else(|error| panic!("{name}: {error}")),
+            pitch_um,
+            unit_um,
+        );
     }
     // A length without a unit is taken in um, and said to be.
     assert!(read(esri.into()).unwrap().warnings[0].contains("without a unit"));
@@ -75,7 +81,10 @@ fn lists_of_points_are_put_on_their_grid() {
     let list = |format: fn((f64, f64, f64)) -> String| order.map(row).map(format).concat();
     let plain = list(|(x, y, z)| format!("{x} {y} {z}\n"));
     let commas = list(|(x, y, z)| format!("{x:.4};{y:.4};{z:.4}\n").replace('.', ","));
-    let named = format!("Z (nm),I,X [mm],Y [mm]\n{}", list(|(x, y, z)| format!("{z},0.3,{},{}\n", 1e-3 * x, 1e-3 * y)));
+    let named = format!(
+        "Z (nm),I,X [mm],Y [mm]\n{}",
+        list(|(x, y, z)| format!("{z},0.3,{},{}\n", 1e-3 * x, 1e-3 * y))
+    );
     let half = Some([0.5, 0.5]);
     for (name, text, unit_um) in [
         ("plain", plain.clone(), None),
@@ -97,7 +106,10 @@ fn lists_of_points_are_put_on_their_grid() {
         (plain.replacen("1.5 0 12\n", "", 1), "1 of 12 heights are missing"),
         ("0 0 1\n1 1 2\n2 2 3\n3 3 4\n4 4 5\n5 5 6\n".to_owned(), "do not fill a grid of 6 x 6"),
         ("0 0 1\n1 0 2\n2 0 3\n3 0 4\n".to_owned(), "all points have the same y"),
-        ("x,y,intensity\n0,0,1\n1,0,1\n0,1,1\n1,1,1\n".to_owned(), "the columns of this table are `x`, `y`, `intensity`"),
+        (
+            "x,y,intensity\n0,0,1\n1,0,1\n0,1,1\n1,1,1\n".to_owned(),
+            "the columns of this table are `x`, `y`, `intensity`",
+        ),
         ("0 1\n1 2\n2 3\n3 4\n4 5\n".to_owned(), "as a profile x, z has"),
     ] {
         let found = read(text.into_bytes()).unwrap_err();
@@ -143,7 +155,10 @@ fn what_a_text_says_and_is_not_understood_is_refused() {
         ("columns = 4\nrows = 4\n", "the header states 4 x 4 heights, and the file has 12"),
     ] {
         let found = read(format!("{head}{rows}").into()).unwrap_err();
-        assert!(found.contains(expected) && (found.contains("map:1:") || head.starts_with('c')), "{expected}\n{found}");
+        assert!(
+            found.contains(expected) && (found.contains("map:1:") || head.starts_with('c')),
+            "{expected}\n{found}"
+        );
     }
     let found = read(b"1 2 3\n4 five 6\n".to_vec()).unwrap_err();
     assert!(found.contains("map:2:3"), "{found}");
@@ -153,9 +168,28 @@ fn what_a_text_says_and_is_not_understood_is_refused() {
 #[test]
 fn missing_heights_are_refused_with_their_number() {
     let rows = |cell: &str| format!("1.5;2;3;4\n5;{cell};7;8\n9;10;11;12\n").into_bytes();
-    for cell in ["NaN", "nan", "BAD", "", "No Data", "NODATA", "N/A", "null", "inf", "-inf", "-", "***", "-9999", "-9999.0", "-32768", "32767",
-        "2147483647", "1e38", "-3.4028235e38", "1.70141e38"]
-    {
+    for cell in [
+        "NaN",
+        "nan",
+        "BAD",
+        "",
+        "No Data",
+        "NODATA",
+        "N/A",
+        "null",
+        "inf",
+        "-inf",
+        "-",
+        "***",
+        "-9999",
+        "-9999.0",
+        "-32768",
+        "32767",
+        "2147483647",
+        "1e38",
+        "-3.4028235e38",
+        "1.70141e38",
+    ] {
         let found = read(rows(cell)).unwrap_err();
         assert!(found.contains("1 of 12 heights are missing"), "{cell}: {found}");
     }
