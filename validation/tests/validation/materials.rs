@@ -63,7 +63,8 @@ fn fresnel(n: f64, other: f64, beta: f64) -> f64 {
 fn paper_under_window_glass_has_the_luminance_of_its_source() {
     let rows = source_pages().remove("soda-lime").unwrap();
     let grid = Grid::new(380.0, 780.0, 20.0).unwrap();
-    let (light, observer) = (illuminant("D65", &grid).unwrap(), papilio_colour::Observer::new(&grid).unwrap());
+    let (light, observer) =
+        (illuminant("D65", &grid).unwrap(), papilio_colour::Observer::new(&grid).unwrap());
     let (mut expected, mut white) = (0.0, 0.0);
     for (bin, [nm, n, k]) in rows.into_iter().enumerate() {
         let through = |beta: f64| (-4.0 * PI * k * 3e6 / nm / (1.0 - (beta / n).powi(2)).sqrt()).exp();

@@ -236,7 +236,9 @@ fn absorbing_films_on_any_substrate_equal_tmm() {
     let mut rows = 0;
     for row in table.lines().skip(1) {
         let cells: Vec<f64> = row.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
-        let [n, k, thickness_nm, below, beta, from_air, through, from_below] = cells[..] else { panic!("{row}") };
+        let [n, k, thickness_nm, below, beta, from_air, through, from_below] = cells[..] else {
+            panic!("{row}")
+        };
         let part = coating(1.0, &[layer(n, k, thickness_nm)], below).part(beta * beta, 0);
         let expected = [from_air, through, from_below];
         let found = [part.above, part.transmittance, part.below];
