@@ -313,10 +313,8 @@ pub(crate) static RADIANCE: Quantity = named(
     ],
     Dimension::Light,
 );
-pub(crate) static X: Quantity =
-    of_colour("the tristimulus value X", &["X", "XYZ_X", "CIE_X"]);
-pub(crate) static Y: Quantity =
-    of_colour("the tristimulus value Y", &["Y", "XYZ_Y", "CIE_Y"]);
+pub(crate) static X: Quantity = of_colour("the tristimulus value X", &["X", "XYZ_X", "CIE_X"]);
+pub(crate) static Y: Quantity = of_colour("the tristimulus value Y", &["Y", "XYZ_Y", "CIE_Y"]);
 pub(crate) static Z: Quantity = of_colour("the tristimulus value Z", &["Z", "XYZ_Z", "CIE_Z"]);
 pub(crate) static L_STAR: Quantity = of_lab(
     "the lightness L*",

@@ -35,9 +35,15 @@ impl Style {
         for k in (1..columns).rev() {
             order.swap(k, dice.below(k + 1));
         }
-        let (separator, decimal_comma) =
-            [(",", false), (";", false), (";", true), ("\t", true), ("\t", false), (" ; ", true), (", ", false)]
-                [dice.below(7)];
+        let (separator, decimal_comma) = [
+            (",", false),
+            (";", false),
+            (";", true),
+            ("\t", true),
+            ("\t", false),
+            (" ; ", true),
+            (", ", false),
+        ][dice.below(7)];
         Self {
             order,
             separator,
@@ -120,7 +126,10 @@ fn index_table_in_any_style_has_the_same_values() {
                 let found = index.index(nm.clamp(first, last)).unwrap();
                 // A root of a permittivity loses digits where n is much larger than k, and by rounding of the wavelength.
                 let tolerance = if *is_permittivity { 1e-10 } else { 1e-11 };
-                assert!((found.re - n).abs() < tolerance && (found.im - k).abs() < tolerance, "{found} at {nm}");
+                assert!(
+                    (found.re - n).abs() < tolerance && (found.im - k).abs() < tolerance,
+                    "{found} at {nm}"
+                );
             }
         },
     );
@@ -148,7 +157,10 @@ fn spectrum_in_any_style_has_the_same_values() {
             let mut rows = vec![vec![wavelength.to_owned(), named.to_owned()]];
             let nm = |k: usize| 400.0 + 50.0 * k as f64;
             rows.extend(
-                values.iter().enumerate().map(|(k, v)| vec![convert(nm(k)).to_string(), (v * factor).to_string()]),
+                values
+                    .iter()
+                    .enumerate()
+                    .map(|(k, v)| vec![convert(nm(k)).to_string(), (v * factor).to_string()]),
             );
             let read = read_fractions(&style.write(&rows)).unwrap_or_else(|error| panic!("{error}"));
             for (k, value) in values.iter().enumerate() {
@@ -184,7 +196,8 @@ fn columns_are_read_by_their_names() {
 #[test]
 fn tables_of_the_documentation_are_the_same() {
     let page = include_str!("../../../../docs/tables.md");
-    let blocks: Vec<&str> = page.split("```csv\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let blocks: Vec<&str> =
+        page.split("```csv\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     assert_eq!(blocks.len(), 3);
     for block in blocks {
         let index = read_index(&file(block)).unwrap_or_else(|error| panic!("{error}"));
@@ -291,13 +304,20 @@ fn bsdf_table_in_any_style_is_the_same() {
     ];
     let angles: Vec<[f64; 4]> = [0.0, 30.0, 60.0]
         .into_iter()
-        .flat_map(|i| [0.0, 15.0, 75.0, 90.0].into_iter().flat_map(move |o| [0.0, 90.0, 180.0, 270.0].map(|p| [i, 0.0, o, p])))
+        .flat_map(|i| {
+            [0.0, 15.0, 75.0, 90.0]
+                .into_iter()
+                .flat_map(move |o| [0.0, 90.0, 180.0, 270.0].map(|p| [i, 0.0, o, p]))
+        })
         .collect();
     let plain: String = angles
         .iter()
         .map(|[a, b, c, d]| format!("{a},{b},{c},{d},{}\n", 0.06 + a * 1e-4 + c * 1e-5 + d * 1e-6))
         .collect();
-    let plain = read_bsdf_file(&file(format!("theta_i,phi_i,theta_o,phi_o,brdf\n{plain}")), None).unwrap().measurement.parts;
+    let plain = read_bsdf_file(&file(format!("theta_i,phi_i,theta_o,phi_o,brdf\n{plain}")), None)
+        .unwrap()
+        .measurement
+        .parts;
     laws(
         100,
         |dice| (dice.below(NAMES.len()), Style::any(dice, 5)),
@@ -320,7 +340,8 @@ fn bsdf_table_in_any_style_is_the_same() {
 #[test]
 fn bsdf_table_whose_angles_may_be_radians_is_refused_without_a_unit() {
     let rows = "0,0,0.5,0,1\n0,0,1.5708,3.14159,1\n0,0,1,5.75959,1\n";
-    let unstated = read_bsdf_file(&file(format!("theta_i,phi_i,theta_o,phi_o,brdf\n{rows}")), None).unwrap_err();
+    let unstated =
+        read_bsdf_file(&file(format!("theta_i,phi_i,theta_o,phi_o,brdf\n{rows}")), None).unwrap_err();
     assert_eq!(unstated.problem, Problem::Radians);
     assert_eq!(read_bsdf_file(&file(rows), None).unwrap_err().problem, Problem::Radians);
     for unit in ["deg", "rad"] {
@@ -377,12 +398,18 @@ fn palette_in_any_form_is_the_same() {
         cxf,
     ] {
         let read = read_palette(&file(text)).unwrap_or_else(|error| panic!("{text}: {error}"));
-        let (PaletteTable::Spectra(read), PaletteTable::Spectra(plain)) = (&read.value, &plain) else { panic!("{text}") };
+        let (PaletteTable::Spectra(read), PaletteTable::Spectra(plain)) = (&read.value, &plain) else {
+            panic!("{text}")
+        };
         assert_eq!(read.len(), plain.len(), "{text}");
         for ((name, one), (other_name, other)) in read.iter().zip(plain) {
             assert_eq!(name, other_name, "{text}");
-            let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| close(*a, *b));
-            assert!(near(one.wavelengths_nm(), other.wavelengths_nm()) && near(one.values(), other.values()), "{text}");
+            let near =
+                |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| close(*a, *b));
+            assert!(
+                near(one.wavelengths_nm(), other.wavelengths_nm()) && near(one.values(), other.values()),
+                "{text}"
+            );
         }
     }
     let lab = read_palette(&file("Sample;b*;L*;a*\nwhite;1,5;68;-0,5\n")).unwrap().value;
@@ -398,9 +425,16 @@ fn light_of_any_instrument_is_read() {
     let sp = "SPECT  \n\nORIGINATOR \"Argyll CMS\"\nMEAS_TYPE \"EMISSION\"\nSPECTRAL_BANDS \"2\"\nSPECTRAL_START_NM \"400.000000\"\nSPECTRAL_END_NM \"500.000000\"\nSPECTRAL_NORM \"1.000000\"\nNUMBER_OF_FIELDS 3\nBEGIN_DATA_FORMAT\nSAMPLE_ID SPEC_400 SPEC_500\nEND_DATA_FORMAT\nNUMBER_OF_SETS 1\nBEGIN_DATA\n1 11.0 33.0\nEND_DATA\n";
     let spdx = "<?xml version=\"1.0\"?>\n<IESTM2714 xmlns=\"iestm2714\" version=\"1.0\"><Header><Description>LED</Description></Header>\n<SpectralDistribution><SpectralQuantity>irradiance</SpectralQuantity>\n<SpectralData wavelength=\"400.0\">0.2</SpectralData><SpectralData wavelength=\"500.0\">0.6</SpectralData></SpectralDistribution></IESTM2714>";
     let meter = |step: usize| -> String {
-        (400..=500).step_by(step).map(|nm| format!("Spectral Data {nm}[nm],{}\n", (nm as f64 - 350.0) / 1e4)).collect()
+        (400..=500)
+            .step_by(step)
+            .map(|nm| format!("Spectral Data {nm}[nm],{}\n", (nm as f64 - 350.0) / 1e4))
+            .collect()
     };
-    let sekonic = format!("Date Saved,2024/05/01 10:00\nTitle,lamp\nIlluminance [lx],500\nPeak Wavelength [nm],500\n{}{}", meter(5), meter(1));
+    let sekonic = format!(
+        "Date Saved,2024/05/01 10:00\nTitle,lamp\nIlluminance [lx],500\nPeak Wavelength [nm],500\n{}{}",
+        meter(5),
+        meter(1)
+    );
     for text in [
         "wavelength_nm,relative_power\n400,1\n500,3\n",
         "400 1\n500 3\n",
@@ -444,11 +478,18 @@ fn small_negative_values_are_noise() {
 #[test]
 fn small_tables_are_read_by_names_in_any_order() {
     let profile = [(0.0, 1.0), (60.0, 0.5)];
-    for text in ["radiance,theta_deg\n1,0\n0.5,60\n", "Luminance;Winkel\n1;0\n0,5;60\n", "angle_rad,radiance\n0,1\n1.0471975512,0.5\n"] {
+    for text in [
+        "radiance,theta_deg\n1,0\n0.5,60\n",
+        "Luminance;Winkel\n1;0\n0,5;60\n",
+        "angle_rad,radiance\n0,1\n1.0471975512,0.5\n",
+    ] {
         assert_eq!(read_profile(&file(text)).unwrap(), profile, "{text}");
     }
     let density = read_density(&file("psd (nm4),frequency (1/mm)\n1e12,10\n5e11,20\n")).unwrap();
-    assert!(close(density[0][0], 0.01) && close(density[0][1], 1.0) && close(density[1][1], 0.5), "{density:?}");
+    assert!(
+        close(density[0][0], 0.01) && close(density[0][1], 1.0) && close(density[1][1], 0.5),
+        "{density:?}"
+    );
     let pixel = "wavelength_um;reflectance_percent;state;angle (\u{b0})\n0,4;10;white;0\n0,5;20;white;0\n";
     let plain = "state,theta_deg,wavelength_nm,reflectance\nwhite,0,400,0.1\nwhite,0,500,0.2\n";
     assert_eq!(read_pixel_table(&file(pixel)).unwrap(), read_pixel_table(&file(plain)).unwrap());
@@ -459,9 +500,36 @@ fn small_tables_are_read_by_names_in_any_order() {
 #[test]
 fn arbitrary_words_never_panic() {
     const WORDS: [&str; 30] = [
-        "wavelength", "(nm)", "n", "k", ",", ";", "\t", "\n", "\n", "\"", "400", "0,5", "0.5", "-1", "%", "theta_i", "BEGIN_DATA",
-        "BEGIN_DATA_FORMAT\n", "END_DATA_FORMAT\n", "\nEND_DATA\n", "SPEC_400", "SPEC_500", "<CxF>", "</CxF>", ">>>>>Begin Spectral Data<<<<<\n",
-        "Spectral Data 380[nm]", "#", "state", "nan", "[",
+        "wavelength",
+        "(nm)",
+        "n",
+        "k",
+        ",",
+        ";",
+        "\t",
+        "\n",
+        "\n",
+        "\"",
+        "400",
+        "0,5",
+        "0.5",
+        "-1",
+        "%",
+        "theta_i",
+        "BEGIN_DATA",
+        "BEGIN_DATA_FORMAT\n",
+        "END_DATA_FORMAT\n",
+        "\nEND_DATA\n",
+        "SPEC_400",
+        "SPEC_500",
+        "<CxF>",
+        "</CxF>",
+        ">>>>>Begin Spectral Data<<<<<\n",
+        "Spectral Data 380[nm]",
+        "#",
+        "state",
+        "nan",
+        "[",
     ];
     laws(
         400,
@@ -469,7 +537,12 @@ fn arbitrary_words_never_panic() {
         |text| {
             let file = file(text);
             let _ = (read_index(&file), read_fractions(&file), read_light(&file), read_palette(&file));
-            let _ = (read_measured_panel(&file), read_profile(&file), read_bsdf_file(&file, None), read_pixel_table(&file));
+            let _ = (
+                read_measured_panel(&file),
+                read_profile(&file),
+                read_bsdf_file(&file, None),
+                read_pixel_table(&file),
+            );
         },
     );
 }
