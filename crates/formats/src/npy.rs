@@ -86,6 +86,9 @@ pub(crate) struct Header {
     is_fortran: bool,
 }
 
+/// Converts the bytes of an item, in little-endian order, into a number.
+type FromBytes = fn(&[u8]) -> f64;
+
 impl Header {
     /// Returns the header and the data after it.
     pub(crate) fn of(bytes: &[u8]) -> Option<(Self, &[u8])> {
@@ -123,7 +126,7 @@ impl Header {
     }
 
     /// The reader of an item, from its bytes in little-endian order, and the number of these bytes.
-    fn number(&self) -> Option<(usize, fn(&[u8]) -> f64)> {
+    fn number(&self) -> Option<(usize, FromBytes)> {
         let kind = self.kind.strip_prefix(['<', '>', '|', '='])?;
         Some(match kind {
             "f8" => (8, |b| f64::from_le_bytes(bytes_of(b))),

@@ -119,7 +119,7 @@ struct Points<'a> {
 fn points<'a>(file: &'a DataFile, values: &[&'static Quantity]) -> Result<Points<'a>, FormatError> {
     if let Some(mut read) = instrument::read(file)? {
         if read.kind == Kind::Unstated && !values.contains(&&LIGHT) {
-            read.to_fractions();
+            read.divide_per_cent();
         }
         return of_instrument(file, read);
     }

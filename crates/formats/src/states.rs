@@ -210,7 +210,7 @@ impl Points {
         }
         if matches!(&values, Values::Columns(_, states) if states.iter().all(|(column, _)| column.unit.is_none()))
         {
-            points.to_fractions();
+            points.divide_per_cent();
         }
         Ok(points)
     }
@@ -283,7 +283,7 @@ impl Points {
             return Err(FormatError { place: Place::whole(&file.name), problem });
         }
         if read.kind == Kind::Unstated {
-            read.to_fractions();
+            read.divide_per_cent();
         }
         let has_spectra = read.samples.iter().all(|sample| !sample.spectrum.is_empty());
         let point = |sample: instrument::Sample| Point {
@@ -302,7 +302,7 @@ impl Points {
     }
 
     /// Divides reflectances in per cent by 100, with a note, as those of instruments.
-    fn to_fractions(&mut self) {
+    fn divide_per_cent(&mut self) {
         let values = self.all.iter().flat_map(|point| &point.spectrum).map(|point| point.1);
         let largest = values.fold(0.0, f64::max);
         if largest > instrument::LARGEST_FRACTION {

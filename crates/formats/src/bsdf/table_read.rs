@@ -20,6 +20,9 @@ use crate::table::quantities::{
 };
 use crate::table::{self, Dialect, Dimension, Header, Quantity, Row, Table, Unit};
 
+/// The column with the meaning of a name, in its unit.
+type Meaning = fn(Option<Unit>) -> Column;
+
 /// Name of the format.
 pub(super) const NAME: &str = "CSV";
 
@@ -144,7 +147,7 @@ impl Layout {
     }
 
     /// The columns that are read.
-    const MEANINGS: [(&'static Quantity, fn(Option<Unit>) -> Column); 9] = [
+    const MEANINGS: [(&'static Quantity, Meaning); 9] = [
         (&THETA_I, |unit| Column::Angle(0, unit)),
         (&PHI_I, |unit| Column::Angle(1, unit)),
         (&THETA_O, |unit| Column::Angle(2, unit)),

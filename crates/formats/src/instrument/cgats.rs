@@ -200,7 +200,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
         file.notes.push("only the first table of the file is read".to_owned());
     }
     if norm.is_none() && pairs.is_empty() {
-        file.to_fractions();
+        file.divide_per_cent();
     }
     Ok(file)
 }

@@ -90,6 +90,6 @@ pub(super) fn read(name: &str, root: Node<'_, '_>) -> Result<SpectralFile, Forma
             "{further} further spectra of the same samples (other conditions of measurement) are not read"
         ));
     }
-    file.to_fractions();
+    file.divide_per_cent();
     Ok(file)
 }

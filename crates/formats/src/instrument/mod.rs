@@ -103,7 +103,7 @@ fn error(name: &str, line: usize, format: &'static str, what: String) -> FormatE
 
 impl SpectralFile {
     /// Divides reflectances in per cent by 100; without a stated scale, values above 1.5 show that they are.
-    pub(crate) fn to_fractions(&mut self) {
+    pub(crate) fn divide_per_cent(&mut self) {
         let values = || self.samples.iter().flat_map(|sample| &sample.spectrum);
         let largest = values().map(|(_, value)| *value).fold(0.0, f64::max);
         if self.kind == Kind::Light || largest <= LARGEST_FRACTION {

@@ -39,6 +39,6 @@ pub(super) fn read(name: &str, root: Node<'_, '_>) -> Result<SpectralFile, Forma
     if !sample.spectrum.is_empty() {
         file.samples.push(sample);
     }
-    file.to_fractions();
+    file.divide_per_cent();
     Ok(file)
 }

@@ -85,7 +85,7 @@ pub(super) fn read(table: Table<'_>) -> Result<Option<SpectralFile>, FormatError
     }
     let mut file = SpectralFile { format: FORMAT, kind: Kind::Unstated, samples, notes: header.notes };
     if unit.is_none() {
-        file.to_fractions();
+        file.divide_per_cent();
     }
     Ok(Some(file))
 }

@@ -333,7 +333,7 @@ fn meaning(header: &Header, set: &ChannelSet, channels: &mut [MapChannel], notes
         notes.push(format!("pixelAspectRatio {aspect} is not used: the pixels cover the whole sphere"));
     }
     let other = own.other.iter().chain(&header.shared_attributes.other);
-    let space = other.filter(|(name, _)| name.to_string() == "colorInteropID").map(|(_, value)| value);
+    let space = other.filter(|(name, _)| **name == *"colorInteropID").map(|(_, value)| value);
     for value in space {
         let found = match value {
             exr::meta::attribute::AttributeValue::Text(text) => text.to_string(),

@@ -188,7 +188,7 @@ pub(crate) fn body<'a>(
     let mut rows: Vec<Row<'a>> = table.data().collect();
     let complete = |row: &Row<'_>| Header::of(row, accepted).is_ok_and(|header| is_complete(&header));
     let wrong_unit = |row: &Row<'_>| Header::of(row, accepted).is_err();
-    let at = rows.iter().take(FIRST_ROWS).position(|row| complete(row));
+    let at = rows.iter().take(FIRST_ROWS).position(complete);
     if let Some(at) = at {
         let mut header = Header::of(&rows[at], accepted)?;
         if at > 0 {

@@ -214,7 +214,7 @@ mod tests {
         }
         assert_eq!((nm("um", 0.57), nm("um", 0.78)), (570.0, 780.0));
         let deg = |text: &str, value| unit(text).unwrap().convert(value, Dimension::Angle);
-        assert_eq!((deg("rad", 1.5708), deg("\u{b0}", 30.0), deg("rad", 0.5236)), (90.0, 30.0, 30.0));
+        assert_eq!((deg("mrad", 1570.8), deg("\u{b0}", 30.0), deg("mrad", 523.6)), (90.0, 30.0, 30.0));
         assert!((unit("per cent").unwrap().convert(16.022, Dimension::Fraction) - 0.16022).abs() < 1e-15);
         for (text, dimension) in [
             ("1/sr", Dimension::Bsdf),

@@ -88,7 +88,9 @@ impl Style {
 }
 
 /// Names of the column of wavelengths, and the value in the unit of the name.
-const WAVELENGTHS: [(&str, fn(f64) -> f64); 9] = [
+type FromNm = fn(f64) -> f64;
+
+const WAVELENGTHS: [(&str, FromNm); 9] = [
     ("wavelength_nm", |nm| nm),
     ("Wavelength (um)", |nm| nm / 1000.0),
     ("lambda / \u{b5}m", |nm| nm / 1000.0),

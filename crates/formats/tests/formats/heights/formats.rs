@@ -75,7 +75,8 @@ fn arrays_are_read_in_any_order() {
     let by_columns = [1_u8, 4, 2, 5, 3, 6];
     let data =
         |bytes: fn(u8) -> Vec<u8>, order: [u8; 6]| -> Vec<u8> { order.into_iter().flat_map(bytes).collect() };
-    let types: [(&str, fn(u8) -> Vec<u8>); 12] = [
+    type ToBytes = fn(u8) -> Vec<u8>;
+    let types: [(&str, ToBytes); 12] = [
         ("<f8", |n| f64::from(n).to_le_bytes().to_vec()),
         (">f8", |n| f64::from(n).to_be_bytes().to_vec()),
         ("<f4", |n| f32::from(n).to_le_bytes().to_vec()),
