@@ -3,10 +3,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { encoded, times, type Triple } from "../../src/model/colour.ts";
+import { displayed, encoded, hex, painted, times, type Triple } from "../../src/model/colour.ts";
 import { anglesOf, camera, direction, fitting, limited, pointAt, tiltOf, type Frame } from "../../src/model/perspective.ts";
 import { discOverWhite, glareFunction, glareOf, POINT_DEG, veil, type Lamp } from "../../src/model/glare.ts";
-import { brighter, D65, exposure, halfValues, intensities, mixed, onScreen, unpacked } from "../../src/model/seen.ts";
+import { brighter, clippedShare, D65, exposure, halfValues, intensities, mixed, onScreen, unpacked } from "../../src/model/seen.ts";
 import { lamps, mirrors } from "../../src/panels/image-parts.ts";
 import type { Scenery } from "../../src/plots/seen.ts";
 import { colourAt, linear } from "../../src/plots/seen-2d.ts";
@@ -175,6 +175,26 @@ test("mirror image is the mean over the states; a collimated lamp has that of a 
   const by = 0.04 * 2 * discOverWhite(POINT_DEG, 60);
   close(beam!.image, [0.5, 0.5, 0.25].map((white) => by * white), 1e-9);
   assert.equal(beam!.radius_deg, null);
+});
+
+test("what is brighter than the screen keeps its hue, in patches and in pictures", () => {
+  close(displayed([0.5, 2, 1]), [0.25, 1, 0.5]);
+  close(displayed([0.5, -0.1, 0.4]), [0.5, 0, 0.4]);
+  assert.equal(hex([2, 2, 2]), "#ffffff");
+  assert.equal(hex([0.5, 2, 1]), hex([0.25, 1, 0.5]));
+  const D65_XY = [0.3127, 0.329] as const;
+  const [white, black] = painted([[3.6, 3.8, 4.3], [0.1, 0.1, 0.1]], D65_XY);
+  assert.deepEqual([white!.isClipped, black!.isClipped], [true, false]);
+  // A dark state is as dark as beside a white that is not too bright.
+  assert.equal(black!.colour, painted([[0.1, 0.1, 0.1]], D65_XY)[0]!.colour);
+  const seen = unpacked(response());
+  const identity: Triple[] = [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ];
+  assert.equal(clippedShare(seen, [1, 1], identity), 0);
+  assert.ok(Math.abs(clippedShare(seen, [1, 2], identity) - 1 / 3) < 1e-9);
 });
 
 test("glare function has the numbers of CIE 146", () => {
