@@ -99,14 +99,6 @@ export function brighter(
   });
 }
 
-/** The fraction of the pixels in each state; without a halftone, equal ones. */
-export function shares({ head, states }: Seen): Map<string, number> {
-  const counts: number[] = head.states.map(() => (states.length > 0 ? 0 : 1));
-  for (const state of states) counts[state]!++;
-  const all = counts.reduce((sum, one) => sum + one, 0);
-  return new Map(head.states.map((name, k) => [name, counts[k]! / all]));
-}
-
 /** Adds up triples, each with a factor; undefined ones are 0. */
 export function mixed(all: readonly (Triple | null | undefined)[], factors: readonly number[]): Triple {
   const sum = (k: 0 | 1 | 2) => all.reduce((total, one, i) => total + (one?.[k] ?? 0) * factors[i]!, 0);

@@ -239,6 +239,41 @@ test("picture that is chosen is shown, and sent to the panel; a broken one is re
   );
 });
 
+/** Opens a scenario with the picture. */
+async function openText(page: Page, scenario: string, title: string): Promise<void> {
+  const chooser = page.locator(".seen input[type=file]");
+  await chooser.setInputFiles({ name: "own.toml", mimeType: "text/plain", buffer: Buffer.from(scenario) });
+  await page.waitForFunction((title) => document.querySelector<HTMLInputElement>("input.title")?.value === title, title);
+  await fresh(page);
+}
+
+test("mirror images of lamps and glare do not depend on the halftone", { timeout: 240_000 }, async () => {
+  const page = await on.visit({}, "?");
+  const legend = page.locator(".seen .remark");
+  const images = async () => /Mirror image of lamp 1.*?:/.exec(await legend.innerText())?.[0];
+  const inEach = async (): Promise<(string | undefined)[]> => {
+    const all = [];
+    for (const halftone of ["none", "error-diffusion", "ordered"]) {
+      await page.getByLabel("Halftone").selectOption(halftone);
+      await page.locator('.seen-display[data-age="current"]').waitFor({ timeout: 60_000 });
+      all.push(await images());
+    }
+    return all;
+  };
+  await choose(page, "Examples", "antiglare");
+  await page.waitForFunction(() => document.querySelector<HTMLInputElement>("input.title")?.value === "Antiglare glass over 300 ppi");
+  const [none, ...others] = await inEach();
+  assert.match(none!, /4° wide, [\d. ]+ cd\/m² on \w+ and [\d. ]+ cd\/m² on black:/);
+  assert.deepEqual(others, [none, none]);
+  // Collimated light.
+  await openText(page, GLOSSY.replace("radius_deg = 1\n", ""), "Below glass");
+  const [collimated, ...rest] = await inEach();
+  assert.match(collimated!, /whose light is collimated: drawn 0\.5° wide/);
+  assert.match(await legend.innerText(), /on the display\. Glare: a veil of/);
+  assert.deepEqual(rest, [collimated, collimated]);
+  assert.deepEqual(on.complaints.splice(0), []);
+});
+
 test("white that is too bright for the screen has one colour in patch and picture, with a note at both", { timeout: 120_000 }, async () => {
   for (const more of ["?", "?canvas"]) {
     const page = await on.visit({}, more);

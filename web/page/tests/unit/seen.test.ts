@@ -5,7 +5,7 @@ import { test } from "node:test";
 
 import { displayed, encoded, hex, painted, times, type Triple } from "../../src/model/colour.ts";
 import { anglesOf, camera, direction, fitting, limited, pointAt, tiltOf, type Frame } from "../../src/model/perspective.ts";
-import { discOverWhite, glareFunction, glareOf, POINT_DEG, veil, type Lamp } from "../../src/model/glare.ts";
+import { glareFunction, glareOf, veil, type Lamp } from "../../src/model/glare.ts";
 import { brighter, clippedShare, D65, exposure, halfValues, intensities, mixed, onScreen, unpacked } from "../../src/model/seen.ts";
 import { lamps, mirrors } from "../../src/panels/image-parts.ts";
 import type { Scenery } from "../../src/plots/seen.ts";
@@ -23,7 +23,10 @@ function response(): ArrayBuffer {
       { light: "directed.0", white: [0.5, 0.5, 0.25] },
     ],
     states: ["black", "white"],
-    lamps: [{ light: "directed.0", towards: [0.6, 0, 0.8], radius_deg: 2, XYZ: [[3, 3, 0], [6, 6, 0]] }],
+    coverage: [1 / 3, 2 / 3],
+    lamps: [
+      { light: "directed.0", towards: [0.6, 0, 0.8], radius_deg: 2, is_collimated: false, XYZ: [[3, 3, 0], [6, 6, 0]] },
+    ],
     has_source: true,
   };
   let json = JSON.stringify(head);
@@ -124,7 +127,9 @@ const lampAt = (theta_deg: number, radius_deg: number): Lamp => ({
   number: 0,
   towards: direction(theta_deg, 0),
   radius_deg,
+  isCollimated: false,
   image: [10, 10, 10],
+  ofStates: new Map(),
 });
 
 test("mirror image of a lamp lies where the mirrored line of sight meets it, and is as wide as the lamp", () => {
@@ -157,24 +162,14 @@ test("mirror image of a lamp lies where the mirrored line of sight meets it, and
   }
 });
 
-test("mirror image is the mean over the states; a collimated lamp has that of a disc with its light", () => {
+test("mirror image is drawn as the mean over the picture, and has a luminance on each state", () => {
   const seen = unpacked(response());
-  // One pixel of three is black.
-  const [round] = lamps({}, new Map(), seen, [1, 2]);
-  close(round!.image, [2 * (3 + 2 * 6), 2 * (3 + 2 * 6), 0].map((value) => value / 3), 1e-9);
-  close(round!.towards, [-0.6, 0, 0.8]);
-  assert.deepEqual([round!.number, round!.radius_deg], [0, 2]);
-  // E / (pi sin^2 30 cos 60) is 8 times E / pi.
-  assert.ok(Math.abs(discOverWhite(30, 60) - 8) < 1e-12);
-  const fields = { lighting: { directed: [{ theta_deg: 60, share: 0.5 }] } };
-  const specular = new Map([
-    ["black", [0.04]],
-    ["white", [0.04]],
-  ]);
-  const [, beam] = lamps(fields, specular, seen, [1, 2]);
-  const by = 0.04 * 2 * discOverWhite(POINT_DEG, 60);
-  close(beam!.image, [0.5, 0.5, 0.25].map((white) => by * white), 1e-9);
-  assert.equal(beam!.radius_deg, null);
+  // Two pixels of three are white.
+  const [lamp] = lamps(seen, [1, 2]);
+  close(lamp!.image, [2 * (3 + 2 * 6), 2 * (3 + 2 * 6), 0].map((value) => value / 3), 1e-9);
+  close(lamp!.towards, [-0.6, 0, 0.8]);
+  assert.deepEqual([lamp!.number, lamp!.radius_deg, lamp!.isCollimated], [0, 2, false]);
+  assert.deepEqual([...lamp!.ofStates], [["black", 6], ["white", 12]]);
 });
 
 test("what is brighter than the screen keeps its hue, in patches and in pictures", () => {
