@@ -1,8 +1,13 @@
 //! Edits of the text of a scenario that preserve its comments, its order and its layout, for the forms of an editor.
 //!
+//! **Comments.** An edit loses no comment, except those of a table or an item that it removes. A comment of a key that is no longer there
+//! becomes a line of its own.
+//!
 //! Paths are those of `--set` ([`KeyPath`](crate::KeyPath)). A key that is set replaces the key that it excludes (`haze`
 //! and `width`). An array that only the preset of the scenario has is written into the text before one of its items changes.
 
+mod comments;
+mod items;
 mod layout;
 
 use std::path::Path;
@@ -12,7 +17,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml_edit::{DocumentMut, Item, Table, Value};
 
-use self::layout::{forget_positions, item, like_neighbour, number_positions};
+use self::comments::{comments_of, with_comments};
+use self::items::{ArrayItem, ArrayItems};
+use self::layout::{forget_positions, is_equal, item, number_positions};
 use crate::error::{ScenarioError, ScenarioErrors};
 use crate::here::relocate_json;
 use crate::mistake;
@@ -57,6 +64,16 @@ pub enum Edit {
         /// Index of the item afterwards.
         to: usize,
     },
+    /// Moves a table into an array of tables, with its comments. The table above it loses it; one that the text does not have becomes an
+    /// empty item.
+    Transfer {
+        /// Path of the table.
+        path: String,
+        /// Path of the array, which is created if it does not exist.
+        to: String,
+        /// Index of the item before which it is inserted; none: after the last one.
+        index: Option<usize>,
+    },
 }
 
 impl Edit {
@@ -82,7 +99,8 @@ impl Edit {
             Self::Set { path, .. }
             | Self::Remove { path }
             | Self::Insert { path, .. }
-            | Self::Move { path, .. } => path,
+            | Self::Move { path, .. }
+            | Self::Transfer { path, .. } => path,
         }
     }
 }
@@ -104,31 +122,42 @@ pub fn edit(text: &str, edits: &[Edit]) -> Result<String, ScenarioErrors> {
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         ScenarioError::about_file("scenario", mistake::syntax(error.message()))
     })?;
+    let mut now = text.to_owned();
     for (number, edit) in edits.iter().enumerate() {
-        apply(&mut document, edit).map_err(|why| {
+        let refused = |why| {
             let wrong = mistake::of_path(Diagnostic::new(why));
             let error = ScenarioError::about_file(&format!("edit #{}", number + 1), wrong);
             ScenarioError { path: Some(edit.path().to_owned()), ..error }
-        })?;
+        };
+        let removed = apply(&mut document, edit).map_err(refused)?;
+        let plain = document.to_string();
+        let kept = with_comments(&now, plain.clone(), &removed);
+        if kept != plain {
+            // It is the same document with more comments.
+            document = kept.parse().map_err(|_| refused("the text has another form".to_owned()))?;
+        }
+        now = kept;
     }
-    let edited = document.to_string();
-    parse(&edited, "scenario", &[])?;
-    Ok(edited)
+    parse(&now, "scenario", &[])?;
+    Ok(now)
 }
 
 /// The reason why an edit cannot be made.
 type Message = String;
 
-fn apply(document: &mut DocumentMut, edit: &Edit) -> Result<(), Message> {
+/// Makes an edit, and returns the comments of what it has removed.
+fn apply(document: &mut DocumentMut, edit: &Edit) -> Result<Vec<String>, Message> {
     let path = KeyPath::new(edit.path());
     let mut text = Editor { preset: preset_of(document) };
     let root = document.as_item_mut();
     match edit {
-        Edit::Set { value, .. } => text.set(root, &path, value),
-        Edit::Remove { .. } => text.remove(root, &path),
-        Edit::Insert { index, value, .. } => text.insert(root, &path, *index, value),
-        Edit::Move { from, to, .. } => text.rearrange(root, &path, *from, *to),
+        Edit::Set { value, .. } => text.set(root, &path, value)?,
+        Edit::Remove { .. } => return text.remove(root, &path),
+        Edit::Insert { index, value, .. } => text.insert(root, &path, *index, value)?,
+        Edit::Move { from, to, .. } => text.rearrange(root, &path, *from, *to)?,
+        Edit::Transfer { to, index, .. } => text.transfer(root, &path, &KeyPath::new(to), *index)?,
     }
+    Ok(Vec::new())
 }
 
 /// Returns the name in a table of the key at the end of a path: the old name if the table has only that.
@@ -194,36 +223,78 @@ impl Editor {
                 }
             }
         }
-        replace(table.entry(key).or_insert(Item::None), value, in_table)
+        let is_new_kind = ["kind", "model"].contains(&key) && !table.contains_key(key);
+        replace(table.entry(key).or_insert(Item::None), value, in_table)?;
+        if let Some(table) = parent.as_table_mut().filter(|_| is_new_kind) {
+            // What a table is comes before its other keys.
+            table.sort_values_by(|one, _, other, _| (one.get() != key).cmp(&(other.get() != key)));
+        }
+        Ok(())
     }
 
-    fn remove(&mut self, root: &mut Item, path: &KeyPath) -> Result<(), Message> {
+    /// Removes a key or an item, and returns the comments of a table or an item; those of a plain value stay.
+    fn remove(&mut self, root: &mut Item, path: &KeyPath) -> Result<Vec<String>, Message> {
         let (above, last) = path.split_last();
         let is_there = above.as_ref().is_none_or(|above| above.get(root).is_some());
         if index(last).is_none() && !is_there {
-            return Ok(());
+            return Ok(Vec::new());
         }
         let (parent, step) = self.above(root, path)?;
         let index = match step {
             Step::Index(index) => index,
             Step::Key(key) => {
                 let key = written_name(parent, path, key);
-                if let Some(table) = parent.as_table_like_mut() {
-                    table.remove(key);
-                }
-                return Ok(());
+                let gone = parent.as_table_like_mut().and_then(|table| table.remove(key));
+                let gone = gone.filter(|gone| gone.is_table() || gone.is_array_of_tables());
+                return Ok(gone.as_ref().map(comments_of).unwrap_or_default());
             }
         };
         let count = length(parent).unwrap_or_default();
         if index == count {
-            return Ok(());
+            return Ok(Vec::new());
         }
-        take(parent, index);
+        let removed = take(parent, index);
         if count == 1 && parent.is_array_of_tables() {
             // An array of tables without tables cannot be written. Without the key, the array of the preset would apply.
             *parent = Item::Value(Value::Array(toml_edit::Array::new()));
             if let Some(above) = above {
                 self.blank_before_value(root, &above);
+            }
+        }
+        Ok(removed)
+    }
+
+    fn transfer(
+        &mut self,
+        root: &mut Item,
+        path: &KeyPath,
+        to: &KeyPath,
+        before: Option<usize>,
+    ) -> Result<(), Message> {
+        path.check().map_err(|error| error.message)?;
+        let mut table = taken(root, path)?.unwrap_or_default();
+        table.set_dotted(false);
+        table.set_implicit(false);
+        let array = self.at(root, to, true)?;
+        let count = length(array).ok_or("this is not an array")?;
+        let before = before.unwrap_or(count);
+        if before > count {
+            return Err(format!("this array has {count} items"));
+        }
+        put(array, before, &serde_json::Value::Object(serde_json::Map::new()))?;
+        match array {
+            Item::ArrayOfTables(tables) => {
+                if let Some(place) = tables.get_mut(before) {
+                    *place = table;
+                }
+                number_positions(tables);
+            }
+            other => {
+                if let Some(place) = other.get_mut(before).and_then(Item::as_value_mut) {
+                    let decor = place.decor().clone();
+                    *place = Value::InlineTable(table.into_inline_table());
+                    *place.decor_mut() = decor;
+                }
             }
         }
         Ok(())
@@ -270,13 +341,61 @@ impl Editor {
                 number_positions(tables);
             }
             Item::Value(Value::Array(values)) => {
-                let value = values.remove(from);
-                values.insert_formatted(to, value);
+                let mut all = ArrayItems::of(values);
+                let item = all.items.remove(from);
+                all.items.insert(to, item);
+                all.put_into(values);
             }
             _ => {}
         }
         Ok(())
     }
+}
+
+/// Takes a table out of the document; `None` if it is not there. An array whose last table it was goes with it.
+fn taken(root: &mut Item, path: &KeyPath) -> Result<Option<Table>, Message> {
+    if path.get(root).is_none() {
+        return Ok(None);
+    }
+    let (above, last) = path.split_last();
+    let parent = match &above {
+        Some(above) => found(root, above),
+        None => Some(&mut *root),
+    };
+    let item = match parent {
+        Some(Item::ArrayOfTables(tables)) => index(last).filter(|at| *at < tables.len()).map(|at| {
+            let table = tables.remove(at);
+            number_positions(tables);
+            Item::Table(table)
+        }),
+        Some(Item::Value(Value::Array(values))) => {
+            index(last).filter(|at| *at < values.len()).map(|at| Item::Value(values.remove(at)))
+        }
+        Some(parent) => parent.as_table_like_mut().and_then(|table| table.remove(last)),
+        None => None,
+    };
+    if let Some(above) = above.filter(|above| above.get(root).and_then(length) == Some(0)) {
+        let (higher, name) = above.split_last();
+        let holder = match &higher {
+            Some(higher) => found(root, higher),
+            None => Some(&mut *root),
+        };
+        holder.and_then(Item::as_table_like_mut).and_then(|table| table.remove(name));
+    }
+    match item {
+        Some(Item::Table(table)) => Ok(Some(table)),
+        Some(Item::Value(Value::InlineTable(table))) => Ok(Some(table.into_table())),
+        Some(_) => Err("this is not a table".to_owned()),
+        None => Ok(None),
+    }
+}
+
+/// Returns the item at a path, if it exists.
+fn found<'a>(root: &'a mut Item, path: &KeyPath) -> Option<&'a mut Item> {
+    path.keys().try_fold(root, |item, key| match index(key).filter(|_| length(item).is_some()) {
+        Some(at) => item.get_mut(at),
+        None => item.get_mut(key),
+    })
 }
 
 impl Tree for Item {
@@ -337,19 +456,64 @@ impl Grow for Editor {
     }
 }
 
-/// Replaces a value by another in the same layout.
+/// Replaces a value by another in the same layout. Keys and items that stay keep their comments.
 fn replace(old: &mut Item, value: &serde_json::Value, in_table: bool) -> Result<(), Message> {
+    let count = length(old).unwrap_or_default();
+    let is_inline = old.is_value();
+    let fits = |items: &[serde_json::Value]| {
+        count > 0 && !items.is_empty() && (is_inline || items.iter().all(serde_json::Value::is_object))
+    };
+    match (&mut *old, value) {
+        (Item::Table(table), serde_json::Value::Object(keys)) => return merge(table, keys),
+        (_, serde_json::Value::Array(items)) if fits(items) => return merge_items(old, items),
+        _ => {}
+    }
     let as_table = if old.is_none() { in_table } else { old.is_table() || old.is_array_of_tables() };
     let mut new = item(value, as_table)?;
     match (&mut new, &*old) {
         (Item::Value(new), Item::Value(old)) => *new.decor_mut() = old.decor().clone(),
-        (Item::Table(new), Item::Table(old)) => {
-            *new.decor_mut() = old.decor().clone();
-            new.set_position(old.position());
-        }
         _ => {}
     }
     *old = new;
+    Ok(())
+}
+
+/// Makes the keys of a table those of a value.
+fn merge(table: &mut Table, keys: &serde_json::Map<String, serde_json::Value>) -> Result<(), Message> {
+    let gone: Vec<String> =
+        table.iter().map(|(key, _)| key.to_owned()).filter(|key| !keys.contains_key(key)).collect();
+    gone.iter().for_each(|key| drop(table.remove(key)));
+    for (key, value) in keys {
+        match table.get_mut(key) {
+            Some(old) if is_equal(old, value) => {}
+            Some(old) => replace(old, value, true)?,
+            None => drop(table.insert(key, item(value, !layout::is_short(value))?)),
+        }
+    }
+    table.set_implicit(false);
+    Ok(())
+}
+
+/// Makes the items of an array those of a value: items at both ends that are equal stay, those between are replaced in order.
+fn merge_items(array: &mut Item, items: &[serde_json::Value]) -> Result<(), Message> {
+    let is_equal_at = |array: &Item, at: usize, value| array.get(at).is_some_and(|old| is_equal(old, value));
+    let count = length(array).unwrap_or_default();
+    let shorter = count.min(items.len());
+    let first = (0..shorter).take_while(|at| is_equal_at(array, *at, &items[*at])).count();
+    let from_end = |back: &usize| is_equal_at(array, count - 1 - back, &items[items.len() - 1 - back]);
+    let last = (0..shorter - first).take_while(from_end).count();
+    let (old, new) = (count - first - last, items.len() - first - last);
+    for at in first..first + old.min(new) {
+        if let Some(place) = array.get_mut(at) {
+            replace(place, &items[at], false)?;
+        }
+    }
+    for _ in new..old {
+        take(array, first + new);
+    }
+    for at in first + old.min(new)..first + new {
+        put(array, at, &items[at])?;
+    }
     Ok(())
 }
 
@@ -368,27 +532,38 @@ fn put(array: &mut Item, at: usize, value: &serde_json::Value) -> Result<(), Mes
             number_positions(tables);
         }
         Item::Value(Value::Array(values)) => {
-            let Item::Value(mut value) = item(value, false)? else {
+            let Item::Value(value) = item(value, false)? else {
                 return Err("a table is not allowed here".to_owned());
             };
-            like_neighbour(values, at, &mut value);
-            values.insert_formatted(at, value);
+            let mut all = ArrayItems::of(values);
+            let lead = Some(all.lead_at(at));
+            all.items.insert(at, ArrayItem { value, lead, tail: String::new() });
+            all.put_into(values);
         }
         _ => return Err("this is not an array".to_owned()),
     }
     Ok(())
 }
 
-fn take(array: &mut Item, at: usize) {
+/// Removes an item of an array, and returns its comments.
+fn take(array: &mut Item, at: usize) -> Vec<String> {
     match array {
         Item::ArrayOfTables(tables) => {
-            tables.remove(at);
+            let table = tables.remove(at);
             number_positions(tables);
+            comments_of(&Item::Table(table))
         }
         Item::Value(Value::Array(values)) => {
-            values.remove(at);
+            let mut all = ArrayItems::of(values);
+            let item = all.items.remove(at);
+            all.put_into(values);
+            let around = [item.lead.unwrap_or_default(), item.tail];
+            let around = around.iter().flat_map(|text| comments::comments(text)).map(|(_, one)| one.to_owned());
+            let mut removed: Vec<String> = around.collect();
+            comments::collect_value(&item.value, &mut removed);
+            removed
         }
-        _ => {}
+        _ => Vec::new(),
     }
 }
 

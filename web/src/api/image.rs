@@ -98,7 +98,9 @@ pub(super) struct PictureHead {
     sub_pixels: Vec<SubPixelSeen>,
     /// X, Y, Z of a page of each state in all light, relative to a perfect white.
     colours: Vec<[f64; 3]>,
-    /// Mirror images of round lamps, which the picture does not contain.
+    /// Fraction of the panel in each state; without a halftone, that of a halftone with the same mean colour.
+    coverage: Vec<f64>,
+    /// Mirror images of lamps, which the picture does not contain.
     lamps: Vec<LampSeen>,
     /// Whether the picture itself follows.
     has_source: bool,
@@ -119,7 +121,7 @@ struct PictureLight {
     white: [f64; 3],
 }
 
-/// The mirror image of a round lamp.
+/// The mirror image of a lamp.
 #[derive(Debug, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "the field's own letters")]
 struct LampSeen {
@@ -129,6 +131,8 @@ struct LampSeen {
     towards: [f64; 3],
     /// Half of the angle across the lamp, degrees.
     radius_deg: f64,
+    /// Whether its light is collimated, so that it has no luminance: it is drawn as a small disc.
+    is_collimated: bool,
     /// X, Y, Z of the image on a pixel in each state, relative to a perfect white in all light; in addition to all other light.
     XYZ: Vec<[f64; 3]>,
 }
@@ -272,6 +276,7 @@ fn packed(answer: Answer) -> Result<Vec<u8>, Fault> {
         sub_pixels: if is_held { sub_pixels(scene, &names) } else { Vec::new() },
         states: names,
         colours: factors.pages.clone(),
+        coverage: factors.coverage.clone(),
         lamps: factors.lamps.iter().map(LampSeen::of).collect(),
         has_source: source.is_some(),
         neighbours_light: factors.neighbours_light,
@@ -288,8 +293,8 @@ fn packed(answer: Answer) -> Result<Vec<u8>, Fault> {
 
 impl LampSeen {
     fn of(image: &LampImage) -> Self {
-        let LampImage { light, towards, radius_deg, XYZ } = image.clone();
-        Self { light, towards, radius_deg, XYZ }
+        let LampImage { light, towards, radius_deg, is_collimated, XYZ } = image.clone();
+        Self { light, towards, radius_deg, is_collimated, XYZ }
     }
 }
 

@@ -18,3 +18,20 @@ fn openapi_json_equals_the_description_of_the_code() {
         "web/openapi.json is out of date; update it with {REWRITE}=1 cargo test --workspace --test site openapi"
     );
 }
+
+/// The page selects fields by the names of types in the schema: a type that is renamed must be renamed there, too.
+#[test]
+fn names_of_types_in_the_page_are_those_of_the_schema() {
+    let fields = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("page/src/fields");
+    let known = [papilio_scenario::schema(), papilio_scenario::surface_schema()];
+    let mut count = 0;
+    for file in std::fs::read_dir(fields).unwrap().map(|entry| entry.unwrap().path()) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for name in text.split("def === \"").skip(1).filter_map(|rest| rest.split('"').next()) {
+            count += 1;
+            let is_known = known.iter().any(|schema| schema["$defs"].get(name).is_some());
+            assert!(is_known, "{}: the schema has no type {name}", file.display());
+        }
+    }
+    assert!(count >= 9, "{count}");
+}

@@ -4,7 +4,7 @@ use papilio_colour::{Observer, Xyz};
 
 use super::halftone::{self, Halftone, Panel};
 use super::known::KnownLights;
-use super::lamps::{LampImage, lamp_images};
+use super::lamps::{LampImage, drawn_lamps};
 use super::light::each_alone;
 use super::rendering::{Rendered, Rendering};
 use super::search::REACH_OF_LAYERS;
@@ -45,8 +45,11 @@ pub struct Factors {
     pub error: f64,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
     pub neighbours_light: bool,
-    /// Mirror images of round lamps, which the pictures do not contain; their colours are those of the states of the picture, in all light.
+    /// Mirror images of lamps, which the pictures do not contain; their colours are those of the states of the picture, in all light. Collimated
+    /// ones are those of small discs.
     pub lamps: Vec<LampImage>,
+    /// Fraction of the panel in each state of the picture; without a halftone, that of a halftone with the same mean colour.
+    pub coverage: Vec<f64>,
 }
 
 /// What the reader sees of a picture in one light of a room.
@@ -149,6 +152,13 @@ impl HeldPicture {
         Ok(Self { size, states: brought.states, names: lit.palette.names(), surround: settings.surround })
     }
 
+    /// Fraction of the pixels in each state.
+    fn coverage(&self) -> Vec<f64> {
+        let mut counts = vec![0_usize; self.names.len()];
+        self.states.iter().for_each(|state| counts[usize::from(*state)] += 1);
+        counts.into_iter().map(|count| count as f64 / self.states.len().max(1) as f64).collect()
+    }
+
     /// Computes what the reader sees in each light of a scene, which may have another light, view or layers than that for which the states
     /// were decided, but must have these states.
     ///
@@ -194,7 +204,8 @@ impl HeldPicture {
             pages: all.palette.pages(),
             error: 0.0,
             neighbours_light: false,
-            lamps: lamp_images(scene, &self.names)?,
+            lamps: drawn_lamps(scene, &self.names)?,
+            coverage: self.coverage(),
         };
         let known = known.of(self, &alone, &settings, prepared, control)?;
         for (one, (luminous, light)) in alone.iter().zip(known) {

@@ -1,8 +1,9 @@
-//! Mirror images of round lamps over a panel, for an eye at its place.
+//! Mirror images of lamps over a panel, for an eye at its place.
 //!
 //! **What.** A lamp with `radius_deg` is seen in each face of the display, and in pixels like mirrors, at the places of the panel from which
 //! the mirrored direction leads to the eye. Its luminance there is that of the lamp times the reflectance of the display in this
-//! direction ([`crate::lamp_images`]). A lamp without a radius has no luminance, and no image.
+//! direction ([`crate::lamp_images`]). A lamp without a radius has no luminance, and no image
+//! in computed pictures; drawings show it as a small disc ([`drawn_lamps`]).
 //!
 //! **Border.** A pixel sees a round patch of directions: the field of view of the eye, or the pixel itself where that is larger. Its part
 //! within the lamp is that of two circles in a plane.
@@ -15,7 +16,11 @@ use crate::lamp_images::whole;
 use crate::scene::{AngleMedium, DirectedLight, Scene};
 use crate::setup::Setup;
 
-/// The mirror image of a round lamp.
+/// Half of the angle across the disc with which collimated light is drawn, degrees. It has no luminance: that of the disc is its illuminance
+/// over the disc's projected solid angle.
+pub const COLLIMATED_DEG: f64 = 0.25;
+
+/// The mirror image of a lamp.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(non_snake_case, reason = "the field's own letters")]
 pub struct LampImage {
@@ -25,11 +30,32 @@ pub struct LampImage {
     pub towards: [f64; 3],
     /// Half of the angle across the lamp, degrees.
     pub radius_deg: f64,
+    /// Whether its light is collimated, so that it has no luminance of its own.
+    pub is_collimated: bool,
     /// X, Y and Z of the image on a pixel in each state, relative to a perfect white in all light; in addition to all other light.
     pub XYZ: Vec<[f64; 3]>,
 }
 
-/// Computes the images of all lamps that a display mirrors, with a colour for each of the states.
+/// Computes the images of all lamps that a display mirrors for a drawing: collimated ones as small discs ([`COLLIMATED_DEG`]).
+///
+/// # Errors
+/// If the scene is invalid.
+pub(super) fn drawn_lamps(scene: &Scene, states: &[String]) -> Result<Vec<LampImage>, DisplayError> {
+    let mut drawn = scene.clone();
+    for light in &mut drawn.lighting.directed {
+        // Near the horizon, the disc is smaller.
+        let most = 0.5 * (90.0 - light.theta_deg.abs());
+        light.radius_deg.get_or_insert(COLLIMATED_DEG.min(most));
+    }
+    let is_collimated = |image: &LampImage| {
+        let number = image.light.strip_prefix("directed.").and_then(|number| number.parse::<usize>().ok());
+        number.and_then(|number| scene.lighting.directed.get(number)).is_some_and(|one| one.radius_deg.is_none())
+    };
+    let images = lamp_images(&drawn, states)?;
+    Ok(images.into_iter().map(|one| LampImage { is_collimated: is_collimated(&one), ..one }).collect())
+}
+
+/// Computes the images of all round lamps that a display mirrors, with a colour for each of the states.
 ///
 /// # Errors
 /// If the scene is invalid.
@@ -53,6 +79,7 @@ pub(super) fn lamp_images(scene: &Scene, states: &[String]) -> Result<Vec<LampIm
                 light: format!("directed.{}", one.light),
                 towards: [-theta.sin() * phi.cos(), -theta.sin() * phi.sin(), theta.cos()],
                 radius_deg: light.radius_deg.unwrap_or(0.0),
+                is_collimated: false,
                 XYZ: colours,
             });
         }

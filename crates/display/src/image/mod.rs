@@ -138,7 +138,8 @@ pub struct ImageResult {
     pub seen: Vec<[f32; 3]>,
     /// Samples along each side of a pixel, 1 or more.
     pub samples_per_pixel: usize,
-    /// Encoded red, green and blue of `seen` in the colour space of the screen, adapted to D65.
+    /// Encoded red, green and blue of `seen` in the colour space of the screen, adapted to D65; what is brighter than its white is as bright as
+    /// it can be with the same hue.
     pub on_screen: Vec<[u8; 3]>,
     /// Linear red, green and blue of `seen` with sRGB's primaries, adapted to D65, a perfect white 1; not clipped.
     pub linear: Vec<[f32; 3]>,
@@ -337,12 +338,18 @@ impl OnScreen {
             let on_screen = space.linear(shown_as.apply(colour(*sample)));
             let is_clipped = on_screen.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
             found.clipped += usize::from(is_clipped);
-            found.bytes.push(on_screen.map(encoded_byte));
+            found.bytes.push(with_hue(on_screen).map(encoded_byte));
             let linear = if is_same { on_screen } else { to_screen.apply(colour(*sample)).linear_srgb() };
             found.linear.push(linear.map(|value| value as f32));
         }
         found
     }
+}
+
+/// The brightest colour of a screen with the chromaticity of one that is too bright for it; others as they are.
+fn with_hue(linear: [f64; 3]) -> [f64; 3] {
+    let brightest = linear.into_iter().fold(1.0, f64::max);
+    linear.map(|value| value / brightest)
 }
 
 impl ImageResult {

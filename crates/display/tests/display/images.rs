@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::image::{
-    HeldPicture, ImageSettings, KnownLights, PictureSurround, Screen, SourceImage, image,
+    HeldPicture, ImageSettings, KnownLights, PictureSurround, Screen, SourceImage, exact, image,
 };
 use papilio_display::scene::Scene;
 use papilio_display::spatial::walk::pattern;
@@ -305,6 +305,46 @@ fn lamps_have_their_images_at_their_places() {
         let seen = f64::from(found.seen[6 * 9 + 4][1]);
         assert_eq!(lamp.radius_deg, 4.0);
         assert!((middle + lamp.XYZ[white][1] - seen).abs() < 1e-2 * seen, "{middle} {lamp:?} {seen}");
+    }
+}
+
+/// The images of lamps do not depend on the halftone. Collimated light is drawn as a disc with the illuminance of the lamp: E/(pi sin^2 r cos theta)
+/// times what the display mirrors.
+#[test]
+fn lamps_are_those_of_a_halftone_without_one() {
+    let viewer = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
+    for radius in ["radius_deg = 4\n", ""] {
+        let lamp = format!(
+            "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.6\n[[lighting.directed]]\ntheta_deg = -23\nshare = 0.4\n{radius}"
+        );
+        let display = scene(&[GLASS, MATRIX, MIRROR, &lamp, viewer]);
+        let settings = ImageSettings::default();
+        let held = control(|control| HeldPicture::new(&display, &ramp(), &settings, control));
+        let by_states = control(|control| held.factors(&display, control));
+        let mut prepared = Prepared::new(&display).unwrap();
+        let (names, exactly) =
+            control(|control| exact(&display, &ramp(), &settings, &mut prepared, control));
+        assert_eq!(held.names, names);
+        assert_eq!(by_states.lamps, exactly.lamps);
+        let [lamp] = exactly.lamps.as_slice() else { panic!("{:?}", exactly.lamps) };
+        assert_eq!(lamp.is_collimated, radius.is_empty());
+        // The mean colour of the picture is that of its coverages.
+        let mean = |pixels: &[[f32; 3]]| pixels.iter().map(|one| f64::from(one[1])).sum::<f64>() / 96.0;
+        let covered: f64 = exactly.coverage.iter().zip(&exactly.pages).map(|(part, page)| part * page[1]).sum();
+        assert!((exactly.coverage.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+        assert!((covered - mean(&exactly.lights[0].pixels)).abs() < 1e-6, "{covered}");
+        let halftoned = by_states.coverage.iter().zip(&by_states.pages).map(|(part, page)| part * page[1]);
+        // Error diffusion of 96 pixels loses light at the borders.
+        assert!((halftoned.sum::<f64>() - covered).abs() < 0.05);
+        if lamp.is_collimated {
+            let result = crate::common::run(&display).unwrap();
+            let sine = lamp.radius_deg.to_radians().sin();
+            let disc = 0.4 / (sine * sine * 23_f64.to_radians().cos());
+            for (name, image) in names.iter().zip(&lamp.XYZ) {
+                let wanted = disc * result.views[0].states.get(name).unwrap().value.specular[0];
+                assert!((image[1] - wanted).abs() < 2e-3 * wanted, "{name}: {} {wanted}", image[1]);
+            }
+        }
     }
 }
 

@@ -30,7 +30,7 @@ pub(super) fn item(value: &serde_json::Value, as_table: bool) -> Result<Item, St
 }
 
 /// True for a value that is short enough for one line.
-fn is_short(value: &serde_json::Value) -> bool {
+pub(super) fn is_short(value: &serde_json::Value) -> bool {
     use serde_json::Value as Json;
     let plain = |value: &Json| !value.is_object() && !value.is_array();
     match value {
@@ -67,16 +67,39 @@ fn inline(value: &serde_json::Value) -> Result<Value, String> {
     })
 }
 
-/// Gives a value the line break and indentation of its neighbours in an array.
-pub(super) fn like_neighbour(values: &Array, at: usize, value: &mut Value) {
-    let neighbour = values.get(at.saturating_sub(1)).or_else(|| values.get(0));
-    let prefix = neighbour.and_then(|value| value.decor().prefix()?.as_str());
-    let prefix = prefix.map(|prefix| match prefix.rfind('\n') {
-        Some(line) => &prefix[line..],
-        None if at == 0 => "",
-        None => " ",
-    });
-    value.decor_mut().set_prefix(prefix.unwrap_or(if at == 0 { "" } else { " " }));
+/// True if an item has a value.
+pub(super) fn is_equal(item: &Item, value: &serde_json::Value) -> bool {
+    use serde_json::Value as Json;
+    match (item, value) {
+        (Item::Value(own), _) => is_equal_value(own, value),
+        (Item::Table(table), Json::Object(keys)) => {
+            let same = |(key, item): (&str, &Item)| keys.get(key).is_some_and(|value| is_equal(item, value));
+            table.len() == keys.len() && table.iter().all(same)
+        }
+        (Item::ArrayOfTables(tables), Json::Array(items)) => {
+            let same = |(table, value): (&Table, &Json)| is_equal(&Item::Table(table.clone()), value);
+            tables.len() == items.len() && tables.iter().zip(items).all(same)
+        }
+        _ => false,
+    }
+}
+
+fn is_equal_value(own: &Value, value: &serde_json::Value) -> bool {
+    use serde_json::Value as Json;
+    match (own, value) {
+        (Value::String(own), Json::String(text)) => own.value() == text,
+        (Value::Integer(own), Json::Number(number)) => number.as_i64() == Some(*own.value()),
+        (Value::Float(own), Json::Number(number)) => number.as_f64() == Some(*own.value()),
+        (Value::Boolean(own), Json::Bool(value)) => own.value() == value,
+        (Value::Array(own), Json::Array(items)) => {
+            own.len() == items.len() && own.iter().zip(items).all(|(own, value)| is_equal_value(own, value))
+        }
+        (Value::InlineTable(own), Json::Object(keys)) => {
+            let same = |(key, own): (&str, &Value)| keys.get(key).is_some_and(|value| is_equal_value(own, value));
+            own.len() == keys.len() && own.iter().all(same)
+        }
+        _ => false,
+    }
 }
 
 /// Assigns the positions of the tables in the text to the tables in their new order; new tables follow the one before.

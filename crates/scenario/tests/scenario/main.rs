@@ -5,6 +5,7 @@
 mod bad_input;
 mod bounds;
 mod common;
+mod edits;
 mod environments;
 mod examples;
 mod hostile;

@@ -2,10 +2,10 @@
 // cannot describe is converted to an equivalent list of general layers.
 
 import type { Edit } from "../api/types.ts";
-import { at, listAt, numberAt, split, type Table } from "../model/json.ts";
+import { at, listAt, numberAt, split, tableAt, type Table } from "../model/json.ts";
 import { without } from "../model/shares.ts";
 import { KINDS } from "../model/kinds.ts";
-import { freed, layers, MODELS } from "../model/stack.ts";
+import { freed, layers, MODELS, type Freed } from "../model/stack.ts";
 import { fields, selected } from "../state/design.ts";
 import { edit } from "../state/live.ts";
 
@@ -38,8 +38,9 @@ export function addLayer(kind: string): void {
     const guides = at(all, "lighting.front_light") === undefined ? 0 : 1;
     const under = layers(all).findIndex((layer) => layer.path === selected.value) + 1 - guides;
     const list = freed(all);
-    const place = placeFor(kind, list, under > 0 ? under : list.length);
-    edit(freeing(list, place, starter));
+    const tables = list.map(({ layer }) => layer);
+    const place = placeFor(kind, tables, under > 0 ? under : list.length);
+    edit(freeing([...list.slice(0, place), { from: null, layer: starter }, ...list.slice(place)]));
     selected.value = `display.layers.${place}`;
   }
 }
@@ -52,13 +53,20 @@ function placeFor(kind: string, list: readonly Table[], wanted: number): number 
   return MEDIA.includes(kind) || kind === "air gap" || last < 0 ? wanted : Math.min(wanted, last);
 }
 
-/** Returns the edits that convert the panel to general layers and insert a layer. */
-function freeing(list: Table[], place: number, starter: Table): Edit[] {
-  const gone = ["display.front", "display.diffuser", "display.glass"].filter(
-    (path) => at(fields.value, path) !== undefined,
-  );
-  const all = [...list.slice(0, place), starter, ...list.slice(place)];
-  return [...gone.map((path): Edit => ({ op: "remove", path })), { op: "set", path: "display.layers", value: all }];
+/** Returns the edits that convert the panel to general layers: their tables move with their comments. */
+function freeing(list: readonly Freed[]): Edit[] {
+  return list.flatMap(({ from, layer }, index): Edit[] => {
+    if (from === null) return [{ op: "insert", path: "display.layers", index, value: layer }];
+    const path = `display.layers.${index}`;
+    // A component of the front has all keys of its table.
+    const former = from.startsWith("display.front") ? [] : Object.keys(tableAt(fields.value, from));
+    const keys = Object.entries(layer);
+    return [
+      { op: "transfer", path: from, to: "display.layers", index },
+      ...former.filter((key) => !(key in layer)).map((key): Edit => ({ op: "remove", path: `${path}.${key}` })),
+      ...keys.map(([key, value]): Edit => ({ op: "set", path: `${path}.${key}`, value })),
+    ];
+  });
 }
 
 /** Adds a film below the selected one. */

@@ -2,13 +2,18 @@
 
 import { valuesOf } from "./toml-set.ts";
 
-/** The title of a scenario; null if it has none, or its text cannot be read. */
+/** The string at a path of a text; null if it has none there. Throws if the text cannot be read. */
+export function stringAt(text: string, path: string): string | null {
+  const place = valuesOf(text).get(path);
+  const written = place ? text.slice(...place) : "";
+  if (written.startsWith("'")) return written.slice(1, -1) || null;
+  return written.startsWith('"') ? String(JSON.parse(written)) || null : null;
+}
+
+/** The title of a scenario; null if it has none. */
 export function titleOf(text: string): string | null {
   try {
-    const place = valuesOf(text).get("title");
-    const written = place ? text.slice(...place) : "";
-    if (written.startsWith("'")) return written.slice(1, -1) || null;
-    return written === "" ? null : String(JSON.parse(written)) || null;
+    return stringAt(text, "title");
   } catch {
     // A text that is being typed: its first title.
     return /^title\s*=\s*"([^"\n]*)"/m.exec(text)?.[1] || null;

@@ -1,6 +1,6 @@
-// Conversion of XYZ to screen colours: complete adaptation (CAT16) from the white of the light to D65, then sRGB, as in
-// crates/figures. The white of the screen represents a perfect white diffuser in the same light; if a state is
-// brighter, all states are dimmed by the same factor.
+// Conversion of XYZ to screen colours: complete adaptation (CAT16) from the white of the light to D65, then sRGB. The white of the screen
+// represents a perfect white diffuser in the same light. One rule holds for patches and pictures: what is brighter than the screen can show is as
+// bright as it can be with the same hue, and the page says so.
 
 export type Triple = readonly [number, number, number];
 
@@ -20,7 +20,7 @@ const TO_SRGB: readonly Triple[] = [
   [0.0556434, -0.2040259, 1.0572252],
 ];
 const D65: Triple = [0.95047, 1, 1.08883];
-/** Channels up to this value are clipped without dimming, because the clipping is invisible. */
+/** Channels up to this value are shown without a note, because the clipping is invisible. */
 const CLIPPED = 1.005;
 
 export const times = (matrix: readonly Triple[], [x, y, z]: Triple): Triple =>
@@ -54,10 +54,19 @@ export const encoded = (linear: number): number => {
   return c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055;
 };
 
-/** Converts linear sRGB to a hexadecimal colour, with clipping. */
+/** Whether a colour is brighter than the screen can show. */
+export const isClipped = (linear: Triple): boolean => Math.max(...linear) > CLIPPED;
+
+/** Returns what the screen shows of linear sRGB: too bright colours keep their hue, components below 0 become 0. */
+export function displayed([r, g, b]: Triple): Triple {
+  const most = Math.max(1, r, g, b);
+  return [Math.max(0, r) / most, Math.max(0, g) / most, Math.max(0, b) / most];
+}
+
+/** Converts linear sRGB to a hexadecimal colour, as the screen shows it. */
 export const hex = (linear: Triple): string =>
   "#" +
-  linear
+  displayed(linear)
     .map((c) =>
       Math.round(255 * encoded(c))
         .toString(16)
@@ -66,19 +75,18 @@ export const hex = (linear: Triple): string =>
     .join("");
 
 /**
- * Returns the colours of states in one light, and the factor by which they were dimmed (1: not at all). A display that
- * is lit only by its own light is compared with its own white, of luminance `own`.
+ * Returns the colours of states in one light, and whether each is brighter than the screen can show. A display that is lit only by its own
+ * light is compared with its own white, of luminance `own`.
  */
 export function painted(
   states: readonly Triple[],
   white: readonly [number, number],
   own: number | null = null,
-): { colours: string[]; divisor: number } {
-  const channels = states.map((xyz) => linearSrgb(adapted(xyz, white)));
-  const brightest = Math.max(0, ...channels.flat().filter(Number.isFinite));
-  const divisor = own === null && brightest > CLIPPED ? brightest : 1;
-  const scale = own ?? divisor;
-  return { colours: channels.map((c) => hex(c.map((part) => part / scale) as unknown as Triple)), divisor };
+): { colour: string; isClipped: boolean }[] {
+  return states.map((xyz) => {
+    const linear = linearSrgb(adapted(xyz, white)).map((part) => part / (own ?? 1)) as unknown as Triple;
+    return { colour: hex(linear), isClipped: isClipped(linear) };
+  });
 }
 
 /** Returns true for a colour on which dark text is more readable than light text. */

@@ -19,9 +19,6 @@ export const PIGMENT = 0.5;
 export const LEAST_DEG = 0.1;
 export const MOST_DEG = 100;
 
-/** Angular radius that a collimated lamp is drawn with, degrees. */
-export const POINT_DEG = 0.25;
-
 /** Places of a disc, each with the same solid angle, for its visible part. */
 const PARTS = 19;
 
@@ -33,27 +30,20 @@ export interface Lamp {
   readonly number: number;
   /** The direction towards it. */
   readonly towards: Triple;
-  /** Its angular radius, degrees; null if its light is collimated. */
-  readonly radius_deg: number | null;
-  /** Luminance of its mirror image, as X, Y, Z relative to a perfect white; with collimated light, that of the disc that is drawn. */
+  /** Its angular radius, degrees. */
+  readonly radius_deg: number;
+  /** Whether its light is collimated: it has no luminance, and is drawn as a small disc. */
+  readonly isCollimated: boolean;
+  /** Luminance of its mirror image, the mean over the picture, as X, Y, Z relative to a perfect white. */
   readonly image: Triple;
+  /** Y of its mirror image on each state. */
+  readonly ofStates: ReadonlyMap<string, number>;
 }
 
 /** Luminance of the veil over the illuminance at the eye, 1/sr, at an angle in degrees from the line of sight. */
 export function glareFunction(theta: number, age = AGE, pigment = PIGMENT): number {
   const t = Math.min(MOST_DEG, Math.max(LEAST_DEG, theta));
   return 10 / t ** 3 + (5 / t ** 2 + (0.1 * pigment) / t) * (1 + (age / 62.5) ** 4) + 0.0025 * pigment;
-}
-
-/** The angular radius with which a lamp is drawn, degrees. */
-export const radiusOf = (lamp: Lamp): number => lamp.radius_deg ?? POINT_DEG;
-
-/**
- * Returns the factor from the light of a perfect white that a lamp lights alone to the luminance of the lamp.
- * `theta_deg` is the inclination of the lamp.
- */
-export function discOverWhite(radius_deg: number, theta_deg: number): number {
-  return 1 / (Math.sin(radius_deg * RADIANS) ** 2 * Math.cos(theta_deg * RADIANS));
 }
 
 /** Directions from the eye to parts of the mirror image of a lamp that lie on the display. */
@@ -63,7 +53,7 @@ function visibleParts(lamp: Lamp, { place, height }: Camera): Triple[] {
   const flat = Math.hypot(x, y);
   const one: Triple = flat > 0 ? [-y / flat, x / flat, 0] : [1, 0, 0];
   const other: Triple = [y * one[2] - z * one[1], z * one[0] - x * one[2], x * one[1] - y * one[0]];
-  const least = Math.cos(radiusOf(lamp) * RADIANS);
+  const least = Math.cos(lamp.radius_deg * RADIANS);
   const parts: Triple[] = [];
   for (let k = 0; k < PARTS; k++) {
     const cosine = 1 - ((k + 0.5) / PARTS) * (1 - least);
@@ -97,11 +87,11 @@ export function glareOf(lamp: Lamp, of: Camera): GlareSource | null {
   const middle: Triple[] = parts.length === PARTS ? [[x, y, -z]] : parts;
   const sum = (k: 0 | 1 | 2) => middle.reduce((total, part) => total + part[k], 0);
   const length = Math.hypot(sum(0), sum(1), sum(2));
-  const solid = (2 * Math.PI * (1 - Math.cos(radiusOf(lamp) * RADIANS)) * parts.length) / PARTS;
+  const solid = (2 * Math.PI * (1 - Math.cos(lamp.radius_deg * RADIANS)) * parts.length) / PARTS;
   return {
     from: [sum(0) / length, sum(1) / length, sum(2) / length],
     light: lamp.image.map((value) => value * solid) as unknown as Triple,
-    radius_deg: radiusOf(lamp),
+    radius_deg: lamp.radius_deg,
   };
 }
 

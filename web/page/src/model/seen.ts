@@ -3,7 +3,7 @@
 // perhaps the picture itself; the length of each block is a multiple of 4 bytes.
 
 import type { PictureHead } from "../api/types.ts";
-import { screenMatrix, type Triple } from "./colour.ts";
+import { isClipped, screenMatrix, times, type Triple } from "./colour.ts";
 import { listAt, numberAt, type Json } from "./json.ts";
 
 /** A picture in several lights: X, Y, Z of each pixel, row by row from the top, as 16-bit floating point numbers. */
@@ -99,14 +99,6 @@ export function brighter(
   });
 }
 
-/** The fraction of the pixels in each state; without a halftone, equal ones. */
-export function shares({ head, states }: Seen): Map<string, number> {
-  const counts: number[] = head.states.map(() => (states.length > 0 ? 0 : 1));
-  for (const state of states) counts[state]!++;
-  const all = counts.reduce((sum, one) => sum + one, 0);
-  return new Map(head.states.map((name, k) => [name, counts[k]! / all]));
-}
-
 /** Adds up triples, each with a factor; undefined ones are 0. */
 export function mixed(all: readonly (Triple | null | undefined)[], factors: readonly number[]): Triple {
   const sum = (k: 0 | 1 | 2) => all.reduce((total, one, i) => total + (one?.[k] ?? 0) * factors[i]!, 0);
@@ -182,4 +174,21 @@ export function onScreen(by: Exposure, light: ScreenLight): { factors: number[];
     factors: [by.white[1] * screenOverWhite(light, by.white_cd_m2)],
     added: by.white.map((value) => value * SCREEN_REFLECTANCE) as unknown as Triple,
   };
+}
+
+/** Largest number of pixels of which the fraction is estimated that the screen cannot show. */
+const SAMPLES = 20_000;
+
+/** Returns the fraction of the pixels that are brighter than the screen can show. */
+export function clippedShare({ size, planes }: Planes, factors: readonly number[], matrix: readonly Triple[]): number {
+  const values = halfValues();
+  const pixels = size[0] * size[1];
+  // Odd, so that the pixels are not those of few columns.
+  const step = Math.max(1, Math.ceil(pixels / SAMPLES)) | 1;
+  let [count, clipped] = [0, 0];
+  for (let pixel = 0; pixel < pixels; pixel += step, count++) {
+    const part = (k: 0 | 1 | 2) => planes.reduce((sum, plane, i) => sum + factors[i]! * values[plane[3 * pixel + k]!]!, 0);
+    if (isClipped(times(matrix, [part(0), part(1), part(2)]))) clipped += 1;
+  }
+  return count > 0 ? clipped / count : 0;
 }

@@ -91,9 +91,19 @@ export function films(fields: Json): Film[] {
   });
 }
 
+/** A general layer, and the table of the ordinary panel that it replaces; null for a layer that is new. */
+export interface Freed {
+  readonly from: string | null;
+  readonly layer: Table;
+}
+
 /** Converts an ordinary panel to an equivalent list of general layers. */
-export function freed(fields: Json): Table[] {
-  const fronts = listAt(fields, "display.front").map((value) => ({ kind: COMPONENT, ...(value as Table) }));
+export function freed(fields: Json): Freed[] {
+  // Each table leaves the list: the next one is the first.
+  const fronts = listAt(fields, "display.front").map((value) => ({
+    from: "display.front.0",
+    layer: { kind: COMPONENT, ...(value as Table) },
+  }));
   const { surface, ...glass } = tableAt(fields, "display.glass");
   const diffuser = at(fields, "display.diffuser");
   const { model, ...rest } = isTable(diffuser) ? diffuser : {};
@@ -102,7 +112,11 @@ export function freed(fields: Json): Table[] {
     : model === "slab"
       ? { kind: "slab", ...rest }
       : { kind: "diffuser", model: model!, ...rest };
-  return [...fronts, top, { kind: "medium", index: 1.5, ...glass }];
+  return [
+    ...fronts,
+    { from: isTable(diffuser) ? "display.diffuser" : null, layer: top },
+    { from: "display.glass", layer: { kind: "medium", index: 1.5, ...glass } },
+  ];
 }
 
 /** A surface by its geometry. Few rays: they are followed while the scenario is read. */

@@ -1,5 +1,5 @@
-// The lines of the drive states in diagrams. Each has its own hue, as in crates/figures, and they can be distinguished
-// without colour too: primaries are solid, secondaries dashed, black dotted.
+// The lines of the drive states in diagrams. Each has its own hue, as in crates/figures, and its own dashes, because the curves of the page have
+// no names at their ends: white is solid, black dotted.
 
 export interface Stroke {
   readonly light: string;
@@ -10,17 +10,27 @@ export interface Stroke {
 const KNOWN: Record<string, Stroke> = {
   white: { light: "#777777", dark: "#c9ccd1", dash: [] },
   black: { light: "#111111", dark: "#8a9099", dash: [1.5, 3] },
-  red: { light: "#c8321f", dark: "#ef6a57", dash: [] },
-  green: { light: "#2c9a57", dark: "#4cc07c", dash: [] },
-  blue: { light: "#2b5fc7", dark: "#6f9bf0", dash: [] },
-  cyan: { light: "#25a3bb", dark: "#48c3da", dash: [7, 3] },
-  magenta: { light: "#b5408f", dark: "#db72b9", dash: [7, 3] },
-  yellow: { light: "#c79a0a", dark: "#dfb83a", dash: [7, 3] },
+  red: { light: "#c8321f", dark: "#ef6a57", dash: [14, 3] },
+  green: { light: "#2c9a57", dark: "#4cc07c", dash: [7, 3] },
+  blue: { light: "#2b5fc7", dark: "#6f9bf0", dash: [3.5, 2.5] },
+  cyan: { light: "#25a3bb", dark: "#48c3da", dash: [14, 3, 2, 3] },
+  magenta: { light: "#b5408f", dark: "#db72b9", dash: [7, 3, 2, 3] },
+  yellow: { light: "#c79a0a", dark: "#dfb83a", dash: [7, 2, 1.5, 2, 1.5, 2] },
 };
 const OTHERS = ["#d9822b", "#7a5bc0", "#5f8a3a", "#8c564b", "#4c78a8"];
+/** Dashes of the other states; not as many as hues, so that few pairs are the same. */
+const DASHES: readonly (readonly number[])[] = [
+  [10, 2, 4, 2],
+  [5, 2, 1, 2],
+  [14, 2, 1.5, 2, 1.5, 2],
+  [1.5, 6],
+  [10, 6],
+  [3.5, 2, 3.5, 6],
+  [7, 2, 1.5, 2, 1.5, 2, 1.5, 2],
+];
 
-/** Returns the line of a state; `index` selects the hue for unknown names. */
+/** Returns the line of a state; `index` selects hue and dashes of unknown names. */
 export function stroke(name: string, index: number): Stroke {
   const other = OTHERS[index % OTHERS.length]!;
-  return KNOWN[name] ?? { light: other, dark: other, dash: [9, 3, 2, 3] };
+  return KNOWN[name] ?? { light: other, dark: other, dash: DASHES[index % DASHES.length]! };
 }

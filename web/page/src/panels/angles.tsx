@@ -43,10 +43,10 @@ function curvesOf(angles: Angles | null, metric: string): Curve[] {
         width: 2,
       },
     ];
-  const curves = Object.entries(angles.states).map(([name, values], i) => ({
+  const curves = Object.entries(angles.states).map(([name, values]) => ({
     name,
     values: values[metric] ?? [],
-    ...lineOf(name, i),
+    ...lineOf(name),
     width: 1.8,
   }));
   // The peak of a mixture of sub-pixels jumps between those of its parts.
@@ -141,7 +141,7 @@ export function AnglesPanel() {
             </li>
             {own.map((curve, i) => (
               <li key={curve.name} class={hoverClass(curve.name)} {...pointsAt(curve.name)}>
-                {OF_STATES.includes(metric.value) ? <Sample name={curve.name} index={i} /> : null}
+                {OF_STATES.includes(metric.value) ? <Sample name={curve.name} /> : null}
                 <span>{OF_STATES.includes(metric.value) ? curve.name : ""}</span>
                 <output>{at === null ? "" : digits(curve.values[at], 4)}</output>
                 {kept[i] && at !== null && <small>pinned {digits(kept[i].values[at], 4)}</small>}

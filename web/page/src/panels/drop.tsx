@@ -4,6 +4,8 @@ import { add } from "../state/files.ts";
 import { pictureName } from "../state/image.ts";
 import { open } from "../state/open.ts";
 import { open as openSurface } from "../state/surface.ts";
+import { readable } from "../state/photograph.ts";
+import { said } from "../state/said.ts";
 import { showTab } from "../state/tab.ts";
 
 /** Maximum length of a scenario, bytes; longer files are treated as data. */
@@ -27,7 +29,9 @@ export async function take(given: readonly File[], stays = false): Promise<void>
       else await open(text, file.name);
     } else if (/^image\/(png|jpeg)$/.test(file.type)) {
       if (!stays) showTab("image");
-      if (await add(file.name, file)) pictureName.value = file.name;
+      const [bytes, words] = await readable(file);
+      if (words) said.value = words;
+      if (await add(file.name, bytes)) pictureName.value = file.name;
       else showTab("files");
     } else {
       if (!stays) showTab("files");

@@ -3,8 +3,9 @@
 import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
-import { degrees } from "../model/format.ts";
+import { degrees, digits } from "../model/format.ts";
 import { anglesOf, fitting, limited, type Tilt } from "../model/perspective.ts";
+import { clippedShare } from "../model/seen.ts";
 import { painterOf } from "../plots/painter.ts";
 import { LARGE_PX, type Painter } from "../plots/seen.ts";
 import { isFaded, markOf } from "../state/age.ts";
@@ -28,6 +29,9 @@ import {
 } from "../state/image.ts";
 import { AgeMark, fadedClass } from "./aged.tsx";
 import { mirrors, subPixelsOf, veils } from "./image-parts.ts";
+
+/** The least part of the pixels whose clipping is said. */
+const LEAST_CLIPPED = 0.001;
 
 /** Inclination for a pixel of the pointer, degrees. */
 const DEGREES_PER_PX = 0.3;
@@ -96,6 +100,9 @@ export function Display() {
     shown.value && exposed.value ? subPixelsOf(shown.value.seen, exposed.value.matrix) : null,
   );
   const isMagnified = useSignal(false);
+  const clippedPart = useComputed(() =>
+    shown.value && exposed.value ? clippedShare(shown.value.seen, factors.value, exposed.value.matrix) : 0,
+  );
   const ref = useDrawing((canvas) => {
     const [now, by, from] = [shown.value, exposed.value, eye.value];
     if (!now || !by || !from) return null;
@@ -182,6 +189,8 @@ export function Display() {
         <span>
           The display, seen from {direction}
           {now && `: ${which(now)}`}
+          {clippedPart.value >= LEAST_CLIPPED &&
+            `. Clipped: ${clippedPart.value < 0.995 ? `${digits(100 * clippedPart.value, 2)} % of` : "all"} its pixels are brighter than the screen can show; their hue is kept`}
           {isMagnified.value && ". Magnifier: the panel's sub-pixels, without the blur of the layers above"}
         </span>
       </figcaption>

@@ -1,45 +1,23 @@
 // What the picture of the display shows besides its pixels: mirror images of lamps, the veil in the eye, and sub-pixels.
 
 import { times, type Triple } from "../model/colour.ts";
-import { discOverWhite, glareOf, POINT_DEG, radiusOf, veil, type Lamp } from "../model/glare.ts";
-import { listAt, numberAt, type Json } from "../model/json.ts";
-import { direction, type Camera } from "../model/perspective.ts";
-import { mixed, shares, type Seen } from "../model/seen.ts";
+import { glareOf, veil, type Lamp } from "../model/glare.ts";
+import type { Camera } from "../model/perspective.ts";
+import { mixed, type Seen } from "../model/seen.ts";
 import type { Mirror, SubPixels, Veil } from "../plots/seen.ts";
 
-/** Luminance of a mirror image over that of its lamp, by state, for each directed lamp. */
-export type Specular = ReadonlyMap<string, readonly number[]>;
-
-/** Lamps whose mirror images the display shows: round ones, as the server computes them, and collimated ones. */
-export function lamps(fields: Json, specular: Specular, seen: Seen, factors: readonly number[]): Lamp[] {
-  const covered = [...shares(seen)];
-  const factor = (name: string) => factors[seen.head.lights.findIndex(({ light }) => light === name)] ?? 1;
-  const round = seen.head.lamps.map(({ light, towards: [x, y, z], radius_deg, XYZ }): Lamp => {
-    const mean = mixed(
+/** Lamps whose mirror images the display shows, whatever its halftone. */
+export function lamps({ head }: Seen, factors: readonly number[]): Lamp[] {
+  const factor = (name: string) => factors[head.lights.findIndex(({ light }) => light === name)] ?? 1;
+  return head.lamps.map(({ light, towards: [x, y, z], radius_deg, is_collimated: isCollimated, XYZ }): Lamp => {
+    const by = factor(light);
+    const image = mixed(
       XYZ as unknown as readonly Triple[],
-      covered.map(([, share]) => share * factor(light)),
+      head.coverage.map((share) => share * by),
     );
-    return { number: Number(/\d+$/.exec(light)?.[0] ?? 0), towards: [-x!, -y!, z!], radius_deg, image: mean };
-  });
-  return [...round, ...collimated(fields, specular, seen, covered, factor)];
-}
-
-/** Collimated lamps: each has a direction, but no luminance; their illuminance is drawn as that of a disc. */
-function collimated(
-  fields: Json,
-  specular: Specular,
-  seen: Seen,
-  covered: readonly (readonly [string, number])[],
-  factor: (name: string) => number,
-): Lamp[] {
-  return listAt(fields, "lighting.directed").flatMap((lamp, number) => {
-    const name = `directed.${number}`;
-    const white = seen.head.lights.find((one) => one.light === name)?.white as Triple | undefined;
-    const ratio = covered.reduce((sum, [state, share]) => sum + share * (specular.get(state)?.[number] ?? 0), 0);
-    if (numberAt(lamp, "radius_deg") !== undefined || !white || !(ratio > 0)) return [];
-    const [theta, phi] = [numberAt(lamp, "theta_deg") ?? 0, numberAt(lamp, "phi_deg") ?? 0];
-    const by = ratio * factor(name) * discOverWhite(POINT_DEG, theta);
-    return [{ number, towards: direction(theta, phi), radius_deg: null, image: mixed([white], [by]) }];
+    const ofStates = new Map(head.states.map((state, k) => [state, by * XYZ[k]![1]!]));
+    const number = Number(/\d+$/.exec(light)?.[0] ?? 0);
+    return { number, towards: [-x!, -y!, z!], radius_deg, isCollimated, image, ofStates };
   });
 }
 
@@ -47,7 +25,7 @@ function collimated(
 export const mirrors = (all: readonly Lamp[], matrix: readonly Triple[]): Mirror[] =>
   all.map((lamp) => ({
     towards: lamp.towards,
-    cosine: Math.cos((radiusOf(lamp) * Math.PI) / 180),
+    cosine: Math.cos((lamp.radius_deg * Math.PI) / 180),
     light: times(matrix, lamp.image),
   }));
 

@@ -219,13 +219,13 @@ function Images() {
   if (lampsSeen.value.length === 0) return null;
   return (
     <>
-      {imagesOfLamps.value.map(({ lamp, isVisible, wide_deg, cd_m2 }) => (
+      {imagesOfLamps.value.map(({ lamp, isVisible, wide_deg, onStates }) => (
         <span key={lamp.number}>
           {" "}
           Mirror image of lamp {lamp.number + 1},{" "}
-          {cd_m2 === null
+          {lamp.isCollimated
             ? `whose light is collimated: drawn ${degrees(wide_deg)} wide,`
-            : `${degrees(wide_deg)} wide, ${digits(cd_m2, 3)} cd/m²:`}{" "}
+            : `${degrees(wide_deg)} wide, ${onStates.map(([state, cd]) => `${digits(cd, 3)} cd/m²${state && ` on ${state}`}`).join(" and ")}:`}{" "}
           {isVisible ? "on the display." : "beside the display from here."}
         </span>
       ))}

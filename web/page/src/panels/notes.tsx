@@ -2,8 +2,10 @@
 
 import { digits } from "../model/format.ts";
 import { at } from "../model/json.ts";
-import { answer, fields, result } from "../state/design.ts";
+import { stringAt } from "../model/about.ts";
+import { answer, fields, result, text } from "../state/design.ts";
 import { openTab, showTab } from "../state/tab.ts";
+import { run, walk } from "../state/walk.ts";
 import { LiveMark, liveClass } from "./aged.tsx";
 
 /** The tables of a scenario that are not part of its result, and what uses them. */
@@ -37,6 +39,34 @@ function Studies() {
   );
 }
 
+/** The solver that a text asks for; "" if it does not say, or cannot be read. */
+function methodOf(scenario: string): string {
+  try {
+    return stringAt(scenario, "solver.method") ?? "";
+  } catch {
+    return "";
+  }
+}
+
+/** Says that the page shows another solver than that of the scenario. */
+function OtherSolver() {
+  const shown = result.value?.solver.method;
+  if (methodOf(text.value) !== "monte-carlo" || shown !== "adding") return null;
+  const show = () => {
+    showTab("walk");
+    if (walk.phase.value !== "running") void run();
+  };
+  return (
+    <p class="warning">
+      <b>Note:</b> this scenario asks for Monte Carlo (solver.method). The page shows the result of adding, which has no noise and follows every
+      change.{" "}
+      <button type="button" class="key-link" onClick={show}>
+        Run Monte Carlo
+      </button>
+    </p>
+  );
+}
+
 export function Notes() {
   const now = result.value;
   if (!now) return null;
@@ -49,6 +79,7 @@ export function Notes() {
           <b>Warning:</b> {words}
         </p>
       ))}
+      <OtherSolver />
       <Studies />
       {now.notes.map((words) => (
         <p key={words}>

@@ -16,19 +16,20 @@ type Estimate = Total["reflected"];
 
 const percent = ({ value, error }: Estimate): string => withError(100 * value, 100 * error, 2);
 
-/** Colours of quantities in both themes, and dashes of those from below. */
+/** Colours of quantities in both themes, and their dashes; lines from below are thin. */
 const COLOURS = {
   light: ["#2b5fc7", "#2f8f5b", "#b06a1c", "#777777"],
   dark: ["#7da4f2", "#6cc894", "#e0a45c", "#a0a5ad"],
 };
-const FROM_BELOW = [7, 4];
+const DASHES = [[], [8, 3], [3.5, 2.5], [8, 3, 2, 3]];
+const WIDTHS = { above: 2.4, below: 1.2 };
 
 const line = (name: string, hue: number, isBelow: boolean, values: readonly (number | null)[]): Curve => ({
   name,
   values,
   colour: (dark.value ? COLOURS.dark : COLOURS.light)[hue]!,
-  dash: isBelow ? FROM_BELOW : [],
-  width: 2,
+  dash: DASHES[hue]!,
+  width: isBelow ? WIDTHS.below : WIDTHS.above,
 });
 
 /** The key of a plot, with the values at the pointer. */
@@ -38,10 +39,10 @@ function Legend({ curves, at, head }: { curves: readonly Curve[]; at: number | n
       <li>
         <b>{head}</b>
       </li>
-      {curves.map(({ name, colour, dash, values }) => (
+      {curves.map(({ name, colour, dash, width, values }) => (
         <li key={name}>
           <svg class="sample" viewBox="0 0 22 8" aria-hidden="true">
-            <path d="M0 4H22" stroke={colour} stroke-width="2" stroke-dasharray={dash.join(" ")} />
+            <path d="M0 4H22" stroke={colour} stroke-width={width} stroke-dasharray={dash.join(" ")} />
           </svg>
           <span>{name}</span>
           <output>{at === null ? "" : digits(values[at], 3)}</output>

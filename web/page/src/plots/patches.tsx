@@ -10,17 +10,23 @@ import { result, selected, showState, shownState, states, view } from "../state/
 import { hoverClass, pointsAt } from "../state/hover.ts";
 import { pinned, pinnedView } from "../state/pin.ts";
 
-/** Returns the colours of a view's states by name, and the factor by which they were dimmed. */
-export function coloursOf(result: Result | null, view: View | null): { colours: Map<string, string>; divisor: number } {
-  if (!result || !view) return { colours: new Map(), divisor: 1 };
+/** Returns the colours of a view's states by name, and the states that are brighter than the screen can show. */
+export function coloursOf(
+  result: Result | null,
+  view: View | null,
+): { colours: Map<string, string>; clipped: readonly string[] } {
+  if (!result || !view) return { colours: new Map(), clipped: [] };
   const all = Object.entries(view.states);
   const { white, own } = seenAgainst(result, view);
-  const { colours, divisor } = painted(
+  const found = painted(
     all.map(([, s]) => [s.X, s.Y, s.Z] as const),
     white,
     own,
   );
-  return { colours: new Map(all.map(([name], i) => [name, colours[i]!])), divisor };
+  return {
+    colours: new Map(all.map(([name], i) => [name, found[i]!.colour])),
+    clipped: all.flatMap(([name], i) => (found[i]!.isClipped ? [name] : [])),
+  };
 }
 
 /** Returns the white to which the viewer is adapted: that of the light, or, without ambient light, the display's own. */
@@ -78,7 +84,7 @@ function Patch({
 export function Patches() {
   const now = useColours();
   const before = useComputed(() => coloursOf(pinned.value?.result ?? null, pinnedView.value).colours);
-  const { colours, divisor } = now.value;
+  const { colours, clipped } = now.value;
   return (
     <section class="patches" aria-label="States as colour patches">
       <div class="row">
@@ -92,10 +98,10 @@ export function Patches() {
           />
         ))}
       </div>
-      {(divisor > 1 || pinned.value) && (
+      {(clipped.length > 0 || pinned.value) && (
         <p class="remark">
-          {divisor > 1 &&
-            `The states are brighter than a screen can show; they are drawn with 1/${divisor.toFixed(divisor < 2 ? 2 : 1)} of their luminance. `}
+          {clipped.length > 0 &&
+            `Clipped: ${clipped.join(", ")} ${clipped.length > 1 ? "are" : "is"} brighter than the screen can show, whose white is a perfect white in this light; the hue is kept. `}
           {pinned.value && "The lower part of each patch shows the pinned design."}
         </p>
       )}

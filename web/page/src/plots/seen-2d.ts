@@ -1,6 +1,6 @@
 // A picture on a canvas without graphics processor: the arithmetic of seen-gl.ts for each pixel of the canvas.
 
-import { encoded, type Triple } from "../model/colour.ts";
+import { displayed, encoded, type Triple } from "../model/colour.ts";
 import { glareFunction } from "../model/glare.ts";
 import { pointAt } from "../model/perspective.ts";
 import { halfValues } from "../model/seen.ts";
@@ -52,9 +52,10 @@ export function onCanvas(canvas: HTMLCanvasElement): Painter {
         for (let i = 0; i < width; i++, at += 4) {
           const colour = colourAt(of, pixels, i + 0.5, j + 0.5);
           if (!colour) continue;
-          image.data[at] = code(colour[0]);
-          image.data[at + 1] = code(colour[1]);
-          image.data[at + 2] = code(colour[2]);
+          const [r, g, b] = displayed(colour);
+          image.data[at] = code(r);
+          image.data[at + 1] = code(g);
+          image.data[at + 2] = code(b);
           image.data[at + 3] = 255;
         }
       context.putImageData(image, 0, 0);

@@ -52,8 +52,10 @@ uniform vec4 windows[${WINDOWS}];
 uniform sampler2D lightOfWindows;
 out vec4 colour;
 
+// What is too bright keeps its hue, as displayed() in model/colour.ts.
 vec3 encoded(vec3 light) {
-  vec3 c = clamp(light, 0.0, 1.0);
+  vec3 c = max(light, 0.0);
+  c /= max(1.0, max(c.r, max(c.g, c.b)));
   return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, vec3(lessThanEqual(c, vec3(0.0031308))));
 }
 

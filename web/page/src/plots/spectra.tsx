@@ -14,15 +14,16 @@ import { dark } from "../state/theme.ts";
 import { curvesSvg } from "./curves-svg.ts";
 import { Curves, type Curve, type Plot } from "./curves.tsx";
 
-/** Returns the colour and the dashes of a state's line in the current theme. */
-export function lineOf(name: string, index: number): { colour: string; dash: readonly number[] } {
-  const { light, dark: night, dash } = stroke(name, index);
+/** Returns the colour and the dashes of a state's line in the current theme; they are the same in all diagrams. */
+export function lineOf(name: string): { colour: string; dash: readonly number[] } {
+  const index = states.value.findIndex(([state]) => state === name);
+  const { light, dark: night, dash } = stroke(name, Math.max(0, index));
   return { colour: dark.value ? night : light, dash };
 }
 
 /** A sample of a state's line, for the key. */
-export function Sample({ name, index }: { name: string; index: number }) {
-  const { colour, dash } = lineOf(name, index);
+export function Sample({ name }: { name: string }) {
+  const { colour, dash } = lineOf(name);
   return (
     <svg class="sample" viewBox="0 0 22 8" aria-hidden="true">
       <path d="M0 4H22" stroke={colour} stroke-width="2" stroke-dasharray={dash.join(" ")} />
@@ -33,9 +34,10 @@ export function Sample({ name, index }: { name: string; index: number }) {
 const spectrum = (of: View | null, name: string): readonly (number | null)[] =>
   of?.states[name]?.reflectance_factor ?? of?.states[name]?.radiance ?? [];
 
-/** The curve of the pinned design: long dashes in a colour that no state has. */
+/** The curve of the pinned design: a colour and dashes that no state has. */
 const PINNED = "pinned";
-const pinnedLine = () => ({ colour: dark.value ? "#ffb4f1" : "#8a1f7a", dash: [14, 4] });
+const PINNED_DASH = [9, 1.5, 1, 1.5, 9, 3];
+const pinnedLine = () => ({ colour: dark.value ? "#ffb4f1" : "#8a1f7a", dash: PINNED_DASH });
 
 export function Spectra() {
   const under = useSignal<number | null>(null);
@@ -43,10 +45,10 @@ export function Spectra() {
   const wavelengths = useComputed(() => result.value?.wavelength_nm ?? []);
   const curves = useComputed((): Curve[] => {
     const shown = states.value.filter(([name]) => !hidden.value.has(name));
-    const own = shown.map(([name], i) => ({
+    const own = shown.map(([name]) => ({
       name,
       values: spectrum(view.value, name),
-      ...lineOf(name, i),
+      ...lineOf(name),
       width: name === shownState.value ? 3 : 1.8,
     }));
     const kept = pinnedView.value;
@@ -100,10 +102,10 @@ export function Spectra() {
           focus={hovered.value}
         />
         <ul class="curve-key">
-          {states.value.map(([state], i) => (
+          {states.value.map(([state]) => (
             <li key={state} class={hoverClass(state)} {...pointsAt(state)}>
               <button type="button" aria-pressed={!hidden.value.has(state)} onClick={() => toggle(state)}>
-                <Sample name={state} index={i} />
+                <Sample name={state} />
                 <span>{state}</span>
                 <output>{at === null ? "" : fixed(spectrum(view.value, state)[at], 4)}</output>
               </button>
@@ -112,7 +114,7 @@ export function Spectra() {
           {hasPinned && (
             <li class="pinned-key" title={pinned.value?.title}>
               <svg class="sample" viewBox="0 0 22 8" aria-hidden="true">
-                <path d="M0 4H22" stroke={pinnedLine().colour} stroke-width="2" stroke-dasharray="14 4" />
+                <path d="M0 4H22" stroke={pinnedLine().colour} stroke-width="2" stroke-dasharray={PINNED_DASH.join(" ")} />
               </svg>
               <span>
                 {shownState.value}, pinned

@@ -54,6 +54,13 @@ function apply(root: Json, edit: Edit): void {
     const holder = at(root, parent);
     if (Array.isArray(holder)) holder.splice(Number(key), 1);
     else if (isTable(holder)) delete holder[key];
+  } else if (edit.op === "transfer") {
+    const table = at(root, edit.path) ?? {};
+    const [above, key] = split(edit.path);
+    const holder = at(root, above);
+    if (Array.isArray(holder)) holder.splice(Number(key), 1);
+    else if (isTable(holder)) delete holder[key];
+    apply(root, { op: "insert", path: edit.to, index: edit.index ?? null, value: table });
   } else {
     const list = at(root, edit.path);
     if (edit.op === "insert") {

@@ -2,11 +2,10 @@
 
 import { computed } from "@preact/signals";
 
-import { glareOf, radiusOf, type Lamp } from "../model/glare.ts";
+import { glareOf, type Lamp } from "../model/glare.ts";
 import { camera, type Camera } from "../model/perspective.ts";
 import type { Seen } from "../model/seen.ts";
 import { lamps, veilInTheMiddle } from "../panels/image-parts.ts";
-import { fields, states } from "./design.ts";
 import { exposed, factors, isGlaring, shown, tilt } from "./image.ts";
 
 /** Distance of the eye in widths of a display whose size is unknown. */
@@ -31,8 +30,7 @@ export const eye = computed<Camera | null>(() => {
 /** Lamps that have a mirror image. */
 export const lampsSeen = computed<readonly Lamp[]>(() => {
   if (!shown.value) return [];
-  const specular = new Map(states.value.map(([name, state]) => [name, state.specular]));
-  return lamps(fields.value, specular, shown.value.seen, factors.value);
+  return lamps(shown.value.seen, factors.value);
 });
 
 /** A mirror image in words. */
@@ -41,16 +39,27 @@ export interface ImageOfLamp {
   readonly isVisible: boolean;
   /** Its angular diameter, degrees. */
   readonly wide_deg: number;
-  /** Its luminance, cd/m2; null if the light is collimated: it has none. */
-  readonly cd_m2: number | null;
+  /** Its luminance on a state, cd/m2: on the brightest and on the darkest, or on all; none if the light is collimated. */
+  readonly onStates: readonly (readonly [state: string, cd_m2: number])[];
+}
+
+/** Luminances that differ by less than this part are one. */
+const SAME = 0.005;
+
+/** The luminance of a mirror image on the brightest and the darkest state; they do not depend on the picture. */
+function extremes({ ofStates }: Lamp, white_cd_m2: number): (readonly [string, number])[] {
+  const all = [...ofStates].map(([state, Y]) => [state, Y * white_cd_m2] as const).sort((a, b) => b[1] - a[1]);
+  const [first, last] = [all[0], all.at(-1)];
+  if (!first || !last) return [];
+  return first[1] - last[1] <= SAME * first[1] ? [["", first[1]]] : [first, last];
 }
 
 export const imagesOfLamps = computed<readonly ImageOfLamp[]>(() =>
   lampsSeen.value.map((lamp) => ({
     lamp,
     isVisible: eye.value !== null && glareOf(lamp, eye.value) !== null,
-    wide_deg: 2 * radiusOf(lamp),
-    cd_m2: lamp.radius_deg === null || !exposed.value ? null : lamp.image[1] * exposed.value.white_cd_m2,
+    wide_deg: 2 * lamp.radius_deg,
+    onStates: lamp.isCollimated || !exposed.value ? [] : extremes(lamp, exposed.value.white_cd_m2),
   })),
 );
 

@@ -238,3 +238,89 @@ test("picture that is chosen is shown, and sent to the panel; a broken one is re
     [],
   );
 });
+
+/** Opens a scenario with the picture. */
+async function openText(page: Page, scenario: string, title: string): Promise<void> {
+  const chooser = page.locator(".seen input[type=file]");
+  await chooser.setInputFiles({ name: "own.toml", mimeType: "text/plain", buffer: Buffer.from(scenario) });
+  await page.waitForFunction((title) => document.querySelector<HTMLInputElement>("input.title")?.value === title, title);
+  await fresh(page);
+}
+
+test("mirror images of lamps and glare do not depend on the halftone", { timeout: 240_000 }, async () => {
+  const page = await on.visit({}, "?");
+  const legend = page.locator(".seen .remark");
+  const images = async () => /Mirror image of lamp 1.*?:/.exec(await legend.innerText())?.[0];
+  const inEach = async (): Promise<(string | undefined)[]> => {
+    const all = [];
+    for (const halftone of ["none", "error-diffusion", "ordered"]) {
+      await page.getByLabel("Halftone").selectOption(halftone);
+      await page.locator('.seen-display[data-age="current"]').waitFor({ timeout: 60_000 });
+      all.push(await images());
+    }
+    return all;
+  };
+  await choose(page, "Examples", "antiglare");
+  await page.waitForFunction(() => document.querySelector<HTMLInputElement>("input.title")?.value === "Antiglare glass over 300 ppi");
+  const [none, ...others] = await inEach();
+  assert.match(none!, /4° wide, [\d. ]+ cd\/m² on \w+ and [\d. ]+ cd\/m² on black:/);
+  assert.deepEqual(others, [none, none]);
+  // Collimated light.
+  await openText(page, GLOSSY.replace("radius_deg = 1\n", ""), "Below glass");
+  const [collimated, ...rest] = await inEach();
+  assert.match(collimated!, /whose light is collimated: drawn 0\.5° wide/);
+  assert.match(await legend.innerText(), /on the display\. Glare: a veil of/);
+  assert.deepEqual(rest, [collimated, collimated]);
+  assert.deepEqual(on.complaints.splice(0), []);
+});
+
+test("white that is too bright for the screen has one colour in patch and picture, with a note at both", { timeout: 120_000 }, async () => {
+  for (const more of ["?", "?canvas"]) {
+    const page = await on.visit({}, more);
+    await page.locator('[data-handle="lighting.directed.0.theta_deg"]').focus();
+    for (let i = 0; i < 10; i++) await page.keyboard.press("ArrowRight");
+    await page.locator(".patches .remark", { hasText: "Clipped: " }).waitFor({ timeout: 30_000 });
+    assert.match(await page.locator(".patches .remark").innerText(), /white[\s\S]* brighter than the screen can show/);
+    await page.getByLabel("Halftone").selectOption("none");
+    await page.getByLabel("glare").uncheck();
+    await page.locator('.seen-display[data-age="current"]').waitFor({ timeout: 60_000 });
+    await page.locator(".seen-display figcaption", { hasText: "Clipped: " }).waitFor();
+    const patch = await page
+      .locator('.patch[data-state="white"] .swatch')
+      .evaluate((swatch) => getComputedStyle(swatch).backgroundColor.match(/\d+/g)!.map(Number));
+    await settled(page);
+    const { data } = await decoded(page, await page.locator(CANVAS).screenshot());
+    const colours = new Map<string, number>();
+    for (let at = 0; at < data.length; at += 4) {
+      const colour = data.slice(at, at + 3).join();
+      colours.set(colour, (colours.get(colour) ?? 0) + 1);
+    }
+    // The paper of the page, which is most of the picture.
+    const near = [...colours].filter(([colour]) => colour.split(",").every((value, k) => Math.abs(Number(value) - patch[k]!) <= 2));
+    const count = near.reduce((sum, [, one]) => sum + one, 0);
+    assert.ok(count > 0.2 * (data.length / 4), `${patch.join()}: ${[...colours].sort((a, b) => b[1] - a[1]).slice(0, 4).join(" ")}`);
+    assert.ok(Math.max(...patch) === 255 && Math.min(...patch) < 250, patch.join());
+    await page.close();
+  }
+  assert.deepEqual(on.complaints.splice(0), []);
+});
+
+test("photograph of 24 megapixels is reduced by the browser", { timeout: 240_000 }, async () => {
+  const page = await on.visit({}, "?");
+  await page.evaluate("globalThis.__name = (of) => of");
+  const drawn = await page.evaluate(async () => {
+    const canvas = new OffscreenCanvas(6000, 4000);
+    const context = canvas.getContext("2d")!;
+    context.fillStyle = "#c08040";
+    context.fillRect(0, 0, 6000, 4000);
+    const bytes = new Uint8Array(await (await canvas.convertToBlob({ type: "image/jpeg", quality: 0.9 })).arrayBuffer());
+    let text = "";
+    for (let at = 0; at < bytes.length; at += 8192) text += String.fromCharCode(...bytes.subarray(at, at + 8192));
+    return btoa(text);
+  });
+  const chooser = page.locator(".seen input[type=file]");
+  await chooser.setInputFiles({ name: "photo.jpg", mimeType: "image/jpeg", buffer: Buffer.from(drawn, "base64") });
+  await page.locator(".said", { hasText: "it was reduced to 4242 × 2828 pixels" }).waitFor({ timeout: 60_000 });
+  await page.getByText("photo.jpg: 480 × 320 pixels").waitFor({ timeout: 120_000 });
+  assert.deepEqual(on.complaints.splice(0), []);
+});

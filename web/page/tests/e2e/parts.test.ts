@@ -5,7 +5,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { choose, itemsOf, saved, stage, type, type Stage } from "./stage.ts";
+import { choose, itemsOf, saved, settled, stage, type, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -150,4 +150,23 @@ test("refused value does not block the next change", async () => {
   const scenario = await saved(page);
   assert.match(scenario, /haze = 0\.78/);
   assert.match(scenario, /theta_deg = 9/);
+});
+
+test("layers that are added keep every comment of the text", async () => {
+  const page = await on.visit();
+  const before = await saved(page);
+  const comments = (text: string) => text.split("\n").flatMap((line) => /#.*$/.exec(line.replace(/"[^"]*"/g, ""))?.[0] ?? []);
+  await page.locator('[data-part="display.glass"]').click();
+  await choose(page, "Add layer", "air gap");
+  await page.locator('[data-part="display.layers.3"]').waitFor();
+  await settled(page);
+  const after = await saved(page);
+  assert.ok(comments(before).length > 10);
+  for (const comment of comments(before)) assert.ok(after.includes(comment), `${comment} is lost:\n${after}`);
+  assert.match(after, /\[\[display\.layers\]\] +# a touch panel[^\n]*\nkind = "component"\nreflectance = 0\.005/);
+  assert.match(after, /haze = 0\.78 +# a lobe of width/);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await settled(page);
+  assert.equal(await saved(page), before);
+  assert.deepEqual(on.complaints, []);
 });

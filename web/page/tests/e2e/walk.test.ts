@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { settled, stage, type, type Stage } from "./stage.ts";
+import { choose, settled, stage, type, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -43,5 +43,16 @@ test("finished Monte Carlo run agrees with adding, and reports a change of the d
   await page.locator('[data-part="display.diffuser"]').click();
   await type(page, "display.diffuser.haze", "0.6");
   await page.locator('#tab-panel .age-mark[data-age="earlier"]').waitFor();
+  assert.deepEqual(on.complaints, []);
+});
+
+test("scenario that asks for Monte Carlo says that the page shows adding, and runs it", async () => {
+  const page = await on.visit();
+  const note = page.locator(".notes", { hasText: "asks for Monte Carlo" });
+  assert.equal(await note.count(), 0);
+  await choose(page, "Examples", "sampling");
+  await note.waitFor({ timeout: 60_000 });
+  await note.getByRole("button", { name: "Run Monte Carlo" }).click();
+  await page.locator(".walk tbody tr").first().waitFor({ timeout: 60_000 });
   assert.deepEqual(on.complaints, []);
 });

@@ -3,10 +3,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { encoded, times, type Triple } from "../../src/model/colour.ts";
+import { displayed, encoded, hex, painted, times, type Triple } from "../../src/model/colour.ts";
 import { anglesOf, camera, direction, fitting, limited, pointAt, tiltOf, type Frame } from "../../src/model/perspective.ts";
-import { discOverWhite, glareFunction, glareOf, POINT_DEG, veil, type Lamp } from "../../src/model/glare.ts";
-import { brighter, D65, exposure, halfValues, intensities, mixed, onScreen, unpacked } from "../../src/model/seen.ts";
+import { glareFunction, glareOf, veil, type Lamp } from "../../src/model/glare.ts";
+import { brighter, clippedShare, D65, exposure, halfValues, intensities, mixed, onScreen, unpacked } from "../../src/model/seen.ts";
 import { lamps, mirrors } from "../../src/panels/image-parts.ts";
 import type { Scenery } from "../../src/plots/seen.ts";
 import { colourAt, linear } from "../../src/plots/seen-2d.ts";
@@ -23,7 +23,10 @@ function response(): ArrayBuffer {
       { light: "directed.0", white: [0.5, 0.5, 0.25] },
     ],
     states: ["black", "white"],
-    lamps: [{ light: "directed.0", towards: [0.6, 0, 0.8], radius_deg: 2, XYZ: [[3, 3, 0], [6, 6, 0]] }],
+    coverage: [1 / 3, 2 / 3],
+    lamps: [
+      { light: "directed.0", towards: [0.6, 0, 0.8], radius_deg: 2, is_collimated: false, XYZ: [[3, 3, 0], [6, 6, 0]] },
+    ],
     has_source: true,
   };
   let json = JSON.stringify(head);
@@ -124,7 +127,9 @@ const lampAt = (theta_deg: number, radius_deg: number): Lamp => ({
   number: 0,
   towards: direction(theta_deg, 0),
   radius_deg,
+  isCollimated: false,
   image: [10, 10, 10],
+  ofStates: new Map(),
 });
 
 test("mirror image of a lamp lies where the mirrored line of sight meets it, and is as wide as the lamp", () => {
@@ -157,24 +162,34 @@ test("mirror image of a lamp lies where the mirrored line of sight meets it, and
   }
 });
 
-test("mirror image is the mean over the states; a collimated lamp has that of a disc with its light", () => {
+test("mirror image is drawn as the mean over the picture, and has a luminance on each state", () => {
   const seen = unpacked(response());
-  // One pixel of three is black.
-  const [round] = lamps({}, new Map(), seen, [1, 2]);
-  close(round!.image, [2 * (3 + 2 * 6), 2 * (3 + 2 * 6), 0].map((value) => value / 3), 1e-9);
-  close(round!.towards, [-0.6, 0, 0.8]);
-  assert.deepEqual([round!.number, round!.radius_deg], [0, 2]);
-  // E / (pi sin^2 30 cos 60) is 8 times E / pi.
-  assert.ok(Math.abs(discOverWhite(30, 60) - 8) < 1e-12);
-  const fields = { lighting: { directed: [{ theta_deg: 60, share: 0.5 }] } };
-  const specular = new Map([
-    ["black", [0.04]],
-    ["white", [0.04]],
-  ]);
-  const [, beam] = lamps(fields, specular, seen, [1, 2]);
-  const by = 0.04 * 2 * discOverWhite(POINT_DEG, 60);
-  close(beam!.image, [0.5, 0.5, 0.25].map((white) => by * white), 1e-9);
-  assert.equal(beam!.radius_deg, null);
+  // Two pixels of three are white.
+  const [lamp] = lamps(seen, [1, 2]);
+  close(lamp!.image, [2 * (3 + 2 * 6), 2 * (3 + 2 * 6), 0].map((value) => value / 3), 1e-9);
+  close(lamp!.towards, [-0.6, 0, 0.8]);
+  assert.deepEqual([lamp!.number, lamp!.radius_deg, lamp!.isCollimated], [0, 2, false]);
+  assert.deepEqual([...lamp!.ofStates], [["black", 6], ["white", 12]]);
+});
+
+test("what is brighter than the screen keeps its hue, in patches and in pictures", () => {
+  close(displayed([0.5, 2, 1]), [0.25, 1, 0.5]);
+  close(displayed([0.5, -0.1, 0.4]), [0.5, 0, 0.4]);
+  assert.equal(hex([2, 2, 2]), "#ffffff");
+  assert.equal(hex([0.5, 2, 1]), hex([0.25, 1, 0.5]));
+  const D65_XY = [0.3127, 0.329] as const;
+  const [white, black] = painted([[3.6, 3.8, 4.3], [0.1, 0.1, 0.1]], D65_XY);
+  assert.deepEqual([white!.isClipped, black!.isClipped], [true, false]);
+  // A dark state is as dark as beside a white that is not too bright.
+  assert.equal(black!.colour, painted([[0.1, 0.1, 0.1]], D65_XY)[0]!.colour);
+  const seen = unpacked(response());
+  const identity: Triple[] = [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ];
+  assert.equal(clippedShare(seen, [1, 1], identity), 0);
+  assert.ok(Math.abs(clippedShare(seen, [1, 2], identity) - 1 / 3) < 1e-9);
 });
 
 test("glare function has the numbers of CIE 146", () => {
