@@ -30,8 +30,8 @@ const SCENE: &str = "scene.py";
 const PARTS: [f64; 2] = [0.9, 0.1];
 
 pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
-    let resolved =
-        input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let resolved = input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?
+        .resolve_without_light()?;
     let all = state_names(&resolved.scene.display.pixel);
     let states = chosen_states(&arguments.states, &all)?;
     let directions = directions(arguments, &resolved.scene, states.len())?;
@@ -56,7 +56,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     stdout.flush()?;
     let source = BsdfSource { papilio: env!("CARGO_PKG_VERSION"), title: &title, hash: &resolved.hash };
     let names = interrupt::uninterrupted(|| {
-        output::make_folder(&folder)?;
+        folder::make(&folder, &resolved.hash)?;
         let mut names = write_table(&folder, &source, arguments.format, &table)?;
         write_file(&folder.join(SPLIT), |out| write_reflection(out, &split))?;
         folder::write_about(&folder, &title, &resolved.hash)?;
@@ -284,7 +284,8 @@ fn table_warnings(arguments: &Brdf, scene: &Scene, table: &Table) -> Vec<String>
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) | Stop::Target(_) => None,
     };
-    match table {
+    let by_adding = papilio_display::always_by_adding(scene, "the table is");
+    let own = match table {
         Table::Directions(table) => brdf_warnings(table, target, Some(arguments.step), "--step "),
         Table::HalfVectors(_, beams) => brdf_warnings(beams, target, None, "--step "),
         Table::Rings(table, beams) => {
@@ -292,5 +293,6 @@ fn table_warnings(arguments: &Brdf, scene: &Scene, table: &Table) -> Vec<String>
             warnings.extend(rings_warning(table.missed()));
             warnings
         }
-    }
+    };
+    by_adding.into_iter().chain(own).collect()
 }

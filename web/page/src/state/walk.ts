@@ -3,8 +3,10 @@
 import { computed, signal } from "@preact/signals";
 
 import type { Edit, WalkProgress } from "../api/types.ts";
+import { numberAt } from "../model/json.ts";
+import { fractionOf } from "../model/progress.ts";
 import { fileIds } from "./files.ts";
-import { text } from "./design.ts";
+import { fields, text } from "./design.ts";
 import { ready } from "./ready.ts";
 import { long } from "./work.ts";
 
@@ -20,8 +22,15 @@ export const stale = computed(() => scenarioOfRun.value !== "" && scenarioOfRun.
 /** The relative error at which the run ends; null: that of the scenario. */
 export const aim = signal<number | null>(null);
 
+/** The relative error at which a run of the current design ends. */
+export const target = computed(() => aim.value ?? numberAt(fields.value, "solver.relative_error") ?? 0.001);
+
+/** The fraction of the run that is done, over all views; it never decreases. */
+export const fraction = signal(0);
+
 export async function run(): Promise<void> {
   if (!(await ready("run"))) return;
+  fraction.value = 0;
   scenarioOfRun.value = text.value;
   progress.value = null;
   course.value = [];
@@ -30,6 +39,7 @@ export async function run(): Promise<void> {
     if (event !== "progress" && event !== "done") return;
     const now = data as WalkProgress;
     if (!now.states) return;
+    if (event === "progress") fraction.value = Math.max(fraction.value, fractionOf(now, target.value));
     progress.value = now;
     course.value = [...course.value, [now.paths, now.relative_error]];
   });
