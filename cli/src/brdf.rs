@@ -31,8 +31,8 @@ const SCENE: &str = "scene.py";
 const PARTS: [f64; 2] = [0.9, 0.1];
 
 pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
-    let resolved =
-        input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let resolved = input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?
+        .resolve_without_light()?;
     let all = state_names(&resolved.scene.display.pixel);
     let states = chosen_states(&arguments.states, &all)?;
     check_size(arguments, &resolved.scene, states.len())?;
@@ -57,7 +57,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     stdout.flush()?;
     let source = BsdfSource { papilio: env!("CARGO_PKG_VERSION"), title: &title, hash: &resolved.hash };
     let names = interrupt::uninterrupted(|| {
-        output::make_folder(&folder)?;
+        folder::make(&folder, &resolved.hash)?;
         let mut names = write_table(&folder, &source, arguments.format, &table)?;
         write_file(&folder.join(SPLIT), |out| write_reflection(out, &split))?;
         folder::write_about(&folder, &title, &resolved.hash)?;
@@ -319,7 +319,8 @@ fn table_warnings(
         Table::Rings(table, beams) => (Exported::Rings(table), beams, Refinable::Rings),
         Table::Patches(table, beams) => (Exported::Patches(table), beams, Refinable::Patches),
     };
-    let mut warnings = brdf_warnings(beams, target);
+    let by_adding = papilio_display::always_by_adding(scene, "the table is");
+    let mut warnings: Vec<String> = by_adding.into_iter().chain(brdf_warnings(beams, target)).collect();
     let error: Option<BetweenError> = between_error(exported, probes)?;
     warnings.extend(error.and_then(|error| between_warning(&error, refinable)));
     Ok(warnings)

@@ -112,6 +112,28 @@ pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<Chosen
     Ok(Chosen { path: folder, note: Some(note) })
 }
 
+/// Creates a folder for the files of a scenario that `about.json` identifies. Those of another scenario, which is written there with `--out`,
+/// are removed: they would be mistaken for files of this one.
+pub(crate) fn make(folder: &Path, hash: &str) -> Result<(), Failure> {
+    output::make_folder(folder)?;
+    let about = fs::read(folder.join(ABOUT)).ok();
+    match about.map(|bytes| serde_json::from_slice::<Hash>(&bytes)) {
+        None | Some(Err(_)) => Ok(()),
+        Some(Ok(found)) if found.hash == hash => Ok(()),
+        Some(Ok(_)) => output::remove(folder, is_identified_by_about),
+    }
+}
+
+/// True for names of the files of `pixel`, `brdf`, `study` and `diffuser steps`.
+fn is_identified_by_about(name: &str) -> bool {
+    let tables =
+        ["pixel.csv", "absorption.csv", "sub-pixels.csv", "reflection.csv", "study.csv", "scene.py", ABOUT];
+    let of_display = [".npz", ".csv", ".bsdf", ".xml", ".json"];
+    tables.contains(&name)
+        || output::is_figure_of(&["pixel", "absorption", "study_", "point_sets", "step-"], name)
+        || (name.starts_with("display-") && of_display.iter().any(|end| name.ends_with(end)))
+}
+
 /// Writes `about.json`, which identifies the scenario of the files in a folder.
 pub(crate) fn write_about(folder: &Path, title: &str, hash: &str) -> Result<(), Failure> {
     let about = About { papilio: env!("CARGO_PKG_VERSION"), title, hash };
@@ -169,6 +191,15 @@ mod tests {
         fs::create_dir(base.path().join("s-bbbbbb")).unwrap();
         write_about(&base.path().join("s-bbbbbb"), "t", &close).unwrap();
         assert_eq!(hash_folder(&own, &other), base.path().join("s-bbbbbbb"));
+        // Files of a scenario that another one replaces; those of other programs stay.
+        for name in ["pixel.csv", "display-white.bsdf", "step-normalise.svg", "notes.csv"] {
+            fs::write(own.join(name), "").unwrap();
+        }
+        make(&own, &ours).unwrap();
+        assert!(own.join("display-white.bsdf").exists());
+        make(&own, &other).unwrap();
+        let left: Vec<_> = fs::read_dir(&own).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(left, ["notes.csv"]);
         // A table of an earlier version, without a hash.
         let old = base.path().join("old");
         fs::create_dir(&old).unwrap();

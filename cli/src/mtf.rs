@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::arguments::{SolvedSpatially, Solver};
 use crate::spatial::{SpatialOutput, show, with_scenario};
-use crate::{Failure, report};
+use crate::{Failure, output, report};
 
 pub(crate) fn mtf(arguments: &SolvedSpatially) -> Result<(), Failure> {
     let SolvedSpatially { spatial: arguments, solver } = arguments;
@@ -32,6 +32,7 @@ impl SpatialOutput for MtfResult {
     }
 
     fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
+        output::remove(folder, |name| name.starts_with("kernel-") && name.ends_with(".npy"))?;
         write_file(&folder.join("mtf.csv"), |out| write_mtf_csv(out, self))?;
         write_file(&folder.join("spread.csv"), |out| write_spread_csv(out, self))?;
         let mut names = ["mtf.csv", "spread.csv"].map(str::to_owned).to_vec();

@@ -13,7 +13,7 @@ use papilio_formats::{PixelTable, write_absorption, write_file, write_json, writ
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Angles, Pixel};
-use crate::{Failure, folder, input, interrupt, output, print_notes, report};
+use crate::{Failure, folder, input, interrupt, print_notes, report};
 
 /// Default steps of the angles, in degrees.
 const STEP_DEG: f64 = 1.0;
@@ -29,8 +29,8 @@ const MOST_NUMBERS: usize = 10_000_000;
 const SHOWN_DEG: [f64; 4] = [0.0, 15.0, 30.0, 45.0];
 
 pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
-    let resolved =
-        input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let resolved = input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?
+        .resolve_without_light()?;
     print_notes(&resolved.notes);
     let mut scene = resolved.scene.clone();
     match arguments.angles {
@@ -65,6 +65,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     interrupt::catch_ctrl_c();
     let mut written = vec!["pixel.csv", "pixel.svg"];
     interrupt::uninterrupted(|| {
+        folder::make(&folder, &resolved.hash)?;
         write(&folder, scan, &title, medium)?;
         if let Some(absorption) = &absorption {
             write_absorbed(&folder, absorption, &title, medium)?;
@@ -120,7 +121,6 @@ fn angles(step: f64, scene: &Scene) -> Result<Vec<f64>, Failure> {
 }
 
 fn write(folder: &Path, scan: PixelScan, title: &str, medium: &str) -> Result<(), Failure> {
-    output::make_folder(folder)?;
     let names: Vec<String> = scan.states.iter().map(|(name, _)| name.clone()).collect();
     let reflectance: Vec<f64> = scan.states.iter().flat_map(|(_, values)| values.iter().copied()).collect();
     let figure = Figure {

@@ -118,6 +118,11 @@ impl FractionBar {
         self.bar.set_message(words);
     }
 
+    /// Prints a message above the bar.
+    pub(crate) fn print(&self, text: &str) {
+        self.bar.suspend(|| print_message(&text));
+    }
+
     /// Prints the fraction, the words and `more` periodically in a log, until the result is dropped.
     pub(crate) fn in_log(&self, more: impl Fn() -> String + Send + 'static) -> Option<Heartbeat> {
         in_log(&self.bar, move |bar| {

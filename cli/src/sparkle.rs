@@ -50,6 +50,10 @@ impl SpatialOutput for SparkleResult {
     fn figures(&self, title: &str) -> Vec<(String, String)> {
         papilio_figures::of_sparkle(self, title)
     }
+
+    fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
 }
 
 fn text(title: &str, result: &SparkleResult) -> String {

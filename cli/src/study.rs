@@ -13,7 +13,7 @@ use papilio_scenario::Scenario;
 
 use crate::arguments::StudySampling;
 use crate::progress::with_progress;
-use crate::{Failure, folder, input, interrupt, numbers, output, print_notes, report};
+use crate::{Failure, folder, input, interrupt, numbers, output, print_message, print_notes, report};
 
 /// Smallest number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
@@ -25,6 +25,10 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
     let resolved =
         input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     print_notes(&resolved.notes);
+    let [first, last] = [FIRST, arguments.paths];
+    print_message(&format!(
+        "note: the study traces {first} to {last} paths (--paths) whatever solver.relative_error is"
+    ));
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let paths: Vec<u64> =
         std::iter::successors(Some(FIRST), |n| Some(4 * n)).take_while(|n| *n <= arguments.paths).collect();
@@ -37,6 +41,7 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
     stdout.write_all(format!("{}{}", table_4_1(), table(&title, &curves)).as_bytes())?;
     stdout.flush()?;
     let names = interrupt::uninterrupted(|| {
+        folder::make(&folder, &resolved.hash)?;
         let mut names = write(&folder, &curves, &title)?;
         folder::write_about(&folder, &title, &resolved.hash)?;
         names.push(folder::ABOUT.to_owned());
@@ -112,7 +117,6 @@ fn table(title: &str, curves: &[StudyCurve]) -> String {
 }
 
 fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result<Vec<String>, Failure> {
-    output::make_folder(folder)?;
     let mut names = vec!["study.csv".to_owned()];
     write_file(&folder.join("study.csv"), |out| write_study(out, curves))?;
     let mut figures: Vec<(String, String)> = Sampler::ALL

@@ -19,8 +19,8 @@ __all__ = ["Progress", "Solver", "run"]
 #: The solver; ``"walk"`` is the old name of ``"monte-carlo"``.
 Solver = Literal["adding", "monte-carlo", "auto", "walk"]
 
-#: Function that reports progress. Its argument has views_done, views, relative_error, target and paths for a run (None where there is none); done and of
-#: for designs and searches.
+#: Function that reports progress. Its argument has fraction (of the whole, which never decreases), views_done, views, relative_error, target and paths for a run
+#: (None where there is none); done and of for designs and searches.
 Progress = Callable[[dict[str, Any]], object]
 
 _MOST_THREADS = 65535
@@ -108,7 +108,7 @@ class Line:
         else:
             target = "" if state["target"] is None else f", target {state['target']:.2g}"
             error = "" if state["relative_error"] is None else f", relative error {state['relative_error']:.2g}{target}"
-            line = f"{state['views_done']:,} of {state['views']:,} {self._noun}{error}"
+            line = f"{100 * state['fraction']:.0f} %, {state['views_done']:,} of {state['views']:,} {self._noun}{error}"
         sys.stderr.write(f"\r{line:<79}")
         sys.stderr.flush()
         self._is_open = True

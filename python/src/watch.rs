@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use papilio_display::{Control, Progress};
+use papilio_display::{Control, Progress, ProgressFraction};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -19,7 +19,14 @@ const POLL: Duration = Duration::from_millis(50);
 #[derive(Clone, Copy)]
 pub(crate) enum ProgressState {
     /// A run.
-    Run { paths: Option<u64>, relative_error: Option<f64>, target: Option<f64>, views_done: (usize, usize) },
+    Run {
+        /// Never less than in an earlier report.
+        fraction: f64,
+        paths: Option<u64>,
+        relative_error: Option<f64>,
+        target: Option<f64>,
+        views_done: (usize, usize),
+    },
     /// Number of completed designs, rows or tasks, and of all of them.
     Done(usize, usize),
 }
@@ -29,6 +36,7 @@ pub(crate) struct Watch<'a> {
     /// Set to stop the computation.
     pub(crate) stop: &'a AtomicBool,
     last: Mutex<Option<ProgressState>>,
+    fraction: ProgressFraction,
 }
 
 impl Watch<'_> {
@@ -42,8 +50,9 @@ impl Watch<'_> {
     /// Runs `work` on a number of threads.
     pub(crate) fn run<T>(&self, threads: Option<usize>, work: impl FnOnce(&Control<'_>) -> T) -> T {
         let tell = |now: Progress<'_>| {
+            let fraction = self.fraction.advance(now.fraction());
             let Progress { paths, relative_error, target, views_done, .. } = now;
-            self.tell(ProgressState::Run { paths, relative_error, target, views_done });
+            self.tell(ProgressState::Run { fraction, paths, relative_error, target, views_done });
         };
         work(&Control { threads, progress: &tell, stop: self.stop })
     }
@@ -60,7 +69,7 @@ pub(crate) fn watched<T: Send>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch<'_>) -> T + Send,
 ) -> PyResult<T> {
-    let watch = Watch { stop, last: Mutex::new(None) };
+    let watch = Watch { stop, last: Mutex::new(None), fraction: ProgressFraction::default() };
     std::thread::scope(|scope| {
         let (done, mut waiting) = channel();
         scope.spawn(|| {
@@ -115,7 +124,8 @@ fn wait<T: Send>(from: Receiver<T>) -> (Receiver<T>, Option<Result<T, RecvTimeou
 fn call(progress: &Bound<'_, PyAny>, latest: ProgressState) -> PyResult<()> {
     let now = PyDict::new(progress.py());
     match latest {
-        ProgressState::Run { paths, relative_error, target, views_done } => {
+        ProgressState::Run { fraction, paths, relative_error, target, views_done } => {
+            now.set_item("fraction", fraction)?;
             now.set_item("views_done", views_done.0)?;
             now.set_item("views", views_done.1)?;
             now.set_item("relative_error", relative_error)?;

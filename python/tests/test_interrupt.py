@@ -55,7 +55,7 @@ def test_ctrl_c_ends_computation_of_many_minutes(what, scenarios):
 def test_progress_is_reported_and_can_end_run(scenarios):
     told = []
     papilio.run(scenarios / "indoor.toml", solver="monte-carlo", set={"solver.relative_error": 2e-4}, progress=told.append)
-    assert all(set(one) == {"views_done", "views", "relative_error", "target", "paths"} for one in told)
+    assert all(set(one) == {"fraction", "views_done", "views", "relative_error", "target", "paths"} for one in told)
 
     def stop(_):
         raise RuntimeError("enough")

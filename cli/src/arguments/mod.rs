@@ -139,7 +139,8 @@ pub(crate) enum Command {
     #[command(subcommand)]
     Diffuser(Diffuser),
     /// Compute a scenario over a grid of values (`[sweep]`): sweep.csv and figures; can be resumed
-    #[command(after_help = "Example: papilio sweep scenarios/sweep.toml\n\n\
+    #[command(after_help = "Examples: papilio sweep scenarios/sweep.toml\n          \
+                      papilio sweep scenarios/indoor.toml --axis display.diffuser.haze=0.3:0.8:0.1 --axis viewer.theta_deg=0,30\n\n\
                       Each finished point is saved. To resume an interrupted sweep, run the same command again. If the \
                       sweep has changed, only new points are computed.")]
     Sweep(Sweep),

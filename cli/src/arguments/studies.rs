@@ -28,15 +28,22 @@ pub(crate) enum SweepCommand {
 pub(crate) struct SweepRun {
     // The options of `ScenarioArguments` and `Workers`, repeated: clap would not find them next to a subcommand if
     // they were flattened twice.
-    /// Scenario file (TOML) with a `[sweep]` table; - reads standard input
+    /// Scenario file (TOML), with a `[sweep]` table unless --axis is given; - reads standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Folder for the results [default: out/NAME for NAME.toml]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Sweep a key over FROM:TO:STEP, or over values with commas between them: `--axis viewer.theta_deg=0:60:10`; can be repeated, for all
+    /// combinations. The axes of the file are not used then
+    #[arg(long, value_name = "KEY=VALUES")]
+    pub(crate) axis: Vec<String>,
     /// Change a key of the scenario before the values of the sweep are applied; can be repeated
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
+    /// Store only these metrics of every point (a compact sweep, for many points): `--metrics contrast_ratio,white.Y`; sets sweep.metrics
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) metrics: Vec<String>,
     /// Compute only shard K of N (every N-th point), to divide a sweep among machines
     #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with = "json")]
     pub(crate) shard: Option<(usize, usize)>,

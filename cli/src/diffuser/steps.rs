@@ -59,7 +59,8 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     let mut stdout = crate::terminal::output(false);
     stdout.write_all(report_text(&title, &variants).as_bytes())?;
     stdout.flush()?;
-    output::make_folder(&out)?;
+    folder::make(&out, &base.hash)?;
+    output::remove(&out, |name| output::is_figure_of(&["step-"], name))?;
     let mut names = Vec::new();
     let references: Vec<&Variant> = variants.iter().skip(1).filter(|variant| variant.key.is_none()).collect();
     for variant in &variants {

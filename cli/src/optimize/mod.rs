@@ -62,6 +62,7 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     let evaluated = format!("{all} designs evaluated{now} in {seconds:.2} s");
     if let Some((k, n)) = arguments.shard {
         interrupt::uninterrupted(|| journal.put(&head, found.iter()))?;
+        drop(bar);
         print_message(&evaluated);
         print_message(&format!(
             "shard {k} of {n} is done. When all shards are done, run the same command without --shard (with --merge DIR for other \
@@ -70,17 +71,20 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         return Ok(());
     }
     let chosen = or_interrupted(search.selected(&found, &mut evaluator))?;
-    print_message(&evaluated);
+    bar.print(&evaluated);
     let (stopped, descents) = search.cut_short(&found);
     if stopped > 0 {
-        print_message(&format!(
+        bar.print(&format!(
             "note: {stopped} of {descents} gradient searches stopped because their part of `evaluations` ({}) was used up\n  = help: increase \
              optimize.evaluations to let them converge",
             search.spec().evaluations
         ));
     }
     let comparison = match arguments.no_check {
-        true => Vec::new(),
+        true => {
+            drop(bar);
+            Vec::new()
+        }
         false => check(&search, &chosen, arguments.workers.threads, bar)?.ok_or(INTERRUPTED)?,
     };
     interrupt::uninterrupted(|| journal.put(&head, found.iter()))?;

@@ -106,6 +106,7 @@ fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], outputs: &SweepOutpu
     let first = light_points(head, &rows[..rows.len().min(drawn.max(table::MOST_ROWS))]);
     let refs: Vec<_> = first.iter().collect();
     let names = interrupt::uninterrupted(|| -> Result<Vec<String>, Failure> {
+        output::remove(folder, super::is_of_a_sweep)?;
         write_file(&folder.join("sweep.csv"), |out| write_light_csv(out, table_head, &table_rows))?;
         let mut names = vec!["sweep.csv".to_owned()];
         if outputs.parquet {

@@ -28,6 +28,9 @@ use self::journal::Journal;
 use crate::arguments::{Sweep as Command, SweepCommand, SweepOutputs as Outputs, SweepRun, default_out};
 use crate::{Failure, input, interrupt, output, print_message, print_notes, report};
 
+/// Number of points from which a note says that a compact sweep takes less time and space.
+const MANY_POINTS: usize = 1000;
+
 /// Most points whose scenario is checked before any point is computed.
 const MOST_SAMPLES: usize = 1000;
 
@@ -42,7 +45,12 @@ pub(crate) fn sweep(command: &Command) -> Result<(), Failure> {
 
 fn run(arguments: &SweepRun, outputs: &Outputs) -> Result<(), Failure> {
     check_columns(&outputs.columns)?;
-    let mut sweep = input::scenario::<Sweep>(&arguments.file, &arguments.set)?;
+    let mut overrides = arguments.set.clone();
+    overrides.extend(arguments.axis.iter().map(|axis| Sweep::axis_override(axis)));
+    if !arguments.metrics.is_empty() {
+        overrides.push(format!("sweep.metrics={:?}", arguments.metrics));
+    }
+    let mut sweep = input::scenario::<Sweep>(&arguments.file, &overrides)?;
     print_notes(sweep.notes());
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
         sweep.scenario(point)?.resolve()?;
@@ -54,6 +62,7 @@ fn run(arguments: &SweepRun, outputs: &Outputs) -> Result<(), Failure> {
     if let Some(light) = light {
         return light::run(arguments, outputs, &sweep, light, &folder);
     }
+    note_size(&sweep);
     let head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
     let mut journal = Journal::open(&folder, &journal_name(journal::STEM, arguments.shard), head.clone())?;
     let (k, n) = arguments.shard.unwrap_or((1, 1));
@@ -86,6 +95,22 @@ fn run(arguments: &SweepRun, outputs: &Outputs) -> Result<(), Failure> {
     finish(&folder, &head, &refs, outputs)
 }
 
+/// Prints a note if a sweep of many points stores all results of each, before it begins.
+fn note_size(sweep: &Sweep) {
+    if sweep.len() >= MANY_POINTS {
+        print_message(&format!(
+            "note: all results of each of the {} points are stored and written\n  = help: --metrics contrast_ratio,white.Y (or sweep.metrics) stores only \
+             the metrics that you name, in a hundredth of the space and a fraction of the time",
+            sweep.len()
+        ));
+    }
+}
+
+/// True for names of the files that an earlier sweep has written, except its journal: they would be mistaken for those of this one.
+fn is_of_a_sweep(name: &str) -> bool {
+    ["sweep.csv", "sweep.parquet"].contains(&name) || output::is_figure_of(&["sweep_"], name)
+}
+
 /// Fails for columns that no sweep has, before any point is computed.
 fn check_columns(columns: &[String]) -> Result<(), Failure> {
     let known = |name: &&String| metric_label(name).is_none() && !matches!(name.as_str(), "state");
@@ -115,6 +140,7 @@ fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], outputs: &Out
     let table: Vec<&SweepPoint> =
         chosen.as_ref().map_or_else(|| points.to_vec(), |chosen| chosen.iter().collect());
     let names = interrupt::uninterrupted(|| -> Result<Vec<String>, Failure> {
+        output::remove(folder, is_of_a_sweep)?;
         write_file(&folder.join("sweep.csv"), |out| write_sweep_csv(out, head, &table))?;
         let mut names = vec!["sweep.csv".to_owned()];
         if outputs.parquet {

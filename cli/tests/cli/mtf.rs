@@ -129,3 +129,30 @@ fn sharpness_below_a_face_by_waves_is_left_to_monte_carlo() {
     let computed = mtf(&["--solver", "monte-carlo", "--set", "solver.paths=2048"]);
     assert!(computed.status.success(), "{}", stderr(&computed));
 }
+
+/// `solver.relative_error` is the target of transfers, too: a smaller one is met by finer levels, which agree within the errors, and one that
+/// cannot be met is a warning, in the JSON too.
+#[test]
+fn target_of_a_transfer_is_met_or_reported() {
+    let at = |target: &str| {
+        let set = format!("solver.relative_error={target}");
+        let output = run(&[&["--json", "--set", &set], &COARSE[..]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (result, stderr(&output))
+    };
+    let ((coarse, said), (fine, _), (_, impossible)) = (at("0.05"), at("1e-6"), at("1e-14"));
+    let error = |result: &serde_json::Value| result["error_reached"].as_f64().unwrap();
+    assert!(!said.contains("is not met") && error(&coarse) <= 0.05, "{said}");
+    assert!(error(&fine) < error(&coarse), "{} {}", error(&fine), error(&coarse));
+    let otf = |result: &serde_json::Value| -> Vec<f64> {
+        let all = result["views"][0]["states"]["white"]["otf"]["otf_x"].as_array().unwrap();
+        all.iter().map(|value| value[0].as_f64().unwrap()).collect()
+    };
+    let apart = otf(&coarse).iter().zip(otf(&fine)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart <= 1.5 * error(&coarse), "{apart}");
+    assert!(
+        impossible.contains("warning: solver.relative_error = 0.00000000000001 is not met"),
+        "{impossible}"
+    );
+}

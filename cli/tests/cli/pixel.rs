@@ -129,3 +129,34 @@ fn pixel_scan_as_json_has_the_numbers_of_the_table_and_writes_no_file() {
     let absorbed: f64 = layers.iter().map(|layer| number(&layer[1][40])).sum();
     assert!((absorbed + number(&one["reflectance"][1][40]) - 1.0).abs() < 1e-9, "{absorbed}");
 }
+
+/// The pixel uses no light: its scan extends beyond the table of the scenario's lamp, and is the same there as in a light that does. A run refuses
+/// the lamp, and takes equal energy, which has no end.
+#[test]
+fn wavelengths_beyond_the_lamp_are_scanned() {
+    let wide = ["--set", "spectrum.range_nm=[370,850]", "--set", "spectrum.step_nm=20"];
+    let scan = |name: &str, more: &[&str]| {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().to_str().unwrap();
+        let file = scenario(name).display().to_string();
+        let output = papilio()
+            .args([&["pixel", &file, "--out", out, "--step", "30"], &wide[..], more].concat())
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        (fs::read_to_string(folder.path().join("pixel.csv")).unwrap(), stderr(&output))
+    };
+    let (found, said) = scan("reference-pixel", &[]);
+    assert!(said.contains("reaches from 380 to 780 nm, not from 370 to 850 nm"), "{said}");
+    assert!(found.contains(",0,370,") && found.contains(",0,850,"), "{found}");
+    let equal = ["--set", "lighting.spectrum=E"];
+    let (in_equal, said) = scan("reference-pixel", &equal);
+    assert_eq!(found, in_equal);
+    assert!(!said.contains("reaches"), "{said}");
+    let file = scenario("reference-pixel").display().to_string();
+    let run = |more: &[&str]| {
+        papilio().args([&["run", &file, "--json"], &wide[..], more].concat()).output().unwrap()
+    };
+    assert_eq!(run(&[]).status.code(), Some(2));
+    assert!(run(&equal).status.success(), "{}", stderr(&run(&equal)));
+}

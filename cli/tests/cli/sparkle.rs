@@ -35,6 +35,14 @@ fn files_and_figures_are_written() {
     let csv = fs::read_to_string(folder.path().join("sparkle.csv")).unwrap();
     assert!(csv.starts_with("theta_deg,phi_deg,gap_mm,correlation_um,slope_rms,ppd,"), "{csv}");
     assert_eq!(csv.lines().count(), 3);
+    // Two faces do not give a deviation to the target of the scenario, which is not that of sparkle.
+    let said = stderr(&output);
+    assert!(
+        said.contains("is not the target of sparkle") && said.contains("sparkle.replicates = 2 "),
+        "{said}"
+    );
+    let json: Value = serde_json::from_slice(&fs::read(folder.path().join("sparkle.json")).unwrap()).unwrap();
+    assert_eq!(json["warnings"].as_array().unwrap().len(), 1);
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(table.contains("by the matrix, %"), "{table}");
 }

@@ -464,3 +464,76 @@ fn compact_sweep_has_the_numbers_of_a_full_one() {
         assert!(stderr(&output).contains(words), "{metrics}: {}", stderr(&output));
     }
 }
+
+/// `--axis` replaces the axes of the file, or makes a sweep of any scenario: the table is that of the same axes as TOML, byte for byte. A range
+/// may also be a text.
+#[test]
+fn axes_of_the_command_line_are_those_of_a_file() {
+    let key = "display.pixel.film.1.thickness_nm";
+    let axes = |first: &str| {
+        format!("[[sweep.axes]]\n\"{key}\" = {first}\n[[sweep.axes]]\nviewer.theta_deg = [0, 12.5]\n")
+    };
+    let without = SCENARIO.split("[[sweep.axes]]").next().unwrap().to_owned();
+    let table = |text: &str, more: &[&str]| {
+        let (_folder, file, out) = place(text);
+        let output = papilio(&[&["sweep", &file, "--out", &out, "--columns", "white.Y"], more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        fs::read_to_string(Path::new(&out).join("sweep.csv")).unwrap()
+    };
+    let expected = table(&format!("{without}{}", axes("{ from = 10, to = 12, step = 0.5 }")), &[]);
+    assert_eq!(expected.lines().count(), 1 + 5 * 2);
+    assert_eq!(table(&format!("{without}{}", axes("\"10:12:0.5\"")), &[]), expected);
+    let range = format!("{key}=10:12:0.5");
+    for text in [&without, SCENARIO, without.split("[sweep]").next().unwrap()] {
+        assert_eq!(table(text, &["--axis", &range, "--axis", "viewer.theta_deg=0,12.5"]), expected);
+    }
+    let listed = table(
+        &without,
+        &["--axis", &format!("{key}=10, 11.0"), "--axis", "display.pixel.film.0.material=SiO2,Cr:Johnson"],
+    );
+    assert!(listed.contains("\n1,10,Cr:Johnson,") && listed.contains("\n2,11,SiO2,"), "{listed}");
+    let plain = without.split("[sweep]").next().unwrap();
+    let compact = table(plain, &["--axis", &range, "--metrics", "white.Y,contrast_ratio"]);
+    assert!(compact.starts_with(&format!("point,{key},")) && compact.lines().count() == 6, "{compact}");
+}
+
+/// What is not an axis is named with its place on the command line and what was expected.
+#[test]
+fn wrong_axes_of_the_command_line_are_named() {
+    let (_folder, file, out) = place(SCENARIO);
+    let raw = "sweep.axes=[{viewer.theta_deg=[0:20:10]}]";
+    let steps = "sweep.axes=[{viewer.theta_deg={from=0,to=20,steps=3}}]";
+    for (option, text, place, says) in [
+        ("--axis", "viewer.theta_deg", "--axis #1:1:1", "this is not KEY=VALUES"),
+        ("--axis", "viewer.theta_deg=", "--axis #1:1:1", "this is not KEY=VALUES"),
+        ("--axis", "viewer.theta_deg=0:20", "--axis #1:1:18", "expected FROM:TO:STEP"),
+        ("--axis", "viewer.theta_deg=0:20:-1", "--axis #1:1:18", "do not lead from 0 to 20"),
+        ("--axis", "viewer.theta_deg=0,,20", "--axis #1", "a value is missing here"),
+        ("--axis", "viewer.theta_dg=0,20", "--axis #1:1:1", "theta_deg"),
+        ("--axis", "viewer.theta_deg=0,95", "--axis #1:1:20", "95"),
+        ("--set", raw, "--set #1:1", "--axis KEY=190:194:1"),
+        ("--set", steps, "--set #1:1", "`count` is the number of values"),
+    ] {
+        let output = papilio(&["sweep", &file, "--out", &out, option, text]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}: {said}");
+        assert!(said.contains(place) && said.contains(says), "{text}: {said}");
+        assert!(!said.contains("hour"), "{text}: {said}");
+    }
+}
+
+/// Table and figures of another sweep in the same folder are replaced, also by a compact one; other files stay.
+#[test]
+fn files_of_an_earlier_sweep_are_removed() {
+    let (_folder, file, out) = place(SCENARIO);
+    assert!(papilio(&["sweep", &file, "--out", &out]).status.success());
+    fs::write(Path::new(&out).join("notes.svg"), "").unwrap();
+    for more in [&[][..], &["--metrics", "white.Y"][..]] {
+        let axis = ["--axis", "viewer.theta_deg=0,5", "--set", "sweep.figures=[\"white.Y\"]"];
+        let output = papilio(&[&["sweep", &file, "--out", &out], &axis[..], more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let figures: Vec<String> =
+            files(Path::new(&out)).into_keys().filter(|name| !name.contains(".jsonl")).collect();
+        assert_eq!(figures, ["notes.svg", "sweep.csv", "sweep_white.Y.svg"]);
+    }
+}

@@ -67,6 +67,13 @@ pub(crate) fn by_reciprocity(rho: Vec<ReflectanceFactor>) -> Estimate {
     Estimate { rho, ledger }
 }
 
+impl Lit {
+    /// Number of nodes: directions, for how much light there is, and cells of a period, for where it passes the filter.
+    pub(crate) fn nodes(&self) -> u64 {
+        (self.kernel.nodes() + self.planes.cells().count()) as u64
+    }
+}
+
 impl<'a> Filtered<'a> {
     /// Prepares a display with a filter; `None` without filter.
     pub(crate) fn new(setup: &'a Setup) -> Result<Option<Self>, DisplayError> {

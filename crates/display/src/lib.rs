@@ -123,7 +123,7 @@ pub use rings::{RingGrid, RingTable};
 pub use rows::RowErrors;
 pub use run::{
     Control, Cost, Forecast, Progress, ProgressFraction, StudyCurve, StudyPoint, THICKEST_FOR_MONTE_CARLO,
-    adding_seconds, brdf, brdf_at_viewers, cone, cost, forecast, run, study,
+    adding_seconds, always_by_adding, brdf, brdf_at_viewers, cone, cost, forecast, run, study,
 };
 pub use single_view::{LightSummary, SingleView};
 pub use viewers::{Viewer, ViewerGrid, ViewerState, ViewerTable};

@@ -10,6 +10,8 @@ const MARGIN: f64 = 4.0;
 #[derive(Debug)]
 pub(crate) struct Places {
     bounds: Box,
+    /// The marks.
+    marks: Vec<Point>,
     taken: Vec<Box>,
 }
 
@@ -51,6 +53,12 @@ impl Box {
         Self { left: left - by, right: right + by, top: top - by, bottom: bottom + by }
     }
 
+    /// Distance of a point, 0 inside.
+    fn distance(&self, (x, y): Point) -> f64 {
+        let across = (self.left - x).max(x - self.right).max(0.0);
+        across.hypot((self.top - y).max(y - self.bottom).max(0.0))
+    }
+
     fn area(&self) -> f64 {
         (self.right - self.left) * (self.bottom - self.top)
     }
@@ -66,10 +74,9 @@ impl Places {
     /// Returns a rectangle in which only these marks are occupied.
     pub(crate) fn around((left, top): Point, size: Point, marks: impl Iterator<Item = Point>) -> Self {
         let bounds = Box { left, right: left + size.0, top, bottom: top + size.1 };
-        Self {
-            bounds,
-            taken: marks.filter(|mark| finite(*mark)).map(|mark| Box::around(mark, 7.0)).collect(),
-        }
+        let marks: Vec<Point> = marks.filter(|mark| finite(*mark)).collect();
+        let taken = marks.iter().map(|mark| Box::around(*mark, 7.0)).collect();
+        Self { bounds, marks, taken }
     }
 
     /// Marks a line as occupied.
@@ -116,7 +123,7 @@ impl Places {
                 let tip = Box::around(to, 2.0);
                 2.0 * (to.0 - from.0).hypot(to.1 - from.1) + 8.0 * overlap(&tip)
             });
-            overlap(&wanted) + 4.0 * outside + leader
+            overlap(&wanted) + 4.0 * outside + leader + self.confusion(mark, place, &wanted)
         };
         // Of equal candidates the first is used: they are in order of preference.
         let (mut best, mut least) = (adjacent(mark)[0], f64::INFINITY);
@@ -131,6 +138,23 @@ impl Places {
         }
         self.taken.push(Box::of_text(best.at, best.anchor, name, size));
         best
+    }
+}
+
+impl Places {
+    /// Cost of a place that looks like that of another mark: a name without a leader line that is not closest to its own, or a line that begins
+    /// beyond another mark.
+    fn confusion(&self, mark: Point, place: &Place, wanted: &Box) -> f64 {
+        /// Closer marks cannot be told apart.
+        const SAME: f64 = 1.0;
+        const COST: f64 = 200.0;
+        let apart = |a: Point, b: Point| (a.0 - b.0).hypot(a.1 - b.1);
+        let mut others = self.marks.iter().filter(|other| apart(**other, mark) > SAME);
+        let is_confused = match place.leader {
+            None => others.any(|other| wanted.distance(*other) < wanted.distance(mark) + SAME),
+            Some([from, _]) => others.any(|other| apart(*other, from) < apart(mark, from)),
+        };
+        if is_confused { COST } else { 0.0 }
     }
 }
 
@@ -193,6 +217,31 @@ mod tests {
             assert!(one.overlap(&places.bounds) > 0.99 * one.area(), "{} leaves the panel", names[i]);
             for (j, other) in boxes.iter().enumerate().skip(i + 1) {
                 assert!(one.overlap(other) < 0.2 * one.area(), "{} covers {}", names[i], names[j]);
+            }
+        }
+    }
+
+    /// Two marks closer together than a name is high: each name is next to its own mark, or has a line that ends there.
+    #[test]
+    fn names_of_close_marks_belong_to_their_own() {
+        for (dx, dy) in [(1.0, 6.0), (6.0, 0.0), (-4.0, 4.0), (0.0, -9.0)] {
+            let marks = [(100.0, 100.0), (100.0 + dx, 100.0 + dy)];
+            let mut places = Places::around((0.0, 0.0), (200.0, 200.0), marks.into_iter());
+            // A line through both, as the side of a triangle.
+            places.avoid(&[(90.0, 40.0), marks[0], (160.0, 40.0)]);
+            for (own, other, name) in [(0, 1, "black"), (1, 0, "blue")] {
+                let place = places.find(marks[own], name, 12.0);
+                let wanted = Box::of_text(place.at, place.anchor, name, 12.0);
+                let distance = |at: Point, mark: Point| (at.0 - mark.0).hypot(at.1 - mark.1);
+                match place.leader {
+                    None => assert!(wanted.distance(marks[own]) < wanted.distance(marks[other]), "{name}"),
+                    Some([from, _]) => {
+                        assert!(
+                            distance(from, marks[own]) <= distance(from, marks[other]),
+                            "{name} {dx} {dy}"
+                        );
+                    }
+                }
             }
         }
     }

@@ -278,8 +278,14 @@ pub(crate) fn shortened(content: &str, max_width: f64, size: f64) -> String {
     if text_width(content, size) <= max_width {
         return content.to_owned();
     }
-    let kept = (max_width / text_width("m", size)) as usize;
-    let cut: String = content.chars().take(kept.saturating_sub(1)).collect();
+    let mut cut = String::new();
+    for next in content.chars() {
+        cut.push(next);
+        if text_width(&format!("{cut}\u{2026}"), size) > max_width {
+            cut.pop();
+            break;
+        }
+    }
     format!("{}\u{2026}", cut.trim_end())
 }
 
@@ -338,4 +344,22 @@ fn escaped(content: &str) -> String {
         }
     }
     safe
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A shortened text is as wide as allowed, but for one character.
+    #[test]
+    fn shortened_text_uses_its_width() {
+        for text in
+            ["iiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiii", "MMMMMMMMMMMMMMM", "Thickness of film layer 2 (nm)"]
+        {
+            let short = shortened(text, 90.0, 12.0);
+            let width = text_width(&short, 12.0);
+            assert!(short.ends_with('\u{2026}') && width <= 90.0 && width > 72.0, "{short}: {width}");
+            assert_eq!(shortened(text, 1e3, 12.0), text);
+        }
+    }
 }

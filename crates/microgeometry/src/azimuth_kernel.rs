@@ -38,16 +38,17 @@ impl AzimuthKernel {
     /// # Errors
     /// Sums that contradict a law by more than three standard errors, or cannot be balanced.
     pub(crate) fn new(sums: AzimuthSums, of_rays: Audit) -> Result<Self, MicrogeometryError> {
-        let AzimuthMeans { patches, mut light, errors, regular, absorbed, arriving } = sums.into_means();
+        let AzimuthMeans { patches, mut light, errors, regular, absorbed, arriving, one_ray } =
+            sums.into_means();
         debug_assert_eq!(arriving.len() as u64, REPLICATES);
         let area: Vec<f64> = (0..patches.count()).map(|patch| patches.area(patch)).collect();
         let [regular_reflected, regular_transmitted] = both_ways(&patches, regular);
         let mut audit = Audit {
-            energy_z: energy_z(&arriving, &area),
+            energy_z: energy_z(&arriving, &area, &one_ray),
             relative_error: relative_error(&light, &errors),
             ..of_rays
         };
-        symmetrise(&mut light, &errors, &area, &mut audit);
+        symmetrise(&mut light, &errors, (&area, &one_ray), &mut audit);
         audit.check(["reciprocity by azimuth", "the conservation of energy by azimuth"])?;
         let kept = absorbed.iter().zip(&regular_reflected).zip(&regular_transmitted);
         let wanted: Vec<f64> =
@@ -88,17 +89,23 @@ fn both_ways(patches: &Patches, [reflected, transmitted]: [Vec<f64>; 2]) -> [Vec
     ]
 }
 
-/// Uniform light leaves each patch as it came: differences over standard errors, where these are small enough to tell.
-fn energy_z(arriving: &[Vec<f64>], area: &[f64]) -> Vec<f64> {
+/// Uniform light leaves each patch as it came: differences over standard errors, where these are small enough to tell. `one_ray` is the light of
+/// a ray of each patch ([`crate::kernel::one_ray`]).
+fn energy_z(arriving: &[Vec<f64>], area: &[f64], one_ray: &[f64]) -> Vec<f64> {
+    let one_ray = one_ray.iter().copied().fold(0.0, f64::max);
     let z = |(patch, area): (usize, &f64)| {
         let Measured { value, error } = Measured::of(arriving.iter().map(|one| one[patch]));
-        (error < KNOWN * area).then(|| if error < 1e-12 * area { 0.0 } else { (value - area) / error })
+        if error < 1e-12 * area && (value - area).abs() < 1e-9 * area {
+            return Some(0.0);
+        }
+        let error = error.hypot(one_ray);
+        (error < KNOWN * area).then(|| (value - area) / error)
     };
     area.iter().enumerate().filter_map(z).collect()
 }
 
 /// Compares both ways of light, and takes their mean.
-fn symmetrise(light: &mut [f64], errors: &[f64], area: &[f64], audit: &mut Audit) {
+fn symmetrise(light: &mut [f64], errors: &[f64], (area, one_ray): (&[f64], &[f64]), audit: &mut Audit) {
     let count = area.len();
     let (mut squares, mut moved, mut all) = (0.0, 0.0, 0.0);
     for from in 0..count {
@@ -110,7 +117,8 @@ fn symmetrise(light: &mut [f64], errors: &[f64], area: &[f64], audit: &mut Audit
             }
             let is_known = ways.iter().all(|way| errors[*way] > 0.0 && errors[*way] < KNOWN * light[*way]);
             if is_known {
-                let z = (there - back) / errors[ways[0]].hypot(errors[ways[1]]);
+                let error = errors[ways[0]].hypot(errors[ways[1]]);
+                let z = (there - back) / error.hypot(one_ray[from].hypot(one_ray[to]));
                 squares += z * z;
                 audit.reciprocity_tests += 1;
                 audit.reciprocity_z_largest = audit.reciprocity_z_largest.max(z.abs());

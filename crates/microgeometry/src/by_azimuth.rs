@@ -4,6 +4,7 @@
 //! millions of them: it is packed, added to the sums, and forgotten.
 
 use crate::goniometer::QUANTITIES;
+use crate::kernel::one_ray;
 use crate::patches::Patches;
 use crate::{REPLICATES, Side};
 
@@ -150,6 +151,8 @@ pub(crate) struct AzimuthMeans {
     pub(crate) absorbed: Vec<f64>,
     /// Of each replicate, as in [`AzimuthSums`].
     pub(crate) arriving: Vec<Vec<f64>>,
+    /// Light of one ray of each patch in the means ([`crate::kernel::one_ray`]).
+    pub(crate) one_ray: Vec<f64>,
 }
 
 impl AzimuthSums {
@@ -209,7 +212,10 @@ impl AzimuthSums {
 
     /// The means over all replicates, as fractions of the rays that each patch has.
     pub(crate) fn into_means(self) -> AzimuthMeans {
-        let Self { patches, rays, regular, absorbed, mut light, mut squares, arriving, .. } = self;
+        let Self { patches, rays_of_band, rays, regular, absorbed, mut light, mut squares, arriving, .. } =
+            self;
+        let area: Vec<f64> = (0..patches.count()).map(|patch| patches.area(patch)).collect();
+        let one_ray = one_ray(&area, rays_of_band as f64 / patches.azimuths() as f64);
         let count = REPLICATES as f64;
         let fraction = |light: f64, patch: usize| if rays[patch] > 0.0 { light / rays[patch] } else { 0.0 };
         let rows = light.chunks_exact_mut(patches.count()).zip(squares.chunks_exact_mut(patches.count()));
@@ -230,6 +236,7 @@ impl AzimuthSums {
             light,
             errors: squares,
             arriving,
+            one_ray,
         }
     }
 }

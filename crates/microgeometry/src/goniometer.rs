@@ -420,7 +420,7 @@ impl Goniometer {
     /// # Errors
     /// If rays were lost, or contradict reciprocity or the conservation of energy by more than three standard errors.
     pub fn kernel(&self, replicates: &[Replicate]) -> Result<Kernel, MicrogeometryError> {
-        Kernel::new(&self.bands(), replicates)
+        Kernel::new(&self.bands(), replicates, self.rays)
     }
 
     /// The quantities of an inclination, and the light that was lost, in rays.

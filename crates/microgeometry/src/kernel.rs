@@ -10,6 +10,14 @@ use crate::bands::{AZIMUTHS, Bands};
 use crate::goniometer::{Measured, Replicate};
 use crate::{MicrogeometryError, REPLICATES};
 
+/// Light that one ray of each part of the directions, of these étendues, adds to the mean over all replicates; each part has `rays` in a replicate.
+///
+/// The spread of few rays says little about rare ones that none of the replicates has: a sum of light is not known better than to one ray, as a
+/// count of k events is known to the root of k + 1.
+pub(crate) fn one_ray(area: &[f64], rays: f64) -> Vec<f64> {
+    area.iter().map(|area| area / (rays * REPLICATES as f64)).collect()
+}
+
 /// Root mean square of z-scores beyond which a kernel is refused.
 const MOST_Z: f64 = 3.0;
 
@@ -97,8 +105,12 @@ impl Audit {
 }
 
 impl Kernel {
-    /// Combines replicates.
-    pub(crate) fn new(bands: &Bands, replicates: &[Replicate]) -> Result<Self, MicrogeometryError> {
+    /// Combines replicates, in which each band has this number of `rays`.
+    pub(crate) fn new(
+        bands: &Bands,
+        replicates: &[Replicate],
+        rays: u64,
+    ) -> Result<Self, MicrogeometryError> {
         let count = bands.count();
         let area: Vec<f64> = (0..count).map(|band| bands.area(band)).collect();
         let cells = count * count * AZIMUTHS;
@@ -111,8 +123,9 @@ impl Kernel {
                 (light[cell], errors[cell]) = (weight * value, weight * error);
             }
         }
+        let one_ray = one_ray(&area, rays as f64);
         let audit = Audit {
-            energy_z: energy_z(bands, replicates, &area),
+            energy_z: energy_z(bands, replicates, &area, &one_ray),
             relative_error: relative_error(&light, &errors),
             ..Audit::of_rays(replicates)
         };
@@ -132,7 +145,7 @@ impl Kernel {
                 .collect(),
             audit,
         };
-        kernel.symmetrise(&area);
+        kernel.symmetrise(&area, &one_ray);
         kernel.balance(&area);
         let rows = kernel.scattered.chunks_exact_mut(count * AZIMUTHS).zip(&area);
         rows.for_each(|(row, area)| row.iter_mut().for_each(|light| *light /= area));
@@ -143,7 +156,7 @@ impl Kernel {
     }
 
     /// Compares both ways, and takes their mean.
-    fn symmetrise(&mut self, area: &[f64]) {
+    fn symmetrise(&mut self, area: &[f64], one_ray: &[f64]) {
         let count = area.len();
         let at = |from: usize, to: usize, azimuth: usize| (from * count + to) * AZIMUTHS + azimuth;
         let (mut squares, mut moved, mut all) = (0.0, 0.0, 0.0);
@@ -159,7 +172,8 @@ impl Kernel {
                     let variance = errors.map(|error| error * error);
                     let is_known = (0..2).all(|way| errors[way] > 0.0 && errors[way] < KNOWN * light[way]);
                     if is_known {
-                        let z = (light[0] - light[1]) / (variance[0] + variance[1]).sqrt();
+                        let of_rays = one_ray[from].powi(2) + one_ray[to].powi(2);
+                        let z = (light[0] - light[1]) / (variance[0] + variance[1] + of_rays).sqrt();
                         squares += z * z;
                         self.audit.reciprocity_tests += 1;
                         self.audit.reciprocity_z_largest = self.audit.reciprocity_z_largest.max(z.abs());
@@ -238,8 +252,9 @@ impl Kernel {
 }
 
 /// Uniform light on all bands of both sides leaves each band as it came, but for what is absorbed: differences over standard errors.
-fn energy_z(bands: &Bands, replicates: &[Replicate], area: &[f64]) -> Vec<f64> {
+fn energy_z(bands: &Bands, replicates: &[Replicate], area: &[f64], one_ray: &[f64]) -> Vec<f64> {
     let count = area.len();
+    let one_ray = one_ray.iter().copied().fold(0.0, f64::max);
     let arriving = |one: &Replicate| {
         let mut sums = vec![0.0; count];
         for (from, row) in one.scattered.chunks_exact(count * AZIMUTHS).enumerate() {
@@ -264,7 +279,8 @@ fn energy_z(bands: &Bands, replicates: &[Replicate], area: &[f64]) -> Vec<f64> {
     let z = |band: usize| {
         let Measured { value, error } = Measured::of(all.iter().map(|sums| sums[band]));
         // Without scattering there is no noise, and rounding alone remains.
-        if error < 1e-12 * area[band] { 0.0 } else { (value - area[band]) / error }
+        let is_known = error < 1e-12 * area[band] && (value - area[band]).abs() < 1e-9 * area[band];
+        if is_known { 0.0 } else { (value - area[band]) / error.hypot(one_ray) }
     };
     debug_assert_eq!(replicates.len() as u64, REPLICATES);
     (0..count).map(z).collect()

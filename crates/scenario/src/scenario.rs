@@ -151,7 +151,16 @@ impl Scenario {
     /// # Errors
     /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(Pictured::No)
+        self.resolved(Pictured::No, true)
+    }
+
+    /// As [`resolve`](Self::resolve) for what does not depend on the light: where spectra of lights do not cover the wavelengths, they are
+    /// replaced by one of equal energy, with a note.
+    ///
+    /// # Errors
+    /// As [`resolve`](Self::resolve), except for lights that do not cover the wavelengths.
+    pub fn resolve_without_light(&self) -> Result<Resolved, ScenarioErrors> {
+        self.resolved(Pictured::No, false)
     }
 
     /// As [`resolve`](Self::resolve), and reads the picture of `[image]`, for `papilio image`.
@@ -159,7 +168,7 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), and if there is no picture, or it cannot be read.
     pub fn resolve_with_picture(&self) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(Pictured::Described)
+        self.resolved(Pictured::Described, true)
     }
 
     /// As [`resolve_with_picture`](Self::resolve_with_picture), with a picture in memory of any size instead of `image.file`.
@@ -167,12 +176,12 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), and if `[image]` has a test pattern.
     pub fn resolve_with(&self, picture: &SourceImage) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(Pictured::Given(picture))
+        self.resolved(Pictured::Given(picture), true)
     }
 
-    fn resolved(&self, pictured: Pictured<'_>) -> Result<Resolved, ScenarioErrors> {
+    fn resolved(&self, pictured: Pictured<'_>, needs_light: bool) -> Result<Resolved, ScenarioErrors> {
         let Found { scene, patterns, sparkle, image, surfaces, warnings, notes, inputs } =
-            resolve::resolve(&self.file, &self.library, &self.written.sources, pictured)?;
+            resolve::resolve(&self.file, &self.library, &self.written.sources, (pictured, needs_light))?;
         let image = image.map(|image| self.prepared(image, &scene)).transpose()?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {

@@ -6,6 +6,7 @@
 
 use papilio_diagnostics::Diagnostic;
 
+use crate::describe::sweep::range;
 use crate::error::Errors;
 use crate::here::relocate;
 use crate::mistake;
@@ -40,8 +41,13 @@ pub(crate) fn apply(
 ) {
     let mut set: Vec<KeyPath> = Vec::new();
     let preset = KeyPath::new(PRESET_PATH);
+    let mut axes = Vec::new();
     for source in 1..=sources.overrides() {
         let text = sources.text(source);
+        if sources.is_axis(source) {
+            axes.extend(if presets { None } else { axis(text, source, errors) });
+            continue;
+        }
         let Some((path, value)) = text.split_once('=') else {
             if !presets {
                 let wrong = Diagnostic::new("this is not PATH=VALUE");
@@ -67,10 +73,62 @@ pub(crate) fn apply(
             set.push(path);
         }
     }
+    if let Some(first) = axes.first() {
+        let place = Place { path: first.origin, whole: true };
+        let all = Node { origin: first.origin, value: Value::Array(axes) };
+        put(root, &KeyPath::new("sweep.axes"), place, all, old, errors);
+    }
     for change in changes.iter().filter(|change| (change.path == preset) == presets) {
         let place = Place { path: change.origin, whole: true };
         put(root, &change.path, place, change.value.clone(), old, errors);
     }
+}
+
+/// The axis `KEY=VALUES` of a sweep: `FROM:TO:STEP`, or values with commas between them, or what `[[sweep.axes]]` has as TOML.
+fn axis(text: &str, source: usize, errors: &mut Errors) -> Option<Node> {
+    let at = |start: usize, end: usize| Origin { source, start, end: end.max(start + 1) };
+    let Some((key, values)) =
+        text.split_once('=').filter(|(key, values)| !key.is_empty() && !values.is_empty())
+    else {
+        let wrong = Diagnostic::new("this is not KEY=VALUES");
+        let example =
+            "for example display.diffuser.haze=0.3:0.8:0.1 (from:to:step) or viewer.theta_deg=0,8,30";
+        errors.push(at(0, text.len()), wrong.expected(example));
+        return None;
+    };
+    let begin = key.len() + 1;
+    let mut parse = |text: &str, from: usize| {
+        let (node, wrong) = Node::parse_value(text, from, source);
+        wrong.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
+        node
+    };
+    let value = if range(values).is_some() {
+        // Read where the values of an axis are; as TOML, it may be a time.
+        Value::Text(values.trim().to_owned())
+    } else if values.trim_start().starts_with(['[', '{']) {
+        parse(text, begin).value
+    } else {
+        let (mut start, mut missing, mut items) = (begin, None, Vec::new());
+        for item in values.split(',') {
+            let from = start + item.len() - item.trim_start().len();
+            let end = start + item.trim_end().len();
+            start += item.len() + 1;
+            if from < end {
+                items.push(parse(&text[..end], from));
+            } else {
+                missing = missing.or(Some(from.min(text.len() - 1)));
+            }
+        }
+        if let Some(from) = missing {
+            let wrong =
+                Diagnostic::new("a value is missing here").expected("values with commas between them");
+            errors.push(at(from, from), wrong);
+        }
+        Value::Array(items)
+    };
+    let node = Node { origin: at(begin, text.len()), value };
+    let entry = Entry { key: key.trim().to_owned(), key_origin: at(0, key.len()), node };
+    Some(Node { origin: at(0, text.len()), value: Value::Table(vec![entry]) })
 }
 
 /// Place of a path in a text.

@@ -8,14 +8,17 @@ use papilio_diagnostics::Place;
 use crate::origin::Origin;
 use crate::tree::Node;
 
+/// Begins an override that is an axis of a sweep, `--axis KEY=VALUES`, instead of a `--set`.
+pub(crate) const AXIS: &str = "--axis ";
+
 /// The scenario file, then each `--set` in order, then other texts that change it.
 #[derive(Debug, Clone)]
 pub(crate) struct Sources {
     texts: Vec<(String, String)>,
     /// The parsed scenario file; each node has its place.
     document: Arc<Node>,
-    /// Number of `--set`.
-    overrides: usize,
+    /// Of each `--set`, whether it is an axis of a sweep.
+    is_axis: Vec<bool>,
     /// Folder of the scenario file, if paths in `--set` are relative to the current folder.
     folder: Option<PathBuf>,
 }
@@ -24,9 +27,24 @@ impl Sources {
     /// `document` is the parsed text of the file.
     pub(crate) fn new(file_name: &str, file_text: &str, document: Node, overrides: &[String]) -> Self {
         let mut texts = vec![(file_name.to_owned(), file_text.to_owned())];
-        let sets = overrides.iter().enumerate();
-        texts.extend(sets.map(|(i, text)| (format!("--set #{}", i + 1), text.clone())));
-        Self { texts, document: Arc::new(document), overrides: overrides.len(), folder: None }
+        let mut axes = 0..0;
+        for text in overrides {
+            let name = match text.strip_prefix(AXIS) {
+                Some(_) => {
+                    axes.end += 1;
+                    format!("--axis #{}", axes.end)
+                }
+                None => format!("--set #{}", texts.len() - axes.end),
+            };
+            texts.push((name, text.strip_prefix(AXIS).unwrap_or(text).to_owned()));
+        }
+        let is_axis = overrides.iter().map(|text| text.starts_with(AXIS)).collect();
+        Self { texts, document: Arc::new(document), is_axis, folder: None }
+    }
+
+    /// Returns whether an override, by the number of its source, is an axis of a sweep.
+    pub(crate) fn is_axis(&self, source: usize) -> bool {
+        source > 0 && self.is_axis.get(source - 1).copied().unwrap_or(false)
     }
 
     /// Makes the paths in `--set` relative to the current folder; the scenario is in `folder`.
@@ -56,7 +74,7 @@ impl Sources {
 
     /// Number of `--set`.
     pub(crate) fn overrides(&self) -> usize {
-        self.overrides
+        self.is_axis.len()
     }
 
     /// Returns the path of the key or value at a place, as in `--set`; empty for the whole scenario.

@@ -16,6 +16,7 @@ use crate::path::KeyPath;
 use crate::read::{Read, Spanned};
 use crate::scenario::Scenario;
 use crate::set::Change;
+use crate::source::AXIS;
 use crate::tolerance::{ReportedMetric, of_all_views};
 use crate::tree::{Node, Value};
 use crate::varied::{ParameterisedScenario, ParsedScenario, VariedKey, read_of_scenarios};
@@ -46,10 +47,14 @@ impl Sweep {
         let read = match node.filter(|node| !figures_alone(node)) {
             Some(node) => Described::read(node, &mut errors),
             None => {
-                let wrong =
-                    Diagnostic::new("there is nothing to sweep: the scenario has no `[[sweep.axes]]`")
-                        .expected("`[[sweep.axes]]`, a table of keys with a list of values each")
-                        .hint("[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]");
+                let wrong = Diagnostic::new(
+                    "there is nothing to sweep: the scenario has no `[[sweep.axes]]`",
+                )
+                .expected("`[[sweep.axes]]`, a table of keys with a list of values each")
+                .hint(
+                    "[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]; or the option --axis \
+                             display.diffuser.haze=0.5:0.7:0.1",
+                );
                 errors.push(node.map_or(assembled.origin, |node| node.origin), wrong);
                 None
             }
@@ -65,6 +70,12 @@ impl Sweep {
             metrics: read.metrics.value,
             title,
         })
+    }
+
+    /// The override that sets an axis, `KEY=VALUES`: `FROM:TO:STEP`, or values with commas between them. All of them together replace the
+    /// axes of the file.
+    pub fn axis_override(axis: &str) -> String {
+        format!("{AXIS}{axis}")
     }
 
     /// Returns one note for each old name of a key or a value.

@@ -83,7 +83,14 @@ impl Node {
             (Err(error), None) => {
                 if rest.trim_start().starts_with(['{', '[', '"', '\'']) {
                     let span = error.span().unwrap_or(0..rest.len());
-                    wrong = Some((origin(span, source, at), mistake::syntax(error.message())));
+                    let syntax = match has_range(rest) {
+                        true => Diagnostic::new("a range is not a value of TOML").hint(
+                            "write { from = 190, to = 194, step = 1 }, or \"190:194:1\" in quotes without brackets, where the values of an axis are \
+                             expected; `papilio sweep FILE --axis KEY=190:194:1` needs no quotes",
+                        ),
+                        false => mistake::syntax(error.message()),
+                    };
+                    wrong = Some((origin(span, source, at), syntax));
                 }
                 Value::Text(rest.to_owned())
             }
@@ -343,4 +350,12 @@ fn shell_number(text: &str) -> Option<f64> {
     let text = text.trim();
     // Words such as "inf" have no point and stay words.
     if text.contains('.') { text.parse().ok() } else { None }
+}
+
+/// Returns whether a text that is not TOML has a range such as `190:194:1`.
+fn has_range(text: &str) -> bool {
+    let is_outside = |c: char| !(c.is_ascii_digit() || ".:+-eE".contains(c));
+    text.split(is_outside).any(|word| {
+        word.matches(':').count() == 2 && word.split(':').all(|number| number.parse::<f64>().is_ok())
+    })
 }

@@ -5,7 +5,7 @@
 //!
 //! | light | parameters | valid | source |
 //! |---|---|---|---|
-//! | [`illuminant`] | a CIE name | 380 to 780 nm | the CIE's tables, every 1 or 5 nm (`data/README.md`) |
+//! | [`illuminant`] | a CIE name | 380 to 780 nm; E: any wavelength | the CIE's tables, every 1 or 5 nm (`data/README.md`) |
 //! | [`daylight`] | CCT, 4000 to 25 000 K | 380 to 780 nm | CIE 15:2018, the D series; components S0, S1, S2 at 5 nm, linear between |
 //! | [`planck`] | temperature, 500 to 100 000 K | any wavelength | Planck's law, CODATA 2014 constants |
 //! | [`ohno_led`] | peak, width | any wavelength | Ohno, Opt. Eng. 44(11), 111302 (2005) |
@@ -200,13 +200,15 @@ pub fn illuminants_called(word: &str) -> &'static [&'static str] {
 ///
 /// # Errors
 /// For a name that [`illuminant_name`] does not know, and for a grid that
-/// extends beyond 380 to 780 nm.
+/// extends beyond 380 to 780 nm, except for E.
 pub fn illuminant(name: &str, grid: &Grid) -> Result<Spectrum, SpectraError> {
     let unknown = || SpectraError::UnknownName { kind: "illuminant", name: name.to_owned() };
     let known = illuminant_name(name).ok_or_else(unknown)?;
-    let (first, last) = TABLES_NM;
-    let equal_energy = || Tabulated::new(vec![f64::from(first), f64::from(last)], vec![1.0; 2]);
-    table::illuminant(known).unwrap_or_else(equal_energy)?.on(grid)
+    match table::illuminant(known) {
+        Some(table) => table?.on(grid),
+        // Equal energy is constant everywhere.
+        None => Ok(Spectrum::constant(grid, 1.0)),
+    }
 }
 
 /// Returns CIE daylight of a correlated colour temperature on `grid`, relative.

@@ -60,7 +60,7 @@ use crate::palette::Palette;
 use crate::prepared::Prepared;
 use crate::result::Named;
 use crate::run::Control;
-use crate::scene::Scene;
+use crate::scene::{Scene, Stop};
 use crate::single_view::{LightSummary, SingleView};
 use crate::spatial::sharpness;
 pub use crate::spatial::{PictureSurround, Sharpness};
@@ -264,6 +264,14 @@ pub fn image(
         warnings.push(format!(
             "X, Y or Z of a pixel may be wrong by {error:.2} of a perfect white: the light changes much from one part of the panel to the next; \
              image.perspective = false shows all of it in one direction"
+        ));
+    }
+    if let Stop::RelativeError { target, .. } = scene.solver.stop
+        && error > target
+    {
+        warnings.push(format!(
+            "solver.relative_error = {target} is the target of the colours of pages: X, Y or Z of a pixel of the picture may be wrong by {error:.1e} of a \
+             perfect white"
         ));
     }
     let samples_per_pixel = settings.samples_per_pixel.max(1);

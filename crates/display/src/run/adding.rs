@@ -196,7 +196,7 @@ pub(super) fn run_levels(
     run: &Run<'_>,
     finest: usize,
     at: impl FnMut(usize) -> Option<Vec<Sample>>,
-    nodes: u64,
+    nodes: impl Fn() -> u64,
 ) -> Result<RunResult, DisplayError> {
     let common = Common::default();
     let runner = Runner::new(run, &common)?;
@@ -206,7 +206,7 @@ pub(super) fn run_levels(
     );
     let report = |error, done| runner.report(error, if done { views } else { 0 });
     let samples = refine(runner.target, finest, at, error, report);
-    runner.result(&[samples.map(|samples| Group { samples, nodes: nodes as usize })])
+    runner.result(&[samples.map(|samples| Group { samples, nodes: nodes() as usize })])
 }
 
 /// Kernel of a group of views, with the range of these views.

@@ -53,6 +53,18 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
 }
 
+/// A note if a scene has a stopping rule that a computation does not have, because it is always by adding: what `is` computed.
+pub fn always_by_adding(scene: &Scene, is: &str) -> Option<String> {
+    let (key, what) = match scene.solver.stop {
+        Stop::RelativeError { .. } => return None,
+        Stop::Paths(_) => ("solver.paths", "counts paths of the Monte Carlo solver"),
+        Stop::Target(_) => ("solver.target", "is a target of the Monte Carlo solver"),
+    };
+    Some(format!(
+        "{is} computed by adding, to a relative error of {DEFAULT_TARGET}: {key} {what}; solver.relative_error is the target of both"
+    ))
+}
+
 struct Survey<'a> {
     run: Run<'a>,
     grid: ConeGrid,
@@ -126,7 +138,9 @@ impl Survey<'_> {
         };
         let directions = || places.iter().flat_map(|phi| (0..rows.len()).map(move |theta| (theta, *phi)));
         let views = places.iter().flat_map(|phi| (0..rows.len()).map(|theta| view(theta, *phi))).collect();
-        let mut warnings: Vec<String> = self.mirror_images().into_iter().chain(self.blank(&known)).collect();
+        let by_adding = always_by_adding(self.run.scene, "the maps are");
+        let mut warnings: Vec<String> =
+            by_adding.into_iter().chain(self.mirror_images()).chain(self.blank(&known)).collect();
         let relative: Vec<f64> = directions().flat_map(|(theta, phi)| error(theta, phi)).collect();
         let worst = relative.iter().copied().fold(0.0, largest);
         if worst > target {

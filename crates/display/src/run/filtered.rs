@@ -1,5 +1,7 @@
 //! Runs of displays with a colour filter at a height above their pixels.
 
+use std::cell::Cell;
+
 use papilio_transport::walk::places::Estimate as PlacedEstimate;
 
 use super::adding::run_levels;
@@ -22,17 +24,17 @@ pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
         return by_paths(run);
     }
     let Some(filtered) = Filtered::new(run.setup)? else { return Err(DisplayError::FilterWithoutPlace) };
-    let mut failure = None;
+    let (mut failure, nodes) = (None, Cell::new(0));
     let result = run_levels(
         run,
         filtered.finest(),
         |level| {
-            samples(run, &filtered, level).unwrap_or_else(|error| {
+            samples(run, &filtered, level, &nodes).unwrap_or_else(|error| {
                 failure = Some(error);
                 None
             })
         },
-        0,
+        || nodes.get(),
     );
     match failure {
         Some(error) => Err(error),
@@ -40,14 +42,16 @@ pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     }
 }
 
-/// Samples of all views at a level; `None` if the run was stopped.
+/// Samples of all views at a level, whose number of nodes is stored; `None` if the run was stopped.
 fn samples(
     run: &Run<'_>,
     filtered: &Filtered<'_>,
     level: usize,
+    nodes: &Cell<u64>,
 ) -> Result<Option<Vec<Sample>>, DisplayError> {
     let setup = run.setup;
     let lit = filtered.lit(level, 1)?;
+    nodes.set(lit.nodes());
     let mut irradiance = Vec::with_capacity(setup.sources.len());
     for source in 0..setup.sources.len() {
         if run.control.stopped() {

@@ -23,7 +23,7 @@ pub(crate) use adding::{Kernels, ViewGroupKernel};
 pub(crate) use auto::is_quick;
 pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, forecast};
 pub use brdf::brdf;
-pub use cone::cone;
+pub use cone::{always_by_adding, cone};
 pub use progress::{Progress, ProgressFraction};
 pub use refine::adding_seconds;
 pub(crate) use refine::{finest, largest, level_error};

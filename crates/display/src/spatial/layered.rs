@@ -12,11 +12,11 @@ use papilio_transport::{Layered, ReflectanceFactor, Source};
 use super::measured::{Light, Measured, sum};
 use super::mtf::Frame;
 use super::response::name_of_light;
+use super::target::{USUAL_TARGET, target};
 use super::{LineContrast, MtfView};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::run::{Control, Workers, each, finest};
-use crate::scene::Stop;
 use crate::setup::ViewPoint;
 
 /// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles per mm.
@@ -32,9 +32,8 @@ const STEP: f64 = 1.25;
 /// Loss of modulation over the upper half of the frequencies from which on `f50` is searched beyond them.
 const FALLS: f64 = 0.02;
 
-/// Finest level, and error if the scene has no target.
+/// Finest level.
 const MOST_LEVEL: u32 = 3;
-const USUAL: f64 = 1e-3;
 
 /// Frequencies between 0 and the highest, cycles per mm.
 pub(super) fn frequencies(highest: f64) -> Vec<f64> {
@@ -99,10 +98,7 @@ impl Frame<'_> {
         let lengths_mm = self.setup.scene.display.lengths_mm()?;
         let at_level = |level| self.prepared((stack, &lengths_mm), view, level);
         let finest = (finest(&self.setup.stack)? as u32).min(MOST_LEVEL);
-        let target = match &self.setup.scene.solver.stop {
-            Stop::RelativeError { target, .. } => *target,
-            Stop::Paths(_) | Stop::Target(_) => USUAL,
-        };
+        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
         let mut frequencies = self.frequencies.clone();
         let first = at_level(0)?;
         let mut coarse = self.measured(&first, &frequencies, control)?;

@@ -44,6 +44,7 @@ mod returned;
 mod scalars;
 mod series;
 mod sparkle;
+mod target;
 pub mod walk;
 
 pub use crate::metrics::{CrosstalkMetrics, SparkleMetrics};

@@ -13,6 +13,7 @@ use super::measured::{Light, Measured};
 use super::mtf_walk;
 use super::response::responses;
 use super::scalars::eye_limit;
+use super::target::{USUAL_TARGET, missed_target, target};
 use super::walk::Placed;
 use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Patterns, Sharpness};
 use crate::DisplayError;
@@ -22,8 +23,10 @@ use crate::run::{Control, Progress, Workers, each};
 use crate::scene::{Method, Scene};
 use crate::setup::{Setup, ViewPoint};
 
-/// Natural digits of the two levels.
+/// Natural digits of the first two levels, how many more each further level has, and the most.
 const DIGITS: [f64; 2] = [9.0, 13.0];
+const MORE_DIGITS: f64 = 4.0;
+const MOST_DIGITS: f64 = 21.0;
 
 /// Lowest frequency, cycles per mm.
 const LOWEST_PER_MM: f64 = 0.01;
@@ -82,11 +85,8 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         Ok(view)
     });
     let views = views.into_iter().collect::<Result<Vec<MtfView>, _>>()?;
-    let errors = views
-        .iter()
-        .flat_map(|view| view.states.iter())
-        .flat_map(|(_, state)| state.otf.error_x.iter().chain(&state.otf.error_y).copied());
-    let error_reached = errors.fold(0.0, f64::max);
+    let error_reached =
+        largest_error(views.iter().flat_map(|view| view.states.iter()).map(|(_, state)| state));
     if !error_reached.is_finite() {
         return Err(DisplayError::NotFinite);
     }
@@ -99,8 +99,15 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         error_reached,
         patterns: views.iter().flat_map(|view| view.patterns.iter().copied()).collect(),
         views,
-        warnings: Vec::new(),
+        warnings: missed_target(scene, error_reached, "a modulation transfer").into_iter().collect(),
     })
+}
+
+/// Largest error of the modulation transfers of some states.
+fn largest_error<'a>(states: impl Iterator<Item = &'a MtfState>) -> f64 {
+    let errors = states.flat_map(|state| state.otf.error_x.iter().chain(&state.otf.error_y).copied());
+    // Not a number stays one.
+    errors.fold(0.0, crate::run::largest)
 }
 
 /// Computes the square-root integrals of the white of a display with a matrix in its only view. `None` where the deterministic solver
@@ -187,10 +194,18 @@ impl<'a> Frame<'a> {
         let most_per_mm =
             if first > searched { self.highest() } else { last.clamp(self.highest(), searched) };
         let at = |digits: f64| self.measure(view, Level { digits, most_per_mm });
-        let (coarse, fine) = (at(DIGITS[0])?, at(DIGITS[1])?);
-        let states = self.setup.states.iter().enumerate();
-        let states = states.map(|(state, name)| (name.clone(), self.state(state, &coarse, &fine)));
-        let states = states.collect::<Vec<_>>();
+        let (mut coarse, mut fine, mut digits) = (at(DIGITS[0])?, at(DIGITS[1])?, DIGITS[1]);
+        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
+        let states = loop {
+            let states = self.setup.states.iter().enumerate();
+            let states = states.map(|(state, name)| (name.clone(), self.state(state, &coarse, &fine)));
+            let states = states.collect::<Vec<_>>();
+            if largest_error(states.iter().map(|(_, state)| state)) <= target || digits >= MOST_DIGITS {
+                break states;
+            }
+            digits += MORE_DIGITS;
+            coarse = std::mem::replace(&mut fine, at(digits)?);
+        };
         let mut error = fine.line_contrast[0];
         let pairs = error.all_mut().zip(coarse.line_contrast[0].named());
         pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
@@ -208,7 +223,7 @@ impl<'a> Frame<'a> {
             text_contrast_error: fine.text_contrast[0]
                 .zip(coarse.text_contrast[0])
                 .map(|(fine, coarse)| [0, 1].map(|k| (fine[k] - coarse[k]).abs())),
-            yule_nielsen_n: self.yule_nielsen(&fine, Level { digits: DIGITS[1], most_per_mm }),
+            yule_nielsen_n: self.yule_nielsen(&fine, Level { digits, most_per_mm }),
             patterns: self.pattern_means(view, &coarse, &fine),
         })
     }

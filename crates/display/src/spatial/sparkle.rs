@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::target::target;
 use crate::metrics::SparkleMetrics;
 use crate::run::{Workers, run};
 use crate::scene::{
@@ -77,6 +78,8 @@ pub struct SparkleResult {
     /// Pixels below the faces of each row, for figures.
     #[serde(skip)]
     pub maps: Vec<SparkleMap>,
+    /// Warnings and notes for the user.
+    pub warnings: Vec<String>,
 }
 
 /// Sparkle for one view, gap and face.
@@ -181,6 +184,7 @@ pub fn sparkle(
         distance_mm: scene.viewer.distance_mm,
         rows: Vec::with_capacity(setup.views.len() * rows),
         maps: Vec::with_capacity(setup.views.len() * rows),
+        warnings: Vec::new(),
     };
     for (view, luminance) in setup.views.iter().zip(luminances) {
         let beta = view.field.axis_towards();
@@ -215,6 +219,16 @@ pub fn sparkle(
             }
         }
     }
+    let relative = result.rows.iter().filter(|row| row.ppd > 0.0).map(|row| row.standard_error / row.ppd);
+    let largest = relative.fold(0.0, f64::max);
+    result.warnings.extend(target(&scene.solver.stop).filter(|target| largest > *target).map(|target| {
+        format!(
+            "solver.relative_error = {target} is not the target of sparkle, whose error is that of sparkle.replicates = {} random faces: at \
+             most {:.1} % of a pixel power deviation; it falls with the root of their number",
+            face.replicates,
+            100.0 * largest
+        )
+    }));
     Ok(result)
 }
 
@@ -291,7 +305,8 @@ impl SparkleMap {
 fn luminances(scene: &Scene, control: &Control<'_>) -> Result<Vec<f64>, DisplayError> {
     let mut coarse = scene.clone();
     coarse.solver.method = Method::Auto;
-    coarse.solver.stop = Stop::RelativeError { target: LUMINANCE_TARGET, per_wavelength: false };
+    let target = target(&scene.solver.stop).unwrap_or(LUMINANCE_TARGET).max(LUMINANCE_TARGET);
+    coarse.solver.stop = Stop::RelativeError { target, per_wavelength: false };
     let result = run(&coarse, &Control { progress: &|_| {}, ..*control })?;
     let white = result.views.iter().map(|view| view.states.get(STATE));
     let luminances = white.map(|state| state.map(|state| state.value.luminance_cd_m2));

@@ -59,6 +59,10 @@ mod tests {
             &sensitivities(&["Y".to_owned()], &groups, &[vec![Some(blame), None]], "t").unwrap(),
         );
         assert!(sensitivities(&["Y".to_owned()], &groups, &[vec![None, None]], "t").is_none());
+        // Names of keys without a group of their own are long, and whole.
+        let long = "Thickness of film layer 2 (nm), thickness of film layer 4 (nm)";
+        let drawn = sensitivities(&["Y".to_owned()], &[long.to_owned()], &[vec![Some(blame)]], "t").unwrap();
+        assert!(drawn.contains(&format!(">{long}</text>")), "{drawn}");
         assert_well_formed(&pass_fail_scatter(
             ["a", "b"],
             &[([1.0, f64::NAN], true), ([1.0, 2.0], false)],

@@ -4,13 +4,13 @@ use crate::axis::Axis;
 use crate::overlay::legend;
 use crate::panel::{Panel, SMALL};
 use crate::style::INK;
-use crate::svg::{Anchor, Stroke, Svg, Text, shortened};
+use crate::svg::{Anchor, Stroke, Svg, Text, shortened, text_width};
 
 /// Colours of first-order and total-order indices.
 const FIRST: &str = "#5b8fc4";
 const TOTAL: &str = "#c3d7ea";
-/// Width of the names of groups, height of the row of a group and width of the panel, px.
-const NAME: f64 = 190.0;
+/// Least and largest width of the names of groups, which is that of the longest, height of the row of a group and width of the panel, px.
+const NAMES: [f64; 2] = [190.0, 480.0];
 const ROW: f64 = 22.0;
 const WIDTH: f64 = 420.0;
 /// Distance between the panels of two metrics, px.
@@ -39,19 +39,21 @@ pub fn sensitivities(
     if drawn.is_empty() {
         return None;
     }
+    let longest = groups.iter().map(|group| text_width(group, SMALL)).fold(0.0, f64::max);
+    let names = (longest + 20.0).clamp(NAMES[0], NAMES[1]);
     let height = drawn.len() as f64 * (block + GAP) + 90.0;
-    let mut svg = Svg::new(NAME + WIDTH + 60.0, height).titled(title);
+    let mut svg = Svg::new(names + WIDTH + 60.0, height).titled(title);
     for (number, (metric, of_metric)) in drawn.iter().enumerate() {
         let last = number + 1 == drawn.len();
         let x = Axis::exact(0.0, 1.0, 5, if last { "Fraction of the variance" } else { "" });
         let panel = Panel {
-            origin: (NAME, 66.0 + number as f64 * (block + GAP)),
+            origin: (names, 66.0 + number as f64 * (block + GAP)),
             size: (WIDTH, block),
             x,
             y: Axis::marked((0.0, 1.0), vec![], "", false),
         };
         panel.draw(&mut svg);
-        svg.text((NAME, panel.origin.1 - 7.0), metric, Text::new(SMALL, INK).strong());
+        svg.text((names, panel.origin.1 - 7.0), metric, Text::new(SMALL, INK).strong());
         for (k, (group, indices)) in groups.iter().zip(of_metric.iter()).enumerate() {
             row(&mut svg, &panel, panel.origin.1 + ROW * (k as f64 + 0.5), group, *indices);
         }
@@ -64,14 +66,15 @@ pub fn sensitivities(
 /// Draws both bars of a group, one above the other.
 fn row(svg: &mut Svg, panel: &Panel, middle: f64, group: &str, indices: Option<SensitivityBar>) {
     const BAR: f64 = 8.0;
+    let left = panel.origin.0;
     let name = Text::new(SMALL, INK).anchor(Anchor::End);
-    svg.text((NAME - 8.0, middle + 4.0), &shortened(group, NAME - 16.0, SMALL), name);
+    svg.text((left - 8.0, middle + 4.0), &shortened(group, left - 16.0, SMALL), name);
     let Some(indices) = indices else { return };
     for (colour, top, [value, error]) in
         [(FIRST, middle - BAR - 0.5, indices.first), (TOTAL, middle + 0.5, indices.total)]
     {
         let end = panel.at(value.clamp(0.0, 1.0), 0.0).0;
-        svg.rect((NAME, top), ((end - NAME).max(0.0), BAR), 0.0, colour, "");
+        svg.rect((left, top), ((end - left).max(0.0), BAR), 0.0, colour, "");
         let height = (panel.bottom() - top - 0.5 * BAR) / panel.size.1;
         panel.error_bar_across(svg, (value, height), error, &Stroke::solid(INK, 1.0));
     }

@@ -20,7 +20,8 @@ use crate::tree::{Entry, Node, Value};
 table! {
     /// Keys that `papilio sweep` varies. Every combination of the axes is computed; the last axis varies fastest.
     Sweep {
-        /// The axes: tables of keys as in `--set`, each with a list of values, `{ from, to, step }` or `{ from, to, count }`.
+        /// The axes: tables of keys as in `--set`, each with a list of values, `{ from, to, step }` (or `"from:to:step"`) or
+        /// `{ from, to, count }`.
         /// Keys of one axis change together. Every combination of the axes is computed; the last axis varies fastest.
         axes: Vec<Spanned<Axis>>,
         /// Metrics to draw: columns of sweep.csv, those of a state as `"white.L_star"`. Default: for a compact sweep all stored
@@ -120,13 +121,16 @@ fn read_values(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut 
     let origin = entry.key_origin;
     let values = match &entry.node.value {
         Value::Array(items) => items.clone(),
+        Value::Text(text) if range(text).is_some() => text_range(&entry.node, text, errors)?,
         Value::Table(_) if entry.node.get("from").is_some() => range_values(&entry.node, errors)?,
         Value::Table(entries) if !entries.is_empty() => {
             let found: Vec<_> =
                 entries.iter().map(|entry| read_values(&path, entry, swept, errors)).collect();
             return found.into_iter().collect();
         }
-        _ => return entry.node.wrong_type("a list of values, or { from, to, step }", errors),
+        _ => {
+            return entry.node.wrong_type("a list of values, { from, to, step } or \"from:to:step\"", errors);
+        }
     };
     let path = KeyPath::new(&path);
     if path.first() == "sweep" {
@@ -141,8 +145,43 @@ fn read_values(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut 
     Some(())
 }
 
+/// The numbers of a text such as `190:194:1`; two or more, not yet three.
+pub(crate) fn range(text: &str) -> Option<Vec<f64>> {
+    let numbers: Option<Vec<f64>> = text.split(':').map(|number| number.trim().parse().ok()).collect();
+    numbers.filter(|numbers| numbers.len() > 1)
+}
+
+/// Returns the values of a range `FROM:TO:STEP`.
+fn text_range(node: &Node, text: &str, errors: &mut Errors) -> Option<Vec<Node>> {
+    let Some(Ok([from, to, step])) = range(text).map(<[f64; 3]>::try_from) else {
+        let wrong =
+            Diagnostic::new(format!("`{text}` is not a range")).expected("FROM:TO:STEP, such as 190:194:1");
+        errors.push(node.origin, wrong.hint("for a number of values, write { from, to, count }"));
+        return None;
+    };
+    let entry = |key: &str, number: f64| Entry {
+        key: key.to_owned(),
+        key_origin: node.origin,
+        node: Node { origin: node.origin, value: Value::Float(number) },
+    };
+    let entries = vec![entry("from", from), entry("to", to), entry("step", step)];
+    range_values(&Node { origin: node.origin, value: Value::Table(entries) }, errors)
+}
+
+/// Names that are given to the number of values in other programs.
+const NOT_COUNT: [&str; 6] = ["steps", "points", "num", "number", "n", "samples"];
+
 /// Returns the values of a range.
 fn range_values(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
+    if let Value::Table(entries) = &node.value
+        && let Some(entry) = entries.iter().find(|entry| NOT_COUNT.contains(&entry.key.as_str()))
+    {
+        let wrong = Diagnostic::new(format!("there is no key `{}` in a range", entry.key));
+        let hint =
+            "`count` is the number of values, both ends included; `step` is the distance between two of them";
+        errors.push(entry.key_origin, wrong.hint(hint));
+        return None;
+    }
     let range = Range::read(node, errors)?;
     let (from, to) = (range.from.0, range.to.0);
     let steps = match (range.step.value, range.count.value) {
@@ -206,7 +245,7 @@ impl JsonSchema for Axis {
         schemars::json_schema!({
             "type": "object",
             "description": "Paths as in --set, with the same number of values each.",
-            "additionalProperties": { "anyOf": [{ "type": "array" }, range, { "type": "object" }] },
+            "additionalProperties": { "anyOf": [{ "type": "array" }, range, { "type": "string" }, { "type": "object" }] },
         })
     }
 }

@@ -87,6 +87,16 @@ impl Resolver<'_> {
                 parts.into_iter().collect::<Option<_>>()?
             }
         };
+        if !self.needs_light
+            && let Some(Err(SpectraError::OutsideTable { first, last, .. })) =
+                parts.iter().map(|part| part.on(&self.grid)).find(Result::is_err)
+        {
+            let (start, stop) = (self.grid.start_nm(), self.grid.stop_nm());
+            self.notes.push(format!(
+                "{key} reaches from {first} to {last} nm, not from {start} to {stop} nm; where this command needs a light, it is one of equal energy"
+            ));
+            return Some(Spectrum::constant(&self.grid, 1.0).into());
+        }
         let sampled = |part: &Part| {
             let on_grid = part.on(&self.grid);
             self.sampled(&part.name, part.origin, on_grid)

@@ -98,6 +98,8 @@ struct Resolver<'a> {
     warnings: Vec<String>,
     notes: Vec<String>,
     inputs: BTreeMap<String, String>,
+    /// Whether the spectra of lights are used: otherwise they need not cover the grid.
+    needs_light: bool,
     /// Light of the maps on the display.
     maps: Vec<maps::MapLight>,
     /// Lobes that may scatter more light than they receive.
@@ -144,14 +146,15 @@ pub(crate) enum Pictured<'a> {
     Given(&'a SourceImage),
 }
 
-/// Resolves a described scenario whose files are in `library`; the picture of `[image]` only if it is requested.
+/// Resolves a described scenario whose files are in `library`; the picture of `[image]` only if it is requested. Without `needs_light`, lights
+/// need not cover the wavelengths.
 pub(crate) fn resolve(
     file: &File,
     library: &Library,
     sources: &Sources,
-    pictured: Pictured<'_>,
+    (pictured, needs_light): (Pictured<'_>, bool),
 ) -> Result<Found, ScenarioErrors> {
-    let mut resolver = Resolver::new(file, library, sources)?;
+    let mut resolver = Resolver { needs_light, ..Resolver::new(file, library, sources)? };
     let scene = resolver.scene(file);
     let patterns = scene.as_ref().map(|scene| resolver.patterns(file, scene)).unwrap_or_default();
     let sparkle = scene.as_ref().and_then(|scene| resolver.sparkle(file, scene));
@@ -182,6 +185,7 @@ impl<'a> Resolver<'a> {
             warnings: Vec::new(),
             notes: Vec::new(),
             inputs: BTreeMap::new(),
+            needs_light: true,
             maps: Vec::new(),
             unbounded: Vec::new(),
             surfaces: Vec::new(),

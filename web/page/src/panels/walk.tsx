@@ -6,7 +6,7 @@ import type { Rows as Cells } from "../model/csv.ts";
 import { count, digits, fixed, plain, signed } from "../model/format.ts";
 import { numberAt } from "../model/json.ts";
 import { fields, viewIndex } from "../state/design.ts";
-import { age, aim, course, progress, run, walk } from "../state/walk.ts";
+import { age, aim, course, fraction, progress, run, target, walk } from "../state/walk.ts";
 import { curvesSvg } from "../plots/curves-svg.ts";
 import { Curves, type Plot } from "../plots/curves.tsx";
 import { dark } from "../state/theme.ts";
@@ -106,10 +106,8 @@ function Rows({ states, target }: { states: readonly WalkState[]; target: number
 }
 
 export function WalkPanel() {
-  const target = aim.value ?? numberAt(fields.value, "solver.relative_error") ?? 0.001;
   const now = progress.value;
   const running = walk.phase.value === "running";
-  const reached = now ? Math.min(1, (target / Math.max(now.relative_error, 1e-12)) ** 2) : 0;
   const states = now?.states.filter((state) => state.view === viewIndex.value) ?? [];
   const plot: Plot = {
     x: course.value.map(([paths]) => paths),
@@ -156,7 +154,7 @@ export function WalkPanel() {
             </option>
           ))}
         </select>
-        <progress max={1} value={walk.phase.value === "done" ? 1 : reached} aria-label="Progress of the run" />
+        <progress max={1} value={walk.phase.value === "done" ? 1 : fraction.value} aria-label="Progress of the run" />
         <span role="status" data-phase={walk.phase.value}>
           {now &&
             `${count(now.paths)} paths in ${fixed(now.seconds, now.seconds < 1 ? 2 : 1)} s, relative error ${digits(100 * now.relative_error, 2)} %`}
@@ -169,7 +167,7 @@ export function WalkPanel() {
         {states.length > 0 && (
           <>
             <div class="scroll" tabindex={0} role="region" aria-label="Monte Carlo and adding">
-              <Rows states={states} target={target} />
+              <Rows states={states} target={target.value} />
             </div>
             <p class="remark">
               {verdictOfAll(states)} <Downloads name="monte-carlo" table={() => tableOf(now?.states ?? [])} />

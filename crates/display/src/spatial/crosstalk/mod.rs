@@ -27,12 +27,13 @@ use self::places::{Gathered, NEIGHBOURS, Wanted, Windows, cell, gather};
 pub use self::result::{CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares};
 use self::surfaces::{Part, Surfaces};
 use super::response::name_of_light;
+use super::target::missed_target;
 use super::{Level, patterns};
 use crate::DisplayError;
 use crate::filtered::Filtered;
 use crate::meter::Meter;
 use crate::run::{Control, Progress, Workers, each};
-use crate::scene::{Matrix, Method, Scene, Stop};
+use crate::scene::{Matrix, Method, Scene};
 use crate::setup::{Setup, ViewPoint};
 
 /// X, Y and Z relative to a perfect white.
@@ -112,25 +113,14 @@ fn result(
 
 /// Warning of errors above the target of the scene: that of shares, and relative ones of contrast ratios.
 fn missed(setup: &Setup, of_shares: f64, views: &[CrosstalkView]) -> Option<String> {
-    let Stop::RelativeError { target, .. } = setup.scene.solver.stop else { return None };
     let of_pattern = |pattern: &PatternColours| {
         Some((pattern.name.name(), pattern.error.contrast_ratio? / pattern.values.contrast_ratio?))
     };
     let all = views.iter().flat_map(|view| &view.patterns).filter_map(of_pattern);
     let (what, most) = all.fold(("shares", of_shares), |most, one| if one.1 > most.1 { one } else { most });
-    let (is_missed, remedy) = match setup.scene.solver.method {
-        // The number of paths is an estimate.
-        Method::MonteCarlo => (most > 1.5 * target, "solver.paths sets the number of paths"),
-        _ => (
-            most > target,
-            "the levels of adding are fixed; `--solver monte-carlo` traces as many paths as the target needs",
-        ),
-    };
     let what =
         if what == "shares" { "the shares".to_owned() } else { format!("the contrast ratio of {what}") };
-    is_missed.then(|| {
-        format!("solver.relative_error = {target} is not met: the error of {what} is {most:.1e}; {remedy}")
-    })
+    missed_target(&setup.scene, most, &what)
 }
 
 /// What all views have in common.
