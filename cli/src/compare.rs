@@ -99,7 +99,7 @@ fn write(folder: &Path, all: &Comparison, title: &str) -> Result<Vec<String>, Fa
         let suffix = if all.views.len() == 1 {
             String::new()
         } else {
-            format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
+            papilio_display::view_in_name(view.theta_deg, view.phi_deg)
         };
         if let Some(svg) = compared_spectra(all, view, title) {
             names.extend(output::write_figure(folder, &format!("compared-spectra{suffix}"), &svg)?);

@@ -98,7 +98,7 @@ impl Frame<'_> {
         }
         let lengths_mm = self.setup.scene.display.lengths_mm()?;
         let at_level = |level| self.prepared((stack, &lengths_mm), view, level);
-        let finest = (finest(&self.setup.stack)? as u32).min(MOST_LEVEL);
+        let finest = (finest(&self.setup)? as u32).min(MOST_LEVEL);
         let target = match &self.setup.scene.solver.stop {
             Stop::RelativeError { target, .. } => *target,
             Stop::Paths(_) | Stop::Target(_) => USUAL,
