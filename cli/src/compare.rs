@@ -105,7 +105,7 @@ fn write(folder: &Path, all: &Comparison, title: &str, png: bool) -> Result<Vec<
         let suffix = if all.views.len() == 1 {
             String::new()
         } else {
-            format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
+            papilio_display::view_in_name(view.theta_deg, view.phi_deg)
         };
         let spectra =
             compared_spectra(all, view, title).map(|svg| (format!("compared-spectra{suffix}"), svg));

@@ -171,6 +171,14 @@ impl From<DisplayError> for Fault {
                 "use a wider one, or the Monte Carlo solver",
             )
             .for_monte_carlo(),
+            DisplayError::TooNarrowInField { width, least } => Self::too_much(
+                format!(
+                    "the diffuser of width {width:.1e} is too narrow for adding in light that depends on azimuth (expected at least {least}): it \
+                     would take hours"
+                ),
+                "use a wider one, or the Monte Carlo solver",
+            )
+            .for_monte_carlo(),
             other => Self::too_much(other.to_string(), ""),
         }
     }

@@ -17,6 +17,9 @@ mod diffuser;
 // The commands are those of a Unix shell.
 #[cfg(unix)]
 mod docs_blocks;
+// Memory and time of a process, as Linux states them.
+#[cfg(target_os = "linux")]
+mod extremes;
 mod figures;
 mod fine_detail;
 mod first_steps;

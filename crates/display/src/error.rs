@@ -226,6 +226,17 @@ pub enum DisplayError {
         /// Largest number of nodes that is attempted.
         most: usize,
     },
+    /// A lobe of an ordinary panel that is too narrow for adding in light that depends on azimuth.
+    #[error(
+        "the diffuser of width {width:.1e} (`width` or `haze` of display.diffuser) is too narrow for adding in light that depends on azimuth, such as that of a map (expected a width of at \
+         least {least}): it would take hours; use the Monte Carlo solver (--solver monte-carlo, or method = \"monte-carlo\")"
+    )]
+    TooNarrowInField {
+        /// Width of the lobe.
+        width: f64,
+        /// The smallest width.
+        least: f64,
+    },
     /// Rows of a table with an error above the limit.
     #[error(
         "{count} of {of} rows of the {table} have a relative error of Y above {most:.1e}; the worst are: {named}{more}\n  \

@@ -27,6 +27,24 @@ pub struct Label {
     pub unit: String,
 }
 
+/// An angle in a text or in the name of a file: in digits, unless that would be a long row of zeros.
+///
+/// ```
+/// use papilio_display::{angle_in_text, view_in_name};
+///
+/// assert_eq!(angle_in_text(-17.5), "-17.5");
+/// assert_eq!(angle_in_text(1e-300), "1e-300");
+/// assert_eq!(view_in_name(20.0, 0.0), "_theta20_phi0");
+/// ```
+pub fn angle_in_text(deg: f64) -> String {
+    if deg != 0.0 && deg.abs() < 1e-6 { format!("{deg:e}") } else { deg.to_string() }
+}
+
+/// The direction of a view at the end of the name of a file.
+pub fn view_in_name(theta_deg: f64, phi_deg: f64) -> String {
+    format!("_theta{}_phi{}", angle_in_text(theta_deg), angle_in_text(phi_deg))
+}
+
 impl Label {
     /// Creates a label.
     pub fn new(quantity: impl Into<String>, unit: impl Into<String>) -> Self {

@@ -111,7 +111,8 @@ pub use designs::{Derivatives, Designs, Parameter, Quantity};
 pub use error::DisplayError;
 pub use half_vectors::{HalfVectorGrid, HalfVectorTable};
 pub use label::{
-    Label, capitalised, label_from_name, labelled_names, metric_label, split_unit, uncapitalised,
+    Label, angle_in_text, capitalised, label_from_name, labelled_names, metric_label, split_unit,
+    uncapitalised, view_in_name,
 };
 pub use lobe_width::LobeWidths;
 pub use lobes::{TransmittedLobe, transmitted_lobes};

@@ -23,7 +23,7 @@ pub fn crosstalk(result: &CrosstalkResult, title: &str) -> Vec<(String, String)>
     let several = result.views.len() > 1;
     let one = |view: &CrosstalkView| {
         let at =
-            if several { format!("_theta{}_phi{}", view.theta_deg, view.phi_deg) } else { String::new() };
+            if several { papilio_display::view_in_name(view.theta_deg, view.phi_deg) } else { String::new() };
         (format!("crosstalk{at}"), of_view(result, view, title))
     };
     result.views.iter().map(one).collect()

@@ -26,7 +26,7 @@ pub fn of_mtf(result: &MtfResult, title: &str) -> Vec<(String, String)> {
     let mut all = Vec::new();
     for view in &result.views {
         let at = if result.views.len() > 1 {
-            format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
+            papilio_display::view_in_name(view.theta_deg, view.phi_deg)
         } else {
             String::new()
         };

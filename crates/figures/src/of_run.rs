@@ -66,5 +66,5 @@ fn several_angles(result: &RunResult) -> bool {
 }
 
 fn suffix(view: &View) -> String {
-    format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
+    papilio_display::view_in_name(view.theta_deg, view.phi_deg)
 }

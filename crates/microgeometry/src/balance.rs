@@ -20,6 +20,9 @@ const PRECISION_OF_FACTORS: f64 = 1e-9;
 const PRECISION_OF_STEP: f64 = 1e-3;
 const STEPS_OF_GRADIENTS: usize = 400;
 
+/// Steps that bring no gain, after which there are no such factors.
+const STEPS_WITHOUT_GAIN: u32 = 8;
+
 /// The largest change of the logarithm of a factor in one step.
 const LONGEST_STEP: f64 = 1.0;
 
@@ -66,7 +69,7 @@ pub(crate) fn balance(light: &mut [f64], wanted: &[f64]) {
 /// The largest relative error of the light of a patch that remains, if no factors make it what is wanted.
 pub(crate) fn factors(light: &[f64], wanted: &[f64]) -> Result<Vec<f64>, f64> {
     let mut factors: Vec<f64> = wanted.iter().map(|wanted| if *wanted > 0.0 { 1.0 } else { 0.0 }).collect();
-    let mut largest = 0.0;
+    let (mut largest, mut best, mut idle) = (0.0, f64::INFINITY, 0);
     for _ in 0..STEPS {
         let sums = times(light, &factors, &vec![1.0; wanted.len()]);
         // A dark patch stays as it is.
@@ -84,6 +87,11 @@ pub(crate) fn factors(light: &[f64], wanted: &[f64]) -> Result<Vec<f64>, f64> {
         if largest <= PRECISION_OF_FACTORS {
             return Ok(factors);
         }
+        idle = if largest < 0.9 * best { 0 } else { idle + 1 };
+        if idle > STEPS_WITHOUT_GAIN {
+            break;
+        }
+        best = largest.min(best);
         let step = conjugate_gradients(light, &factors, &sums, missing);
         let longest = step.iter().fold(0.0, |longest: f64, step| longest.max(step.abs()));
         let damping = if longest > LONGEST_STEP { LONGEST_STEP / longest } else { 1.0 };

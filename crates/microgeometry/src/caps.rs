@@ -4,6 +4,8 @@
 //! the face or in a ball: caps that overlap form their union. Rays are followed through the squares of a grid, each of which knows the caps
 //! that overlap it.
 
+use std::f64::consts::PI;
+
 use papilio_sampling::{SampleStream, Sampler};
 
 use crate::ray::{Face, Met, Ray, Side, dot, moved};
@@ -15,6 +17,9 @@ const SAMPLES_OF_CAP: usize = 32;
 
 /// Squares that a ray may cross before it counts as lost.
 const MOST_SQUARES: usize = 1_000_000;
+
+/// Largest radius of the rims of random caps, in pitches: 200 caps overlap each place.
+const MOST_APERTURE: f64 = 8.0;
 
 /// Way, relative to the radius, by which a ray on a ball may be off by rounding.
 const ROUNDING: f64 = 1e-10;
@@ -46,8 +51,8 @@ pub struct Caps {
     pub lattice: Lattice,
 }
 
-/// Caps along each side of the period of random places.
-const RANDOM_SIDE: usize = 64;
+/// Fewest and most caps along each side of the period of random places.
+const RANDOM_SIDE: [usize; 2] = [64, 128];
 
 /// Caps of a period, sorted into a grid.
 #[derive(Debug)]
@@ -65,6 +70,11 @@ pub(crate) struct Balls {
 impl Balls {
     /// Places the caps. Random places are another set for each replicate.
     pub(crate) fn new(caps: &Caps, replicate: u64) -> Result<Self, MicrogeometryError> {
+        Self::over(caps, replicate, 0.0)
+    }
+
+    /// Places the caps; random ones over a period that is at least this long, um, as far as the largest number of caps allows.
+    pub(crate) fn over(caps: &Caps, replicate: u64, least_um: f64) -> Result<Self, MicrogeometryError> {
         let Caps { pitch_um, radius_um, aperture_um, lattice } = *caps;
         for (what, value) in
             [("pitch (um)", pitch_um), ("radius (um)", radius_um), ("aperture radius (um)", aperture_um)]
@@ -80,6 +90,15 @@ impl Balls {
         if overlap && !matches!(lattice, Lattice::Random { .. }) {
             return Err(MicrogeometryError::CapsOverlap { aperture_um, pitch_um });
         }
+        if aperture_um > MOST_APERTURE * pitch_um {
+            let overlaps = PI * (aperture_um / pitch_um).powi(2);
+            let wrong = format!(
+                "random caps with an aperture radius of {aperture_um} um and a `pitch_um` of {pitch_um} overlap {overlaps:.0} times everywhere \
+                 (expected a `pitch_um` of at least {})",
+                aperture_um / MOST_APERTURE
+            );
+            return Err(MicrogeometryError::RandomFace { wrong });
+        }
         let (period_um, squares, middles) = match lattice {
             Lattice::Square => ([pitch_um; 2], [1; 2], vec![[0.5 * pitch_um; 2]]),
             Lattice::Hexagonal => {
@@ -89,12 +108,14 @@ impl Balls {
             }
             Lattice::Random { seed } => {
                 let numbers = SampleStream::new(Sampler::Random, seed, replicate);
-                let side = RANDOM_SIDE as f64 * pitch_um;
+                let wanted = (least_um / pitch_um).ceil() as usize;
+                let count = wanted.clamp(RANDOM_SIDE[0], RANDOM_SIDE[1]);
+                let side = count as f64 * pitch_um;
                 let place = |cap: usize| {
                     let [x, y, ..] = numbers.block(cap as u64, 0);
                     [side * x, side * y]
                 };
-                ([side; 2], [RANDOM_SIDE; 2], (0..RANDOM_SIDE * RANDOM_SIDE).map(place).collect())
+                ([side; 2], [count; 2], (0..count * count).map(place).collect())
             }
         };
         let mut in_square = vec![Vec::new(); squares[0] * squares[1]];

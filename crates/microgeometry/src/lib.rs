@@ -66,4 +66,4 @@ pub use statistics::Statistics;
 pub use surface::Surface;
 pub use volume::Volume;
 pub use wave_lobes::{Correlation, WaveLobe, wave_lobes};
-pub use waves::{ByWaves, LEAST_G, MOST_SHADOW, MOST_SLOPE, WaveShares, WayShares};
+pub use waves::{ByWaves, LEAST_G, MOST_PHASE, MOST_SHADOW, MOST_SLOPE, WaveShares, WayShares};

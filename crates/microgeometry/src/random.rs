@@ -105,6 +105,9 @@ const CELLS: f64 = 12.0;
 /// Cells in the shortest wavelength of a face for waves, whose phase needs no facets.
 const CELLS_OF_WAVES: f64 = 4.0;
 
+/// Largest rms height over the correlation length: an rms slope of 7.
+const MOST_ASPECT: f64 = 5.0;
+
 /// Fewest correlation lengths along a side.
 const LENGTHS: f64 = 20.0;
 
@@ -174,6 +177,16 @@ impl RandomHeights {
                 wanted: "positive",
             });
         }
+        if let Spectrum::Gaussian { rms_um, correlation_um } | Spectrum::Exponential { rms_um, correlation_um, .. } = spectrum
+            && rms_um > MOST_ASPECT * correlation_um
+        {
+            let wrong = format!(
+                "heights of {rms_um:e} um rms with a correlation length of {correlation_um:e} um are spikes, between which light meets facets without \
+                 end (expected a `correlation_um` of at least {:e} or lower heights)",
+                rms_um / MOST_ASPECT
+            );
+            return Err(MicrogeometryError::RandomFace { wrong });
+        }
         let pitch_um = finest / cells;
         let cells = (LENGTHS * longest.max(finest) / pitch_um).ceil() as usize;
         if cells > SIDE[1] {
@@ -222,6 +235,12 @@ impl RandomHeights {
                 false => 0.0,
             },
         }
+    }
+
+    /// The same statistics over a square whose side is at least this long, as far as the largest number of heights allows.
+    pub(crate) fn over(&self, least_um: f64) -> Self {
+        let wanted = (least_um / self.pitch_um).ceil().min(SIDE[1] as f64) as usize;
+        Self { side: self.side.max(wanted.next_power_of_two()), ..self.clone() }
     }
 
     /// Heights of a replicate, periodic in both directions.

@@ -80,11 +80,20 @@ impl Surface {
     /// # Errors
     /// Surfaces without heights: meshes and volumes; those that cannot be made.
     pub fn heights(&self, replicate: u64) -> Result<HeightMap, MicrogeometryError> {
+        self.heights_over(replicate, 0.0)
+    }
+
+    /// As [`heights`](Self::heights), of a random surface over a square whose side is at least this long, um, as far as the largest number of
+    /// heights allows.
+    ///
+    /// # Errors
+    /// As [`heights`](Self::heights).
+    pub fn heights_over(&self, replicate: u64, least_um: f64) -> Result<HeightMap, MicrogeometryError> {
         match self {
             Self::Flat => Ok(HeightMap::flat()),
-            Self::Caps(caps) => Balls::new(caps, replicate)?.sampled(),
+            Self::Caps(caps) => Balls::over(caps, replicate, least_um)?.sampled(),
             Self::Heights(map) => Ok(map.clone()),
-            Self::Random(random) => random.for_waves()?.realisation(replicate),
+            Self::Random(random) => random.for_waves()?.over(least_um).realisation(replicate),
             Self::Mesh(_) => Err(MicrogeometryError::NoHeights { surface: "a mesh" }),
             Self::Volume(_) => Err(MicrogeometryError::NoHeights { surface: "a volume" }),
         }

@@ -111,8 +111,11 @@ pub const MOST_SHADOW: f64 = 0.44;
 /// Smallest square of the rms phase of surfaces that rays describe.
 pub const LEAST_G: f64 = 10.0;
 
-/// Largest rms phase of surfaces that are measured by waves; far beyond it, scattering has as many orders as its square.
-const MOST_PHASE: f64 = 300.0;
+/// Largest rms phase, radians, of surfaces whose light is computed by waves; far beyond it, scattering has as many orders as its square.
+pub const MOST_PHASE: f64 = 300.0;
+
+/// Fraction of the light of an order of scattering that does not matter.
+const LITTLE: f64 = 1e-18;
 
 /// A measurement by waves.
 #[derive(Debug, Clone, PartialEq)]
@@ -313,9 +316,10 @@ pub(crate) fn poisson(g: f64) -> impl Iterator<Item = (f64, f64)> {
     let most = (g + 40.0 * g.sqrt() + 40.0) as u64;
     // By logarithms, which do not overflow.
     let mut log_weight = -g;
-    (1..=most).map(move |m| {
+    let all = (1..=most).map(move |m| {
         let m = m as f64;
         log_weight += (g / m).ln();
         (m, log_weight.exp())
-    })
+    });
+    all.filter(|(_, weight)| *weight > LITTLE)
 }

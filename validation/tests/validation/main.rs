@@ -20,6 +20,7 @@ mod numerical_integration;
 mod optimize;
 mod random_scenarios;
 mod reference_pixel;
+mod sparkle;
 mod spatial;
 mod table_5_3;
 mod two_solvers;

@@ -93,7 +93,7 @@ fn figures(all: &Comparison, title: &str) -> Vec<Figure> {
     for view in &all.views {
         let suffix = match all.views.len() {
             1 => String::new(),
-            _ => format!("_theta{}_phi{}", view.theta_deg, view.phi_deg),
+            _ => papilio_display::view_in_name(view.theta_deg, view.phi_deg),
         };
         if let Some(svg) = compared_spectra(all, view, title) {
             figures.push(Figure { name: format!("compared-spectra{suffix}"), svg });

@@ -18,6 +18,7 @@ use papilio_optics::scatter::Scatter;
 use papilio_transport::adding::{Narrowness, error_over_difference, narrowest, nodes_needed};
 use papilio_transport::{Interface, Reflector, Source, Stack};
 
+use super::refine::{is_turned, width_of_panel};
 use super::walk::{self, FIRST_PATHS};
 use super::{Control, Run, adding_seconds};
 use crate::DisplayError;
@@ -94,7 +95,7 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
     };
     let adding_s = match adding(run.setup, target) {
         Ok(seconds) => Some(seconds),
-        Err(DisplayError::TooNarrow { .. }) => None,
+        Err(DisplayError::TooNarrow { .. } | DisplayError::TooNarrowInField { .. }) => None,
         Err(error) => return Err(error),
     };
     if is_too_thick(scene) {
@@ -129,7 +130,7 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
 
 /// Estimates the work of adding, in seconds, at the level that the target is expected to need.
 fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
-    super::refine::finest(&setup.stack)?;
+    super::refine::finest(&setup)?;
     let nodes = |level: u32| nodes_needed(&setup.stack, level).max(1) as f64;
     let level = level_needed(target, error_over_difference(&setup.stack, &setup.sources));
     let more = (nodes(level) / nodes(1)).powi(3);
@@ -183,19 +184,20 @@ fn panel_seconds(setup: &Setup) -> f64 {
     const FIELD: f64 = 1e-2;
     const FIELD_ONCE: f64 = 2e-2;
     const NARROW: f64 = 2e-2;
+    /// Width of a lobe below which its azimuthal orders and their radii take most of the work of an environment.
+    const FIELD_WIDTH: f64 = 5e-3;
     let (rings, fields): (Vec<_>, Vec<_>) = setup
         .sources
         .iter()
         .filter(|source| matches!(source, Source::Field(_)))
         .partition(|field| !is_turned(field));
     let (rings, fields) = (rings.len() as f64, fields.len() as f64);
+    let widths =
+        width_of_panel(&setup.stack).map_or(0.0, |width| (FIELD_WIDTH / width).powi(2));
     let narrow = if error_over_difference(&setup.stack, &setup.sources) > 1.0 { NARROW } else { 0.0 };
-    setup.views.len() as f64 * (VIEW + RING * rings + FIELD * fields) + FIELD_ONCE * fields + narrow
-}
-
-/// Returns whether a source is an environment that depends on azimuth.
-fn is_turned(source: &Source) -> bool {
-    matches!(source, Source::Field(field) if !field.is_ring())
+    setup.views.len() as f64 * (VIEW + RING * rings + FIELD * fields)
+        + (1.0 + widths) * FIELD_ONCE * fields
+        + narrow
 }
 
 /// Returns the level of adding at which two levels are expected to agree within the target.

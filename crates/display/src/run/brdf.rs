@@ -32,7 +32,7 @@ pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<Brdf
     let setup = Setup::new(scene)?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
-    let survey = Survey::new(&setup, control, &grid, finest(&setup.stack)?);
+    let survey = Survey::new(&setup, control, &grid, finest(&setup)?);
     let table = survey.run(pool).ok_or(DisplayError::Interrupted)?;
     let finite = |state: &BrdfState| {
         state.brdf.iter().all(|value| value.is_finite())

@@ -45,7 +45,7 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let run = Run { scene: &everywhere, ..Run::new(&setup, control, &meter) };
-    let finest = finest(&setup.stack)?;
+    let finest = finest(&setup)?;
     let equivalent = equivalent_azimuths(&grid.phi_deg, &scene.lighting);
     let angle_index = angle_index(scene)?;
     let views_deg = views_deg(scene);

@@ -2,24 +2,52 @@
 
 use std::collections::HashSet;
 
-use papilio_transport::Stack;
+use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::{FINEST, MOST_NODES, Narrowness, narrowest, nodes_needed};
+use papilio_transport::{Diffuser, Panel, Source, Stack, Top};
 
 use crate::DisplayError;
 use crate::meter::relative;
 use crate::pixel::state_names;
 use crate::scene::{Layers, Pixel, Scene};
-use crate::setup::layers_alone;
+use crate::setup::{Setup, layers_alone};
 
-/// Returns the finest level that can be computed for the layers.
+/// Width of the narrowest lobe of an ordinary panel below which adding does not compute light that depends on azimuth, such as that of a
+/// map: its orders and their radii increase as 1/width each. This one takes half a minute and half a gigabyte.
+const NARROWEST_IN_FIELDS: f64 = 2e-4;
+
+/// Returns the finest level that can be computed for the layers of a display.
 ///
 /// # Errors
-/// If even the second level has too many nodes.
-pub(crate) fn finest(stack: &Stack) -> Result<usize, DisplayError> {
+/// If even the second level has too many nodes; if the lobe of an ordinary panel is too narrow for its light.
+pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
+    let stack = &setup.stack;
+    if let Some(width) = width_of_panel(stack)
+        && width < NARROWEST_IN_FIELDS
+        && setup.sources.iter().any(is_turned)
+    {
+        return Err(DisplayError::TooNarrowInField { width, least: NARROWEST_IN_FIELDS });
+    }
     let fits = |level: &u32| nodes_needed(stack, *level) <= MOST_NODES;
     match (0..=FINEST).take_while(fits).last() {
         Some(level) if level > 0 => Ok(level as usize),
         _ => Err(too_narrow(stack)),
+    }
+}
+
+/// Returns whether a source is an environment that depends on azimuth.
+pub(crate) fn is_turned(source: &Source) -> bool {
+    matches!(source, Source::Field(field) if !field.is_ring())
+}
+
+/// Width of the lobe of an ordinary panel.
+pub(crate) fn width_of_panel(stack: &Stack) -> Option<f64> {
+    match stack {
+        Stack::Panel(Panel {
+            top: Top::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }),
+            ..
+        }) => Some(*width),
+        _ => None,
     }
 }
 

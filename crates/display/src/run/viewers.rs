@@ -47,7 +47,7 @@ pub fn brdf_at_viewers<G: ViewerGrid>(
     let lights = grid.theta_i_deg().to_vec();
     let sampled =
         BrdfGrid { theta_i_deg: lights.clone(), theta_o_deg: lights, dphi_deg: SAMPLED_DPHI_DEG.to_vec() };
-    let survey = Survey::new(&setup, control, &sampled, finest(&setup.stack)?);
+    let survey = Survey::new(&setup, control, &sampled, finest(&setup)?);
     let viewers = (0..grid.theta_i_deg().len()).map(|light| grid.viewers(light).0).collect();
     let of_viewers = OfViewers { survey, viewers };
     let table = of_viewers.run(grid, pool).ok_or(DisplayError::Interrupted)?;

@@ -14,7 +14,8 @@ use papilio_optics::Beta;
 use papilio_spectra::Spectrum;
 use papilio_transport::spatial::Gap;
 use papilio_transport::spatial::sparkle::{
-    Deflection, Effort, Face, Matrix, Panel, Pixel, Plan, Pupil, Room, Source, Window, band_contrast, closed,
+    Deflection, Effort, Face, Matrix, Panel, Pixel, PixelLight, Plan, Pupil, Room, Source, Window,
+    band_contrast, closed,
 };
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -288,13 +289,14 @@ impl SparkleMap {
     const COLUMNS: usize = 24;
 
     /// Places faces side by side, in rows of as many as fit.
-    fn new(faces: &[Vec<[f64; 3]>], [columns, rows]: [usize; 2], mean: f64) -> Self {
+    fn new(faces: &[Vec<[PixelLight; 3]>], [columns, rows]: [usize; 2], mean: f64) -> Self {
         let across = (Self::COLUMNS / columns).clamp(1, faces.len());
         let mut values = Vec::new();
         for abreast in faces.chunks_exact(across) {
             for row in 0..rows {
-                let of = |face: &'_ Vec<[f64; 3]>| face[row * columns..(row + 1) * columns].to_vec();
-                values.extend(abreast.iter().flat_map(of).map(|light| light[0] / mean));
+                let of = |face: &'_ Vec<[PixelLight; 3]>| face[row * columns..(row + 1) * columns].to_vec();
+                let light = |[[one, other], ..]: [PixelLight; 3]| 0.5 * (one + other) / mean;
+                values.extend(abreast.iter().flat_map(of).map(light));
             }
         }
         Self { columns: across * columns, values }

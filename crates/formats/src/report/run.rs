@@ -1,5 +1,6 @@
 //! The tables and lines about a run that the terminal and `report.html` share.
 
+use papilio_display::angle_in_text;
 use papilio_display::result::{ReferenceWhite, RunResult, State, StateValues, View, ViewMetrics};
 
 use super::numbers::{measured, percent};
@@ -48,8 +49,12 @@ const PEAK: &str = "peak (nm)";
 /// The direction of a view.
 pub fn seen_from(view: &View, in_glass: bool) -> String {
     let medium = if in_glass { " in glass" } else { "" };
-    let azimuth = if view.phi_deg == 0.0 { String::new() } else { format!(", azimuth {} deg", view.phi_deg) };
-    format!("seen from {} deg{medium}{azimuth}", view.theta_deg)
+    let azimuth = if view.phi_deg == 0.0 {
+        String::new()
+    } else {
+        format!(", azimuth {} deg", angle_in_text(view.phi_deg))
+    };
+    format!("seen from {} deg{medium}{azimuth}", angle_in_text(view.theta_deg))
 }
 
 /// The states of a view: a head, and a row for each state.
@@ -214,7 +219,7 @@ pub fn rows_of_views(result: &RunResult) -> Vec<Vec<String>> {
         let state = view.states.get(name);
         state.map_or("-".to_owned(), |s| measured(Some(s.value.Y), Some(s.standard_error.Y), 4))
     };
-    let angles = |view: &View| vec![view.theta_deg.to_string(), view.phi_deg.to_string()];
+    let angles = |view: &View| vec![angle_in_text(view.theta_deg), angle_in_text(view.phi_deg)];
     let mut rows = vec![["theta (deg)", "phi (deg)"].map(str::to_owned).to_vec()];
     if has_white_and_black {
         let titles =

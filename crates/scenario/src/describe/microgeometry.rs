@@ -4,7 +4,8 @@ use super::Title;
 use super::display::MaterialSpec;
 use super::layers::CoatingFilm;
 use super::numbers::{
-    AzimuthStep, Count, Inclination, Index, InnerShare, RmsHeight, Seed, Share, SurfaceLength, Wavelength,
+    AzimuthStep, Count, Inclination, InnerShare, RmsHeight, Seed, Share, SurfaceIndex, SurfaceLength,
+    Wavelength,
 };
 use crate::grammar::{choice, forms, kinds, table};
 use crate::read::Spanned;
@@ -49,9 +50,9 @@ macro_rules! surface {
             $name {
                 $($own)*
                 /// Refractive index of the medium above, towards which heights are counted.
-                index_above as "Index above": Index = Index(1.0),
+                index_above as "Index above": SurfaceIndex = SurfaceIndex(1.0),
                 /// Refractive index of the medium below.
-                index_below as "Index below": Index = Index(1.5),
+                index_below as "Index below": SurfaceIndex = SurfaceIndex(1.5),
                 /// What lies on every facet. Default: nothing.
                 coating: Option<FaceCoating>,
                 /// Inclinations of the light, in its own medium. Default: 0 to 85 deg in steps of 5 deg.
@@ -176,13 +177,13 @@ table! {
         /// Length of a fibre without its hemispherical ends. Default: spheres.
         length_um: Option<SurfaceLength>,
         /// Refractive index of the particles; 1 for voids.
-        index as "Index of the particles": Index,
+        index as "Index of the particles": SurfaceIndex,
         /// Fraction of the slab that the particles fill.
         volume_fraction: InnerShare,
         /// Thickness of the slab.
         thickness_um: SurfaceLength,
         /// Refractive index of the matrix.
-        matrix_index as "Index of the matrix": Index = Index(1.5),
+        matrix_index as "Index of the matrix": SurfaceIndex = SurfaceIndex(1.5),
         /// Inclinations of the light, in the matrix. Default: 0 to 85 deg in steps of 5 deg.
         incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
         /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg. Default: the slab is turned about its normal.

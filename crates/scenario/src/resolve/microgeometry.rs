@@ -7,7 +7,7 @@ use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace, WaveFace, WaveLight};
 use papilio_formats::read_face;
 use papilio_microgeometry::{
-    Coating, Correlation, FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES,
+    Coating, Correlation, FaceKernels, FaceTable, Goniometer, MOST_PHASE, MicrogeometryError, REPLICATES,
     Spectrum as Heights, Surface, WaveLobe, wave_lobes,
 };
 use papilio_optics::lobe::{BalancedLobe, FaceLight, FaceLobe};
@@ -212,9 +212,24 @@ impl Resolver<'_> {
             (FaceLight::Reflected([above, below]), 2.0 * above),
             (FaceLight::Reflected([below, above]), 2.0 * below),
         ];
+        let wavelengths_nm = self.grid.wavelengths_nm();
+        let shortest_um = 1e-3 * wavelengths_nm.iter().copied().fold(f64::INFINITY, f64::min);
+        let per_um =
+            kinds.map(|(_, path)| 2.0 * PI * path.abs() / shortest_um).into_iter().fold(0.0, f64::max);
+        if per_um * rms_um > MOST_PHASE {
+            let wrong = Diagnostic::new(format!(
+                "heights of {:e} nm rms are too many wavelengths for waves",
+                1e3 * rms_um
+            ))
+            .expected(format!("a `rms_nm` of at most {:.0} here", 1e3 * MOST_PHASE / per_um))
+            .hint("`road = \"rays\"` describes such a surface");
+            let at = if face.rms_nm.value.is_some() { face.rms_nm.origin } else { face.surface.origin };
+            self.errors.push(at, wrong);
+            return None;
+        }
         let lights = kinds.map(|(light, path)| {
             let phase = 2.0 * PI * path.abs() * rms_um;
-            let lobes = wave_lobes(correlation, phase, correlation_um, &self.grid.wavelengths_nm());
+            let lobes = wave_lobes(correlation, phase, correlation_um, &wavelengths_nm);
             let one = |lobe: WaveLobe| (balanced(lobe.lobe, light), Spectrum::from_values(lobe.fractions));
             WaveLight::new(lobes.into_iter().map(one).collect(), self.grid.len())
         });

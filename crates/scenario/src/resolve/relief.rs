@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use papilio_display::spatial::{Cells, Relief, Tile};
+use papilio_display::spatial::{Cells, Extent, Relief, Tile};
 use papilio_microgeometry::{HeightMap, Statistics, Surface};
 use papilio_sampling::SampleStream;
 
@@ -12,8 +12,7 @@ const UM: f64 = 1e-3;
 #[derive(Debug)]
 pub(super) struct SurfaceRelief {
     surface: Surface,
-    /// Area of a height map without its mirror images, um².
-    known_um2: Option<f64>,
+    extent: Extent,
     heights: OnceLock<Heights>,
 }
 
@@ -29,20 +28,22 @@ struct Heights {
 impl SurfaceRelief {
     /// Returns `None` for a surface that is flat, or that is not described by heights.
     pub(super) fn new(surface: Surface, is_mirrored: bool) -> Option<Self> {
-        let known_um2 = match &surface {
+        let extent = match &surface {
             Surface::Flat | Surface::Mesh(_) | Surface::Volume(_) => return None,
+            // Of a map with its mirror images, a quarter is known.
             Surface::Heights(map) if is_mirrored => {
-                let [width, height] = map.period_um();
-                Some(0.25 * width * height)
+                let [width, height] = map.period_um().map(|period| UM * period);
+                Extent::Known { area_mm2: 0.25 * width * height }
             }
-            Surface::Heights(_) | Surface::Caps(_) | Surface::Random(_) => None,
+            surface if surface.is_random() => Extent::Drawn,
+            Surface::Heights(_) | Surface::Caps(_) | Surface::Random(_) => Extent::Periodic,
         };
-        Some(Self { surface, known_um2, heights: OnceLock::new() })
+        Some(Self { surface, extent, heights: OnceLock::new() })
     }
 
     fn heights(&self) -> &Heights {
         self.heights.get_or_init(|| {
-            let map = self.realisation(0).unwrap_or_else(HeightMap::flat);
+            let map = self.realisation(0, [0.0; 2]);
             let Statistics { rms_um, slope_rms: [x, y], correlation_um, .. } = Statistics::of(&map);
             let slope_rms = (0.5 * (x * x + y * y)).sqrt();
             let rms_mm = UM * rms_um;
@@ -53,9 +54,10 @@ impl SurfaceRelief {
         })
     }
 
-    /// Heights of a replicate; `None` if they cannot be made, which the check of the surface has excluded.
-    fn realisation(&self, replicate: u64) -> Option<HeightMap> {
-        self.surface.heights(replicate).ok()
+    /// Heights of a replicate, of a random surface over `wanted_mm` or more. The check of the surface has excluded that they cannot be made.
+    fn realisation(&self, replicate: u64, wanted_mm: [f64; 2]) -> HeightMap {
+        let least_um = wanted_mm[0].max(wanted_mm[1]) / UM;
+        self.surface.heights_over(replicate, least_um).unwrap_or_else(|_| HeightMap::flat())
     }
 }
 
@@ -75,10 +77,7 @@ fn piece(map: &HeightMap, numbers: &SampleStream, wanted_mm: [f64; 2]) -> Height
 impl Relief for SurfaceRelief {
     fn tile(&self, numbers: &SampleStream, wanted_mm: [f64; 2]) -> Tile {
         let map = match self.surface.is_random() {
-            true => {
-                let map = self.realisation(numbers.uniform_int(u64::from(u32::MAX)));
-                piece(&map.unwrap_or_else(HeightMap::flat), numbers, wanted_mm)
-            }
+            true => self.realisation(numbers.uniform_int(u64::from(u32::MAX)), wanted_mm),
             false => piece(&self.heights().map, numbers, wanted_mm),
         };
         let count = [map.columns(), map.rows()];
@@ -99,7 +98,7 @@ impl Relief for SurfaceRelief {
         self.heights().correlation_mm
     }
 
-    fn area_mm2(&self) -> Option<f64> {
-        self.known_um2.map(|area| UM * UM * area)
+    fn extent(&self) -> Extent {
+        self.extent
     }
 }

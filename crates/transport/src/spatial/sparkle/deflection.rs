@@ -92,15 +92,22 @@ impl Pupil {
 
 /// Directions that fill a disc around one, foreshortened along its plane of incidence, with equal weights. `rings` 0 is the centre alone.
 pub(super) fn directions(around: Beta, radius: f64, rings: usize) -> Vec<Beta> {
+    let points = disc(if radius > 0.0 { rings } else { 0 });
+    points.into_iter().map(|point| foreshortened(around, radius, point)).collect()
+}
+
+/// A direction within a disc around one, uniformly distributed for uniform numbers.
+pub(super) fn direction(around: Beta, radius: f64, [s, t]: [f64; 2]) -> Beta {
+    let (sin, cos) = (std::f64::consts::TAU * t).sin_cos();
+    foreshortened(around, radius, [s.sqrt() * cos, s.sqrt() * sin])
+}
+
+/// The change of a direction to a point of the unit disc around it, foreshortened along its plane of incidence.
+fn foreshortened(around: Beta, radius: f64, [u, v]: [f64; 2]) -> Beta {
     let b = around.length();
     let along = if b > 0.0 { [around.x / b, around.y / b] } else { [1.0, 0.0] };
-    let cosine = normal(1.0, b * b);
-    let points = disc(if radius > 0.0 { rings } else { 0 });
-    let moved = points.into_iter().map(|[u, v]| {
-        let (u, v) = (radius * cosine * u, radius * v);
-        Beta { x: u * along[0] - v * along[1], y: u * along[1] + v * along[0] }
-    });
-    moved.collect()
+    let (u, v) = (radius * normal(1.0, b * b) * u, radius * v);
+    Beta { x: u * along[0] - v * along[1], y: u * along[1] + v * along[0] }
 }
 
 /// Points of the unit disc with equal weights: the centre and `rings` rings of 6, 12, ... points.

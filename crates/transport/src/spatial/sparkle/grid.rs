@@ -74,11 +74,30 @@ impl<T: Copy + std::ops::Mul<f64, Output = T> + std::iter::Sum> Grid<T> {
 }
 
 impl Grid<Complex64> {
-    /// Half of the difference between the next cell and the one before, along x or y.
-    pub(super) fn difference(&self, cell: usize, [x, y]: [usize; 2]) -> Complex64 {
-        let [columns, rows] = self.cells.count;
-        let (column, row) = (cell % columns, cell / columns);
-        let value = |column: usize, row: usize| self.values[row % rows * columns + column % columns];
-        0.5 * (value(column + x, row + y) - value(column + columns - x, row + rows - y))
+    /// Value at a place by cubic interpolation (Catmull and Rom), which keeps the mean square of waves of a few cells.
+    #[inline]
+    pub(super) fn smooth_at(&self, place: [f64; 2]) -> Complex64 {
+        let (columns, rows) = (self.nearest(0, place[0]), self.nearest(1, place[1]));
+        let along = |row: usize| -> Complex64 {
+            let values = &self.values[row * self.cells.count[0]..];
+            columns.iter().map(|(column, weight)| values[*column] * *weight).sum()
+        };
+        rows.iter().map(|(row, weight)| along(*row) * *weight).sum()
+    }
+
+    /// The four cells along an axis nearest to a coordinate, and their weights.
+    #[inline]
+    fn nearest(&self, axis: usize, coordinate: f64) -> [(usize, f64); 4] {
+        let count = self.cells.count[axis];
+        let (cell, next, t) = self.beside(axis, coordinate);
+        let before = if cell == 0 { count - 1 } else { cell - 1 };
+        let after = if next + 1 == count { 0 } else { next + 1 };
+        let (s, half) = (1.0 - t, 0.5 * t * (1.0 - t));
+        [
+            (before, -half * s),
+            (cell, s + half * (2.0 * s - t)),
+            (next, t + half * (2.0 * t - s)),
+            (after, -half * t),
+        ]
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use num_complex::Complex64;
+use papilio_fourier::Plane;
 use papilio_optics::Beta;
 use papilio_sampling::{SampleStream, Sampler};
 
@@ -10,8 +11,9 @@ use super::super::{Cells, Gap};
 use super::Matrix;
 use super::deflection::{Deflection, Pupil, directions};
 use super::faces::FaceSampler;
-use super::relief::{Face, ReliefSampler};
-use super::room::{Pixel, Room};
+use super::meetings::Meetings;
+use super::relief::{Extent, Face, ReliefSampler};
+use super::room::{Pixel, Room, Source};
 use super::statistics::{Deviation, Moments, Sparkle};
 
 /// A panel below a rough face, and its viewer.
@@ -71,6 +73,13 @@ pub enum SparkleError {
         /// The largest number.
         most: f64,
     },
+    /// A random relief repeats within the part of it that the light of a pixel meets.
+    ShortPeriod {
+        /// Its period, mm.
+        period_mm: f64,
+        /// The least period, mm.
+        least_mm: f64,
+    },
     /// A relief is too steep.
     Steep {
         /// Its root mean square slope.
@@ -85,7 +94,12 @@ impl fmt::Display for SparkleError {
             Self::TooFine { cells, most } => write!(
                 f,
                 "one face needs {cells:.1e} cells (expected {most:.1e} at most): the correlation length is too far below the \
-                 pitch or above it, or a source is too small for a pinhole"
+                 pitch or above it, the face spreads the light of a pixel too widely, or a source is too small for a pinhole"
+            ),
+            Self::ShortPeriod { period_mm, least_mm } => write!(
+                f,
+                "the random surface repeats after {period_mm:.3} mm, and the light of a pixel meets {least_mm:.3} mm of it (expected no \
+                 repetition): its structures are too fine for these pixels and this distance of face and pixels"
             ),
             Self::Steep { slope_rms } => write!(
                 f,
@@ -104,10 +118,7 @@ const MOST_CELLS: f64 = 4e6;
 /// Largest root mean square slope of a relief.
 const STEEPEST: f64 = 0.3;
 
-/// A period of a face in correlation lengths: waves of longer periods have 1e-3 of the power of slopes.
-const PERIOD: f64 = 8.0;
-
-/// Most rings of points in the pupil, and in a source.
+/// Most rings of points in the pupil.
 const MOST_RINGS: f64 = 6.0;
 
 /// Where the slopes of a replicate come from.
@@ -125,10 +136,13 @@ pub struct Plan {
     pub(super) of_pixel: [usize; 2],
     sampler: Slopes,
     pub(super) view: Deflection,
-    /// Views of the pupil: directions relative to the middle, places on the pixel plane relative to those of the middle.
-    pub(super) pupil: Vec<(Beta, [f64; 2])>,
-    /// Illuminance, deflection and directions of each source.
-    pub(super) entering: Vec<(f64, Deflection, Vec<Beta>)>,
+    /// Views of the pupil: places on the pixel plane relative to those of the middle.
+    pub(super) pupil: Vec<[f64; 2]>,
+    /// Deflection of each source.
+    pub(super) entering: Vec<Deflection>,
+    pub(super) meetings: Meetings,
+    /// Transform of the cells.
+    pub(super) plane: Plane,
 }
 
 impl Plan {
@@ -139,19 +153,22 @@ impl Plan {
     pub fn new(panel: Panel, effort: Effort) -> Result<Self, SparkleError> {
         check(&panel, &effort)?;
         let view = Deflection::new(&panel.media, panel.view);
-        let (cells, of_pixel, sampler) = cells(&panel, &view, &effort)?;
+        let of_source = |source: &Source| Deflection::new(&panel.media, source.beta);
+        let entering: Vec<Deflection> = panel.room.sources.iter().map(of_source).collect();
+        let meetings = Meetings::new(&panel, &view, &entering);
+        let (cells, of_pixel, sampler) = cells(&panel, &view, &meetings, &effort)?;
         let rings = pupil_rings(&panel, &view);
         let pupil = directions(panel.view, panel.pupil.radius(), rings)
             .into_iter()
-            .map(|beta| (beta, view.shift(beta).map(|place| -place)))
+            .map(|beta| view.shift(beta).map(|place| -place))
             .collect();
-        let entering = panel.room.sources.iter().map(|source| {
-            let deflection = Deflection::new(&panel.media, source.beta);
-            let reach = source.radius() * largest(deflection.place_per_beta_mm);
-            let rings = (3.0 * reach / panel.face.detail_mm()).ceil().clamp(1.0, MOST_RINGS) as usize;
-            (source.illuminance, deflection, directions(source.beta, source.radius(), rings))
-        });
-        Ok(Self { effort, cells, of_pixel, sampler, view, pupil, entering: entering.collect(), panel })
+        let plane = Plane::new(cells.count);
+        Ok(Self { effort, cells, of_pixel, sampler, view, pupil, entering, meetings, plane, panel })
+    }
+
+    /// True if mirror-like pixels show images of sources.
+    pub(super) fn images_sources(&self) -> bool {
+        self.panel.pixel == Pixel::Mirror && !self.panel.room.sources.is_empty()
     }
 
     /// Number of pixels of one replicate.
@@ -172,9 +189,11 @@ impl Plan {
     /// Of a face of which a certain area is known, replicates are not independent: the errors contain those of the pixels that this
     /// area holds.
     pub fn sparkle(&self, replicates: &[[Moments; 3]]) -> Sparkle {
-        let known = self.panel.face.relief().and_then(|relief| relief.area_mm2());
         let apart = self.panel.matrix.pitch_mm.map(|pitch| pitch.max(2.0 * self.panel.face.correlation_mm()));
-        let independent = known.map(|area| (area / (apart[0] * apart[1])).max(1.0));
+        let independent = match self.panel.face.extent() {
+            Extent::Known { area_mm2 } => Some((area_mm2 / (apart[0] * apart[1])).max(1.0)),
+            Extent::Drawn | Extent::Periodic => None,
+        };
         let deviation = |k: usize| {
             let moments: Vec<_> = replicates.iter().map(|moments| moments[k]).collect();
             let found = Deviation::new(&moments);
@@ -255,17 +274,23 @@ fn check(panel: &Panel, effort: &Effort) -> Result<(), SparkleError> {
 fn cells(
     panel: &Panel,
     view: &Deflection,
+    meetings: &Meetings,
     effort: &Effort,
 ) -> Result<(Cells, [usize; 2], Slopes), SparkleError> {
     let pitch = panel.matrix.pitch_mm;
     let width = cell_width(panel, view, effort);
     let of_pixel = pitch.map(|pitch| smooth((pitch / width).ceil()));
     let per_pixel = of_pixel[0] * of_pixel[1];
-    let least = pitch.map(|pitch| (PERIOD * panel.face.detail_mm() / pitch).ceil().max(1.0));
     let affordable = MOST_CELLS / per_pixel;
     let too_fine = |pixels: f64| SparkleError::TooFine { cells: pixels * per_pixel, most: MOST_CELLS };
+    let in_pixels = |mm: [f64; 2]| [0, 1].map(|axis| (mm[axis] / pitch[axis]).ceil().max(1.0));
+    let (mut least, best) = (in_pixels(meetings.least_mm), in_pixels(meetings.best_mm));
     if least[0] * least[1] > affordable {
         return Err(too_fine(least[0] * least[1]));
+    }
+    // Directions beyond the period of the face find other parts of it again, of which the mean is one of many.
+    if best[0] * best[1] <= affordable {
+        least = best;
     }
     let wanted = (effort.pixels as f64 / effort.replicates as f64).ceil().min(affordable);
     // About square in pixels, unless the correlation length demands another number along an axis.
@@ -284,6 +309,14 @@ fn cells(
     // The cells are as large as a piece of the face, which is no whole number of pixels: the rest of the last ones is not used. A piece
     // that is smaller than a pixel repeats.
     let tile = relief.tile(&SampleStream::new(Sampler::Random, effort.seed, 0), period_mm).cells;
+    if relief.extent() == Extent::Drawn
+        && let Some(axis) = (0..2).find(|axis| tile.period_mm[*axis] < meetings.least_mm[*axis])
+    {
+        return Err(SparkleError::ShortPeriod {
+            period_mm: tile.period_mm[axis],
+            least_mm: meetings.least_mm[axis],
+        });
+    }
     let size = [0, 1].map(|axis| pitch[axis] / of_pixel[axis]);
     let of_tile = [0, 1].map(|axis| (tile.period_mm[axis] / size[axis]).round().max(1.0));
     let repeats = [0, 1].map(|axis| (of_pixel[axis] / of_tile[axis]).ceil());
@@ -317,16 +350,11 @@ fn cell_width(panel: &Panel, view: &Deflection, effort: &Effort) -> f64 {
     sources.fold(even, f64::min)
 }
 
-/// Rings of points in the pupil: close enough for the face, and for the images of sources.
+/// Rings of points in the pupil, close enough for the face.
 fn pupil_rings(panel: &Panel, view: &Deflection) -> usize {
     let radius = panel.pupil.radius();
     let reach = radius * largest(view.place_per_beta_mm);
-    let mut rings = (3.0 * reach / panel.face.detail_mm()).ceil().max(1.0);
-    if panel.pixel == Pixel::Mirror {
-        let smallest = panel.room.sources.iter().map(|source| source.radius()).fold(f64::INFINITY, f64::min);
-        rings = rings.max((1.5 * radius / smallest).ceil());
-    }
-    rings.min(MOST_RINGS) as usize
+    (3.0 * reach / panel.face.detail_mm()).ceil().clamp(1.0, MOST_RINGS) as usize
 }
 
 fn largest([xx, _, yy]: [f64; 3]) -> f64 {

@@ -22,7 +22,8 @@ pub struct Tile {
 
 /// A face whose heights are not those of [`RandomFace`].
 pub trait Relief: fmt::Debug + Send + Sync {
-    /// A random piece of the face, always of the same size for the same `wanted_mm`: about as large, or more, if the face is.
+    /// A random piece of the face, always of the same size for the same `wanted_mm`: about as large, or more, if the face is; of a drawn
+    /// face, as large or larger if it can be.
     fn tile(&self, numbers: &SampleStream, wanted_mm: [f64; 2]) -> Tile;
 
     /// Root mean square height, mm, above 0.
@@ -34,8 +35,22 @@ pub trait Relief: fmt::Debug + Send + Sync {
     /// Distance at which the correlation of heights is 1/e, mm.
     fn correlation_mm(&self) -> f64;
 
-    /// Area that is known, mm²; `None` if each replicate is another realisation.
-    fn area_mm2(&self) -> Option<f64>;
+    /// What there is of it.
+    fn extent(&self) -> Extent;
+}
+
+/// What there is of a face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Extent {
+    /// A random face, drawn again for each replicate: that it repeats is no property of it.
+    Drawn,
+    /// A face that repeats as its pieces do: light that meets it a period further on finds the same slope.
+    Periodic,
+    /// A part of a face, of which no more is known: other pieces of the part stand for the rest.
+    Known {
+        /// Its area, mm².
+        area_mm2: f64,
+    },
 }
 
 /// The heights of a face.
@@ -79,6 +94,22 @@ impl Face {
         match self {
             Self::Gaussian(face) => face.correlation_mm,
             Self::Relief(relief) => 2.0_f64.sqrt() * relief.rms_mm() / relief.slope_rms(),
+        }
+    }
+
+    /// What there is of it.
+    pub fn extent(&self) -> Extent {
+        self.relief().map_or(Extent::Drawn, |relief| relief.extent())
+    }
+
+    /// Distance at which slopes are independent, mm.
+    ///
+    /// The correlation of the slopes of Gaussian heights is below 4e-6 there. If a period is longer than a distance by this much, slopes
+    /// at that distance have the correlation of a face without end: waves that are longer than the period are not missing.
+    pub(super) fn independent_mm(&self) -> f64 {
+        match self {
+            Self::Gaussian(face) => 4.0 * face.correlation_mm,
+            Self::Relief(_) => 8.0 * self.correlation_mm().max(self.detail_mm()),
         }
     }
 
@@ -171,7 +202,7 @@ mod tests {
     #[derive(Debug)]
     struct Measured {
         cells: Cells,
-        area_mm2: Option<f64>,
+        extent: Extent,
     }
 
     impl Relief for Measured {
@@ -191,8 +222,8 @@ mod tests {
             FACE.correlation_mm
         }
 
-        fn area_mm2(&self) -> Option<f64> {
-            self.area_mm2
+        fn extent(&self) -> Extent {
+            self.extent
         }
     }
 
@@ -209,9 +240,9 @@ mod tests {
     }
 
     /// A piece of 4.6 x 3.7 pixels, whose heights are as coarse as these cells allow.
-    fn measured(area_mm2: Option<f64>) -> Face {
+    fn measured(extent: Extent) -> Face {
         let cells = Cells { count: [160, 120], period_mm: [0.39, 0.31] };
-        Face::Relief(Arc::new(Measured { cells, area_mm2 }))
+        Face::Relief(Arc::new(Measured { cells, extent }))
     }
 
     fn effort() -> Effort {
@@ -229,12 +260,13 @@ mod tests {
             illuminance: 1.0,
         };
         let lit = Room { diffuse: 0.5, sources: vec![light] };
-        let per_slope = Deflection::new(&panel(measured(None)).media, Beta::default()).per_slope_mm();
+        let per_slope =
+            Deflection::new(&panel(measured(Extent::Drawn)).media, Beta::default()).per_slope_mm();
         let exact =
             closed::pixel_power_deviation(FACE, per_slope, &Matrix::single(0.084, 0.026, 0.076), [0.0; 2])
                 .unwrap();
         for pixel in [Pixel::Mirror, Pixel::Lambertian] {
-            let [as_relief, as_gaussian] = [measured(None), Face::Gaussian(FACE)].map(|face| {
+            let [as_relief, as_gaussian] = [measured(Extent::Drawn), Face::Gaussian(FACE)].map(|face| {
                 let plan = Plan::new(Panel { room: lit.clone(), pixel, ..panel(face) }, effort()).unwrap();
                 plan.run()
             });
@@ -256,7 +288,8 @@ mod tests {
     /// Of a small piece of a face, the errors are those of the pixels that it holds, however often it is used.
     #[test]
     fn errors_contain_that_of_the_known_area() {
-        let plan = Plan::new(panel(measured(Some(10.0 * 0.084 * 0.084))), effort()).unwrap();
+        let plan =
+            Plan::new(panel(measured(Extent::Known { area_mm2: 10.0 * 0.084 * 0.084 })), effort()).unwrap();
         let found = plan.run().matrix;
         assert!(found.standard_error > found.ppd / 20.0_f64.sqrt(), "{found:?}");
         assert!(found.mean_error > found.mean * found.ppd / 10.0_f64.sqrt(), "{found:?}");
@@ -289,8 +322,8 @@ mod tests {
             0.2 * LENGTH_MM
         }
 
-        fn area_mm2(&self) -> Option<f64> {
-            None
+        fn extent(&self) -> Extent {
+            Extent::Periodic
         }
     }
 

@@ -1,8 +1,12 @@
 //! The light of the room, and how the pixel sends it back.
 
+use std::f64::consts::PI;
+
 use num_complex::Complex64;
+use papilio_fourier::Plane;
 use papilio_optics::Beta;
 
+use super::Plan;
 use super::deflection::{Deflection, applied};
 use super::grid::Grid;
 
@@ -49,12 +53,16 @@ impl Source {
         self.illuminance / (self.radius().powi(2) * self.cosine())
     }
 
-    /// Place in the disc of the source, 1 at its rim: along the plane of incidence (foreshortened) and across it.
-    fn place(&self, beta: Beta) -> Complex64 {
+    /// True if light with these direction cosines comes from the source.
+    #[inline]
+    fn contains(&self, beta: Beta) -> bool {
         let b = self.beta.length();
-        let axis = if b > 0.0 { Complex64::new(self.beta.x, -self.beta.y) / b } else { Complex64::ONE };
-        let turned = Complex64::new(beta.x, beta.y) * axis;
-        Complex64::new(turned.re / self.cosine(), turned.im) / self.radius()
+        let [x, y] = if b > 0.0 { [self.beta.x / b, self.beta.y / b] } else { [1.0, 0.0] };
+        let away = beta - self.beta;
+        // Foreshortened along the plane of incidence.
+        let along = (away.x * x + away.y * y) / self.cosine();
+        let across = away.y * x - away.x * y;
+        along * along + across * across < self.radius().powi(2)
     }
 }
 
@@ -67,136 +75,93 @@ pub enum Pixel {
     Lambertian,
 }
 
-/// Light that the view rays of one face find.
+/// Light that view rays find at places of the pixel plane.
 pub(super) enum Light {
     /// The same along all rays.
     Uniform(f64),
-    /// Images of sources in a mirror-like pixel plane.
-    Images { diffuse: f64, sources: Vec<Image> },
     /// Irradiance of the pixel plane, in cells.
     Irradiance(Grid<f64>),
 }
 
-/// A source as the rays of each cell find it.
-pub(super) struct Image {
-    source: Source,
-    /// Where the ray of each cell meets the disc of the source, and the change to the next cell along x and y.
-    places: Vec<[Complex64; 3]>,
-}
-
-impl Image {
-    /// Traces the rays of each cell back through the face, to the pixel plane, and through the face again.
-    fn new(source: Source, view: &Deflection, slopes: &Grid<Complex64>) -> Self {
-        let back = view.displacement_mm.map(|d| -2.0 * d);
-        let place = |cell: usize| {
-            let slope = slopes.values[cell];
-            let [x, y] = slopes.cells.middle(cell);
-            let [u, v] = applied(view.per_slope_mm(), [slope.re, slope.im]);
-            let other = slopes.at([x + back[0] + 2.0 * u, y + back[1] + 2.0 * v]);
-            let bent = (slope + other) * view.bend;
-            source.place(view.beta - Beta { x: bent.re, y: bent.im } - source.beta)
-        };
-        let middles = Grid::new(slopes.cells, (0..slopes.cells.len()).map(place).collect());
-        let with_slope = |cell: usize| {
-            let [x, y] = [[1, 0], [0, 1]].map(|step| middles.difference(cell, step));
-            [middles.values[cell], x, y]
-        };
-        Self { source, places: (0..slopes.cells.len()).map(with_slope).collect() }
-    }
-
-    /// Fraction of a cell whose rays find the source, for a view that differs by this place in its disc.
-    ///
-    /// The rim is a ramp as wide as the cell, at a radius that keeps the area of the disc; a source that is smaller than the cell
-    /// becomes a cone of the same integral. The mean is correct in either case.
+impl Room {
+    /// Light that comes from the direction of propagation `beta`: the radiance times pi.
     #[inline]
-    fn coverage(&self, cell: usize, view: Complex64) -> f64 {
-        let [place, x, y] = self.places[cell];
-        let place = place + view;
-        let square = place.norm_sqr();
-        // Half of the change of the radius over the cell is not larger than this: most rays find all of the source or nothing.
-        let most = 0.5 * (x.l1_norm() + y.l1_norm());
-        if square > (1.0 + most).powi(2) && most < 0.5 {
-            return 0.0;
-        }
-        if square < (0.9 - most).powi(2) && most < 0.5 {
-            return 1.0;
-        }
-        let radius = square.sqrt().max(1e-12);
-        // Half of the change of the radius over the cell.
-        let half = 0.5 * [x, y].map(|step| (place.conj() * step).re.abs()).iter().sum::<f64>() / radius;
-        let half = half.max(1e-12);
-        let square = half * half;
-        let (rim, height) =
-            if square <= 0.75 { ((1.0 - square / 3.0).sqrt(), 1.0) } else { (half, 0.75 / square) };
-        height * (0.5 + 0.5 * (rim - radius) / half).clamp(0.0, 1.0)
+    pub(super) fn light(&self, beta: Beta) -> f64 {
+        let of = |source: &Source| if source.contains(beta) { source.radiance() } else { 0.0 };
+        self.diffuse + self.sources.iter().map(of).sum::<f64>()
     }
 }
 
 impl Light {
-    /// Computes the light of a room for one face, with the illuminance, the deflection and the directions of each source.
-    pub(super) fn new(
-        room: &Room,
-        pixel: Pixel,
-        view: &Deflection,
-        slopes: &Grid<Complex64>,
-        entering: &[(f64, Deflection, Vec<Beta>)],
-    ) -> Self {
+    /// Light on Lambertian pixels, and that of a room without sources.
+    pub(super) fn of(plan: &Plan, faces: &[Grid<Complex64>]) -> Self {
+        let room = &plan.panel.room;
         if room.sources.is_empty() {
             return Self::Uniform(room.diffuse);
         }
-        match pixel {
-            Pixel::Mirror => {
-                let sources = room.sources.iter().map(|source| Image::new(*source, view, slopes)).collect();
-                Self::Images { diffuse: room.diffuse, sources }
-            }
-            Pixel::Lambertian => {
-                let mut irradiance = Grid::new(slopes.cells, vec![room.diffuse; slopes.cells.len()]);
-                for (illuminance, deflection, directions) in entering {
-                    let part = illuminance / directions.len() as f64;
-                    for direction in directions {
-                        irradiance.receive(part, deflection, *direction, view, slopes);
-                    }
-                }
-                Self::Irradiance(irradiance)
-            }
+        let mut irradiance = vec![room.diffuse; plan.cells.len()];
+        for (number, (source, beam)) in room.sources.iter().zip(&plan.entering).enumerate() {
+            let face = &faces[plan.meetings.entered(number)];
+            let received = Received { source, beam, view: &plan.view }.on_cells(face, &plan.plane);
+            irradiance.iter_mut().zip(received).for_each(|(sum, light)| *sum += light);
         }
+        Self::Irradiance(Grid::new(plan.cells, irradiance))
     }
 
-    /// Light along the ray of a cell that lands at `place`, for a view that differs by `view` in its direction cosines.
+    /// Light at a place of the pixel plane.
     #[inline]
-    pub(super) fn at(&self, cell: usize, place: [f64; 2], view: Beta) -> f64 {
+    pub(super) fn at(&self, place: [f64; 2]) -> f64 {
         match self {
             Self::Uniform(value) => *value,
-            Self::Images { diffuse, sources } => {
-                let of =
-                    |image: &Image| image.source.radiance() * image.coverage(cell, image.source.place(view));
-                diffuse + sources.iter().map(of).sum::<f64>()
-            }
             Self::Irradiance(grid) => grid.at(place),
         }
     }
 }
 
-impl Grid<f64> {
-    /// Adds what the face sends to the pixel plane of a beam: the light of each cell falls on a cell elsewhere.
+/// Light of a source on its way to the pixel plane.
+struct Received<'a> {
+    source: &'a Source,
+    beam: &'a Deflection,
+    view: &'a Deflection,
+}
+
+impl Received<'_> {
+    /// Irradiance of each cell of the pixel plane below a face: the light of each cell of the face falls on a cell elsewhere.
     ///
-    /// Places are those at which the undeflected view rays pass the face.
-    fn receive(
-        &mut self,
-        irradiance: f64,
-        beam: &Deflection,
-        direction: Beta,
-        view: &Deflection,
-        slopes: &Grid<Complex64>,
-    ) {
-        let inside = beam.shift(direction);
-        let shift = [0, 1].map(|k| beam.displacement_mm[k] + inside[k] + view.displacement_mm[k]);
-        for (cell, slope) in slopes.values.iter().enumerate() {
-            let [x, y] = self.cells.middle(cell);
-            let [u, v] = applied(beam.per_slope_mm(), [slope.re, slope.im]);
-            for (there, weight) in self.around([x + u + shift[0], y + v + shift[1]]) {
-                self.values[there] += irradiance * weight;
+    /// Places are those at which the undeflected view rays pass the face. All directions of the source make the same pattern, each at
+    /// another place.
+    fn on_cells(&self, face: &Grid<Complex64>, plane: &Plane) -> Vec<f64> {
+        let shift = [0, 1].map(|k| self.beam.displacement_mm[k] + self.view.displacement_mm[k]);
+        let mut pattern = vec![Complex64::ZERO; face.cells.len()];
+        for (cell, slope) in face.values.iter().enumerate() {
+            let [x, y] = face.cells.middle(cell);
+            let [u, v] = applied(self.beam.per_slope_mm(), [slope.re, slope.im]);
+            for (there, weight) in face.around([x + u + shift[0], y + v + shift[1]]) {
+                pattern[there].re += self.source.illuminance * weight;
             }
         }
+        let [columns, rows] = face.cells.count;
+        let mut spectrum = plane.forward(pattern);
+        let scale = 1.0 / spectrum.len() as f64;
+        let frequency = |bin: usize, count: usize, period_mm: f64| {
+            (if 2 * bin > count { bin as f64 - count as f64 } else { bin as f64 }) / period_mm
+        };
+        for (bin, value) in spectrum.iter_mut().enumerate() {
+            let x = frequency(bin / rows, columns, face.cells.period_mm[0]);
+            let y = frequency(bin % rows, rows, face.cells.period_mm[1]);
+            *value *= scale * self.transfer([x, y]);
+        }
+        plane.inverse(spectrum).into_iter().map(|value| value.re).collect()
+    }
+
+    /// Modulation transfer of the disc of the source at a spatial frequency, cycles per mm: `2 J1(z)/z`.
+    fn transfer(&self, frequency_per_mm: [f64; 2]) -> f64 {
+        let [x, y] = applied(self.beam.place_per_beta_mm, frequency_per_mm);
+        let beta = self.source.beta;
+        let b = beta.length();
+        let [along, across] =
+            if b > 0.0 { [(x * beta.x + y * beta.y) / b, (y * beta.x - x * beta.y) / b] } else { [x, y] };
+        let z = 2.0 * PI * self.source.radius() * across.hypot(self.source.cosine() * along);
+        if z < 1e-6 { 1.0 } else { 2.0 * libm::j1(z) / z }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use super::PixelLight;
+
 /// Sums over the pixels of one replicate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Moments {
@@ -14,10 +16,11 @@ pub struct Moments {
 }
 
 impl Moments {
-    pub(super) fn add(&mut self, value: f64) {
+    /// Adds the light of a pixel, of which there are two estimates with independent errors: their product has no mean error.
+    pub(super) fn add(&mut self, [one, other]: PixelLight) {
         self.count += 1.0;
-        self.sum += value;
-        self.squares += value * value;
+        self.sum += 0.5 * (one + other);
+        self.squares += one * other;
     }
 
     fn plus(self, other: Self, sign: f64) -> Self {
@@ -123,7 +126,7 @@ mod tests {
     #[test]
     fn equal_pixels_have_no_deviation() {
         let mut one = Moments::default();
-        (0..20).for_each(|_| one.add(0.1 + 0.2));
+        (0..20).for_each(|_| one.add([0.1 + 0.2; 2]));
         let found = Deviation::new(&[one, one, one]);
         assert_eq!((found.ppd, found.standard_error), (0.0, 0.0));
         assert!((found.mean - 0.3).abs() < 1e-15);
@@ -136,7 +139,7 @@ mod tests {
             .chunks(2)
             .map(|pair| {
                 let mut one = Moments::default();
-                pair.iter().for_each(|value| one.add(*value));
+                pair.iter().for_each(|value| one.add([*value; 2]));
                 one
             })
             .collect();
