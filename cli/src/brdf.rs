@@ -8,12 +8,13 @@ use papilio_diagnostics::suggestion;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Scene, Stop};
 use papilio_display::{
-    BrdfGrid, BrdfTable, Control, DisplayError, HalfVectorGrid, HalfVectorTable, LobeWidths, ProbeGrid, RingGrid,
-    RingTable, ViewerGrid, ViewerTable,
+    BrdfGrid, BrdfTable, Control, DisplayError, HalfVectorGrid, HalfVectorTable, LobeWidths, ProbeGrid,
+    RingGrid, RingTable, ViewerGrid, ViewerTable,
 };
 use papilio_formats::{
-    BetweenError, BsdfSource, Exported, MirrorFile, between_error, klems_rings, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant,
-    write_file, write_json, write_mirror_csv, write_reflection, write_rgl,
+    BetweenError, BsdfSource, Exported, MirrorFile, between_error, klems_rings, scene_script, write_bsdf,
+    write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant, write_file, write_json, write_mirror_csv,
+    write_reflection, write_rgl,
 };
 use papilio_scenario::{Resolved, Scenario};
 

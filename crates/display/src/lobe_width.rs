@@ -66,7 +66,8 @@ impl LobeWidths {
     pub fn at(&self, theta_i_deg: f64) -> f64 {
         let cosine = |theta: f64| theta.to_radians().cos();
         let scaled = |k: usize| self.width_deg[k] * cosine(self.theta_i_deg[k]);
-        let upper = self.theta_i_deg.partition_point(|theta| *theta < theta_i_deg).min(self.theta_i_deg.len() - 1);
+        let upper =
+            self.theta_i_deg.partition_point(|theta| *theta < theta_i_deg).min(self.theta_i_deg.len() - 1);
         let lower = upper.saturating_sub(1);
         let [a, b] = [self.theta_i_deg[lower], self.theta_i_deg[upper]];
         let t = if b > a { ((theta_i_deg - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
@@ -122,7 +123,8 @@ mod tests {
 
     #[test]
     fn width_is_where_a_lobe_has_fallen_half_way() {
-        let places: Vec<f64> = std::iter::once(0.0).chain((0..COUNT).map(|k| FIRST_DEG * FACTOR.powi(k))).collect();
+        let places: Vec<f64> =
+            std::iter::once(0.0).chain((0..COUNT).map(|k| FIRST_DEG * FACTOR.powi(k))).collect();
         let lobe = |theta: &f64| 0.1 + (-(theta / 2.0).powi(2)).exp();
         let width = fall(&places, &places.iter().map(lobe).collect::<Vec<_>>());
         assert!((width / (2.0 * std::f64::consts::LN_2.sqrt()) - 1.0).abs() < 0.05, "{width}");

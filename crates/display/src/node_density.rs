@@ -58,7 +58,8 @@ impl NodeDensity {
             if column > above { 0.0 } else { u(column) * (scale / (width + theta_m) + (1.0 - ON_LOBE) / end) }
         };
         let row: Vec<f64> = (0..columns).map(density).collect();
-        let integral = row.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).sum::<f64>() / (columns - 1) as f64;
+        let integral =
+            row.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).sum::<f64>() / (columns - 1) as f64;
         row.into_iter().map(|value| (value / integral) as f32).collect()
     }
 

@@ -51,7 +51,8 @@ impl RingGrid {
             // Distances plus the width in equal ratios.
             let ratio = (end + width_deg) / (start + width_deg);
             let parts = (ratio.ln() / STEP_ON_LOBE.ln_1p()).ceil().max(1.0);
-            let inner = (1..parts as u32).map(|k| (start + width_deg) * ratio.powf(f64::from(k) / parts) - width_deg);
+            let inner =
+                (1..parts as u32).map(|k| (start + width_deg) * ratio.powf(f64::from(k) / parts) - width_deg);
             radials_deg.extend(inner.map(|radial| (1e5 * radial).round() / 1e5));
             radials_deg.push(end);
         }

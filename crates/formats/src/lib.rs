@@ -107,9 +107,10 @@ pub use absorption::{write_absorption, write_sub_pixels};
 pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
-    BetweenError, BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, Exported, FAINT, LARGEST_BSDF_FILE, MOST_CELLS, MirrorFile, WriteError,
-    between_error, bsdf_format_table, bsdf_formats, klems_rings, read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv,
-    write_bsdf_klems, write_bsdf_radiant, write_measurement, write_mirror_csv, write_rgl,
+    BetweenError, BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, Exported, FAINT, LARGEST_BSDF_FILE,
+    MOST_CELLS, MirrorFile, WriteError, between_error, bsdf_format_table, bsdf_formats, klems_rings,
+    read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems,
+    write_bsdf_radiant, write_measurement, write_mirror_csv, write_rgl,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};

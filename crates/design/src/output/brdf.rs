@@ -52,7 +52,8 @@ pub enum Refinable<'a> {
 /// The difference is proportional to the square of the distance between nodes.
 pub fn between_warning(error: &BetweenError, of: Refinable<'_>) -> Option<String> {
     let BetweenError { relative, state, theta_i_deg, viewer } = error;
-    let help = || match of {
+    let help = || {
+        match of {
         Refinable::Step(step, option) => match finer_step(step, *relative) {
             Some(finer) => format!(
                 "{option}{finer} reduces this to about {:.1} %; --format rgl and radiant have rings about the mirror direction, which \
@@ -71,6 +72,7 @@ pub fn between_warning(error: &BetweenError, of: Refinable<'_>) -> Option<String
             "the patches of the Klems basis are 5 to 15 deg wide, and readers take their means; --format rgl and radiant follow a lobe"
                 .to_owned()
         }
+    }
     };
     (*relative > MOST_MISSED).then(|| {
         format!(
@@ -100,13 +102,16 @@ mod tests {
     #[test]
     fn error_between_nodes_names_what_reduces_it() {
         let viewer = Viewer { cos_theta_o: 0.5, theta_o_deg: 60.0, dphi_deg: 170.0 };
-        let error = |relative| BetweenError { relative, state: "white".to_owned(), theta_i_deg: 62.5, viewer };
+        let error =
+            |relative| BetweenError { relative, state: "white".to_owned(), theta_i_deg: 62.5, viewer };
         let warning = |relative, of| between_warning(&error(relative), of).unwrap_or_default();
         assert_eq!(warning(0.019, Refinable::Grid(64)), "");
         let text = warning(0.08, Refinable::Grid(64));
         assert!(text.contains("up to 8.0 %") && text.contains("state white, light from 62.5 deg"), "{text}");
         assert!(text.contains("--grid 128"), "{text}");
-        assert!(warning(0.08, Refinable::Step(5.0, "--step ")).contains("--step 2.5 reduces this to about 2.0 %"));
+        assert!(
+            warning(0.08, Refinable::Step(5.0, "--step ")).contains("--step 2.5 reduces this to about 2.0 %")
+        );
         assert!(warning(9.0, Refinable::Grid(256)).contains("a smaller --step"));
         assert!(warning(3.0, Refinable::Patches).contains("300 %"));
     }

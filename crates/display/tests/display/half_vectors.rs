@@ -70,7 +70,8 @@ fn integral_over_half_vectors_is_the_scattered_light() {
             let weight = if row == 0 || row + 1 == grid.size { 0.5 } else { 1.0 };
             if let Some(number) = number.filter(|_| places[node][0] > 0.0) {
                 let f = f64::from(found.states[0].brdf[number * bins + bin]);
-                let jacobian = HalfVectorGrid::jacobian(20.0, places[node]) / density.at(row, places[node][0]);
+                let jacobian =
+                    HalfVectorGrid::jacobian(20.0, places[node]) / density.at(row, places[node][0]);
                 sum += weight * f * viewers[number].cos_theta_o * 8.0 * PI * PI * jacobian;
             }
         }

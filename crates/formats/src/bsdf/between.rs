@@ -2,9 +2,7 @@
 
 use std::io;
 
-use papilio_display::{
-    BrdfTable, HalfVectorTable, ProbeGrid, RingTable, Viewer, ViewerGrid, ViewerTable,
-};
+use papilio_display::{BrdfTable, HalfVectorTable, ProbeGrid, RingTable, Viewer, ViewerGrid, ViewerTable};
 use papilio_goniometry::{Channel, Direction, Geometry, MeasuredPart, ScatterMode, SphericalGrid};
 
 use super::display_klems::patches_part;
@@ -63,11 +61,14 @@ pub fn between_error(
             let most = exact.iter().copied().fold(0.0, f64::max);
             for (viewer, exact) in viewers.iter().zip(exact) {
                 let to = Direction::new(viewer.theta_o_deg, viewer.dphi_deg);
-                let Some(read) = part.evaluate(channel, Direction::new(*theta_i_deg, 0.0), to) else { continue };
+                let Some(read) = part.evaluate(channel, Direction::new(*theta_i_deg, 0.0), to) else {
+                    continue;
+                };
                 let relative = (read - exact).abs() / exact.max(FAINT * most);
                 if relative.is_finite() && largest.as_ref().is_none_or(|found| relative > found.relative) {
                     let state = state.name.clone();
-                    largest = Some(BetweenError { relative, state, theta_i_deg: *theta_i_deg, viewer: *viewer });
+                    largest =
+                        Some(BetweenError { relative, state, theta_i_deg: *theta_i_deg, viewer: *viewer });
                 }
             }
         }

@@ -211,7 +211,10 @@ impl Patch {
         };
         let turns = self.turns_to(viewer);
         let of_thetas = |from: f64, to: f64| {
-            turns.iter().map(move |turn| [Direction::new(from, 0.0), Direction::new(to, *turn)]).collect::<Vec<_>>()
+            turns
+                .iter()
+                .map(move |turn| [Direction::new(from, 0.0), Direction::new(to, *turn)])
+                .collect::<Vec<_>>()
         };
         let (from, to) = (inclinations(self), inclinations(viewer));
         from.iter().flat_map(|i| to.iter().flat_map(|o| of_thetas(*i, *o)).collect::<Vec<_>>()).collect()
@@ -225,9 +228,8 @@ impl Patch {
         if self.count == 1 || viewer.count == 1 {
             return (0..AZIMUTHS * AZIMUTHS).map(|k| 360.0 * middle(k, AZIMUTHS * AZIMUTHS)).collect();
         }
-        let turn = |k: usize| {
-            apart + other * middle(k % AZIMUTHS, AZIMUTHS) - own * middle(k / AZIMUTHS, AZIMUTHS)
-        };
+        let turn =
+            |k: usize| apart + other * middle(k % AZIMUTHS, AZIMUTHS) - own * middle(k / AZIMUTHS, AZIMUTHS);
         (0..AZIMUTHS * AZIMUTHS).map(turn).collect()
     }
 

@@ -34,7 +34,8 @@ pub fn write_rgl(
     table: &HalfVectorTable,
     state: usize,
 ) -> io::Result<()> {
-    let (grid, found) = (&table.grid, table.states.get(state).ok_or_else(|| unsound("there is no such state"))?);
+    let (grid, found) =
+        (&table.grid, table.states.get(state).ok_or_else(|| unsound("there is no such state"))?);
     let (lights, size, bins) = (grid.theta_i_deg.len(), grid.size, table.wavelength_nm.len());
     let mut spectra = Vec::with_capacity(lights * bins * size * size);
     let mut luminance = Vec::with_capacity(lights * size * size);
@@ -95,7 +96,8 @@ pub(super) fn luminous_part(table: &HalfVectorTable, state: usize) -> io::Result
         shape: [grid.size; 2],
         jacobian: false,
     };
-    let warped = WarpedGrid::new(fields).ok_or_else(|| unsound("the densities of the nodes are not sound"))?;
+    let warped =
+        WarpedGrid::new(fields).ok_or_else(|| unsound("the densities of the nodes are not sound"))?;
     Ok(MeasuredPart {
         way: ScatterMode::FrontReflection,
         channels: vec![Channel::Y],
@@ -152,7 +154,16 @@ impl<'a> Nodes<'a> {
             viewer.map_or(0.0, |viewer| viewer.cos_theta_o)
         };
         let cosines = places.iter().zip(&numbers).map(cosine).collect();
-        Self { theta_i_deg, size: grid.size, places, density: grid.density(light), numbers, cosines, brdf, bins }
+        Self {
+            theta_i_deg,
+            size: grid.size,
+            places,
+            density: grid.density(light),
+            numbers,
+            cosines,
+            brdf,
+            bins,
+        }
     }
 
     /// Values of a wavelength at all nodes: f cos(theta_o). Slightly negative values, which are discretisation errors, are
@@ -174,7 +185,8 @@ impl<'a> Nodes<'a> {
                 .map(|(node, (number, cosine))| {
                     let at = self.places[node];
                     let per_u = self.density.at(node / self.size, at[0]);
-                    let jacobian = HalfVectorGrid::jacobian(self.theta_i_deg, at) / per_u.max(f64::MIN_POSITIVE);
+                    let jacobian =
+                        HalfVectorGrid::jacobian(self.theta_i_deg, at) / per_u.max(f64::MIN_POSITIVE);
                     number.map_or(0.0, |number| (f(number) * cosine * jacobian) as f32)
                 })
                 .collect()

@@ -3,12 +3,12 @@
 use std::f64::consts::PI;
 
 use papilio_display::{
-    BrdfGrid, BrdfState, BrdfTable, HalfVectorGrid, HalfVectorTable, LobeWidths, RingGrid, RingTable, RowErrors,
-    ViewerGrid, ViewerState,
+    BrdfGrid, BrdfState, BrdfTable, HalfVectorGrid, HalfVectorTable, LobeWidths, RingGrid, RingTable,
+    RowErrors, ViewerGrid, ViewerState,
 };
 use papilio_formats::{
-    BsdfSource, DataFile, read_bsdf, scene_script, write_bsdf_csv, write_bsdf_radiant,
-    write_indexed_png, write_mirror_csv, write_rgl,
+    BsdfSource, DataFile, read_bsdf, scene_script, write_bsdf_csv, write_bsdf_radiant, write_indexed_png,
+    write_mirror_csv, write_rgl,
 };
 use papilio_goniometry::{Direction, Fill, Geometry, MeasuredPart, ScatterMode, Shape};
 
