@@ -17,108 +17,136 @@ const GAUSS: [[f64; 2]; 4] = [
 ];
 
 /// Parts of a cell of the rings along each of its axes.
-const PARTS: usize = 4;
+const PARTS: usize = 3;
+
+/// Inclinations about each one of [`ring_patch_lights`], between which a lobe keeps its shape in direction cosines: a narrow lobe at the
+/// edge of a patch scatters into the next one.
+const SHIFTS: usize = 10;
 
 /// Azimuths from 0 to 180 deg at which scattered light is collected.
 const AZIMUTHS: usize = 361;
 
+/// Light that arrives in each ring, by azimuth from the mirror direction.
+type Arrived = Vec<[f64; AZIMUTHS]>;
+
 /// Returns the inclinations of the light that [`ring_patch_means`] needs, degrees, ascending: four for each ring of patches.
 pub fn ring_patch_lights(rings: &[Ring]) -> Vec<f64> {
     let of_ring = |k: usize| {
-        let [low, high] = bounds(rings, k).map(|theta| theta.to_radians().sin().powi(2));
+        let [low, high] = squared_sines(rings, k);
         GAUSS.map(|[x, _]| (low + (high - low) * x).sqrt().asin().to_degrees())
     };
     (0..rings.len()).flat_map(of_ring).collect()
 }
 
-/// Edges of a ring, degrees.
-fn bounds(rings: &[Ring], k: usize) -> [f64; 2] {
-    [rings[k].from_deg, rings.get(k + 1).map_or(90.0, |next| next.from_deg)]
+/// Squared sines of the edges of a ring.
+fn squared_sines(rings: &[Ring], k: usize) -> [f64; 2] {
+    let edges = [rings[k].from_deg, rings.get(k + 1).map_or(90.0, |next| next.from_deg)];
+    edges.map(|theta| theta.to_radians().sin().powi(2))
 }
 
-/// Returns the mean of f between patches, `[in][out]`, 1/sr, from values on `grid`, whose incidences are
+/// Returns the mean of f between patches, `[in][out]`, 1/sr, for each channel: its values on `grid`, whose incidences are
 /// [`ring_patch_lights`], and the fraction of the light that each incidence scatters.
 ///
 /// `None` if the lengths do not match.
 pub fn ring_patch_means(
     grid: &SpecularGrid,
-    values: &[f64],
-    totals: &[f64],
+    channels: &[(&[f64], &[f64])],
     rings: &[Ring],
-) -> Option<Vec<f64>> {
+) -> Option<Vec<Vec<f64>>> {
     let lights = GAUSS.len() * rings.len();
-    if grid.incidences_deg.len() != lights || totals.len() != lights || values.len() != grid.cells() {
+    let fits = |(values, totals): &(&[f64], &[f64])| totals.len() == lights && values.len() == grid.cells();
+    if grid.incidences_deg.len() != lights || !channels.iter().all(fits) {
         return None;
     }
-    let cells = grid.azimuths_deg.len() * grid.radials_deg.len();
-    // Light that arrives in each ring, by azimuth from the mirror direction, for each ring of incident patches.
-    let mut arrived = vec![vec![[0.0; AZIMUTHS]; rings.len()]; rings.len()];
-    let mut scattered = vec![0.0; rings.len()];
-    for (light, (values, total)) in values.chunks_exact(cells).zip(totals).enumerate() {
+    let none = || vec![vec![[0.0; AZIMUTHS]; rings.len()]; rings.len()];
+    let mut arrived: Vec<Vec<Arrived>> = channels.iter().map(|_| none()).collect();
+    let mut scattered = vec![vec![0.0; rings.len()]; channels.len()];
+    for light in 0..lights {
         let (ring, weight) = (light / GAUSS.len(), GAUSS[light % GAUSS.len()][1]);
-        let found = collected(grid, grid.incidences_deg[light], values, rings);
-        let sum: f64 = found.iter().flatten().sum();
-        let scale = if sum > 0.0 { weight * total / sum } else { 0.0 };
-        scattered[ring] += weight * total;
-        for (mean, found) in arrived[ring].iter_mut().zip(&found) {
-            mean.iter_mut().zip(found).for_each(|(mean, found)| *mean += scale * found);
+        for (channel, found) in collected(grid, light, channels, rings).iter().enumerate() {
+            let total = channels[channel].1[light];
+            let sum: f64 = found.iter().flatten().sum();
+            let scale = if sum > 0.0 { weight * total / sum } else { 0.0 };
+            scattered[channel][ring] += weight * total;
+            for (mean, found) in arrived[channel][ring].iter_mut().zip(found) {
+                mean.iter_mut().zip(found).for_each(|(mean, found)| *mean += scale * found);
+            }
         }
     }
-    Some(symmetric(&between(&arrived, rings), &scattered, rings))
+    let of_channel = |(arrived, scattered): (&Vec<Arrived>, &Vec<f64>)| {
+        symmetric(&between(arrived, rings), scattered, rings)
+    };
+    Some(arrived.iter().zip(&scattered).map(of_channel).collect())
 }
 
-/// Returns the light of one incidence that arrives in each ring, by azimuth from the mirror direction, which is not normalised.
-fn collected(
-    grid: &SpecularGrid,
-    incidence_deg: f64,
-    values: &[f64],
-    rings: &[Ring],
-) -> Vec<[f64; AZIMUTHS]> {
+/// Differences of the sine of inclination between light about an incidence, given by its index, and this incidence.
+fn shifts(rings: &[Ring], light: usize) -> [f64; SHIFTS] {
+    let (ring, node) = (light / GAUSS.len(), light % GAUSS.len());
+    let [low, high] = squared_sines(rings, ring);
+    let before: f64 = GAUSS[..node].iter().map(|[_, weight]| weight).sum();
+    let [x, weight] = GAUSS[node];
+    let sine = |x: f64| (low + (high - low) * x).sqrt();
+    std::array::from_fn(|k| sine(before + weight * (k as f64 + 0.5) / SHIFTS as f64) - sine(x))
+}
+
+/// Returns the light about one incidence, given by its index, that arrives in each ring, for each channel. It is not normalised.
+fn collected(grid: &SpecularGrid, light: usize, channels: &[(&[f64], &[f64])], rings: &[Ring]) -> Vec<Arrived> {
     let (azimuths, radials) = (&grid.azimuths_deg, &grid.radials_deg);
-    let mut found = vec![[0.0; AZIMUTHS]; rings.len()];
-    let value = |azimuth: usize, radial: usize| {
-        SpecularGrid::direction(incidence_deg, azimuths[azimuth], radials[radial])?;
-        Some(values[azimuth * radials.len() + radial].max(0.0))
-    };
+    let incidence_deg = grid.incidences_deg[light];
+    let shifts = shifts(rings, light);
+    let mut found = vec![vec![[0.0; AZIMUTHS]; rings.len()]; channels.len()];
+    let is_above = |a: usize, r: usize| SpecularGrid::direction(incidence_deg, azimuths[a], radials[r]).is_some();
+    let row = light * azimuths.len();
     for a in 1..azimuths.len() {
         for r in 1..radials.len() {
-            let corners = [value(a - 1, r - 1), value(a - 1, r), value(a, r - 1), value(a, r)];
-            if corners.iter().all(Option::is_none) {
+            let corners = [(a - 1, r - 1), (a - 1, r), (a, r - 1), (a, r)];
+            let above = corners.map(|(a, r)| f64::from(u8::from(is_above(a, r))));
+            if above == [0.0; 4] {
                 continue;
             }
             let [width, length] = [azimuths[a] - azimuths[a - 1], radials[r] - radials[r - 1]];
             for part in 0..PARTS * PARTS {
                 let [x, y] = [part % PARTS, part / PARTS].map(|k| (k as f64 + 0.5) / PARTS as f64);
                 let radial = radials[r - 1] + x * length;
-                let Some(to) = SpecularGrid::direction(incidence_deg, azimuths[a - 1] + y * width, radial)
-                else {
+                let Some(to) = SpecularGrid::direction(incidence_deg, azimuths[a - 1] + y * width, radial) else {
                     continue;
                 };
-                let weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
-                let above =
-                    corners.iter().zip(weights).filter_map(|(value, weight)| Some((value.as_ref()?, weight)));
-                let (sum, whole) = above
-                    .fold((0.0, 0.0), |(sum, whole), (value, weight)| (sum + value * weight, whole + weight));
-                let light = sum / whole
-                    * radial.to_radians().sin()
-                    * length
-                    * width
-                    * to.theta_deg.to_radians().cos();
-                let ring = rings.partition_point(|ring| ring.from_deg <= to.theta_deg).saturating_sub(1);
-                let place = (to.phi_deg + 180.0).rem_euclid(360.0) - 180.0;
-                let place = place.abs() / 180.0 * (AZIMUTHS - 1) as f64;
-                let node = (place as usize).min(AZIMUTHS - 2);
-                let beyond = place - node as f64;
-                found[ring][node] += light * (1.0 - beyond);
-                found[ring][node + 1] += light * beyond;
+                let mut weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
+                weights.iter_mut().zip(above).for_each(|(weight, above)| *weight *= above);
+                let [along, across, up] = to.vector();
+                let size = radial.to_radians().sin() * length * width * up / weights.iter().sum::<f64>();
+                let light: Vec<f64> = channels
+                    .iter()
+                    .map(|(values, _)| {
+                        let value = |(a, r): (usize, usize)| values[(row + a) * radials.len() + r].max(0.0);
+                        size * corners.iter().zip(weights).map(|(corner, weight)| weight * value(*corner)).sum::<f64>()
+                    })
+                    .collect();
+                for shift in shifts {
+                    let (ring, node, beyond) = place([along + shift, across], rings);
+                    for (found, light) in found.iter_mut().zip(&light) {
+                        found[ring][node] += light * (1.0 - beyond);
+                        found[ring][node + 1] += light * beyond;
+                    }
+                }
             }
         }
     }
     found
 }
 
+/// Returns the ring of a direction, given by direction cosines, and its azimuth: the collecting azimuth below it, and the fraction of the
+/// distance to the next one. What is shifted out of the hemisphere is in the last ring.
+fn place([x, y]: [f64; 2], rings: &[Ring]) -> (usize, usize, f64) {
+    let theta_deg = x.hypot(y).min(1.0).asin().to_degrees();
+    let ring = rings.partition_point(|ring| ring.from_deg <= theta_deg).saturating_sub(1);
+    let place = y.abs().atan2(x).to_degrees() / 180.0 * (AZIMUTHS - 1) as f64;
+    let node = (place as usize).min(AZIMUTHS - 2);
+    (ring, node, place - node as f64)
+}
+
 /// Returns the means of f between patches, `[in][out]`, from the light that arrives in each ring.
-fn between(arrived: &[Vec<[f64; AZIMUTHS]>], rings: &[Ring]) -> Vec<f64> {
+fn between(arrived: &[Arrived], rings: &[Ring]) -> Vec<f64> {
     let omega = projected_solid_angle(rings);
     let mut means = Vec::with_capacity(omega.len() * omega.len());
     for (incoming, of_ring) in rings.iter().zip(arrived) {
@@ -197,7 +225,7 @@ mod tests {
             }
         }
         let totals: Vec<f64> = grid.incidences_deg.iter().map(|theta| total(*theta)).collect();
-        ring_patch_means(&grid, &values, &totals, &KLEMS_FULL).unwrap()
+        ring_patch_means(&grid, &[(&values, &totals)], &KLEMS_FULL).unwrap().remove(0)
     }
 
     /// Fraction of exp(-(r / width)^2) about a point at the distance sin theta from the centre that lies in the unit disc.
@@ -215,7 +243,7 @@ mod tests {
     /// Mean of [`in_disc`] over the projected solid angle of each patch.
     fn mean_totals(width: f64) -> Vec<f64> {
         let of_ring = |k: usize| {
-            let [low, high] = bounds(&KLEMS_FULL, k).map(|theta| theta.to_radians().sin().powi(2));
+            let [low, high] = squared_sines(&KLEMS_FULL, k);
             let lights = &ring_patch_lights(&KLEMS_FULL)[4 * k..][..4];
             let inside = |theta: &f64| (low..=high).contains(&theta.to_radians().sin().powi(2));
             assert!(lights.iter().all(inside));

@@ -48,13 +48,14 @@ pub fn write_bsdf_klems(
 pub(super) fn patches_part(table: &RingTable, state: usize) -> io::Result<MeasuredPart> {
     let (rings, whites) = rings_part(table, state)?;
     let Geometry::Specular(grid) = &rings.geometry else { return Err(unsound("the BSDF is not on rings")) };
-    let (mut values, lights) = (Vec::new(), grid.incidences_deg.len());
-    for (channel, white) in whites.iter().enumerate() {
-        let totals = &rings.tis[channel * lights..][..lights];
-        let means = ring_patch_means(grid, rings.channel(channel), totals, &KLEMS_FULL);
-        let means = means.ok_or_else(|| unsound("the BSDF is not on the directions of the patches"))?;
-        values.extend(means.into_iter().map(|mean| mean * white));
-    }
+    let lights = grid.incidences_deg.len();
+    let channel = |k: usize| (rings.channel(k), &rings.tis[k * lights..][..lights]);
+    let channels: Vec<_> = (0..whites.len()).map(channel).collect();
+    let means = ring_patch_means(grid, &channels, &KLEMS_FULL)
+        .ok_or_else(|| unsound("the BSDF is not on the directions of the patches"))?;
+    let values =
+        means.iter().zip(&whites).flat_map(|(means, white)| means.iter().map(move |mean| mean * white));
+    let values: Vec<f64> = values.collect();
     let geometry = Geometry::Patches { incoming: KLEMS_FULL.to_vec(), outgoing: KLEMS_FULL.to_vec() };
     Ok(MeasuredPart { geometry, values, tis: Vec::new(), ..rings })
 }
