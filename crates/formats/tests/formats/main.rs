@@ -10,6 +10,8 @@
 mod arrays;
 mod bsdf;
 mod heights;
+mod eulumdat;
+mod light_map_fields;
 mod light_maps;
 mod luminaires;
 mod meshes;
