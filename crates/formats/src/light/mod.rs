@@ -2,6 +2,8 @@
 
 mod cube;
 mod eulumdat;
+mod exr_channels;
+mod exr_window;
 mod ies;
 mod luminaire;
 mod map;

@@ -9,34 +9,19 @@ use std::io::Cursor;
 use exr::image::{AnyChannel, FlatSamples};
 use exr::math::Vec2;
 use exr::meta::MetaData;
-use exr::meta::attribute::{EnvironmentMap, IntegerBounds};
 use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers};
 
-use super::cube::equirectangular;
-use super::map::{LightMap, MapChannel, MapColour, check_size};
-use super::primaries::{PICTURE_LM_PER_W, Primaries, XYZ, luminances};
+use super::exr_channels::{ChannelSet, channels, chosen, values};
+use super::exr_window::{place, window};
+use super::map::{LightMap, MapChannel};
+use super::primaries::{PICTURE_LM_PER_W, Primaries, XYZ};
 use super::problem::MapProblem;
 
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// Largest number of values of all channels.
 const MOST_VALUES: usize = 1 << 26;
-
-/// Largest error of a colour from luminance and chroma, relative to the luminance: half precision.
-const ROUNDING: f64 = 5e-3;
-
-/// Channels that form a map.
-#[derive(Debug, Clone, PartialEq)]
-enum ChannelSet {
-    Spectral(Vec<(String, f64)>),
-    /// Names of red, green and blue, or of X, Y and Z.
-    Colours([String; 3]),
-    Xyz([String; 3]),
-    /// Luminance and (R - Y)/Y, (B - Y)/Y.
-    Chroma([String; 3]),
-    Grey(String),
-}
 
 pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapProblem> {
     let refused = |error: exr::error::Error| MapProblem::Exr { message: error.to_string() };
@@ -101,57 +86,6 @@ fn names(headers: &[Header]) -> String {
     all.map(|channel| channel.name.to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// Selects all wavelengths, or R, G and B, X, Y and Z, or Y of the layer without a name, or of the first layer that has them.
-fn chosen(names: &[String]) -> Option<ChannelSet> {
-    let mut spectral: Vec<(String, f64)> =
-        names.iter().filter_map(|name| Some((name.clone(), wavelength_nm(name)?))).collect();
-    if spectral.len() > 1 {
-        spectral.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let rises = spectral.windows(2).all(|pair| pair[0].1 < pair[1].1);
-        return rises.then_some(ChannelSet::Spectral(spectral));
-    }
-    let mut layers: Vec<&str> =
-        names.iter().map(|name| name.rsplit_once('.').map_or("", |(layer, _)| layer)).collect();
-    layers.sort_unstable();
-    layers.dedup();
-    let of_layer = |layer: &&str| {
-        let full = |name: &str| if layer.is_empty() { name.to_owned() } else { format!("{layer}.{name}") };
-        let three = |wanted: [&str; 3]| {
-            let wanted = wanted.map(full);
-            wanted.iter().all(|name| names.contains(name)).then_some(wanted)
-        };
-        let colours = three(["R", "G", "B"]).map(ChannelSet::Colours);
-        colours
-            .or_else(|| three(["X", "Y", "Z"]).map(ChannelSet::Xyz))
-            .or_else(|| three(["Y", "RY", "BY"]).map(ChannelSet::Chroma))
-            .or_else(|| {
-                // Two of three colours are no grey.
-                let is_alone = !["R", "G", "B", "RY", "BY"].iter().any(|name| names.contains(&full(name)));
-                (is_alone && names.contains(&full("Y"))).then(|| ChannelSet::Grey(full("Y")))
-            })
-    };
-    layers.iter().find_map(of_layer)
-}
-
-impl ChannelSet {
-    fn names(&self) -> Vec<&str> {
-        match self {
-            Self::Spectral(all) => all.iter().map(|(name, _)| &**name).collect(),
-            Self::Colours(three) | Self::Xyz(three) | Self::Chroma(three) => {
-                three.iter().map(|name| &**name).collect()
-            }
-            Self::Grey(name) => vec![name],
-        }
-    }
-}
-
-/// Returns the wavelength in the name of a channel, nm; only for emitted light, the first Stokes component.
-fn wavelength_nm(name: &str) -> Option<f64> {
-    let number = name.strip_suffix("nm")?;
-    let number = number.strip_prefix("S0.").unwrap_or(number).replace(',', ".");
-    number.parse().ok().filter(|nm| (30.0..=1e6).contains(nm))
-}
-
 /// Notes parts and channels that are not used.
 fn unused(headers: &[Header], part: usize, set: &ChannelSet, notes: &mut Vec<String>) {
     let used = set.names();
@@ -170,52 +104,6 @@ fn unused(headers: &[Header], part: usize, set: &ChannelSet, notes: &mut Vec<Str
     }
 }
 
-fn values(samples: &FlatSamples) -> Vec<f32> {
-    match samples {
-        FlatSamples::F16(values) => values.iter().map(|value| value.to_f32()).collect(),
-        FlatSamples::F32(values) => values.clone(),
-        FlatSamples::U32(values) => values.iter().map(|value| *value as f32).collect(),
-    }
-}
-
-fn channels(
-    mut named: Vec<(String, Vec<f32>)>,
-    set: &ChannelSet,
-    primaries: Option<Primaries>,
-) -> Option<Vec<MapChannel>> {
-    let mut taken = |name: &str, colour| {
-        let values = named.iter_mut().find(|(known, _)| known == name)?;
-        Some(MapChannel { colour, radiance: std::mem::take(&mut values.1) })
-    };
-    let colours = [MapColour::Red, MapColour::Green, MapColour::Blue];
-    match set {
-        ChannelSet::Spectral(all) => {
-            all.iter().map(|(name, nm)| taken(name, MapColour::Wavelength(*nm))).collect()
-        }
-        ChannelSet::Colours(three) | ChannelSet::Xyz(three) => {
-            three.iter().zip(colours).map(|(name, colour)| taken(name, colour)).collect()
-        }
-        ChannelSet::Grey(name) => Some(vec![taken(name, MapColour::Grey)?]),
-        ChannelSet::Chroma([y, ry, by]) => {
-            let [y, ry, by] =
-                [taken(y, MapColour::Grey)?, taken(ry, MapColour::Grey)?, taken(by, MapColour::Grey)?];
-            let weights = luminances(primaries)?;
-            let mut rgb: [Vec<f32>; 3] = Default::default();
-            for ((y, ry), by) in y.radiance.iter().zip(&ry.radiance).zip(&by.radiance) {
-                let [y, ry, by] = [*y, *ry, *by].map(f64::from);
-                let (red, blue) = ((ry + 1.0) * y, (by + 1.0) * y);
-                let green = (y - weights[0] * red - weights[2] * blue) / weights[1];
-                // Chroma is rounded, so that dark colours may come out slightly negative.
-                let rounded = |value: f64| if value > -ROUNDING * y { value.max(0.0) } else { value };
-                let values = [red, green, blue].map(rounded);
-                rgb.iter_mut().zip(values).for_each(|(all, value)| all.push(value as f32));
-            }
-            let three = colours.into_iter().zip(rgb);
-            Some(three.map(|(colour, radiance)| MapChannel { colour, radiance }).collect())
-        }
-    }
-}
-
 fn primaries(header: &Header, set: &ChannelSet, notes: &mut Vec<String>) -> Option<Primaries> {
     let pair = |at: Vec2<f32>| [f64::from(at.0), f64::from(at.1)];
     let all = header.shared_attributes.chromaticities?;
@@ -224,90 +112,6 @@ fn primaries(header: &Header, set: &ChannelSet, notes: &mut Vec<String>) -> Opti
         return None;
     }
     Some([pair(all.red), pair(all.green), pair(all.blue), pair(all.white)])
-}
-
-/// Window that is the map.
-enum Window {
-    /// Six faces of a cube, one below the other.
-    Cube,
-    Display,
-    /// The data window, because the display window is no map.
-    Data,
-}
-
-fn data_window(header: &Header) -> IntegerBounds {
-    IntegerBounds { position: header.own_attributes.layer_position, size: header.layer_size }
-}
-
-fn window(header: &Header) -> Result<Window, MapProblem> {
-    let (data, display) = (header.layer_size, header.shared_attributes.display_window.size);
-    if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
-        let fits = data.0 >= 2 && data.0 <= 1024 && data.0.checked_mul(6) == Some(data.1);
-        return if fits { Ok(Window::Cube) } else { Err(MapProblem::Cube { width: data.0, height: data.1 }) };
-    }
-    if check_size(display.0, display.1).is_ok() {
-        return Ok(Window::Display);
-    }
-    check_size(data.0, data.1).map(|()| Window::Data)
-}
-
-/// Moves the pixels to their places on the sphere; returns width and height of the map.
-fn place(
-    header: &Header,
-    channels: &mut [MapChannel],
-    notes: &mut Vec<String>,
-) -> Result<(usize, usize), MapProblem> {
-    let (data, display) = (data_window(header), header.shared_attributes.display_window);
-    match window(header)? {
-        Window::Cube => {
-            let (width, height) = equirectangular(data.size.0, channels);
-            notes.push(format!(
-                "its six faces of {} pixels are resampled to {width} x {height} pixels",
-                data.size.0
-            ));
-            Ok((width, height))
-        }
-        Window::Data => {
-            notes.push(
-                "the display window is no map of the sphere and is not used: the data window is taken as the whole sphere"
-                    .to_owned(),
-            );
-            Ok((data.size.0, data.size.1))
-        }
-        Window::Display if data == display => Ok((data.size.0, data.size.1)),
-        Window::Display => {
-            let outside = moved(data, display, channels);
-            notes.push(format!(
-                "the data window differs from the display window, which is the whole sphere: {outside}"
-            ));
-            Ok((display.size.0, display.size.1))
-        }
-    }
-}
-
-/// Moves pixels of the data window to the display window; returns in words what is missing and what is cut off.
-fn moved(data: IntegerBounds, display: IntegerBounds, channels: &mut [MapChannel]) -> &'static str {
-    let Vec2(width, height) = display.size;
-    let off = |at: i32, from: i32| i64::from(at) - i64::from(from);
-    let (right, down) = (off(data.position.0, display.position.0), off(data.position.1, display.position.1));
-    let mut covered = 0;
-    for channel in channels {
-        let mut map = vec![0.0; width * height];
-        covered = 0;
-        for (k, value) in channel.radiance.iter().enumerate() {
-            let (row, column) = ((k / data.size.0) as i64 + down, (k % data.size.0) as i64 + right);
-            if (0..height as i64).contains(&row) && (0..width as i64).contains(&column) {
-                map[row as usize * width + column as usize] = *value;
-                covered += 1;
-            }
-        }
-        channel.radiance = map;
-    }
-    match (covered == width * height, covered == data.size.area()) {
-        (false, true) => "the rest is dark",
-        (true, _) => "pixels outside are not used",
-        (false, false) => "the rest is dark, and pixels outside are not used",
-    }
 }
 
 /// Applies, or notes, attributes that concern the meaning of the values.
@@ -333,7 +137,7 @@ fn meaning(header: &Header, set: &ChannelSet, channels: &mut [MapChannel], notes
         notes.push(format!("pixelAspectRatio {aspect} is not used: the pixels cover the whole sphere"));
     }
     let other = own.other.iter().chain(&header.shared_attributes.other);
-    let space = other.filter(|(name, _)| **name == *"colorInteropID").map(|(_, value)| value);
+    let space = other.filter(|(name, _)| *name == "colorInteropID").map(|(_, value)| value);
     for value in space {
         let found = match value {
             exr::meta::attribute::AttributeValue::Text(text) => text.to_string(),

@@ -11,6 +11,8 @@ mod arrays;
 mod bsdf;
 mod decoders;
 mod heights;
+mod eulumdat;
+mod light_map_fields;
 mod light_maps;
 mod luminaires;
 mod meshes;

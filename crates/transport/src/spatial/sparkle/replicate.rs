@@ -110,7 +110,7 @@ impl Plan {
         for cell in 0..self.cells.len() {
             let Some(pixel) = self.pixel(cell) else { continue };
             let middle = self.cells.middle(cell);
-            for half in 0..2 {
+            for half in [0, 1] {
                 let [u, v, s, t] = numbers.block(cell as u64, half as u32);
                 let place = [middle[0] + (u - 0.5) * size[0], middle[1] + (v - 0.5) * size[1]];
                 let beta =
@@ -121,8 +121,9 @@ impl Plan {
                 let entered = [0, 1].map(|k| place[k] - back[k] + 2.0 * (moved[k] - shift[k]));
                 let bent = (slope + enters.smooth_at(entered)) * self.view.bend;
                 let light = self.panel.room.light(self.panel.view + beta - Beta { x: bent.re, y: bent.im });
-                sums[pixel][0][half] += windows.at(on_plane) * light;
-                sums[pixel][2][half] += light;
+                let [through_window, _, of_plane] = &mut sums[pixel];
+                through_window[half] += windows.at(on_plane) * light;
+                of_plane[half] += light;
             }
         }
     }
