@@ -470,9 +470,8 @@ fn replace(old: &mut Item, value: &serde_json::Value, in_table: bool) -> Result<
     }
     let as_table = if old.is_none() { in_table } else { old.is_table() || old.is_array_of_tables() };
     let mut new = item(value, as_table)?;
-    match (&mut new, &*old) {
-        (Item::Value(new), Item::Value(old)) => *new.decor_mut() = old.decor().clone(),
-        _ => {}
+    if let (Item::Value(new), Item::Value(old)) = (&mut new, &*old) {
+        *new.decor_mut() = old.decor().clone()
     }
     *old = new;
     Ok(())
@@ -503,16 +502,17 @@ fn merge_items(array: &mut Item, items: &[serde_json::Value]) -> Result<(), Mess
     let from_end = |back: &usize| is_equal_at(array, count - 1 - back, &items[items.len() - 1 - back]);
     let last = (0..shorter - first).take_while(from_end).count();
     let (old, new) = (count - first - last, items.len() - first - last);
-    for at in first..first + old.min(new) {
+    let (replaced, added) = items[first..first + new].split_at(old.min(new));
+    for (at, item) in (first..).zip(replaced) {
         if let Some(place) = array.get_mut(at) {
-            replace(place, &items[at], false)?;
+            replace(place, item, false)?;
         }
     }
     for _ in new..old {
         take(array, first + new);
     }
-    for at in first + old.min(new)..first + new {
-        put(array, at, &items[at])?;
+    for (at, item) in (first + replaced.len()..).zip(added) {
+        put(array, at, item)?;
     }
     Ok(())
 }

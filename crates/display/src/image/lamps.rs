@@ -18,7 +18,7 @@ use crate::setup::Setup;
 
 /// Half of the angle across the disc with which collimated light is drawn, degrees. It has no luminance: that of the disc is its illuminance
 /// over the disc's projected solid angle.
-pub const COLLIMATED_DEG: f64 = 0.25;
+pub(super) const COLLIMATED_DEG: f64 = 0.25;
 
 /// The mirror image of a lamp.
 #[derive(Debug, Clone, PartialEq)]

@@ -259,7 +259,7 @@ impl<'a> Runner<'a> {
         let Stop::RelativeError { target, per_wavelength } = run.scene.solver.stop else {
             return Err(DisplayError::NoPaths);
         };
-        let finest = finest(&run.setup)?;
+        let finest = finest(run.setup)?;
         let first = FIRST_LEVELS as usize;
         let (begin, finest, target) = match run.accuracy {
             Accuracy::Exact => (first, finest, target),

@@ -97,7 +97,7 @@ impl Frame<'_> {
         }
         let lengths_mm = self.setup.scene.display.lengths_mm()?;
         let at_level = |level| self.prepared((stack, &lengths_mm), view, level);
-        let finest = (finest(&self.setup)? as u32).min(MOST_LEVEL);
+        let finest = (finest(self.setup)? as u32).min(MOST_LEVEL);
         let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
         let mut frequencies = self.frequencies.clone();
         let first = at_level(0)?;

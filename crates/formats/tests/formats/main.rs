@@ -10,8 +10,8 @@
 mod arrays;
 mod bsdf;
 mod decoders;
-mod heights;
 mod eulumdat;
+mod heights;
 mod light_map_fields;
 mod light_maps;
 mod luminaires;
