@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use papilio_figures::{Transmission, lobes, transmission};
-use papilio_formats::{AuditFile, DataFile, audit_text, read_fractions, write_json};
+use papilio_formats::{AuditFile, DataFile, Warned, audit_text, read_fractions_with_notes, write_json};
 use papilio_goniometry::{Audit, Channels, MeasuredPart};
 
 use super::{read, report};
 use crate::arguments::Inspect;
 use crate::progress::Progress;
-use crate::{Failure, output};
+use crate::{Failure, output, print_message};
 
 pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     let measurement = read(&arguments.file, arguments.part)?;
@@ -73,7 +73,8 @@ fn all_channels(part: &MeasuredPart) -> Vec<Audit> {
 /// Reads a transmission spectrum from a file.
 fn spectrum(path: &Path) -> Result<Transmission, Failure> {
     let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
-    let spectrum = read_fractions(&file).map_err(Failure::Data)?;
+    let Warned { value: spectrum, warnings } = read_fractions_with_notes(&file).map_err(Failure::Data)?;
+    warnings.iter().for_each(|note| print_message(&format!("note: {}: {note}", file.name)));
     Ok(Transmission {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         wavelength_nm: spectrum.wavelengths_nm().to_vec(),

@@ -168,9 +168,6 @@ pub use temporary::remove_abandoned;
 pub use tolerance::{SearchHead, ToleranceHead, write_table};
 pub use windows::{NamedRectangle, read_windows};
 
-// Readers of heights use rows of numbers without names.
-pub(crate) use table::rows;
-
 /// Whether this build can write tables as Parquet: the feature `parquet`, which is on by default in builds of the program.
 pub const HAS_PARQUET: bool = cfg!(feature = "parquet");
 

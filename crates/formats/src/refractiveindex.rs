@@ -19,8 +19,8 @@ mod page;
 pub(crate) use self::download::{are_um, is_download, read_download};
 use self::page::{Entry, Value, fault};
 use crate::error::{FormatError, Problem};
-use crate::rows::Table;
 use crate::spectrum::Columns;
+use crate::table::Table;
 use papilio_diagnostics::Warned;
 
 /// Returns whether the text has a key `DATA` at its outermost level.

@@ -209,10 +209,7 @@ pub fn is_luminaire(file: &DataFile) -> bool {
     ies::is_ies(&text) || eulumdat::is_eulumdat(&text)
 }
 
-/// Returns the text of a file in UTF-8 or Latin-1, without a byte order mark.
+/// Returns the text of a file, in the encodings of all tables.
 fn decoded(file: &DataFile) -> Cow<'_, str> {
-    match file.text() {
-        Ok(text) => Cow::Borrowed(text),
-        Err(_) => file.bytes.iter().map(|byte| char::from(*byte)).collect(),
-    }
+    crate::table::decode(&file.bytes).unwrap_or_else(|| String::from_utf8_lossy(&file.bytes))
 }

@@ -5,10 +5,9 @@ use papilio_spectra::{Dispersion, Tabulated};
 
 use super::check_not_negative;
 use crate::error::{FormatError, Problem};
-use crate::rows::{Row, Table};
 use crate::spectrum::Columns;
 use crate::table::quantities::{K, N, WAVELENGTH};
-use crate::table::{Column, Header, Quantity, Unit};
+use crate::table::{Column, Header, Quantity, Row, Table, Unit};
 
 /// Wavelengths of at least this many um are in fact nm.
 const LONGEST_UM: f64 = 30.0;

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::error::{FormatError, Problem};
-use crate::rows::Table;
+use crate::table::Table;
 
 /// One element of the list under `DATA`.
 pub(super) struct Entry<'a> {

@@ -4,29 +4,13 @@ use std::borrow::Cow;
 
 use super::SurfaceProblem;
 
-/// The content as a text: UTF-8 or UTF-16 with their marks, UTF-8 without one, or else Latin-1.
+/// The content as a text, in the encodings of all tables.
 ///
 /// # Errors
 /// A file with zero bytes, which is no text.
 pub(super) fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, SurfaceProblem> {
-    let wide = |bytes: &[u8], number: fn([u8; 2]) -> u16| -> String {
-        let units = bytes.as_chunks().0.iter().map(|pair| number(*pair));
-        char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
-    };
-    if let Some(rest) = bytes.strip_prefix(b"\xFF\xFE") {
-        return Ok(wide(rest, u16::from_le_bytes).into());
-    }
-    if let Some(rest) = bytes.strip_prefix(b"\xFE\xFF") {
-        return Ok(wide(rest, u16::from_be_bytes).into());
-    }
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    if bytes.contains(&0) {
-        return Err(SurfaceProblem::NotAMap);
-    }
-    Ok(match std::str::from_utf8(bytes) {
-        Ok(text) => text.into(),
-        Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect::<String>().into(),
-    })
+    let text = crate::table::decode(bytes).filter(|text| !text.contains('\0'));
+    text.ok_or(SurfaceProblem::NotAMap)
 }
 
 /// How the numbers of a text are separated and written.

@@ -3,7 +3,7 @@
 use papilio_colour::{Lab, UvPrime};
 use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::Quantity;
-use papilio_formats::{LARGEST_FILE, read_fractions};
+use papilio_formats::{LARGEST_FILE, read_fractions_with_notes};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
 
 use super::read::{ConditionScene, Reader};
@@ -251,8 +251,11 @@ impl Reader {
                         return None;
                     }
                 };
-                match read_fractions(kept.file()) {
-                    Ok(table) => (name.clone(), table),
+                match read_fractions_with_notes(kept.file()) {
+                    Ok(read) => {
+                        self.file_notes.extend(read.warnings.iter().map(|note| format!("{name}: {note}")));
+                        (name.clone(), read.value)
+                    }
                     Err(error) => {
                         self.errors.push_data(origin, error);
                         return None;

@@ -34,7 +34,7 @@ pub(super) fn search(base: ParsedScenario) -> Result<Optimisation, ScenarioError
     };
     let described = errors.finish(described, &base.sources)?;
     let title = root.get("title").and_then(|title| String::read(title, &mut Errors::default()));
-    Reader { base, root, errors: Errors::default() }.search(&described, title)
+    Reader { base, root, errors: Errors::default(), file_notes: Vec::new() }.search(&described, title)
 }
 
 /// A variable, with the places of its keys.
@@ -60,6 +60,8 @@ pub(super) struct Reader {
     pub(super) base: ParsedScenario,
     root: Node,
     pub(super) errors: Errors,
+    /// Notes on files of the search.
+    pub(super) file_notes: Vec<String>,
 }
 
 impl Reader {
@@ -122,7 +124,7 @@ impl Reader {
             constraints: constraints.concat(),
             title,
             hash,
-            notes: self.base.notes()?,
+            notes: [self.base.notes()?, self.file_notes].concat(),
         })
     }
 
