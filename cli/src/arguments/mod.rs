@@ -106,8 +106,9 @@ pub(crate) enum Command {
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
                       papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
-                      MEASURED needs the columns state, theta_deg (optionally phi_deg), and either wavelength_nm \
-                      and reflectance_factor, or X, Y and Z. docs/compare.md describes them.")]
+                      MEASURED needs the columns state, optionally theta_deg and phi_deg, and either wavelength_nm \
+                      and reflectance_factor, or X, Y and Z, or L, a and b; files of instruments are read too. \
+                      docs/compare.md describes them.")]
     Compare(Compare),
     /// Write a commented scenario to start from: a display in the light of a preset
     #[command(
