@@ -427,8 +427,8 @@ fn klems_matrices_are_means_over_both_patches_and_reciprocal() {
                 let expected = (0..12).map(total).sum::<f64>() / 12.0;
                 assert!((sum / expected - 1.0).abs() < 3e-3, "{}, column {column}: {sum} {expected}", lobe.b);
             }
-            for row in 0..145 {
-                let (there, back) = (matrix[row][column], matrix[column][row]);
+            for (row, values) in matrix.iter().enumerate() {
+                let (there, back) = (values[column], matrix[column][row]);
                 assert!((there - back).abs() <= 1e-5 * there.max(back), "{row}, {column}: {there} {back}");
             }
         }
