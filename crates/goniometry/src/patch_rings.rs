@@ -90,12 +90,18 @@ fn shifts(rings: &[Ring], light: usize) -> [f64; SHIFTS] {
 }
 
 /// Returns the light about one incidence, given by its index, that arrives in each ring, for each channel. It is not normalised.
-fn collected(grid: &SpecularGrid, light: usize, channels: &[(&[f64], &[f64])], rings: &[Ring]) -> Vec<Arrived> {
+fn collected(
+    grid: &SpecularGrid,
+    light: usize,
+    channels: &[(&[f64], &[f64])],
+    rings: &[Ring],
+) -> Vec<Arrived> {
     let (azimuths, radials) = (&grid.azimuths_deg, &grid.radials_deg);
     let incidence_deg = grid.incidences_deg[light];
     let shifts = shifts(rings, light);
     let mut found = vec![vec![[0.0; AZIMUTHS]; rings.len()]; channels.len()];
-    let is_above = |a: usize, r: usize| SpecularGrid::direction(incidence_deg, azimuths[a], radials[r]).is_some();
+    let is_above =
+        |a: usize, r: usize| SpecularGrid::direction(incidence_deg, azimuths[a], radials[r]).is_some();
     let row = light * azimuths.len();
     for a in 1..azimuths.len() {
         for r in 1..radials.len() {
@@ -108,7 +114,8 @@ fn collected(grid: &SpecularGrid, light: usize, channels: &[(&[f64], &[f64])], r
             for part in 0..PARTS * PARTS {
                 let [x, y] = [part % PARTS, part / PARTS].map(|k| (k as f64 + 0.5) / PARTS as f64);
                 let radial = radials[r - 1] + x * length;
-                let Some(to) = SpecularGrid::direction(incidence_deg, azimuths[a - 1] + y * width, radial) else {
+                let Some(to) = SpecularGrid::direction(incidence_deg, azimuths[a - 1] + y * width, radial)
+                else {
                     continue;
                 };
                 let mut weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
@@ -119,7 +126,11 @@ fn collected(grid: &SpecularGrid, light: usize, channels: &[(&[f64], &[f64])], r
                     .iter()
                     .map(|(values, _)| {
                         let value = |(a, r): (usize, usize)| values[(row + a) * radials.len() + r].max(0.0);
-                        size * corners.iter().zip(weights).map(|(corner, weight)| weight * value(*corner)).sum::<f64>()
+                        size * corners
+                            .iter()
+                            .zip(weights)
+                            .map(|(corner, weight)| weight * value(*corner))
+                            .sum::<f64>()
                     })
                     .collect();
                 for shift in shifts {

@@ -53,7 +53,8 @@ pub(super) fn patches_part(table: &RingTable, state: usize) -> io::Result<Measur
     let channels: Vec<_> = (0..whites.len()).map(channel).collect();
     let means = ring_patch_means(grid, &channels, &KLEMS_FULL)
         .ok_or_else(|| unsound("the BSDF is not on the directions of the patches"))?;
-    let values = means.iter().zip(&whites).flat_map(|(means, white)| means.iter().map(move |mean| mean * white));
+    let values =
+        means.iter().zip(&whites).flat_map(|(means, white)| means.iter().map(move |mean| mean * white));
     let values: Vec<f64> = values.collect();
     let geometry = Geometry::Patches { incoming: KLEMS_FULL.to_vec(), outgoing: KLEMS_FULL.to_vec() };
     Ok(MeasuredPart { geometry, values, tis: Vec::new(), ..rings })
