@@ -71,7 +71,7 @@ fn rgl_has_a_file_for_each_state_a_mirror_part_and_a_scene() {
 #[test]
 fn klems_has_a_matrix_for_each_state() {
     let folder = tempfile::tempdir().unwrap();
-    let output = brdf("indoor", folder.path(), &["--format", "klems", "--states", "white"]);
+    let output = brdf("epaper", folder.path(), &["--format", "klems", "--states", "white"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let files = ["about.json", "display-mirror.csv", "display-white.xml", "reflection.csv"];
     assert_eq!(names(folder.path()), files);

@@ -130,7 +130,8 @@ mod tests {
                 for k in 0..steps {
                     let u = (f64::from(k) + 0.5) / f64::from(steps);
                     while next < 8 && u > places[next] {
-                        assert!((sum - fractions[next]).abs() < 2e-4, "{theta_i}, {row}: {sum}");
+                        // A step of the sum has up to this fraction.
+                        assert!((sum - fractions[next]).abs() < 2e-3, "{theta_i}, {row}: {sum}");
                         next += 1;
                     }
                     sum += density.at(row, u) / f64::from(steps);
