@@ -7,7 +7,7 @@
 
 pub(crate) mod draw;
 mod scores;
-pub(crate) mod solvers;
+mod solvers;
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
