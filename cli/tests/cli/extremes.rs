@@ -367,12 +367,7 @@ fn what_would_take_hours_is_refused_with_its_key() {
             &["microgeometry.index_below=1e-6"],
             &["is out of range", "index_below"],
         ),
-        (
-            "gonio",
-            "surfaces/etched.toml",
-            &["microgeometry.rms_nm=1e6"],
-            &["are spikes", "correlation_um"],
-        ),
+        ("gonio", "surfaces/etched.toml", &["microgeometry.rms_nm=1e6"], &["are spikes", "correlation_um"]),
         (
             "run",
             "scenarios/etched-face.toml",

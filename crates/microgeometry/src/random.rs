@@ -177,7 +177,8 @@ impl RandomHeights {
                 wanted: "positive",
             });
         }
-        if let Spectrum::Gaussian { rms_um, correlation_um } | Spectrum::Exponential { rms_um, correlation_um, .. } = spectrum
+        if let Spectrum::Gaussian { rms_um, correlation_um }
+        | Spectrum::Exponential { rms_um, correlation_um, .. } = spectrum
             && rms_um > MOST_ASPECT * correlation_um
         {
             let wrong = format!(

@@ -192,8 +192,7 @@ fn panel_seconds(setup: &Setup) -> f64 {
         .filter(|source| matches!(source, Source::Field(_)))
         .partition(|field| !is_turned(field));
     let (rings, fields) = (rings.len() as f64, fields.len() as f64);
-    let widths =
-        width_of_panel(&setup.stack).map_or(0.0, |width| (FIELD_WIDTH / width).powi(2));
+    let widths = width_of_panel(&setup.stack).map_or(0.0, |width| (FIELD_WIDTH / width).powi(2));
     let narrow = if error_over_difference(&setup.stack, &setup.sources) > 1.0 { NARROW } else { 0.0 };
     setup.views.len() as f64 * (VIEW + RING * rings + FIELD * fields)
         + (1.0 + widths) * FIELD_ONCE * fields
