@@ -365,7 +365,7 @@ fn what_would_take_hours_is_refused_with_its_key() {
             "gonio",
             "surfaces/prisms.toml",
             &["microgeometry.index_below=1e-6"],
-            &["0.000001 is out of range", "microgeometry.index_below"],
+            &["is out of range", "index_below"],
         ),
         ("gonio", "surfaces/etched.toml", &["microgeometry.rms_nm=1e6"], &["are spikes", "correlation_um"]),
         (
