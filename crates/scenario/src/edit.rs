@@ -558,7 +558,8 @@ fn take(array: &mut Item, at: usize) -> Vec<String> {
             let item = all.items.remove(at);
             all.put_into(values);
             let around = [item.lead.unwrap_or_default(), item.tail];
-            let around = around.iter().flat_map(|text| comments::comments(text)).map(|(_, one)| one.to_owned());
+            let around =
+                around.iter().flat_map(|text| comments::comments(text)).map(|(_, one)| one.to_owned());
             let mut removed: Vec<String> = around.collect();
             comments::collect_value(&item.value, &mut removed);
             removed

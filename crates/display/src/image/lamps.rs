@@ -49,7 +49,9 @@ pub(super) fn drawn_lamps(scene: &Scene, states: &[String]) -> Result<Vec<LampIm
     }
     let is_collimated = |image: &LampImage| {
         let number = image.light.strip_prefix("directed.").and_then(|number| number.parse::<usize>().ok());
-        number.and_then(|number| scene.lighting.directed.get(number)).is_some_and(|one| one.radius_deg.is_none())
+        number
+            .and_then(|number| scene.lighting.directed.get(number))
+            .is_some_and(|one| one.radius_deg.is_none())
     };
     let images = lamp_images(&drawn, states)?;
     Ok(images.into_iter().map(|one| LampImage { is_collimated: is_collimated(&one), ..one }).collect())

@@ -322,15 +322,15 @@ fn lamps_are_those_of_a_halftone_without_one() {
         let held = control(|control| HeldPicture::new(&display, &ramp(), &settings, control));
         let by_states = control(|control| held.factors(&display, control));
         let mut prepared = Prepared::new(&display).unwrap();
-        let (names, exactly) =
-            control(|control| exact(&display, &ramp(), &settings, &mut prepared, control));
+        let (names, exactly) = control(|control| exact(&display, &ramp(), &settings, &mut prepared, control));
         assert_eq!(held.names, names);
         assert_eq!(by_states.lamps, exactly.lamps);
         let [lamp] = exactly.lamps.as_slice() else { panic!("{:?}", exactly.lamps) };
         assert_eq!(lamp.is_collimated, radius.is_empty());
         // The mean colour of the picture is that of its coverages.
         let mean = |pixels: &[[f32; 3]]| pixels.iter().map(|one| f64::from(one[1])).sum::<f64>() / 96.0;
-        let covered: f64 = exactly.coverage.iter().zip(&exactly.pages).map(|(part, page)| part * page[1]).sum();
+        let covered: f64 =
+            exactly.coverage.iter().zip(&exactly.pages).map(|(part, page)| part * page[1]).sum();
         assert!((exactly.coverage.iter().sum::<f64>() - 1.0).abs() < 1e-9);
         assert!((covered - mean(&exactly.lights[0].pixels)).abs() < 1e-6, "{covered}");
         let halftoned = by_states.coverage.iter().zip(&by_states.pages).map(|(part, page)| part * page[1]);

@@ -72,7 +72,8 @@ impl ArrayItems {
         array.clear();
         for (number, mut item) in self.items.into_iter().enumerate() {
             // The first item of a line has no blank before it.
-            let lead = item.lead.map(|lead| if number == 0 && !lead.contains('\n') { String::new() } else { lead });
+            let lead =
+                item.lead.map(|lead| if number == 0 && !lead.contains('\n') { String::new() } else { lead });
             let usual = || if number == 0 { String::new() } else { " ".to_owned() };
             item.value.decor_mut().set_prefix(after(&tail, &lead.unwrap_or_else(usual)));
             array.push_formatted(item.value);

@@ -95,7 +95,8 @@ fn is_equal_value(own: &Value, value: &serde_json::Value) -> bool {
             own.len() == items.len() && own.iter().zip(items).all(|(own, value)| is_equal_value(own, value))
         }
         (Value::InlineTable(own), Json::Object(keys)) => {
-            let same = |(key, own): (&str, &Value)| keys.get(key).is_some_and(|value| is_equal_value(own, value));
+            let same =
+                |(key, own): (&str, &Value)| keys.get(key).is_some_and(|value| is_equal_value(own, value));
             own.len() == keys.len() && own.iter().all(same)
         }
         _ => false,

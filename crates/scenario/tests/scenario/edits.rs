@@ -67,7 +67,8 @@ fn edits(path: &str, value: &Value) -> Vec<Edit> {
             edits
         }
         _ => {
-            let mut edits = vec![set(json!(0.125)), set(json!("name")), set(json!([1, 2, 3])), set(json!({ "a": 1 }))];
+            let mut edits =
+                vec![set(json!(0.125)), set(json!("name")), set(json!([1, 2, 3])), set(json!({ "a": 1 }))];
             if path.rsplit('.').next().is_some_and(|key| key.parse::<usize>().is_err()) {
                 edits.push(Edit::Remove { path: path.to_owned() });
             }
@@ -84,7 +85,8 @@ fn lacking(text: &str, count: usize) -> Vec<usize> {
 #[test]
 fn every_comment_of_a_text_is_there_after_an_edit_that_removes_no_table() {
     let files = std::fs::read_dir(shipped()).unwrap().map(|entry| entry.unwrap().path());
-    let mut scenarios: Vec<_> = files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
+    let mut scenarios: Vec<_> =
+        files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
     scenarios.sort();
     let stride = sized(29, 1);
     let (mut tried, mut made) = (0, 0);
@@ -165,7 +167,9 @@ fn panel_that_becomes_layers_keeps_its_comments_at_their_keys() {
     let value: toml::Table = toml::from_str(&text).unwrap();
     let display = value["display"].as_table().unwrap();
     assert_eq!(display["layers"].as_array().unwrap().len(), 4);
-    assert!(!display.contains_key("front") && !display.contains_key("diffuser") && !display.contains_key("glass"));
+    assert!(
+        !display.contains_key("front") && !display.contains_key("diffuser") && !display.contains_key("glass")
+    );
 }
 
 #[test]
@@ -175,10 +179,18 @@ fn comments_move_with_their_items_and_leave_with_them() {
     let wanted = "film = [ # from the top\n  { material = \"AlOx\", thickness_nm = 9.0 }, # thinner\n  # the spacer\n  { material = \"SiO2\", thickness_nm = 38.6 }, # thin\n  # the gap\n";
     assert!(moved.starts_with(wanted), "{moved}");
     let removed = film(&edited(json!([{ "op": "remove", "path": "display.pixel.film.0" }])));
-    assert!(removed.starts_with("film = [ # from the top\n  { material = \"AlOx\", thickness_nm = 9.0 }, # thinner\n  # the gap\n"), "{removed}");
+    assert!(
+        removed.starts_with(
+            "film = [ # from the top\n  { material = \"AlOx\", thickness_nm = 9.0 }, # thinner\n  # the gap\n"
+        ),
+        "{removed}"
+    );
     assert!(!removed.contains("spacer") && !removed.contains("thin\n"), "{removed}");
     let without = edited(json!([{ "op": "remove", "path": "display.diffuser" }]));
-    assert!(!without.contains("H78") && !without.contains("as bought") && without.contains("# measured"), "{without}");
+    assert!(
+        !without.contains("H78") && !without.contains("as bought") && without.contains("# measured"),
+        "{without}"
+    );
 }
 
 #[test]
