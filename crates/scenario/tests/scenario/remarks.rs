@@ -252,7 +252,10 @@ fn unbounded_lobes_are_warned_of() {
     // A wide lobe over a mirror-like pixel: light near the horizon passes it twice. Over paper its integral is finite.
     let wide = "display.diffuser.alpha=0.6";
     let infinite = said(&[wide]);
-    assert!(infinite.len() == 1 && infinite[0].contains("the integral of this light is infinite"), "{infinite:?}");
+    assert!(
+        infinite.len() == 1 && infinite[0].contains("the integral of this light is infinite"),
+        "{infinite:?}"
+    );
     let paper = "display.pixel={ model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.5 } }";
     assert!(said(&[wide, paper]).is_empty(), "{:?}", said(&[wide, paper]));
 }

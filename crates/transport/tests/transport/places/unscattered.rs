@@ -35,7 +35,8 @@ fn replicates_do_not_agree_by_chance_on_light_that_is_not_scattered() {
     let of = |layers: Vec<Layer>, base: Base| Layered { layers, base };
     let coated = || layer(Interface::IdealAr, clear(1.5));
     let face = || layer(Interface::Fresnel, clear(1.5));
-    let two = |a: f64, b: f64| (a + (1.0 - a).powi(2) * b / (1.0 - a * b), (1.0 - a) * (1.0 - b) / (1.0 - a * b));
+    let two =
+        |a: f64, b: f64| (a + (1.0 - a).powi(2) * b / (1.0 - a * b), (1.0 - a) * (1.0 - b) / (1.0 - a * b));
     let (bright, faint) = (20.02 / paths, 5.02 / paths);
     let (front, through) = two(bright, 0.04);
     let optical_thickness = -(1.0 - 40.04 / paths).ln();
