@@ -33,8 +33,7 @@ fn string_length(text: &str) -> usize {
     while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {
         if rest.starts_with(end) {
             // Two quotation marks more may belong to the string.
-            let more =
-                rest[end.len()..].chars().take_while(|sign| end.len() == 3 && quote.starts_with(*sign));
+            let more = after.chars().take_while(|sign| end.len() == 3 && quote.starts_with(*sign));
             return at + end.len() + more.take(2).count();
         }
         let escaped = quote == "\"" && rest.starts_with('\\');
