@@ -31,7 +31,7 @@ fn string_length(text: &str) -> usize {
     let end = if text.starts_with(&triple) { triple.as_str() } else { quote };
     let mut at = end.len();
     while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {
-        if rest.starts_with(end) {
+        if let Some(after) = rest.strip_prefix(end) {
             // Two quotation marks more may belong to the string.
             let more = after.chars().take_while(|sign| end.len() == 3 && quote.starts_with(*sign));
             return at + end.len() + more.take(2).count();
