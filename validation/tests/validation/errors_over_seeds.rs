@@ -33,6 +33,9 @@ const MOST_OVER_ROOT_OF_RANDOM: f64 = 2.0;
 /// Relative error from which on few paths find the light: its error is honest, but hardly known, and so is its fall.
 const FAINT: f64 = 0.1;
 
+/// Multiple of the least stated error, that of few paths, below which an error may be too large.
+const LIMITED: f64 = 10.0;
+
 /// Relative errors below this one are those of rounding.
 const NEGLIGIBLE: f64 = 1e-12;
 
@@ -130,7 +133,13 @@ impl Measured {
         let bounds = mean_square_bounds(1.0, 2.55, (SEEDS - 1) as f64);
         let mut faults = Vec::new();
         for OfState { name, relative_error, ratios, falls } in &self.states {
-            if ratios.iter().any(|ratio| !bounds.contains(ratio)) {
+            // Runs with few paths have errors of at least 1/paths.
+            let limits = [1.0 / self.paths as f64, 0.25 / self.paths as f64 / falls[0]];
+            let is_limited = |limit: f64| *relative_error < LIMITED * limit;
+            let is_wrong = |(ratio, limit): (&f64, f64)| {
+                ratio > bounds.end() || (ratio < bounds.start() && !is_limited(limit))
+            };
+            if ratios.iter().zip(limits).any(is_wrong) {
                 faults.push(format!(
                     "{}, {name}: variance over stated variance {ratios:.2?}, not in {bounds:.2?}",
                     self.name
