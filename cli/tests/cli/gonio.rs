@@ -236,12 +236,18 @@ fn coated_corner_cubes_return_the_cube_of_their_reflectance() {
 /// Surfaces that would take endless memory or time are refused at their key, before it is spent.
 #[test]
 fn endless_surfaces_are_refused() {
-    for (name, set, says) in [
-        ("spheres", "microgeometry.volume_fraction=1e-300", "too far for rays to meet them"),
-        ("etched-waves", "microgeometry.rms_nm=1e6", "too many wavelengths for waves"),
+    for (name, sets, says) in [
+        ("spheres", &["microgeometry.volume_fraction=1e-300"][..], "too far for rays to meet them"),
+        ("etched-waves", &["microgeometry.rms_nm=1e6"], "are spikes"),
+        (
+            "etched-waves",
+            &["microgeometry.rms_nm=7e4", "microgeometry.correlation_um=15"],
+            "too many wavelengths for waves",
+        ),
     ] {
         let surface = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../surfaces/{name}.toml"));
-        let output = papilio().arg("gonio").arg(surface).args(["--json", "--set", set]).output().unwrap();
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let output = papilio().arg("gonio").arg(surface).arg("--json").args(sets).output().unwrap();
         let answer = stderr(&output);
         assert!(output.status.code() == Some(2) && answer.contains(says), "{name}: {answer}");
     }

@@ -31,7 +31,10 @@ pub enum Problem {
         reason: String,
     },
     /// The library that decodes the file has failed on its contents.
-    Undecodable,
+    Undecodable {
+        /// Name of its format, if it is one of pictures.
+        format: Option<&'static str>,
+    },
     /// The file cannot be written.
     Unwritable {
         /// The operating system's message.
@@ -276,8 +279,13 @@ impl Problem {
     /// Returns what is wrong, what was expected and what to do, in words.
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
-            Self::Undecodable => Diagnostic::new("this file cannot be read: its contents contradict each other, so that the decoder failed")
-                .hint("is it damaged or cut off? Save it again, if possible in another format"),
+            Self::Undecodable { format } => {
+                let file = format.map_or("file".to_owned(), |format| format!("{format} file"));
+                Diagnostic::new(format!(
+                    "this {file} cannot be read: its contents contradict each other, so that the decoder failed"
+                ))
+                .hint("is it damaged or cut off? Save it again, if possible in another format")
+            }
             Self::Unreadable { reason } => Diagnostic::new(format!("this file cannot be read: {reason}")),
             Self::Unwritable { reason } => Diagnostic::new(format!("this file cannot be written: {reason}"))
                 .hint("free some space or change the permissions, or choose another folder"),

@@ -8,6 +8,7 @@ use papilio_diagnostics::Place;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
+use crate::picture_format;
 
 thread_local! {
     /// Whether this thread decodes a file: its panics are reported as errors, and not printed.
@@ -17,13 +18,13 @@ thread_local! {
 /// Calls the reader of a file. A panic in it is an error of the file.
 ///
 /// # Errors
-/// Those of the reader, and [`Problem::Undecodable`].
+/// Those of the reader, and [`Problem::Undecodable`] with the name of a picture's format.
 pub(crate) fn read<T>(
     file: &DataFile,
     reader: impl FnOnce(&DataFile) -> Result<T, FormatError>,
 ) -> Result<T, FormatError> {
     decoded(|| reader(file)).unwrap_or_else(|Panicked| {
-        Err(FormatError { place: Place::whole(&file.name), problem: Problem::Undecodable })
+        Err(FormatError { place: Place::whole(&file.name), problem: Problem::Undecodable { format: picture_format(&file.bytes) } })
     })
 }
 
@@ -58,7 +59,7 @@ mod tests {
         let file = DataFile { name: "a.bin".to_owned(), bytes: vec![1, 2] };
         let read_at = |at: usize| read(&file, |file| Ok(file.bytes[std::hint::black_box(at)]));
         let error = read_at(3).unwrap_err();
-        assert_eq!((error.place.name.as_str(), &error.problem), ("a.bin", &Problem::Undecodable));
+        assert_eq!((error.place.name.as_str(), &error.problem), ("a.bin", &Problem::Undecodable { format: None }));
         assert!(error.to_string().contains("contradict each other"), "{error}");
         assert_eq!(read_at(1), Ok(2));
     }

@@ -47,8 +47,8 @@ fn case(name: &'static str) -> Case {
 fn sparkle_of_lamps_does_not_depend_on_the_period_of_the_face() {
     let cases = TABLE.lines().skip(1).map(case).collect::<Vec<_>>();
     assert_eq!(cases.len(), 9);
-    for Case { name, panel, expected } in everyday(9, cases) {
-        for replicates in everyday(2, [1000, 32, 8, 125]) {
+    for Case { name, panel, expected } in everyday(2, cases) {
+        for replicates in everyday(1, [1000, 32, 8, 125]) {
             let effort = Effort { replicates, pixels: sized(1024, 16384), ..Effort::default() };
             let plan = Plan::new(panel.clone(), effort).unwrap();
             let found = plan.run().source;
@@ -59,7 +59,6 @@ fn sparkle_of_lamps_does_not_depend_on_the_period_of_the_face() {
             assert!((found.ppd - expected.ppd).abs() < tolerance, "{what}");
             let tolerance = 4.5 * found.mean_error.hypot(expected.mean_error) + 0.002 * expected.mean;
             assert!((found.mean - expected.mean).abs() < tolerance, "{what}");
-            println!("{what}");
         }
     }
 }

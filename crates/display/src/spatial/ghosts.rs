@@ -204,7 +204,7 @@ impl RoundTrips {
     /// those of the pattern.
     fn mean_of_cells(&self, pattern: Pattern, level: Level) -> f64 {
         let Pattern { kind, period_mm, states: [on, off] } = pattern;
-        let across = match (kind, level.is_fine()) {
+        let across = match (kind, level.is_fine) {
             (PatternKind::Stripes, true) => 512,
             (PatternKind::Stripes, false) | (PatternKind::Checkerboard, true) => 128,
             (PatternKind::Checkerboard, false) => 64,

@@ -122,7 +122,7 @@ pub(crate) fn sharpness(scene: &Scene) -> Result<Option<Sharpness>, DisplayError
     let (setup, patterns) = (Setup::new(scene)?, Patterns::default());
     let (Stack::Panel(_), Some(view)) = (&setup.stack, setup.views.first()) else { return Ok(None) };
     let measured = Frame::new(&setup, &patterns).and_then(|frame| {
-        let level = Level { digits: DIGITS[0], most_per_mm: frame.highest() };
+        let level = Level { digits: DIGITS[0], most_per_mm: frame.highest(), is_fine: false };
         Ok(frame.sharpness(&frame.measure(view, level)?))
     });
     match measured {
@@ -184,7 +184,7 @@ impl<'a> Frame<'a> {
 
     fn view(&self, view: &ViewPoint) -> Result<MtfView, DisplayError> {
         // As far as the sharpest feature has contrast.
-        let draft = Level { digits: 4.0, most_per_mm: LOWEST_PER_MM };
+        let draft = Level { digits: 4.0, most_per_mm: LOWEST_PER_MM, is_fine: false };
         let (seen, _) = responses(self.setup, view, draft)?;
         let widths = seen.iter().flat_map(|seen| seen.response.peaks()).map(|peak| peak.width_mm);
         let sharpest = widths.fold(f64::INFINITY, f64::min);
@@ -193,8 +193,8 @@ impl<'a> Frame<'a> {
         let searched = SEARCHED * self.highest();
         let most_per_mm =
             if first > searched { self.highest() } else { last.clamp(self.highest(), searched) };
-        let at = |digits: f64| self.measure(view, Level { digits, most_per_mm });
-        let (mut coarse, mut fine, mut digits) = (at(DIGITS[0])?, at(DIGITS[1])?, DIGITS[1]);
+        let at = |digits: f64, is_fine: bool| self.measure(view, Level { digits, most_per_mm, is_fine });
+        let (mut coarse, mut fine, mut digits) = (at(DIGITS[0], false)?, at(DIGITS[1], true)?, DIGITS[1]);
         let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
         let states = loop {
             let states = self.setup.states.iter().enumerate();
@@ -203,8 +203,9 @@ impl<'a> Frame<'a> {
             if largest_error(states.iter().map(|(_, state)| state)) <= target || digits >= MOST_DIGITS {
                 break states;
             }
+            coarse = at(digits, false)?;
             digits += MORE_DIGITS;
-            coarse = std::mem::replace(&mut fine, at(digits)?);
+            fine = at(digits, true)?;
         };
         let mut error = fine.line_contrast[0];
         let pairs = error.all_mut().zip(coarse.line_contrast[0].named());
@@ -223,7 +224,7 @@ impl<'a> Frame<'a> {
             text_contrast_error: fine.text_contrast[0]
                 .zip(coarse.text_contrast[0])
                 .map(|(fine, coarse)| [0, 1].map(|k| (fine[k] - coarse[k]).abs())),
-            yule_nielsen_n: self.yule_nielsen(&fine, Level { digits, most_per_mm }),
+            yule_nielsen_n: self.yule_nielsen(&fine, Level { digits, most_per_mm, is_fine: true }),
             patterns: self.pattern_means(view, &coarse, &fine),
         })
     }

@@ -253,7 +253,7 @@ impl Response for Paper {
     }
 
     fn line(&self, states: [usize; 2], axis: usize, width_mm: f64, level: Level) -> Option<f64> {
-        let parts = if level.is_fine() { 5 } else { 3 };
+        let parts = if level.is_fine { 5 } else { 3 };
         let cell = width_mm / parts as f64;
         let count = (LINE_PERIOD * self.reach_mm / cell).max(16.0 * parts as f64) as usize;
         let count = count.next_power_of_two();
@@ -271,7 +271,7 @@ impl Response for Paper {
         if period_mm == 0.0 {
             return Some(self.fine_mean(states));
         }
-        let widest = match (kind, level.is_fine()) {
+        let widest = match (kind, level.is_fine) {
             (PatternKind::Stripes, true) => 0.05,
             (PatternKind::Stripes, false) => 0.1,
             (PatternKind::Checkerboard, true) => 0.15,
@@ -288,7 +288,7 @@ impl Response for Paper {
 
     fn text(&self, text: &Text<'_>, states: [usize; 2], level: Level) -> Option<Vec<f64>> {
         let Text { bitmap, pitch_mm, middles } = text;
-        let widest = if level.is_fine() { 0.17 } else { 0.4 } * self.thickness_mm;
+        let widest = if level.is_fine { 0.17 } else { 0.4 } * self.thickness_mm;
         // An odd number of cells: one is in the middle of each pixel.
         let parts = pitch_mm.map(|pitch| (pitch / widest).ceil() as usize | 1);
         let [columns, rows] = [0, 1].map(|axis| bitmap.count[axis] * parts[axis]);

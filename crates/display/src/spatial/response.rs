@@ -19,13 +19,9 @@ pub(crate) struct Level {
     pub(crate) digits: f64,
     /// Highest spatial frequency that will be asked, cycles per mm.
     pub(crate) most_per_mm: f64,
-}
-
-impl Level {
-    /// True for the finer level of a result.
-    pub(crate) fn is_fine(self) -> bool {
-        self.digits > 10.0
-    }
+    /// True for the finer level of a result. A coarse one also takes simpler estimates, so that the difference bounds theirs,
+    /// however many digits both have.
+    pub(crate) is_fine: bool,
 }
 
 /// Light that a view sees via the pixel in each state, from one source. All values are parts of Y.
@@ -87,7 +83,7 @@ pub(crate) fn responses(
         });
     };
     let stop = std::sync::atomic::AtomicBool::new(false);
-    let mut kernel = Kernel::new(if level.is_fine() { 4 } else { 3 });
+    let mut kernel = Kernel::new(if level.is_fine { 4 } else { 3 });
     let fields = [view.field];
     let _ready = kernel.prepare_unless(&setup.stack, &fields, &setup.sources, &stop);
     let factors = kernel.seen(&setup.stack, 0);

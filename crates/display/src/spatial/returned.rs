@@ -70,7 +70,7 @@ pub(super) fn response(
         .zip(all)
         .map(|(once, all)| if *once > 0.0 { (all / once).max(1.0) } else { 1.0 })
         .collect();
-    let is_fine = lit.level.is_fine() && orders.iter().any(|orders| *orders > 1.0 + NOTHING);
+    let is_fine = lit.level.is_fine && orders.iter().any(|orders| *orders > 1.0 + NOTHING);
     let later = is_fine.then(|| later(lit, &first, (&once, &orders))).transpose()?;
     // (1 - q) Y is the light of the first order.
     let direct = if later.is_some() { vec![1.0; orders.len()] } else { orders.clone() };

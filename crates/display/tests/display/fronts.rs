@@ -79,12 +79,10 @@ fn what_flat_fronts_return_is_seen_by_paths() {
             let exact = computed(&scenario);
             let all = deviations(&scenario, &exact, 1 << 15);
             let worst = all.iter().copied().fold(0.0, f64::max);
-            let beyond_two = all.iter().filter(|z| **z > 2.0).count();
-            assert!(
-                worst < 4.5 && beyond_two * 8 < all.len(),
-                "{pixel} {seed}: {worst}, {beyond_two} of {}",
-                all.len()
-            );
+            // Where flat faces alone return light, a few random numbers move all transfers of a seed together: how many of them are beyond
+            // two errors says nothing, but their mean square is that of these few.
+            let mean_square = all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64;
+            assert!(worst < 4.5 && mean_square < 9.0, "{pixel} {seed}: {worst}, mean square {mean_square}");
             // What is stated is a bound of the discretisation, not of the noise of paths.
             assert!(exact.error_reached < 1e-4);
         }

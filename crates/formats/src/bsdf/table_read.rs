@@ -100,10 +100,16 @@ pub(super) fn table_of(file: &DataFile) -> Option<(Text<'_>, Table<'_>)> {
 /// Returns the error about a file that is probably a table of this kind, but whose header is not understood.
 pub(super) fn refusal(file: &DataFile) -> Option<FormatError> {
     let (_, table) = table_of(file)?;
-    let names_incidence = |row: &Row<'_>| {
-        row.cells.iter().any(|cell| table::ColumnName::new(&cell.text).is_one_of(THETA_I.names, false))
+    // A key of a scenario is no header: `incidence_deg = [0, 60]` names nothing else.
+    let names = |row: &Row<'_>, quantity: &Quantity| {
+        let is_name = |text: &str| table::ColumnName::new(text).is_one_of(quantity.names, quantity.with_case);
+        row.cells.iter().any(|cell| is_name(&cell.text))
     };
-    let row = table.data().take(FIRST_LINES).find(|row| row.cells.len() > 2 && names_incidence(row))?;
+    let is_header = |row: &Row<'_>| {
+        let known = ACCEPTED[..9].iter().filter(|quantity| names(row, quantity)).count();
+        row.cells.len() > 2 && names(row, &THETA_I) && known > 1
+    };
+    let row = table.data().take(FIRST_LINES).find(is_header)?;
     Some(match Header::of(&row, &ACCEPTED).map(|header| header.others.into_iter().next()) {
         Ok(Some(other)) => row.cell_error(other.cell, table::unknown(&other.name, &ACCEPTED[..9])),
         Ok(None) => row.error(Problem::MissingColumn { missing: MISSING }),

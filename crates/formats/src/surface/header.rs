@@ -361,8 +361,9 @@ impl Header {
         let unit =
             |text: &str| um_of(text).ok_or_else(|| format!("`{}` is not a unit of length", shown(text)));
         let length = || -> Result<Option<Length>, String> {
+            let value = positive()?;
             let stated = if rest.is_empty() { own_unit } else { Some(unit(rest)?) };
-            Ok(Some(Length { value: positive()?, unit_um: stated }))
+            Ok(Some(Length { value, unit_um: stated }))
         };
         match key {
             Key::Size(axis) => self.size[axis] = length()?,

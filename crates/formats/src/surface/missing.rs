@@ -5,7 +5,9 @@
 //! - where the format says so: a mask, the word of a text (`BAD`, `No Data`, `NaN`, an empty cell), or the number that the format or the file
 //!   declares for it; readers return NaN there;
 //! - if it is infinite, or beyond 1e30 in size;
-//! - if it is one of the usual [`MARKERS`], and farther from all other heights than these are from each other.
+//! - if it is one of the usual [`MARKERS`], and farther from all other heights than these are from each other. In a picture of integers only
+//!   those below 0 are: pictures are stretched to the full range of their numbers, so that the largest one, 65535 of 16 bits, is the highest
+//!   place of any map, and a picture without signs has no number that is no height. What stands apart there is noted.
 //!
 //! A map with missing heights is refused with their number. Heights are missing where a surface is steep, so that those of the neighbours
 //! would not stand for them: a map that was filled without a word would scatter less than the surface.
@@ -39,12 +41,23 @@ const NO_HEIGHT: f64 = 1e30;
 /// Fails if heights are missing.
 pub(super) fn check(map: &HeightFile) -> Result<(), SurfaceProblem> {
     let numbers = &map.numbers;
-    let marker = MARKERS.into_iter().find(|marker| stands_apart(numbers, *marker));
+    let is_mark = |marker: &f64| !map.is_picture || *marker < 0.0;
+    let marker = MARKERS.into_iter().find(|marker| is_mark(marker) && stands_apart(numbers, *marker));
     let is_missing = |number: &&f64| is_no_height(**number) || Some(**number) == marker;
     match numbers.iter().filter(is_missing).count() {
         0 => Ok(()),
         holes => Err(SurfaceProblem::Holes { holes, of: numbers.len(), marker }),
     }
+}
+
+/// A note on the numbers of a picture that would be marks of missing heights in another file.
+pub(super) fn doubt(map: &HeightFile) -> Option<String> {
+    let apart = |marker: &f64| *marker > 0.0 && stands_apart(&map.numbers, *marker);
+    let marker = MARKERS.into_iter().find(apart).filter(|_| map.is_picture)?;
+    let (count, all) = (map.numbers.iter().filter(|number| **number == marker).count(), map.numbers.len());
+    Some(format!(
+        "{count} of {all} heights are {marker}, far above all others: they are taken as heights, but some programs mark missing ones so"
+    ))
 }
 
 fn is_no_height(number: f64) -> bool {
@@ -85,5 +98,17 @@ mod tests {
         assert_eq!(holes(&[-12_000.0, -9999.0, 3000.0, 0.0]), None);
         assert_eq!(holes(&[-9999.0, 0.0, -4000.0, -8000.0]), None);
         assert_eq!(holes(&[0.0, 1.0, 2.0, -8888.0]), None);
+    }
+
+    /// The largest number of a picture is a height, and noted; the smallest one of numbers with signs is a mark.
+    #[test]
+    fn full_scale_of_a_picture_is_a_height() {
+        let picture = |numbers: &[f64]| HeightFile { is_picture: true, ..HeightFile::plain(2, numbers.to_vec()) };
+        let apart = picture(&[0.0, 100.0, 20_000.0, 65_535.0]);
+        assert_eq!(check(&apart), Ok(()));
+        assert!(doubt(&apart).unwrap().starts_with("1 of 4 heights are 65535, far above"));
+        let stretched = picture(&[0.0, 30_000.0, 50_000.0, 65_535.0]);
+        assert_eq!((check(&stretched), doubt(&stretched)), (Ok(()), None));
+        assert!(check(&picture(&[0.0, 1.0, 2.0, -32_768.0])).is_err());
     }
 }

@@ -84,12 +84,14 @@ pub fn read_heights(file: &DataFile) -> Result<HeightFile, FormatError> {
 fn of_any_format(file: &DataFile) -> Result<HeightFile, FormatError> {
     let error =
         |problem: SurfaceProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };
-    let map = match binary(&file.bytes) {
+    let mut map = match binary(&file.bytes) {
         Some(map) => map.map_err(error)?,
         None => table::read(file)?,
     };
     sized(map.columns, map.numbers.len() / map.columns.max(1)).map_err(error)?;
     missing::check(&map).map_err(error)?;
+    let doubt = missing::doubt(&map);
+    map.warnings.extend(doubt);
     Ok(map)
 }
 

@@ -13,7 +13,7 @@ pub enum SurfaceProblem {
     /// The file has a known format that is not read.
     Unsupported {
         /// Name of the format, with its article.
-        format: &'static str,
+        format: String,
         /// What to export instead.
         export: &'static str,
     },
@@ -67,7 +67,7 @@ impl SurfaceProblem {
                 )
                 .hint("export the map as SDF or X3P from the program of the instrument"),
             Self::Unsupported { format, export } => {
-                Diagnostic::new(format!("this is {format}, which is not read")).hint(*export)
+                Diagnostic::new(format!("this is {format}, which is not supported")).hint(*export)
             }
             Self::NotAFace => Diagnostic::new("this is not the kernel of a face")
                 .expected("face.npz, which `papilio gonio` writes"),

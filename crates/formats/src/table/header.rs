@@ -159,7 +159,9 @@ impl Column {
         if (least..=most).contains(&value) {
             return Ok(value);
         }
-        Err(row.cell_error(self.cell, Problem::OutOfRange { what, value, expected }))
+        let is_micrometres = self.quantity.dimension == Dimension::Wavelength && value > 0.0 && value < least;
+        let out_of_range = Problem::OutOfRange { what, value, expected };
+        Err(row.cell_error(self.cell, if is_micrometres { Problem::Micrometres } else { out_of_range }))
     }
 
     /// Returns the text of the column's cell.
@@ -205,10 +207,12 @@ pub(crate) fn body<'a>(
         return Ok(Body { header: Some(header), head: Some(head), rows });
     }
     let Some(first) = rows.first() else { return Ok(Body { header: None, head: None, rows }) };
-    if first.is_header() && first.cells.len() > 1 {
+    // Lines of text of one cell are titles.
+    let named = rows.iter().take(FIRST_ROWS).take_while(|row| row.is_header()).find(|row| row.cells.len() > 1);
+    if let Some(named) = named {
         // A header with a fault is more likely than a title.
         let row =
-            rows.iter().take(FIRST_ROWS).find(|row| row.is_header() && wrong_unit(row)).unwrap_or(first);
+            rows.iter().take(FIRST_ROWS).find(|row| row.is_header() && wrong_unit(row)).unwrap_or(named);
         let header = Header::of(row, accepted)?;
         return Err(match header.others.iter().find(|other| !other.name.raw.trim().is_empty()) {
             Some(other) => row.cell_error(other.cell, unknown(&other.name, accepted)),

@@ -1,5 +1,6 @@
 //! Names of columns: a quantity, and a unit in brackets, after a slash, a comma or a blank, or as a suffix.
 
+use super::quantities::WAVELENGTH;
 use super::units::{Unit, unit};
 
 /// The name of a column.
@@ -59,9 +60,11 @@ fn split_unit(text: &str) -> (&str, Option<Result<Unit, String>>) {
     for (at, mark) in text.char_indices().filter(|(_, c)| matches!(c, '/' | '_' | ' ' | ',' | '-')) {
         let name = text[..at].trim_end_matches([' ', ',', '_', '/']);
         let after = text[at + mark.len_utf8()..].trim().trim_end_matches('.');
-        // `n_1` is no name with a unit; a single letter is one only after a slash or a blank.
+        // `n_1` is no name with a unit; a single letter is one only after a slash or a blank, or after the name of a wavelength:
+        // `wavelength_m`, `wl_A`.
         let is_word = after.contains(|c: char| c.is_alphabetic() || matches!(c, '%' | '\u{b0}'));
-        let is_letter = after.len() == 1 && after != "%" && !matches!(mark, '/' | ' ');
+        let is_letter =
+            after.len() == 1 && after != "%" && !matches!(mark, '/' | ' ') && !is_wavelength(name);
         // After a slash stands the unit, not its inverse, except for steradians: BRDF /sr.
         let found = if mark == '/' && after == "sr" { Some(Unit::PerSteradian) } else { unit(after) };
         if !name.is_empty()
@@ -74,6 +77,14 @@ fn split_unit(text: &str) -> (&str, Option<Result<Unit, String>>) {
         }
     }
     (text, None)
+}
+
+/// Returns whether a name without its unit is that of a wavelength.
+fn is_wavelength(name: &str) -> bool {
+    let squeezed = |name: &str| name.to_lowercase().replace('_', "");
+    let mine = squeezed(&words(name));
+    // `E_m` may be anything.
+    mine.len() > 1 && WAVELENGTH.names.iter().any(|name| squeezed(name) == mine)
 }
 
 /// Returns the text before the brackets at the end of a name, and the text in them: `BTDF` and `1/sr` of `BTDF [1/sr]`.
@@ -172,6 +183,10 @@ mod tests {
             ("theta_i", "theta_i", None),
             ("n", "n", None),
             ("eps1", "eps1", None),
+            ("wavelength_m", "wavelength", Some(Ok(Unit::Length(1e9)))),
+            ("wl_A", "wl", Some(Ok(Unit::Length(0.1)))),
+            ("LAB_A", "lab_a", None),
+            ("theta_m", "theta_m", None),
             ("eps''", "epspp", None),
             ("L*", "l", None),
             ("Energy (eV)", "energy", Some(Ok(Unit::Energy(1.0)))),

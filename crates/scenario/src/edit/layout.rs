@@ -11,7 +11,7 @@ pub(super) fn item(value: &serde_json::Value, as_table: bool) -> Result<Item, St
     match value {
         Json::Object(keys) if as_table => {
             let mut table = Table::new();
-            for (key, value) in keys {
+            for (key, value) in in_order(keys) {
                 table.insert(key, item(value, !is_short(value))?);
             }
             Ok(Item::Table(table))
@@ -27,6 +27,13 @@ pub(super) fn item(value: &serde_json::Value, as_table: bool) -> Result<Item, St
         }
         _ => inline(value).map(Item::Value),
     }
+}
+
+/// Keys in the order in which a table is written: those first that determine which others it may have.
+fn in_order(keys: &serde_json::Map<String, serde_json::Value>) -> impl Iterator<Item = (&String, &serde_json::Value)> {
+    const FIRST: [&str; 2] = ["kind", "model"];
+    let first = FIRST.iter().filter_map(|key| keys.get_key_value(*key));
+    first.chain(keys.iter().filter(|(key, _)| !FIRST.contains(&key.as_str())))
 }
 
 /// True for a value that is short enough for one line.
@@ -61,7 +68,7 @@ fn inline(value: &serde_json::Value) -> Result<Value, String> {
             array.into()
         }
         Json::Object(keys) => {
-            let pairs = keys.iter().map(|(key, value)| Ok((key.as_str(), inline(value)?)));
+            let pairs = in_order(keys).map(|(key, value)| Ok((key.as_str(), inline(value)?)));
             pairs.collect::<Result<InlineTable, String>>()?.into()
         }
     })

@@ -31,7 +31,8 @@ fn films_are_inserted_moved_and_removed() {
     let layer = json!({ "material": "AlOx", "thickness_nm": 9.5 });
     let more =
         edited(TEXT, json!([{ "op": "insert", "path": "display.pixel.film", "index": 1, "value": layer }]));
-    assert!(more.contains("},\n  { material = \"AlOx\", thickness_nm = 9.5 },"), "{more}");
+    // The comment stays at its item.
+    assert!(more.contains("}, # spacer\n  { material = \"AlOx\", thickness_nm = 9.5 },"), "{more}");
     let moved = edited(&more, json!([{ "op": "move", "path": "display.pixel.film", "from": 1, "to": 0 }]));
     assert!(moved.find("AlOx") < moved.find("SiO2"), "{moved}");
     let less = edited(&moved, json!([{ "op": "remove", "path": "display.pixel.film.0" }]));

@@ -51,7 +51,7 @@ impl Irradiance {
         let Some((cells, is_figure, seen)) = drawn(pixels, figure, level) else { return Ok(None) };
         let accuracy = Accuracy { digits: level.digits, most_per_mm: cells.most_per_mm() };
         let faces = FlatReturn::all(panel, pixels.lengths_mm, accuracy).map_err(several_fronts)?;
-        let nodes = if level.is_fine() { 3 } else { 2 };
+        let nodes = if level.is_fine { 3 } else { 2 };
         let face = |face: FlatReturn| {
             let recycling = Recycling::new(cells, |f| face.at(f));
             let at = |k: usize| most * k as f64 / (nodes - 1) as f64;
@@ -102,7 +102,7 @@ impl Table {
 fn drawn(pixels: &Pixels<'_>, figure: Figure, level: Level) -> Option<(Cells, Vec<bool>, Vec<usize>)> {
     let pitch_mm = pixels.pitch_mm;
     let thickness_mm = pixels.lengths_mm.last().copied().unwrap_or_default();
-    let fine = level.is_fine();
+    let fine = level.is_fine;
     match figure {
         Figure::Patch => None,
         Figure::Stripe | Figure::Line => {

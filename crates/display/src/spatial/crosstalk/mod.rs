@@ -169,7 +169,7 @@ impl<'a> Frame<'a> {
     fn view(&self, view: &ViewPoint) -> Result<CrosstalkView, DisplayError> {
         let pitch = self.matrix.pitch_mm;
         let finest = pitch[0].min(pitch[1]);
-        let at = |k: usize| self.measure(view, Level { digits: DIGITS[k], most_per_mm: ORDERS[k] / finest });
+        let at = |k: usize| self.measure(view, Level { digits: DIGITS[k], most_per_mm: ORDERS[k] / finest, is_fine: k > 0 });
         let (coarse, fine) = (at(0)?, at(1)?);
         Ok(assembled(self.setup, view, &fine, &[coarse]))
     }
@@ -177,7 +177,7 @@ impl<'a> Frame<'a> {
     fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
         let (setup, meter) = (self.setup, Meter::new(self.setup));
         let stop = AtomicBool::new(false);
-        let mut kernel = Kernel::new(if level.is_fine() { 4 } else { 3 });
+        let mut kernel = Kernel::new(if level.is_fine { 4 } else { 3 });
         let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
         let factors = kernel.seen(&setup.stack, 0);
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
@@ -204,7 +204,7 @@ impl<'a> Frame<'a> {
                 let mut more = self.orders(view, &setup.sources[light.source], weights, level)?;
                 if self.returns() {
                     let all = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
-                    more.add_returned(self.page, all, level.is_fine());
+                    more.add_returned(self.page, all, level.is_fine);
                 }
                 measured.page.push(more.once.page.clone());
                 match &mut orders {
@@ -308,7 +308,7 @@ impl<'a> Frame<'a> {
         };
         let on = |own: usize, page: usize| {
             if self.returns() {
-                return orders.figure(figure, [own, page], (pages, level.is_fine()), within);
+                return orders.figure(figure, [own, page], (pages, level.is_fine), within);
             }
             let (more, less) = (within(false, own), within(false, page));
             [0, 1, 2].map(|k| pages[page][k] + more[k] - less[k])

@@ -323,10 +323,13 @@ fn tags_of_tiff() {
         ("GDAL_NODATA", (42113, 2, 2, short(b"7\0\0\0")), Refused("1 of 12 heights are missing")),
         ("SamplesPerPixel", (277, 4, 1, 2), Refused("TIFF")),
         ("BitsPerSample", (258, 4, 1, 8), Refused("expected a grey picture of 16 or 32 bits")),
-        ("ImageLength", (257, 4, 1, 90_000_000), Refused("4 x 90000000 heights")),
+        ("ImageLength, which RowsPerStrip contradicts", (257, 4, 1, 90_000_000), Refused("inconsistent sizes")),
     ] {
         super::check(field, &base, &tiff(32, 3, &singles(), &[more]), done);
     }
+    // ImageLength and RowsPerStrip that agree: the size is refused before memory is taken.
+    let tall = tiff(32, 3, &singles(), &[(257, 4, 1, 90_000_000), (278, 4, 1, 90_000_000)]);
+    super::check("ImageLength", &base, &tall, Refused("4 x 90000000 heights"));
     let map = super::read(base).unwrap();
     assert!(
         !map.is_picture && map.warnings.iter().any(|warning| warning.contains("um are taken")),

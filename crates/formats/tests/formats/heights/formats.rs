@@ -123,8 +123,9 @@ fn formats_that_are_not_read_are_named_with_what_to_export() {
         (b"AliconaImaging\0", "an .al3d file of Alicona"),
         (b"VCA DATA\x01\0\0\x55", "an .opdx file of Bruker"),
         (b"\\*File list\r\n\\Version: 1", "a Nanoscope file"),
-        (b"\xff\xd8\xff\xe0\0\x10JFIF", "a JPEG picture"),
-        (b"BM\x36\0\0\0", "a BMP picture"),
+        (b"\xff\xd8\xff\xe0\0\x10JFIF", "this is a JPEG file"),
+        (b"BM\x36\0\0\0\0\0\0\0\x36\0\0\0", "this is a BMP file"),
+        (b"II+\0\x08\0\0\0", "this one is a BigTIFF file"),
         (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an OLE document"),
     ] {
         let found = read(bytes.to_vec()).unwrap_err();
