@@ -162,7 +162,9 @@ impl Shell<'_> {
         let file = of.try_get_one::<PathBuf>("file").ok().flatten().map(|file| self.folder.join(file));
         let shipped = ["scenarios", "surfaces"].map(|part| self.folder.join(part));
         let set = of.try_get_many::<String>("set").ok().flatten();
-        let set: Vec<String> = set.into_iter().flatten().cloned().collect();
+        let axes = of.try_get_many::<String>("axis").ok().flatten().into_iter().flatten();
+        let set: Vec<String> =
+            set.into_iter().flatten().cloned().chain(axes.map(|axis| Sweep::axis_override(axis))).collect();
         // A file that an earlier command writes may not be there: that one was not run either.
         let is_there =
             |file: &PathBuf| exit == 0 && (file.exists() || shipped.iter().any(|of| file.starts_with(of)));
