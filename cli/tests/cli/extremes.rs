@@ -377,7 +377,7 @@ fn what_would_take_hours_is_refused_with_its_key() {
         (
             "run",
             "scenarios/hazy-face.toml",
-            &["display.layers.0.rms_nm=1e5", "display.layers.0.correlation_um=1000"],
+            &["display.layers.0.rms_nm=7e4", "display.layers.0.correlation_um=16"],
             &["too many wavelengths", "`rms_nm` of at most"],
         ),
     ] {
