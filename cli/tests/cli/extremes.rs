@@ -28,7 +28,7 @@ const MOST_SECONDS: f64 = 20.0;
 const THREADS: u32 = 2;
 
 /// Of the runs of every day's test, one in so many.
-const EVERYDAY: u32 = 100;
+const EVERYDAY: u32 = 30;
 
 /// Few rays, so that most measurements end within a second: other keys than `rays` are tried with them.
 const FEW_RAYS: [&str; 2] = ["--set", "microgeometry.rays=64"];
