@@ -299,8 +299,7 @@ fn what_is_not_computed_is_refused() {
 /// and black was up to seven of its errors off.
 #[test]
 fn patches_by_monte_carlo_have_honest_errors_at_every_seed() {
-    let parts =
-        [&glass("fresnel", 0.3), PAPER, LIGHT, &filter(30.0, "red = 0.7, green = 0.4, blue = 0.2")];
+    let parts = [&glass("fresnel", 0.3), PAPER, LIGHT, &filter(30.0, "red = 0.7, green = 0.4, blue = 0.2")];
     let by_adding =
         run_on(&resolved_with(&parts, &["solver.relative_error=1e-4".to_owned()]).scene, Some(1)).unwrap();
     let seeds = 100..sized(108, 116);

@@ -37,7 +37,8 @@ fn errors_fall_with_the_number_of_batches() {
     ];
     for (name, stack, source) in everyday(2, cases) {
         let error = |paths: u64| {
-            let runs = replicates_of(&stack, view(8.0), std::slice::from_ref(&source), 1, paths, Sampler::Sobol);
+            let runs =
+                replicates_of(&stack, view(8.0), std::slice::from_ref(&source), 1, paths, Sampler::Sobol);
             mean_and_error(runs.iter().map(|estimate: &Estimate| rho(estimate, 0))).1
         };
         let (one_batch, eight) = (error(1 << 10), error(1 << 13));
