@@ -2,8 +2,8 @@
 //!
 //! Both sides are averaged: light over the inclinations and azimuths of its patch, and viewers over theirs. A lobe may be much narrower
 //! than a patch, because the rings follow it. Light of a patch comes evenly from its projected solid angle, so that the means of a
-//! reciprocal sample are symmetric: what the rule of the rings leaves of an asymmetry is averaged, and the sum of each column is that of
-//! the light which the sample scatters.
+//! reciprocal sample are symmetric: what the rule of the rings leaves of an asymmetry is averaged, and factors close to 1 give each column
+//! the sum of the light that the sample scatters.
 
 use crate::geometry::projected_solid_angle;
 use crate::{Ring, SpecularGrid, patch_count};
@@ -189,20 +189,27 @@ fn overlap(apart: f64, [width, other]: [f64; 2]) -> f64 {
     ((both(off) + both(360.0 - off.abs())) / width).min(1.0)
 }
 
-/// Averages a pair of patches and its reverse, and adds to each pair of a patch with its mirror direction what the column then lacks.
+/// Number of steps towards the totals, each of which halves what is missing, at least.
+const STEPS: usize = 60;
+
+/// Averages each pair of patches and its reverse, and multiplies them by factors of both patches so that each column has its total.
 fn symmetric(means: &[f64], scattered: &[f64], rings: &[Ring]) -> Vec<f64> {
     let (count, omega) = (patch_count(rings), projected_solid_angle(rings));
-    let mut found: Vec<f64> = (0..count * count)
-        .map(|pair| 0.5 * (means[pair] + means[pair % count * count + pair / count]))
-        .collect();
+    let reverse = |pair: usize| pair % count * count + pair / count;
+    let found: Vec<f64> = (0..count * count).map(|pair| 0.5 * (means[pair] + means[reverse(pair)])).collect();
     let of_patches =
         rings.iter().zip(scattered).flat_map(|(ring, total)| std::iter::repeat_n(*total, ring.patches));
-    for (patch, total) in of_patches.enumerate() {
-        let column = &mut found[patch * count..][..count];
-        let sum: f64 = column.iter().zip(&omega).map(|(f, omega)| f * omega).sum();
-        column[patch] = (column[patch] + (total - sum) / omega[patch]).max(0.0);
+    let totals: Vec<f64> = of_patches.collect();
+    let mut factors = vec![1.0; count];
+    for _ in 0..STEPS {
+        let next = |patch: usize| {
+            let column = found[patch * count..][..count].iter().zip(&omega).zip(&factors);
+            let sum: f64 = column.map(|((f, omega), factor)| f * omega * factor).sum();
+            if sum > 0.0 { (factors[patch] * totals[patch].max(0.0) / sum).sqrt() } else { 0.0 }
+        };
+        factors = (0..count).map(next).collect();
     }
-    found
+    (0..count * count).map(|pair| found[pair] * (factors[pair / count] * factors[pair % count])).collect()
 }
 
 #[cfg(test)]
