@@ -304,7 +304,7 @@ mod tests {
             assert!(found[1..9].iter().all(|f| (f / next - 1.0).abs() < 1e-9));
             // Direction cosines of the patch and of the ring, at equal areas.
             let [near, far] = [5.0_f64, 15.0].map(|theta| theta.to_radians().sin().powi(2));
-            let (mut sum, n) = (0.0, 24);
+            let (mut sum, n) = (0.0, 100);
             for k in 0..n * n * n {
                 let [a, b, c] = [k % n, k / n % n, k / n / n].map(|k| (f64::from(k) + 0.5) / f64::from(n));
                 let (r, s) = ((near * a).sqrt(), (near + (far - near) * b).sqrt());
