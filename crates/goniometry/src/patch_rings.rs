@@ -248,7 +248,7 @@ mod tests {
 
     /// Fraction of exp(-(r / width)^2) about a point at the distance sin theta from the centre that lies in the unit disc.
     fn in_disc(theta_deg: f64, width: f64) -> f64 {
-        let (n, sin) = (200, theta_deg.to_radians().sin());
+        let (n, sin) = (100, theta_deg.to_radians().sin());
         let is_inside = |k: &i32| {
             let [q, turn] = [k / n, k % n].map(|k| (f64::from(k) + 0.5) / f64::from(n));
             let r = width * (-(-q).ln_1p()).sqrt();
