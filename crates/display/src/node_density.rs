@@ -3,11 +3,13 @@
 //! On each row, the density over `u` (`theta_m = 90 deg u^2`) is proportional to `d theta_m / du` times
 //! `a / (w + theta_m) / ln(1 + T / w) + (1 - a) / T`, with the inclination w at which the lobe has fallen by half and the inclination T
 //! beyond which viewers are below the horizon: the distances between nodes are equal within the lobe, and proportional to theta_m in its
-//! tails, which fall as powers of theta_m. It is zero from T on, so that no node is lost below the horizon.
+//! tails, which fall as powers of theta_m. It ends in the
+//! tabulated cell of T, so that no node but the last is lost below the horizon.
 //!
 //! The tensor files of the RGL database hold such a density (`vndf`), tabulated in equal steps of u and linear between. Its cumulative
 //! sums along a row are piecewise quadratic, and exact here.
 
+use std::cmp::Ordering;
 use std::f64::consts::FRAC_PI_2;
 
 use crate::half_vectors::HalfVectorGrid;
@@ -49,13 +51,21 @@ impl NodeDensity {
 
     fn row(theta_i_deg: f64, width: f64, v: f64, columns: usize) -> Vec<f32> {
         let u = |column: usize| column as f64 / (columns - 1) as f64;
-        let is_above = |column: &usize| HalfVectorGrid::viewer(theta_i_deg, [u(*column), v]).is_some();
-        let above = (1..columns).take_while(is_above).count().max(1);
+        let is_above = |u: f64| HalfVectorGrid::viewer(theta_i_deg, [u, v]).is_some();
+        let above = (1..columns).take_while(|column| is_above(u(*column))).count().max(1);
         let end = FRAC_PI_2 * u((above + 1).min(columns - 1)).powi(2);
         let scale = ON_LOBE / (end / width).ln_1p();
+        // The part of the last cell that is above the horizon: its square as a factor at the cell's beginning leaves at most 1/32 of a cell's
+        // nodes below the horizon, and the density ends at the horizon if that is at a tabulated place.
+        let last = if above + 1 < columns { part_above(is_above, [u(above), u(above + 1)]).powi(2) } else { 1.0 };
         let density = |column: usize| {
             let theta_m = FRAC_PI_2 * u(column).powi(2);
-            if column > above { 0.0 } else { u(column) * (scale / (width + theta_m) + (1.0 - ON_LOBE) / end) }
+            let inside = u(column) * (scale / (width + theta_m) + (1.0 - ON_LOBE) / end);
+            match column.cmp(&above) {
+                Ordering::Less => inside,
+                Ordering::Equal => inside * last,
+                Ordering::Greater => 0.0,
+            }
         };
         let row: Vec<f64> = (0..columns).map(density).collect();
         let integral =
@@ -110,6 +120,16 @@ impl NodeDensity {
         };
         fractions.iter().map(place).collect()
     }
+}
+
+/// Returns the part of a range that is above the horizon, of which its beginning is the highest.
+fn part_above(is_above: impl Fn(f64) -> bool, [from, to]: [f64; 2]) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..20 {
+        let middle = 0.5 * (low + high);
+        if is_above(from + middle * (to - from)) { low = middle } else { high = middle }
+    }
+    low
 }
 
 #[cfg(test)]
