@@ -3,8 +3,7 @@
 //! On each row, the density over `u` (`theta_m = 90 deg u^2`) is proportional to `d theta_m / du` times
 //! `a / (w + theta_m) / ln(1 + T / w) + (1 - a) / T`, with the inclination w at which the lobe has fallen by half and the inclination T
 //! beyond which viewers are below the horizon: the distances between nodes are equal within the lobe, and proportional to theta_m in its
-//! tails, which fall as powers of theta_m. It ends in the
-//! tabulated cell of T, so that no node but the last is lost below the horizon.
+//! tails, which fall as powers of theta_m. It ends in the tabulated cell of T, so that only the last node of a row is below the horizon.
 //!
 //! The tensor files of the RGL database hold such a density (`vndf`), tabulated in equal steps of u and linear between. Its cumulative
 //! sums along a row are piecewise quadratic, and exact here.

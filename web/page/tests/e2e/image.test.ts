@@ -250,7 +250,7 @@ async function openText(page: Page, scenario: string, title: string): Promise<vo
 test("mirror images of lamps and glare do not depend on the halftone", { timeout: 240_000 }, async () => {
   const page = await on.visit({}, "?");
   const legend = page.locator(".seen .remark");
-  const images = async () => /Mirror image of lamp 1.*?(?:on black|wide,)(?= |:)/.exec(await legend.innerText())?.[0];
+  const images = async () => /Mirror image of lamp 1.*?(?:on black|collimated: drawn [\d.]+° wide)/.exec(await legend.innerText())?.[0];
   const inEach = async (): Promise<(string | undefined)[]> => {
     const all = [];
     for (const halftone of ["none", "error-diffusion", "ordered"]) {
