@@ -143,7 +143,8 @@ fn target_of_a_transfer_is_met_or_reported() {
         let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         (result, stderr(&output))
     };
-    let ((coarse, said), (fine, _), (_, impossible)) = (at("matrix", "0.05", &[]), at("matrix", "1e-6", &[]), at("matrix", "1e-6", &FRONT));
+    let ((coarse, said), (fine, _), (_, impossible)) =
+        (at("matrix", "0.05", &[]), at("matrix", "1e-6", &[]), at("matrix", "1e-6", &FRONT));
     let error = |result: &serde_json::Value| result["error_reached"].as_f64().unwrap();
     assert!(!said.contains("is not met") && error(&coarse) <= 0.05, "{said}");
     assert!(error(&fine) < error(&coarse), "{} {}", error(&fine), error(&coarse));

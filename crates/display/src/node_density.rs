@@ -56,7 +56,8 @@ impl NodeDensity {
         let scale = ON_LOBE / (end / width).ln_1p();
         // The part of the last cell that is above the horizon: its square as a factor at the cell's beginning leaves at most 1/32 of a cell's
         // nodes below the horizon, and the density ends at the horizon if that is at a tabulated place.
-        let last = if above + 1 < columns { part_above(is_above, [u(above), u(above + 1)]).powi(2) } else { 1.0 };
+        let last =
+            if above + 1 < columns { part_above(is_above, [u(above), u(above + 1)]).powi(2) } else { 1.0 };
         let density = |column: usize| {
             let theta_m = FRAC_PI_2 * u(column).powi(2);
             let inside = u(column) * (scale / (width + theta_m) + (1.0 - ON_LOBE) / end);

@@ -24,7 +24,10 @@ pub(crate) fn read<T>(
     reader: impl FnOnce(&DataFile) -> Result<T, FormatError>,
 ) -> Result<T, FormatError> {
     decoded(|| reader(file)).unwrap_or_else(|Panicked| {
-        Err(FormatError { place: Place::whole(&file.name), problem: Problem::Undecodable { format: picture_format(&file.bytes) } })
+        Err(FormatError {
+            place: Place::whole(&file.name),
+            problem: Problem::Undecodable { format: picture_format(&file.bytes) },
+        })
     })
 }
 
@@ -59,7 +62,10 @@ mod tests {
         let file = DataFile { name: "a.bin".to_owned(), bytes: vec![1, 2] };
         let read_at = |at: usize| read(&file, |file| Ok(file.bytes[std::hint::black_box(at)]));
         let error = read_at(3).unwrap_err();
-        assert_eq!((error.place.name.as_str(), &error.problem), ("a.bin", &Problem::Undecodable { format: None }));
+        assert_eq!(
+            (error.place.name.as_str(), &error.problem),
+            ("a.bin", &Problem::Undecodable { format: None })
+        );
         assert!(error.to_string().contains("contradict each other"), "{error}");
         assert_eq!(read_at(1), Ok(2));
     }

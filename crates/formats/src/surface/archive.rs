@@ -49,7 +49,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
         archive.zip.file_names().filter_map(|name| name.ok().map(|name| name.into_owned())).collect();
     if names.iter().any(|name| name == "[Content_Types].xml") {
         let format = "an Office document, such as an Excel workbook";
-        return Err(SurfaceProblem::Unsupported { format: format.to_owned(), export: "save the heights as CSV" });
+        return Err(SurfaceProblem::Unsupported {
+            format: format.to_owned(),
+            export: "save the heights as CSV",
+        });
     }
     if !names.is_empty() && names.iter().all(|name| name.ends_with(".npy")) {
         archive.format = ".npz";

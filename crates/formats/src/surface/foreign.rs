@@ -5,11 +5,7 @@ use crate::picture_format;
 
 /// First bytes, the format with its article, and what to export instead.
 const FORMATS: [(&[u8], &str, &str); 19] = [
-    (
-        b"\x89HDF\r\n\x1a\n",
-        "an HDF5 file, such as .datx of Zygo",
-        "export the map as SDF, X3P or Zygo XYZ",
-    ),
+    (b"\x89HDF\r\n\x1a\n", "an HDF5 file, such as .datx of Zygo", "export the map as SDF, X3P or Zygo XYZ"),
     (b"\x88\x1b\x03\x6f", "a MetroPro .dat file of Zygo", "export the map as SDF or Zygo XYZ"),
     (b"\x88\x1b\x03\x70", "a MetroPro .dat file of Zygo", "export the map as SDF or Zygo XYZ"),
     (b"\x88\x1b\x03\x71", "a MetroPro .dat file of Zygo", "export the map as SDF or Zygo XYZ"),

@@ -103,7 +103,8 @@ mod tests {
     /// The largest number of a picture is a height, and noted; the smallest one of numbers with signs is a mark.
     #[test]
     fn full_scale_of_a_picture_is_a_height() {
-        let picture = |numbers: &[f64]| HeightFile { is_picture: true, ..HeightFile::plain(2, numbers.to_vec()) };
+        let picture =
+            |numbers: &[f64]| HeightFile { is_picture: true, ..HeightFile::plain(2, numbers.to_vec()) };
         let apart = picture(&[0.0, 100.0, 20_000.0, 65_535.0]);
         assert_eq!(check(&apart), Ok(()));
         assert!(doubt(&apart).unwrap().starts_with("1 of 4 heights are 65535, far above"));

@@ -208,7 +208,8 @@ pub(crate) fn body<'a>(
     }
     let Some(first) = rows.first() else { return Ok(Body { header: None, head: None, rows }) };
     // Lines of text of one cell are titles.
-    let named = rows.iter().take(FIRST_ROWS).take_while(|row| row.is_header()).find(|row| row.cells.len() > 1);
+    let named =
+        rows.iter().take(FIRST_ROWS).take_while(|row| row.is_header()).find(|row| row.cells.len() > 1);
     if let Some(named) = named {
         // A header with a fault is more likely than a title.
         let row =

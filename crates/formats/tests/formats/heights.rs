@@ -225,7 +225,11 @@ fn tiff_maps_are_read() {
         assert_eq!((map.columns, map.numbers), (3, vec![300.0, 400.0, 65_535.0, 0.0, 100.0, 20_000.0]));
         assert!(map.is_picture && map.unit_um.is_none());
         // The largest number of 16 bits is a height: nothing in the file says otherwise.
-        assert!(map.warnings.len() == 1 && map.warnings[0].contains("1 of 6 heights are 65535"), "{:?}", map.warnings);
+        assert!(
+            map.warnings.len() == 1 && map.warnings[0].contains("1 of 6 heights are 65535"),
+            "{:?}",
+            map.warnings
+        );
     }
     assert!(read(written(false, 8)).unwrap_err().contains("expected a grey picture of 16 or 32 bits"));
     let whole = written(false, 16);

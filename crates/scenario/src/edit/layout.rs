@@ -30,7 +30,9 @@ pub(super) fn item(value: &serde_json::Value, as_table: bool) -> Result<Item, St
 }
 
 /// Keys in the order in which a table is written: those first that determine which others it may have.
-fn in_order(keys: &serde_json::Map<String, serde_json::Value>) -> impl Iterator<Item = (&String, &serde_json::Value)> {
+fn in_order(
+    keys: &serde_json::Map<String, serde_json::Value>,
+) -> impl Iterator<Item = (&String, &serde_json::Value)> {
     const FIRST: [&str; 2] = ["kind", "model"];
     let first = FIRST.iter().filter_map(|key| keys.get_key_value(*key));
     first.chain(keys.iter().filter(|(key, _)| !FIRST.contains(&key.as_str())))

@@ -169,7 +169,9 @@ impl<'a> Frame<'a> {
     fn view(&self, view: &ViewPoint) -> Result<CrosstalkView, DisplayError> {
         let pitch = self.matrix.pitch_mm;
         let finest = pitch[0].min(pitch[1]);
-        let at = |k: usize| self.measure(view, Level { digits: DIGITS[k], most_per_mm: ORDERS[k] / finest, is_fine: k > 0 });
+        let at = |k: usize| {
+            self.measure(view, Level { digits: DIGITS[k], most_per_mm: ORDERS[k] / finest, is_fine: k > 0 })
+        };
         let (coarse, fine) = (at(0)?, at(1)?);
         Ok(assembled(self.setup, view, &fine, &[coarse]))
     }

@@ -323,7 +323,11 @@ fn tags_of_tiff() {
         ("GDAL_NODATA", (42113, 2, 2, short(b"7\0\0\0")), Refused("1 of 12 heights are missing")),
         ("SamplesPerPixel", (277, 4, 1, 2), Refused("TIFF")),
         ("BitsPerSample", (258, 4, 1, 8), Refused("expected a grey picture of 16 or 32 bits")),
-        ("ImageLength, which RowsPerStrip contradicts", (257, 4, 1, 90_000_000), Refused("inconsistent sizes")),
+        (
+            "ImageLength, which RowsPerStrip contradicts",
+            (257, 4, 1, 90_000_000),
+            Refused("inconsistent sizes"),
+        ),
     ] {
         super::check(field, &base, &tiff(32, 3, &singles(), &[more]), done);
     }
