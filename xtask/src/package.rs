@@ -7,7 +7,7 @@ use crate::python::Environment;
 use crate::shell::{self, Outcome, cargo, command};
 
 /// Packages that build and test it, with versions, and its optional dependencies.
-const PACKAGES: [&str; 12] = [
+const PACKAGES: [&str; 13] = [
     "maturin==1.16.0",
     "pytest==9.2.0",
     "mypy==2.4.1",
@@ -16,8 +16,9 @@ const PACKAGES: [&str; 12] = [
     "pandas==3.1.1",
     "distributed==2026.8.0",
     "pyarrow==26.0.1",
-    // Reads and writes netCDF files.
+    // Read and write netCDF files.
     "h5netcdf==1.8.2",
+    "h5py==3.16.0",
     "nbclient==0.11.0",
     "ipykernel==7.4.0",
     // Renders exported displays, in variants that need no LLVM.
