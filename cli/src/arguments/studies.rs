@@ -41,7 +41,7 @@ pub(crate) struct SweepRun {
     /// Change a key of the scenario before the values of the sweep are applied; can be repeated
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Store only these metrics of every point (a compact sweep, for many points): `--metrics contrast_ratio,white.Y`; sets sweep.metrics
+    /// Store only these metrics of every point (a compact sweep, for many points): `--metrics contrast_ratio,white.Y`; sets sweep.metrics and sweep.figures
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) metrics: Vec<String>,
     /// Compute only shard K of N (every N-th point), to divide a sweep among machines

@@ -495,6 +495,9 @@ fn axes_of_the_command_line_are_those_of_a_file() {
     let plain = without.split("[sweep]").next().unwrap();
     let compact = table(plain, &["--axis", &range, "--metrics", "white.Y,contrast_ratio"]);
     assert!(compact.starts_with(&format!("point,{key},")) && compact.lines().count() == 6, "{compact}");
+    // Figures that the file names are of metrics that such a sweep does not compute.
+    let drawn = format!("{plain}[sweep]\nfigures = [\"gamut_percent_srgb\"]\n");
+    assert_eq!(table(&drawn, &["--axis", &range, "--metrics", "white.Y,contrast_ratio"]), compact);
 }
 
 /// What is not an axis is named with its place on the command line and what was expected.

@@ -65,8 +65,9 @@ pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, 
 fn named<'a>(view: &'a SimulatedView, name: &str) -> Option<&'a (String, Vec<f64>, Xyz)> {
     let exact = view.states.iter().find(|(known, ..)| known == name);
     exact.or_else(|| {
-        let mut alike = view.states.iter().filter(|(known, ..)| known.to_lowercase() == name.to_lowercase());
-        alike.next().filter(|_| alike.next().is_none())
+        let mut same_letters =
+            view.states.iter().filter(|(known, ..)| known.to_lowercase() == name.to_lowercase());
+        same_letters.next().filter(|_| same_letters.next().is_none())
     })
 }
 

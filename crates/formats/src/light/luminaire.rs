@@ -196,7 +196,9 @@ pub fn read_luminaire(file: &DataFile) -> Result<Luminaire, FormatError> {
 
 fn of_any_format(file: &DataFile) -> Result<Luminaire, FormatError> {
     let text = decoded(file);
-    if ies::is_ies(&text) || !eulumdat::is_eulumdat(&text) {
+    // A EULUMDAT file that is cut off is known by its name alone.
+    let is_named_ldt = file.name.to_ascii_lowercase().ends_with(".ldt");
+    if ies::is_ies(&text) || !(eulumdat::is_eulumdat(&text) || is_named_ldt) {
         ies::read(&file.name, &text)
     } else {
         eulumdat::read(&file.name, &text)

@@ -218,6 +218,14 @@ fn flux_that_agrees_with_the_output_ratio_gives_no_note() {
     assert!((found.flux_lm()[0] / (1250.0 * PI) - 1.0).abs() < 1e-4);
 }
 
+/// What is missing from a file that ends in its first lines is said of EULUMDAT, not of the other format.
+#[test]
+fn file_that_is_cut_in_its_head_is_known_by_its_name() {
+    let bytes = text(&eulumdat(1)[..5]).into_bytes();
+    let error = read_luminaire(&DataFile { name: "data/lamp.LDT".into(), bytes }).unwrap_err().to_string();
+    assert!(error.contains("EULUMDAT") && error.contains("cut off"), "{error}");
+}
+
 /// Files with arbitrary changes are read or refused.
 #[test]
 fn luminaire_with_changed_bytes_never_panics() {

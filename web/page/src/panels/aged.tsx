@@ -47,7 +47,7 @@ export function LiveMark() {
 }
 
 /**
- * The class of an element whose content has an age. It fades after a moment, which begins anew with each content: `count` is its number, so
+ * The class of an element whose content has an age. It fades after a moment, which begins again with each content: `count` is its number, so
  * that what follows a drag stays clear.
  */
 export const fadedClass = (age: Age, count: number): string => (isFaded(age) ? ` faded turn-${count % 2}` : "");

@@ -4,7 +4,7 @@
 //! ordered by where they are, and the points of a low-discrepancy set are given to them in this order. Neighbours, whose
 //! futures are distributed almost equally, then take decisions that complement each other, in every generation and not only
 //! in the first few (array-RQMC: P. L'Ecuyer, C. Lécot, B. Tuffin, Oper. Res. 56, 958 (2008)). Each branch by itself has
-//! uniform numbers that are independent of its past, since the set of each generation of each batch is randomized anew: estimates
+//! uniform numbers that are independent of its past, since the set of each generation of each batch is randomized again: estimates
 //! are unbiased, and the errors of batches are independent. Roulette is systematic for the same reason ([`Roulette`]).
 
 use papilio_sampling::SampleStream;
