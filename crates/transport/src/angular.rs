@@ -12,7 +12,7 @@ use std::sync::Arc;
 use papilio_optics::with_widest_simd;
 
 use crate::base::largest;
-use crate::product::add_product;
+use crate::numerics::product::add_product;
 use crate::{CosinePanels, Medium};
 
 /// Positions of the nodes of a table.

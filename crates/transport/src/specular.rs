@@ -3,8 +3,8 @@
 use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
 
-use crate::adding::{Mirror, image_points};
 use crate::front::Flat;
+use crate::light::images::{Mirror, image_points};
 use crate::skeleton::{Ray, Skeleton};
 use crate::{Base, Cone, Diffuser, Layered, Panel, Reflector, Source, Stack, Top};
 

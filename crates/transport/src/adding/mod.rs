@@ -7,24 +7,19 @@
 //! Accuracy increases with the level: the difference between the estimates of two levels is the
 //! discretisation error of the coarser one.
 
-mod field;
-mod images;
 mod layered;
 mod panel;
-pub(crate) mod quadrature;
 mod table_sums;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+pub use crate::layers::Narrowness;
 use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
-pub(crate) use field::{Peaks, Ring, rings};
-pub(crate) use images::{Mirror, image_points};
-pub(crate) use layered::{Action, Preparation, rough_width};
 pub use layered::{LayeredSpread, NotCovered, Seen};
 pub use panel::ViewSums;
 pub(crate) use panel::first_pass;
-pub(crate) use panel::{Indices, Shares, diffuse_shares, smooth_points};
+pub(crate) use panel::{Shares, diffuse_shares, smooth_points};
 pub use table_sums::{TableGradient, TableSums, TableValues};
 
 /// The finest level.
@@ -53,44 +48,6 @@ pub struct Narrowest {
     pub number: usize,
     /// Its narrowness.
     pub scatterer: Narrowness,
-}
-
-/// A scatterer, by the quantity that makes it narrow.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Narrowness {
-    /// A diffuser's lobe.
-    Lobe {
-        /// Its width b, direction cosines.
-        width: f64,
-    },
-    /// An interface given by its BSDF.
-    Face {
-        /// Width of its narrowest kernel, as of a k-correlation lobe, direction cosines.
-        width: f64,
-    },
-    /// A rough interface.
-    Rough {
-        /// Its roughness.
-        alpha: f64,
-        /// Width of the narrowest lobe into which it refracts light, direction cosines.
-        width: f64,
-    },
-    /// A medium that scatters in its volume.
-    Slab {
-        /// Mean cosine of the scattering angle.
-        anisotropy: f64,
-    },
-}
-
-impl Narrowness {
-    /// Returns the distance in direction cosines over which its scattered light changes.
-    pub(crate) fn smoothness(self) -> f64 {
-        match self {
-            Self::Lobe { width } | Self::Face { width } | Self::Rough { width, .. } => width,
-            // The pole of the phase function lies at this imaginary angle.
-            Self::Slab { anisotropy } => -anisotropy.abs().max(1e-9).ln(),
-        }
-    }
 }
 
 /// Returns the scatterer that determines the number of nodes of a stack ([`nodes_needed`]); `None` in a

@@ -3,7 +3,7 @@
 use papilio_optics::with_widest_simd;
 
 use crate::angular::mix;
-use crate::product::{add_product, add_transposed_product};
+use crate::numerics::product::{add_product, add_transposed_product};
 
 /// Reflectances of a specular base at some nodes over angle, and the mixtures of them that are its states.
 #[derive(Debug, Clone, Copy)]

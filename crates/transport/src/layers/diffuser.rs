@@ -6,8 +6,8 @@ use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
 use papilio_spectra::Spectrum;
 
+use super::{Action, Narrowness, Preparation};
 use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
-use crate::adding::{Action, Narrowness, Preparation};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::Propagation;
@@ -52,8 +52,8 @@ impl LayerKind for Diffuser {
         key.push(self.transmittance[bin].to_bits());
     }
 
-    fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
-        let scattered = self.transmittance[prepare.bin] * (1.0 - self.regular_fraction);
+    fn action<'a>(&'a self, prepare: &mut dyn Preparation<'a>) -> Option<Action> {
+        let scattered = self.transmittance[prepare.bin()] * (1.0 - self.regular_fraction);
         Some(Action::Kernels([vec![(prepare.lobe(self.lobe), scattered)], Vec::new(), Vec::new()]))
     }
 

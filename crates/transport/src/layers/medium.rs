@@ -2,8 +2,8 @@
 
 use papilio_spectra::Spectrum;
 
+use super::{Action, Narrowness, Preparation};
 use super::{Incidence, LayerKind};
-use crate::adding::{Action, Narrowness, Preparation};
 use crate::front::Flat;
 use crate::skeleton::Part;
 
@@ -122,15 +122,15 @@ impl LayerKind for Medium {
         key.extend(self.scattering.as_ref().map(|s| s.albedo[bin].to_bits()));
     }
 
-    fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
-        let transmittance = self.transmittance.as_ref().map_or(1.0, |t| t[prepare.bin]);
+    fn action<'a>(&'a self, prepare: &mut dyn Preparation<'a>) -> Option<Action> {
+        let transmittance = self.transmittance.as_ref().map_or(1.0, |t| t[prepare.bin()]);
         let Some(scattering) = &self.scattering else {
             return (transmittance < 1.0).then_some(Action::Clear { transmittance });
         };
         // Absorption besides the scattering is additional extinction without scattering.
         let absorbing = -transmittance.max(f64::MIN_POSITIVE).ln();
         let thickness = scattering.optical_thickness + absorbing;
-        let scattered = scattering.optical_thickness * scattering.albedo[prepare.bin];
+        let scattered = scattering.optical_thickness * scattering.albedo[prepare.bin()];
         let number = prepare.slab(thickness, scattered / thickness, scattering.anisotropy);
         let lost = thickness - scattered;
         Some(Action::Slab { number, absorbing_share: if lost > 0.0 { absorbing / lost } else { 0.0 } })

@@ -8,11 +8,13 @@
 //! Light arrives as an [`Arrival`] and leaves as a [`Departure`]. Both contain directions only, since layers
 //! are uniform; a layer that displaces light would need positions (x, y) as well.
 
+mod action;
 mod coating;
 mod component;
 mod diffuser;
 mod fresnel;
 mod ideal_ar;
+mod indices;
 mod medium;
 mod open;
 mod reflecting;
@@ -20,10 +22,14 @@ mod rough;
 mod scatter;
 mod wave_face;
 
+pub use action::Narrowness;
+pub(crate) use action::{Action, Preparation};
 pub use component::Component;
 pub use diffuser::Diffuser;
+pub(crate) use indices::Indices;
 pub use medium::{Medium, Scattering};
 pub use reflecting::{LobeReflection, ReflectedLobe, ReflectingDiffuser};
+pub(crate) use rough::rough_width;
 pub(crate) use scatter::least_edge;
 pub use scatter::{RegularRings, ScatterFace, ScatterKernel};
 pub use wave_face::{WaveFace, WaveLight};
@@ -35,7 +41,6 @@ use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
 
-use crate::adding::{Action, Narrowness, Preparation};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
@@ -174,7 +179,7 @@ pub(crate) trait LayerKind: Debug + Sync {
     fn spectral_key(&self, _bin: usize, _key: &mut Vec<u64>) {}
 
     /// Its effect on light at the nodes of *adding*, at one wavelength; `None` if it has none.
-    fn action<'a>(&'a self, _prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
+    fn action<'a>(&'a self, _prepare: &mut dyn Preparation<'a>) -> Option<Action> {
         Some(Action::Regular)
     }
 

@@ -1,7 +1,7 @@
 //! No interface: the media have the same index.
 
+use super::{Action, Preparation};
 use super::{Incidence, LayerKind};
-use crate::adding::{Action, Preparation};
 use crate::front::Flat;
 
 #[derive(Debug)]
@@ -20,7 +20,7 @@ impl LayerKind for Open {
         true
     }
 
-    fn action<'a>(&'a self, _: &mut Preparation<'_, 'a>) -> Option<Action> {
+    fn action<'a>(&'a self, _: &mut dyn Preparation<'a>) -> Option<Action> {
         None
     }
 }

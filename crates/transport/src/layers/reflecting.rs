@@ -16,10 +16,10 @@ use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 use std::f64::consts::PI;
 
+use super::{Action, Narrowness, Preparation};
 use super::{
     Arrival, Channel, Departure, Incidence, Interface, LayerKind, Medium, Scattered, ScatteringInterface,
 };
-use crate::adding::{Action, Narrowness, Preparation};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
@@ -288,7 +288,7 @@ impl LayerKind for ReflectingDiffuser {
         key.extend(spectra.map(|spectrum| spectrum[bin].to_bits()));
     }
 
-    fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
+    fn action<'a>(&'a self, prepare: &mut dyn Preparation<'a>) -> Option<Action> {
         let mut kernels = match self.through.kind().action(prepare) {
             Some(Action::Kernels(kernels)) => kernels,
             _ => Default::default(),
@@ -299,7 +299,7 @@ impl LayerKind for ReflectingDiffuser {
                 ReflectedLobe::Lobe(lobe) => prepare.reflected_lobe(*lobe, side),
                 ReflectedLobe::Kernel(scatter) => prepare.kernel(scatter, prepare.index(side)),
             };
-            kernels[1 + side] = vec![(number, one.scattered[prepare.bin])];
+            kernels[1 + side] = vec![(number, one.scattered[prepare.bin()])];
         }
         Some(Action::Kernels(kernels))
     }

@@ -3,8 +3,8 @@
 use papilio_optics::Scatterer;
 use papilio_optics::rough::{OnSide, Rough, Side};
 
+use super::{Action, Narrowness, Preparation};
 use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface, Sides};
-use crate::adding::{Action, Narrowness, Preparation, rough_width};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::Propagation;
@@ -39,7 +39,7 @@ impl LayerKind for Rough {
         4.0
     }
 
-    fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
+    fn action<'a>(&'a self, prepare: &mut dyn Preparation<'a>) -> Option<Action> {
         Some(Action::Whole { number: prepare.rough(self) })
     }
 
@@ -81,4 +81,10 @@ fn arriving(Arrival { beta, going, .. }: Arrival) -> OnSide {
 /// Returns the side on which light is after it left the interface in this sense.
 fn side_after(going: Propagation) -> Side {
     if going == Propagation::Down { Side::Below } else { Side::Above }
+}
+
+/// Returns the distance in direction cosines over which the kernel changes most: refracted light about the
+/// normal, where the slope of a microfacet bends it by the difference of the indices.
+pub(crate) fn rough_width(face: &Rough) -> f64 {
+    face.alpha() * (face.index(Side::Above) - face.index(Side::Below)).abs().min(1.0)
 }

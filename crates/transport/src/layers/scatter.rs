@@ -4,8 +4,8 @@ use papilio_optics::Scatterer;
 use papilio_optics::scatter::{Rings, Scatter};
 use papilio_spectra::Spectrum;
 
+use super::{Action, Narrowness, Preparation};
 use super::{Arrival, Channel, Departure, Incidence, LayerKind, Medium, Scattered, ScatteringInterface};
-use crate::adding::{Action, Narrowness, Preparation};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
@@ -260,12 +260,12 @@ impl LayerKind for ScatterFace {
         key.extend(self.kernels().map(|kernel| kernel.factor[bin].to_bits()));
     }
 
-    fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
-        let disc = self.disc(prepare.bin).unwrap_or(1.0);
+    fn action<'a>(&'a self, prepare: &mut dyn Preparation<'a>) -> Option<Action> {
+        let disc = self.disc(prepare.bin()).unwrap_or(1.0);
         let ways =
             [self.through(Propagation::Down), self.back(Propagation::Down), self.back(Propagation::Up)];
         let mut number = |ScatterKernel { scatter, factor }: &'a ScatterKernel| {
-            (prepare.kernel(scatter, disc), factor[prepare.bin])
+            (prepare.kernel(scatter, disc), factor[prepare.bin()])
         };
         Some(Action::Kernels(ways.map(|kernel| kernel.map(&mut number).into_iter().collect())))
     }

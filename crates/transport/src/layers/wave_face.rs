@@ -12,8 +12,8 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::BalancedLobe;
 use papilio_spectra::Spectrum;
 
+use super::{Action, Narrowness, Preparation};
 use super::{Arrival, Channel, Colours, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
-use crate::adding::{Action, Narrowness, Preparation};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::Propagation;
@@ -161,8 +161,8 @@ impl LayerKind for WaveFace {
         key.extend(self.lights.iter().flat_map(|light| &light.fractions).map(|one| one[bin].to_bits()));
     }
 
-    fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
-        let bin = prepare.bin;
+    fn action<'a>(&'a self, prepare: &mut dyn Preparation<'a>) -> Option<Action> {
+        let bin = prepare.bin();
         let mut of = |light: &'a WaveLight| {
             let lobes = light.lobes.iter().zip(&light.fractions).filter(|(_, one)| one[bin] > 0.0);
             lobes.map(|(lobe, one)| (prepare.balanced_lobe(lobe), one[bin])).collect()

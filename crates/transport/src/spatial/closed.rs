@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use super::bessel::{x_k1, x2_k2_half};
+use crate::numerics::bessel::{x_k1, x2_k2_half};
 
 /// Modulation transfer of a k-correlation lobe in diffuse light: `exp(-2 pi f c)`.
 pub fn lobe_in_diffuse_light(frequency_per_mm: f64, width_mm: f64) -> f64 {

@@ -14,8 +14,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::bessel::{j0, x_k1};
-use crate::adding::quadrature::{Node, gauss};
+use crate::numerics::bessel::{j0, x_k1};
+use crate::numerics::quadrature::{Node, gauss};
 
 /// Width of a panel of the rule in radians of the phase `4 pi f d tan(theta)`: 16 points then integrate to 1e-14.
 const PHASE_OF_PANEL: f64 = 8.0;

@@ -17,8 +17,8 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 
 use super::PointSpread;
-use super::bessel::spherical;
-use crate::adding::quadrature::MOST_POINTS;
+use crate::numerics::bessel::spherical;
+use crate::numerics::quadrature::MOST_POINTS;
 
 /// Light by place along an axis, for several states of a pixel.
 #[derive(Debug, Clone, PartialEq)]

@@ -22,7 +22,6 @@
 //!
 //! Lengths are in mm, spatial frequencies in cycles per mm, both in the plane of the panel.
 
-mod bessel;
 mod blur;
 pub mod closed;
 mod face;
@@ -35,8 +34,8 @@ mod recycling;
 pub mod sparkle;
 mod spread;
 mod two_planes;
-mod window;
 
+pub use crate::window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};
 pub use blur::{PixelSquare, Shapes};
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
@@ -50,7 +49,6 @@ pub use two_planes::{
     Direction, Division, FilteredPixels, Passed, PeriodCells, TwoPlanes, diffuse_directions,
     diffused_directions,
 };
-pub use window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};
 
 use papilio_optics::Beta;
 

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use papilio_optics::Beta;
 
 use super::{Gap, Sample};
-use crate::adding::quadrature::{MULTIPLE_POLES, Node, Pole, gauss, panels, points_for};
+use crate::numerics::quadrature::{MULTIPLE_POLES, Node, Pole, gauss, panels, points_for};
 
 /// Distance, in thicknesses of the glass, beyond which light is neglected: within 0.06 deg of grazing.
 const REACH: f64 = 1000.0;

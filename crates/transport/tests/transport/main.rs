@@ -16,6 +16,7 @@ mod errors_over_paths;
 mod few_wavelengths;
 mod fields;
 mod flat_return;
+mod floors;
 mod layered_spread;
 mod layered_walk;
 mod layers;
@@ -27,6 +28,5 @@ mod reflecting;
 mod rough_surface;
 mod scatter_faces;
 mod sparkle_waves;
-
 mod strategies;
 mod wave_faces;

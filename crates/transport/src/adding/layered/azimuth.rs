@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
 use super::grid::Grid;
-use crate::adding::quadrature::gauss;
+use crate::numerics::quadrature::gauss;
 
 /// Largest number of intervals of the trapezoid rule from 0 to pi; finer kernels take graded panels.
 pub(super) const MOST_INTERVALS: usize = 1024;

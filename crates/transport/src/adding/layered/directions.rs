@@ -4,9 +4,9 @@ use papilio_optics::Beta;
 
 use super::precision::Precision;
 use crate::adding::Narrowness;
-use crate::adding::field::{Peaks, Ring, rings};
-use crate::adding::quadrature::{Nodes, Point, cone_points_of, disc_points, smooth_at};
 use crate::layers::LayerKind;
+use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
+use crate::light::rings::{Peaks, Ring, rings};
 use crate::{Cone, Layered, Source};
 
 /// Direction of a view or a source: the number of its extra node, its azimuth, its weight.

@@ -21,28 +21,12 @@ use super::slab::Model;
 use crate::Layered;
 use crate::estimate::Account;
 use crate::front::Flat;
-use crate::layers::{Incidence, LayerKind};
+use crate::layers::{Action, Incidence, LayerKind, Preparation};
 
-/// Effect of a layer on light at the nodes, at one wavelength; scatterers by number.
-#[derive(Debug, Clone)]
-pub(crate) enum Action {
-    /// Light keeps its direction: there is a regular part only.
-    Regular,
-    /// A clear medium of this internal transmittance along the normal.
-    Clear { transmittance: f64 },
-    /// A scatterer reflects and transmits it.
-    Whole { number: usize },
-    /// As `Whole`; this fraction of the absorption is absorption besides the scattering.
-    Slab { number: usize, absorbing_share: f64 },
-    /// Sums of kernels, each with a factor, besides the regular part: transmission from above, reflection from above,
-    /// reflection from below.
-    Kernels([Vec<(usize, f64)>; 3]),
-}
-
-/// Context in which a layer determines its [`Action`] at one wavelength: it registers its scatterers.
-pub(crate) struct Preparation<'p, 'a> {
+/// The scatterers of a layer at one wavelength, as it registers them.
+struct Registry<'p, 'a> {
     /// Number of the wavelength.
-    pub(crate) bin: usize,
+    bin: usize,
     /// Indices of the media above and below.
     indices: [f64; 2],
     grid: &'p Grid,
@@ -60,31 +44,36 @@ pub(crate) struct Preparation<'p, 'a> {
     stop: &'p AtomicBool,
 }
 
-impl<'p, 'a> Preparation<'p, 'a> {
-    /// Returns the number of a lobe that transmits everything.
-    pub(crate) fn lobe(&mut self, lobe: Lobe) -> usize {
+impl<'p> Registry<'p, '_> {
+    /// Returns what kernels without a closed series are sampled for.
+    fn sampling(&self) -> Sampling<'p> {
+        Sampling { grid: self.grid, digits: self.precision.digits, stop: self.stop }
+    }
+}
+
+impl<'a> Preparation<'a> for Registry<'_, 'a> {
+    fn bin(&self) -> usize {
+        self.bin
+    }
+
+    fn lobe(&mut self, lobe: Lobe) -> usize {
         self.scatterers.lobe(lobe, 1.0, self.indices, self.grid)
     }
 
-    /// Returns the number of a lobe that reflects everything, of light from above (0) or from below (1): within the
-    /// disc of the medium there.
-    pub(crate) fn reflected_lobe(&mut self, lobe: Lobe, side: usize) -> usize {
+    fn reflected_lobe(&mut self, lobe: Lobe, side: usize) -> usize {
         let index = self.indices[side];
         self.scatterers.lobe(lobe, index, [index; 2], self.grid)
     }
 
-    /// Returns the number of a balanced lobe.
-    pub(crate) fn balanced_lobe(&mut self, lobe: &'a BalancedLobe) -> usize {
+    fn balanced_lobe(&mut self, lobe: &'a BalancedLobe) -> usize {
         self.scatterers.balanced_lobe(lobe, self.grid)
     }
 
-    /// Returns the index of the medium above (0) or below (1).
-    pub(crate) fn index(&self, side: usize) -> f64 {
+    fn index(&self, side: usize) -> f64 {
         self.indices[side]
     }
 
-    /// Returns the number of a rough interface.
-    pub(crate) fn rough(&mut self, face: &'a Rough) -> usize {
+    fn rough(&mut self, face: &'a Rough) -> usize {
         let sampling = self.sampling();
         let Self { grid, beyond_first, alone, surface, known, .. } = self;
         let known = known.rough(face, &grid.beta[..grid.regular]);
@@ -98,8 +87,7 @@ impl<'p, 'a> Preparation<'p, 'a> {
         self.scatterers.rough(face, orders)
     }
 
-    /// Returns the number of a kernel in a disc of this radius.
-    pub(crate) fn kernel(&mut self, scatter: &'a Scatter, disc: f64) -> usize {
+    fn kernel(&mut self, scatter: &'a Scatter, disc: f64) -> usize {
         let (sampling, beyond_first) = (self.sampling(), self.beyond_first);
         let Self { grid, known, .. } = self;
         let known = known.scatter(scatter, disc, &grid.beta[..grid.regular]);
@@ -107,13 +95,7 @@ impl<'p, 'a> Preparation<'p, 'a> {
         self.scatterers.scatter(scatter, disc, orders)
     }
 
-    /// Returns what kernels without a closed series are sampled for.
-    fn sampling(&self) -> Sampling<'p> {
-        Sampling { grid: self.grid, digits: self.precision.digits, stop: self.stop }
-    }
-
-    /// Returns the number of a medium that scatters in its volume, of this extinction along the normal.
-    pub(crate) fn slab(&mut self, thickness: f64, albedo: f64, anisotropy: f64) -> usize {
+    fn slab(&mut self, thickness: f64, albedo: f64, anisotropy: f64) -> usize {
         let model = Model { thickness, albedo, anisotropy, index: self.indices[1] };
         self.scatterers.slab(model, self.precision.kept_terms(anisotropy), self.grid)
     }
@@ -165,7 +147,7 @@ pub(super) fn actions<'a>(
     let mut action = |(kind, media): (&'a dyn LayerKind, _)| {
         let indices = indices(media, bin);
         let scatterers = &mut *scatterers;
-        kind.action(&mut Preparation {
+        kind.action(&mut Registry {
             bin,
             indices,
             grid,

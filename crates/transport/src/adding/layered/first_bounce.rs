@@ -21,7 +21,7 @@ use super::directions::{Directions, Ray};
 use super::grid::{Grid, Interpolation};
 use super::matrix::Matrix;
 use super::rough::refraction_width;
-use crate::adding::quadrature::{Pole, graded, radial};
+use crate::numerics::quadrature::{Pole, graded, radial};
 
 /// Factors of the reflectance at the nodes, for pairs of directions of views and lights.
 #[derive(Debug, Clone)]

@@ -10,7 +10,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::splits::{Between, Splits};
-use crate::adding::quadrature::legendre;
+use crate::numerics::quadrature::legendre;
 
 /// Nodes in `|beta|`: those with weight ascend; then extra ones, the directions of views and beams.
 #[derive(Debug, Clone, PartialEq)]

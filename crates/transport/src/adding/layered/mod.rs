@@ -67,16 +67,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Narrowest;
-use super::images::{ImagePoints, Mirror, image_points};
+use crate::light::images::{ImagePoints, Mirror, image_points};
 use crate::specular::layered_image;
 use crate::{Base, Cone, Estimate, Interface, Layer, Layered, Reflector, Source};
 use beam_response::BeamResponse;
 use directions::Directions;
-pub(crate) use elements::{Action, Preparation};
 use pixels::Pixels;
 use precision::Precision;
 use prepare::Prepared;
-pub(crate) use rough::width as rough_width;
 pub use spread::{LayeredSpread, NotCovered, Seen};
 
 /// Returns the number of radial nodes that a level takes, besides the directions of views and sources.

@@ -22,7 +22,7 @@ use super::azimuth::Sampling;
 use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
-pub(crate) use surface::inside_width;
+pub(super) use surface::inside_width;
 pub(super) use transforms::azimuth_width;
 use transforms::{Transforms, orders};
 
@@ -376,12 +376,6 @@ impl Edge {
         let edge = (above * above + self.sign * self.limit * (1.0 - 1e-9)).max(0.0).sqrt();
         if self.sign > 0.0 { below.min(edge) } else { below.max(edge) }
     }
-}
-
-/// Returns the distance in direction cosines over which the kernel changes most: refracted light about the
-/// normal, where the slope of a microfacet bends it by the difference of the indices.
-pub(crate) fn width(face: &Rough) -> f64 {
-    face.alpha() * (face.index(Side::Above) - face.index(Side::Below)).abs().min(1.0)
 }
 
 /// Returns the width in direction cosines of the lobe into which light of this `|beta|` is refracted.

@@ -9,10 +9,11 @@ use std::f64::consts::FRAC_PI_2;
 
 use papilio_optics::Beta;
 
-use super::super::field::{Peaks, Ring, rings};
-use super::super::images::{ImagePoints, Mirror, image_points};
-use super::super::quadrature::{Node, Nodes, Point, Pole, cone_points_of, disc_points, graded, smooth_at};
 use super::add_scaled;
+use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
+use crate::light::images::{ImagePoints, Mirror, image_points};
+use crate::light::rings::{Peaks, Ring, rings};
+use crate::numerics::quadrature::{Node, Pole, graded};
 use crate::specular::{FlatTop, panel_image};
 use crate::{Base, Cone, Estimate, Field, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top};
 

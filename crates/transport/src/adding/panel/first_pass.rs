@@ -11,10 +11,11 @@ use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::with_widest_simd;
 
-use super::super::quadrature::{Node, Point, Pole, radial};
 use super::lobes::{self, LANES, radii_of};
 use super::rings::RingOfProducts;
 use crate::angular::Stencil;
+use crate::light::cone_points::Point;
+use crate::numerics::quadrature::{Node, Pole, radial};
 use crate::{Diffuser, Nodes};
 
 /// Diffuser, table nodes and index: the data that determine a pass.

@@ -8,8 +8,9 @@
 
 use std::f64::consts::PI;
 
-use super::super::quadrature::{Point, Pole, radial};
 use crate::Diffuser;
+use crate::light::cone_points::Point;
+use crate::numerics::quadrature::{Pole, radial};
 
 /// Integrals over directions, for one index.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::with_widest_simd;
 
-use super::super::quadrature::{Node, Pole};
+use crate::numerics::quadrature::{Node, Pole};
 
 /// Number of radii that are computed together.
 pub(in crate::adding) const LANES: usize = 8;

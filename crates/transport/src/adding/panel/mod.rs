@@ -11,7 +11,6 @@
 mod bare;
 mod diffused;
 pub(crate) mod first_pass;
-mod indices;
 mod lambertian;
 mod ledger;
 pub(super) mod lobes;
@@ -26,7 +25,6 @@ use papilio_optics::lobe::Lobe;
 
 pub(crate) use bare::{diffuse_shares, smooth_points};
 pub use diffused::ViewSums;
-pub(crate) use indices::Indices;
 pub(crate) use lambertian::Shares;
 
 use super::TableGradient;

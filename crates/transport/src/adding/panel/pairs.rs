@@ -13,9 +13,9 @@
 
 use std::f64::consts::PI;
 
-use super::super::quadrature::Point;
 use super::first_pass::SAME_RADIUS;
 use super::lobes::LANES;
+use crate::light::cone_points::Point;
 
 /// Pairs of points of two sets; pairs that differ only by a rotation or a reflection in azimuth are combined.
 pub(super) struct Pairs(Vec<Pair>);

@@ -13,10 +13,11 @@ use std::f64::consts::PI;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::with_widest_simd;
 
-use super::super::field::Ring;
-use super::super::quadrature::{MULTIPLE_POLES, Node, Point};
 use super::first_pass::{Pass, SAME_RADIUS, Weights};
 use super::lobes::{self, LANES, radii_of, side_by_side};
+use crate::light::cone_points::Point;
+use crate::light::rings::Ring;
+use crate::numerics::quadrature::{MULTIPLE_POLES, Node};
 
 /// Light at one `|beta|`, by its azimuthal orders 0, 1, ...: integrals of the light times `cos m phi`, or
 /// `sin m phi` of the odd part of a field.

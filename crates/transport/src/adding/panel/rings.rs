@@ -5,10 +5,11 @@ use std::f64::consts::PI;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::with_widest_simd;
 
-use super::super::quadrature::{MULTIPLE_POLES, Node, Point, Pole, graded};
 use super::first_pass::SAME_RADIUS;
 use super::lobes::{LANES, radii_of, side_by_side};
 use super::pairs::Pairs;
+use crate::light::cone_points::Point;
+use crate::numerics::quadrature::{MULTIPLE_POLES, Node, Pole, graded};
 
 /// Number of orders (or a quarter of the number of points) above which panels around the lobes are faster.
 const MOST_ORDERS: usize = 300;

@@ -3,8 +3,9 @@
 use super::super::{Accuracy, Sample, displacement};
 use super::returned::Ghosts;
 use super::{Heights, Part, SMOOTH, by_index};
-use crate::adding::quadrature::{Nodes, Point, cone_points_of, disc_points, smooth_at};
-use crate::adding::{Mirror, diffuse_shares, image_points, smooth_points};
+use crate::adding::{diffuse_shares, smooth_points};
+use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
+use crate::light::images::{Mirror, image_points};
 use crate::specular::FlatTop;
 use crate::{Cone, Panel, Source};
 

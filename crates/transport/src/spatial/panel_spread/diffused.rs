@@ -8,8 +8,11 @@ use papilio_optics::lobe::Lobe;
 use super::super::spread::{Bundle, Incoming, Pair};
 use super::super::{Accuracy, Gap, Sample, Spread};
 use super::{Heights, Part, SMOOTH, Sampled, by_index};
-use crate::adding::quadrature::{Nodes, Point, cone_points_of, disc_points};
-use crate::adding::{Indices, Mirror, Peaks, Ring, Shares, image_points, rings};
+use crate::adding::Shares;
+use crate::layers::Indices;
+use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points};
+use crate::light::images::{Mirror, image_points};
+use crate::light::rings::{Peaks, Ring, rings};
 use crate::{Cone, Diffuser, Panel, Source};
 
 /// Returns the parts of scattered light, one for each index, and those of sharp images.

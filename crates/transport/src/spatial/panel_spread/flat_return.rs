@@ -11,7 +11,7 @@ use papilio_optics::interface::fresnel_reflectance;
 use super::super::face::{FrontReturn, POINTS_OF_TABLE, chebyshev, clenshaw};
 use super::super::{Accuracy, FaceReturn};
 use super::{Heights, SpreadError};
-use crate::adding::Indices;
+use crate::layers::Indices;
 use crate::{Panel, Top};
 
 /// Frequencies of the table, times the length of the way: that of the first panel, the ratio of the ends of each of the next ones, and the

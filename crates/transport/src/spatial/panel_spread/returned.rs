@@ -19,8 +19,8 @@ use super::super::face::FrontReturn;
 use super::super::spread::{Bundle, Incoming, Pair, Spread};
 use super::super::{Accuracy, FaceReturn, Gap, displacement};
 use super::Heights;
-use crate::adding::Indices;
-use crate::adding::quadrature::{Pole, radial};
+use crate::layers::Indices;
+use crate::numerics::quadrature::{Pole, radial};
 use crate::specular::FlatTop;
 use crate::{Diffuser, Panel, Top};
 

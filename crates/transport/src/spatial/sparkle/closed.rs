@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 use papilio_optics::RandomFace;
 
 use super::{Matrix, Window};
-use crate::adding::quadrature::gauss;
+use crate::numerics::quadrature::gauss;
 
 /// Mean modulation transfer of a Gaussian face at a spatial frequency, cycles per mm, for the deflection per slope `K`
 /// (mm: xx, xy, yy): `exp(-2 π² σ² |K f|²)`.

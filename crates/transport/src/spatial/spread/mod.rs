@@ -25,7 +25,7 @@ use papilio_optics::Beta;
 pub(super) use self::pair::Pair;
 use super::{Image, PointSpread, displacement};
 use crate::Diffuser;
-use crate::adding::quadrature::Point;
+use crate::light::cone_points::Point;
 
 /// Light from outside, for a spread.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,7 +8,7 @@ use papilio_optics::{Beta, Scatterer, with_widest_simd};
 use super::super::{PointSpread, displacement, places};
 use super::{Accuracy, Bundle, Gap, Incoming, Sample};
 use crate::Diffuser;
-use crate::adding::quadrature::Point;
+use crate::light::cone_points::Point;
 
 /// What determines a spread.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use papilio_optics::lobe::Lobe;
 
 use super::pair::{Pair, Peak};
 use super::{Incoming, Sample};
-use crate::adding::quadrature::{MOST_POINTS, MULTIPLE_POLES, Node, Pole, gauss, panels, points_for};
+use crate::numerics::quadrature::{MOST_POINTS, MULTIPLE_POLES, Node, Pole, gauss, panels, points_for};
 
 /// Ray of a polar rule: its end, and the places near which the integrand changes quickly.
 struct Ray {

@@ -6,7 +6,7 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
 use crate::Diffuser;
-use crate::adding::quadrature::{Node, Pole, gauss, radial};
+use crate::numerics::quadrature::{Node, Pole, gauss, radial};
 
 /// A direction of propagation and its part of the light.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use super::path::Path;
 use super::tracer::{FlatWork, Tracer, per_beta};
 use crate::skeleton::Propagation;
-use crate::spatial::Window;
+use crate::window::Window;
 
 /// Windows with transmittances at a height above the pixel. Between them the filter is clear.
 #[derive(Debug, Clone, PartialEq)]

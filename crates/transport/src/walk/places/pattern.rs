@@ -1,6 +1,6 @@
 //! Patterns of states in the plane of the pixel.
 
-use crate::spatial::Window;
+use crate::window::Window;
 
 /// A pattern, or several *images*: at each place of the plane of the pixel, the fraction that each state covers.
 ///

@@ -9,7 +9,7 @@
 use std::f64::consts::TAU;
 
 use crate::angular::Stencil;
-use crate::product::add_product;
+use crate::numerics::product::add_product;
 
 /// Nodes in a period of the highest frequency.
 const PER_PERIOD: f64 = 20.0;

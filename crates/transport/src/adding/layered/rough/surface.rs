@@ -21,7 +21,7 @@ use super::super::grid::{Grid, Interpolation};
 use super::super::matrix::Matrix;
 use super::transforms::Transforms;
 use super::{RoughOrders, missing, refraction_width};
-use crate::adding::quadrature::{Pole, radial};
+use crate::numerics::quadrature::{Pole, radial};
 
 /// Natural digits of orders beyond those of the nodes: the poles of each of three lobes are double, `(1 + m y) exp(-m y)`.
 const MORE_DIGITS: f64 = 10.0;
@@ -31,7 +31,7 @@ const MORE_DIGITS_OF_LOBES: f64 = 4.0;
 const MOST_ORDERS: usize = 400;
 
 /// Returns the width of the lobe into which the surface of a medium reflects light inside, at the critical angle.
-pub(crate) fn inside_width(alpha: f64, index: f64) -> f64 {
+pub(in super::super) fn inside_width(alpha: f64, index: f64) -> f64 {
     2.0 * alpha * (index * index - 1.0).max(0.0).sqrt()
 }
 

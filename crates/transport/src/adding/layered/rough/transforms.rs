@@ -15,7 +15,8 @@ use papilio_optics::rough::{Distribution, Rough, Side};
 use super::super::azimuth::{graded, rounded_up};
 use super::super::grid::Grid;
 use super::super::matrix::Matrix;
-use super::{Edge, width};
+use super::Edge;
+use crate::layers::rough_width;
 
 /// Largest number of azimuthal orders.
 const MOST_ORDERS: usize = 400;
@@ -40,7 +41,8 @@ fn intervals(rule: usize) -> usize {
 /// Returns the number of orders that contain this many natural digits of the light scattered on circles of this
 /// `|beta|`.
 pub(super) fn orders(face: &Rough, radius: f64, digits: f64) -> usize {
-    rounded_up(((digits + MORE_DIGITS_OF_ORDERS) * radius / width(face)).ceil() as usize).min(MOST_ORDERS)
+    rounded_up(((digits + MORE_DIGITS_OF_ORDERS) * radius / rough_width(face)).ceil() as usize)
+        .min(MOST_ORDERS)
 }
 
 /// First Fourier coefficients of one microfacet's kernel.

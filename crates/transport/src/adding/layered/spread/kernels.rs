@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use num_complex::Complex64;
 
 use super::super::algebra::Operator;
-use super::super::elements::{Action, actions, sum_of};
+use super::super::elements::{actions, sum_of};
 use super::super::grid::Grid;
 use super::super::known::Known;
 use super::super::matrix::Matrix;
@@ -15,6 +15,7 @@ use super::super::scatterers::{Scattered, Scatterers};
 use super::NotCovered;
 use super::orders::Orders;
 use crate::Layered;
+use crate::layers::Action;
 
 /// Light at each site: two for each scatterer. Of light that arrives from above and from below, or that it emits upwards and
 /// downwards. `None` without light.

@@ -43,7 +43,7 @@ use super::grid::{Grid, Interpolation};
 use super::precision::{Precision, density_between};
 use super::prepare::optics;
 use super::splits::smooth_splits;
-use crate::adding::images::{ImagePoints, Mirror, image_points};
+use crate::light::images::{ImagePoints, Mirror, image_points};
 use crate::{Cone, Layered, Reflector, Source};
 use crossing::Needed;
 use kernels::{Kernels, Light};

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use super::super::grid::{Grid, Interpolation, NEAREST};
 use super::chain::{Chain, moved_mm};
 use crate::Layered;
-use crate::adding::quadrature::gauss;
+use crate::numerics::quadrature::gauss;
 
 /// Points of a panel of rings, and the radians of the phase that they integrate.
 const POINTS: usize = 10;

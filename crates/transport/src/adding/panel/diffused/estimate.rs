@@ -3,13 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::super::super::images::ImagePoints;
-use super::super::super::quadrature::Point;
 use super::super::first_pass::{SourceFreeView, Weights};
 use super::super::ledger::{LedgerRequest, Sums};
 use super::super::recycling::{Direction, Forms, Recycling, Reflectances};
 use super::super::{Views, add_scaled};
 use super::{Bundle, Kernel, Recycled, View, sent_back};
+use crate::light::cone_points::Point;
+use crate::light::images::ImagePoints;
 use crate::specular::panel_image;
 use crate::{AngularTable, Diffuser, Estimate, Medium, Panel, ReflectanceFactor, Reflector, Source};
 

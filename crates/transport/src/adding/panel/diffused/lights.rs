@@ -5,12 +5,12 @@
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
-use super::super::super::field::{Peaks, Ring, radii, rings};
-use super::super::super::quadrature::{Point, disc_points};
 use super::super::first_pass::Pass;
 use super::super::projected::{Circle, Projected};
 use super::super::recycling::{Exact, Group, Lit, Recycling};
 use super::Kernel;
+use crate::light::cone_points::{Point, disc_points};
+use crate::light::rings::{Peaks, Ring, radii, rings};
 use crate::{Field, Source};
 
 /// A source: its directions, and its light on the grid and below the diffuser.

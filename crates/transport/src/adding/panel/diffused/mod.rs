@@ -8,14 +8,15 @@ mod sums;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::super::images::{ImagePoints, Mirror, image_points};
-use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of};
 use super::Views;
 use super::first_pass::{Pass, SourceFreeView, Weights};
-use super::indices::Indices;
 use super::lambertian::Shares;
 use super::recycling::{Exact, Forms, Group, OwnForms, Plan, Recycling, Reflectances, Seen, Towards};
 use crate::base::largest;
+use crate::layers::Indices;
+use crate::light::cone_points::Nodes as QuadratureNodes;
+use crate::light::cone_points::{Point, cone_points_of};
+use crate::light::images::{ImagePoints, Mirror, image_points};
 use crate::{AngularTable, Cone, Diffuser, Medium, Nodes, Panel, Reflector, Source, Top};
 use by_order::ByOrder;
 use lights::{Bundle, Light};

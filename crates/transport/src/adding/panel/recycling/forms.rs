@@ -6,7 +6,7 @@
 //! one matrix product.
 
 use super::values::Values;
-use crate::product::add_product;
+use crate::numerics::product::add_product;
 
 /// Index of the product of each sequence of terms.
 #[derive(Debug, Clone)]

@@ -9,12 +9,13 @@ use std::f64::consts::FRAC_PI_2;
 use papilio_optics::lobe::Lobe;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::super::super::quadrature::{Node, Point, Pole, gauss, graded};
 use super::super::first_pass::Pass;
 use super::super::lobes;
 use super::super::projected::Circle;
 use crate::Nodes;
-use crate::product::{add_product, add_transposed_product};
+use crate::light::cone_points::Point;
+use crate::numerics::product::{add_product, add_transposed_product};
+use crate::numerics::quadrature::{Node, Pole, gauss, graded};
 
 /// Largest number of points of one panel.
 const PANEL: usize = 36;

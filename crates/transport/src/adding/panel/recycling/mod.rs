@@ -28,9 +28,9 @@ use std::sync::Arc;
 
 use papilio_optics::lobe::Lobe;
 
-use super::super::quadrature::Point;
 use super::first_pass::{Pass, Weights};
 use super::projected::Circle;
+use crate::light::cone_points::Point;
 use grid::{End, Grid, Meridian};
 use narrow::Narrow;
 pub(super) use narrow::{Exact, Lit, Seen, Towards};

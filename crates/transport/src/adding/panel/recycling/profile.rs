@@ -8,8 +8,8 @@ use super::forms::Places;
 use super::grid::{Columns, End, Grid, NARROW};
 use super::{Pass, Weights};
 use crate::Nodes;
-use crate::adding::quadrature::{Node, gauss, graded};
 use crate::angular::Stencil;
+use crate::numerics::quadrature::{Node, gauss, graded};
 
 /// Polynomials in the cosine in the glass, each one at one point and zero at the others.
 #[derive(Debug, Clone)]

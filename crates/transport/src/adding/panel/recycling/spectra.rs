@@ -8,7 +8,7 @@ use super::forms::Products;
 use super::grid::Columns;
 use super::narrow::{Light, Narrow};
 use super::{Direction, Forms, Group, Profile, Recycling, Seen, Towards, azimuth_factor};
-use crate::adding::quadrature::Node;
+use crate::numerics::quadrature::Node;
 use crate::{AngularTable, Base, Medium};
 
 /// The base's part of recycled light; columns are `[state][wavelength]`.

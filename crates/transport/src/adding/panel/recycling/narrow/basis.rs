@@ -13,7 +13,7 @@ use papilio_optics::lobe::Lobe;
 use super::super::super::first_pass::Pass;
 use super::super::super::lobes;
 use crate::Nodes;
-use crate::adding::quadrature::{Node, Pole, graded, legendre};
+use crate::numerics::quadrature::{Node, Pole, graded, legendre};
 
 /// Nodes of a polynomial over a disc.
 #[derive(Debug, Clone)]

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 
 use papilio_optics::Beta;
 
-use crate::adding::quadrature::{Node, gauss};
+use crate::numerics::quadrature::{Node, gauss};
 
 /// Returns the density of a lobe of this width.
 #[inline(always)]

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::super::grid::Columns;
 use super::Narrow;
 use super::light::LARGEST_RATIO;
-use crate::product::add_product;
+use crate::numerics::product::add_product;
 
 /// Diffuse light that a direction sees: that leaves, is reflected by the base, and the fraction of the direction's own light that
 /// arrives there.

@@ -15,7 +15,8 @@ use super::passes::{Cluster, Passes, clusters};
 use super::weights::by_order;
 use crate::adding::panel::lobes;
 use crate::adding::panel::projected::Circle;
-use crate::adding::quadrature::{Node, Point};
+use crate::light::cone_points::Point;
+use crate::numerics::quadrature::Node;
 
 /// Light from all directions that reaches points of a view close together.
 #[derive(Debug, Clone)]

@@ -11,7 +11,7 @@ use super::diffuse::{Diffuse, Own};
 use super::weights::{Towards, Weights};
 use super::{Narrow, Seen};
 use crate::angular::add_rows;
-use crate::product::add_product;
+use crate::numerics::product::add_product;
 
 /// Light at the nodes of air over a base, `[node][column]`; columns are `[state][wavelength]`.
 #[derive(Debug, Clone)]

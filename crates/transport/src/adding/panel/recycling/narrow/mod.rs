@@ -46,7 +46,7 @@ use papilio_optics::lobe::Lobe;
 use super::plan::{Extrapolation, NarrowPlan};
 use super::product;
 use crate::adding::panel::first_pass::Pass;
-use crate::adding::quadrature::Point;
+use crate::light::cone_points::Point;
 use basis::{Basis, Disc, for_table};
 use field::Surroundings;
 pub(in super::super) use light::Light;

@@ -17,7 +17,7 @@ use super::between::{Between, density};
 use super::polynomials::Polynomials;
 use crate::adding::panel::first_pass::Pass;
 use crate::adding::panel::lobes::LANES;
-use crate::adding::quadrature::gauss;
+use crate::numerics::quadrature::gauss;
 
 /// One pass through the panel, in terms of the reflectance.
 #[derive(Debug, Clone)]

@@ -23,7 +23,7 @@ use super::polynomials::Polynomials;
 use super::shares;
 use crate::adding::panel::first_pass::Pass;
 use crate::adding::panel::lobes::LANES;
-use crate::adding::quadrature::Point;
+use crate::light::cone_points::Point;
 
 /// Two or three passes through the panel, in terms of the reflectance.
 #[derive(Debug, Clone)]

@@ -9,7 +9,7 @@ use super::Lit;
 use crate::adding::panel::first_pass::Pass;
 use crate::adding::panel::ledger::Sums;
 use crate::adding::panel::projected::Circle;
-use crate::adding::quadrature::Point;
+use crate::light::cone_points::Point;
 use crate::{AngularTable, Base, Diffuser, Medium, Nodes, Reflector, Source};
 
 const INDEX: f64 = 1.5;

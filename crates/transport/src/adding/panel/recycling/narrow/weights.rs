@@ -10,7 +10,8 @@ use super::between::density;
 use super::{Exact, Narrow, Seen};
 use crate::adding::panel::projected::Circle;
 use crate::adding::panel::{add_scaled, lobes};
-use crate::adding::quadrature::{Node, Point};
+use crate::light::cone_points::Point;
+use crate::numerics::quadrature::Node;
 
 /// Light of a source, for a closed form.
 #[derive(Debug, Clone)]

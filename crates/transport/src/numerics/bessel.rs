@@ -1,23 +1,23 @@
 //! Bessel functions of spatial spectra.
 
 /// Bessel function J0.
-pub(super) fn j0(x: f64) -> f64 {
+pub(crate) fn j0(x: f64) -> f64 {
     libm::j0(x)
 }
 
 /// `x K_1(x)` for x >= 0: 1 at 0.
-pub(super) fn x_k1(x: f64) -> f64 {
+pub(crate) fn x_k1(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x * modified(x, |_, cosh| cosh) }
 }
 
 /// `x^2 K_2(x)/2` for x >= 0: 1 at 0.
-pub(super) fn x2_k2_half(x: f64) -> f64 {
+pub(crate) fn x2_k2_half(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { 0.5 * x * x * modified(x, |_, cosh| 2.0 * cosh * cosh - 1.0) }
 }
 
 /// Spherical Bessel functions `j_l(x)` of the orders l = 0, 1, ..., for x >= 0: upwards from j_0 and j_1 where that is
 /// stable, else downwards (Miller).
-pub(super) fn spherical(x: f64, out: &mut [f64]) {
+pub(crate) fn spherical(x: f64, out: &mut [f64]) {
     let count = out.len();
     if x < SMALL {
         // x^l/(2l + 1)!! (1 - y/(2l + 3) + y^2/(2 (2l + 3)(2l + 5)), y = x^2/2

@@ -174,10 +174,9 @@ fn repeated(a: [f64; 2], b: [f64; 2], shift: f64) -> f64 {
 mod tests {
     use std::f64::consts::FRAC_1_SQRT_2;
 
-    use super::super::layout::{rows, stripes};
-    use super::super::{closed, displacement};
     use super::*;
-    use crate::adding::quadrature::gauss;
+    use crate::numerics::quadrature::gauss;
+    use crate::spatial::{closed, displacement, rows, stripes};
     use papilio_optics::Beta;
 
     /// Red, green and blue stripes of the same width.

@@ -8,7 +8,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-use crate::adding::quadrature::gauss;
+use crate::numerics::quadrature::gauss;
 
 /// Radiances by pixel of the whole sphere, and their orientation.
 #[derive(Debug, Clone, PartialEq)]

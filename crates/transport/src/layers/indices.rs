@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use crate::Medium;
+use super::Medium;
 
 /// Indices at which to compute, and the weights of each at each wavelength.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,9 +12,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use papilio_optics::Beta;
 
-use super::quadrature::{Point, Pole, gauss, legendre, panels, points_for};
-use crate::field::{Light, Lit};
-use crate::formula::Formula;
+use super::field::{Light, Lit};
+use super::formula::Formula;
+use crate::light::cone_points::Point;
+use crate::numerics::quadrature::{Node, Pole, gauss, legendre, panels, points_for};
 use crate::{Cone, Field};
 
 /// Directions about which the response changes fast.
@@ -56,7 +57,7 @@ impl Ring {
 
     /// Returns the integrals of the light times `cos m psi` (or `sin m psi` if `odd`), with psi the azimuth
     /// in which it propagates: of the part that is the same (or opposite) at azimuths of opposite sign.
-    pub(super) fn part(&self, odd: bool) -> Vec<f64> {
+    pub(crate) fn part(&self, odd: bool) -> Vec<f64> {
         let order = |(m, [re, im]): (usize, &[f64; 2])| {
             let sign = if m % 2 == 0 { 1.0 } else { -1.0 };
             sign * if odd { -im } else { *re }
@@ -109,7 +110,7 @@ const MORE_NODES: usize = 2;
 
 /// Returns values of `|beta|` in a field of view, from its inner to its outer rim, as dense as peaks are
 /// wide.
-pub(super) fn radii(view: &Cone, width: f64) -> impl Iterator<Item = f64> {
+pub(crate) fn radii(view: &Cone, width: f64) -> impl Iterator<Item = f64> {
     let (axis, half) = (view.axis_towards().length().min(1.0).asin(), view.half_angle());
     let steps = (2.0 * half / width).ceil().min(64.0);
     (0..=steps as usize).map(move |k| {
@@ -146,7 +147,7 @@ impl Panel {
     fn new(from: f64, to: f64, count: usize) -> Self {
         let rule = legendre(count);
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-        let scale = |(k, node): (usize, &super::quadrature::Node)| {
+        let scale = |(k, node): (usize, &Node)| {
             let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
             sign * ((1.0 - node.x * node.x) * node.weight).sqrt()
         };

@@ -1,12 +1,21 @@
 //! Directions of light sources and of the viewer. Transport does not use a source's spectrum or illuminance.
 
+pub(crate) mod cone_points;
+pub(crate) mod field;
+pub(crate) mod formula;
+pub(crate) mod images;
+pub(crate) mod pixels;
+pub(crate) mod rings;
+
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use papilio_optics::{Beta, sine_of_inclination};
 use papilio_sampling::warp;
 
-use crate::Field;
+pub use field::Field;
+pub use formula::{Edge, Radiance};
+pub use pixels::Pixels;
 
 /// A distant light source, in air.
 #[derive(Debug, Clone, PartialEq)]

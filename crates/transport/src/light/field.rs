@@ -20,8 +20,8 @@ use std::sync::Arc;
 
 use papilio_optics::Beta;
 
-use crate::formula::{Formula, Polar, Radiance};
-use crate::pixels::Pixels;
+use super::formula::{Formula, Polar, Radiance};
+use super::pixels::Pixels;
 
 /// Radiance by direction, zero outside its rows.
 #[derive(Debug, Clone)]

@@ -10,10 +10,11 @@ use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
 
 use papilio_optics::Beta;
 
-use super::quadrature::{Node, Nodes, Point, cone_points, cone_points_of, gauss, smooth_at};
-use crate::field::{Light, Lit};
-use crate::formula::{Formula, Polar};
-use crate::pixels::{Pixels, rotated};
+use super::field::{Light, Lit};
+use super::formula::{Formula, Polar};
+use super::pixels::{Pixels, rotated};
+use crate::light::cone_points::{Nodes, Point, cone_points, cone_points_of, smooth_at};
+use crate::numerics::quadrature::{Node, gauss};
 use crate::{Cone, Field, Source};
 
 /// Points of a source's image that a view sees: `rho` is the sum of weights times

@@ -11,21 +11,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 
-use papilio_optics::Beta;
-
-use crate::Cone;
-
 /// A node of a rule and its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Node {
     pub(crate) x: f64,
-    pub(crate) weight: f64,
-}
-
-/// A direction of a rule and its weight.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Point {
-    pub(crate) beta: Beta,
     pub(crate) weight: f64,
 }
 
@@ -36,7 +25,7 @@ static RULES: LazyLock<Vec<Vec<Node>>> = LazyLock::new(|| (0..=MOST_POINTS).map(
 
 /// Returns the Gauss-Legendre rule of this many points on (-1, 1), by Newton's method from Tricomi's first
 /// approximation.
-pub(super) fn legendre(points: usize) -> Vec<Node> {
+pub(crate) fn legendre(points: usize) -> Vec<Node> {
     let n = points as f64;
     let node = |i: usize| {
         let mut x = (PI * (n - i as f64 - 0.25) / (n + 0.5)).cos();
@@ -76,7 +65,7 @@ pub(crate) struct Pole {
 
 impl Pole {
     /// Converts the pole of a function of `beta` to one in `x` of `beta = radius sin x`.
-    pub(super) fn in_arc(self, radius: f64) -> Self {
+    pub(crate) fn in_arc(self, radius: f64) -> Self {
         let (re, im) = (self.at / radius, self.off / radius);
         let (right, left) = ((re + 1.0).hypot(im), (re - 1.0).hypot(im));
         let (sum, difference) = (0.5 * (right + left), 0.5 * (right - left));
@@ -84,7 +73,7 @@ impl Pole {
     }
 
     /// Returns the size of the ellipse around the interval on which this pole lies.
-    pub(super) fn ellipse(self, from: f64, to: f64) -> f64 {
+    pub(crate) fn ellipse(self, from: f64, to: f64) -> f64 {
         let axis = self.half_axis(from, to);
         axis + (axis * axis - 1.0).sqrt()
     }
@@ -165,82 +154,6 @@ pub(crate) fn points_for(digits: f64, each: f64) -> usize {
     (digits / each).ceil().clamp(1.0, MOST_POINTS as f64) as usize
 }
 
-/// Returns the scale over a cone, for [`cone_points`], of a function that changes over `scale` in direction
-/// cosines and over angles of the same size. Flat parts are smooth functions of the cosine of inclination,
-/// which vanish with it at the horizon, so that their mean over a cone requires steps that are small
-/// compared with it.
-pub(crate) fn smooth_at(cone: &Cone, scale: f64) -> f64 {
-    let cosine = (1.0 - cone.axis_towards().squared()).max(0.0).sqrt();
-    // A cone of any width reaches beyond the smallest cosines.
-    scale * cosine.max(cone.half_angle()).max(1e-9)
-}
-
-/// Returns points of a cone, with weights uniform in solid angle that sum to one, for functions that change
-/// over a distance of `scale` (direction cosines: poles at this distance from the real plane). They are
-/// symmetric about the cone's plane of incidence.
-pub(crate) fn cone_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
-    cone_points_of(cone, scale, digits, Nodes::default())
-}
-
-/// Nodes of a rule over a cone in addition to those that its scale requires.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Nodes {
-    /// Smallest number of rings. A rule that is the same at two levels gives no estimate of its error.
-    pub(crate) rings: usize,
-    /// Number of nodes of a table over the inclination across the cone: the fringes of a film have a few
-    /// each.
-    pub(crate) across: f64,
-}
-
-impl Nodes {
-    /// Returns the number of additional rings and spokes. Both converge exponentially once there are two
-    /// points for each few nodes.
-    pub(super) fn more(&self) -> usize {
-        (0.5 * self.across) as usize
-    }
-}
-
-/// Returns [`cone_points`] with this many more.
-pub(crate) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes) -> Vec<Point> {
-    let half_angle = cone.half_angle();
-    let size = half_angle / scale;
-    if size * size <= (-digits).exp() {
-        return vec![Point { beta: cone.axis_towards(), weight: 1.0 }];
-    }
-    let z = 1.0 + 2.0 / (size * size);
-    let rings = points_for(digits, 2.0 * (z + (z * z - 1.0).sqrt()).ln()).min(digits as usize);
-    let spokes = (digits / (1.0 / size).asinh()).ceil().clamp(3.0, 4.0 * digits) as usize;
-    let more = nodes.more();
-    let (rings, spokes) = ((rings + more).max(nodes.rings), spokes + more);
-    let mut points = Vec::with_capacity(rings * spokes);
-    let rule = if rings > MOST_POINTS { legendre(rings) } else { RULES[rings].clone() };
-    for ring in rule {
-        let ring = Node { x: 0.5 + 0.5 * ring.x, weight: 0.5 * ring.weight };
-        // Uniform in 1 - cos(angle).
-        let angle = 2.0 * (ring.x.sqrt() * (0.5 * half_angle).sin()).asin();
-        for spoke in 0..spokes {
-            let turn = 2.0 * PI * (spoke as f64 + 0.5) / spokes as f64;
-            points.push(Point { beta: cone.around(angle, turn), weight: ring.weight / spokes as f64 });
-        }
-    }
-    points
-}
-
-/// Returns points of a uniform round source, for the light that propagates from them, with weights uniform
-/// in direction cosines that sum to one.
-pub(crate) fn disc_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
-    let mut points = cone_points(cone, scale, digits);
-    for point in &mut points {
-        point.weight *= (1.0 - point.beta.squared()).max(0.0).sqrt();
-        point.beta = -point.beta;
-    }
-    let sum: f64 = points.iter().map(|point| point.weight).sum();
-    if sum > 0.0 {
-        points.iter_mut().for_each(|point| point.weight /= sum);
-    }
-    points
-}
-
 /// Returns a rule over the radius of the disc `|beta| <= radius` in `beta = radius sin x`, which resolves
 /// square roots that end on its rim: nodes are |beta|, weights contain `2 pi |beta| d|beta|`.
 pub(crate) fn radial(radius: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
@@ -291,19 +204,5 @@ mod tests {
         let nodes = radial(1.5, &[], &[], 28.0);
         let sum: f64 = nodes.iter().map(|n| n.weight * (1.0 - n.x * n.x / 2.25).sqrt()).sum();
         assert!((sum - 2.25 * PI * 2.0 / 3.0).abs() < 1e-11, "{sum}");
-    }
-
-    /// The mean of a lobe over a cone converges as stated.
-    #[test]
-    fn cone_points_converge_with_digits() {
-        let cone = Cone::new(30.0, 20.0, 4.0, 1.0);
-        let f = |beta: Beta| (0.05 * 0.05 + (beta - Beta::towards(24.0, 20.0, 1.0)).squared()).powf(-1.5);
-        let mean =
-            |digits| -> f64 { cone_points(&cone, 0.05, digits).iter().map(|p| p.weight * f(p.beta)).sum() };
-        let truth = mean(32.0);
-        for digits in [11.5_f64, 15.0, 18.0] {
-            let error = (mean(digits) / truth - 1.0).abs();
-            assert!(error < 10.0 * (-digits).exp(), "{digits}: {error}");
-        }
     }
 }

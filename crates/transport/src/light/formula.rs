@@ -5,7 +5,7 @@
 //! of view. A formula gives the circles of the sphere on which it is not smooth: edges, angles of a table, a
 //! horizon, or (circles of radius zero) a sun. On a circle about the axis, the distance to such a circle is
 //! a function of the cosine of the azimuth. The intersections, or their distance from the real line, are
-//! thus known, and rules are graded there ([`quadrature`](crate::adding::quadrature)). Over inclination,
+//! thus known, and rules are graded there ([`quadrature`](crate::numerics::quadrature)). Over inclination,
 //! panels end where circles touch.
 //!
 //! All `digits` are natural: the requested error is `exp(-digits)`.
@@ -15,7 +15,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use crate::Cone;
-use crate::adding::quadrature::{MOST_POINTS, Node, Pole, gauss, panels, points_for};
+use crate::numerics::quadrature::{MOST_POINTS, Node, Pole, gauss, panels, points_for};
 
 /// Radiance by direction.
 pub trait Radiance: Debug + Send + Sync {
