@@ -10,7 +10,31 @@ use crate::schema::{Default, Row, toml};
 /// Begins a table in a page of documentation, and names it.
 const BEGIN: &str = "<!-- keys: ";
 /// Ends it.
-const END: &str = "<!-- end of keys -->";
+const END: &str = "<!-- end -->";
+/// Between the name of a table and that of another whose rows it does not repeat.
+const WITHOUT: &str = " without ";
+/// Longer and shorter words of the column `value`; a page is read, a message is not looked up.
+const BRIEF: [(&str, &str); 16] = [
+    (
+        "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such",
+        "[a light](#the-spectrum-of-a-light)",
+    ),
+    ("a refractive index, { n, k }, a material or a file", "a material"),
+    ("the name of a metric, as \"contrast_ratio\" or \"white.Y\"", "[a metric](metric-names.md)"),
+    ("a number from 0 to 1, or a spectrum file", "a spectrum, 0 to 1"),
+    ("from 0 to 9223372036854775807", "from 0"),
+    ("a list, each item a ", "list of "),
+    ("a list, each item ", "list of "),
+    ("a table of names, each with ", "by name, "),
+    ("a whole number ", "integer "),
+    ("a number ", ""),
+    ("a number", "number"),
+    ("from ", ""),
+    ("a table; its keys depend on ", "table, by "),
+    ("a table", "table"),
+    ("true or false", "boolean"),
+    ("a string", "string"),
+];
 
 /// Every table of keys, by its name in the page.
 #[rustfmt::skip]
@@ -92,13 +116,14 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
 }
 
 /// Returns a page of documentation with the tables of keys of the grammar: the text between
-/// `<!-- keys: NAME -->` and `<!-- end of keys -->` is replaced.
+/// `<!-- keys: NAME -->` and `<!-- end -->` is replaced. `<!-- keys: NAME without OTHER -->` leaves out the rows that stand in the
+/// table OTHER, too.
 ///
 /// # Errors
 /// If a table is unknown, has no end, or is missing in the page.
 ///
 /// ```
-/// let page = "# Glass\n\n<!-- keys: metrics.appearance -->\n<!-- end of keys -->\n";
+/// let page = "# Glass\n\n<!-- keys: metrics.appearance -->\n<!-- end -->\n";
 /// assert!(papilio_scenario::with_key_tables(page).unwrap_err().contains("lacks the table `scenario`"));
 /// ```
 pub fn with_key_tables(page: &str) -> Result<String, String> {
@@ -108,10 +133,17 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
     while let Some((before, after)) = rest.split_once(BEGIN) {
         let (name, after) = after.split_once(" -->").ok_or("a marker has no end")?;
         let (_, after) = after.split_once(END).ok_or_else(|| format!("the table `{name}` has no end"))?;
-        let table = tables.iter().find(|(known, _)| *known == name);
-        let (known, rows) = table.ok_or_else(|| format!("there is no table `{name}`"))?;
-        seen.push(*known);
-        made += &format!("{before}{BEGIN}{name} -->\n{}{END}", table_of(rows));
+        let lines = |name: &str| {
+            let table = tables.iter().find(|(known, _)| *known == name);
+            table
+                .map(|(_, rows)| rows.iter().map(line).collect())
+                .ok_or_else(|| format!("there is no table `{name}`"))
+        };
+        let (of, other) = name.split_once(WITHOUT).map_or((name, None), |(of, other)| (of, Some(other)));
+        let shared: Vec<String> = other.map_or(Ok(Vec::new()), &lines)?;
+        let own: Vec<String> = lines(of)?.into_iter().filter(|line| !shared.contains(line)).collect();
+        seen.push(of);
+        made += &format!("{before}{BEGIN}{name} -->\n{HEAD}{}\n{END}", own.concat());
         rest = after;
     }
     match tables.iter().find(|(name, _)| !seen.contains(name)) {
@@ -120,24 +152,21 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
     }
 }
 
-/// Formats a table of keys in Markdown.
-fn table_of(rows: &[Row]) -> String {
-    let mut table = "\n| key | meaning | value | default |\n|---|---|---|---|\n".to_owned();
-    for row in rows {
-        let default = match &row.default {
-            Default::Required => "required".to_owned(),
-            Default::Value(value, None) => format!("`{}`", toml(value)),
-            // The meaning of an empty list or table says more than its value.
-            Default::Value(value, Some(words)) if matches!(toml(value).as_str(), "[]" | "{}") => {
-                words.clone()
-            }
-            Default::Value(value, Some(words)) => format!("`{}`; {words}", toml(value)),
-            Default::Words(words) => words.clone(),
-        };
-        // A bar would begin the next cell.
-        let [doc, value, default] =
-            [&row.doc, &(row.on_page)(), &default].map(|text| text.replace('|', "\\|"));
-        table += &format!("| `{}` | {doc} | {value} | {default} |\n", row.key);
-    }
-    table + "\n"
+/// Head of a table of keys in Markdown.
+const HEAD: &str = "\n| key | meaning | value | default |\n|---|---|---|---|\n";
+
+/// A row of a table of keys in Markdown.
+fn line(row: &Row) -> String {
+    let default = match &row.default {
+        Default::Required => "required".to_owned(),
+        Default::Value(value, None) => format!("`{}`", toml(value)),
+        // The meaning of an empty list or table says more than its value.
+        Default::Value(value, Some(words)) if matches!(toml(value).as_str(), "[]" | "{}") => words.clone(),
+        Default::Value(value, Some(words)) => format!("`{}`; {words}", toml(value)),
+        Default::Words(words) => words.clone(),
+    };
+    let value = BRIEF.iter().fold((row.on_page)(), |text, (long, brief)| text.replace(long, brief));
+    // A bar would begin the next cell.
+    let [doc, value, default] = [&row.doc, &value, &default].map(|text| text.replace('|', "\\|"));
+    format!("| `{}` | {doc} | {value} | {default} |\n", row.key)
 }

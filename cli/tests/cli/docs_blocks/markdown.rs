@@ -144,7 +144,7 @@ fn note(comment: &str) -> Result<Option<Note>, String> {
 
 #[test]
 fn blocks_of_a_page_have_their_language_and_comments() {
-    let page = "# A\n\n<!-- keys: a -->\n<!-- end of keys -->\n\n<!-- base: a.toml -->\n<!-- replace: 10 -> 2 -->\n\n```toml\na = 10\n```\n\
+    let page = "# A\n\n<!-- keys: a -->\n<!-- end -->\n\n<!-- base: a.toml -->\n<!-- replace: 10 -> 2 -->\n\n```toml\na = 10\n```\n\
                 - b\n\n  ```sh\n  ls\n    x\n  ```\n<!-- file: s.csv\n1,2\n-->\n<!-- long -->\n```python\n```\n";
     let found = blocks(page).unwrap();
     let languages: Vec<&str> = found.iter().map(|block| &*block.language).collect();

@@ -16,27 +16,32 @@ const FILES: [(&str, &str); 6] = [
     ("reader.toml", "rm -f reader.toml"),
 ];
 
-/// Describes all commands.
+/// Describes all commands. Arguments and options of three commands or more are described once.
 pub(super) fn reference(mut program: Command) -> String {
     program.build();
     let mut text = String::new();
     let all = commands(&program, "papilio");
-    text += "| command | purpose |\n|---|---|\n";
-    for (name, command) in
-        all.iter().filter(|(_, command)| !command.has_subcommands() || has_arguments(command))
-    {
-        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
-        let _ = writeln!(text, "| [`{name}`](#{}) | {} |", name.replace(' ', "-"), cell(&about));
+    let links = all.iter().filter(|(_, command)| !command.has_subcommands() || has_arguments(command));
+    let links = links
+        .map(|(name, _)| format!("[{}](#{})", name.trim_start_matches("papilio "), name.replace(' ', "-")));
+    let _ = writeln!(text, "Commands: {}.", links.collect::<Vec<_>>().join(", "));
+    let own = |command: &Command| -> Vec<Row> {
+        let shown = command.get_arguments().filter(|option| is_shown(option) && !option.is_global_set());
+        shown.map(row).collect()
+    };
+    let every: Vec<Vec<Row>> = all.iter().map(|(_, command)| own(command)).collect();
+    let is_common = |row: &Row| every.iter().filter(|rows| rows.contains(row)).count() >= 3;
+    let mut common: Vec<&Row> = Vec::new();
+    for row in every.iter().flatten().filter(|row| is_common(row)) {
+        if !common.contains(&row) {
+            common.push(row);
+        }
     }
-    text += "\nEvery command has the options\n\n";
-    let global: Vec<&Arg> = program.get_arguments().filter(|option| is_shown(option)).collect();
-    text += &table("option", &global);
+    text += "\n## Common options\n\nEvery command has `--quiet`; the others are listed with each command that has them.\n\n";
+    let global = program.get_arguments().filter(|option| is_shown(option)).map(row).collect::<Vec<_>>();
+    text += &table("argument", global.iter().chain(common));
     text += &after_help(&program);
-    for (name, command) in &all {
-        let global = |option: &&Arg| is_shown(option) && !option.is_global_set();
-        let arguments: Vec<&Arg> = command.get_arguments().filter(global).collect();
-        let (positional, options): (Vec<&Arg>, Vec<&Arg>) =
-            arguments.into_iter().partition(|argument| argument.is_positional());
+    for ((name, command), rows) in all.iter().zip(&every) {
         let about = command.get_about().map(ToString::to_string).unwrap_or_default();
         let _ = write!(text, "\n## {name}\n\n{}.\n", about.trim_end_matches('.'));
         if !command.has_subcommands() || has_arguments(command) {
@@ -45,11 +50,13 @@ pub(super) fn reference(mut program: Command) -> String {
             let usages = usage.trim_start_matches("Usage:").lines().map(|line| format!("`{}`", line.trim()));
             let _ = write!(text, "\nUsage: {}\n", usages.collect::<Vec<_>>().join(" or "));
         }
-        for (what, list) in [("argument", positional), ("option", options)] {
-            if !list.is_empty() {
-                text.push('\n');
-                text += &table(what, &list);
-            }
+        let (common, special): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| is_common(row));
+        if !special.is_empty() {
+            let _ = write!(text, "\n{}", table("argument", special));
+        }
+        if !common.is_empty() {
+            let names: Vec<String> = common.iter().map(|(name, _)| format!("`{name}`")).collect();
+            let _ = writeln!(text, "\n[Common options](#common-options): {}.", names.join(", "));
         }
         text += &after_help(command);
     }
@@ -76,28 +83,35 @@ fn is_shown(argument: &Arg) -> bool {
     !argument.is_hide_set() && !["help", "version"].contains(&argument.get_id().as_str())
 }
 
-fn table(what: &str, arguments: &[&Arg]) -> String {
+/// An argument as a reader types it, and its meaning.
+type Row = (String, String);
+
+fn table<'a>(what: &str, rows: impl IntoIterator<Item = &'a Row>) -> String {
     let mut text = format!("| {what} | meaning |\n|---|---|\n");
-    for argument in arguments {
-        let mut meaning = argument.get_help().map(ToString::to_string).unwrap_or_default();
-        let takes_values = matches!(argument.get_action(), ArgAction::Set | ArgAction::Append);
-        let values = argument.get_possible_values();
-        if takes_values && !values.is_empty() {
-            let shown = values.iter().filter(|value| !value.is_hide_set());
-            let shown = shown.map(|value| match value.get_help() {
-                Some(help) => format!("`{}`: {help}", value.get_name()),
-                None => format!("`{}`", value.get_name()),
-            });
-            let _ = write!(meaning, ". Values: {}", shown.collect::<Vec<_>>().join("; "));
-        }
-        let default = argument.get_default_values();
-        if takes_values && !default.is_empty() {
-            let default: Vec<_> = default.iter().map(|value| value.to_string_lossy()).collect();
-            let _ = write!(meaning, " [default: {}]", default.join(","));
-        }
-        let _ = writeln!(text, "| `{}` | {} |", cell(&name(argument, takes_values)), cell(&meaning));
+    for (name, meaning) in rows {
+        let _ = writeln!(text, "| `{name}` | {meaning} |");
     }
     text
+}
+
+fn row(argument: &Arg) -> Row {
+    let mut meaning = argument.get_help().map(ToString::to_string).unwrap_or_default();
+    let takes_values = matches!(argument.get_action(), ArgAction::Set | ArgAction::Append);
+    let values = argument.get_possible_values();
+    if takes_values && !values.is_empty() {
+        let shown = values.iter().filter(|value| !value.is_hide_set());
+        let shown = shown.map(|value| match value.get_help() {
+            Some(help) => format!("`{}`: {help}", value.get_name()),
+            None => format!("`{}`", value.get_name()),
+        });
+        let _ = write!(meaning, ". Values: {}", shown.collect::<Vec<_>>().join("; "));
+    }
+    let default = argument.get_default_values();
+    if takes_values && !default.is_empty() {
+        let default: Vec<_> = default.iter().map(|value| value.to_string_lossy()).collect();
+        let _ = write!(meaning, " [default: {}]", default.join(","));
+    }
+    (cell(&name(argument, takes_values)), cell(&meaning))
 }
 
 /// An argument as a reader types it.

@@ -289,9 +289,9 @@ metrics! {
     sparkle SparkleMetrics {
         /// Pixel power deviation.
         ppd = "Pixel power deviation",
-        /// Its matrix term: in uniform light.
+        /// Matrix term of `ppd`: in uniform light.
         ppd_matrix = "Pixel power deviation, matrix term",
-        /// Its source term: of a uniform pixel plane in the light of the room.
+        /// Source term of `ppd`: of a uniform pixel plane in the light of the room.
         ppd_lamp = "Pixel power deviation, lamp term",
     }
     /// A picture on the display, compared with the picture itself (its white is that of the display, its black is 0) and with the picture
@@ -301,17 +301,17 @@ metrics! {
         photograph_delta_e_2000_mean = "Mean colour difference CIEDE2000 from the photograph",
         /// S-CIELAB from the picture itself: the mean.
         photograph_scielab_mean = "Mean S-CIELAB difference from the photograph",
-        /// 95th percentile.
+        /// The same, 95th percentile.
         photograph_scielab_p95 = "S-CIELAB difference from the photograph, 95th percentile",
         /// FLIP from the picture itself: the mean.
         photograph_flip_mean = "Mean FLIP difference from the photograph",
         /// CIEDE2000 of the pixels: the mean.
         delta_e_2000_mean = "Mean colour difference CIEDE2000 of pixels",
-        /// 95th percentile.
+        /// The same, 95th percentile.
         delta_e_2000_p95 = "Colour difference CIEDE2000 of pixels, 95th percentile",
         /// S-CIELAB: the mean.
         scielab_mean = "Mean S-CIELAB difference",
-        /// 95th percentile.
+        /// The same, 95th percentile.
         scielab_p95 = "S-CIELAB difference, 95th percentile",
         /// FLIP: the mean.
         flip_mean = "Mean FLIP difference",

@@ -105,7 +105,8 @@ table! {
 table! {
     /// A lobe that does not depend on the direction of the incident light.
     Lambertian {
-        /// Total transmittance, the value of a datasheet. Specify either this or `transmittance`.
+        /// Total transmittance, the value of a datasheet: hemispherical, air to air, normal incidence.
+        /// Specify either this or `transmittance`.
         total_transmittance: Option<ShareSpectrum>,
         /// Transmittance T, including the regular part. The lobe loses no light beyond the hemisphere: both transmittances
         /// are the same. Specify either this or `total_transmittance`.
@@ -172,7 +173,7 @@ table! {
         reflectance: Option<ShareSpectrum>,
         /// The lobe.
         model: ReflectionModel = ReflectionModel::Lambertian,
-        /// Width b of a k-correlation lobe in direction cosines. Either `width` or `haze`.
+        /// Width b of a k-correlation lobe in direction cosines; or `haze`.
         width: Option<Width>,
         /// Fraction of the light reflected at normal incidence (the mirror image included) at more than 2.5 deg from the
         /// mirror direction, of a k-correlation lobe. Either `haze` or `width`.

@@ -67,7 +67,7 @@ table! {
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Surface of the glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
         surface: Option<Surface>,
-        /// Transmittance of the glass without its surfaces, along the normal; oblique light has a longer path. Default: clear.
+        /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
         /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at most 1e-3) absorbs along the
         /// path; with it, the transmittance is that of this thickness, and k is not used.
