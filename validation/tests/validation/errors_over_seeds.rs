@@ -4,7 +4,7 @@
 //! mean 1, with few and with four times as many paths. The standard error of 4, 16 and 64 times the paths is at most 1/2, 1/4
 //! and 1/8 (less, where the points of low discrepancy help). Where a warning says that the result is infinite, neither is tested.
 //!
-//! `docs/monte-carlo.md` has the table of the examples, which this command prints:
+//! `docs/monte-carlo.md` summarises the errors of the examples, whose rows this command prints:
 //! `PAPILIO_SEEDS=16 cargo test -p papilio-validation --test validation -- errors_over_seeds --nocapture`.
 
 use std::fmt::Write as _;
