@@ -14,7 +14,7 @@ const END: &str = "<!-- end -->";
 /// Between the name of a table and that of another whose rows it does not repeat.
 const WITHOUT: &str = " without ";
 /// Longer and shorter words of the column `value`; a page is read, a message is not looked up.
-const BRIEF: [(&str, &str); 16] = [
+const BRIEF: [(&str, &str); 14] = [
     (
         "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such",
         "[a light](#the-spectrum-of-a-light)",
@@ -22,15 +22,13 @@ const BRIEF: [(&str, &str); 16] = [
     ("a refractive index, { n, k }, a material or a file", "a material"),
     ("the name of a metric, as \"contrast_ratio\" or \"white.Y\"", "[a metric](metric-names.md)"),
     ("a number from 0 to 1, or a spectrum file", "a spectrum, 0 to 1"),
-    ("from 0 to 9223372036854775807", "from 0"),
-    ("a list, each item a ", "list of "),
-    ("a list, each item ", "list of "),
-    ("a table of names, each with ", "by name, "),
-    ("a whole number ", "integer "),
-    ("a number ", ""),
+    ("a whole number from 0 to 9223372036854775807", "integer, 0 or more"),
+    ("a whole number from ", "integer, "),
+    ("a number from ", ""),
+    ("a number above", "above"),
     ("a number", "number"),
-    ("from ", ""),
-    ("a table; its keys depend on ", "table, by "),
+    ("a list, each item ", "list: "),
+    ("a table of names, each with ", "by name: "),
     ("a table", "table"),
     ("true or false", "boolean"),
     ("a string", "string"),
@@ -116,7 +114,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
 }
 
 /// Returns a page of documentation with the tables of keys of the grammar: the text between
-/// `<!-- keys: NAME -->` and `<!-- end -->` is replaced. `<!-- keys: NAME without OTHER -->` leaves out the rows that stand in the
+/// `<!-- keys: NAME -->` and `<!-- end -->` is replaced. `<!-- keys: NAME without OTHER -->` names only the rows that stand in the
 /// table OTHER, too.
 ///
 /// # Errors
@@ -141,9 +139,15 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
         };
         let (of, other) = name.split_once(WITHOUT).map_or((name, None), |(of, other)| (of, Some(other)));
         let shared: Vec<String> = other.map_or(Ok(Vec::new()), &lines)?;
-        let own: Vec<String> = lines(of)?.into_iter().filter(|line| !shared.contains(line)).collect();
+        let (same, own): (Vec<String>, Vec<String>) =
+            lines(of)?.into_iter().partition(|line| shared.contains(line));
+        let same: Vec<&str> = same.iter().filter_map(|line| line.split('`').nth(1)).collect();
+        let same = match same.as_slice() {
+            [] => String::new(),
+            keys => format!("\nAs above: `{}`.\n", keys.join("`, `")),
+        };
         seen.push(of);
-        made += &format!("{before}{BEGIN}{name} -->\n{HEAD}{}\n{END}", own.concat());
+        made += &format!("{before}{BEGIN}{name} -->\n{HEAD}{}{same}\n{END}", own.concat());
         rest = after;
     }
     match tables.iter().find(|(name, _)| !seen.contains(name)) {

@@ -69,8 +69,8 @@ table! {
         surface: Option<Surface>,
         /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at most 1e-3) absorbs along the
-        /// path; with it, the transmittance is that of this thickness, and k is not used.
+        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at most 1e-3)
+        /// absorbs along the path.
         thickness_mm: Option<Thickness>,
     }
 }

@@ -23,25 +23,24 @@ table! {
         fit: ImageFit = ImageFit::Contain,
         /// Colour space of a picture that states none.
         source_space: SourceSpace = SourceSpace::Srgb,
-        /// What becomes of the white and black of the picture, and of colours that the display cannot show.
+        /// White, black and colours that the display cannot show.
         intent: ImageIntent = ImageIntent::Relative,
         /// Space in which the hue of such colours is constant.
         map_space: ImageMapSpace = ImageMapSpace::Oklab,
         /// How pixels with few states show many colours.
         halftone: ImageHalftone = ImageHalftone::ErrorDiffusion,
-        /// Weights of error diffusion.
+    /// Weights of error diffusion.
         kernel: ErrorKernel = ErrorKernel::FloydSteinberg,
-        /// Order of the pixels in error diffusion.
+    /// Order of the pixels in error diffusion.
         scan: ErrorScan = ErrorScan::Serpentine,
         /// Seed of the void-and-cluster mask.
         seed: Seed = Count(0),
         /// States that are used, in the order of the palette of states.png. Default: all.
         states: Vec<Spanned<Title>> = Vec::new(),
-        /// The light for which the states of the pixels are decided: `"this"`, a preset, or a CIE illuminant as the spectrum of this light.
-        /// A panel holds its picture while the light changes.
+        /// The light for which the states are decided: `"this"`, a preset, or a CIE illuminant as the spectrum of this
+        /// light.
         prepared_for: String = "this".to_owned(),
-        /// Whether the eye is at `viewer.distance_mm` from the middle of the panel and sees each part of it in its own direction (with
-        /// `display.matrix`), or all of it in the direction of the view.
+        /// Whether the eye at `viewer.distance_mm` sees each part of the panel in its own direction (with `display.matrix`).
         perspective: bool = true,
         /// Samples along each side of a pixel in seen.png and seen.exr. With more than one, sub-pixels are seen at their places.
         samples_per_pixel as "Samples along a pixel": Count<1, 32> = Count(1),
@@ -105,11 +104,11 @@ choice! {
     ImageIntent {
         /// White and black become those of the display; colours outside its gamut lose chroma.
         Relative = "relative",
-        /// As relative, but chroma and dark colours are compressed gradually, so that different colours stay different.
+        /// As relative, but chroma and dark colours are compressed gradually.
         Perceptual = "perceptual",
-        /// White is a perfect white in the light; colours outside the gamut lose chroma.
+        /// As relative, but white is a perfect white in the light.
         Absolute = "absolute",
-        /// White and black become those of the display; colours outside its gamut become the nearest inside.
+        /// As relative, but colours outside become the nearest inside.
         Clip = "clip",
     }
 }
@@ -135,7 +134,7 @@ choice! {
         VoidAndCluster = "void-and-cluster",
         /// The error of each pixel is passed on to its neighbours, in X, Y, Z.
         ErrorDiffusion = "error-diffusion",
-        /// From error diffusion on, pixels are changed as long as a change lowers what a reader at `viewer.distance_mm` sees of the pattern.
+        /// Pixels are changed as long as that lowers what a reader at `viewer.distance_mm` sees of the pattern.
         DirectBinarySearch = "direct-binary-search",
     }
 }

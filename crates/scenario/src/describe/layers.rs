@@ -18,7 +18,7 @@ kinds! {
         Slab(Slab) = "slab",
         /// A diffuser given by its BTDF, including its surfaces.
         Diffuser(Btdf) = "diffuser",
-        /// A flat component in a medium, with the same properties from both sides and at all angles.
+    /// A flat component in a medium, with the same properties from both sides and at all angles.
         Component(Component) = "component",
         /// Coherent thin films, for example an antireflection coating.
         Coating(Coating) = "coating",
@@ -48,8 +48,8 @@ table! {
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at most 1e-3) absorbs along the
-        /// path; with it, the transmittance is that of this thickness, and k is not used.
+        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at most 1e-3)
+        /// absorbs along the path.
         thickness_mm: Option<Thickness>,
     }
 }

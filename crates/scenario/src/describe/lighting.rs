@@ -36,9 +36,9 @@ table! {
         illuminance_lx: Lux,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Directions of the light that the guide emits downwards: a file with two columns, inclination in degrees (0 to 90,
-        /// increasing) and relative radiance, the same at all azimuths; or an IES or EULUMDAT file (.ies, .ldt), whose nadir is the
-        /// display's normal and whose plane C = 0 is along x. Allowed only if an ordinary panel has a diffuser given by a lobe. Default: diffuse.
+        /// Light that the guide emits downwards: a file of inclination in degrees (0 to 90, increasing) and relative
+        /// radiance, or an IES or EULUMDAT file (.ies, .ldt) with its nadir along the display's normal and C = 0 along x.
+        /// Only for an ordinary panel with a diffuser given by a lobe. Default: diffuse.
         distribution: Option<String>,
         /// Fraction of all its light that the guide emits upwards, diffusely.
         upward_leak: Leak = Leak(0.0),
