@@ -8,7 +8,7 @@
 use std::sync::atomic::AtomicBool;
 
 use divan::Bencher;
-use papilio_display::scene::{Layers, Method, Pixel, Scene, Stop, Thickness};
+use papilio_display::scene::{Interface, Method, Pixel, Ready, Scene, Stop, Thickness};
 use papilio_display::{BrdfGrid, ConeGrid, Control, Prepared, brdf, cone};
 use papilio_validation::{more_and_more, run_on, scenario};
 
@@ -81,8 +81,8 @@ fn new_areas(bencher: Bencher<'_, '_>, name: &str) {
 #[divan::bench]
 fn new_front(bencher: Bencher<'_, '_>) {
     changed(bencher, "indoor", |scene, times| {
-        if let Layers::Panel(panel) = &mut scene.display.layers {
-            panel.front[0].reflectance = panel.front[0].reflectance.map(|r| r + 1e-6 * times);
+        if let Interface::Ready(Ready::Component(front)) = &mut scene.display.layers[0].interface {
+            front.reflectance = front.reflectance.map(|r| r + 1e-6 * times);
         }
     });
 }
@@ -90,9 +90,7 @@ fn new_front(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn new_haze(bencher: Bencher<'_, '_>) {
     changed(bencher, "indoor", |scene, times| {
-        if let Layers::Panel(panel) = &mut scene.display.layers
-            && let Some(diffuser) = &mut panel.diffuser
-        {
+        if let Interface::Ready(Ready::Diffuser(diffuser)) = &mut scene.display.layers[1].interface {
             diffuser.lobe = papilio_display::scene::Lobe::KCorrelation { width: 0.05 + 1e-6 * times };
         }
     });

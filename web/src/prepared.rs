@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use papilio_display::result::RunResult;
-use papilio_display::scene::{Layers, Scene};
+use papilio_display::scene::Scene;
 use papilio_display::{Control, DisplayError, Prepared};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -107,7 +107,7 @@ fn remove_oldest(entries: &mut Vec<Entry>, memory_in_use: usize) {
     if memory_in_use > MAX_MEMORY {
         entries.drain(..entries.len().saturating_sub(1));
     }
-    let is_large = |entry: &Entry| matches!(entry.scene.display.layers, Layers::General(_));
+    let is_large = |entry: &Entry| entry.scene.display.panel().is_none();
     while entries.iter().filter(|entry| is_large(entry)).count() > MAX_LARGE {
         if let Some(first) = entries.iter().position(is_large) {
             entries.remove(first);
@@ -124,9 +124,9 @@ fn similarity(prepared: &Scene, wanted: &Scene) -> u32 {
         return 0;
     }
     // The operators of general layers take most time to compute, the reflectances of a film come next.
-    let layers = match (prepared.display.layers == wanted.display.layers, &wanted.display.layers) {
-        (true, Layers::General(_)) => 16,
-        (true, Layers::Panel(_)) => 4,
+    let layers = match (prepared.display.has_layers_of(&wanted.display), wanted.display.panel()) {
+        (true, None) => 16,
+        (true, Some(_)) => 4,
         (false, _) => 0,
     };
     let pixel = if prepared.display.pixel == wanted.display.pixel { 8 } else { 0 };

@@ -52,9 +52,6 @@ pub enum DisplayError {
     /// Angles in glass for a glass with dispersion.
     #[error("angles in glass need a glass whose index does not depend on wavelength")]
     DispersiveGlassAngles,
-    /// A scattering pixel under an ordinary panel.
-    #[error("a pixel given by its BRDF requires general layers above it, not an ordinary panel")]
-    ScatteringUnderPanel,
     /// Colours of a display with a colour filter at a height above its pixels.
     #[error(
         "the colours of a display with [display.matrix.filter] depend on where light enters and leaves, which this command does not compute yet \

@@ -375,7 +375,7 @@ impl<'a> Filtered<'a> {
     fn seen(&self, view: &Cone, level: usize) -> Result<Vec<Direction>, DisplayError> {
         let finest = self.matrix.pitch_mm[0].min(self.matrix.pitch_mm[1]);
         let accuracy = Accuracy { digits: DIGITS[level.min(2)], most_per_mm: 4.0 / finest };
-        let mut lengths = vec![0.0; self.setup.scene.display.lengths.len()];
+        let mut lengths = vec![0.0; self.setup.scene.display.layers.len()];
         if let Some(last) = lengths.last_mut() {
             *last = self.filter.height_mm;
         }

@@ -20,13 +20,12 @@
 //! let scene = Scene {
 //!     grid,
 //!     display: Display {
-//!         layers: Layers::Panel(Panel {
-//!             front: vec![],
-//!             diffuser: None,
-//!             glass: Glass { index: constant(1.5), surface: Surface::Fresnel },
-//!         }),
+//!         layers: vec![Layer {
+//!             interface: Ready::Fresnel.into(),
+//!             medium: Medium::clear(constant(1.5)),
+//!             thickness: Length::Mm(0.5),
+//!         }],
 //!         pixel: Pixel::Uniform(paint),
-//!         lengths: vec![Length::Mm(0.5)],
 //!         matrix: None,
 //!     },
 //!     lighting: Lighting {

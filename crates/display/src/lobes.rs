@@ -9,7 +9,7 @@ use papilio_transport::{Interface as Ready, ScatterFace};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::scene::{Interface, Layers, Scene};
+use crate::scene::{Interface, Scene};
 
 /// Lobe of a diffuser, for light from one direction.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -37,32 +37,22 @@ pub fn transmitted_lobes(scene: &Scene) -> Vec<TransmittedLobe> {
     let source = scene.lighting.directed.first();
     let beta = source.map_or(0.0, |one| Beta::from_source(one.theta_deg, one.phi_deg, 1.0).x);
     let from = Beta { x: beta, y: 0.0 };
-    match &scene.display.layers {
-        Layers::Panel(panel) => {
-            let lobe = panel.diffuser.as_ref().map(|diffuser| &diffuser.lobe);
-            lobe.and_then(|lobe| sampled(0, panel.glass.index[bin], from, |to| lobe.evaluate(from, to)))
-                .into_iter()
-                .collect()
-        }
-        Layers::General(layers) => {
-            let mut number = 0;
-            let mut lobes = Vec::new();
-            for layer in layers {
-                let index = layer.medium.index[bin];
-                let lobe = match &layer.interface {
-                    Interface::Ready(Ready::Diffuser(diffuser)) => {
-                        sampled(number, index, from, |to| diffuser.lobe.evaluate(from, to))
-                    }
-                    Interface::Ready(Ready::Scatter(face)) => of_face(number, index, from, face),
-                    Interface::Rough { .. } => None,
-                    _ => continue,
-                };
-                number += 1;
-                lobes.extend(lobe);
+    let mut number = 0;
+    let mut lobes = Vec::new();
+    for layer in &scene.display.layers {
+        let index = layer.medium.index[bin];
+        let lobe = match &layer.interface {
+            Interface::Ready(Ready::Diffuser(diffuser)) => {
+                sampled(number, index, from, |to| diffuser.lobe.evaluate(from, to))
             }
-            lobes
-        }
+            Interface::Ready(Ready::Scatter(face)) => of_face(number, index, from, face),
+            Interface::Rough { .. } => None,
+            _ => continue,
+        };
+        number += 1;
+        lobes.extend(lobe);
     }
+    lobes
 }
 
 fn of_face(number: usize, index: f64, from: Beta, face: &ScatterFace) -> Option<TransmittedLobe> {

@@ -4,6 +4,7 @@
 //! `scenario` crate checks; [`run`](crate::run()) itself returns errors only for scenes that
 //! it cannot compute (a view below the horizon, a film with invalid parameters).
 
+mod panel;
 mod place;
 
 use std::sync::Arc;
@@ -22,6 +23,7 @@ pub use papilio_transport::{
     ScatterFace, ScatterKernel, Scattering, WaveFace, WaveLight,
 };
 
+pub use self::panel::{FrontComponent, Glass, Panel, Surface};
 pub use self::place::{Filter, FilterState, Length, Matrix, SubPixelWindow};
 pub use crate::result::ReferenceWhite;
 pub use crate::target::{Metric, MetricSource, Target, Tolerance};
@@ -94,42 +96,36 @@ impl Default for Metrics {
 /// Display: the layers and the pixel below them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Display {
-    /// The layers above the pixel.
-    pub layers: Layers,
+    /// The layers above the pixel, top to bottom, from the air to the pixel; at least one.
+    pub layers: Vec<Layer>,
     /// The pixel array below the last layer.
     pub pixel: Pixel,
-    /// Thickness of each medium, from the top: of an ordinary panel the air below each front component, then the glass; of
-    /// general layers the medium of each. Colours do not depend on it, only the places of light.
-    pub lengths: Vec<Length>,
     /// The sub-pixels in the plane of the pixel; `None`: not described.
     pub matrix: Option<Matrix>,
 }
 
-/// Layers above the pixel.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Layers {
-    /// Ordinary panel, for which both solvers are fastest.
-    Panel(Panel),
-    /// General layers, top to bottom, from the air to the pixel; at least one.
-    General(Vec<Layer>),
-}
-
 impl Display {
-    /// Returns the ordinary panel; `None` for general layers.
-    pub fn panel(&self) -> Option<&Panel> {
-        match &self.layers {
-            Layers::Panel(panel) => Some(panel),
-            Layers::General(_) => None,
-        }
+    /// Returns the ordinary panel, if the layers are one.
+    pub fn panel(&self) -> Option<Panel> {
+        Panel::recognised(self)
     }
 
     /// Returns the refractive index of the medium above the pixel.
     pub fn index_above_pixel(&self) -> &Spectrum {
-        match &self.layers {
-            Layers::Panel(panel) => &panel.glass.index,
-            // General layers are never empty.
-            Layers::General(layers) => &layers[layers.len() - 1].medium.index,
-        }
+        // Layers are never empty.
+        &self.layers[self.layers.len() - 1].medium.index
+    }
+
+    /// Returns the number of the uppermost layer that is no component in air: the surface of the display.
+    pub fn surface(&self) -> usize {
+        let is_component = |layer: &Layer| matches!(layer.interface, Interface::Ready(Ready::Component(_)));
+        self.layers.iter().position(|layer| !is_component(layer)).unwrap_or(0)
+    }
+
+    /// True if both displays have the same layers, apart from their thickness: it does not change colours.
+    pub fn has_layers_of(&self, other: &Self) -> bool {
+        self.layers.len() == other.layers.len()
+            && self.layers.iter().zip(&other.layers).all(|(one, other)| one.acts_as(other))
     }
 }
 
@@ -140,6 +136,15 @@ pub struct Layer {
     pub interface: Interface,
     /// Medium below the interface.
     pub medium: Medium,
+    /// Thickness of the medium. Colours do not depend on it, only the places of light.
+    pub thickness: Length,
+}
+
+impl Layer {
+    /// True if both layers are the same, apart from their thickness.
+    pub fn acts_as(&self, other: &Self) -> bool {
+        self.interface == other.interface && self.medium == other.medium
+    }
 }
 
 /// Interface between two media.
@@ -184,42 +189,17 @@ pub struct Medium {
     pub scattering: Option<Scattering>,
 }
 
-/// Ordinary panel, top to bottom: front of screen, surface or diffuser, clear glass.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Panel {
-    /// Front-of-screen components in air, outermost first.
-    pub front: Vec<FrontComponent>,
-    /// The diffuser between air and glass, including its surfaces; `None`: a bare panel.
-    pub diffuser: Option<Diffuser>,
-    /// The glass.
-    pub glass: Glass,
-}
+impl Medium {
+    /// A medium of this index that neither absorbs nor scatters.
+    pub fn clear(index: Spectrum) -> Self {
+        let transmittance = index.map(|_| 1.0);
+        Self { index, transmittance, scattering: None }
+    }
 
-/// Front-of-screen component, with the same reflectance from both sides and at all angles.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FrontComponent {
-    /// Specular reflectance, 0 to 1.
-    pub reflectance: Spectrum,
-    /// Absorptance, 0 to 1; the sum with the reflectance is at most 1.
-    pub absorptance: Spectrum,
-}
-
-/// Glass between the surface and the pixel.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Glass {
-    /// Refractive index, at least 1.
-    pub index: Spectrum,
-    /// Surface towards the air; not used below a diffuser, which has its own surfaces.
-    pub surface: Surface,
-}
-
-/// Interface between air and glass of a bare panel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Surface {
-    /// Ideal antireflection interface: transmits all light with |beta| <= 1 and totally reflects light with |beta| > 1.
-    IdealAr,
-    /// Bare interface: Fresnel reflectance of unpolarised light.
-    Fresnel,
+    /// True if the medium neither absorbs nor scatters.
+    pub fn is_clear(&self) -> bool {
+        self.scattering.is_none() && self.transmittance.min() == 1.0
+    }
 }
 
 /// Pixel array: the reflectance of each drive state.
@@ -231,7 +211,7 @@ pub enum Pixel {
     Table(TablePixel),
     /// States whose reflectance does not depend on angle.
     Uniform(UniformPixel),
-    /// States given by their BRDFs; requires [`Layers::General`].
+    /// States given by their BRDFs.
     Scattering(ScatteringPixel),
 }
 

@@ -21,7 +21,7 @@ use papilio_transport::{
 
 use crate::DisplayError;
 use crate::pixel::{self, FilmKey};
-use crate::scene::{self, AngleMedium, Approximation, Layers, Pixel, Scene, Surface};
+use crate::scene::{self, AngleMedium, Approximation, Scene, Surface};
 
 /// Scene that is prepared for the transport.
 #[derive(Debug)]
@@ -120,13 +120,12 @@ impl Setup {
 
     /// Prepares a scene that may have a colour filter.
     pub(crate) fn with_filter(scene: &Scene) -> Result<Self, DisplayError> {
-        check(scene)?;
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
         let base = pixel::base(scene, &mut film, None)?;
         Ok(Self {
-            stack: stack(scene, base)?,
+            stack: stack(scene, base, None)?,
             film,
             lights: lights(scene, &observer)?,
             sources: sources(scene, angle_index)?,
@@ -151,7 +150,6 @@ impl Setup {
     /// views on the viewer and that index. `version` is not incremented if new lighting has the same sources, that is,
     /// differs only in spectra and illuminances.
     pub(crate) fn renewed(mut self, scene: &Scene) -> Result<Self, DisplayError> {
-        check(scene)?;
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
@@ -166,19 +164,18 @@ impl Setup {
             self.base_version += 1;
         }
         self.states = scene.display.state_names();
-        if scene.display.layers != last.display.layers {
+        let was_panel = matches!(self.stack, Stack::Panel(_));
+        if !scene.display.has_layers_of(&last.display) || was_panel != scene.display.panel().is_some() {
             let placeholder = Base {
                 reflector: Reflector::Lambertian(Vec::new()),
                 inactive_absorptance: Vec::new().into(),
             };
             let base = std::mem::replace(base_of(&mut self.stack), placeholder);
-            self.stack = match (&scene.display.layers, &last.display.layers, &self.stack) {
-                (Layers::General(layers), Layers::General(before), Stack::Layered(made)) => {
-                    let layers = general(scene, layers, Some((before, &made.layers)))?;
-                    Stack::Layered(Layered { layers, base })
-                }
-                _ => stack(scene, base)?,
+            let made = match &self.stack {
+                Stack::Layered(made) => Some((&last.display.layers[..], &made.layers[..])),
+                Stack::Panel(_) => None,
             };
+            self.stack = stack(scene, base, made)?;
             self.version += 1;
         }
         let angle_index = angle_index(scene)?;
@@ -246,21 +243,11 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
     }
 }
 
-/// Checks that the transport supports this combination of layers and pixel.
-fn check(scene: &Scene) -> Result<(), DisplayError> {
-    match (&scene.display.layers, &scene.display.pixel) {
-        (Layers::Panel(_), Pixel::Scattering(_)) => Err(DisplayError::ScatteringUnderPanel),
-        _ => Ok(()),
-    }
-}
-
-fn stack(scene: &Scene, base: Base) -> Result<Stack, DisplayError> {
-    match &scene.display.layers {
-        Layers::Panel(panel) => Ok(Stack::Panel(self::panel(scene, panel, base))),
-        Layers::General(layers) => {
-            Ok(Stack::Layered(Layered { layers: general(scene, layers, None)?, base }))
-        }
-    }
+fn stack(scene: &Scene, base: Base, before: Option<Made<'_>>) -> Result<Stack, DisplayError> {
+    Ok(match &scene.display.panel() {
+        Some(panel) => Stack::Panel(self::panel(scene, panel, base)),
+        None => Stack::Layered(Layered { layers: layers(scene, &scene.display.layers, before)?, base }),
+    })
 }
 
 /// Returns the layers over an empty base, which suffices to estimate the cost of the layers. Coatings are bare interfaces: they
@@ -268,14 +255,16 @@ fn stack(scene: &Scene, base: Base) -> Result<Stack, DisplayError> {
 pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
     let inactive_absorptance = vec![0.0; scene.grid.len()].into();
     let base = Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance };
-    let Layers::General(layers) = &scene.display.layers else { return stack(scene, base) };
-    let mut layers = layers.clone();
+    if scene.display.panel().is_some() {
+        return stack(scene, base, None);
+    }
+    let mut layers = scene.display.layers.clone();
     for layer in &mut layers {
         if let scene::Interface::Coating(_) = layer.interface {
             layer.interface = Interface::Fresnel.into();
         }
     }
-    Ok(Stack::Layered(Layered { layers: general(scene, &layers, None)?, base }))
+    Ok(Stack::Layered(Layered { layers: self::layers(scene, &layers, None)?, base }))
 }
 
 fn panel(scene: &Scene, panel: &scene::Panel, base: Base) -> Panel {
@@ -290,8 +279,8 @@ fn panel(scene: &Scene, panel: &scene::Panel, base: Base) -> Panel {
 /// Layers of a scene, and what was made of them.
 type Made<'a> = (&'a [scene::Layer], &'a [Layer]);
 
-/// Returns general layers. Interfaces between the same media as in `before` are taken from there, with their tables.
-fn general(
+/// Prepares layers. Interfaces between the same media as in `before` are taken from there, with their tables.
+pub(crate) fn layers(
     scene: &Scene,
     layers: &[scene::Layer],
     before: Option<Made<'_>>,

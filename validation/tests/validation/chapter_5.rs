@@ -1,6 +1,6 @@
 //! The qualitative findings of Feng 2012, chapter 5, for the reference pixel.
 use papilio_display::result::RunResult;
-use papilio_display::scene::Layers;
+use papilio_display::scene::Ready;
 use papilio_validation::{monte_carlo_scenario, run, state};
 
 fn overcast(overrides: &[&str]) -> RunResult {
@@ -11,9 +11,9 @@ fn overcast(overrides: &[&str]) -> RunResult {
 fn bare(overrides: &[&str]) -> RunResult {
     let scenario = monte_carlo_scenario("overcast", overrides).unwrap();
     let mut scene = scenario.scene;
-    let Layers::Panel(panel) = &mut scene.display.layers else { panic!("an ordinary panel") };
-    panel.diffuser = None;
-    panel.front.clear();
+    let mut glass = scene.display.layers.pop().unwrap();
+    glass.interface = Ready::IdealAr.into();
+    scene.display.layers = vec![glass];
     run(&scene).unwrap()
 }
 

@@ -2,7 +2,7 @@
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::pixel::scan;
-use papilio_display::scene::{Layers, Pixel, Scene};
+use papilio_display::scene::{Pixel, Scene};
 use papilio_display::{BrdfGrid, ConeGrid, Control, DisplayError, brdf, cone};
 use papilio_validation::{monte_carlo_scenario, run, scenario, state};
 
@@ -59,13 +59,7 @@ fn brdf_of_display_is_reciprocal() {
 
 #[test]
 fn undefined_results_are_refused() {
-    let mut scene = paper();
+    let scene = paper();
     assert_eq!(scan(&scene, &[0.0]), Err(DisplayError::ScanOfScattering));
     assert!(matches!(scene.display.pixel, Pixel::Scattering(_)));
-    let Layers::Panel(panel) = scenario("epaper", &["spectrum.step_nm=20"]).unwrap().scene.display.layers
-    else {
-        panic!("not a panel")
-    };
-    scene.display.layers = Layers::Panel(panel);
-    assert_eq!(run(&scene).unwrap_err(), DisplayError::ScatteringUnderPanel);
 }

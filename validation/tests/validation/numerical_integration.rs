@@ -43,14 +43,14 @@ fn lobe(width: f64, d2: f64) -> f64 {
 
 /// Returns width and T of the k-correlation diffuser of a scene.
 fn diffuser(scene: &Scene) -> (f64, f64) {
-    let diffuser = scene.display.panel().unwrap().diffuser.as_ref().unwrap();
+    let diffuser = scene.display.panel().unwrap().diffuser.unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("a k-correlation diffuser") };
     (width, diffuser.transmittance[0])
 }
 
 /// Returns transmittance and reflectance of the front of screen, to first order.
 fn front(scene: &Scene) -> (f64, f64) {
-    let component = &scene.display.panel().unwrap().front[0];
+    let component = scene.display.panel().unwrap().front.remove(0);
     (1.0 - component.reflectance[0] - component.absorptance[0], component.reflectance[0])
 }
 

@@ -23,7 +23,7 @@ use super::walk::{self, FIRST_PATHS};
 use super::{Control, Run, adding_seconds};
 use crate::DisplayError;
 use crate::meter::Meter;
-use crate::scene::{Layer, Layers, Method, Pixel, Sampler, Scene, Stop, Strategy};
+use crate::scene::{Method, Pixel, Sampler, Scene, Stop, Strategy};
 use crate::setup::Setup;
 
 /// Largest optical thickness of a slab for the Monte Carlo solver: the number of scattering events of a path increases with
@@ -261,9 +261,7 @@ fn path_seconds(setup: &Setup) -> f64 {
 fn events(setup: &Setup) -> f64 {
     /// Passes through the layers, on average.
     const PASSES: f64 = 4.0;
-    let slabs: &[Layer] =
-        if let Layers::General(layers) = &setup.scene.display.layers { layers } else { &[] };
-    let thickness: f64 = slabs
+    let thickness: f64 = (setup.scene.display.layers)
         .iter()
         .filter_map(|layer| layer.medium.scattering.as_ref())
         .map(|slab| slab.optical_thickness)
@@ -291,9 +289,8 @@ fn plain(value: f64) -> String {
 }
 
 fn is_too_thick(scene: &Scene) -> bool {
-    let Layers::General(layers) = &scene.display.layers else { return false };
-    let slabs = layers.iter().filter_map(|layer| layer.medium.scattering.as_ref());
-    slabs.into_iter().any(|slab| slab.optical_thickness > THICKEST_FOR_MONTE_CARLO)
+    let mut slabs = scene.display.layers.iter().filter_map(|layer| layer.medium.scattering.as_ref());
+    slabs.any(|slab| slab.optical_thickness > THICKEST_FOR_MONTE_CARLO)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use papilio_transport::{Diffuser, Panel, Source, Stack, Top};
 use crate::DisplayError;
 use crate::meter::relative;
 use crate::pixel::state_names;
-use crate::scene::{Layers, Pixel, Scene};
+use crate::scene::{Pixel, Scene};
 use crate::setup::{Setup, layers_alone};
 
 /// Width of the narrowest lobe of an ordinary panel below which adding does not compute light that depends on azimuth, such as that of a
@@ -60,7 +60,10 @@ pub(crate) fn width_of_panel(stack: &Stack) -> Option<f64> {
 pub fn adding_seconds(scene: &Scene) -> Result<f64, DisplayError> {
     /// Per node cubed and set of indices: two narrow diffusers in glass take 0.16 s with 167 nodes.
     const SECONDS: f64 = 4e-8;
-    let Layers::General(layers) = &scene.display.layers else { return Ok(0.0) };
+    if scene.display.panel().is_some() {
+        return Ok(0.0);
+    }
+    let layers = &scene.display.layers;
     let nodes = nodes_needed(&layers_alone(scene)?, 1) as f64;
     // Wavelengths with different indices do not share operators.
     let indices = |bin: usize| layers.iter().map(|layer| layer.medium.index[bin].to_bits()).collect();

@@ -4,7 +4,7 @@
 use papilio_spectra::Spectrum;
 use papilio_transport::spatial::Window;
 
-use super::{Display, FrontComponent, Interface, Layer, Layers, Ready};
+use super::{Display, Interface, Layer, Ready};
 use crate::DisplayError;
 
 /// Length along the normal.
@@ -92,7 +92,7 @@ impl Display {
         }
     }
 
-    /// Returns the thickness of each medium, mm, in the order of `lengths`; 0 above all layers that scatter or reflect
+    /// Returns the thickness of the medium of each layer, mm; 0 above all layers that scatter or reflect
     /// light, where it has no effect on places.
     ///
     /// # Errors
@@ -100,17 +100,17 @@ impl Display {
     pub fn lengths_mm(&self) -> Result<Vec<f64>, DisplayError> {
         self.has_sharp_pixels()?;
         let first = self.first_needed();
-        let missing = |length: &Length| match length {
+        let missing = |layer: &Layer| match &layer.thickness {
             Length::Missing { key } => Some(key.clone()),
             Length::Mm(_) => None,
         };
         // The lowest first: without the glass, the others are of no use.
-        let mut missing = self.lengths.iter().skip(first).rev().filter_map(missing);
+        let mut missing = self.layers.iter().skip(first).rev().filter_map(missing);
         if let Some(key) = missing.next() {
             return Err(DisplayError::MissingLength { key, others: missing.collect() });
         }
         let needed = |number: usize| if number < first { Ok(0.0) } else { self.length_mm(number) };
-        (0..self.lengths.len()).map(needed).collect()
+        (0..self.layers.len()).map(needed).collect()
     }
 
     /// Checks that light spreads over so few pixels that crosstalk between them can be computed.
@@ -141,12 +141,12 @@ impl Display {
         }
     }
 
-    /// Returns the thickness of one medium, mm, by its number in `lengths`.
+    /// Returns the thickness of the medium of a layer, mm, by the number of the layer.
     ///
     /// # Errors
     /// If it is missing.
     pub fn length_mm(&self, number: usize) -> Result<f64, DisplayError> {
-        match &self.lengths[number] {
+        match &self.layers[number].thickness {
             Length::Mm(length) => Ok(*length),
             Length::Missing { key } => {
                 Err(DisplayError::MissingLength { key: key.clone(), others: Vec::new() })
@@ -156,11 +156,7 @@ impl Display {
 
     /// Returns the number of the highest medium from which light can come back to the pixel at another place.
     fn first_needed(&self) -> usize {
-        let acts = |component: &FrontComponent| component.reflectance.max() > 0.0;
-        match &self.layers {
-            Layers::Panel(panel) => panel.front.iter().position(acts).unwrap_or(panel.front.len()),
-            Layers::General(layers) => layers.iter().position(moves_light).unwrap_or(layers.len()),
-        }
+        self.layers.iter().position(moves_light).unwrap_or(self.layers.len())
     }
 }
 

@@ -9,7 +9,6 @@ use super::patterns::{Pattern, Text};
 use super::{ghosts, paper, returned};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
-use crate::scene::Layers;
 use crate::setup::{Setup, ViewPoint};
 
 /// Accuracy of a response. The difference of two levels is the error of the coarser one.
@@ -76,7 +75,7 @@ pub(crate) fn responses(
 ) -> Result<(Vec<Seen>, f64), DisplayError> {
     let lengths = setup.scene.display.lengths_mm()?;
     let meter = Meter::new(setup);
-    let (Stack::Panel(panel), Layers::Panel(_)) = (&setup.stack, &setup.scene.display.layers) else {
+    let Stack::Panel(panel) = &setup.stack else {
         return Err(DisplayError::PlacesByPaths {
             what: "general layers ([[display.layers]])".to_owned(),
             key: "display.layers".to_owned(),

@@ -24,9 +24,7 @@ use serde::Serialize;
 use super::target::target;
 use crate::metrics::SparkleMetrics;
 use crate::run::{Workers, run};
-use crate::scene::{
-    self, Drive, FilmPixel, FilmState, Interface, Layers, Method, Ready, Scene, Stop, UniformKind,
-};
+use crate::scene::{self, Drive, FilmPixel, FilmState, Interface, Method, Ready, Scene, Stop, UniformKind};
 use crate::setup::{Setup, ViewPoint};
 use crate::{Control, DisplayError, Progress, pixel};
 
@@ -55,7 +53,7 @@ pub struct Antiglare {
     pub faces: Vec<Face>,
     /// Distances of face and pixels, mm, in the medium above the pixels; empty: the media of the display below the face.
     pub gap_mm: Vec<f64>,
-    /// Number of the layer whose interface is the face, among general layers.
+    /// Number of the layer whose interface is the face.
     pub layer: usize,
     /// Diameter of the viewer's pupil, mm; 0 is a pinhole.
     pub pupil_mm: f64,
@@ -333,29 +331,20 @@ fn gaps(scene: &Scene, face: &Antiglare) -> Result<Vec<Vec<Gap>>, DisplayError> 
         let index = at(scene.display.index_above_pixel());
         return Ok(face.gap_mm.iter().map(|gap| vec![Gap { index, thickness_mm: *gap }]).collect());
     }
-    match &scene.display.layers {
-        Layers::Panel(panel) => {
-            // Components above the glass have no thickness: the face is that of the glass.
-            let number = panel.front.len();
-            let thickness_mm = scene.display.length_mm(number)?;
-            Ok(vec![vec![Gap { index: at(&panel.glass.index), thickness_mm }]])
-        }
-        Layers::General(layers) => {
-            let below = face.layer..layers.len();
-            let scatters = |number: &usize| {
-                let layer = &layers[*number];
-                layer.medium.scattering.is_some() || *number > face.layer && scatters_light(&layer.interface)
-            };
-            if let Some(other) = below.clone().find(scatters) {
-                return Err(DisplayError::SparkleAboveScatterer { number: other + 1 });
-            }
-            let gap = |number: usize| {
-                let thickness_mm = scene.display.length_mm(number)?;
-                Ok(Gap { index: at(&layers[number].medium.index), thickness_mm })
-            };
-            Ok(vec![below.map(gap).collect::<Result<_, DisplayError>>()?])
-        }
+    let layers = &scene.display.layers;
+    let below = face.layer..layers.len();
+    let scatters = |number: &usize| {
+        let layer = &layers[*number];
+        layer.medium.scattering.is_some() || *number > face.layer && scatters_light(&layer.interface)
+    };
+    if let Some(other) = below.clone().find(scatters) {
+        return Err(DisplayError::SparkleAboveScatterer { number: other + 1 });
     }
+    let gap = |number: usize| {
+        let thickness_mm = scene.display.length_mm(number)?;
+        Ok(Gap { index: at(&layers[number].medium.index), thickness_mm })
+    };
+    Ok(vec![below.map(gap).collect::<Result<_, DisplayError>>()?])
 }
 
 /// True if an interface scatters light.

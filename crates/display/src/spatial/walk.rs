@@ -13,20 +13,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use papilio_optics::Beta;
 use papilio_sampling::SampleStream;
-use papilio_spectra::Spectrum;
 use papilio_transport::spatial::displacement;
 use papilio_transport::walk::places::{
     Entry, Estimate, FilterPlane, KernelTally, Pattern, PlacedWalk, Uniform, What,
 };
-use papilio_transport::{Base, Cone, Interface, Layer, Layered, Medium, Reflector, Source, Stack, Top};
+use papilio_transport::{Base, Cone, Layered, Reflector, Source, Stack};
 
 use self::below_filter::BelowFilter;
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::result::Named;
 use crate::run::{Control, Progress, Workers, each};
-use crate::scene::{AngleMedium, Approximation, Layers, Scene};
-use crate::setup::{Setup, ViewPoint, base_under};
+use crate::scene::{AngleMedium, Approximation, Scene};
+use crate::setup::{Setup, ViewPoint, layers};
 
 /// Number of independent replicates.
 pub const REPLICATES: u64 = 32;
@@ -228,7 +227,9 @@ impl<'a> Placed<'a> {
         }
         let stack = match &setup.stack {
             Stack::Layered(stack) => stack.clone(),
-            Stack::Panel(_) => layers_of_panel(setup),
+            Stack::Panel(panel) => {
+                Layered { layers: layers(scene, &scene.display.layers, None)?, base: panel.base.clone() }
+            }
         };
         let lengths_mm = scene.display.lengths_mm()?;
         let meter = Meter::new(setup);
@@ -438,25 +439,6 @@ impl<'a> Placed<'a> {
             None => self.without_pixel(estimate)[1],
         }
     }
-}
-
-/// The layers of an ordinary panel: the components of its front with the gaps below them, and the glass below its surface.
-fn layers_of_panel(setup: &Setup) -> Layered {
-    let (Stack::Panel(panel), Layers::Panel(described)) = (&setup.stack, &setup.scene.display.layers) else {
-        return Layered { layers: Vec::new(), base: base_under(&setup.stack).clone() };
-    };
-    let air = Medium::new(Spectrum::constant(&setup.scene.grid, 1.0));
-    let front = described.front.iter().map(|component| Layer {
-        interface: Interface::component(component.reflectance.clone(), component.absorptance.clone()),
-        medium: air.clone(),
-    });
-    let interface = match &panel.top {
-        Top::IdealAr => Interface::IdealAr,
-        Top::Fresnel(_) => Interface::Fresnel,
-        Top::Diffuser(diffuser) => Interface::Diffuser(diffuser.clone()),
-    };
-    let glass = Layer { interface, medium: panel.medium.clone() };
-    Layered { layers: front.chain([glass]).collect(), base: panel.base.clone() }
 }
 
 /// Mean and standard error of independent values.

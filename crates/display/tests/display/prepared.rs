@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::common::{run_on, scenario};
 use papilio_display::result::RunResult;
-use papilio_display::scene::{Layers, Lobe, Method, Pixel, Scene, Stop, Thickness};
+use papilio_display::scene::{Interface, Layer, Lobe, Method, Pixel, Ready, Scene, Stop, Thickness};
 use papilio_display::{Control, DisplayError, Prepared};
 use papilio_spectra::Grid;
 
@@ -46,19 +46,18 @@ fn changes() -> Vec<Change> {
         ("another front", |s| front(s, 0.04)),
         ("the lobe", |s| lobe(s, 0.08)),
         ("the glass", |s| {
-            if let Layers::Panel(panel) = &mut s.display.layers {
-                panel.glass.index = panel.glass.index.map(|_| 1.6);
-            }
+            let glass = &mut glass(s).medium;
+            glass.index = glass.index.map(|_| 1.6);
         }),
         ("the method", |s| (s.solver.method, s.solver.stop) = (Method::MonteCarlo, Stop::Paths(64))),
         ("back to adding", |s| {
             s.solver.method = Method::Adding;
             s.solver.stop = Stop::RelativeError { target: 1e-3, per_wavelength: true };
         }),
-        ("no diffuser", |s| {
-            if let Layers::Panel(panel) = &mut s.display.layers {
-                panel.diffuser = None;
-            }
+        ("no diffuser", |s| glass(s).interface = Ready::IdealAr.into()),
+        ("a filter of glass", |s| {
+            let glass = &mut glass(s).medium;
+            glass.transmittance = glass.index.map(|_| 0.8);
         }),
         ("any layers", |s| s.display.layers = scene("two-diffusers", &[]).display.layers),
         ("a light over any layers", |s| s.lighting.directed[0].theta_deg = 40.0),
@@ -81,14 +80,19 @@ fn film(scene: &mut Scene) -> &mut papilio_display::scene::FilmPixel {
 }
 
 fn front(scene: &mut Scene, reflectance: f64) {
-    if let Layers::Panel(panel) = &mut scene.display.layers {
-        panel.front[0].reflectance = panel.front[0].reflectance.map(|_| reflectance);
+    if let Interface::Ready(Ready::Component(front)) = &mut scene.display.layers[0].interface {
+        front.reflectance = front.reflectance.map(|_| reflectance);
     }
 }
 
+/// The lowest layer.
+fn glass(scene: &mut Scene) -> &mut Layer {
+    scene.display.layers.last_mut().unwrap()
+}
+
 fn lobe(scene: &mut Scene, width: f64) {
-    if let Layers::Panel(panel) = &mut scene.display.layers {
-        panel.diffuser.as_mut().unwrap().lobe = Lobe::KCorrelation { width };
+    if let Interface::Ready(Ready::Diffuser(diffuser)) = &mut glass(scene).interface {
+        diffuser.lobe = Lobe::KCorrelation { width };
     }
 }
 

@@ -39,6 +39,18 @@ impl Diffuser {
             Self::Slab(slab) => slab.origin,
         }
     }
+
+    /// The same diffuser as a layer of a list; `None` for a slab, which is a medium.
+    pub(crate) fn btdf(&self) -> Option<Btdf> {
+        Some(match self {
+            Self::KCorrelation(diffuser) => Btdf::KCorrelation(diffuser.clone()),
+            Self::Lambertian(diffuser) => Btdf::Lambertian(diffuser.clone()),
+            Self::Ward(ward) => Btdf::Ward(ward.clone()),
+            Self::Measured(measured) => Btdf::Measured(measured.clone()),
+            Self::Microgeometry(face) => Btdf::Microgeometry(face.clone()),
+            Self::Slab(_) => return None,
+        })
+    }
 }
 
 kinds! {
@@ -231,8 +243,8 @@ choice! {
         None = "none",
         /// The last lobe is used beyond, about its own specular direction, with extrapolated tails.
         Hold = "hold",
-        /// As `"hold"`, with tails in the glass beyond the horizon of the air; only for a panel's diffuser with `mounting =
-        /// "as-measured"`.
+        /// As `"hold"`, and tails are also extrapolated in the glass beyond the horizon of the air; only on a medium,
+        /// with `mounting = "as-measured"`.
         Glass = "glass",
     }
 }

@@ -29,7 +29,7 @@ table! {
         sampler: Sampler = Sampler::Sobol,
         /// For Monte Carlo: sampling of directions at a diffuser (docs/sampling.md).
         scattering: Scattering = Scattering::Kernel,
-        /// Orders of reflection that are computed.
+        /// Approximations of the transport, for ordinary panels.
         approximation: Approximation = Approximation::None,
         /// Medium of the angles of viewer, sources and pixel.csv.
         angle_medium: AngleMedium = AngleMedium::Air,
@@ -169,12 +169,15 @@ choice! {
 }
 
 choice! {
-    /// Orders of reflection that are computed.
+    /// Approximations of the transport, for ordinary panels.
     Approximation {
-        /// All orders.
+        /// None: all orders of reflection, with refraction.
         None = "none",
         /// One pass through the panel, with the front of screen to first order (Feng 2012, eq. 3-2, 3-3 and 3-5).
         SinglePass = "single-pass",
+        /// Glass without refraction: the pixel is evaluated at the angle in air as if it were in glass; the lobe of a diffuser is also
+        /// cut off at |beta| = 1 below it.
+        Unrefracted = "unrefracted",
     }
 }
 
@@ -185,8 +188,7 @@ choice! {
         Air = "air",
         /// Angles are in glass; for a bare panel.
         Glass = "glass",
-        /// Angles are in air, and the pixel is evaluated at the angle in air as if it were in glass; the lobe of a
-        /// diffuser is also cut off at |beta| = 1 below it.
+        /// The same as `approximation = "unrefracted"`.
         Unrefracted = "unrefracted",
     }
 }

@@ -1,12 +1,13 @@
 //! Diffusers given by their BTDF: lobes, kernels and transmittances.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Diffuser, Interface, Lobe, Ready, ScatterFace, ScatterKernel};
+use papilio_display::scene::{Diffuser, Lobe, Ready, ScatterFace, ScatterKernel};
 use papilio_optics::lobe::{largest_haze, width_from_haze};
 use papilio_optics::scatter::{self, Normalisation, Scatter};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
+use super::layers::{Neighbours, Part};
 use super::unbounded::Unbounded;
 use crate::describe::diffuser::{Btdf, KCorrelation, Lambertian, Ward, WardNormalisation};
 use crate::describe::display::ShareSpectrum;
@@ -41,22 +42,19 @@ pub(super) fn ward_kernel(alpha: f64, normalisation: WardNormalisation) -> Optio
 }
 
 impl Resolver<'_> {
-    pub(super) fn btdf(&mut self, path: &str, diffuser: &Btdf) -> Option<Interface> {
-        let through = match diffuser {
-            Btdf::KCorrelation(lobe) => self.k_correlation(lobe).map(Ready::Diffuser),
-            Btdf::Lambertian(lobe) => self.lambertian(lobe).map(Ready::Diffuser),
-            Btdf::Ward(ward) => self.ward(path, ward).map(scattering),
-            Btdf::Measured(measured) => self.measured_alone(path, measured).map(scattering),
-            // In a list it is resolved together with the media next to it.
+    /// Resolves a diffuser between these media: its interface, and what is between a mounted foil and the medium below it.
+    pub(super) fn btdf(&mut self, path: &str, diffuser: &Btdf, media: Neighbours<'_>) -> Option<Vec<Part>> {
+        let (through, reflection) = match diffuser {
+            Btdf::KCorrelation(lobe) => (self.k_correlation(lobe).map(Ready::Diffuser), &lobe.reflection),
+            Btdf::Lambertian(lobe) => (self.lambertian(lobe).map(Ready::Diffuser), &lobe.reflection),
+            Btdf::Ward(ward) => (self.ward(path, ward).map(scattering), &ward.reflection),
+            Btdf::Measured(foil) => return self.foil(path, foil, media.below),
             Btdf::Microgeometry(face) => {
-                let air = Spectrum::constant(&self.grid, 1.0);
-                return self.microgeometry(path, face, [&air, &air]);
+                let below = media.below.unwrap_or(media.above);
+                return Some(vec![Part::Interface(self.microgeometry(path, face, [media.above, below])?)]);
             }
         };
-        match diffuser.reflection() {
-            Some(reflection) => self.with_reflection(through?, reflection),
-            None => through.map(Interface::from),
-        }
+        Some(vec![Part::Interface(self.with_reflection(through?, reflection)?)])
     }
 
     pub(super) fn ward(&mut self, path: &str, ward: &Spanned<Ward>) -> Option<ScatterFace> {

@@ -6,7 +6,7 @@
 
 use num_complex::Complex64;
 use papilio_colour::Observer;
-use papilio_display::scene::{FilmLayer, Interface, Layers, Pixel, Scene, Thickness};
+use papilio_display::scene::{FilmLayer, Interface, Pixel, Scene, Thickness};
 use papilio_optics::film::{Film, Layer, Polarisation, coherent, fringe_spacing_nm};
 use papilio_spectra::Grid;
 
@@ -81,22 +81,20 @@ fn worst<'a>(
 /// Returns all films of a scene with all their gaps.
 fn films(scene: &Scene) -> Vec<FilmStack<'_>> {
     let mut films = Vec::new();
-    if let Layers::General(layers) = &scene.display.layers {
-        let mut above = None;
-        for layer in layers {
-            let below = &*layer.medium.index;
-            if let Interface::Coating(coating) = &layer.interface {
-                let below = below.iter().map(|n| (*n).into()).collect();
-                films.push(FilmStack {
-                    key: &coating.key,
-                    layers: &coating.films,
-                    gap_nm: 0.0,
-                    above: above.unwrap_or(&[]),
-                    below,
-                });
-            }
-            above = Some(below);
+    let mut above = None;
+    for layer in &scene.display.layers {
+        let below = &*layer.medium.index;
+        if let Interface::Coating(coating) = &layer.interface {
+            let below = below.iter().map(|n| (*n).into()).collect();
+            films.push(FilmStack {
+                key: &coating.key,
+                layers: &coating.films,
+                gap_nm: 0.0,
+                above: above.unwrap_or(&[]),
+                below,
+            });
         }
+        above = Some(below);
     }
     if let Pixel::Film(film) = &scene.display.pixel {
         films.extend(distinct_gaps(film).into_iter().map(|gap_nm| FilmStack {

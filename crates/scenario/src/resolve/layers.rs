@@ -6,15 +6,14 @@ use num_complex::Complex64;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::THICKEST_FOR_MONTE_CARLO;
 use papilio_display::scene::{
-    Coating, Distribution, FilmLayer, FrontComponent, Interface, Layer, Length, Medium, Ready, Scattering,
-    Thickness,
+    Coating, Distribution, FilmLayer, Interface, Layer, Length, Medium, Ready, Scattering, Thickness,
 };
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
 use super::stack::Stack;
 use crate::describe::File;
-use crate::describe::diffuser::{Btdf, Diffuser, FaceOfSurface, Slab};
+use crate::describe::diffuser::{Btdf, Diffuser, Slab};
 use crate::describe::display::{Display, MaterialSpec, ShareSpectrum};
 use crate::describe::layers as describe;
 use crate::describe::numbers;
@@ -54,24 +53,29 @@ pub(super) enum Part {
 /// A layer of the list that is resolved with the media next to it, or was resolved alone.
 enum Resolved<'a> {
     Part(Part),
-    /// A face by its geometry.
-    Face(&'a Spanned<FaceOfSurface>),
+    /// A diffuser, which may depend on the media next to it.
+    Diffuser(&'a Btdf),
 }
 
-/// The index of the medium after which a list continues, and of the one with which it begins.
-fn media_next_to<'p>(parts: &'p [Resolved<'_>], at: usize, air: &'p Spectrum) -> [&'p Spectrum; 2] {
+/// Indices of the media next to an interface.
+#[derive(Clone, Copy)]
+pub(super) struct Neighbours<'a> {
+    /// Of the medium above.
+    pub(super) above: &'a Spectrum,
+    /// Of the medium that is the next layer below; `None` if that is an interface or the pixel.
+    pub(super) below: Option<&'a Spectrum>,
+}
+
+/// The media next to a layer of a list.
+fn neighbours<'p>(parts: &'p [Resolved<'_>], at: usize, air: &'p Spectrum) -> Neighbours<'p> {
     let index = |part: &'p Resolved<'_>| match part {
         Resolved::Part(Part::Medium(medium, ..)) => Some(&medium.index),
         _ => None,
     };
-    let above = parts[..at].iter().rev().find_map(index).unwrap_or(air);
-    [above, parts.get(at + 1).and_then(index).unwrap_or(above)]
-}
-
-/// Converts a front-of-screen component to an interface.
-pub(super) fn component_interface(component: FrontComponent) -> Interface {
-    let FrontComponent { reflectance, absorptance } = component;
-    Ready::component(reflectance, absorptance).into()
+    Neighbours {
+        above: parts[..at].iter().rev().find_map(index).unwrap_or(air),
+        below: parts.get(at + 1).and_then(index),
+    }
 }
 
 /// Thickness of a medium whose key, should it be missing, is `thickness_mm` in the table at `path`.
@@ -102,7 +106,7 @@ impl Resolver<'_> {
         &mut self,
         display: &Spanned<Display>,
         layers: &[Spanned<describe::Layer>],
-    ) -> Option<(Vec<Layer>, Vec<Length>)> {
+    ) -> Option<Vec<Layer>> {
         let beside = [
             ("front", display.front.is_some(), display.front.origin, "{ kind = \"component\", ... }"),
             (
@@ -126,14 +130,16 @@ impl Resolver<'_> {
         self.limit(&display.layers, "layers", layers.len(), MOST_LAYERS)?;
         let parts = layers.iter().enumerate();
         let parts: Vec<_> =
-            parts.map(|(i, layer)| self.layer(&format!("display.layers.{i}"), layer)).collect();
+            parts.map(|(i, layer)| self.layer(&format!("display.layers.{i}"), layer, layer.origin)).collect();
         let parts = parts.into_iter().collect::<Option<Vec<_>>>()?;
-        let parts = self.with_faces(parts)?;
+        let parts = self.with_diffusers(parts)?;
         let mut stack = Stack::new(&self.grid);
-        for (part, layer) in parts.into_iter().zip(layers) {
-            match part {
-                Part::Medium(medium, length, index_at) => stack.fill(medium, length, index_at),
-                Part::Interface(interface) => stack.put(interface, place_of(layer)),
+        for (parts, layer) in parts.into_iter().zip(layers) {
+            for part in parts {
+                match part {
+                    Part::Medium(medium, length, index_at) => stack.fill(medium, length, index_at),
+                    Part::Interface(interface) => stack.put(interface, place_of(layer)),
+                }
             }
         }
         self.note_coatings(layers);
@@ -141,32 +147,22 @@ impl Resolver<'_> {
         Some(stack.finish(&mut self.errors))
     }
 
-    /// Resolves one layer, except for faces that need to know the media next to them.
-    fn layer<'l>(&mut self, path: &str, layer: &'l Spanned<describe::Layer>) -> Option<Resolved<'l>> {
-        if let describe::Layer::Diffuser(diffuser) = &layer.value
-            && let Btdf::Microgeometry(face) = &diffuser.value
-        {
-            return Some(Resolved::Face(face));
-        }
-        self.part(path, layer, layer.origin).map(Resolved::Part)
-    }
-
-    /// Resolves the faces in a list of layers.
-    fn with_faces(&mut self, layers: Vec<Resolved<'_>>) -> Option<Vec<Part>> {
+    /// Resolves the diffusers of a list, which may depend on the media next to them. Returns the parts of each layer.
+    fn with_diffusers(&mut self, layers: Vec<Resolved<'_>>) -> Option<Vec<Vec<Part>>> {
         let air = Spectrum::constant(&self.grid, 1.0);
-        let mut faces = Vec::new();
+        let mut diffusers = Vec::new();
         for (i, layer) in layers.iter().enumerate() {
-            if let Resolved::Face(face) = layer {
-                let media = media_next_to(&layers, i, &air);
-                faces.push(self.microgeometry(&format!("display.layers.{i}"), face, media)?);
+            if let Resolved::Diffuser(diffuser) = layer {
+                let media = neighbours(&layers, i, &air);
+                diffusers.push(self.btdf(&format!("display.layers.{i}"), diffuser, media)?);
             }
         }
-        let mut faces = faces.into_iter();
-        let part = |layer| match layer {
-            Resolved::Part(part) => Some(part),
-            Resolved::Face(_) => faces.next().map(Part::Interface),
+        let mut diffusers = diffusers.into_iter();
+        let parts = |layer| match layer {
+            Resolved::Part(part) => Some(vec![part]),
+            Resolved::Diffuser(_) => diffusers.next(),
         };
-        layers.into_iter().map(part).collect()
+        layers.into_iter().map(parts).collect()
     }
 
     /// Notes each coating without a medium below it: it is inside the medium above, which is rarely intended.
@@ -203,9 +199,9 @@ impl Resolver<'_> {
         }
     }
 
-    /// Resolves one layer; `path` is its key.
-    fn part(&mut self, path: &str, layer: &describe::Layer, at: Origin) -> Option<Part> {
-        Some(match layer {
+    /// Resolves one layer, except for a diffuser; `path` is its key.
+    fn layer<'l>(&mut self, path: &str, layer: &'l describe::Layer, at: Origin) -> Option<Resolved<'l>> {
+        Some(Resolved::Part(match layer {
             describe::Layer::Medium(medium) => {
                 let absorption = (&medium.internal_transmittance, &medium.thickness_mm);
                 let length = length(path, &medium.thickness_mm);
@@ -214,10 +210,10 @@ impl Resolver<'_> {
             describe::Layer::Slab(slab) => {
                 Part::Medium(self.slab(path, slab)?, length(path, &slab.thickness_mm), slab.index.origin)
             }
-            describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(path, diffuser)?),
+            describe::Layer::Diffuser(diffuser) => return Some(Resolved::Diffuser(diffuser)),
             describe::Layer::Component(component) => {
                 let component = self.component((&component.reflectance, &component.absorptance), at)?;
-                Part::Interface(component_interface(component))
+                Part::Interface(component)
             }
             describe::Layer::Coating(coating) => {
                 let films = self.coating(path, coating)?;
@@ -232,7 +228,7 @@ impl Resolver<'_> {
                     describe::Slopes::Beckmann => Distribution::Beckmann,
                 },
             }),
-        })
+        }))
     }
 
     /// Resolves a medium without scattering.

@@ -231,7 +231,9 @@ impl Resolver<'_> {
 
     /// Checks that a filter is inside the medium above the pixel.
     pub(super) fn check_filter_height(&mut self, file: &File, display: &Display) {
-        let (Some(filter), Some(Length::Mm(thickness))) = (display.filter(), display.lengths.last()) else {
+        let (Some(filter), Some(Length::Mm(thickness))) =
+            (display.filter(), display.layers.last().map(|layer| &layer.thickness))
+        else {
             return;
         };
         let Some(described) = file.display.matrix.iter().find_map(|matrix| matrix.filter.as_ref()) else {

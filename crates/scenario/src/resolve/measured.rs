@@ -34,22 +34,30 @@ enum Side {
 }
 
 impl Resolver<'_> {
-    /// Resolves a foil on glass of this index: its layers from the air down, without the glass.
-    pub(super) fn measured_over(
+    /// Resolves a foil: its interface, and what is between it and the medium of this index below it. `None`: the next layer
+    /// below is no medium.
+    pub(super) fn foil(
         &mut self,
         path: &str,
         diffuser: &Spanned<Measured>,
-        glass: &Spectrum,
+        below: Option<&Spectrum>,
     ) -> Option<Vec<Part>> {
-        let backing = match diffuser.mounting.value {
-            Mounting::AsMeasured => Backing::Glass { index: glass.min() },
-            Mounting::Laminated => {
-                Backing::Laminated { index: glass.iter().sum::<f64>() / glass.len() as f64 }
+        let backing = match (diffuser.mounting.value, below) {
+            (Mounting::AsMeasured, None) | (Mounting::Air, Some(_)) => Backing::Air,
+            (Mounting::AsMeasured, Some(medium)) => Backing::Glass { index: medium.min() },
+            (Mounting::Laminated, Some(medium)) => {
+                Backing::Laminated { index: medium.iter().sum::<f64>() / medium.len() as f64 }
             }
-            Mounting::Air => Backing::Air,
+            (Mounting::Laminated | Mounting::Air, None) => {
+                let wrong = Diagnostic::new("no medium follows this foil, on which it could be mounted")
+                    .hint("add a { kind = \"medium\", index = 1.5 } below it, or remove `mounting`");
+                self.err(&diffuser.mounting, wrong);
+                return None;
+            }
         };
         if !matches!(backing, Backing::Glass { .. }) {
-            self.refuse_glass_tails(&diffuser.extrapolate, "this mounting")?;
+            let beside = if below.is_some() { "this mounting" } else { "a foil without a medium below it" };
+            self.refuse_glass_tails(&diffuser.extrapolate, beside)?;
         }
         let interface = self.foil_interface(path, diffuser, backing)?;
         let interface = self.with_reflection(scattering(interface), &diffuser.reflection)?;
@@ -61,8 +69,7 @@ impl Resolver<'_> {
             Mounting::Laminated => Ready::IdealAr,
             Mounting::Air => Ready::Fresnel,
         };
-        let ones = Spectrum::constant(&self.grid, 1.0);
-        let air = Medium { index: ones.clone(), transmittance: ones, scattering: None };
+        let air = Medium::clear(Spectrum::constant(&self.grid, 1.0));
         parts.extend([Part::Medium(air, gap, Origin::FILE), Part::Interface(below.into())]);
         Some(parts)
     }
@@ -81,17 +88,6 @@ impl Resolver<'_> {
                 None
             }
         }
-    }
-
-    /// Resolves a foil in `[[display.layers]]`, where the medium below it is a layer of its own.
-    pub(super) fn measured_alone(&mut self, path: &str, diffuser: &Spanned<Measured>) -> Option<ScatterFace> {
-        if diffuser.mounting.value != Mounting::AsMeasured {
-            self.err(&diffuser.mounting, mistake::not_with("mounting", "`[[display.layers]]`"));
-            return None;
-        }
-        self.gap_below(path, diffuser)?;
-        self.refuse_glass_tails(&diffuser.extrapolate, "`[[display.layers]]`")?;
-        self.foil_interface(path, diffuser, Backing::Air)
     }
 
     /// Refuses tails in the glass if the foil is not known to be on glass.

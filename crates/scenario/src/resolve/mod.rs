@@ -342,13 +342,11 @@ impl Resolver<'_> {
         if let scene::Pixel::Film(film) = &scene.display.pixel {
             limit(step, "film gaps x wavelengths", &[film::distinct_gaps(film).len(), bins], MOST_FILMS);
         }
-        if let scene::Layers::General(layers) = &scene.display.layers {
-            let films = layers.iter().map(|layer| match &layer.interface {
-                scene::Interface::Coating(coating) => coating.films.len(),
-                _ => 0,
-            });
-            limit(step, "coating films x wavelengths", &[films.sum(), bins], MOST_FILMS);
-        }
+        let films = scene.display.layers.iter().map(|layer| match &layer.interface {
+            scene::Interface::Coating(coating) => coating.films.len(),
+            _ => 0,
+        });
+        limit(step, "coating films x wavelengths", &[films.sum(), bins], MOST_FILMS);
         let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
         let what = "numbers (views x states x wavelengths)";
         limit(views_at.or_override([step]), what, &[views, states, bins], MOST_NUMBERS);
@@ -360,6 +358,15 @@ impl Resolver<'_> {
 
     fn solver(&mut self, solver: &Solver) -> Option<scene::Solver> {
         let stop = self.stop(solver)?;
+        let unrefracted = solver.approximation.value == solver::Approximation::Unrefracted;
+        if unrefracted && solver.angle_medium.value == solver::AngleMedium::Glass {
+            let wrong = mistake::not_with("approximation = \"unrefracted\"", "angle_medium = \"glass\"");
+            let at = solver.approximation.origin.or_override([solver.angle_medium.origin]);
+            self.errors.push(
+                at,
+                wrong.hint("without refraction, the angles in glass are those in air: remove one of the two"),
+            );
+        }
         Some(scene::Solver {
             method: match solver.method.value {
                 solver::Method::Adding => scene::Method::Adding,
@@ -381,10 +388,13 @@ impl Resolver<'_> {
                 solver::Scattering::Guided => Strategy::Guided,
             },
             approximation: match solver.approximation.value {
-                solver::Approximation::None => scene::Approximation::None,
+                solver::Approximation::None | solver::Approximation::Unrefracted => {
+                    scene::Approximation::None
+                }
                 solver::Approximation::SinglePass => scene::Approximation::SinglePass,
             },
             angle_medium: match solver.angle_medium.value {
+                _ if unrefracted => scene::AngleMedium::Unrefracted,
                 solver::AngleMedium::Air => scene::AngleMedium::Air,
                 solver::AngleMedium::Glass => scene::AngleMedium::Glass,
                 solver::AngleMedium::Unrefracted => scene::AngleMedium::Unrefracted,

@@ -1,21 +1,17 @@
-//! The ordinary panel: front of screen, surface or diffuser, glass; and the checks of keys for it only.
+//! The short form of the layers: front of screen, surface or diffuser, glass; and the checks of keys for the ordinary panel only.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{
-    self, AngleMedium, Approximation, Display, FrontComponent, Glass, Layers, Length, Medium, Panel, Ready,
-    Scene,
-};
+use papilio_display::scene::{Display, Interface, Layer, Length, Medium, Ready, Scene, Surface};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
-use super::diffuser::scattering;
-use super::layers::{Part, component_interface, length};
+use super::layers::{Neighbours, Part, length};
 use super::stack::Stack;
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::display as describe;
 use crate::describe::display::ShareSpectrum;
-use crate::describe::pixel::Pixel;
+use crate::describe::solver::{AngleMedium, Approximation};
 use crate::mistake;
 use crate::origin::Origin;
 use crate::read::Spanned;
@@ -36,24 +32,13 @@ fn trapped(theta_deg: f64, limit_deg: f64) -> Diagnostic {
         .expected(format!("less than {limit_deg:.2} deg, including field of view and radius"))
 }
 
-/// The layers of a panel between air and glass.
-enum AboveGlass {
-    Nothing,
-    Lobe(scene::Diffuser),
-    /// Media and interfaces from the air down.
-    Parts(Vec<Part>),
-}
-
 impl Resolver<'_> {
     pub(super) fn display(&mut self, file: &File) -> Option<Display> {
         let display = &file.display;
         self.has_matrix = display.matrix.is_some();
         let layers = match &display.layers.value {
-            Some(layers) => {
-                let layers = self.layers(display, layers);
-                layers.map(|(layers, lengths)| (Layers::General(layers), lengths))
-            }
-            None => self.panel(display),
+            Some(layers) => self.layers(display, layers),
+            None => self.short_form(display),
         };
         let pixel = self.pixel(&display.pixel);
         let matrix = match (&display.matrix.value, &pixel) {
@@ -62,118 +47,71 @@ impl Resolver<'_> {
             }
             _ => Some(None),
         };
-        let (layers, lengths) = layers?;
-        let display = Display { layers, pixel: pixel?, lengths, matrix: matrix? };
+        let display = Display { layers: layers?, pixel: pixel?, matrix: matrix? };
         self.check_filter_height(file, &display);
         Some(display)
     }
 
-    /// Resolves front, surface or diffuser, and glass: an ordinary panel, if there is no volume scattering, the glass is
-    /// clear, and the pixel is not measured; otherwise general layers.
-    fn panel(&mut self, display: &describe::Display) -> Option<(Layers, Vec<Length>)> {
+    /// Resolves the short form of a list of layers: front of screen, surface or diffuser, and glass.
+    fn short_form(&mut self, display: &describe::Display) -> Option<Vec<Layer>> {
         let front = display.front.as_deref().unwrap_or_default();
         self.limit(&display.front, "front components", front.len(), 32)?;
-        let gaps = front.iter().enumerate().map(|(i, component)| match component.gap_mm.value {
-            Some(gap) => Length::Mm(gap.0),
-            None => Length::Missing { key: format!("display.front.{i}.gap_mm") },
-        });
-        let gaps: Vec<Length> = gaps.collect();
         let component = |one: &Spanned<describe::FrontComponent>| {
             self.component((&one.reflectance, &one.absorptance), one.origin)
         };
-        let front: Vec<_> = front.iter().map(component).collect();
+        let components: Vec<_> = front.iter().map(component).collect();
         let glass = self.glass(display);
-        let top = self.top(display, glass.as_ref().map(|(medium, _)| &medium.index));
-        let front = front.into_iter().collect::<Option<Vec<_>>>()?;
-        let (top, (medium, surface)) = (top?, glass?);
-        // The ordinary panel has neither absorbing glass nor a measured pixel.
-        let scatters = matches!(display.pixel.value, Pixel::Measured(_));
-        let plain = medium.transmittance.min() == 1.0 && !scatters;
-        let thickness = display.glass.as_ref().and_then(|glass| glass.thickness_mm.value);
-        let thickness = length("display.glass", &thickness);
-        let panel = |front, diffuser, glass| {
-            let lengths = gaps.iter().cloned().chain([thickness.clone()]).collect();
-            Some((Layers::Panel(Panel { front, diffuser, glass }), lengths))
-        };
-        let parts = match top {
-            AboveGlass::Parts(parts) => parts,
-            AboveGlass::Lobe(diffuser) if plain => {
-                let glass = Glass { index: medium.index, surface };
-                return panel(front, Some(diffuser), glass);
-            }
-            AboveGlass::Nothing if plain => {
-                let glass = Glass { index: medium.index, surface };
-                return panel(front, None, glass);
-            }
-            AboveGlass::Lobe(diffuser) => vec![Part::Interface(Ready::Diffuser(diffuser).into())],
-            AboveGlass::Nothing => vec![Part::Interface(match surface {
-                scene::Surface::IdealAr => Ready::IdealAr.into(),
-                scene::Surface::Fresnel => Ready::Fresnel.into(),
-            })],
-        };
+        let top = self.top(display, glass.as_ref());
+        let components = components.into_iter().collect::<Option<Vec<_>>>()?;
+        let (top, (glass, _)) = (top?, glass?);
         let mut stack = Stack::new(&self.grid);
-        for (component, gap) in front.into_iter().zip(&gaps) {
-            stack.put_above(component_interface(component), gap.clone(), Origin::FILE);
+        for (i, (component, described)) in components.into_iter().zip(front).enumerate() {
+            let gap = match described.gap_mm.value {
+                Some(gap) => Length::Mm(gap.0),
+                None => Length::Missing { key: format!("display.front.{i}.gap_mm") },
+            };
+            stack.put_above(component, gap, Origin::FILE);
         }
         let reflection = display.diffuser.as_ref().and_then(Diffuser::reflection);
-        for part in parts.into_iter().chain([Part::Medium(medium, thickness, Origin::FILE)]) {
+        let thickness = display.glass.as_ref().and_then(|glass| glass.thickness_mm.value);
+        let glass = Part::Medium(glass, length("display.glass", &thickness), Origin::FILE);
+        for part in top.into_iter().chain([glass]) {
             match (part, reflection) {
                 (Part::Medium(medium, length, index_at), _) => stack.fill(medium, length, index_at),
-                (
-                    Part::Interface(interface @ scene::Interface::Ready(Ready::Reflecting(_))),
-                    Some(reflection),
-                ) => {
-                    stack.put(interface, reflection.origin);
+                (Part::Interface(face @ Interface::Ready(Ready::Reflecting(_))), Some(reflection)) => {
+                    stack.put(face, reflection.origin);
                 }
                 (Part::Interface(interface), _) => stack.put(interface, Origin::FILE),
             }
         }
-        let (layers, lengths) = stack.finish(&mut self.errors);
-        Some((Layers::General(layers), lengths))
+        Some(stack.finish(&mut self.errors))
     }
 
-    /// Resolves the layers above glass of this index (`None` if that is unknown).
-    fn top(&mut self, display: &describe::Display, glass: Option<&Spectrum>) -> Option<AboveGlass> {
+    /// Resolves the layers between air and this glass and its surface (`None` if they are unknown).
+    fn top(&mut self, display: &describe::Display, glass: Option<&(Medium, Ready)>) -> Option<Vec<Part>> {
         let path = "display.diffuser";
-        let lobe = match &display.diffuser.value {
-            Some(Diffuser::KCorrelation(lobe)) => (self.k_correlation(lobe), &lobe.reflection),
-            Some(Diffuser::Lambertian(lobe)) => (self.lambertian(lobe), &lobe.reflection),
-            Some(Diffuser::Ward(ward)) => {
-                let face = scattering(self.ward(path, ward)?);
-                let interface = self.with_reflection(face, &ward.reflection)?;
-                return Some(AboveGlass::Parts(vec![Part::Interface(interface)]));
-            }
-            Some(Diffuser::Measured(diffuser)) => {
-                return self.measured_over(path, diffuser, glass?).map(AboveGlass::Parts);
-            }
-            Some(Diffuser::Microgeometry(face)) => {
-                let air = Spectrum::constant(&self.grid, 1.0);
-                let face = self.microgeometry(path, face, [&air, glass?])?;
-                return Some(AboveGlass::Parts(vec![Part::Interface(face)]));
-            }
+        match &display.diffuser.value {
+            None => Some(vec![Part::Interface(glass?.1.clone().into())]),
             Some(Diffuser::Slab(slab)) => {
                 let length = length(path, &slab.thickness_mm);
                 let slab = self.slab(path, slab)?;
-                return Some(AboveGlass::Parts(vec![
-                    Part::Interface(Ready::Fresnel.into()),
-                    Part::Medium(slab, length, Origin::FILE),
-                ]));
+                let slab = Part::Medium(slab, length, Origin::FILE);
+                Some(vec![Part::Interface(Ready::Fresnel.into()), slab])
             }
-            None => return Some(AboveGlass::Nothing),
-        };
-        // A diffuser that reflects is no part of an ordinary panel.
-        let (diffuser, reflection) = (lobe.0?, lobe.1);
-        Some(match self.with_reflection(Ready::Diffuser(diffuser), reflection)? {
-            scene::Interface::Ready(Ready::Diffuser(diffuser)) => AboveGlass::Lobe(diffuser),
-            interface => AboveGlass::Parts(vec![Part::Interface(interface)]),
-        })
+            Some(Diffuser::Measured(_) | Diffuser::Microgeometry(_)) if glass.is_none() => None,
+            Some(diffuser) => {
+                let air = Spectrum::constant(&self.grid, 1.0);
+                let media = Neighbours { above: &air, below: glass.map(|(medium, _)| &medium.index) };
+                self.btdf(path, &diffuser.btdf()?, media)
+            }
+        }
     }
 
     pub(super) fn component(
         &mut self,
         (reflectance_spec, absorptance_spec): (&Spanned<ShareSpectrum>, &Spanned<ShareSpectrum>),
         origin: Origin,
-    ) -> Option<FrontComponent> {
+    ) -> Option<Interface> {
         let reflectance = self.share(reflectance_spec, reflectance_spec.origin);
         let absorptance = self.share(absorptance_spec, absorptance_spec.origin);
         let (reflectance, absorptance) = (reflectance?, absorptance?);
@@ -185,11 +123,11 @@ impl Resolver<'_> {
             self.errors.push(at, mistake::sum(what, sum, "at most 1"));
             return None;
         }
-        Some(FrontComponent { reflectance, absorptance })
+        Some(Ready::component(reflectance, absorptance).into())
     }
 
     /// Resolves the glass and its surface.
-    fn glass(&mut self, display: &describe::Display) -> Option<(Medium, scene::Surface)> {
+    fn glass(&mut self, display: &describe::Display) -> Option<(Medium, Ready)> {
         let glass = display.glass.as_ref()?;
         let wrong = match (&display.diffuser.value, glass.surface.value) {
             (Some(Diffuser::Slab(_)), Some(_)) => {
@@ -208,8 +146,8 @@ impl Resolver<'_> {
         let absorption = (&glass.internal_transmittance, &glass.thickness_mm);
         let medium = self.medium("display.glass", &glass.index, absorption)?;
         let surface = match glass.surface.value {
-            None | Some(describe::Surface::IdealAr) => scene::Surface::IdealAr,
-            Some(describe::Surface::Fresnel) => scene::Surface::Fresnel,
+            None | Some(describe::Surface::IdealAr) => Ready::IdealAr,
+            Some(describe::Surface::Fresnel) => Ready::Fresnel,
         };
         Some((medium, surface))
     }
@@ -231,9 +169,9 @@ impl Resolver<'_> {
     /// Checks the keys for the ordinary panel only: angles in other media than air, and single-pass.
     pub(super) fn check_panel(&mut self, file: &File, scene: &Scene) {
         self.check_front_light(file, scene);
-        let Layers::General(_) = scene.display.layers else {
+        if scene.display.panel().is_some() {
             return self.check_angles(file, scene);
-        };
+        }
         let (display, solver) = (&file.display, &file.solver);
         let mut causes = vec![display.layers.origin, display.diffuser.origin, display.glass.origin];
         causes.push(display.pixel.model());
@@ -242,7 +180,7 @@ impl Resolver<'_> {
         causes.extend(reflection.map(|reflection| reflection.origin));
         causes.extend(display.glass.as_ref().map(|glass| glass.internal_transmittance.origin));
         causes.extend(display.glass.as_ref().map(|glass| glass.thickness_mm.origin));
-        let what = match scene.solver.angle_medium {
+        let what = match solver.angle_medium.value {
             AngleMedium::Air => None,
             AngleMedium::Glass => Some("angle_medium = \"glass\""),
             AngleMedium::Unrefracted => Some("angle_medium = \"unrefracted\""),
@@ -251,8 +189,12 @@ impl Resolver<'_> {
             let at = solver.angle_medium.origin.or_override(causes.iter().copied());
             self.errors.push(at, needs_panel(what, "angle_medium = \"air\""));
         }
-        if scene.solver.approximation == Approximation::SinglePass {
-            let what = "approximation = \"single-pass\"";
+        let what = match solver.approximation.value {
+            Approximation::None => None,
+            Approximation::SinglePass => Some("approximation = \"single-pass\""),
+            Approximation::Unrefracted => Some("approximation = \"unrefracted\""),
+        };
+        if let Some(what) = what {
             let at = solver.approximation.origin.or_override(causes);
             self.errors.push(at, needs_panel(what, "approximation = \"none\""));
         }
@@ -260,21 +202,21 @@ impl Resolver<'_> {
 
     /// Checks angles in glass, which are for a bare panel of one index, and for light that leaves the glass.
     fn check_angles(&mut self, file: &File, scene: &Scene) {
-        if scene.solver.angle_medium != AngleMedium::Glass {
+        if file.solver.angle_medium.value != AngleMedium::Glass {
             return;
         }
         let panel = scene.display.panel();
-        let needs = if panel.is_none_or(|panel| panel.diffuser.is_some()) {
+        let needs = if panel.as_ref().is_none_or(|panel| panel.diffuser.is_some()) {
             "a panel without diffuser"
         } else if !scene.display.index_above_pixel().is_constant() {
             "a glass of the same index at all wavelengths"
-        } else if panel.is_some_and(|panel| panel.glass.surface != scene::Surface::IdealAr) {
+        } else if panel.is_some_and(|panel| panel.glass.surface != Surface::IdealAr) {
             "surface = \"ideal-ar\""
         } else {
             return self.check_trapped(file, scene);
         };
         let display = &file.display;
-        let mut causes = vec![display.diffuser.origin, display.glass.origin];
+        let mut causes = vec![display.layers.origin, display.diffuser.origin, display.glass.origin];
         causes.extend(display.glass.iter().flat_map(|glass| [glass.index.origin, glass.surface.origin]));
         let at = file.solver.angle_medium.origin.or_override(causes);
         let wrong = Diagnostic::new(format!("angles in glass need {needs}"))

@@ -143,9 +143,9 @@ fn fills(diffuser: &ReflectingDiffuser, wide: impl Fn(&scene::Diffuser) -> bool)
 }
 
 /// True if a layer scatters light beyond |beta| = 1.
-fn fills_glass(layers: &scene::Layers) -> bool {
+fn fills_glass(layers: &[scene::Layer]) -> bool {
     let wide = |diffuser: &scene::Diffuser| matches!(diffuser.lobe, Lobe::KCorrelation { .. });
-    let layer = |layer: &scene::Layer| {
+    layers.iter().any(|layer| {
         layer.medium.scattering.is_some()
             || match &layer.interface {
                 scene::Interface::Ready(Ready::Diffuser(diffuser)) => wide(diffuser),
@@ -153,9 +153,5 @@ fn fills_glass(layers: &scene::Layers) -> bool {
                 scene::Interface::Rough { .. } => true,
                 _ => false,
             }
-    };
-    match layers {
-        scene::Layers::Panel(panel) => panel.diffuser.as_ref().is_some_and(wide),
-        scene::Layers::General(layers) => layers.iter().any(layer),
-    }
+    })
 }

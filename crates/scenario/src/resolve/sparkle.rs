@@ -1,7 +1,7 @@
 //! `[sparkle]`: the antiglare face.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{self, Interface, Layers, Ready, Scene};
+use papilio_display::scene::{self, Interface, Ready, Scene};
 use papilio_display::spatial::{Antiglare, Face};
 use papilio_optics::RandomFace;
 
@@ -66,7 +66,7 @@ impl Resolver<'_> {
                     self.errors.push(at, with_reason(wrong));
                     return None;
                 };
-                (gaussian(slope_rms, lengths), 0)
+                (gaussian(slope_rms, lengths), scene.display.surface())
             }
         };
         Some(Antiglare {
@@ -94,10 +94,7 @@ impl Resolver<'_> {
         match (&table.slope_rms.value, &table.haze.value) {
             (Some(slope), None) => Some(slope.0),
             (None, Some(haze)) => {
-                let index = match &scene.display.layers {
-                    Layers::Panel(panel) => &panel.glass.index,
-                    Layers::General(layers) => &layers[0].medium.index,
-                };
+                let index = &scene.display.layers[scene.display.surface()].medium.index;
                 let nm = self.grid.wavelengths_nm();
                 let nearest = (0..nm.len())
                     .min_by(|a, b| (nm[*a] - INDEX_NM).abs().total_cmp(&(nm[*b] - INDEX_NM).abs()));
@@ -129,8 +126,11 @@ impl Resolver<'_> {
     /// Returns the layer whose heights are known, with its number in the scene: a rough one with
     /// `correlation_um`, or else the only surface by its geometry.
     fn known_face(&mut self, file: &File, scene: &Scene) -> Option<(KnownFace, usize)> {
-        let Layers::General(resolved) = &scene.display.layers else { return None };
-        let layers: &[Spanned<Layer>] = file.display.value.layers.value.as_deref()?;
+        let Some(layers) = file.display.layers.as_deref() else {
+            // In the short form only the diffuser can have known heights.
+            let (_, face) = self.known_faces.first()?;
+            return Some((face.clone(), scene.display.surface()));
+        };
         let (mut rough, mut surfaces) = (Vec::new(), Vec::new());
         for (number, layer) in layers.iter().enumerate() {
             match &layer.value {
@@ -168,7 +168,7 @@ impl Resolver<'_> {
             _ => false,
         };
         let before = layers[..number].iter().filter(in_file).count();
-        let mut faces = resolved.iter().enumerate().filter(|(_, layer)| in_scene(layer));
+        let mut faces = scene.display.layers.iter().enumerate().filter(|(_, layer)| in_scene(layer));
         faces.nth(before).map(|(number, _)| (face, number))
     }
 

@@ -12,8 +12,6 @@ use crate::origin::Origin;
 /// A stack of layers that grows from the air downwards.
 pub(super) struct Stack {
     layers: Vec<Layer>,
-    /// Thickness of the medium of each layer.
-    lengths: Vec<Length>,
     /// An interface without a medium below it yet, and the thickness of the medium above it, should that continue below.
     waiting: Option<(Interface, Length, Origin)>,
     /// Index of the lowest medium so far, and its place.
@@ -24,7 +22,7 @@ pub(super) struct Stack {
 impl Stack {
     pub(super) fn new(grid: &Grid) -> Self {
         let above = (Spectrum::constant(grid, 1.0), Origin::FILE);
-        Self { layers: Vec::new(), lengths: Vec::new(), waiting: None, above, mistakes: Vec::new() }
+        Self { layers: Vec::new(), waiting: None, above, mistakes: Vec::new() }
     }
 
     /// Adds an interface. An interface directly above it is then inside the medium above both, at the same place.
@@ -38,9 +36,9 @@ impl Stack {
         self.waiting = Some((interface, below, origin));
     }
 
-    /// Adds a medium; `index_at` is the place of its index. Without an interface above it, there is a bare interface
-    /// if the index changes.
-    pub(super) fn fill(&mut self, medium: Medium, length: Length, index_at: Origin) {
+    /// Adds a medium of this thickness; `index_at` is the place of its index. Without an interface above it, there is a
+    /// bare interface if the index changes.
+    pub(super) fn fill(&mut self, medium: Medium, thickness: Length, index_at: Origin) {
         let (interface, _, origin) =
             self.waiting.take().unwrap_or((Ready::Fresnel.into(), Length::Mm(0.0), Origin::FILE));
         let (above, below) = (&self.above.0, &medium.index);
@@ -59,23 +57,21 @@ impl Stack {
         let interface =
             if same && interface == Ready::Fresnel.into() { Ready::Open.into() } else { interface };
         self.above = (medium.index.clone(), index_at);
-        self.layers.push(Layer { interface, medium });
-        self.lengths.push(length);
+        self.layers.push(Layer { interface, medium, thickness });
     }
 
-    /// Returns the layers, and the thickness of the medium of each; mistakes are added to `errors`.
-    pub(super) fn finish(mut self, errors: &mut Errors) -> (Vec<Layer>, Vec<Length>) {
+    /// Returns the layers; mistakes are added to `errors`.
+    pub(super) fn finish(mut self, errors: &mut Errors) -> Vec<Layer> {
         self.close();
         self.mistakes.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
-        (self.layers, self.lengths)
+        self.layers
     }
 
     /// Places a last interface inside the medium above it.
     fn close(&mut self) {
         if let Some((_, below, _)) = &self.waiting {
             let (length, (index, at)) = (below.clone(), self.above.clone());
-            let transmittance = index.map(|_| 1.0);
-            self.fill(Medium { index, transmittance, scattering: None }, length, at);
+            self.fill(Medium::clear(index), length, at);
         }
     }
 }

@@ -3,16 +3,15 @@
 use std::path::Path;
 
 use crate::common::{GOOD, LAYERED, NO_REFLECTION, changed, changed_in, resolve};
-use papilio_display::scene::{Distribution, Interface, Layer, Layers, Lobe, Ready, Thickness};
+use papilio_display::scene::{Distribution, Interface, Layer, Lobe, Ready, Thickness};
 use papilio_scenario::Resolved;
 
 fn resolved(text: &str, sets: &[&str]) -> Resolved {
     resolve(text, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"))
 }
 
-pub(crate) fn general(resolved: &Resolved) -> &[Layer] {
-    let Layers::General(layers) = &resolved.scene.display.layers else { panic!("an ordinary panel") };
-    layers
+pub(crate) fn layers_of(resolved: &Resolved) -> &[Layer] {
+    &resolved.scene.display.layers
 }
 
 /// Each interface in one word, with the index of the medium below it.
@@ -40,7 +39,7 @@ fn pixel_under(layers: &str) -> String {
 #[test]
 fn layers_of_all_kinds_resolve() {
     let resolved = resolved(LAYERED, &[]);
-    let layers = general(&resolved);
+    let layers = layers_of(&resolved);
     let expected = [
         ("sheet", 1.0), // in the air, for the coating is the next face
         ("coating", 1.5),
@@ -78,7 +77,7 @@ fn ward_diffuser_in_panel_and_layer_has_its_transmittance() {
     let lobe = "model = \"k-correlation\"\nhaze = 0.78";
     let ward = "model = \"ward\"\nalpha = 0.2\nnormalisation = \"ward\"\nregular_fraction = 0.1";
     let panel = resolved(&GOOD.replace(lobe, ward), &[]);
-    let layers = general(&panel);
+    let layers = layers_of(&panel);
     assert_eq!(outline(layers), [("sheet", 1.0), ("scatter", 1.5)]);
     let Interface::Ready(Ready::Scatter(face)) = &layers[1].interface else { panic!("no face") };
     // Of rho = 1 the lobe sends 0.895 along the normal, and a tenth passes straight.
@@ -86,7 +85,7 @@ fn ward_diffuser_in_panel_and_layer_has_its_transmittance() {
     assert!((face.straight()[3] - expected).abs() < 1e-4, "{} {expected}", face.straight()[3]);
     let layer =
         "{ kind = \"diffuser\", model = \"ward\", alpha = 0.1, transmittance = 0.9 }, { kind = \"medium\" }";
-    assert_eq!(outline(general(&resolved(&pixel_under(layer), &[]))), [("scatter", 1.5)]);
+    assert_eq!(outline(layers_of(&resolved(&pixel_under(layer), &[]))), [("scatter", 1.5)]);
     for (wrong, right) in
         [("alpha = 2", "a number from 0.005 to 1"), ("alpha = 0.1\nwidth = 0.1", "k-correlation")]
     {
@@ -98,7 +97,7 @@ fn ward_diffuser_in_panel_and_layer_has_its_transmittance() {
 
 #[test]
 fn interfaces_between_media_are_completed() {
-    let outline = |layers: &str| outline(general(&resolved(&pixel_under(layers), &[])));
+    let outline = |layers: &str| outline(layers_of(&resolved(&pixel_under(layers), &[])));
     let glass = "{ kind = \"medium\", index = 1.5 }";
     let air = "{ kind = \"medium\", index = \"air\" }";
     let sheet = "{ kind = \"component\", reflectance = 0.1 }";
@@ -126,14 +125,14 @@ fn interfaces_between_media_are_completed() {
 fn slab_as_diffuser_has_interfaces() {
     let slab = "model = \"slab\"\noptical_thickness = 1\nanisotropy = 0.9";
     let text = changed(&[("model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9", slab)]);
-    let layers = |sets: &[&str]| outline(general(&resolved(&text, sets)));
+    let layers = |sets: &[&str]| outline(layers_of(&resolved(&text, sets)));
     assert_eq!(layers(&[]), [("sheet", 1.0), ("fresnel", 1.5), ("open", 1.5)]);
     assert_eq!(
         layers(&["display.diffuser.index=1.6", "display.front=[]"]),
         [("fresnel", 1.6), ("fresnel", 1.5)]
     );
     assert_eq!(layers(&["display.diffuser.index=1"]), [("sheet", 1.0), ("open", 1.0), ("fresnel", 1.5)]);
-    let scattering = general(&resolved(&text, &[]))[1].medium.scattering.clone().unwrap();
+    let scattering = layers_of(&resolved(&text, &[]))[1].medium.scattering.clone().unwrap();
     assert!(scattering.albedo.iter().all(|albedo| *albedo == 1.0));
 }
 
@@ -142,8 +141,8 @@ fn absorbing_glass_resolves_to_general_layers() {
     let is_panel = |sets: &[&str]| resolved(GOOD, sets).scene.display.panel().is_some();
     assert!(is_panel(&[]) && is_panel(&["display.glass.internal_transmittance=1"]));
     let absorbing = resolved(GOOD, &["display.glass.internal_transmittance=0.9"]);
-    assert_eq!(outline(general(&absorbing)), [("sheet", 1.0), ("diffuser", 1.5)]);
-    assert_eq!(general(&absorbing)[1].medium.transmittance[0], 0.9);
+    assert_eq!(outline(layers_of(&absorbing)), [("sheet", 1.0), ("diffuser", 1.5)]);
+    assert_eq!(layers_of(&absorbing)[1].medium.transmittance[0], 0.9);
     let (start, end) = (GOOD.find("[display.diffuser]").unwrap(), GOOD.find("[display.glass]").unwrap());
     let bare = format!("{}{}", &GOOD[..start], &GOOD[end..]);
     for face in ["coated", "fresnel"] {
@@ -152,7 +151,7 @@ fn absorbing_glass_resolves_to_general_layers() {
             &bare,
             &["display.glass.index={ n = 1.5, k = 1e-4 }", "display.glass.thickness_mm=0.1", &surface],
         );
-        assert_eq!(outline(general(&layers)), [("sheet", 1.0), (face, 1.5)]);
+        assert_eq!(outline(layers_of(&layers)), [("sheet", 1.0), (face, 1.5)]);
     }
     // A glass without k stays clear, whatever its thickness; a note says so.
     let thick = resolved(GOOD, &["display.glass.thickness_mm=2"]);
@@ -168,7 +167,7 @@ fn absorbing_glass_resolves_to_general_layers() {
     ] {
         let text = changed(&[("index = 1.5", &format!("{absorbs}\n{file}"))]);
         let both = resolved(&text, &[set]);
-        assert!(general(&both)[1].medium.transmittance.iter().all(|t| *t == 0.9), "{set}");
+        assert!(layers_of(&both)[1].medium.transmittance.iter().all(|t| *t == 0.9), "{set}");
         assert!(both.notes.iter().any(|note| note.contains("the transmittance of this thickness")));
     }
 }
@@ -419,7 +418,7 @@ fn coating_without_medium_below_is_noted() {
 fn rough_interface_with_beckmann_slopes_resolves() {
     for set in ["display.layers.3.distribution=beckmann", "display.layers.3.distribution='beckmann'"] {
         let resolved = resolved(LAYERED, &[set]);
-        let Interface::Rough { alpha, distribution } = general(&resolved)[2].interface else {
+        let Interface::Rough { alpha, distribution } = layers_of(&resolved)[2].interface else {
             panic!("not rough")
         };
         assert_eq!((alpha, distribution), (0.3, Distribution::Beckmann));
@@ -429,7 +428,7 @@ fn rough_interface_with_beckmann_slopes_resolves() {
 /// The file alone is valid: the error is at the `--set`.
 #[test]
 fn mistakes_caused_by_set_are_reported_at_the_set() {
-    let unrefracted = format!("{GOOD}[solver]\nangle_medium = \"unrefracted\"\n");
+    let unrefracted = format!("{GOOD}[solver]\napproximation = \"unrefracted\"\n");
     let cases = [
         (LAYERED, "display.layers.3.kind=medium", "`alpha` cannot be combined"),
         (LAYERED, "display.layers.4.index=1.5", "the same index"),

@@ -20,3 +20,4 @@ mod remarks;
 mod schema;
 mod set_and_presets;
 mod surfaces;
+mod two_forms;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::common::{GOOD, LAYERED, changed, resolve, shipped};
 use papilio_display::DisplayError;
-use papilio_display::scene::{Display, Layers, Length, Matrix, Rectangle};
+use papilio_display::scene::{Display, Length, Matrix, Rectangle};
 use papilio_scenario::{Resolved, Scenario};
 
 /// The valid scenario with this matrix.
@@ -282,14 +282,9 @@ fn wrong_matrices_are_refused_at_their_places() {
     }
 }
 
-/// Lengths of a display, the number of its media, and the missing key, if there is any.
+/// Lengths of a display, or the missing key.
 fn lengths(text: &str, sets: &[&str]) -> Result<Vec<f64>, String> {
     let display = resolved(text, sets).scene.display;
-    let media = match &display.layers {
-        Layers::Panel(panel) => panel.front.len() + 1,
-        Layers::General(layers) => layers.len(),
-    };
-    assert_eq!(display.lengths.len(), media);
     match display.lengths_mm() {
         Ok(lengths) => Ok(lengths),
         Err(DisplayError::MissingLength { key, .. }) => Err(key),
@@ -352,7 +347,7 @@ fn foil_over_an_air_gap_needs_the_gap() {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
         Scenario::from_text(&text, "h78.toml", &shipped(), &sets).unwrap().resolve().unwrap()
     };
-    let last = |display: &Display| display.lengths[display.lengths.len() - 2].clone();
+    let last = |display: &Display| display.layers[display.layers.len() - 2].thickness.clone();
     let sets = ["display.glass.thickness_mm=1", "display.diffuser.mounting=air"];
     let display = resolved(&sets).scene.display;
     assert_eq!(last(&display), Length::Missing { key: "display.diffuser.gap_mm".to_owned() });
@@ -416,7 +411,9 @@ fn matrix_and_lengths_change_no_layer() {
     let [mut one, mut other] = [plain.scene, placed.scene];
     assert_ne!(one, other);
     for scene in [&mut one, &mut other] {
-        scene.display.lengths.clear();
+        for layer in &mut scene.display.layers {
+            layer.thickness = Length::Mm(0.0);
+        }
         scene.display.matrix = None;
     }
     assert_eq!(one, other);

@@ -6,7 +6,7 @@ use papilio_formats::{BsdfFormat, DataFile, LARGEST_BSDF_FILE, read_bsdf, write_
 use papilio_scenario::Scenario;
 
 use crate::common::{NO_REFLECTION, changed, resolve, shipped};
-use crate::layers::{general, outline};
+use crate::layers::{layers_of, outline};
 
 const LOBE: &str = "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9";
 
@@ -53,23 +53,38 @@ fn wrong_keys_of_measured_diffusers_are_refused_at_their_places() {
     }
 }
 
+/// In a list, a foil is mounted on the medium below it, as `[display.diffuser]` on the glass.
 #[test]
-fn mounting_in_layers_is_refused() {
-    let layers = |mounting: &str| {
-        format!(
-            "[display]\nlayers = [{{ kind = \"diffuser\", model = \"measured\", file = \"data/H78-raw.bsdf\", \
-             extrapolate = \"hold\"{mounting} }}, {{ kind = \"medium\" }}]\n[display.pixel]\nmodel = \"uniform\"\n\
-             kind = \"mirror\"\nreflectance = {{ white = 0.6, black = 0.05 }}\n"
-        )
+fn mounting_in_layers_is_that_of_the_medium_below() {
+    let pixel = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.6, black = 0.05 }\n";
+    let foil = |keys: &str| format!("model = \"measured\", file = \"data/H78-raw.bsdf\", {keys}");
+    let list = |keys: &str, below: &str| {
+        let foil = foil(keys);
+        format!("[display]\nlayers = [{{ kind = \"diffuser\", {foil} }}{below}]\n{pixel}")
     };
-    assert!(resolve(&layers(""), &shipped(), &[]).is_ok());
-    let shown = refusal(&layers(", mounting = \"laminated\""));
-    assert!(shown.contains("`mounting` cannot be combined with `[[display.layers]]`"), "{shown}");
-    let shown = refusal(&layers("").replace("hold", "glass"));
-    assert!(
-        shown.contains("`extrapolate = \"glass\"` cannot be combined with `[[display.layers]]`"),
-        "{shown}"
-    );
+    let medium = ", { kind = \"medium\", index = 1.6 }";
+    let short = |keys: &str| {
+        format!("[display]\ndiffuser = {{ {} }}\nglass = {{ index = 1.6 }}\n{pixel}", foil(keys))
+    };
+    let interfaces = |text: &str| {
+        let layers = resolve(text, &shipped(), &[]).unwrap_or_else(|e| panic!("{e}")).scene.display.layers;
+        layers.into_iter().map(|layer| (layer.interface, layer.medium)).collect::<Vec<_>>()
+    };
+    for keys in [
+        "extrapolate = \"hold\"",
+        "extrapolate = \"glass\"",
+        "mounting = \"laminated\"",
+        "mounting = \"air\", gap_mm = 0.2",
+    ] {
+        assert!(interfaces(&list(keys, medium)) == interfaces(&short(keys)), "{keys}");
+    }
+    for (keys, words) in [
+        ("mounting = \"laminated\"", "no medium follows this foil"),
+        ("extrapolate = \"glass\"", "cannot be combined with a foil without a medium below it"),
+    ] {
+        let shown = refusal(&list(keys, ""));
+        assert!(shown.contains(words), "{shown}");
+    }
 }
 
 /// In a panel, the mounting defines the layers below the foil.
@@ -83,7 +98,7 @@ fn mounting_sets_the_layers_below_the_foil() {
         let resolved =
             resolve(&measured("data/H78-raw.bsdf", &format!("mounting = \"{mounting}\"")), &shipped(), &[]);
         let resolved = resolved.unwrap();
-        let layers = outline(general(&resolved));
+        let layers = outline(layers_of(&resolved));
         assert_eq!(layers[layers.len() - below.len()..], *below, "{mounting}");
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use papilio_display::scene::{Layers, Pixel, Scene};
+use papilio_display::scene::{Pixel, Scene};
 use papilio_formats::{BsdfFormat, write_measurement};
 use papilio_goniometry::{Channel, Instrument, Measurement, ScatterMode, SpecularGrid, Symmetry, View};
 use papilio_optics::lobe::Lobe;
@@ -78,7 +78,7 @@ fn scene(path: &str) -> Scene {
 #[test]
 fn kernel_of_pixel_equals_that_of_its_paper() {
     let scene = scene("epaper-measured.toml");
-    assert!(matches!(scene.display.layers, Layers::General(_)));
+    assert!(scene.display.panel().is_none());
     let Pixel::Scattering(pixel) = &scene.display.pixel else { panic!("not a scattering pixel") };
     assert_eq!(pixel.states.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["white", "black"]);
     for ((_, kernel), parameters) in pixel.states.iter().zip([WHITE, BLACK]) {

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use papilio_display::scene::{
-    Interface, Layers, Lobe, LobeReflection, Ready, ReflectedLobe, ReflectingDiffuser,
-};
+use papilio_display::scene::{Interface, Lobe, LobeReflection, Ready, ReflectedLobe, ReflectingDiffuser};
 use papilio_scenario::Resolved;
 
 use crate::common::{GOOD, LAYERED, NO_REFLECTION, changed, changed_in, resolve};
@@ -20,8 +18,7 @@ fn resolved(text: &str, sets: &[&str]) -> Resolved {
 
 /// Returns the reflecting diffusers of a resolved display.
 fn diffusers(resolved: &Resolved) -> Vec<&ReflectingDiffuser> {
-    let Layers::General(layers) = &resolved.scene.display.layers else { panic!("an ordinary panel") };
-    let found = layers.iter().filter_map(|layer| match &layer.interface {
+    let found = resolved.scene.display.layers.iter().filter_map(|layer| match &layer.interface {
         Interface::Ready(Ready::Reflecting(diffuser)) => Some(&**diffuser),
         _ => None,
     });

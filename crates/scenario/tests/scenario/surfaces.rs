@@ -321,11 +321,8 @@ fn faces_are_layers_between_known_media() {
     };
     let hemispheres = "surface = \"hemispheres.toml\"\nrays = 64";
     let found = resolved(hemispheres, "1.6").unwrap_or_else(|error| panic!("{error}"));
-    let papilio_display::scene::Layers::General(layers) = &found.scene.display.layers else {
-        panic!("a panel")
-    };
     let papilio_display::scene::Interface::Ready(papilio_display::scene::Ready::Scatter(face)) =
-        &layers[0].interface
+        &found.scene.display.layers[0].interface
     else {
         panic!("no face")
     };
