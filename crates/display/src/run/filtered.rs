@@ -23,14 +23,17 @@ pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     if run.scene.solver.method == Method::MonteCarlo {
         return by_paths(run);
     }
-    let Some(filtered) = Filtered::new(run.setup)? else { return Err(DisplayError::FilterWithoutPlace) };
+    let Some(filtered) = Filtered::new(run.setup, run.control)? else {
+        return Err(DisplayError::FilterWithoutPlace);
+    };
     let (mut failure, nodes) = (None, Cell::new(0));
     let result = run_levels(
         run,
         filtered.finest(),
         |level| {
             samples(run, &filtered, level, &nodes).unwrap_or_else(|error| {
-                failure = Some(error);
+                // What is stopped has the levels before.
+                failure = Some(error).filter(|error| !matches!(error, DisplayError::Interrupted));
                 None
             })
         },

@@ -3,8 +3,6 @@
 //! Light by place (spreads, kernels, lines, text, patterns) would take the transform at many frequencies in the plane; it is left to
 //! Monte Carlo.
 
-use std::sync::atomic::AtomicBool;
-
 use num_complex::Complex64;
 use papilio_transport::adding::{self, LayeredSpread, NotCovered};
 use papilio_transport::{Layered, ReflectanceFactor, Source};
@@ -16,7 +14,7 @@ use super::target::{USUAL_TARGET, target};
 use super::{LineContrast, MtfView};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
-use crate::run::{Control, Workers, each, finest};
+use crate::run::{Workers, each, finest};
 use crate::setup::ViewPoint;
 
 /// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles per mm.
@@ -64,6 +62,9 @@ fn append(all: &mut Measured, farther: &Measured) {
 
 /// Returns the error for light whose places are not computed by adding.
 fn not_covered(why: NotCovered) -> DisplayError {
+    if why == NotCovered::Stopped {
+        return DisplayError::Interrupted;
+    }
     DisplayError::PlacesByPaths {
         what: format!("{why} ([[display.layers]])"),
         key: if why == NotCovered::Pixel { "display.pixel" } else { "display.layers" }.to_owned(),
@@ -82,12 +83,7 @@ struct Prepared<'a> {
 
 impl Frame<'_> {
     /// Computes how sharp the display is in a view.
-    pub(super) fn layered_view(
-        &self,
-        stack: &Layered,
-        view: &ViewPoint,
-        control: &Control<'_>,
-    ) -> Result<MtfView, DisplayError> {
+    pub(super) fn layered_view(&self, stack: &Layered, view: &ViewPoint) -> Result<MtfView, DisplayError> {
         let by_paths = |what: &str, key: &str| DisplayError::PlacesByPaths {
             what: what.to_owned(),
             key: key.to_owned(),
@@ -101,7 +97,7 @@ impl Frame<'_> {
         let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
         let mut frequencies = self.frequencies.clone();
         let first = at_level(0)?;
-        let mut coarse = self.measured(&first, &frequencies, control)?;
+        let mut coarse = self.measured(&first, &frequencies)?;
         let mut reach = self.highest();
         while self.is_falling(&coarse) && reach < SEARCHED * self.highest() {
             reach *= FARTHER;
@@ -110,17 +106,17 @@ impl Frame<'_> {
                 frequencies.push(last * STEP);
                 farther.extend(frequencies.last());
             }
-            append(&mut coarse, &self.measured(&first, &farther, control)?);
+            append(&mut coarse, &self.measured(&first, &farther)?);
         }
         drop(first);
-        let mut fine = self.measured(&at_level(1)?, &frequencies, control)?;
+        let mut fine = self.measured(&at_level(1)?, &frequencies)?;
         let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
         widen(&mut coarse, &fine, factor);
         for level in 2..=finest {
             if self.largest_error(&coarse, &fine) <= target {
                 break;
             }
-            let finer = self.measured(&at_level(level)?, &frequencies, control)?;
+            let finer = self.measured(&at_level(level)?, &frequencies)?;
             coarse = std::mem::replace(&mut fine, finer);
             widen(&mut coarse, &fine, factor);
         }
@@ -175,12 +171,10 @@ impl Frame<'_> {
         view: &ViewPoint,
         level: u32,
     ) -> Result<Prepared<'s>, DisplayError> {
-        let (setup, stop) = (self.setup, AtomicBool::new(false));
+        let (setup, stop) = (self.setup, self.control.stop);
         let meter = Meter::new(setup);
-        let mut kernel = adding::Kernel::new(level).without_ledger();
-        let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
-        let factors = kernel.seen(&setup.stack, 0);
-        let spread = LayeredSpread::new(stack, lengths_mm, view.field, &setup.sources, level);
+        let factors = setup.seen(view, level, self.control)?;
+        let spread = LayeredSpread::new(stack, lengths_mm, view.field, &setup.sources, level, stop);
         let lit: Vec<PixelLight> = meter.pixel_lights().into_iter().filter(PixelLight::is_seen).collect();
         // Seen along the normal, light without an azimuth is the same along both axes.
         let is_round = lit.iter().all(|light| setup.sources[light.source] == Source::Diffuse)
@@ -200,9 +194,8 @@ impl Frame<'_> {
         &self,
         Prepared { spread, axes, from_faces, factors, lit }: &Prepared<'_>,
         frequencies: &[f64],
-        control: &Control<'_>,
     ) -> Result<Measured, DisplayError> {
-        let (setup, axes) = (self.setup, *axes);
+        let (setup, control, axes) = (self.setup, self.control, *axes);
         let seen: Vec<_> = lit
             .iter()
             .map(|light| adding::Seen {

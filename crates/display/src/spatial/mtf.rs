@@ -62,7 +62,7 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         });
     }
     let setup = Setup::with_filter(scene)?;
-    let frame = Frame::new(&setup, patterns)?;
+    let frame = Frame::new(&setup, patterns, control)?;
     let placed = paths.then(|| Placed::new(&setup)).transpose()?;
     let mut workers = None;
     // Paths of one view run on all threads.
@@ -78,7 +78,7 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
             Some(placed) => mtf_walk::view(&frame, placed, *number, control)?,
             None => match &setup.stack {
                 Stack::Panel(_) => frame.view(&setup.views[*number])?,
-                Stack::Layered(stack) => frame.layered_view(stack, &setup.views[*number], control)?,
+                Stack::Layered(stack) => frame.layered_view(stack, &setup.views[*number])?,
             },
         };
         (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
@@ -114,14 +114,14 @@ fn largest_error<'a>(states: impl Iterator<Item = &'a MtfState>) -> f64 {
 /// does not know them: without thickness, below general layers or a colour filter.
 ///
 /// # Errors
-/// If the scene is invalid.
-pub(crate) fn sharpness(scene: &Scene) -> Result<Option<Sharpness>, DisplayError> {
+/// If the computation was stopped.
+pub(crate) fn sharpness(setup: &Setup, control: &Control<'_>) -> Result<Option<Sharpness>, DisplayError> {
+    let (scene, patterns) = (&setup.scene, Patterns::default());
     if scene.display.matrix.is_none() || scene.display.filter().is_some() {
         return Ok(None);
     }
-    let (setup, patterns) = (Setup::new(scene)?, Patterns::default());
     let (Stack::Panel(_), Some(view)) = (&setup.stack, setup.views.first()) else { return Ok(None) };
-    let measured = Frame::new(&setup, &patterns).and_then(|frame| {
+    let measured = Frame::new(setup, &patterns, control).and_then(|frame| {
         let level = Level { digits: DIGITS[0], most_per_mm: frame.highest(), is_fine: false };
         Ok(frame.sharpness(&frame.measure(view, level)?))
     });
@@ -134,6 +134,7 @@ pub(crate) fn sharpness(scene: &Scene) -> Result<Option<Sharpness>, DisplayError
 /// What all views have in common.
 pub(super) struct Frame<'a> {
     pub(super) setup: &'a Setup,
+    pub(super) control: &'a Control<'a>,
     pub(super) patterns: &'a Patterns,
     pub(super) thickness_mm: f64,
     pub(super) pitch_mm: Option<[f64; 2]>,
@@ -145,7 +146,7 @@ pub(super) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    fn new(setup: &'a Setup, patterns: &'a Patterns) -> Result<Self, DisplayError> {
+    fn new(setup: &'a Setup, patterns: &'a Patterns, control: &'a Control<'a>) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         let lengths = scene.display.lengths_mm()?;
         let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm);
@@ -167,6 +168,7 @@ impl<'a> Frame<'a> {
         frequencies.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * *b);
         Ok(Self {
             setup,
+            control,
             patterns,
             thickness_mm: lengths.last().copied().unwrap_or_default(),
             pitch_mm,
@@ -185,7 +187,7 @@ impl<'a> Frame<'a> {
     fn view(&self, view: &ViewPoint) -> Result<MtfView, DisplayError> {
         // As far as the sharpest feature has contrast.
         let draft = Level { digits: 4.0, most_per_mm: LOWEST_PER_MM, is_fine: false };
-        let (seen, _) = responses(self.setup, view, draft)?;
+        let (seen, _) = responses(self.setup, view, draft, self.control)?;
         let widths = seen.iter().flat_map(|seen| seen.response.peaks()).map(|peak| peak.width_mm);
         let sharpest = widths.fold(f64::INFINITY, f64::min);
         // Half of the modulation is lost between 0.11 (diffuse light) and 0.4 cycles (the mirror image of a beam) in a width.

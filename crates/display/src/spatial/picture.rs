@@ -1,8 +1,5 @@
 //! Colours of a picture on Lambertian pixels under a flat face, which returns light to them.
 
-use std::sync::atomic::AtomicBool;
-
-use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{FaceReturn, LitPage, Page, PageLight, Precision};
 use papilio_transport::{Panel, Reflector, Stack, Top};
 
@@ -51,7 +48,8 @@ pub fn picture(
     control: &Control<'_>,
 ) -> Result<PictureColours, DisplayError> {
     let setup = Setup::new(scene)?;
-    let lights: Vec<ViewLight> = setup.views.iter().map(|view| ViewLight::new(&setup, view)).collect();
+    let lights = setup.views.iter().map(|view| ViewLight::new(&setup, view, control));
+    let lights = lights.collect::<Result<Vec<ViewLight>, _>>()?;
     let (lit, rows) = LitPicture::of(&setup, &lights, picture.clone(), precision, control)?;
     Ok(PictureColours { views: rows.iter().map(|row| lit.seen(row)).collect(), error: lit.error })
 }
@@ -84,7 +82,7 @@ impl LitPicture {
     /// # Errors
     /// Those of [`picture`].
     pub(crate) fn new(
-        scenes: &[&Scene],
+        setups: &[&Setup],
         (size, states): ([usize; 2], &[u8]),
         precision: Precision,
         without_lamps: bool,
@@ -92,17 +90,17 @@ impl LitPicture {
     ) -> Result<(Self, Vec<Vec<f64>>), DisplayError> {
         let flipped = states.chunks_exact(size[0]).rev().flatten();
         let picture = Picture { count: size, states: flipped.copied().collect() };
-        let setups =
-            scenes.iter().map(|scene| Setup::new(scene)).collect::<Result<Vec<Setup>, DisplayError>>()?;
-        let of_view = |setup: &Setup| {
-            let mut light = ViewLight::new(setup, setup.views.first()?);
+        let of_view = |setup: &&Setup| {
+            let Some(view) = setup.views.first() else { return Ok(None) };
+            let mut light = ViewLight::new(setup, view, control)?;
             for image in lamp_images::in_view(setup).iter().filter(|_| without_lamps) {
                 (0..3).for_each(|k| light.front[k] -= image.front[k]);
             }
-            Some(light)
+            Ok(Some(light))
         };
-        let lights: Vec<ViewLight> = setups.iter().filter_map(of_view).collect();
-        Self::of(&setups[0], &lights, picture, precision, control)
+        let lights = setups.iter().map(of_view).filter_map(Result::transpose);
+        let lights = lights.collect::<Result<Vec<ViewLight>, DisplayError>>()?;
+        Self::of(setups[0], &lights, picture, precision, control)
     }
 
     fn of(
@@ -224,14 +222,11 @@ pub(super) struct ViewLight {
 }
 
 impl ViewLight {
-    pub(super) fn new(setup: &Setup, view: &ViewPoint) -> Self {
+    pub(super) fn new(setup: &Setup, view: &ViewPoint, control: &Control<'_>) -> Result<Self, DisplayError> {
         let (meter, bins) = (Meter::new(setup), setup.scene.grid.len());
-        let mut kernel = Kernel::new(LEVEL);
-        let _ready =
-            kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &AtomicBool::new(false));
         let mut light =
             Self { pages: [0, 1, 2].map(|_| vec![0.0; setup.states.len() * bins]), front: [0.0; 3] };
-        let factors = kernel.seen(&setup.stack, 0);
+        let factors = setup.seen(view, LEVEL, control)?;
         light.front = meter.without_pixel(&factors);
         for one in meter.pixel_lights() {
             let via_pixel = &factors[one.source].via_pixel;
@@ -240,7 +235,7 @@ impl ViewLight {
                 pages.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             }
         }
-        light
+        Ok(light)
     }
 
     /// All numbers, one after another.

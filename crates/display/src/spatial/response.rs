@@ -1,7 +1,6 @@
 //! What a view sees of each light, by frequency and by place.
 
 use num_complex::Complex64;
-use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{Peak, SpreadError, air_below_front_mm};
 use papilio_transport::{Panel, Source, Stack, Top};
 
@@ -9,6 +8,7 @@ use super::patterns::{Pattern, Text};
 use super::{ghosts, paper, returned};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
+use crate::run::Control;
 use crate::scene::Layers;
 use crate::setup::{Setup, ViewPoint};
 
@@ -22,6 +22,13 @@ pub(crate) struct Level {
     /// True for the finer level of a result. A coarse one also takes simpler estimates, so that the difference bounds theirs,
     /// however many digits both have.
     pub(crate) is_fine: bool,
+}
+
+impl Level {
+    /// Level of adding of the light of pages.
+    pub(super) fn of_pages(self) -> u32 {
+        if self.is_fine { 4 } else { 3 }
+    }
 }
 
 /// Light that a view sees via the pixel in each state, from one source. All values are parts of Y.
@@ -73,6 +80,7 @@ pub(crate) fn responses(
     setup: &Setup,
     view: &ViewPoint,
     level: Level,
+    control: &Control<'_>,
 ) -> Result<(Vec<Seen>, f64), DisplayError> {
     let lengths = setup.scene.display.lengths_mm()?;
     let meter = Meter::new(setup);
@@ -82,11 +90,7 @@ pub(crate) fn responses(
             key: "display.layers".to_owned(),
         });
     };
-    let stop = std::sync::atomic::AtomicBool::new(false);
-    let mut kernel = Kernel::new(if level.is_fine { 4 } else { 3 });
-    let fields = [view.field];
-    let _ready = kernel.prepare_unless(&setup.stack, &fields, &setup.sources, &stop);
-    let factors = kernel.seen(&setup.stack, 0);
+    let factors = setup.seen(view, level.of_pages(), control)?;
     let lit = Lit { panel, lengths_mm: &lengths, view, level };
     let mut all = Vec::new();
     for light in meter.pixel_lights().into_iter().filter(PixelLight::is_seen) {

@@ -13,10 +13,9 @@ mod result;
 mod shares;
 mod surfaces;
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_imaging::text::Bitmap;
-use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{Accuracy, PanelSpread};
 use papilio_transport::{Panel, Reflector, Source, Stack, Top};
 
@@ -57,11 +56,11 @@ pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<Cro
         let matrix = matrix(&setup)?;
         return result(&setup, matrix, paths::views(&setup, matrix, text, control)?);
     }
-    if let Some(filtered) = Filtered::new(&setup)? {
+    if let Some(filtered) = Filtered::new(&setup, control)? {
         let matrix = matrix(&setup)?;
         return result(&setup, matrix, filter::views(&filtered, &setup, control)?);
     }
-    let frame = Frame::new(&setup, text)?;
+    let frame = Frame::new(&setup, text, control)?;
     let mut workers = None;
     let pool =
         if setup.views.len() == 1 { None } else { Workers::unless_one(&mut workers, control.threads)? };
@@ -126,6 +125,7 @@ fn missed(setup: &Setup, of_shares: f64, views: &[CrosstalkView]) -> Option<Stri
 /// What all views have in common.
 struct Frame<'a> {
     setup: &'a Setup,
+    control: &'a Control<'a>,
     matrix: &'a Matrix,
     panel: &'a Panel,
     lengths_mm: Vec<f64>,
@@ -139,7 +139,7 @@ struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    fn new(setup: &'a Setup, text: &str) -> Result<Self, DisplayError> {
+    fn new(setup: &'a Setup, text: &str, control: &'a Control<'a>) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         let matrix = matrix(setup)?;
         let lengths_mm = scene.display.lengths_mm()?;
@@ -157,6 +157,7 @@ impl<'a> Frame<'a> {
             text: patterns::bitmap(scene, text, matrix.pitch_mm, thickness_mm),
             windows: Windows::new(matrix),
             setup,
+            control,
             matrix,
             panel,
             lengths_mm,
@@ -178,10 +179,7 @@ impl<'a> Frame<'a> {
 
     fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
         let (setup, meter) = (self.setup, Meter::new(self.setup));
-        let stop = AtomicBool::new(false);
-        let mut kernel = Kernel::new(if level.is_fine { 4 } else { 3 });
-        let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
-        let factors = kernel.seen(&setup.stack, 0);
+        let factors = setup.seen(view, level.of_pages(), self.control)?;
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
         let mut measured = Measured::default();
         let (mut pages, mut orders) = (vec![[0.0; 3]; states], None::<Orders>);

@@ -19,14 +19,12 @@
 //! bound of the error of both.
 
 mod bare;
-mod cells;
 mod diffused;
 mod error;
 mod flat_return;
 mod returned;
 mod transfer;
 
-pub use cells::{Grid, Kernel};
 pub use error::SpreadError;
 pub use flat_return::FlatReturn;
 
