@@ -146,7 +146,9 @@ impl Layers {
                     error += picture.error;
                     (Kind::Paper(Box::new(picture)), rows)
                 }
-                Err(DisplayError::PlacesNotComputed { .. }) => by_paths(&mut error)?,
+                Err(DisplayError::PlacesNotComputed { .. } | DisplayError::PlacesByPaths { .. }) => {
+                    by_paths(&mut error)?
+                }
                 Err(other) => return Err(other),
             }
         } else {

@@ -14,7 +14,7 @@ use super::target::{USUAL_TARGET, target};
 use super::{LineContrast, MtfView};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
-use crate::run::{Workers, each, finest};
+use crate::run::{Workers, each, finest, refine_or_fail};
 use crate::setup::ViewPoint;
 
 /// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles per mm.
@@ -31,7 +31,7 @@ const STEP: f64 = 1.25;
 const FALLS: f64 = 0.02;
 
 /// Finest level.
-const MOST_LEVEL: u32 = 3;
+const MOST_LEVEL: usize = 3;
 
 /// Frequencies between 0 and the highest, cycles per mm.
 pub(super) fn frequencies(highest: f64) -> Vec<f64> {
@@ -92,34 +92,33 @@ impl Frame<'_> {
             return Err(by_paths("patterns below general layers ([[display.layers]])", "pattern"));
         }
         let lengths_mm = self.setup.scene.display.lengths_mm()?;
-        let at_level = |level| self.prepared((stack, &lengths_mm), view, level);
-        let finest = (finest(self.setup)? as u32).min(MOST_LEVEL);
-        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
+        let prepared = |level: usize| self.prepared((stack, &lengths_mm), view, level as u32);
         let mut frequencies = self.frequencies.clone();
-        let first = at_level(0)?;
-        let mut coarse = self.measured(&first, &frequencies)?;
-        let mut reach = self.highest();
-        while self.is_falling(&coarse) && reach < SEARCHED * self.highest() {
-            reach *= FARTHER;
-            let mut farther = vec![0.0];
-            while let Some(last) = frequencies.last().filter(|last| **last < reach) {
-                frequencies.push(last * STEP);
-                farther.extend(frequencies.last());
+        let at = |level: usize| {
+            let prepared = prepared(level)?;
+            let mut found = self.measured(&prepared, &frequencies)?;
+            let mut reach = self.highest();
+            while level == 0 && self.is_falling(&found) && reach < SEARCHED * self.highest() {
+                reach *= FARTHER;
+                let mut farther = vec![0.0];
+                while let Some(last) = frequencies.last().filter(|last| **last < reach) {
+                    frequencies.push(last * STEP);
+                    farther.extend(frequencies.last());
+                }
+                append(&mut found, &self.measured(&prepared, &farther)?);
             }
-            append(&mut coarse, &self.measured(&first, &farther)?);
-        }
-        drop(first);
-        let mut fine = self.measured(&at_level(1)?, &frequencies)?;
+            Ok(found)
+        };
         let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
-        widen(&mut coarse, &fine, factor);
-        for level in 2..=finest {
-            if self.largest_error(&coarse, &fine) <= target {
-                break;
-            }
-            let finer = self.measured(&at_level(level)?, &frequencies)?;
-            coarse = std::mem::replace(&mut fine, finer);
-            widen(&mut coarse, &fine, factor);
+        let error = |[fine, coarse]: [&Measured; 2], _: Option<&_>| factor * self.largest_error(coarse, fine);
+        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
+        let finest = finest(self.setup)?.min(MOST_LEVEL);
+        let found = refine_or_fail(target, finest, at, error, |_, _| {})?;
+        if !found.finished {
+            return Err(DisplayError::Interrupted);
         }
+        let (mut coarse, fine) = (found.coarser, found.finer);
+        widen(&mut coarse, &fine, factor);
         let states = self.setup.states.iter().enumerate();
         let states = states.map(|(state, name)| (name.clone(), self.state(state, &coarse, &fine)));
         Ok(MtfView {

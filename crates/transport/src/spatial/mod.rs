@@ -6,7 +6,7 @@
 //! mm, replaces D by the phase `exp(-2 pi i f.D)`.
 //!
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
-//! - [`FlatReturn`]: the same with a front of screen above an air gap, for many frequencies.
+//! - [`LambertianReturn`]: the same with a front of screen above an air gap or a diffuser, for many frequencies.
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`PointSpread`]: the same by place: strips, rings and cells.
 //! - [`LineSpread`]: its light along one axis, with exact transforms.
@@ -41,7 +41,7 @@ pub use face::FaceReturn;
 pub use layout::{rows, stripes};
 pub use line::LineSpread;
 pub use page::{LitPage, Page, PageLight, Precision};
-pub use panel_spread::{FlatReturn, PanelSpread, Part, SpreadError, air_below_front_mm};
+pub use panel_spread::{LambertianReturn, PanelSpread, Part, SpreadError, air_below_front_mm};
 pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};
