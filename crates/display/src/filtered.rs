@@ -3,7 +3,6 @@
 //! The places at which light passes the filter are those of [`TwoPlanes`]; how much light there is comes from the same panel without filter.
 
 use std::ops::Range;
-use std::sync::atomic::AtomicBool;
 
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_transport::adding::Kernel;
@@ -16,12 +15,14 @@ use papilio_transport::{
 };
 
 use crate::DisplayError;
+use crate::run::Control;
 use crate::scene::{AngleMedium, Approximation, Filter, Matrix};
 use crate::setup::{Setup, ViewPoint};
 
 /// A display with a filter.
 pub(crate) struct Filtered<'a> {
     setup: &'a Setup,
+    control: &'a Control<'a>,
     panel: &'a Panel,
     matrix: &'a Matrix,
     filter: &'a Filter,
@@ -76,7 +77,7 @@ impl Lit {
 
 impl<'a> Filtered<'a> {
     /// Prepares a display with a filter; `None` without filter.
-    pub(crate) fn new(setup: &'a Setup) -> Result<Option<Self>, DisplayError> {
+    pub(crate) fn new(setup: &'a Setup, control: &'a Control<'a>) -> Result<Option<Self>, DisplayError> {
         let scene = &setup.scene;
         let Some(matrix) = &scene.display.matrix else { return Ok(None) };
         let Some(filter) = &matrix.filter else { return Ok(None) };
@@ -122,7 +123,7 @@ impl<'a> Filtered<'a> {
             key: "display.front".to_owned(),
         };
         let front = (air_below_front_mm(panel, &lengths).map_err(several)?, front[0]);
-        Ok(Some(Self { front, setup, panel, matrix, filter, thickness_mm, index, rho }))
+        Ok(Some(Self { front, setup, control, panel, matrix, filter, thickness_mm, index, rho }))
     }
 
     /// Finest level: of patterns in two directions, fewer are affordable.
@@ -190,7 +191,9 @@ impl<'a> Filtered<'a> {
         let stack = Stack::Panel(Panel { base, ..self.panel.clone() });
         let mut kernel = Kernel::new(level as u32 + 2);
         let views: Vec<Cone> = self.setup.views.iter().map(|view| view.field).collect();
-        let _ready = kernel.prepare_unless(&stack, &views, &self.setup.sources, &AtomicBool::new(false));
+        if !kernel.prepare_unless(&stack, &views, &self.setup.sources, self.control.stop) {
+            return Err(DisplayError::Interrupted);
+        }
         let orders = 1.0 / (1.0 - PAGE * planes.returned_uniform());
         Ok(Lit { planes, entering, columns, orders, kernel })
     }

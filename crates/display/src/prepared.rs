@@ -26,7 +26,12 @@ impl Prepared {
     /// # Errors
     /// If the scene is invalid.
     pub fn new(scene: &Scene) -> Result<Self, DisplayError> {
-        Ok(Self { setup: Some(Setup::with_filter(scene)?), kernels: Kernels::default(), workers: None })
+        Ok(Self::of(Setup::with_filter(scene)?))
+    }
+
+    /// A series of scenes similar to this one.
+    pub(crate) fn of(setup: Setup) -> Self {
+        Self { setup: Some(setup), kernels: Kernels::default(), workers: None }
     }
 
     /// Runs a scene; an interrupted run returns the same as [`run`](crate::run()).
@@ -50,12 +55,12 @@ impl Prepared {
         self.answer(scene, Accuracy::First, control)
     }
 
-    fn answer(
-        &mut self,
-        scene: &Scene,
-        accuracy: Accuracy,
-        control: &Control<'_>,
-    ) -> Result<RunResult, DisplayError> {
+    /// The scene, prepared.
+    pub(crate) fn setup(&mut self, scene: &Scene) -> Result<&Setup, DisplayError> {
+        self.renew(scene)
+    }
+
+    fn renew(&mut self, scene: &Scene) -> Result<&Setup, DisplayError> {
         let setup = match self.setup.take() {
             Some(setup) => setup.renewed(scene)?,
             None => {
@@ -63,9 +68,21 @@ impl Prepared {
                 Setup::with_filter(scene)?
             }
         };
-        let setup = self.setup.insert(setup);
+        Ok(self.setup.insert(setup))
+    }
+
+    fn answer(
+        &mut self,
+        scene: &Scene,
+        accuracy: Accuracy,
+        control: &Control<'_>,
+    ) -> Result<RunResult, DisplayError> {
+        self.renew(scene)?;
+        let Self { setup: Some(setup), kernels, workers } = self else {
+            return Err(DisplayError::Interrupted);
+        };
         let accuracy =
             if accuracy == Accuracy::First && is_quick(setup) { Accuracy::Exact } else { accuracy };
-        run_setup(setup, accuracy, control, &mut self.kernels, &mut self.workers)
+        run_setup(setup, accuracy, control, kernels, workers)
     }
 }

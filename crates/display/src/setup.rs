@@ -15,16 +15,19 @@ use papilio_optics::Beta;
 use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
 use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
+use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    Base, Cone, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Source, Stack, Top,
+    Base, Cone, Front, Interface, Layer, Layered, Medium, Panel, ReflectanceFactor, Reflector, Source, Stack,
+    Top,
 };
 
 use crate::DisplayError;
 use crate::pixel::{self, FilmKey};
+use crate::run::Control;
 use crate::scene::{self, AngleMedium, Approximation, Scene, Surface};
 
 /// Scene that is prepared for the transport.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Setup {
     /// The scene of all other fields.
     pub(crate) scene: Scene,
@@ -48,7 +51,7 @@ pub(crate) struct Setup {
 }
 
 /// Light of a source in the display plane.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Light {
     /// Spectral irradiance, W/(m2 nm).
     pub(crate) irradiance: Spectrum,
@@ -62,7 +65,7 @@ pub(crate) struct Light {
 
 /// Weights with which reflectances at the wavelengths of the grid contribute to what is seen of a light with narrow lines,
 /// in the unit of its irradiance times nm.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct LineWeights {
     /// X, Y and Z of the reported colours, for reflectances that are linear between the wavelengths.
     pub(crate) xyz: [Vec<f64>; 3],
@@ -102,7 +105,7 @@ impl Light {
 }
 
 /// Direction and field of view of one view.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct ViewPoint {
     pub(crate) theta_deg: f64,
     pub(crate) phi_deg: f64,
@@ -201,6 +204,22 @@ impl Setup {
 }
 
 impl Setup {
+    /// Computes by adding, at a level, what a view sees of each source.
+    ///
+    /// # Errors
+    /// If the computation was stopped.
+    pub(crate) fn seen(
+        &self,
+        view: &ViewPoint,
+        level: u32,
+        control: &Control<'_>,
+    ) -> Result<Vec<ReflectanceFactor>, DisplayError> {
+        let mut kernel = Kernel::new(level).without_ledger();
+        let is_ready = kernel.prepare_unless(&self.stack, &[view.field], &self.sources, control.stop);
+        let seen = is_ready.then(|| kernel.seen_unless(&self.stack, 0, control.stop)).flatten();
+        seen.ok_or(DisplayError::Interrupted)
+    }
+
     /// Returns the observer of the reported colours.
     pub(crate) fn seen_by(&self) -> &Observer {
         self.other_observer.as_ref().unwrap_or(&self.observer)

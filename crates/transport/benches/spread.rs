@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_transport::spatial::{
-    Accuracy, FaceReturn, Grid, LineSpread, LitPage, Page, PageLight, PanelSpread, Precision,
+    Accuracy, FaceReturn, LambertianReturn, LineSpread, LitPage, Page, PageLight, PanelSpread, Precision,
 };
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Top,
@@ -67,19 +67,20 @@ fn transfer(bencher: Bencher<'_, '_>, light: usize) {
 }
 
 #[divan::bench(args = [0, 1, 2])]
-fn kernel(bencher: Bencher<'_, '_>, light: usize) {
-    let panel = panel();
-    let spread = spread(&panel, light);
-    let grid = Grid { count: [64, 64], cell_mm: 0.01 };
-    bencher.bench(|| spread.kernel(black_box(&panel), grid));
-}
-
-#[divan::bench(args = [0, 1, 2])]
 fn strips(bencher: Bencher<'_, '_>, light: usize) {
     let panel = panel();
     let spread = spread(&panel, light);
     let edges: Vec<f64> = (-64..=64).map(|k| 0.01 * f64::from(k)).collect();
     bencher.bench(|| spread.point_spread(&spread.parts()[0]).strips(0, black_box(&edges)));
+}
+
+/// What a front 0.2 mm above a lobe returns to Lambertian pixels, tabulated for all frequencies.
+#[divan::bench]
+fn return_through_a_lobe(bencher: Bencher<'_, '_>) {
+    let mut panel = panel();
+    panel.front = Front::exact(BINS, [(&[0.05; BINS][..], &[0.0; BINS][..])]);
+    let accuracy = Accuracy { digits: 13.0, most_per_mm: 16.0 };
+    bencher.bench(|| LambertianReturn::all(black_box(&panel), &[0.2, 0.5], accuracy).unwrap().len());
 }
 
 /// Line spread of eight states of Y, and its transform at 64 frequencies.
@@ -132,6 +133,6 @@ fn page(bencher: Bencher<'_, '_>) {
         let page = Page { count, pitch_mm: [0.084_67; 2], states: &states };
         let transmittance = |beta: f64| 1.0 - papilio_optics::interface::fresnel_reflectance(1.5, 1.0, beta);
         let face = FaceReturn::new(1.5, 0.5, 10.0, transmittance).tabulated();
-        LitPage::new(&page, &face, light, Precision::FAST, 0.5).seen(&page, light).len()
+        LitPage::new(&page, &|f| face.at(f), light, Precision::FAST, 0.5).seen(&page, light).len()
     });
 }

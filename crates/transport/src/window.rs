@@ -99,17 +99,7 @@ impl Window {
     }
 }
 
-/// Mean over each window i of the fraction that each window j covers, `[i][j]`, for a distribution of shifts: each a vector in
-/// periods and its weight. Rows sum to the sum of the weights where the windows cover the whole period.
-pub fn shares_by_shifts(windows: &[Window], shifts: &[([f64; 2], f64)]) -> Vec<Vec<f64>> {
-    let of_pair = |seen: &Window, source: &Window| {
-        let overlap: f64 = shifts.iter().map(|(shift, weight)| weight * seen.overlap(source, *shift)).sum();
-        if overlap == 0.0 { 0.0 } else { overlap / seen.area() }
-    };
-    windows.iter().map(|seen| windows.iter().map(|source| of_pair(seen, source)).collect()).collect()
-}
-
-/// The same for a point spread given by its transfer function at whole cycles per period, along x and y: 1 at 0, and the
+/// Mean over each window i of the fraction that each window j covers, `[i][j]`, for a point spread given by its transfer function at whole cycles per period, along x and y: 1 at 0, and the
 /// complex conjugate at the opposite frequency. The point at r (periods) of the spread is what is seen from the origin.
 ///
 /// The series ends at `orders` cycles along each axis; the transfer should be negligible beyond.
@@ -141,18 +131,6 @@ pub fn shares_by_transfer(
     shares
 }
 
-/// Crosstalk: of the light that is seen through each window i, the fraction that comes from each window j, `[i][j]`, for shares and the
-/// light of each window (such as its reflectance, or the transmittance of its filter). Rows sum to 1; in a row without light
-/// all are 0.
-pub fn crosstalk(shares: &[Vec<f64>], light: &[f64]) -> Vec<Vec<f64>> {
-    let normalised = |row: &Vec<f64>| {
-        let seen: Vec<f64> = row.iter().zip(light).map(|(share, light)| share * light).collect();
-        let sum: f64 = seen.iter().sum();
-        seen.into_iter().map(|one| if sum > 0.0 { one / sum } else { 0.0 }).collect()
-    };
-    shares.iter().map(normalised).collect()
-}
-
 fn length([from, to]: [f64; 2]) -> f64 {
     to - from
 }
@@ -178,6 +156,29 @@ mod tests {
     use crate::numerics::quadrature::gauss;
     use crate::spatial::{closed, displacement, rows, stripes};
     use papilio_optics::Beta;
+
+    /// Mean over each window i of the fraction that each window j covers, `[i][j]`, for a distribution of shifts: each a vector in
+    /// periods and its weight. Rows sum to the sum of the weights where the windows cover the whole period.
+    fn shares_by_shifts(windows: &[Window], shifts: &[([f64; 2], f64)]) -> Vec<Vec<f64>> {
+        let of_pair = |seen: &Window, source: &Window| {
+            let overlap: f64 =
+                shifts.iter().map(|(shift, weight)| weight * seen.overlap(source, *shift)).sum();
+            if overlap == 0.0 { 0.0 } else { overlap / seen.area() }
+        };
+        windows.iter().map(|seen| windows.iter().map(|source| of_pair(seen, source)).collect()).collect()
+    }
+
+    /// Crosstalk: of the light that is seen through each window i, the fraction that comes from each window j, `[i][j]`, for shares and the
+    /// light of each window (such as its reflectance, or the transmittance of its filter). Rows sum to 1; in a row without light
+    /// all are 0.
+    fn crosstalk(shares: &[Vec<f64>], light: &[f64]) -> Vec<Vec<f64>> {
+        let normalised = |row: &Vec<f64>| {
+            let seen: Vec<f64> = row.iter().zip(light).map(|(share, light)| share * light).collect();
+            let sum: f64 = seen.iter().sum();
+            seen.into_iter().map(|one| if sum > 0.0 { one / sum } else { 0.0 }).collect()
+        };
+        shares.iter().map(normalised).collect()
+    }
 
     /// Red, green and blue stripes of the same width.
     fn thirds() -> Vec<Window> {

@@ -36,7 +36,7 @@ pub fn exact(
         ..settings.clone()
     };
     let lit = Lit::new(scene, &settings, prepared, control)?;
-    let brought = Brought::new(&lit, scene, source, &settings, control)?;
+    let brought = Brought::new(&lit, source, &settings, control)?;
     let white = lit.white.to_array();
     let coverage = mean_coverage(&brought.rendering, &brought.rendered.mapped)?;
     let all = LightPicture { light: ALL.to_owned(), white, pixels: brought.rendered.mapped };
@@ -47,7 +47,7 @@ pub fn exact(
         pages: lit.palette.pages(),
         error: lit.palette.error(),
         neighbours_light: false,
-        lamps: drawn_lamps(scene, &names)?,
+        lamps: drawn_lamps(&lit.setup, &names)?,
         coverage,
     };
     Ok((names, factors))

@@ -15,6 +15,7 @@ use crate::prepared::Prepared;
 use crate::result::RunResult;
 use crate::run::Control;
 use crate::scene::Scene;
+use crate::setup::Setup;
 use crate::single_view::SingleView;
 use crate::spatial::Blur;
 
@@ -65,6 +66,7 @@ pub struct LightPicture {
 
 /// A display in one light and view, for pictures.
 pub(super) struct Lit {
+    pub(super) setup: Setup,
     pub(super) view: SingleView,
     pub(super) result: RunResult,
     pub(super) palette: Palette,
@@ -96,7 +98,8 @@ impl Lit {
         let palette = Palette::of(&result, 0).ok_or(no_white)?.with_states(&settings.states)?;
         let [x, y, z] = palette.white_XYZ;
         stopped(control)?;
-        Ok(Self { view, result, palette, white: Xyz { x, y, z } })
+        let setup = prepared.setup(scene)?.clone();
+        Ok(Self { setup, view, result, palette, white: Xyz { x, y, z } })
     }
 }
 
@@ -104,7 +107,6 @@ impl Brought {
     /// Maps the colours of a picture to those of the display, and decides the states.
     pub(super) fn new(
         lit: &Lit,
-        scene: &Scene,
         source: &SourceImage,
         settings: &ImageSettings,
         control: &Control<'_>,
@@ -114,14 +116,14 @@ impl Brought {
         let rendered = rendering.rendered(&source.pixels);
         stopped(control)?;
         let spread = match settings.halftone {
-            Halftone::DirectBinarySearch => Blur::spread_of_white(scene, REACH_OF_LAYERS)?,
+            Halftone::DirectBinarySearch => Blur::spread_of_white(&lit.setup, REACH_OF_LAYERS, control)?,
             _ => None,
         };
         let panel = Panel {
             columns: source.columns,
             palette: &lit.palette,
             rendering: &rendering,
-            pixels_per_degree: super::pixels_per_degree(scene),
+            pixels_per_degree: super::pixels_per_degree(&lit.setup.scene),
             spread,
         };
         let (states, cut) = halftone::states(settings, &rendered.mapped, &panel, control)?;
@@ -147,8 +149,7 @@ impl HeldPicture {
         let size = source.size_on(scene)?;
         let mut prepared = Prepared::new(scene)?;
         let lit = control.within([0.0, 0.3], |control| Lit::new(scene, settings, &mut prepared, control))?;
-        let brought =
-            control.within([0.3, 1.0], |control| Brought::new(&lit, scene, source, settings, control))?;
+        let brought = control.within([0.3, 1.0], |control| Brought::new(&lit, source, settings, control))?;
         Ok(Self { size, states: brought.states, names: lit.palette.names(), surround: settings.surround })
     }
 
@@ -204,7 +205,7 @@ impl HeldPicture {
             pages: all.palette.pages(),
             error: 0.0,
             neighbours_light: false,
-            lamps: drawn_lamps(scene, &self.names)?,
+            lamps: drawn_lamps(&all.setup, &self.names)?,
             coverage: self.coverage(),
         };
         let known = known.of(self, &alone, &settings, prepared, control)?;

@@ -66,12 +66,11 @@ impl KnownLights {
             let observer = Observer::of(first.scene.metrics.observer, &first.scene.grid)?;
             let lit = missing.iter().map(|(one, _)| Lit::new(&one.scene, settings, prepared, control));
             let lit = lit.collect::<Result<Vec<Lit>, DisplayError>>()?;
-            let scenes: Vec<_> =
-                missing.iter().zip(&lit).map(|((one, _), lit)| (&one.scene, &lit.palette)).collect();
+            let lit_by: Vec<_> = lit.iter().map(|lit| (&lit.setup, &lit.palette)).collect();
             let several = Several { missed: MISSED, without_lamps: true, by_paths: false };
             let shown = Picture { size: picture.size, states: &picture.states, wholes: &[] };
             let layers =
-                Layers::new(&scenes, shown, picture.surround, several, &mut self.transform, control)?;
+                Layers::new(&lit_by, shown, picture.surround, several, &mut self.transform, control)?;
             let found: Vec<KnownLight> = missing
                 .iter()
                 .zip(&lit)

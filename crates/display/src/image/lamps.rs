@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use super::perspective::Eye;
 use crate::DisplayError;
 use crate::lamp_images::whole;
-use crate::scene::{AngleMedium, DirectedLight, Scene};
+use crate::scene::{AngleMedium, DirectedLight};
 use crate::setup::Setup;
 
 /// Half of the angle across the disc with which collimated light is drawn, degrees. It has no luminance: that of the disc is its illuminance
@@ -40,7 +40,8 @@ pub struct LampImage {
 ///
 /// # Errors
 /// If the scene is invalid.
-pub(super) fn drawn_lamps(scene: &Scene, states: &[String]) -> Result<Vec<LampImage>, DisplayError> {
+pub(super) fn drawn_lamps(setup: &Setup, states: &[String]) -> Result<Vec<LampImage>, DisplayError> {
+    let scene = &setup.scene;
     let mut drawn = scene.clone();
     for light in &mut drawn.lighting.directed {
         // Near the horizon, the disc is smaller.
@@ -53,22 +54,19 @@ pub(super) fn drawn_lamps(scene: &Scene, states: &[String]) -> Result<Vec<LampIm
             .and_then(|number| scene.lighting.directed.get(number))
             .is_some_and(|one| one.radius_deg.is_none())
     };
-    let images = lamp_images(&drawn, states)?;
+    let images = lamp_images(&setup.clone().renewed(&drawn)?, states);
     Ok(images.into_iter().map(|one| LampImage { is_collimated: is_collimated(&one), ..one }).collect())
 }
 
 /// Computes the images of all round lamps that a display mirrors, with a colour for each of the states.
-///
-/// # Errors
-/// If the scene is invalid.
-pub(super) fn lamp_images(scene: &Scene, states: &[String]) -> Result<Vec<LampImage>, DisplayError> {
+pub(super) fn lamp_images(setup: &Setup, states: &[String]) -> Vec<LampImage> {
+    let scene = &setup.scene;
     let is_round = |light: &DirectedLight| light.radius_deg.is_some() && light.share > 0.0;
     if scene.solver.angle_medium != AngleMedium::Air || !scene.lighting.directed.iter().any(is_round) {
-        return Ok(Vec::new());
+        return Vec::new();
     }
-    let setup = Setup::with_filter(scene)?;
     let mut all = Vec::new();
-    for one in whole(&setup) {
+    for one in whole(setup) {
         let light = &scene.lighting.directed[one.light];
         let of_state = |state: &String| {
             let pixel = setup.states.iter().position(|name| name == state).map(|number| one.pixel[number]);
@@ -86,7 +84,7 @@ pub(super) fn lamp_images(scene: &Scene, states: &[String]) -> Result<Vec<LampIm
             });
         }
     }
-    Ok(all)
+    all
 }
 
 impl LampImage {

@@ -236,15 +236,13 @@ pub fn image(
     let mut prepared = Prepared::new(scene)?;
     let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
     let Brought { rendering, rendered: Rendered { wanted, mapped, photograph, inside }, states, cut } =
-        control.within([0.4, 0.6], |control| Brought::new(&lit, scene, source, settings, control))?;
-    let Lit { view, result, palette, white } = lit;
+        control.within([0.4, 0.6], |control| Brought::new(&lit, source, settings, control))?;
     let to_screen =
-        Adaptation::between(white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
+        Adaptation::between(lit.white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let picture = Picture { size, states: &states, wholes: &[] };
     let Seen { pixels: seen, error, neighbours_light } = match states.is_empty() {
-        true => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
-        false => control
-            .within([0.6, 0.8], |control| seen_by_reader(scene, picture, &palette, settings, control))?,
+        true => Seen { pixels: mapped.clone(), error: lit.palette.error(), neighbours_light: false },
+        false => control.within([0.6, 0.8], |control| seen_by_reader(&lit, picture, settings, control))?,
     };
     stopped(control)?;
     let shown_as = match screen.white {
@@ -256,10 +254,10 @@ pub fn image(
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
     let threads = control.thread_count();
     let [against_source, against_mapped] =
-        PictureDifferences::against(&seen, [&wanted, &mapped], size[0], white, per_degree, threads)?;
+        PictureDifferences::against(&seen, [&wanted, &mapped], size[0], lit.white, per_degree, threads)?;
     let [against_photograph] =
         PictureDifferences::against(&seen, [&photograph], size[0], rendering.white, per_degree, threads)?;
-    let mut warnings = result.warnings.clone();
+    let mut warnings = lit.result.warnings.clone();
     if error > LARGE_ERROR {
         warnings.push(format!(
             "X, Y or Z of a pixel may be wrong by {error:.2} of a perfect white: the light changes much from one part of the panel to the next; \
@@ -278,10 +276,12 @@ pub fn image(
     let sampled = match (samples_per_pixel, states.is_empty()) {
         (1, _) => None,
         (count, true) => Some(samples::repeated(&seen, size[0], count)),
-        (count, false) => Some(control.within([0.8, 1.0], |control| {
-            samples::seen(scene, picture, &palette, count, settings, control)
-        })?),
+        (count, false) => Some(
+            control.within([0.8, 1.0], |control| samples::seen(&lit, picture, count, settings, control))?,
+        ),
     };
+    let sharpness = sharpness(&lit.setup, control)?;
+    let Lit { view, result, palette, .. } = lit;
     let shown = sampled.as_ref().unwrap_or(&seen);
     let OnScreen { bytes: on_screen, linear, clipped } =
         OnScreen::of(shown, &shown_as, &to_screen, screen.space);
@@ -300,7 +300,7 @@ pub fn image(
         against_photograph,
         against_source,
         against_mapped,
-        sharpness: sharpness(scene)?,
+        sharpness,
         neighbours_light,
         error,
         warnings,
@@ -401,15 +401,14 @@ impl SourceImage {
 
 /// What the reader sees of a picture of states, in one direction or in perspective.
 fn seen_by_reader(
-    scene: &Scene,
+    lit: &Lit,
     picture: Picture<'_>,
-    palette: &Palette,
     settings: &ImageSettings,
     control: &Control<'_>,
 ) -> Result<Seen, DisplayError> {
-    match Eye::before(scene, picture.size).filter(|_| settings.perspective) {
-        Some(eye) => eye.seen(scene, picture, settings, control),
-        None => stack::seen(scene, picture, palette, settings.surround, control),
+    match Eye::before(&lit.setup.scene, picture.size).filter(|_| settings.perspective) {
+        Some(eye) => eye.seen(lit, picture, settings, control),
+        None => stack::seen((&lit.setup, &lit.palette), picture, settings.surround, control),
     }
 }
 

@@ -79,17 +79,18 @@ impl Eye {
     /// What the reader sees of a picture of states.
     pub(super) fn seen(
         &self,
-        scene: &Scene,
+        lit: &Lit,
         picture: Picture<'_>,
         settings: &ImageSettings,
         control: &Control<'_>,
     ) -> Result<Seen, DisplayError> {
+        let scene = &lit.setup.scene;
         let mut pages = Pages {
             eye: self,
             scene,
             settings,
             control,
-            prepared: Prepared::new(scene)?,
+            prepared: Prepared::of(lit.setup.clone()),
             known: BTreeMap::new(),
         };
         let (counts, error) = pages.close_enough()?;
@@ -101,10 +102,10 @@ impl Eye {
             }
         }
         let known: Vec<&PageThere> = places.iter().map(|place| &pages.known[place]).collect();
-        let lit: Vec<_> = known.iter().map(|page| (&page.scene, &page.lit.palette)).collect();
+        let lit_by: Vec<_> = known.iter().map(|page| (&page.lit.setup, &page.lit.palette)).collect();
         let several = Several { missed: CLOSE, without_lamps: true, by_paths: true };
         let Picture { size, states, .. } = picture;
-        let layers = Layers::new(&lit, picture, settings.surround, several, &mut None, control)?;
+        let layers = Layers::new(&lit_by, picture, settings.surround, several, &mut None, control)?;
         stopped(control)?;
         let shares = [0, 1].map(|k| {
             let polynomials = Polynomials::new(counts[k]);
@@ -132,7 +133,7 @@ impl Eye {
         // Between places that are too far apart, a polynomial may be negative.
         pixels.iter_mut().flatten().for_each(|value| *value = value.max(0.0));
         let names = known[0].lit.palette.names();
-        for lamp in lamp_images(scene, &names)? {
+        for lamp in lamp_images(&lit.setup, &names) {
             lamp.add(self, (size, states), 0.5 * scene.viewer.field_deg, &mut pixels);
         }
         Ok(Seen { pixels, error: layers.error() + error, neighbours_light: layers.have_neighbours_light() })
@@ -157,7 +158,6 @@ fn part_of_page(number: usize) -> [f64; 2] {
 
 /// Pages in one direction.
 struct PageThere {
-    scene: Scene,
     lit: Lit,
     /// X, Y and Z of each state, without the images of lamps.
     colours: Vec<[f64; 3]>,
@@ -171,8 +171,8 @@ impl Pages<'_> {
             let lit = self.control.within(part_of_page(self.known.len()), |control| {
                 Lit::new(&scene, self.settings, &mut self.prepared, control)
             })?;
-            let colours = colours_of_pages(&scene, &lit.palette, true)?;
-            self.known.insert(at, PageThere { scene, lit, colours });
+            let colours = colours_of_pages(&lit.setup, &lit.palette, true);
+            self.known.insert(at, PageThere { lit, colours });
         }
         Ok(&self.known[&at])
     }

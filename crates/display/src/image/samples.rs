@@ -7,10 +7,10 @@ use super::held::Lit;
 use super::stack::{self, Picture};
 use super::{ImageSettings, seen_by_reader};
 use crate::DisplayError;
-use crate::palette::Palette;
 use crate::prepared::Prepared;
 use crate::run::Control;
 use crate::scene::{FilmState, Matrix, Pixel, Rectangle, Scene, SubPixelWindow, Window};
+use crate::setup::Setup;
 
 /// Most samples of a picture: as many as pixels of a file.
 const MOST: usize = 64_000_000;
@@ -32,13 +32,13 @@ struct Divided {
 
 /// What the reader sees of the states of all pixels, with `per_pixel` x `per_pixel` samples in each.
 pub(super) fn seen(
-    scene: &Scene,
+    lit: &Lit,
     picture: Picture<'_>,
-    palette: &Palette,
     per_pixel: usize,
     settings: &ImageSettings,
     control: &Control<'_>,
 ) -> Result<Vec<[f32; 3]>, DisplayError> {
+    let Lit { setup: Setup { scene, .. }, palette, .. } = lit;
     let samples = per_pixel * per_pixel * picture.states.len();
     if samples > MOST {
         return Err(DisplayError::TooManySamples { per_pixel, samples, most: MOST });
@@ -64,9 +64,7 @@ pub(super) fn seen(
     let lit =
         control.within([0.0, 0.3], |control| Lit::new(&divided.scene, &settings, &mut prepared, control))?;
     let picture = Picture { size, states: &states, wholes: &divided.wholes };
-    let seen =
-        |control: &Control<'_>| seen_by_reader(&divided.scene, picture, &lit.palette, &settings, control);
-    Ok(control.within([0.3, 1.0], seen)?.pixels)
+    Ok(control.within([0.3, 1.0], |control| seen_by_reader(&lit, picture, &settings, control))?.pixels)
 }
 
 /// A picture with each pixel repeated `per_pixel` times in both directions.

@@ -79,13 +79,12 @@ enum Kind {
 
 /// Computes what the reader sees of the states of all pixels, by their numbers in a palette.
 pub(super) fn seen(
-    scene: &Scene,
+    lit: (&Setup, &Palette),
     picture: Picture<'_>,
-    palette: &Palette,
     surround: PictureSurround,
     control: &Control<'_>,
 ) -> Result<Seen, DisplayError> {
-    let layers = Layers::new(&[(scene, palette)], picture, surround, Several::ONE, &mut None, control)?;
+    let layers = Layers::new(&[lit], picture, surround, Several::ONE, &mut None, control)?;
     layers.seen_in_each().pop().ok_or(DisplayError::NoWhite { what: "a picture" })
 }
 
@@ -93,22 +92,23 @@ impl Layers {
     /// Prepares scenes, each with the colours of pages, for a picture of the states of a palette. What `known` has of the transform of the picture
     /// is not computed again.
     pub(super) fn new(
-        lit: &[(&Scene, &Palette)],
+        lit: &[(&Setup, &Palette)],
         Picture { size, states, wholes }: Picture<'_>,
         surround: PictureSurround,
         several: Several,
         known: &mut Option<Arc<StatePicture>>,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
-        let (scene, palette) = lit.first().ok_or(DisplayError::NoWhite { what: "a picture" })?;
+        let (setup, palette) = lit.first().ok_or(DisplayError::NoWhite { what: "a picture" })?;
+        let scene = &setup.scene;
         let names = scene.display.state_names();
         let numbers = numbers(&names, palette);
         let states: Vec<u8> = states.iter().map(|state| numbers[usize::from(*state)] as u8).collect();
-        let scenes: Vec<&Scene> = lit.iter().map(|(scene, _)| *scene).collect();
-        let mut pages = Vec::new();
-        for (scene, palette) in lit {
-            pages.push(colours_of_pages(scene, palette, several.without_lamps)?);
-        }
+        let setups: Vec<&Setup> = lit.iter().map(|(setup, _)| *setup).collect();
+        let pages: Vec<_> = lit
+            .iter()
+            .map(|(setup, palette)| colours_of_pages(setup, palette, several.without_lamps))
+            .collect();
         let mut error = lit.iter().map(|(_, palette)| palette.error()).fold(0.0, f64::max);
         let mut blurred = |blur: Blur, error: &mut f64| {
             let blur = blur.with_wholes(wholes);
@@ -121,7 +121,7 @@ impl Layers {
         let Several { without_lamps, .. } = several;
         let mut by_paths = |error: &mut f64| {
             let found = match several.by_paths {
-                true => Blur::by_paths(&scenes, &pages, without_lamps, control)?,
+                true => Blur::by_paths(&setups, &pages, without_lamps, control)?,
                 false => None,
             };
             let Some((blur, of_paths)) = found else {
@@ -134,26 +134,27 @@ impl Layers {
         let (kind, rows) = if scene.display.filter().is_some() {
             error += error_of_mixture(scene, &pages[0], &shares_of(&states, names.len()), control)?;
             (Kind::Pages, of_pages(&pages))
-        } else if let Some(blur) = Blur::new(&scenes, several.missed, without_lamps, control.thread_count())?
-        {
+        } else if let Some(blur) = Blur::new(&setups, several.missed, without_lamps, control)? {
             blurred(blur, &mut error)
         } else if is_paper(scene) {
             if surround == PictureSurround::BlackMask {
                 let what = "a black mask around pictures below a flat face".to_owned();
                 return Err(DisplayError::PlacesNotComputed { what, key: "image.surround".to_owned() });
             }
-            match LitPicture::new(&scenes, (size, &states), Precision::FAST, without_lamps, control) {
+            match LitPicture::new(&setups, (size, &states), Precision::FAST, without_lamps, control) {
                 Ok((picture, rows)) => {
                     error += picture.error;
                     (Kind::Paper(Box::new(picture)), rows)
                 }
-                Err(DisplayError::PlacesNotComputed { .. }) => by_paths(&mut error)?,
+                Err(DisplayError::PlacesNotComputed { .. } | DisplayError::PlacesByPaths { .. }) => {
+                    by_paths(&mut error)?
+                }
                 Err(other) => return Err(other),
             }
         } else {
             by_paths(&mut error)?
         };
-        let (few, mixtures) = if scenes.len() == 1 {
+        let (few, mixtures) = if setups.len() == 1 {
             (rows, vec![vec![1.0]])
         } else {
             // The numbers of a row belong to X, Y, Z and to all states; a pixel has one of them at each place.
@@ -253,25 +254,17 @@ fn is_paper(scene: &Scene) -> bool {
 }
 
 /// X, Y and Z of pages of all states of a display; 0 for those that are not in the palette. The mirror images of lamps can be left out.
-pub(super) fn colours_of_pages(
-    scene: &Scene,
-    palette: &Palette,
-    without_lamps: bool,
-) -> Result<Vec<[f64; 3]>, DisplayError> {
-    let names = scene.display.state_names();
+pub(super) fn colours_of_pages(setup: &Setup, palette: &Palette, without_lamps: bool) -> Vec<[f64; 3]> {
+    let names = &setup.states;
     let mut pages = vec![[0.0; 3]; names.len()];
-    let has_lamps = scene.lighting.directed.iter().any(|light| light.radius_deg.is_some());
-    let lamps = match without_lamps && has_lamps {
-        true => lamp_images::in_view(&Setup::with_filter(scene)?),
-        false => Vec::new(),
-    };
-    for (colour, number) in palette.colours.iter().zip(numbers(&names, palette)) {
+    let lamps = if without_lamps { lamp_images::in_view(setup) } else { Vec::new() };
+    for (colour, number) in palette.colours.iter().zip(numbers(names, palette)) {
         pages[number] = [colour.X, colour.Y, colour.Z];
         for lamp in &lamps {
             (0..3).for_each(|k| pages[number][k] -= lamp.front[k] + lamp.pixel[number][k]);
         }
     }
-    Ok(pages)
+    pages
 }
 
 /// Numbers of the states of a palette among those of the display.

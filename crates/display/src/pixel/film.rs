@@ -40,7 +40,7 @@ pub(super) fn base(
 }
 
 /// Key of a film's reflectances: all that they depend on.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct FilmKey {
     layers: Vec<FilmLayer>,
     substrate: Vec<Complex64>,

@@ -19,7 +19,7 @@ use papilio_transport::adding::{FINEST, FIRST_LEVELS, Kernel};
 use papilio_transport::{Cone, Estimate, Stack};
 use rayon::ThreadPool;
 
-use super::refine::{Refined, finest, largest, refine};
+use super::refine::{Refined, finest, largest, refine, refine_or_fail};
 use super::{Accuracy, Control, Progress, Run, each};
 use crate::DisplayError;
 use crate::meter::Sample;
@@ -195,7 +195,7 @@ pub(super) fn run(
 pub(super) fn run_levels(
     run: &Run<'_>,
     finest: usize,
-    at: impl FnMut(usize) -> Option<Vec<Sample>>,
+    at: impl FnMut(usize) -> Result<Vec<Sample>, DisplayError>,
     nodes: impl Fn() -> u64,
 ) -> Result<RunResult, DisplayError> {
     let common = Common::default();
@@ -205,8 +205,8 @@ pub(super) fn run_levels(
         run.setup.views.len(),
     );
     let report = |error, done| runner.report(error, if done { views } else { 0 });
-    let samples = refine(runner.target, finest, at, error, report);
-    runner.result(&[samples.map(|samples| Group { samples, nodes: nodes() as usize })])
+    let samples = refine_or_fail(runner.target, finest, at, error, report)?;
+    runner.result(&[Some(Group { samples, nodes: nodes() as usize })])
 }
 
 /// Kernel of a group of views, with the range of these views.

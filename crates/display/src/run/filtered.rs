@@ -5,17 +5,15 @@ use std::cell::Cell;
 use papilio_transport::walk::places::Estimate as PlacedEstimate;
 
 use super::adding::run_levels;
-use super::{Progress, Run};
+use super::{Progress, REPLICATES, Round, Run, missed, until};
 use crate::DisplayError;
 use crate::filtered::{Filtered, by_reciprocity};
 use crate::meter::Sample;
-use crate::result::{RunResult, SolverReport};
+use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Method, Stop};
-use crate::spatial::walk::{Placed, REPLICATES};
+use crate::spatial::walk::Placed;
 
-/// Paths of the first round of a view, by which factor each further round has more, and the most.
-const FIRST_PATHS: u64 = 1 << 13;
-const MORE: u64 = 4;
+/// Most paths of a view.
 const MOST_PATHS: u64 = 1 << 26;
 
 /// Runs a scene with a filter.
@@ -23,39 +21,27 @@ pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     if run.scene.solver.method == Method::MonteCarlo {
         return by_paths(run);
     }
-    let Some(filtered) = Filtered::new(run.setup)? else { return Err(DisplayError::FilterWithoutPlace) };
-    let (mut failure, nodes) = (None, Cell::new(0));
-    let result = run_levels(
-        run,
-        filtered.finest(),
-        |level| {
-            samples(run, &filtered, level, &nodes).unwrap_or_else(|error| {
-                failure = Some(error);
-                None
-            })
-        },
-        || nodes.get(),
-    );
-    match failure {
-        Some(error) => Err(error),
-        None => result,
-    }
+    let Some(filtered) = Filtered::new(run.setup, run.control)? else {
+        return Err(DisplayError::FilterWithoutPlace);
+    };
+    let nodes = Cell::new(0);
+    run_levels(run, filtered.finest(), |level| samples(run, &filtered, level, &nodes), || nodes.get())
 }
 
-/// Samples of all views at a level, whose number of nodes is stored; `None` if the run was stopped.
+/// Samples of all views at a level, whose number of nodes is stored.
 fn samples(
     run: &Run<'_>,
     filtered: &Filtered<'_>,
     level: usize,
     nodes: &Cell<u64>,
-) -> Result<Option<Vec<Sample>>, DisplayError> {
+) -> Result<Vec<Sample>, DisplayError> {
     let setup = run.setup;
     let lit = filtered.lit(level, 1)?;
     nodes.set(lit.nodes());
     let mut irradiance = Vec::with_capacity(setup.sources.len());
     for source in 0..setup.sources.len() {
         if run.control.stopped() {
-            return Ok(None);
+            return Err(DisplayError::Interrupted);
         }
         let states = 0..setup.states.len();
         irradiance.push(states.map(|state| filtered.irradiance(&lit, source, &[state])).collect());
@@ -66,7 +52,7 @@ fn samples(
         let estimate = filtered.estimate(&lit, (number, &leaving), &irradiance);
         all.push(run.meter.sample(&estimate));
     }
-    Ok(Some(all))
+    Ok(all)
 }
 
 /// Runs a scene by Monte Carlo with places.
@@ -80,41 +66,37 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
         });
     }
     let specular = run.specular();
-    let (mut views, mut all_paths, mut reached) = (Vec::new(), 0, 0.0_f64);
+    let (mut views, mut all_paths, mut reached, mut over) = (Vec::new(), 0, 0.0_f64, 0.0_f64);
     for view in &setup.views {
-        let mut paths = if let Stop::Paths(paths) = solver.stop { paths } else { FIRST_PATHS };
-        let samples = loop {
-            let estimates = placed.filtered(view, paths, run.control)?;
+        let seen = |samples: &[Sample]| run.meter.view_of_replicates(view, samples, 0.0, &specular);
+        let per_wavelength = matches!(solver.stop, Stop::RelativeError { per_wavelength: true, .. });
+        let ((samples, error, of_view), paths) = until(&solver.stop, MOST_PATHS, |paths| {
             let of = |estimate: PlacedEstimate| {
                 let mut rho = estimate.rho;
                 rho.truncate(setup.sources.len());
                 run.meter.sample(&by_reciprocity(rho))
             };
+            let estimates = placed.filtered(view, paths, run.control)?;
             let samples: Vec<Sample> = estimates.into_iter().map(of).collect();
-            let (target, per_wavelength) = match &solver.stop {
-                Stop::Paths(_) => (f64::INFINITY, false),
-                Stop::RelativeError { target, per_wavelength } => (*target, *per_wavelength),
-                Stop::Target(_) => {
-                    return Err(DisplayError::NoPlaces {
-                        what: "a target of a metric",
-                        key: "solver.target",
-                    });
-                }
-            };
             let error = run.meter.standard_error(&samples, per_wavelength);
-            if error <= target || paths >= MOST_PATHS {
-                reached = reached.max(error);
-                break samples;
-            }
-            paths *= MORE;
-        };
+            let missed = match &solver.stop {
+                Stop::Target(target) => target.missed_by(&seen(&samples).view).unwrap_or(f64::INFINITY),
+                stop => missed(stop, error)?,
+            };
+            let means = run.meter.luminous_means(&samples);
+            Ok(Round { found: (samples, error, missed), missed, means })
+        })?;
         if !samples.iter().all(Sample::is_finite) {
             return Err(DisplayError::NotFinite);
         }
-        all_paths += paths;
-        views.push(run.meter.view_of_replicates(view, &samples, 0.0, &specular));
+        (all_paths, reached, over) = (all_paths + paths, reached.max(error), over.max(of_view));
+        views.push(seen(&samples));
         (run.control.progress)(Progress::of_views(views.len(), setup.views.len()));
     }
+    let target = matches!(solver.stop, Stop::Target(_)).then_some(TargetReport {
+        error_over_tolerance: Some(over).filter(|over| over.is_finite()),
+        paths_for_a_tenth: [100.0 * all_paths as f64; 2],
+    });
     let report = SolverReport {
         method: "monte-carlo".to_owned(),
         chosen_because: None,
@@ -122,7 +104,7 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
         nodes: None,
         degrees_of_freedom: REPLICATES - 1,
         relative_error_reached: reached,
-        target: None,
+        target,
         is_final: true,
         interrupted: false,
     };

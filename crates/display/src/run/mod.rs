@@ -8,6 +8,7 @@ mod cone;
 mod filtered;
 mod progress;
 mod refine;
+mod rounds;
 mod study;
 mod viewers;
 mod walk;
@@ -26,7 +27,9 @@ pub use brdf::brdf;
 pub use cone::{always_by_adding, cone};
 pub use progress::{Progress, ProgressFraction};
 pub use refine::adding_seconds;
-pub(crate) use refine::{finest, largest, level_error};
+pub(crate) use refine::{finest, largest, level_error, refine_or_fail};
+pub use rounds::REPLICATES;
+pub(crate) use rounds::{PILOT, Round, missed, until};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 pub use viewers::brdf_at_viewers;
 

@@ -135,6 +135,30 @@ pub(crate) fn refine<T>(
     }
 }
 
+/// The same for levels that may fail.
+///
+/// # Errors
+/// Those of a level; `Interrupted` if stopped before two levels were computed.
+pub(crate) fn refine_or_fail<T>(
+    target: f64,
+    finest: usize,
+    mut at: impl FnMut(usize) -> Result<T, DisplayError>,
+    error: impl Fn([&T; 2], Option<&T>) -> f64,
+    report: impl Fn(f64, bool),
+) -> Result<Refined<T>, DisplayError> {
+    let mut failure = None;
+    let at = |level| match at(level) {
+        Ok(found) => Some(found),
+        Err(DisplayError::Interrupted) => None,
+        Err(other) => {
+            failure = Some(other);
+            None
+        }
+    };
+    let refined = refine(target, finest, at, error, report);
+    failure.map_or_else(|| refined.ok_or(DisplayError::Interrupted), Err)
+}
+
 /// Computes the relative error of the finer of two levels that differ by `now`, if the previous two differed by `before`;
 /// `times` is the smallest factor from differences to errors ([`error_over_difference`](papilio_transport::adding::error_over_difference)).
 ///

@@ -3,7 +3,8 @@
 use papilio_sampling::SampleStream;
 use papilio_transport::walk::Walk;
 
-use super::walk::{Confidence, REPLICATES, round_size};
+use super::REPLICATES;
+use super::walk::{Confidence, round_size};
 use super::{Control, Progress};
 use crate::DisplayError;
 use crate::meter::{Meter, Sample};

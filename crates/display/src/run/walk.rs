@@ -9,15 +9,12 @@ use papilio_sampling::SampleStream;
 use papilio_transport::walk::{Replicate, Walk};
 use rayon::prelude::*;
 
-use super::{Progress, Run};
+use super::{Progress, REPLICATES, Run};
 use crate::DisplayError;
 use crate::meter::{Sample, ViewSamples};
 use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Solver, Stop, Strategy};
 use crate::setup::ViewPoint;
-
-/// Number of independent replicates of each view; standard errors have one degree of freedom less.
-pub(super) const REPLICATES: u64 = 32;
 
 /// Paths of each replicate in the first round; each further round doubles the total. With guiding, fewer paths
 /// contain the same information.
@@ -94,6 +91,11 @@ impl Confidence {
         // Each replicate is expected to meet the least probable event once.
         let least = ((REPLICATES as f64 / rarest).ceil() as u64).min(MOST_PATHS);
         Self { least, is_random: rarest < 1.0, before: Vec::new(), confirmed: false }
+    }
+
+    /// Of rounds that trace all paths anew: two must agree.
+    pub(super) fn of_two_rounds() -> Self {
+        Self { least: 0, is_random: true, before: Vec::new(), confirmed: false }
     }
 
     /// Adds the Y of each state after a round, with their standard errors.

@@ -20,7 +20,7 @@ use super::{Level, Response};
 use crate::DisplayError;
 use crate::lamp_images;
 use crate::meter::{Meter, PixelLight};
-use crate::scene::Scene;
+use crate::run::Control;
 use crate::setup::Setup;
 use crate::threads::each;
 
@@ -66,26 +66,26 @@ pub(crate) struct BlurredPicture {
 impl Blur {
     /// Computes the kernels of the only view of each scene in all its light. The scenes have the same display, and differ in light or view.
     /// Shapes may miss a little of the light of a kernel, relative to a perfect white; the images of round lamps in mirror-like pixels can
-    /// be left out. `threads` is that of threads. `None` if no diffuser spreads light, below a colour filter, or if places are not known.
+    /// be left out. `None` if no diffuser spreads light, below a colour filter, or if places are not known.
     pub(crate) fn new(
-        scenes: &[&Scene],
+        setups: &[&Setup],
         missed: f64,
         without_lamps: bool,
-        threads: usize,
+        control: &Control<'_>,
     ) -> Result<Option<Self>, DisplayError> {
-        let Some(matrix) = scenes.first().and_then(|scene| scene.display.matrix.as_ref()) else {
+        let Some(matrix) = setups.first().and_then(|setup| setup.scene.display.matrix.as_ref()) else {
             return Ok(None);
         };
         if matrix.filter.is_some() {
             return Ok(None);
         }
         let digits = (MORE_DIGITS - missed.ln()).clamp(DIGITS[0], DIGITS[1]);
-        let lit = each(scenes, threads, |scene| {
-            let setup = Setup::new(scene)?;
-            let found = responses(&setup, matrix.pitch_mm, digits)?;
-            Ok::<_, DisplayError>(found.map(|found| (setup, found)))
+        let threads = control.thread_count();
+        let lit = each(setups, threads, |setup| {
+            let found = responses(setup, matrix.pitch_mm, digits)?;
+            Ok::<_, DisplayError>(found.map(|found| (*setup, found)))
         });
-        let lit: Option<Vec<(Setup, Vec<LobeResponse>)>> =
+        let lit: Option<Vec<(&Setup, Vec<LobeResponse>)>> =
             lit.into_iter().collect::<Result<Vec<_>, DisplayError>>()?.into_iter().collect();
         let Some(lit) = lit else { return Ok(None) };
         let responses = lit.iter().flat_map(|(_, responses)| responses);
@@ -98,12 +98,14 @@ impl Blur {
         let own = squares.iter().position(|square| *square == PixelSquare::OWN);
         let (middle, of_middle) = {
             let (setup, responses) = &lit[lit.len() / 2];
-            (&setup.scene.lighting, gains(setup, responses))
+            (&setup.scene.lighting, gains(setup, responses, control)?)
         };
         let found = each(&lit, threads, |(setup, responses)| {
             // Gains hardly depend on the view.
-            let gains =
-                if setup.scene.lighting == *middle { of_middle.clone() } else { gains(setup, responses) };
+            let gains = match setup.scene.lighting == *middle {
+                true => of_middle.clone(),
+                false => gains(setup, responses, control)?,
+            };
             let mut sums: Vec<Vec<f64>> = vec![vec![0.0; squares.len()]; 3 * states];
             for response in responses {
                 for (sum, more) in sums.iter_mut().zip(response.rectangles(&borders)) {
@@ -116,8 +118,9 @@ impl Blur {
                     own.into_iter().for_each(|own| sum[own] -= image.pixel[state][quantity]);
                 }
             }
-            (sums, gains)
+            Ok((sums, gains))
         });
+        let found = found.into_iter().collect::<Result<Vec<_>, DisplayError>>()?;
         let (kernels, gains): (Vec<Vec<Vec<f64>>>, Vec<Vec<f64>>) = found.into_iter().unzip();
         Ok(Some(Self {
             squares,
@@ -130,8 +133,12 @@ impl Blur {
 
     /// Spread of the brightest state of a scene in Y: the part of its light in each pixel up to `reach` pixels away, by rows. `None` as for
     /// [`new`](Self::new).
-    pub(crate) fn spread_of_white(scene: &Scene, reach: i64) -> Result<Option<Vec<f64>>, DisplayError> {
-        let Some(blur) = Self::new(&[scene], ROUGH, false, 1)? else { return Ok(None) };
+    pub(crate) fn spread_of_white(
+        setup: &Setup,
+        reach: i64,
+        control: &Control<'_>,
+    ) -> Result<Option<Vec<f64>>, DisplayError> {
+        let Some(blur) = Self::new(&[setup], ROUGH, false, control)? else { return Ok(None) };
         let kernels = &blur.shapes.mixtures[blur.states..][..blur.states];
         let light = kernels.iter().map(|kernel| (kernel, blur.near(kernel)));
         let Some((kernel, all)) = light.max_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(None) };
@@ -267,20 +274,23 @@ impl Blur {
 }
 
 /// Light via the pixel over that which meets it once, on pages in all light, `[X, Y, Z][state]`.
-fn gains(setup: &Setup, lit_by: &[LobeResponse]) -> Vec<f64> {
+fn gains(setup: &Setup, lit_by: &[LobeResponse], control: &Control<'_>) -> Result<Vec<f64>, DisplayError> {
     let (states, bins) = (setup.states.len(), setup.scene.grid.len());
-    let (Some(view), Stack::Panel(panel)) = (setup.views.first(), &setup.stack) else { return Vec::new() };
+    let (Some(view), Stack::Panel(panel)) = (setup.views.first(), &setup.stack) else {
+        return Ok(Vec::new());
+    };
     if panel.front.reflectance_below.max() == 0.0 {
-        return vec![1.0; 3 * states];
+        return Ok(vec![1.0; 3 * states]);
     }
     let mut once = vec![0.0; 3 * states];
     for response in lit_by {
         once.iter_mut().zip(response.transfer(0, 0.0)).for_each(|(sum, light)| *sum += light.re);
     }
-    let pages = ViewLight::new(setup, view).pages;
+    let pages = ViewLight::new(setup, view, control)?.pages;
     let via_pixel =
         pages.iter().flat_map(|pages| pages.chunks_exact(bins).map(|page| page.iter().sum::<f64>()));
-    once.iter().zip(via_pixel).map(|(once, all)| if *once > 0.0 { all / once } else { 1.0 }).collect()
+    let gain = |(once, all): (&f64, f64)| if *once > 0.0 { all / once } else { 1.0 };
+    Ok(once.iter().zip(via_pixel).map(gain).collect())
 }
 
 /// What the view sees of each light by place, in X, Y and Z; `None` below other layers than a diffuser.
@@ -295,7 +305,8 @@ fn responses(
     }
     let Some(view) = setup.views.first() else { return Ok(Some(Vec::new())) };
     let lengths_mm = setup.scene.display.lengths_mm()?;
-    let level = Level { digits, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]), is_fine: digits > 10.0 };
+    let level =
+        Level { digits, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]), is_fine: digits > 10.0, finer: 0 };
     let lit = Lit { panel, lengths_mm: &lengths_mm, view, level };
     let lights = Meter::new(setup).pixel_lights().into_iter().filter(PixelLight::is_seen);
     lights

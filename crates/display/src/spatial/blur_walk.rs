@@ -18,7 +18,7 @@ use super::walk::{Placed, States};
 use crate::DisplayError;
 use crate::lamp_images;
 use crate::run::Control;
-use crate::scene::{Scene, Stop};
+use crate::scene::Stop;
 use crate::setup::Setup;
 
 /// Distance from the pixel that is seen, in thicknesses of all layers, beyond which light comes from the mean of the picture.
@@ -40,21 +40,19 @@ impl Blur {
     /// Computes the kernels in the view of the scene in the middle, and the largest standard error of X, Y and Z of a pixel. `pages` has X, Y, Z of a
     /// page of each state for each scene. The images of round lamps in mirror-like pixels can be left out. `None` if nothing spreads light, or its places are not known.
     pub(crate) fn by_paths(
-        scenes: &[&Scene],
+        setups: &[&Setup],
         pages: &[Vec<[f64; 3]>],
         without_lamps: bool,
         control: &Control<'_>,
     ) -> Result<Option<(Self, f64)>, DisplayError> {
-        let middle = scenes.len() / 2;
-        let Some(matrix) = scenes.first().and_then(|scene| scene.display.matrix.as_ref()) else {
-            return Ok(None);
-        };
-        let setup = Setup::new(scenes[middle])?;
+        let middle = setups.len() / 2;
+        let Some(setup) = setups.get(middle) else { return Ok(None) };
+        let Some(matrix) = setup.scene.display.matrix.as_ref() else { return Ok(None) };
         // Flat faces over mirror-like pixels show each at its own place.
         if matches!(&setup.stack, Stack::Panel(panel) if panel.base.is_specular()) {
             return Ok(None);
         }
-        let placed = match Placed::new(&setup) {
+        let placed = match Placed::new(setup) {
             Ok(placed) => placed,
             Err(DisplayError::NoPlaces { .. } | DisplayError::MissingLength { .. }) => return Ok(None),
             Err(other) => return Err(other),
@@ -83,14 +81,14 @@ impl Blur {
                 mean.iter_mut().zip(kernel).for_each(|(mean, one)| *mean += one / replicates.len() as f64);
             }
         }
-        for image in lamp_images::in_view(&setup).iter().filter(|_| without_lamps) {
+        for image in lamp_images::in_view(setup).iter().filter(|_| without_lamps) {
             for (kernel, mean) in means.iter_mut().enumerate() {
                 mean[cells.len() / 2] -= image.pixel[kernel % states][kernel / states];
             }
         }
         let error = standard_error(&replicates, states);
         let Shapes { shapes, mixtures, missed } = Shapes::of(&means, MISSED);
-        let mut all = Vec::with_capacity(scenes.len() * mixtures.len());
+        let mut all = Vec::with_capacity(setups.len() * mixtures.len());
         for there in pages {
             for (kernel, mixture) in mixtures.iter().enumerate() {
                 let (quantity, state) = (kernel / states, kernel % states);
@@ -99,7 +97,7 @@ impl Blur {
                 all.push(mixture.iter().map(|weight| scale * weight).collect());
             }
         }
-        let gains = gains(&placed, &estimates, cells.len()).repeat(scenes.len());
+        let gains = gains(&placed, &estimates, cells.len()).repeat(setups.len());
         let first = |cell: i64| [cell % side - reach, cell / side - reach];
         let squares = (0..side * side).map(|cell| PixelSquare { first: first(cell), side: 1 });
         let shapes = Shapes { shapes, mixtures: all, missed };

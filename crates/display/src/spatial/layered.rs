@@ -3,8 +3,6 @@
 //! Light by place (spreads, kernels, lines, text, patterns) would take the transform at many frequencies in the plane; it is left to
 //! Monte Carlo.
 
-use std::sync::atomic::AtomicBool;
-
 use num_complex::Complex64;
 use papilio_transport::adding::{self, LayeredSpread, NotCovered};
 use papilio_transport::{Layered, ReflectanceFactor, Source};
@@ -16,7 +14,7 @@ use super::target::{USUAL_TARGET, target};
 use super::{LineContrast, MtfView};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
-use crate::run::{Control, Workers, each, finest};
+use crate::run::{Workers, each, finest, refine_or_fail};
 use crate::setup::ViewPoint;
 
 /// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles per mm.
@@ -33,7 +31,7 @@ const STEP: f64 = 1.25;
 const FALLS: f64 = 0.02;
 
 /// Finest level.
-const MOST_LEVEL: u32 = 3;
+const MOST_LEVEL: usize = 3;
 
 /// Frequencies between 0 and the highest, cycles per mm.
 pub(super) fn frequencies(highest: f64) -> Vec<f64> {
@@ -64,6 +62,9 @@ fn append(all: &mut Measured, farther: &Measured) {
 
 /// Returns the error for light whose places are not computed by adding.
 fn not_covered(why: NotCovered) -> DisplayError {
+    if why == NotCovered::Stopped {
+        return DisplayError::Interrupted;
+    }
     DisplayError::PlacesByPaths {
         what: format!("{why} ([[display.layers]])"),
         key: if why == NotCovered::Pixel { "display.pixel" } else { "display.layers" }.to_owned(),
@@ -82,12 +83,7 @@ struct Prepared<'a> {
 
 impl Frame<'_> {
     /// Computes how sharp the display is in a view.
-    pub(super) fn layered_view(
-        &self,
-        stack: &Layered,
-        view: &ViewPoint,
-        control: &Control<'_>,
-    ) -> Result<MtfView, DisplayError> {
+    pub(super) fn layered_view(&self, stack: &Layered, view: &ViewPoint) -> Result<MtfView, DisplayError> {
         let by_paths = |what: &str, key: &str| DisplayError::PlacesByPaths {
             what: what.to_owned(),
             key: key.to_owned(),
@@ -96,34 +92,33 @@ impl Frame<'_> {
             return Err(by_paths("patterns below general layers ([[display.layers]])", "pattern"));
         }
         let lengths_mm = self.setup.scene.display.lengths_mm()?;
-        let at_level = |level| self.prepared((stack, &lengths_mm), view, level);
-        let finest = (finest(self.setup)? as u32).min(MOST_LEVEL);
-        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
+        let prepared = |level: usize| self.prepared((stack, &lengths_mm), view, level as u32);
         let mut frequencies = self.frequencies.clone();
-        let first = at_level(0)?;
-        let mut coarse = self.measured(&first, &frequencies, control)?;
-        let mut reach = self.highest();
-        while self.is_falling(&coarse) && reach < SEARCHED * self.highest() {
-            reach *= FARTHER;
-            let mut farther = vec![0.0];
-            while let Some(last) = frequencies.last().filter(|last| **last < reach) {
-                frequencies.push(last * STEP);
-                farther.extend(frequencies.last());
+        let at = |level: usize| {
+            let prepared = prepared(level)?;
+            let mut found = self.measured(&prepared, &frequencies)?;
+            let mut reach = self.highest();
+            while level == 0 && self.is_falling(&found) && reach < SEARCHED * self.highest() {
+                reach *= FARTHER;
+                let mut farther = vec![0.0];
+                while let Some(last) = frequencies.last().filter(|last| **last < reach) {
+                    frequencies.push(last * STEP);
+                    farther.extend(frequencies.last());
+                }
+                append(&mut found, &self.measured(&prepared, &farther)?);
             }
-            append(&mut coarse, &self.measured(&first, &farther, control)?);
-        }
-        drop(first);
-        let mut fine = self.measured(&at_level(1)?, &frequencies, control)?;
+            Ok(found)
+        };
         let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
-        widen(&mut coarse, &fine, factor);
-        for level in 2..=finest {
-            if self.largest_error(&coarse, &fine) <= target {
-                break;
-            }
-            let finer = self.measured(&at_level(level)?, &frequencies, control)?;
-            coarse = std::mem::replace(&mut fine, finer);
-            widen(&mut coarse, &fine, factor);
+        let error = |[fine, coarse]: [&Measured; 2], _: Option<&_>| factor * self.largest_error(coarse, fine);
+        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
+        let finest = finest(self.setup)?.min(MOST_LEVEL);
+        let found = refine_or_fail(target, finest, at, error, |_, _| {})?;
+        if !found.finished {
+            return Err(DisplayError::Interrupted);
         }
+        let (mut coarse, fine) = (found.coarser, found.finer);
+        widen(&mut coarse, &fine, factor);
         let states = self.setup.states.iter().enumerate();
         let states = states.map(|(state, name)| (name.clone(), self.state(state, &coarse, &fine)));
         Ok(MtfView {
@@ -175,12 +170,10 @@ impl Frame<'_> {
         view: &ViewPoint,
         level: u32,
     ) -> Result<Prepared<'s>, DisplayError> {
-        let (setup, stop) = (self.setup, AtomicBool::new(false));
+        let (setup, stop) = (self.setup, self.control.stop);
         let meter = Meter::new(setup);
-        let mut kernel = adding::Kernel::new(level).without_ledger();
-        let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
-        let factors = kernel.seen(&setup.stack, 0);
-        let spread = LayeredSpread::new(stack, lengths_mm, view.field, &setup.sources, level);
+        let factors = setup.seen(view, level, self.control)?;
+        let spread = LayeredSpread::new(stack, lengths_mm, view.field, &setup.sources, level, stop);
         let lit: Vec<PixelLight> = meter.pixel_lights().into_iter().filter(PixelLight::is_seen).collect();
         // Seen along the normal, light without an azimuth is the same along both axes.
         let is_round = lit.iter().all(|light| setup.sources[light.source] == Source::Diffuse)
@@ -200,9 +193,8 @@ impl Frame<'_> {
         &self,
         Prepared { spread, axes, from_faces, factors, lit }: &Prepared<'_>,
         frequencies: &[f64],
-        control: &Control<'_>,
     ) -> Result<Measured, DisplayError> {
-        let (setup, axes) = (self.setup, *axes);
+        let (setup, control, axes) = (self.setup, self.control, *axes);
         let seen: Vec<_> = lit
             .iter()
             .map(|light| adding::Seen {

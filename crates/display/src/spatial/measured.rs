@@ -59,7 +59,7 @@ pub(super) struct Measured {
 impl Frame<'_> {
     /// Computes all that a view sees at one level.
     pub(super) fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
-        let (seen, from_faces) = responses(self.setup, view, level)?;
+        let (seen, from_faces) = responses(self.setup, view, level, self.control)?;
         let mut frequencies = self.frequencies.clone();
         while let Some(last) = frequencies.last().filter(|last| **last < level.most_per_mm) {
             frequencies.push(last * 1.12);

@@ -5,8 +5,8 @@
 //!
 //! | display | file |
 //! |---|---|
-//! | a lobe over pixels | `lobe.rs`; with light that a front returns, `returned.rs` |
-//! | Lambertian pixels under a flat face | `paper.rs` |
+//! | a lobe over pixels | `lobe.rs`; over mirror-like ones with light that a front returns, `returned.rs` |
+//! | Lambertian pixels under a flat face, or under a diffuser and a front | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //!
 //! `layered.rs` computes the same by frequency below general layers.

@@ -19,14 +19,14 @@ use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Patterns, Sharp
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::result::Named;
-use crate::run::{Control, Progress, Workers, each};
+use crate::run::{Control, Progress, Workers, each, refine_or_fail};
 use crate::scene::{Method, Scene};
 use crate::setup::{Setup, ViewPoint};
 
-/// Natural digits of the first two levels, how many more each further level has, and the most.
+/// Natural digits of the first two levels, how many more each further level has, and the finest level.
 const DIGITS: [f64; 2] = [9.0, 13.0];
 const MORE_DIGITS: f64 = 4.0;
-const MOST_DIGITS: f64 = 21.0;
+const MOST_LEVEL: usize = 3;
 
 /// Lowest frequency, cycles per mm.
 const LOWEST_PER_MM: f64 = 0.01;
@@ -62,7 +62,7 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         });
     }
     let setup = Setup::with_filter(scene)?;
-    let frame = Frame::new(&setup, patterns)?;
+    let frame = Frame::new(&setup, patterns, control)?;
     let placed = paths.then(|| Placed::new(&setup)).transpose()?;
     let mut workers = None;
     // Paths of one view run on all threads.
@@ -78,7 +78,7 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
             Some(placed) => mtf_walk::view(&frame, placed, *number, control)?,
             None => match &setup.stack {
                 Stack::Panel(_) => frame.view(&setup.views[*number])?,
-                Stack::Layered(stack) => frame.layered_view(stack, &setup.views[*number], control)?,
+                Stack::Layered(stack) => frame.layered_view(stack, &setup.views[*number])?,
             },
         };
         (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
@@ -114,15 +114,15 @@ fn largest_error<'a>(states: impl Iterator<Item = &'a MtfState>) -> f64 {
 /// does not know them: without thickness, below general layers or a colour filter.
 ///
 /// # Errors
-/// If the scene is invalid.
-pub(crate) fn sharpness(scene: &Scene) -> Result<Option<Sharpness>, DisplayError> {
+/// If the computation was stopped.
+pub(crate) fn sharpness(setup: &Setup, control: &Control<'_>) -> Result<Option<Sharpness>, DisplayError> {
+    let (scene, patterns) = (&setup.scene, Patterns::default());
     if scene.display.matrix.is_none() || scene.display.filter().is_some() {
         return Ok(None);
     }
-    let (setup, patterns) = (Setup::new(scene)?, Patterns::default());
     let (Stack::Panel(_), Some(view)) = (&setup.stack, setup.views.first()) else { return Ok(None) };
-    let measured = Frame::new(&setup, &patterns).and_then(|frame| {
-        let level = Level { digits: DIGITS[0], most_per_mm: frame.highest(), is_fine: false };
+    let measured = Frame::new(setup, &patterns, control).and_then(|frame| {
+        let level = Level { digits: DIGITS[0], most_per_mm: frame.highest(), is_fine: false, finer: 0 };
         Ok(frame.sharpness(&frame.measure(view, level)?))
     });
     match measured {
@@ -131,9 +131,23 @@ pub(crate) fn sharpness(scene: &Scene) -> Result<Option<Sharpness>, DisplayError
     }
 }
 
+/// A level, with the coarser one that belongs to it.
+struct Levelled {
+    /// `None` if that is the level before.
+    coarse: Option<Measured>,
+    fine: Measured,
+}
+
+impl Levelled {
+    fn coarse<'a>(&'a self, before: &'a Self) -> &'a Measured {
+        self.coarse.as_ref().unwrap_or(&before.fine)
+    }
+}
+
 /// What all views have in common.
 pub(super) struct Frame<'a> {
     pub(super) setup: &'a Setup,
+    pub(super) control: &'a Control<'a>,
     pub(super) patterns: &'a Patterns,
     pub(super) thickness_mm: f64,
     pub(super) pitch_mm: Option<[f64; 2]>,
@@ -145,7 +159,7 @@ pub(super) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    fn new(setup: &'a Setup, patterns: &'a Patterns) -> Result<Self, DisplayError> {
+    fn new(setup: &'a Setup, patterns: &'a Patterns, control: &'a Control<'a>) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         let lengths = scene.display.lengths_mm()?;
         let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm);
@@ -167,6 +181,7 @@ impl<'a> Frame<'a> {
         frequencies.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * *b);
         Ok(Self {
             setup,
+            control,
             patterns,
             thickness_mm: lengths.last().copied().unwrap_or_default(),
             pitch_mm,
@@ -184,8 +199,8 @@ impl<'a> Frame<'a> {
 
     fn view(&self, view: &ViewPoint) -> Result<MtfView, DisplayError> {
         // As far as the sharpest feature has contrast.
-        let draft = Level { digits: 4.0, most_per_mm: LOWEST_PER_MM, is_fine: false };
-        let (seen, _) = responses(self.setup, view, draft)?;
+        let draft = Level { digits: 4.0, most_per_mm: LOWEST_PER_MM, is_fine: false, finer: 0 };
+        let (seen, _) = responses(self.setup, view, draft, self.control)?;
         let widths = seen.iter().flat_map(|seen| seen.response.peaks()).map(|peak| peak.width_mm);
         let sharpest = widths.fold(f64::INFINITY, f64::min);
         // Half of the modulation is lost between 0.11 (diffuse light) and 0.4 cycles (the mirror image of a beam) in a width.
@@ -193,27 +208,40 @@ impl<'a> Frame<'a> {
         let searched = SEARCHED * self.highest();
         let most_per_mm =
             if first > searched { self.highest() } else { last.clamp(self.highest(), searched) };
-        let at = |digits: f64, is_fine: bool| self.measure(view, Level { digits, most_per_mm, is_fine });
-        let (mut coarse, mut fine, mut digits) = (at(DIGITS[0], false)?, at(DIGITS[1], true)?, DIGITS[1]);
-        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
-        let states = loop {
-            let states = self.setup.states.iter().enumerate();
-            let states = states.map(|(state, name)| (name.clone(), self.state(state, &coarse, &fine)));
-            let states = states.collect::<Vec<_>>();
-            if largest_error(states.iter().map(|(_, state)| state)) <= target || digits >= MOST_DIGITS {
-                break states;
-            }
-            coarse = at(digits, false)?;
-            digits += MORE_DIGITS;
-            fine = at(digits, true)?;
+        let digits = |level: usize| match level {
+            0 => DIGITS[0],
+            further => DIGITS[1] + MORE_DIGITS * (further - 1) as f64,
         };
+        let at = |level: usize, is_fine: bool| {
+            self.measure(view, Level { digits: digits(level), most_per_mm, is_fine, finer: 0 })
+        };
+        // Simpler estimates belong to the coarse one of two levels: further levels have one of their own.
+        let pair = |level: usize| {
+            let coarse = (level > 1).then(|| at(level - 1, false)).transpose()?;
+            Ok(Levelled { coarse, fine: at(level, level > 0)? })
+        };
+        let states = |coarse: &Measured, fine: &Measured| -> Vec<(String, MtfState)> {
+            let states = self.setup.states.iter().enumerate();
+            states.map(|(state, name)| (name.clone(), self.state(state, coarse, fine))).collect()
+        };
+        let error = |[finer, coarser]: [&Levelled; 2], _: Option<&Levelled>| {
+            largest_error(states(finer.coarse(coarser), &finer.fine).iter().map(|(_, state)| state))
+        };
+        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
+        let found = refine_or_fail(target, MOST_LEVEL, pair, error, |_, _| {})?;
+        if !found.finished {
+            return Err(DisplayError::Interrupted);
+        }
+        let (digits, fine) = (digits(found.level), &found.finer.fine);
+        let coarse = found.finer.coarse(&found.coarser);
+        let states = states(coarse, fine);
         let mut error = fine.line_contrast[0];
         let pairs = error.all_mut().zip(coarse.line_contrast[0].named());
         pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
         Ok(MtfView {
             theta_deg: view.theta_deg,
             phi_deg: view.phi_deg,
-            states: Named(self.with_kernels(states, &fine)),
+            states: Named(self.with_kernels(states, fine)),
             line_contrast: fine.line_contrast[0],
             line_contrast_via_pixel: fine.line_contrast[1],
             line_contrast_error: error,
@@ -224,8 +252,8 @@ impl<'a> Frame<'a> {
             text_contrast_error: fine.text_contrast[0]
                 .zip(coarse.text_contrast[0])
                 .map(|(fine, coarse)| [0, 1].map(|k| (fine[k] - coarse[k]).abs())),
-            yule_nielsen_n: self.yule_nielsen(&fine, Level { digits, most_per_mm, is_fine: true }),
-            patterns: self.pattern_means(view, &coarse, &fine),
+            yule_nielsen_n: self.yule_nielsen(fine, Level { digits, most_per_mm, is_fine: true, finer: 0 }),
+            patterns: self.pattern_means(view, coarse, fine),
         })
     }
 

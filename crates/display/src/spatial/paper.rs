@@ -1,10 +1,10 @@
-//! Lambertian pixels under a flat face: sharp to first order, surrounded by light that the face, and a front of screen above it,
-//! return to them.
+//! Lambertian pixels under a flat face or a diffuser: what a view sees of them to first order, sharp or through the lobe, and around it
+//! light that the face, and a front of screen above it, return to them.
 //!
 //! **What.** A small signal about a state of reflectance rho, of the same relative size at all wavelengths, has the transfer
-//! `(1 - rho A(0))/(1 - rho A(f))` with the return A of the layers above ([`FlatReturn`]). The constant `1 - rho A(0)` is the sharp
+//! `(1 - rho A(0))/(1 - rho A(f))` with the return A of the layers above ([`LambertianReturn`]). The constant `1 - rho A(0)` is the sharp
 //! image; the rest is spread over many thicknesses of the glass. Direction and kind of the light do not matter: it arrives
-//! uniformly.
+//! uniformly. A diffuser spreads what is seen of both (`lobe.rs`).
 //!
 //! In an oblique view, light that has been reflected between face and front is seen from another place: a second image, with its own
 //! surroundings, shifted by twice the way through the air.
@@ -14,10 +14,12 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_transport::spatial::{Accuracy, Cells, FlatReturn, Peak, Recycling, displacement};
+use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Peak, Recycling, displacement};
+use papilio_transport::{Source, Top};
 
+use super::lobe::{self, LobeResponse};
 use super::patterns::{Pattern, PatternKind, Text};
-use super::response::{Lit, several_fronts};
+use super::response::{Lit, lengths_of_one_front, several_fronts};
 use super::series::{Series, add};
 use super::{Level, Response};
 use crate::DisplayError;
@@ -28,6 +30,9 @@ const PERIOD: f64 = 400.0;
 /// Highest frequency of the series times the thickness. |A| decreases to 1e-5 there.
 const HIGHEST: f64 = 16.0;
 
+/// Light that a lobe leaves of the series is neglected below this fraction.
+const FAINTEST: f64 = 1e-5;
+
 /// Period of lines, in reaches.
 const LINE_PERIOD: f64 = 64.0;
 
@@ -35,19 +40,28 @@ const LINE_PERIOD: f64 = 64.0;
 const TOLERANCE: f64 = 1e-9;
 
 /// Images that have less than this fraction of the light belong to the one before.
-const FAINTEST: f64 = 1e-6;
+const FAINTEST_IMAGE: f64 = 1e-6;
 const MOST_IMAGES: usize = 6;
 
 pub(super) struct Paper {
+    /// A diffuser above the pixels.
+    lobe: Option<Lobe>,
     thickness_mm: f64,
     /// How far light spreads that is returned: the thickness, or a part of a large distance to the front.
     reach_mm: f64,
-    faces: Vec<FlatReturn>,
+    faces: Vec<LambertianReturn>,
     /// Reflectance of the paper, and light by wavelength, `[state][wavelength]`.
     reflectance: Vec<f64>,
     light: Vec<f64>,
     bins: usize,
     images: Vec<Image>,
+}
+
+/// What a view sees through a diffuser of light that meets the pixels once.
+struct Lobe {
+    once: LobeResponse,
+    /// Y, `[state]`.
+    y: Vec<f64>,
 }
 
 /// Image of the pixels, with the light that is returned to them.
@@ -56,7 +70,10 @@ struct Image {
     fraction: Vec<f64>,
     /// Light of equal reflectances, `[state]`.
     shades: Vec<Vec<Shade>>,
-    series: Series,
+    /// Light of the sharp image that a diffuser spreads, `[state]`; otherwise it belongs to the series.
+    sharp: Vec<f64>,
+    /// All other light: by places along x, along y, and in the plane, where these differ.
+    series: Vec<Series>,
 }
 
 /// Light of the wavelengths at which a state has the same reflectance under the same face.
@@ -66,19 +83,29 @@ struct Shade {
     light: f64,
 }
 
-pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Result<Paper, DisplayError> {
+pub(super) fn response(
+    lit: Lit<'_>,
+    source: &Source,
+    weights: &[f64],
+    via_pixel: &[f64],
+) -> Result<Paper, DisplayError> {
     let Lit { panel, level, .. } = lit;
     let (states, bins) = (panel.base.states(), weights.len());
     let mut reflectance = vec![0.0; states * bins];
     panel.base.reflectance(0.0, &panel.medium, &mut reflectance);
     let light: Vec<f64> = (0..states * bins).map(|at| weights[at % bins] * via_pixel[at]).collect();
-    let (thickness_mm, air_mm) = (lit.thickness_mm(), lit.air_mm()?);
+    let is_diffused = matches!(panel.top, Top::Diffuser(_));
+    let lobe = is_diffused.then(|| Lobe::new(lit, source, weights)).transpose()?;
+    let lengths_mm = lengths_of_one_front(panel, lit.lengths_mm, level);
+    let air_mm = Lit { lengths_mm: &lengths_mm, ..lit }.air_mm()?;
+    let thickness_mm = lit.thickness_mm();
     let reach_mm = thickness_mm.max(0.25 * (thickness_mm + air_mm));
     let most_per_mm = level.most_per_mm.max(HIGHEST / thickness_mm);
     let accuracy = Accuracy { digits: level.digits, most_per_mm };
-    let faces = FlatReturn::all(panel, lit.lengths_mm, accuracy).map_err(several_fronts)?;
+    let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(several_fronts)?;
     let step_per_mm = 1.0 / (PERIOD * reach_mm);
-    let mut paper = Paper { thickness_mm, reach_mm, faces, reflectance, light, bins, images: Vec::new() };
+    let mut paper =
+        Paper { lobe, thickness_mm, reach_mm, faces, reflectance, light, bins, images: Vec::new() };
     // A(0) and A(f) of each face.
     let count = (HIGHEST / thickness_mm / step_per_mm) as usize;
     let returned: Vec<Vec<[f64; 2]>> = (0..count).map(|k| paper.returned(k as f64 * step_per_mm)).collect();
@@ -87,11 +114,72 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
         let sharp = sum(&shades, &paper.returned(0.0), |rho, zero, _| 1.0 - rho * zero);
         let all: Vec<Vec<f64>> = returned.iter().map(|returned| sum(&shades, returned, orders)).collect();
         let rest = |state: usize| all.iter().map(|one| one[state] - sharp[state]).collect();
-        let rest = (0..states).map(rest).collect();
-        let series = Series { step_per_mm, sharp, rest, at_mm };
-        paper.images.push(Image { fraction, shades, series });
+        let rest = Series { step_per_mm, sharp: sharp.clone(), rest: (0..states).map(rest).collect(), at_mm };
+        let series = match &paper.lobe {
+            Some(lobe) => lobe.spread(&rest).to_vec(),
+            None => vec![rest],
+        };
+        paper.images.push(Image { fraction, shades, sharp, series });
     }
     Ok(paper)
+}
+
+impl Lobe {
+    fn new(lit: Lit<'_>, source: &Source, weights: &[f64]) -> Result<Self, DisplayError> {
+        let once = lobe::response(lit, source, weights)?;
+        let y = once.transfer(0, 0.0).iter().map(|y| y.re).collect();
+        Ok(Self { once, y })
+    }
+
+    /// What is left of a modulation along an axis, `[state]`.
+    fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
+        let light = self.once.transfer(axis, frequency_per_mm).into_iter().zip(&self.y);
+        light.map(|(light, y)| if *y > 0.0 { light / y } else { Complex64::ZERO }).collect()
+    }
+
+    /// Broad light, seen through the lobe: by places along x, along y and in the plane.
+    fn spread(&self, light: &Series) -> [Series; 3] {
+        let states = light.sharp.len();
+        let blank = || Series { sharp: vec![0.0; states], rest: vec![Vec::new(); states], ..light.clone() };
+        let mut spread = [blank(), blank(), blank()];
+        for k in 0..light.rest.first().map_or(0, Vec::len) {
+            let along = [0, 1].map(|axis| self.transfer(axis, k as f64 * light.step_per_mm));
+            let mut most = 0.0_f64;
+            for (state, rest) in light.rest.iter().enumerate() {
+                let [x, y] = along.each_ref().map(|along| along[state].norm());
+                for (series, left) in spread.iter_mut().zip([x, y, 0.5 * (x + y)]) {
+                    series.rest[state].push(rest[k] * left);
+                }
+                most = most.max(rest[k].abs() * x.max(y) / rest[0].abs().max(f64::MIN_POSITIVE));
+            }
+            if most < FAINTEST {
+                break;
+            }
+        }
+        spread
+    }
+
+    /// Light of equal cells about the one that is seen, from the place with the lowest number on: fractions of all.
+    fn along(&self, axis: usize, cell_mm: f64, count: usize) -> Vec<f64> {
+        let edges: Vec<f64> = (1..count).map(|k| (k as f64 - 0.5 * count as f64) * cell_mm).collect();
+        let brightest = self.brightest();
+        let mut cells = self.once.strips(axis, &edges).swap_remove(brightest);
+        // Light goes from a place to the opposite one about the place where it is seen.
+        cells.reverse();
+        cells.iter_mut().for_each(|light| *light /= self.y[brightest]);
+        cells
+    }
+
+    /// The same of the pixels of text.
+    fn about(&self, text: &Text<'_>) -> Vec<f64> {
+        let brightest = self.brightest();
+        let cells = self.once.cells(&text.edges(0), &text.edges(1)).swap_remove(brightest);
+        cells.into_iter().map(|light| light / self.y[brightest]).collect()
+    }
+
+    fn brightest(&self) -> usize {
+        (0..self.y.len()).max_by(|a, b| self.y[*a].total_cmp(&self.y[*b])).unwrap_or(0)
+    }
 }
 
 /// Places of the images, mm, and the fraction of the light that each has at the wavelengths.
@@ -99,7 +187,7 @@ fn images(lit: Lit<'_>, air_mm: f64, bins: usize) -> Vec<([f64; 2], Vec<f64>)> {
     let way = displacement(lit.view.field.axis_towards(), 2.0 * air_mm, 1.0);
     let between: Vec<f64> = (0..bins).map(|bin| lit.faces(bin).iter().product()).collect();
     let largest = if way == [0.0; 2] { 0.0 } else { between.iter().copied().fold(0.0, f64::max) };
-    let count = (0..MOST_IMAGES).take_while(|k| *k == 0 || largest.powi(*k as i32) > FAINTEST).count();
+    let count = (0..MOST_IMAGES).take_while(|k| *k == 0 || largest.powi(*k as i32) > FAINTEST_IMAGE).count();
     let one = |k: usize| {
         let last = k + 1 == count;
         let fraction = |between: &f64| between.powi(k as i32) * if last { 1.0 } else { 1.0 - between };
@@ -125,7 +213,7 @@ fn sum(shades: &[Vec<Shade>], returned: &[[f64; 2]], of: impl Fn(f64, f64, f64) 
 impl Paper {
     fn shades_of(&self, state: usize, fraction: &[f64]) -> Vec<Shade> {
         let mut shades: Vec<Shade> = Vec::new();
-        for (face, FlatReturn { bins, .. }) in self.faces.iter().enumerate() {
+        for (face, LambertianReturn { bins, .. }) in self.faces.iter().enumerate() {
             for (bin, at) in bins.iter().map(|bin| (*bin, state * self.bins + bin)) {
                 let (reflectance, light) = (self.reflectance[at], fraction[bin] * self.light[at]);
                 let same = |shade: &&mut Shade| shade.face == face && shade.reflectance == reflectance;
@@ -177,7 +265,7 @@ impl Paper {
                         let page: f64 = bins.iter().map(of_bin).sum();
                         page * (1.0 - pair[k] * zero)
                     });
-                    let shown = shown(cells, series.at_mm);
+                    let shown = shown(cells, series[0].at_mm);
                     let light = |cell: usize| irradiance[cell] * if is_first[cell] { first } else { second };
                     let lights: Vec<f64> = (0..cells.len()).map(|cell| light(shown(cell))).collect();
                     let mut found = reduced(&lights);
@@ -212,6 +300,29 @@ impl Paper {
     }
 }
 
+impl Paper {
+    /// Light in bins: that of the series with this number, and what a diffuser spreads.
+    fn binned(
+        &self,
+        number: usize,
+        of_series: impl Fn(&Series) -> Vec<Vec<f64>>,
+        of_lobe: impl Fn(&LobeResponse) -> Vec<Vec<f64>>,
+    ) -> Vec<Vec<f64>> {
+        let mut sums = Vec::new();
+        for Image { series, sharp, .. } in &self.images {
+            add(&mut sums, of_series(&series[number.min(series.len() - 1)]));
+            let Some(lobe) = &self.lobe else { continue };
+            let mut once = of_lobe(&lobe.once);
+            for ((bins, sharp), y) in once.iter_mut().zip(sharp).zip(&lobe.y) {
+                let factor = if *y > 0.0 { sharp / y } else { 0.0 };
+                bins.iter_mut().for_each(|light| *light *= factor);
+            }
+            add(&mut sums, once);
+        }
+        sums
+    }
+}
+
 /// The cell that an image at a place shows in each cell: the nearest one.
 fn shown(Cells { count, period_mm }: Cells, at_mm: [f64; 2]) -> impl Fn(usize) -> usize {
     let steps = [0, 1].map(|axis| (at_mm[axis] / period_mm[axis] * count[axis] as f64).round() as i64);
@@ -227,29 +338,27 @@ impl Response for Paper {
         let returned = self.returned(frequency_per_mm);
         let mut sums = vec![Complex64::ZERO; self.reflectance.len() / self.bins];
         for Image { shades, series, .. } in &self.images {
-            let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * series.at_mm[axis]);
+            let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * series[0].at_mm[axis]);
             let light = sum(shades, &returned, orders);
             sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += light * phase);
+        }
+        if let Some(lobe) = &self.lobe {
+            let left = lobe.transfer(axis, frequency_per_mm);
+            sums.iter_mut().zip(left).for_each(|(sum, left)| *sum *= left);
         }
         sums
     }
 
     fn strips(&self, axis: usize, edges_mm: &[f64]) -> Vec<Vec<f64>> {
-        let mut sums = Vec::new();
-        self.images.iter().for_each(|image| add(&mut sums, image.series.strips(axis, edges_mm)));
-        sums
+        self.binned(axis, |series| series.strips(axis, edges_mm), |lobe| lobe.strips(axis, edges_mm))
     }
 
     fn rings(&self, radii_mm: &[f64]) -> Vec<Vec<f64>> {
-        let mut sums = Vec::new();
-        self.images.iter().for_each(|image| add(&mut sums, image.series.rings(radii_mm)));
-        sums
+        self.binned(2, |series| series.rings(radii_mm), |lobe| lobe.rings(radii_mm))
     }
 
     fn cells(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {
-        let mut sums = Vec::new();
-        self.images.iter().for_each(|image| add(&mut sums, image.series.cells(x_mm, y_mm)));
-        sums
+        self.binned(2, |series| series.cells(x_mm, y_mm), |lobe| lobe.cells(x_mm, y_mm))
     }
 
     fn line(&self, states: [usize; 2], axis: usize, width_mm: f64, level: Level) -> Option<f64> {
@@ -262,7 +371,17 @@ impl Response for Paper {
         cells.period_mm[other] = f64::INFINITY;
         let mut is_line = vec![false; count];
         is_line[..parts].fill(true);
-        let [middle] = self.solved(cells, states, &is_line, |light| [light[parts / 2]]);
+        let kernel = self.lobe.as_ref().map(|lobe| lobe.along(axis, cell, count));
+        // The cell that is seen is in the middle of the kernel.
+        let first = parts / 2 + count - count / 2;
+        let seen = |light: &[f64]| match &kernel {
+            None => [light[parts / 2]],
+            Some(kernel) => {
+                let parts = kernel.iter().enumerate().map(|(k, part)| part * light[(first + k) % count]);
+                [parts.sum()]
+            }
+        };
+        let [middle] = self.solved(cells, states, &is_line, seen);
         Some(middle)
     }
 
@@ -300,17 +419,33 @@ impl Response for Paper {
             let (column, row) = (pixel % bitmap.count[0], pixel / bitmap.count[0]);
             (row * parts[1] + parts[1] / 2) * columns + column * parts[0] + parts[0] / 2
         };
-        let seen =
-            |light: &[f64]| -> Vec<f64> { middles.iter().map(|pixel| light[middle(*pixel)]).collect() };
+        let kernel = self.lobe.as_ref().map(|lobe| lobe.about(text));
+        let seen = |light: &[f64]| -> Vec<f64> {
+            let Some(kernel) = &kernel else {
+                return middles.iter().map(|pixel| light[middle(*pixel)]).collect();
+            };
+            // Light from elsewhere is that of the page, as in the first pixel.
+            let page = light[0];
+            let mut more = vec![0.0; bitmap.black.len()];
+            let part = 1.0 / (parts[0] * parts[1]) as f64;
+            light.iter().enumerate().for_each(|(cell, light)| more[pixel(cell)] += part * (light - page));
+            text.seen(kernel, &more).into_iter().map(|seen| page + seen).collect()
+        };
         Some(self.solved(cells, states, &is_black, seen))
     }
 
     fn images(&self) -> Vec<[f64; 2]> {
-        self.images.iter().map(|image| image.series.at_mm).collect()
+        match &self.lobe {
+            Some(lobe) => lobe.once.images(),
+            None => self.images.iter().map(|image| image.series[0].at_mm).collect(),
+        }
     }
 
     fn peaks(&self) -> Vec<Peak> {
         let peak = |at_mm| Peak { at_mm, width_mm: 0.05 * self.thickness_mm };
-        self.images().into_iter().map(peak).collect()
+        match &self.lobe {
+            Some(lobe) => lobe.once.peaks(),
+            None => self.images().into_iter().map(peak).collect(),
+        }
     }
 }

@@ -157,6 +157,12 @@ impl Text<'_> {
 
     /// What a kernel shows of black pixels in the middle of each stroke.
     pub(super) fn over_black(&self, cells: &[f64]) -> Vec<f64> {
+        let light: Vec<f64> = self.bitmap.black.iter().map(|black| f64::from(u8::from(*black))).collect();
+        self.seen(cells, &light)
+    }
+
+    /// What a kernel shows of the light of the pixels in the middle of each stroke; none comes from elsewhere.
+    pub(super) fn seen(&self, cells: &[f64], pixels: &[f64]) -> Vec<f64> {
         let side = 2 * NEIGHBOURS + 1;
         let [columns, rows] = self.bitmap.count.map(|count| count as i64);
         let one = |pixel: &usize| {
@@ -166,8 +172,8 @@ impl Text<'_> {
                 // The cell at r shows the pixel at the place of the stroke less r.
                 let (at_x, at_y) = (x - (cell % side - NEIGHBOURS), y - (cell / side - NEIGHBOURS));
                 let inside = (0..columns).contains(&at_x) && (0..rows).contains(&at_y);
-                if inside && self.bitmap.black[(at_y * columns + at_x) as usize] {
-                    light += cells[cell as usize];
+                if inside {
+                    light += cells[cell as usize] * pixels[(at_y * columns + at_x) as usize];
                 }
             }
             light

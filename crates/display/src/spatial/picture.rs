@@ -1,12 +1,11 @@
-//! Colours of a picture on Lambertian pixels under a flat face, which returns light to them.
+//! Colours of a picture on Lambertian pixels under a flat face, which returns light to them, as does a front of screen above it.
 
-use std::sync::atomic::AtomicBool;
-
-use papilio_transport::adding::Kernel;
-use papilio_transport::spatial::{FaceReturn, LitPage, Page, PageLight, Precision};
+use papilio_transport::spatial::{
+    Accuracy, LambertianReturn, LitPage, Page, PageLight, Precision, air_below_front_mm,
+};
 use papilio_transport::{Panel, Reflector, Stack, Top};
 
-use super::response::face_reflectance;
+use super::response::{face_reflectance, several_fronts};
 use crate::DisplayError;
 use crate::lamp_images;
 use crate::meter::Meter;
@@ -36,6 +35,9 @@ pub struct PictureColours {
 /// Columns and rows of the part of which the error is computed.
 const PART: usize = 128;
 
+/// Natural digits of light that a front returns.
+const DIGITS: f64 = 12.0;
+
 /// Level of the colours of pages.
 const LEVEL: u32 = 4;
 
@@ -51,7 +53,8 @@ pub fn picture(
     control: &Control<'_>,
 ) -> Result<PictureColours, DisplayError> {
     let setup = Setup::new(scene)?;
-    let lights: Vec<ViewLight> = setup.views.iter().map(|view| ViewLight::new(&setup, view)).collect();
+    let lights = setup.views.iter().map(|view| ViewLight::new(&setup, view, control));
+    let lights = lights.collect::<Result<Vec<ViewLight>, _>>()?;
     let (lit, rows) = LitPicture::of(&setup, &lights, picture.clone(), precision, control)?;
     Ok(PictureColours { views: rows.iter().map(|row| lit.seen(row)).collect(), error: lit.error })
 }
@@ -84,7 +87,7 @@ impl LitPicture {
     /// # Errors
     /// Those of [`picture`].
     pub(crate) fn new(
-        scenes: &[&Scene],
+        setups: &[&Setup],
         (size, states): ([usize; 2], &[u8]),
         precision: Precision,
         without_lamps: bool,
@@ -92,17 +95,17 @@ impl LitPicture {
     ) -> Result<(Self, Vec<Vec<f64>>), DisplayError> {
         let flipped = states.chunks_exact(size[0]).rev().flatten();
         let picture = Picture { count: size, states: flipped.copied().collect() };
-        let setups =
-            scenes.iter().map(|scene| Setup::new(scene)).collect::<Result<Vec<Setup>, DisplayError>>()?;
-        let of_view = |setup: &Setup| {
-            let mut light = ViewLight::new(setup, setup.views.first()?);
+        let of_view = |setup: &&Setup| {
+            let Some(view) = setup.views.first() else { return Ok(None) };
+            let mut light = ViewLight::new(setup, view, control)?;
             for image in lamp_images::in_view(setup).iter().filter(|_| without_lamps) {
                 (0..3).for_each(|k| light.front[k] -= image.front[k]);
             }
-            Some(light)
+            Ok(Some(light))
         };
-        let lights: Vec<ViewLight> = setups.iter().filter_map(of_view).collect();
-        Self::of(&setups[0], &lights, picture, precision, control)
+        let lights = setups.iter().map(of_view).filter_map(Result::transpose);
+        let lights = lights.collect::<Result<Vec<ViewLight>, DisplayError>>()?;
+        Self::of(setups[0], &lights, picture, precision, control)
     }
 
     fn of(
@@ -114,7 +117,8 @@ impl LitPicture {
     ) -> Result<(Self, Vec<Vec<f64>>), DisplayError> {
         let missing = DisplayError::NoMatrix { command: "picture" };
         let pitch_mm = setup.scene.display.matrix.as_ref().ok_or(missing)?.pitch_mm;
-        let thickness_mm = setup.scene.display.lengths_mm()?.last().copied().unwrap_or_default();
+        let lengths_mm = setup.scene.display.lengths_mm()?;
+        let thickness_mm = lengths_mm.last().copied().unwrap_or_default();
         let (panel, rho) = covered(setup)?;
         let highest = picture.states.iter().copied().map(usize::from).max().unwrap_or(0);
         if highest >= setup.states.len() || picture.states.len() != picture.count[0] * picture.count[1] {
@@ -140,15 +144,15 @@ impl LitPicture {
         };
         let mut parts = [empty(picture.part()), empty(picture.part())];
         let mut whole = empty(picture);
-        for bins in by_index(panel) {
+        // Cells of half the size, and their diagonal.
+        let accuracy = Accuracy { digits: DIGITS, most_per_mm: 2.0 / (finer.cell * thickness_mm) };
+        let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(several_fronts)?;
+        whole.error = shifted(panel, &lengths_mm, &setup.views);
+        for face in faces {
+            let bins = face.bins.clone();
             if control.stopped() {
                 return Err(DisplayError::Interrupted);
             }
-            let passes = |beta: f64| 1.0 - face_reflectance(panel, bins[0], beta);
-            let index = panel.medium.index()[bins[0]];
-            // Cells of half the size, and their diagonal.
-            let most_per_mm = 2.0 / (finer.cell * thickness_mm);
-            let face = FaceReturn::new(index, thickness_mm, most_per_mm, passes).tabulated();
             let reflectance: Vec<Vec<f64>> =
                 (0..states).map(|state| bins.iter().map(|bin| rho[state * count + bin]).collect()).collect();
             // A page of one state has 1/(1 - rho A(0)) times the light of an irradiance of 1.
@@ -164,19 +168,20 @@ impl LitPicture {
             let seen = of_states(first, states, count, &bins);
             let light = PageLight { reflectance: &reflectance, seen: &seen };
             let solve = |into: &mut Self, precision: Precision| {
-                let lit = LitPage::new(&into.page(), &face, light, precision, thickness_mm);
+                let lit = LitPage::new(&into.page(), &|f| face.at(f), light, precision, thickness_mm);
                 into.groups.push(Group { bins: bins.clone(), reflectance: reflectance.clone(), lit });
             };
             solve(&mut whole, precision);
             solve(&mut parts[0], precision);
             solve(&mut parts[1], finer);
         }
+        let mut change = 0.0;
         for row in &rows {
             let [coarse, fine] = parts.each_ref().map(|part| part.seen(row));
             let pairs = coarse.iter().flatten().zip(fine.iter().flatten());
-            whole.error =
-                pairs.map(|(coarse, fine)| f64::from((coarse - fine).abs())).fold(whole.error, f64::max);
+            change = pairs.map(|(coarse, fine)| f64::from((coarse - fine).abs())).fold(change, f64::max);
         }
+        whole.error += change;
         Ok((whole, rows))
     }
 
@@ -224,14 +229,11 @@ pub(super) struct ViewLight {
 }
 
 impl ViewLight {
-    pub(super) fn new(setup: &Setup, view: &ViewPoint) -> Self {
+    pub(super) fn new(setup: &Setup, view: &ViewPoint, control: &Control<'_>) -> Result<Self, DisplayError> {
         let (meter, bins) = (Meter::new(setup), setup.scene.grid.len());
-        let mut kernel = Kernel::new(LEVEL);
-        let _ready =
-            kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &AtomicBool::new(false));
         let mut light =
             Self { pages: [0, 1, 2].map(|_| vec![0.0; setup.states.len() * bins]), front: [0.0; 3] };
-        let factors = kernel.seen(&setup.stack, 0);
+        let factors = setup.seen(view, LEVEL, control)?;
         light.front = meter.without_pixel(&factors);
         for one in meter.pixel_lights() {
             let via_pixel = &factors[one.source].via_pixel;
@@ -240,7 +242,7 @@ impl ViewLight {
                 pages.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             }
         }
-        light
+        Ok(light)
     }
 
     /// All numbers, one after another.
@@ -249,17 +251,16 @@ impl ViewLight {
     }
 }
 
-/// Wavelengths with the same index of the medium.
-fn by_index(panel: &Panel) -> Vec<Vec<usize>> {
-    let index = panel.medium.index();
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for bin in 0..index.len() {
-        match groups.iter_mut().find(|group| index[group[0]] == index[bin]) {
-            Some(group) => group.push(bin),
-            None => groups.push(vec![bin]),
-        }
-    }
-    groups
+/// Largest part of the light that oblique views see of other pixels, because it was reflected between the face and a front above it; relative
+/// to a perfect white.
+fn shifted(panel: &Panel, lengths_mm: &[f64], views: &[ViewPoint]) -> f64 {
+    let is_apart = air_below_front_mm(panel, lengths_mm).is_ok_and(|air_mm| air_mm > 0.0);
+    let of_view = |view: &ViewPoint| {
+        let beta = view.field.axis_towards().length();
+        let between = |bin: usize| face_reflectance(panel, bin, beta) * panel.front.reflectance_below[bin];
+        (0..panel.base.bins()).filter(|_| beta > 0.0 && is_apart).map(between).fold(0.0, f64::max)
+    };
+    views.iter().map(of_view).fold(0.0, f64::max)
 }
 
 /// Returns panel and reflectances if pictures on them are computed.
@@ -275,9 +276,6 @@ fn covered(setup: &Setup) -> Result<(&Panel, &[f64]), DisplayError> {
     };
     if matches!(panel.top, Top::Diffuser(_)) {
         return not_yet("pictures below a diffuser", "display.diffuser");
-    }
-    if panel.front.reflectance_below.max() > 0.0 {
-        return not_yet("pictures below front components that reflect light", "display.front");
     }
     if setup.scene.lighting.front_light.is_some() {
         return not_yet("pictures in a front light", "lighting.front_light");

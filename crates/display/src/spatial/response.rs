@@ -1,14 +1,14 @@
 //! What a view sees of each light, by frequency and by place.
 
 use num_complex::Complex64;
-use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{Peak, SpreadError, air_below_front_mm};
 use papilio_transport::{Panel, Source, Stack, Top};
 
 use super::patterns::{Pattern, Text};
-use super::{ghosts, paper, returned};
+use super::{ghosts, lobe, paper, returned};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
+use crate::run::Control;
 use crate::setup::{Setup, ViewPoint};
 
 /// Accuracy of a response. The difference of two levels is the error of the coarser one.
@@ -21,6 +21,15 @@ pub(crate) struct Level {
     /// True for the finer level of a result. A coarse one also takes simpler estimates, so that the difference bounds theirs,
     /// however many digits both have.
     pub(crate) is_fine: bool,
+    /// Number of times that cells of figures are halved beyond those of the finer of two levels.
+    pub(crate) finer: u32,
+}
+
+impl Level {
+    /// Level of adding of the light of pages.
+    pub(super) fn of_pages(self) -> u32 {
+        if self.is_fine { 4 } else { 3 }
+    }
 }
 
 /// Light that a view sees via the pixel in each state, from one source. All values are parts of Y.
@@ -72,6 +81,7 @@ pub(crate) fn responses(
     setup: &Setup,
     view: &ViewPoint,
     level: Level,
+    control: &Control<'_>,
 ) -> Result<(Vec<Seen>, f64), DisplayError> {
     let lengths = setup.scene.display.lengths_mm()?;
     let meter = Meter::new(setup);
@@ -81,20 +91,17 @@ pub(crate) fn responses(
             key: "display.layers".to_owned(),
         });
     };
-    let stop = std::sync::atomic::AtomicBool::new(false);
-    let mut kernel = Kernel::new(if level.is_fine { 4 } else { 3 });
-    let fields = [view.field];
-    let _ready = kernel.prepare_unless(&setup.stack, &fields, &setup.sources, &stop);
-    let factors = kernel.seen(&setup.stack, 0);
+    let factors = setup.seen(view, level.of_pages(), control)?;
     let lit = Lit { panel, lengths_mm: &lengths, view, level };
     let mut all = Vec::new();
     for light in meter.pixel_lights().into_iter().filter(PixelLight::is_seen) {
         let [_, weights, _] = &light.weights;
         let (source, via_pixel) = (&setup.sources[light.source], &factors[light.source].via_pixel[..]);
         let response: Box<dyn Response> = match (&panel.top, panel.base.is_specular()) {
-            (Top::Diffuser(_), _) => returned::response(lit, source, weights, via_pixel)?,
+            (Top::Diffuser(_), true) => returned::response(lit, source, weights, via_pixel)?,
+            (Top::Diffuser(_), false) if !lit.returns() => Box::new(lobe::response(lit, source, weights)?),
             (_, true) => Box::new(ghosts::response(lit, weights, via_pixel)?),
-            (_, false) => Box::new(paper::response(lit, weights, via_pixel)?),
+            (_, false) => Box::new(paper::response(lit, source, weights, via_pixel)?),
         };
         all.push(Seen { light: name_of_light(setup, &light), response });
     }
@@ -122,12 +129,32 @@ impl Lit<'_> {
         air_below_front_mm(self.panel, self.lengths_mm).map_err(several_fronts)
     }
 
+    /// True if a front returns light to the pixel.
+    pub(super) fn returns(&self) -> bool {
+        !self.panel.single_pass && self.panel.front.reflectance_below.max() > 0.0
+    }
+
     /// Reflectances of the face above the pixel, and of the front, for light from below along the view, at a wavelength.
     pub(super) fn faces(&self, bin: usize) -> [f64; 2] {
         let beta = self.view.field.axis_towards().length();
         let front = if self.panel.single_pass { 0.0 } else { self.panel.front.reflectance_below[bin] };
         [face_reflectance(self.panel, bin, beta), front]
     }
+}
+
+/// Lengths of a panel with one front. Where several components of the front are apart above a diffuser, each returns a part of the light: the
+/// one that stands for them has the air below all at the finer level, and that below the lowest one at the coarse level; the difference
+/// bounds the error.
+pub(super) fn lengths_of_one_front(panel: &Panel, lengths_mm: &[f64], level: Level) -> Vec<f64> {
+    let Some((glass_mm, fronts)) = lengths_mm.split_last() else { return Vec::new() };
+    if !matches!(panel.top, Top::Diffuser(_)) {
+        return lengths_mm.to_vec();
+    }
+    let air_mm = air_below_front_mm(panel, lengths_mm).unwrap_or_else(|_| match level.is_fine {
+        true => fronts.iter().sum(),
+        false => fronts.last().copied().unwrap_or_default(),
+    });
+    vec![air_mm, *glass_mm]
 }
 
 /// A panel with several fronts at different heights.

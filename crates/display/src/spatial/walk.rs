@@ -23,12 +23,10 @@ use self::below_filter::BelowFilter;
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::result::Named;
+pub use crate::run::REPLICATES;
 use crate::run::{Control, Progress, Workers, each};
 use crate::scene::{AngleMedium, Approximation, Scene};
 use crate::setup::{Setup, ViewPoint, layers};
-
-/// Number of independent replicates.
-pub const REPLICATES: u64 = 32;
 
 /// A mean and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -26,6 +26,7 @@ mod levels_that_agree;
 mod lights;
 mod microgeometry;
 mod mtf;
+mod one_model;
 mod picture;
 mod picture_samples;
 mod placed;

@@ -249,6 +249,19 @@ impl Kernel {
         }
     }
 
+    /// Returns the same; `None` if `stop` was set during the computation.
+    pub fn seen_unless(
+        &self,
+        stack: &Stack,
+        view: usize,
+        stop: &AtomicBool,
+    ) -> Option<Vec<ReflectanceFactor>> {
+        match &self.kind {
+            Kind::Panel(_) => Some(self.seen(stack, view)),
+            _ => Some(self.estimate_unless(stack, view, stop)?.rho),
+        }
+    }
+
     /// Returns the gradients, with respect to the table of a specular base, of numbers that depend on the
     /// reflectance factors: `seen` has shape `[number][source][state][wavelength]` and contains the
     /// derivative of each number by each source's `rho.base` of an estimate of this stack. Exact to

@@ -6,7 +6,7 @@
 //! mm, replaces D by the phase `exp(-2 pi i f.D)`.
 //!
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
-//! - [`FlatReturn`]: the same with a front of screen above an air gap, for many frequencies.
+//! - [`LambertianReturn`]: the same with a front of screen above an air gap or a diffuser, for many frequencies.
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`PointSpread`]: the same by place: strips, rings and cells.
 //! - [`LineSpread`]: its light along one axis, with exact transforms.
@@ -15,7 +15,7 @@
 //! - [`LitPage`]: the same for pictures of many states, pixels and wavelengths.
 //! - [`PixelSquare`], [`Shapes`]: kernels of pictures below a lobe.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
-//!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`], [`crosstalk`].
+//!   of one through another: [`shares_by_transfer`].
 //! - [`TwoPlanes`]: Lambertian pixels below a colour filter at a height, through all orders.
 //! - [`sparkle`]: random brightness of pixels below a rough face.
 //! - [`closed`]: closed forms of lobes and plates, a second method for all of these.
@@ -35,13 +35,13 @@ pub mod sparkle;
 mod spread;
 mod two_planes;
 
-pub use crate::window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};
+pub use crate::window::{Rectangle, Window, shares_by_transfer};
 pub use blur::{PixelSquare, Shapes};
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
 pub use line::LineSpread;
 pub use page::{LitPage, Page, PageLight, Precision};
-pub use panel_spread::{FlatReturn, Grid, Kernel, PanelSpread, Part, SpreadError, air_below_front_mm};
+pub use panel_spread::{LambertianReturn, PanelSpread, Part, SpreadError, air_below_front_mm};
 pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};

@@ -1,7 +1,7 @@
 //! A pattern of Lambertian reflectances under a face that returns light to it, through all orders.
 //!
 //! **What.** The irradiance of a pattern rho(x), relative to that of the light from outside, is
-//! `E = 1 + A * (rho E)`, with the return A of the layers above ([`FaceReturn`](super::FaceReturn), [`FlatReturn`](super::FlatReturn)); what leaves upwards is `rho E`. In the Fourier domain
+//! `E = 1 + A * (rho E)`, with the return A of the layers above ([`FaceReturn`](super::FaceReturn), [`LambertianReturn`](super::LambertianReturn)); what leaves upwards is `rho E`. In the Fourier domain
 //! A multiplies, between x and f the fast Fourier transform. A is below 0.6, so that repeating converges.
 //!
 //! **Limits.** Features much larger than the thickness: `rho/(1 - A(0) rho)` for each point. Much smaller: the mean reflectance

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
 use papilio_optics::Beta;
@@ -18,6 +19,9 @@ use papilio_transport::{
 };
 
 use crate::common::{everyday, lambertian, mean_and_error, mirror, one, sized, view};
+
+/// Never set.
+static GO_ON: AtomicBool = AtomicBool::new(false);
 
 fn lobe(width: f64, regular_fraction: f64) -> Interface {
     let lobe = Lobe::KCorrelation { width };
@@ -37,7 +41,7 @@ fn transfer(
     frequencies: &[[f64; 2]],
     level: u32,
 ) -> Result<Vec<Vec<Vec<[f64; 2]>>>, NotCovered> {
-    let spread = LayeredSpread::new(stack, lengths_mm, view, sources, level)?;
+    let spread = LayeredSpread::new(stack, lengths_mm, view, sources, level, &GO_ON)?;
     let bins = stack.base.bins();
     // Of a single wavelength the light without regard to places cancels.
     let via_pixel = if bins == 1 {
@@ -250,7 +254,7 @@ fn light_that_is_not_covered_is_refused() {
     let lengths = [0.1, 0.2, 0.2];
     let refused = |stack: &Layered| {
         let sources = [Source::Diffuse];
-        LayeredSpread::new(stack, &lengths[..stack.layers.len()], view(0.0), &sources, 0).err()
+        LayeredSpread::new(stack, &lengths[..stack.layers.len()], view(0.0), &sources, 0, &GO_ON).err()
     };
     let mut slab = stack([(Interface::Fresnel, 1.5)], lambertian(0.5));
     let scattering = Scattering { optical_thickness: 1.0, anisotropy: 0.5, albedo: one(1.0) };

@@ -7,7 +7,7 @@ use super::common::{everyday, mirror, panel as one_bin, sized, view};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::Kernel;
-use papilio_transport::spatial::{Accuracy, Grid, PanelSpread, closed};
+use papilio_transport::spatial::{Accuracy, PanelSpread};
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Field, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
 };
@@ -274,53 +274,4 @@ fn ghosts_of_a_mirror_have_a_closed_form() {
         let expected = (1.0 - face).powi(2) * rho / (1.0 - face * rho * turns);
         assert!((found(&spread, &panel, f) - expected).norm() < 1e-12);
     }
-}
-
-/// A narrow lobe has the closed forms of small angles; cells are parts of the whole.
-#[test]
-fn cells_of_a_narrow_lobe_have_closed_forms() {
-    let b = 2e-3;
-    let panel = one_bin(h78(b), mirror(1.0));
-    let spread = spread(&panel, view(0.0), &Source::Diffuse, 0.5, 14.0);
-    let c = b * 0.5 / 1.5;
-    let total = found(&spread, &panel, 0.0).re;
-    for cell_mm in [0.4 * c, 40.0 * c] {
-        let grid = Grid { count: [6, 5], cell_mm };
-        let kernel = spread.kernel(&panel, grid);
-        let sum: f64 = kernel.cells.iter().chain(&kernel.outside).sum();
-        assert!((sum - total).abs() < 1e-12);
-        for (k, value) in kernel.cells.iter().enumerate() {
-            let [x, y] = [(k % 6) as f64 - 3.0, (k / 6) as f64 - 2.5].map(|at| at * cell_mm);
-            let expected = closed::lobe_from_rectangle([x, x + cell_mm], [y, y + cell_mm], c);
-            // The edge of the hemisphere and the tangent change tails by about b.
-            assert!((value / total - expected).abs() < 2.0 * b * expected + 3e-6, "{k}: {value} {expected}");
-        }
-    }
-}
-
-/// The light of a square does not depend on how many cells it has, nor on the accuracy.
-#[test]
-fn squares_do_not_depend_on_their_cells() {
-    let beam = Source::Beam(Beta { x: 0.2, y: -0.1 });
-    for (source, theta) in [(Source::Diffuse, 0.0), (Source::Diffuse, 50.0), (beam, 15.0)] {
-        let panel = Panel { base: one_state_film(), ..one_bin(h78(0.05667), mirror(1.0)) };
-        let [coarse, fine] = [10.0, 15.0].map(|digits| spread(&panel, view(theta), &source, 0.5, digits));
-        let cells = coarse.kernel(&panel, Grid { count: [16, 16], cell_mm: 0.02 });
-        let single = fine.kernel(&panel, Grid { count: [1, 1], cell_mm: 0.32 });
-        let sum: f64 = cells.cells.iter().sum();
-        let total = found(&fine, &panel, 0.0).re;
-        assert!((sum - single.cells[0]).abs() < 1e-5 * total, "{theta}: {sum} {}", single.cells[0]);
-    }
-}
-
-fn one_state_film() -> Base {
-    let nodes = 33;
-    let basis: Vec<f64> = (0..nodes).map(|node| 0.5 + 0.3 * (0.15 * f64::from(node)).sin()).collect();
-    let table = AngularTable {
-        nodes: Nodes::Cosines(33),
-        basis: basis.into(),
-        mixture: vec![1.0],
-        common: vec![0.0],
-    };
-    Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0].into() }
 }

@@ -3,8 +3,8 @@
 use papilio_transport::spatial::Division;
 
 use super::super::response::name_of_light;
-use super::found::{Measured, assembled};
-use super::{BLACK, CrosstalkView, Figure, PAGE, add, flat, page, state};
+use super::found::Measured;
+use super::{BLACK, CrosstalkView, Figure, PAGE, add, flat, page, refined, state};
 use crate::DisplayError;
 use crate::filtered::{CELLS, Filtered, Lit};
 use crate::meter::Meter;
@@ -44,31 +44,26 @@ const NO_TEXT: &str = "text below a colour filter is computed by paths: it has n
     crosses it (--solver monte-carlo)";
 const DIFFUSED: &str = "a diffuser above the colour filter blurs what is seen of it: its stripes and lines are computed by paths (--solver monte-carlo)";
 
-/// Levels of discretisation.
-const LEVELS: [usize; 2] = [0, 1];
-
 /// Computes all views.
 pub(super) fn views(
     filtered: &Filtered<'_>,
     setup: &Setup,
     control: &Control<'_>,
 ) -> Result<Vec<CrosstalkView>, DisplayError> {
-    let of_level = |level: usize| {
-        if control.stopped() {
-            return Err(DisplayError::Interrupted);
-        }
-        levelled(filtered, setup, level)
-    };
-    let [coarse, fine] = LEVELS.map(of_level);
-    let (coarse, fine) = (coarse?, fine?);
+    let mut levels: Vec<Levelled> = Vec::new();
     let mut views = Vec::with_capacity(setup.views.len());
     for (number, view) in setup.views.iter().enumerate() {
-        if control.stopped() {
-            return Err(DisplayError::Interrupted);
-        }
-        let at = |level: &Levelled| seen(filtered, setup, level, (number, view));
-        let mut assembled = assembled(setup, view, &at(&fine)?, &[at(&coarse)?]);
-        for pattern in &mut assembled.patterns {
+        let at = |level: usize| {
+            if control.stopped() {
+                return Err(DisplayError::Interrupted);
+            }
+            if levels.len() == level {
+                levels.push(levelled(filtered, setup, level)?);
+            }
+            seen(filtered, setup, &levels[level], (number, view))
+        };
+        let mut found = refined(setup, view, filtered.finest(), at)?;
+        for pattern in &mut found.patterns {
             pattern.why_null = match pattern.name {
                 Figure::Stripe | Figure::Line if filtered.is_diffused() => Some(DIFFUSED),
                 Figure::Line if !filtered.is_of_stripes() => Some(NO_LINE),
@@ -76,7 +71,7 @@ pub(super) fn views(
                 _ => pattern.why_null,
             };
         }
-        views.push(assembled);
+        views.push(found);
         (control.progress)(Progress::of_views(number + 1, setup.views.len()));
     }
     Ok(views)

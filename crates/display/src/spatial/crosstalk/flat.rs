@@ -1,11 +1,11 @@
-//! Figures on pages of Lambertian pixels under a flat face, which returns light to them.
+//! Figures on pages of Lambertian pixels, to which a flat face, or a front above a diffuser, returns light.
 //!
 //! A figure of reflectance rho on a page of another has the irradiance E(rho, page) of [`Recycling`]; 1/E is almost linear in
 //! both, so that a few pairs serve all states and wavelengths.
 
 use papilio_imaging::text::Bitmap;
 use papilio_transport::Panel;
-use papilio_transport::spatial::{Accuracy, Cells, FlatReturn, Recycling};
+use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Recycling};
 
 use super::super::Level;
 use super::super::response::several_fronts;
@@ -50,9 +50,9 @@ impl Irradiance {
     ) -> Result<Option<Self>, DisplayError> {
         let Some((cells, is_figure, seen)) = drawn(pixels, figure, level) else { return Ok(None) };
         let accuracy = Accuracy { digits: level.digits, most_per_mm: cells.most_per_mm() };
-        let faces = FlatReturn::all(panel, pixels.lengths_mm, accuracy).map_err(several_fronts)?;
-        let nodes = if level.is_fine { 3 } else { 2 };
-        let face = |face: FlatReturn| {
+        let faces = LambertianReturn::all(panel, pixels.lengths_mm, accuracy).map_err(several_fronts)?;
+        let nodes = if level.is_fine { 3 + level.finer as usize } else { 2 };
+        let face = |face: LambertianReturn| {
             let recycling = Recycling::new(cells, |f| face.at(f));
             let at = |k: usize| most * k as f64 / (nodes - 1) as f64;
             let one = |number: usize| {
@@ -69,13 +69,12 @@ impl Irradiance {
         Ok(Some(Self { faces: faces.into_iter().map(face).collect() }))
     }
 
-    /// Factor of the light of a figure over that of a page in its state, for each wavelength.
-    pub(super) fn over_page(&self, figure: &[f64], page: &[f64]) -> Vec<f64> {
+    /// Irradiance of a figure on a page over that of a page of a state, for each wavelength, from their reflectances.
+    pub(super) fn over_page(&self, [figure, page]: [&[f64]; 2], of: &[f64]) -> Vec<f64> {
         let mut factors = vec![1.0; figure.len()];
         for (bins, table) in &self.faces {
             for &bin in bins {
-                let own = figure[bin];
-                factors[bin] = (1.0 - own * table.zero) / table.at([own, page[bin]]);
+                factors[bin] = (1.0 - of[bin] * table.zero) / table.at([figure[bin], page[bin]]);
             }
         }
         factors
@@ -102,12 +101,13 @@ impl Table {
 fn drawn(pixels: &Pixels<'_>, figure: Figure, level: Level) -> Option<(Cells, Vec<bool>, Vec<usize>)> {
     let pitch_mm = pixels.pitch_mm;
     let thickness_mm = pixels.lengths_mm.last().copied().unwrap_or_default();
-    let fine = level.is_fine;
+    let (fine, finer) = (level.is_fine, 0.5_f64.powi(level.finer as i32));
     match figure {
         Figure::Patch => None,
         Figure::Stripe | Figure::Line => {
-            let widest = if fine { 0.05 } else { 0.1 } * thickness_mm;
-            let parts = ((pitch_mm[0] / widest).ceil() as usize).clamp(if fine { 5 } else { 3 }, 512);
+            let widest = if fine { 0.05 } else { 0.1 } * finer * thickness_mm;
+            let least = if fine { 5 << level.finer } else { 3 };
+            let parts = ((pitch_mm[0] / widest).ceil() as usize).clamp(least, 512);
             let count = if figure == Figure::Stripe {
                 2 * parts
             } else {
@@ -120,7 +120,7 @@ fn drawn(pixels: &Pixels<'_>, figure: Figure, level: Level) -> Option<(Cells, Ve
         }
         Figure::Text => {
             let bitmap = pixels.text?;
-            let widest = if fine { 0.17 } else { 0.4 } * thickness_mm;
+            let widest = if fine { 0.17 } else { 0.4 } * finer * thickness_mm;
             let parts = pitch_mm.map(|pitch| (pitch / widest).ceil() as usize);
             let [columns, rows] = [0, 1].map(|axis| bitmap.count[axis] * parts[axis]);
             let pixel = |cell: usize| {

@@ -30,7 +30,7 @@ pub(super) fn assembled(
     setup: &Setup,
     view: &ViewPoint,
     found: &Measured,
-    others: &[Measured],
+    others: &[&Measured],
 ) -> CrosstalkView {
     let all = |level: &Measured| shares(&level.page, &level.entered);
     let one = |level: &Measured, light: usize| {
@@ -53,7 +53,7 @@ pub(super) fn assembled(
         };
         PatternColours { name: figure, values, error: PatternValues::of(&errors), why_null }
     };
-    let of_all: Vec<_> = others.iter().map(all).collect();
+    let of_all: Vec<_> = others.iter().map(|other| all(other)).collect();
     CrosstalkView {
         theta_deg: view.theta_deg,
         phi_deg: view.phi_deg,

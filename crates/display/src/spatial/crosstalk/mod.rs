@@ -13,35 +13,42 @@ mod result;
 mod shares;
 mod surfaces;
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_imaging::text::Bitmap;
-use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{Accuracy, PanelSpread};
 use papilio_transport::{Panel, Reflector, Source, Stack, Top};
 
 use self::flat::{Irradiance, Pixels};
 use self::found::{Measured, assembled};
-use self::orders::Orders;
+use self::orders::{Back, Orders};
 use self::places::{Gathered, NEIGHBOURS, Wanted, Windows, cell, gather};
 pub use self::result::{CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares};
 use self::surfaces::{Part, Surfaces};
-use super::response::name_of_light;
-use super::target::missed_target;
-use super::{Level, patterns};
+use super::patterns::Text;
+use super::response::{Lit, lengths_of_one_front, name_of_light};
+use super::returned::Returned;
+use super::target::{USUAL_TARGET, missed_target, target};
+use super::{Level, PatternKind, lobe, patterns};
 use crate::DisplayError;
 use crate::filtered::Filtered;
 use crate::meter::Meter;
-use crate::run::{Control, Progress, Workers, each};
+use crate::run::{Control, Progress, Workers, each, refine_or_fail};
 use crate::scene::{Matrix, Method, Scene};
 use crate::setup::{Setup, ViewPoint};
 
 /// X, Y and Z relative to a perfect white.
 type Colour = [f64; 3];
 
-/// Natural digits of the two levels, and the highest order of the sub-pixels' pattern that they resolve.
-const DIGITS: [f64; 2] = [8.0, 11.0];
-const ORDERS: [f64; 2] = [2.0, 4.0];
+/// Natural digits of the first level and how many more each further one has, the highest order of the sub-pixels' pattern that the first
+/// level resolves (each further one twice as many), and the finest level.
+const DIGITS: f64 = 8.0;
+const MORE_DIGITS: f64 = 3.0;
+const ORDERS: f64 = 2.0;
+const MOST_LEVEL: usize = 3;
+
+/// Numbers whose errors are not relative.
+const SHARES: &str = "shares";
 
 /// State of pages, and that of figures whose contrast is measured.
 const PAGE: &str = "white";
@@ -57,11 +64,11 @@ pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<Cro
         let matrix = matrix(&setup)?;
         return result(&setup, matrix, paths::views(&setup, matrix, text, control)?);
     }
-    if let Some(filtered) = Filtered::new(&setup)? {
+    if let Some(filtered) = Filtered::new(&setup, control)? {
         let matrix = matrix(&setup)?;
         return result(&setup, matrix, filter::views(&filtered, &setup, control)?);
     }
-    let frame = Frame::new(&setup, text)?;
+    let frame = Frame::new(&setup, text, control)?;
     let mut workers = None;
     let pool =
         if setup.views.len() == 1 { None } else { Workers::unless_one(&mut workers, control.threads)? };
@@ -106,26 +113,45 @@ fn result(
         pitch_um: matrix.pitch_mm.map(|pitch| 1e3 * pitch),
         page: setup.states.get(page(setup)).cloned().unwrap_or_default(),
         error_reached,
-        warnings: missed(setup, error_reached, &views).into_iter().collect(),
+        warnings: missed(setup, &views).into_iter().collect(),
         views,
     })
 }
 
-/// Warning of errors above the target of the scene: that of shares, and relative ones of contrast ratios.
-fn missed(setup: &Setup, of_shares: f64, views: &[CrosstalkView]) -> Option<String> {
+/// Refines a view until the target of the scene, or the finest level, is met.
+fn refined(
+    setup: &Setup,
+    view: &ViewPoint,
+    finest: usize,
+    at: impl FnMut(usize) -> Result<Measured, DisplayError>,
+) -> Result<CrosstalkView, DisplayError> {
+    let of = |[fine, coarse]: [&Measured; 2]| assembled(setup, view, fine, &[coarse]);
+    let target = target(&setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
+    let error = |levels: [&Measured; 2], _: Option<&Measured>| largest_error(&of(levels)).1;
+    let found = refine_or_fail(target, finest, at, error, |_, _| {})?;
+    if found.finished { Ok(of([&found.finer, &found.coarser])) } else { Err(DisplayError::Interrupted) }
+}
+
+/// Largest error and what has it: that of the shares, or a relative one of a contrast ratio.
+fn largest_error(view: &CrosstalkView) -> (&'static str, f64) {
     let of_pattern = |pattern: &PatternColours| {
         Some((pattern.name.name(), pattern.error.contrast_ratio? / pattern.values.contrast_ratio?))
     };
-    let all = views.iter().flat_map(|view| &view.patterns).filter_map(of_pattern);
-    let (what, most) = all.fold(("shares", of_shares), |most, one| if one.1 > most.1 { one } else { most });
-    let what =
-        if what == "shares" { "the shares".to_owned() } else { format!("the contrast ratio of {what}") };
+    let all = view.patterns.iter().filter_map(of_pattern);
+    all.fold((SHARES, view.shares.error), |most, one| if one.1 > most.1 { one } else { most })
+}
+
+/// Warning of errors above the target of the scene.
+fn missed(setup: &Setup, views: &[CrosstalkView]) -> Option<String> {
+    let (what, most) = views.iter().map(largest_error).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let what = if what == SHARES { "the shares".to_owned() } else { format!("the contrast ratio of {what}") };
     missed_target(&setup.scene, most, &what)
 }
 
 /// What all views have in common.
 struct Frame<'a> {
     setup: &'a Setup,
+    control: &'a Control<'a>,
     matrix: &'a Matrix,
     panel: &'a Panel,
     lengths_mm: Vec<f64>,
@@ -139,7 +165,7 @@ struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    fn new(setup: &'a Setup, text: &str) -> Result<Self, DisplayError> {
+    fn new(setup: &'a Setup, text: &str, control: &'a Control<'a>) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         let matrix = matrix(setup)?;
         let lengths_mm = scene.display.lengths_mm()?;
@@ -157,6 +183,7 @@ impl<'a> Frame<'a> {
             text: patterns::bitmap(scene, text, matrix.pitch_mm, thickness_mm),
             windows: Windows::new(matrix),
             setup,
+            control,
             matrix,
             panel,
             lengths_mm,
@@ -169,19 +196,18 @@ impl<'a> Frame<'a> {
     fn view(&self, view: &ViewPoint) -> Result<CrosstalkView, DisplayError> {
         let pitch = self.matrix.pitch_mm;
         let finest = pitch[0].min(pitch[1]);
-        let at = |k: usize| {
-            self.measure(view, Level { digits: DIGITS[k], most_per_mm: ORDERS[k] / finest, is_fine: k > 0 })
+        let at = |level: usize| {
+            let digits = DIGITS + MORE_DIGITS * level as f64;
+            let most_per_mm = ORDERS * f64::from(1_u32 << level) / finest;
+            let finer = level.saturating_sub(1) as u32;
+            self.measure(view, Level { digits, most_per_mm, is_fine: level > 0, finer })
         };
-        let (coarse, fine) = (at(0)?, at(1)?);
-        Ok(assembled(self.setup, view, &fine, &[coarse]))
+        refined(self.setup, view, MOST_LEVEL, at)
     }
 
     fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
         let (setup, meter) = (self.setup, Meter::new(self.setup));
-        let stop = AtomicBool::new(false);
-        let mut kernel = Kernel::new(if level.is_fine { 4 } else { 3 });
-        let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
-        let factors = kernel.seen(&setup.stack, 0);
+        let factors = setup.seen(view, level.of_pages(), self.control)?;
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
         let mut measured = Measured::default();
         let (mut pages, mut orders) = (vec![[0.0; 3]; states], None::<Orders>);
@@ -205,6 +231,11 @@ impl<'a> Frame<'a> {
             } else {
                 let mut more = self.orders(view, &setup.sources[light.source], weights, level)?;
                 if self.returns() {
+                    if level.is_fine && self.panel.base.is_specular() {
+                        let lit = Lit { panel: self.panel, lengths_mm: &self.lengths_mm, view, level };
+                        let source = &setup.sources[light.source];
+                        more.own = self.own_light(lit, source, &weights[1], &factor.via_pixel)?;
+                    }
                     let all = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
                     more.add_returned(self.page, all, level.is_fine);
                 }
@@ -219,7 +250,7 @@ impl<'a> Frame<'a> {
             let (colours, beside) = match (&orders, figure) {
                 (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
                 (None, _) => self.on_paper(figure, &pages, &by_wavelength, level)?,
-                (Some(orders), _) => self.blurred(figure, &pages, orders, level),
+                (Some(orders), _) => self.blurred(figure, &pages, (orders, &by_wavelength), level)?,
             };
             measured.figures[figure as usize] = colours;
             measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
@@ -280,7 +311,45 @@ impl<'a> Frame<'a> {
             Source::Diffuse => Some((once.clone(), pages.clone())),
             _ => Some(self.gathered(view, &Source::Diffuse, weights, level)?),
         };
-        Ok(Orders { once, pages, diffuse })
+        Ok(Orders { once, pages, diffuse, own: Default::default() })
+    }
+
+    /// Y of light that returns to mirror-like figures, and what of it comes from the figure itself, `[figure][state]`.
+    fn own_light(
+        &self,
+        lit: Lit<'_>,
+        source: &Source,
+        weights: &[f64],
+        via_pixel: &[f64],
+    ) -> Result<[Vec<[f64; 2]>; 4], DisplayError> {
+        let first = lobe::response(lit, source, weights)?;
+        let returned = Returned::new(lit, (source, first), weights, via_pixel)?;
+        let pitch_mm = self.matrix.pitch_mm[0];
+        let strokes = self.text.as_ref().map(|bitmap| bitmap.middles().strokes).unwrap_or_default();
+        let text = self.text.as_ref().filter(|_| !strokes.is_empty());
+        let text = text.map(|bitmap| Text { bitmap, pitch_mm: self.matrix.pitch_mm, middles: &strokes });
+        let fraction = |figure: Figure, state: usize| match figure {
+            Figure::Patch => 1.0,
+            Figure::Stripe => returned.own_of_pattern(state, PatternKind::Stripes, 2.0 * pitch_mm),
+            // The mean over a pixel, by Gauss's rule.
+            Figure::Line => [-1.0, 0.0, 1.0]
+                .map(|at: f64| {
+                    let weight = if at == 0.0 { 4.0 / 9.0 } else { 5.0 / 18.0 };
+                    weight * returned.own_of_line(state, (0, pitch_mm), 0.5 * at * 0.6_f64.sqrt() * pitch_mm)
+                })
+                .iter()
+                .sum(),
+            Figure::Text => text.as_ref().map_or(0.0, |text| {
+                returned.own_of_text(state, text).iter().sum::<f64>() / strokes.len() as f64
+            }),
+        };
+        Ok(Figure::ALL.map(|figure| {
+            let of_state = |state: usize| {
+                let light = returned.returned(state);
+                [light, light * fraction(figure, state)]
+            };
+            (0..self.setup.states.len()).map(of_state).collect()
+        }))
     }
 
     /// Colours of figures that are blurred: the page, less its light from the places of the figure and more of that of the figure.
@@ -288,15 +357,15 @@ impl<'a> Frame<'a> {
         &self,
         figure: Figure,
         pages: &[Colour],
-        orders: &Orders,
+        (orders, by_wavelength): (&Orders, &[Vec<f64>; 3]),
         level: Level,
-    ) -> (Vec<Colour>, Option<Colour>) {
+    ) -> Result<(Vec<Colour>, Option<Colour>), DisplayError> {
         let light_of = |gathered: &Gathered| match figure {
             Figure::Stripe => Some(gathered.stripes.clone()),
             Figure::Line => Some(gathered.line.clone()),
             Figure::Text | Figure::Patch => self.strokes(gathered),
         };
-        let Some(once) = light_of(&orders.once) else { return (Vec::new(), None) };
+        let Some(once) = light_of(&orders.once) else { return Ok((Vec::new(), None)) };
         let later = orders.diffuse.as_ref().and_then(|(later, _)| light_of(later));
         let within = |diffuse: bool, state: usize| {
             let light = later.as_ref().filter(|_| diffuse).unwrap_or(&once);
@@ -308,9 +377,25 @@ impl<'a> Frame<'a> {
             }
             sum
         };
+        let irradiance = if self.returns() { self.irradiance(figure, level)? } else { None };
+        let bins = self.setup.scene.grid.len();
         let on = |own: usize, page: usize| {
+            if let (Some(irradiance), Reflector::Lambertian(rho)) = (&irradiance, &self.panel.base.reflector)
+            {
+                let row = |state: usize| &rho[state * bins..][..bins];
+                // The brighter of both tells how much each wavelength counts.
+                let of = if pages[own][1] > pages[page][1] { own } else { page };
+                let over = irradiance.over_page([row(own), row(page)], row(of));
+                let factors = [0, 1, 2].map(|k| {
+                    let light = by_wavelength[k][of * bins..][..bins].iter().zip(&over);
+                    light.map(|(light, over)| light * over).sum::<f64>() / orders.pages[of][k]
+                });
+                let back = Back::Diffuse(&factors);
+                return orders.figure(figure, [own, page], (pages, back), within);
+            }
             if self.returns() {
-                return orders.figure(figure, [own, page], (pages, level.is_fine), within);
+                let back = if level.is_fine { Back::Mirrored } else { Back::Directly };
+                return orders.figure(figure, [own, page], (pages, back), within);
             }
             let (more, less) = (within(false, own), within(false, page));
             [0, 1, 2].map(|k| pages[page][k] + more[k] - less[k])
@@ -320,7 +405,7 @@ impl<'a> Frame<'a> {
             (Figure::Stripe, Some(black)) => on(self.page, black),
             _ => pages[self.page],
         };
-        (colours, Some(beside))
+        Ok((colours, Some(beside)))
     }
 
     /// Light of each part from the places of text, the mean over the middles of its strokes; `None` without text.
@@ -345,6 +430,15 @@ impl<'a> Frame<'a> {
         (!middles.is_empty()).then_some(light)
     }
 
+    /// Irradiance of a figure of Lambertian pixels; `None` for other pixels and without such a figure.
+    fn irradiance(&self, figure: Figure, level: Level) -> Result<Option<Irradiance>, DisplayError> {
+        let Reflector::Lambertian(rho) = &self.panel.base.reflector else { return Ok(None) };
+        let lengths_mm = &lengths_of_one_front(self.panel, &self.lengths_mm, level);
+        let pixels = Pixels { pitch_mm: self.matrix.pitch_mm, lengths_mm, text: self.text.as_ref() };
+        let most = rho.iter().copied().fold(0.0, f64::max);
+        Irradiance::new(self.panel, &pixels, figure, most, level)
+    }
+
     /// Colours of figures on paper under a flat face, through all orders.
     fn on_paper(
         &self,
@@ -355,16 +449,12 @@ impl<'a> Frame<'a> {
     ) -> Result<(Vec<Colour>, Option<Colour>), DisplayError> {
         let nothing = (Vec::new(), None);
         let Reflector::Lambertian(rho) = &self.panel.base.reflector else { return Ok(nothing) };
-        let pixels =
-            Pixels { pitch_mm: self.matrix.pitch_mm, lengths_mm: &self.lengths_mm, text: self.text.as_ref() };
-        let most = rho.iter().copied().fold(0.0, f64::max);
-        let Some(irradiance) = Irradiance::new(self.panel, &pixels, figure, most, level)? else {
-            return Ok(nothing);
-        };
+        let Some(irradiance) = self.irradiance(figure, level)? else { return Ok(nothing) };
         let bins = self.setup.scene.grid.len();
         let row = |all: &'_ [f64], state: usize| all[state * bins..][..bins].to_vec();
         let on = |own: usize, page: usize| {
-            let factors = irradiance.over_page(&row(rho, own), &row(rho, page));
+            let own_rho = row(rho, own);
+            let factors = irradiance.over_page([&own_rho, &row(rho, page)], &own_rho);
             flat::colour(&by_wavelength.each_ref().map(|light| row(light, own)), &factors)
         };
         let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();

@@ -16,18 +16,15 @@ use super::super::walk::Placed;
 use super::found::{Measured, assembled};
 use super::places::Windows;
 use super::surfaces::Surfaces;
-use super::{BLACK, Colour, CrosstalkView, Figure, PAGE, page, state};
+use super::{BLACK, Colour, CrosstalkView, Figure, PAGE, largest_error, page, state};
 use crate::DisplayError;
-use crate::meter::PRIMARIES;
-use crate::run::{Control, Progress};
-use crate::scene::{Matrix, Stop};
+use crate::meter::{PRIMARIES, jackknife};
+use crate::run::{Control, Progress, Round, missed, until};
+use crate::scene::Matrix;
 use crate::setup::{Setup, ViewPoint, base_under};
 
-/// Paths from whose error the number for the target is computed.
-const PILOT: u64 = 1 << 13;
-
-/// Fewest and most paths of a view that an error target asks for.
-const PATHS: [u64; 2] = [1 << 15, 1 << 24];
+/// Most paths of a view.
+const MOST_PATHS: u64 = 1 << 24;
 
 /// What all views have in common.
 struct Scenes<'a> {
@@ -111,24 +108,31 @@ impl<'a> Scenes<'a> {
 
     fn view(&self, number: usize, control: &Control<'_>) -> Result<CrosstalkView, DisplayError> {
         let (view, before) = (&self.setup.views[number], self.panel.traced());
-        let paths = match &self.setup.scene.solver.stop {
-            Stop::Paths(paths) => *paths,
-            Stop::RelativeError { target, .. } => {
-                let (found, others) = self.found(view, PILOT, control)?;
-                wanted_paths(&assembled(self.setup, view, &found, &others), *target)
-            }
-            Stop::Target(_) => {
-                return Err(DisplayError::NoPlaces { what: "a target of a metric", key: "solver.target" });
-            }
-        };
+        let stop = &self.setup.scene.solver.stop;
         let passes = 1 + u64::from(self.has_filter);
-        let progress = |now: Progress<'_>| {
-            let share = (self.panel.traced() - before) as f64 / (passes * (PILOT + paths)) as f64;
-            let views_done = (number, self.setup.views.len());
-            (control.progress)(Progress { share_of_view: Some(share.min(1.0)), views_done, ..now });
+        let (found, _) = until(stop, MOST_PATHS, |paths| {
+            let all = self.panel.traced() - before + passes * paths;
+            let progress = |now: Progress<'_>| {
+                let share = (self.panel.traced() - before) as f64 / all as f64;
+                let views_done = (number, self.setup.views.len());
+                (control.progress)(Progress { share_of_view: Some(share.min(1.0)), views_done, ..now });
+            };
+            let (found, others) = self.found(view, paths, &Control { progress: &progress, ..*control })?;
+            let means = self.luminous_means(&found, &others);
+            let found = assembled(self.setup, view, &found, &others.iter().collect::<Vec<_>>());
+            let missed = missed(stop, largest_error(&found).1)?;
+            Ok(Round { found, missed, means })
+        })?;
+        Ok(found)
+    }
+
+    /// Y of the pages of states and its standard error.
+    fn luminous_means(&self, found: &Measured, others: &[Measured]) -> Vec<(f64, f64)> {
+        let of = |state: &usize| {
+            let y = |one: &Measured| one.figures[Figure::Patch as usize][*state][1];
+            (y(found), jackknife(&mut others.iter().map(|one| Some(y(one)))).unwrap_or(0.0))
         };
-        let (found, others) = self.found(view, paths, &Control { progress: &progress, ..*control })?;
-        Ok(assembled(self.setup, view, &found, &others))
+        self.figures.iter().map(of).collect()
     }
 
     /// Light of all replicates, and of all but each.
@@ -158,16 +162,6 @@ impl<'a> Scenes<'a> {
         };
         Ok((of(None), (0..parts.len()).map(|left| of(Some(left))).collect()))
     }
-}
-
-/// Number of paths for a target, from the errors of the pilot: of the shares, and relative ones of the contrast ratios.
-fn wanted_paths(pilot: &CrosstalkView, target: f64) -> u64 {
-    let of_contrast = pilot.patterns.iter().filter_map(|pattern| {
-        Some(pattern.error.contrast_ratio_via_pixel? / pattern.values.contrast_ratio_via_pixel?)
-    });
-    let most = of_contrast.fold(pilot.shares.error, f64::max);
-    let wanted = (PILOT as f64 * (most / target).powi(2)) as u64;
-    wanted.clamp(PATHS[0], PATHS[1]).next_power_of_two()
 }
 
 /// Figures on a page, and the page by window and sub-pixel: the images of one view.

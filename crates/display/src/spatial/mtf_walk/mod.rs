@@ -23,17 +23,14 @@ use super::{Curves, Kernel, LineContrast, MtfState, MtfView, PatternKind, Patter
 use crate::DisplayError;
 use crate::meter::jackknife;
 use crate::result::Named;
-use crate::run::{Control, Progress};
+use crate::run::{Control, PILOT, Progress, Round, missed, until};
 use crate::scene::Stop;
 use crate::setup::ViewPoint;
 use fixed::Fixed;
 use sums::Sums;
 
-/// Paths from whose error the number for the target is computed.
-const PILOT: u64 = 1 << 13;
-
-/// Fewest and most paths of a view that an error target asks for.
-const PATHS: [u64; 2] = [1 << 15, 1 << 24];
+/// Most paths of a view.
+const MOST_PATHS: u64 = 1 << 24;
 
 /// `f50` is searched up to this multiple of the highest frequency.
 const SEARCHED: f64 = 8.0;
@@ -81,50 +78,66 @@ pub(super) fn view(
     number: usize,
     control: &Control<'_>,
 ) -> Result<MtfView, DisplayError> {
-    let (view, before) = (&frame.setup.views[number], panel.traced());
-    let grid = Grid::new(frame, panel, view, 0.0);
-    let pilot = grid.kernels(panel, view, PILOT, control)?;
-    let all_of = |grid: &Grid, estimates: &[Estimate]| left_out(grid, frame, panel, estimates, &[], None);
-    let pilot = all_of(&grid, &pilot);
-    let paths = wanted_paths(frame, &pilot)?;
-    let r90 = pilot[0].scalars.iter().filter_map(|state| state.r90_um);
-    let grid = Grid::new(frame, panel, view, r90.map(|r90| 1.2e-3 * r90).fold(0.0, f64::max));
+    let (view, stop) = (&frame.setup.views[number], &frame.setup.scene.solver.stop);
     let fixed = Fixed::new(frame);
     let passes = 1 + u64::from(fixed.is_some()) + frame.patterns().len() as u64;
-    let progress = |now: Progress<'_>| {
-        let traced = panel.traced() - before;
-        let share = traced as f64 / (PILOT + passes * paths) as f64;
-        let views_done = (number, frame.setup.views.len());
-        (control.progress)(Progress { share_of_view: Some(share.min(1.0)), views_done, ..now });
+    let before = panel.traced();
+    let with_progress = |all: u64, trace: &mut dyn FnMut(&Control<'_>) -> Result<(), DisplayError>| {
+        let progress = |now: Progress<'_>| {
+            let share = (panel.traced() - before) as f64 / all as f64;
+            let views_done = (number, frame.setup.views.len());
+            (control.progress)(Progress { share_of_view: Some(share.min(1.0)), views_done, ..now });
+        };
+        trace(&Control { progress: &progress, ..*control })
     };
-    let control = &Control { progress: &progress, ..*control };
-    let estimates = grid.kernels(panel, view, paths, control)?;
-    let images = match &fixed {
-        Some(fixed) => panel.trace_states(view, States::Pattern(fixed), paths, control)?,
-        None => Vec::new(),
+    // The picture of kernels has the size that the round before found.
+    let mut half_mm = 0.0;
+    let mut round = |paths: u64| {
+        let grid = Grid::new(frame, panel, view, half_mm);
+        let mut estimates = Vec::new();
+        let all = panel.traced() - before + passes * paths;
+        with_progress(all, &mut |control| {
+            estimates = grid.kernels(panel, view, paths, control)?;
+            Ok(())
+        })?;
+        let found = left_out(&grid, frame, panel, &estimates, &[], None);
+        let r90 = found[0].scalars.iter().filter_map(|state| state.r90_um);
+        half_mm = r90.map(|r90| 1.2e-3 * r90).fold(0.0, f64::max);
+        let (missed, means) = (missed(stop, largest_error(frame, &found))?, luminous_means(frame, &found));
+        Ok(Round { found: (grid, estimates, all), missed, means })
     };
+    if let Stop::Paths(_) = stop {
+        round(PILOT)?;
+    }
+    let ((grid, estimates, all), paths) = until(stop, MOST_PATHS, round)?;
+    let (mut images, mut patterns) = (Vec::new(), Vec::new());
+    with_progress(all, &mut |control| {
+        if let Some(fixed) = &fixed {
+            images = panel.trace_states(view, States::Pattern(fixed), paths, control)?;
+        }
+        patterns = pattern_means(frame, panel, view, paths, control)?;
+        Ok(())
+    })?;
     let found = left_out(&grid, frame, panel, &estimates, &images, fixed.as_ref());
-    let patterns = pattern_means(frame, panel, view, paths, control)?;
     Ok(result(frame, &grid, &found, patterns, view))
 }
 
-/// Number of paths for the target of the scene, from the errors of the pilot.
-fn wanted_paths(frame: &Frame<'_>, pilot: &[Found]) -> Result<u64, DisplayError> {
-    let target = match &frame.setup.scene.solver.stop {
-        Stop::Paths(paths) => return Ok(*paths),
-        Stop::RelativeError { target, .. } => *target,
-        Stop::Target(_) => {
-            return Err(DisplayError::NoPlaces { what: "a target of a metric", key: "solver.target" });
-        }
+/// Largest error of a modulation transfer.
+fn largest_error(frame: &Frame<'_>, found: &[Found]) -> f64 {
+    let all = found[0].measured.names.len() - 1;
+    let of_state = |state: usize| {
+        [0, 1].into_iter().flat_map(move |axis| errors(found, |one| transfer(one, state, all, axis)))
     };
-    let mut most: f64 = 0.0;
-    for state in 0..frame.setup.states.len() {
-        let all = pilot[0].measured.names.len() - 1;
-        let [x, y] = [0, 1].map(|axis| errors(pilot, |one| transfer(one, state, all, axis)));
-        most = x.into_iter().chain(y).fold(most, f64::max);
-    }
-    let wanted = (PILOT as f64 * (most / target).powi(2)) as u64;
-    Ok(wanted.clamp(PATHS[0], PATHS[1]).next_power_of_two())
+    (0..frame.setup.states.len()).flat_map(of_state).fold(0.0, f64::max)
+}
+
+/// Y of each state and its standard error.
+fn luminous_means(frame: &Frame<'_>, found: &[Found]) -> Vec<(f64, f64)> {
+    let of = |state: usize| {
+        let y = |one: &Found| Some(one.measured.y(state));
+        (found[0].measured.y(state), error(found, y).unwrap_or(0.0))
+    };
+    (0..frame.setup.states.len()).map(of).collect()
 }
 
 /// The numbers of all replicates, and then those with each left out.

@@ -12,7 +12,7 @@
 //! - With the mean reflectance `m` apart, `E = (1 - m A)^-1 * (1 + A * ((rho - m) E))` converges in few repetitions. Two wavelengths are
 //!   real and imaginary part of one transform.
 //!
-//! **Limits.** The picture repeats at its borders. The face is the same at all wavelengths.
+//! **Limits.** The picture repeats at its borders. What returns light is the same at all wavelengths.
 //!
 //! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953), for both limits; Cheng, Gimbutas, Martinsson, Rokhlin, SIAM J. Sci. Comput. 26,
 //! 1389 (2005), for rows that represent a matrix.
@@ -20,7 +20,7 @@
 use num_complex::Complex64;
 use papilio_fourier::Plane;
 
-use super::{Cells, FaceReturn};
+use super::Cells;
 
 mod representatives;
 
@@ -74,10 +74,11 @@ pub struct LitPage {
 }
 
 impl LitPage {
-    /// Solves the irradiance of a picture. States without reflectances are black.
+    /// Solves the irradiance of a picture. `face` is the fraction that comes back of light that is modulated at a frequency (cycles per
+    /// mm). States without reflectances are black.
     pub fn new(
         page: &Page<'_>,
-        face: &FaceReturn,
+        face: &dyn Fn(f64) -> f64,
         light: PageLight<'_>,
         precision: Precision,
         thickness_mm: f64,
@@ -89,7 +90,7 @@ impl LitPage {
         let period_mm = [0, 1].map(|k| page.count[k] as f64 * page.pitch_mm[k]);
         let cells = Cells { count, period_mm };
         let coverage = coverage(page, count, light.reflectance.len());
-        let found = representatives(light, face.at(0.0), precision.missed);
+        let found = representatives(light, face(0.0), precision.missed);
         let kernel = Kernel::new(cells, face);
         let mut irradiance = vec![Vec::new(); found.bins.len()];
         let mut order: Vec<usize> = (0..found.bins.len()).collect();
@@ -274,13 +275,13 @@ struct Kernel {
 const MOST_REPETITIONS: usize = 60;
 
 impl Kernel {
-    fn new(cells: Cells, face: &FaceReturn) -> Self {
+    fn new(cells: Cells, face: &dyn Fn(f64) -> f64) -> Self {
         let [columns, rows] = cells.count;
         let mut returned = vec![0.0; columns * rows];
         for column in 0..=columns / 2 {
             for row in 0..=rows / 2 {
                 let f = cells.frequency(0, column).hypot(cells.frequency(1, row));
-                let value = face.at(f);
+                let value = face(f);
                 for column in [column, (columns - column) % columns] {
                     for row in [row, (rows - row) % rows] {
                         returned[column * rows + row] = value;

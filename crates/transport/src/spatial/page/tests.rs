@@ -42,7 +42,7 @@ fn colours(
 ) -> (LitPage, Vec<[f32; 3]>) {
     let (reflectance, seen) = spectra();
     let light = PageLight { reflectance: &reflectance, seen: &seen };
-    let lit = LitPage::new(page, face, light, precision, thickness_mm);
+    let lit = LitPage::new(page, &|f| face.at(f), light, precision, thickness_mm);
     let colours = lit.seen(page, light);
     (lit, colours)
 }
@@ -128,7 +128,7 @@ fn stripes_have_the_mean_of_a_dense_solution() {
         let pitch = period / pixels as f64;
         let page = Page { count: [pixels, 1], pitch_mm: [pitch; 2], states: &states };
         let precision = Precision { cell: 0.03, ..Precision::FINE };
-        let lit = LitPage::new(&page, &face, light, precision, thickness_mm);
+        let lit = LitPage::new(&page, &|f| face.at(f), light, precision, thickness_mm);
         assert_eq!(lit.wavelengths(), 1);
         let found = lit.seen(&page, light);
         let mean = found.iter().map(|one| f64::from(one[1])).sum::<f64>() / pixels as f64;

@@ -1,7 +1,7 @@
 //! Spread of a bare panel: every direction of view has one place.
 
 use super::super::{Accuracy, Sample, displacement};
-use super::returned::Ghosts;
+use super::ghosts::Ghosts;
 use super::{Heights, Part, SMOOTH, by_index};
 use crate::adding::{diffuse_shares, smooth_points};
 use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};

@@ -5,7 +5,7 @@
 //! `sum of through(wavelength) x weight x reflectance(beta, wavelength)`, the reflectance factor of that light: the same number as
 //! that of colours, now with a place for each of its terms.
 //!
-//! **All orders.** The layers return light to the pixel ([`Returned`]). A small modulation of the pixel about a state of
+//! **All orders.** The layers return light to the pixel ([`LambertianReturn`], [`ghosts`]). A small modulation of the pixel about a state of
 //! reflectance rho is then seen as `V(f) rho/(1 - rho A(f))`, with V the transform of the samples; at f = 0 this is the reflectance
 //! factor of a uniform state in all orders ([`PanelSpread::transfer`]). A mirror-like pixel under a flat face
 //! has its own ghosts in A, a Lambertian one a halo.
@@ -19,20 +19,19 @@
 //! bound of the error of both.
 
 mod bare;
-mod cells;
 mod diffused;
 mod error;
-mod flat_return;
-mod returned;
+mod ghosts;
+mod lambertian_return;
+mod lobe_return;
 mod transfer;
 
-pub use cells::{Grid, Kernel};
 pub use error::SpreadError;
-pub use flat_return::FlatReturn;
+pub use lambertian_return::LambertianReturn;
 
 use papilio_optics::Beta;
 
-use self::returned::{Ghosts, Halo};
+use self::ghosts::Ghosts;
 use super::spread::Pair;
 use super::{Accuracy, Image, PointSpread, Sample, displacement};
 use crate::{Cone, Panel, Reflector, Source, Top};
@@ -65,7 +64,7 @@ impl Part {
 pub struct PanelSpread {
     parts: Vec<Part>,
     /// What comes back to a Lambertian pixel.
-    halo: Option<Halo>,
+    returned: Vec<LambertianReturn>,
     own_mm: [f64; 2],
 }
 
@@ -169,8 +168,11 @@ impl PanelSpread {
             Top::IdealAr | Top::Fresnel(_) => bare::parts(panel, heights, view, source, accuracy),
         };
         let own_mm = heights.in_glass(view.axis_towards(), index[index.len() / 2]);
-        let halo = (!panel.base.is_specular()).then(|| Halo::new(panel, heights, accuracy)).flatten();
-        Ok(Self { parts, halo, own_mm })
+        let returned = match panel.base.is_specular() || panel.single_pass {
+            true => Vec::new(),
+            false => LambertianReturn::all(panel, lengths_mm, accuracy)?,
+        };
+        Ok(Self { parts, returned, own_mm })
     }
 
     /// The samples, by parts of a common factor.
@@ -192,9 +194,13 @@ impl PanelSpread {
     }
 
     /// Returns the fraction that comes back to a Lambertian pixel of its light that is modulated at this frequency (cycles
-    /// per mm), `[wavelength]`; empty if nothing does, and for other pixels.
+    /// per mm), `[wavelength]`; empty for other pixels.
     pub fn returned(&self, frequency_per_mm: f64) -> Vec<f64> {
-        self.halo.as_ref().map_or_else(Vec::new, |halo| halo.at(frequency_per_mm))
+        let mut all = vec![0.0; self.returned.iter().map(|one| one.bins.len()).sum()];
+        for one in &self.returned {
+            one.bins.iter().for_each(|bin| all[*bin] = one.at(frequency_per_mm));
+        }
+        all
     }
 }
 

@@ -25,7 +25,7 @@ impl PanelSpread {
                 _ => self.over_states(part, panel, frequencies_per_mm, &mut out),
             }
         }
-        if self.halo.is_some() {
+        if !self.returned.is_empty() {
             self.add_orders(panel, frequencies_per_mm, &mut out);
         }
         out

@@ -1,7 +1,7 @@
 //! Scattering interfaces between the nodes of the grid, order by order.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use num_complex::Complex64;
 
@@ -83,8 +83,9 @@ impl Kernels {
         bin: usize,
         grid: &Grid,
         precision: &Precision,
+        stop: &AtomicBool,
     ) -> Result<Self, NotCovered> {
-        let (stop, known) = (AtomicBool::new(false), Known::default());
+        let known = Known::default();
         let mut scatterers = Scatterers::default();
         let farthest = grid.beta[grid.regular..].iter().copied().fold(0.0, f64::max);
         let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
@@ -92,7 +93,10 @@ impl Kernels {
         // layers kernels have no largest order, and there is no light.
         let circle = if alone { (2.0 * farthest).max(ALONG) } else { ALONG };
         let (both, of) = ([circle; 2], (grid, precision));
-        let actions = actions(stack, bin, of, (Some(both), false), &known, &mut scatterers, &stop);
+        let actions = actions(stack, bin, of, (Some(both), false), &known, &mut scatterers, stop);
+        if stop.load(Ordering::Relaxed) {
+            return Err(NotCovered::Stopped);
+        }
         let (mut elements, mut ways) = (Vec::new(), Vec::new());
         for (element, action) in actions.into_iter().enumerate() {
             match action {

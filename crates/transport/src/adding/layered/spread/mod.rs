@@ -35,6 +35,7 @@ mod waves;
 use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
 
@@ -82,6 +83,8 @@ pub enum NotCovered {
     Rounds,
     /// Light meets the pixel too often.
     Meetings,
+    /// The computation was stopped.
+    Stopped,
 }
 
 impl std::fmt::Display for NotCovered {
@@ -95,6 +98,7 @@ impl std::fmt::Display for NotCovered {
         }
         f.write_str(match self {
             Self::Rounds => "",
+            Self::Stopped => "a computation that was stopped",
             Self::Meetings => {
                 "mirror-like pixels that light meets more than a hundred times below general layers"
             }
@@ -126,6 +130,7 @@ pub struct Seen<'a> {
 pub struct LayeredSpread<'a> {
     stack: &'a Layered,
     lengths_mm: &'a [f64],
+    stop: &'a AtomicBool,
     precision: Precision,
     level: u32,
     view: Vec<Beam>,
@@ -186,16 +191,17 @@ struct Set {
 }
 
 impl<'a> LayeredSpread<'a> {
-    /// Prepares a level. `lengths_mm` is the thickness of the medium of each layer.
+    /// Prepares a level. `lengths_mm` is the thickness of the medium of each layer. Nothing is computed any more once `stop` is set.
     ///
     /// # Errors
-    /// If its layers, its pixel or its number of directions are not covered.
+    /// If its layers, its pixel or its number of directions are not covered, or `stop` was set.
     pub fn new(
         stack: &'a Layered,
         lengths_mm: &'a [f64],
         view: Cone,
         sources: &[Source],
         level: u32,
+        stop: &'a AtomicBool,
     ) -> Result<Self, NotCovered> {
         if let Reflector::Scattering(_) = stack.base.reflector {
             return Err(NotCovered::Pixel);
@@ -218,6 +224,7 @@ impl<'a> LayeredSpread<'a> {
         let mut spread = Self {
             stack,
             lengths_mm,
+            stop,
             precision,
             level,
             view: beams(&directions.views[0]),
@@ -242,7 +249,7 @@ impl<'a> LayeredSpread<'a> {
         if grid.len() > crate::adding::MOST_NODES {
             return Err(NotCovered::TooMany);
         }
-        let kernels = Kernels::new(self.stack, bin, &grid, &self.precision)?;
+        let kernels = Kernels::new(self.stack, bin, &grid, &self.precision, self.stop)?;
         let index = self.stack.layers.last().map_or(1.0, |layer| layer.medium.index()[bin]);
         let interpolation = grid.interpolation();
         let tolerance = 0.02 * (-self.precision.digits).exp();
@@ -250,7 +257,7 @@ impl<'a> LayeredSpread<'a> {
             Set { bin, index, grid, interpolation, kernels, tolerance, lit: Vec::new(), returned: None };
         if self.stack.base.is_specular() && !set.kernels.elements.is_empty() {
             let wave = self.wave(&set, [0.0; 2]);
-            let between = set.between(self.stack);
+            let between = self.between(&set);
             let light = between.solve(&wave, &[Start::Pixel])?;
             let leaving = between.leaving((&wave, Start::Pixel), &light[0], Needed::Mean);
             let returns = set.mean(&wave, &leaving).re / (PI * index * index) > RETURNED;
@@ -274,11 +281,22 @@ impl<'a> LayeredSpread<'a> {
         Wave { per_mm, turn: y.atan2(x), rings: Rc::new(resolution.rings(per_mm)) }
     }
 
+    fn between<'s>(&'s self, set: &'s Set) -> Between<'s> {
+        Between {
+            kernels: &set.kernels,
+            elements: 2 * self.stack.layers.len(),
+            regular: set.grid.regular,
+            tolerance: set.tolerance,
+            stop: self.stop,
+            circles: RefCell::default(),
+        }
+    }
+
     /// Returns the light that the view sees via the pixel at spatial frequencies, cycles per mm: the response of all orders to a small
     /// change of the pixel's reflectance, relative to it, in the unit of `via_pixel`; `[source][state][frequency]`.
     ///
     /// # Errors
-    /// If scatterers return too much light to each other.
+    /// If scatterers return too much light to each other, or `stop` was set.
     pub fn light(
         &self,
         seen: &[Seen<'_>],
@@ -333,16 +351,6 @@ impl<'a> LayeredSpread<'a> {
 }
 
 impl Set {
-    fn between(&self, stack: &Layered) -> Between<'_> {
-        Between {
-            kernels: &self.kernels,
-            elements: 2 * stack.layers.len(),
-            regular: self.grid.regular,
-            tolerance: self.tolerance,
-            circles: RefCell::default(),
-        }
-    }
-
     /// Sum over the directions of light that leaves the pixel, within the disc of its medium.
     fn mean(&self, wave: &Wave, leaving: &Leaving) -> Complex64 {
         let rings = wave.rings.iter().enumerate().filter(|(_, ring)| ring.beta < self.index);

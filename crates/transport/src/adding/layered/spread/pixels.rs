@@ -38,7 +38,7 @@ impl LayeredSpread<'_> {
         members: &[f64],
     ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
         let (states, bins) = (self.stack.base.states(), self.stack.base.bins());
-        let between = set.between(self.stack);
+        let between = self.between(set);
         let view = Start::Beams(&self.view);
         let mut light = vec![vec![vec![Complex64::ZERO; waves.len()]; states * bins]; self.sources.len()];
         let turned = self.sources.iter().any(|room| matches!(room, Room::Beams(_)));
@@ -89,7 +89,7 @@ impl LayeredSpread<'_> {
 
     /// Computes what does not depend on phases on the rings of a wave, for the sources with light.
     fn fall(&self, set: &Set, wave: &Wave, (seen, needed): (&[Seen<'_>], Needed)) -> Fallen {
-        let between = set.between(self.stack);
+        let between = self.between(set);
         let still = Wave { per_mm: 0.0, turn: 0.0, rings: Rc::clone(&wave.rings) };
         let falling = |source: usize| {
             let start = self.sources[source].start();
@@ -210,7 +210,7 @@ impl LayeredSpread<'_> {
             self.stack.base.reflectance(beta * beta, &layer.medium, &mut reflectance);
         }
         let chain = Chain::new(self.stack, self.lengths_mm, set.bin, beta);
-        let onto_pixel = set.between(self.stack).onto_pixel();
+        let onto_pixel = self.between(set).onto_pixel();
         let links = |wave: &Wave| {
             let along = wave.per_mm * (turn - wave.turn).cos();
             let mut links = [Complex64::ZERO; 2];
@@ -231,7 +231,7 @@ impl LayeredSpread<'_> {
         reflectance: &[f64],
         members: &[f64],
     ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
-        let between = set.between(self.stack);
+        let between = self.between(set);
         let area = PI * set.index * set.index;
         let (mut totals, mut returned) = (Vec::new(), Vec::new());
         for (k, wave) in waves.iter().enumerate() {

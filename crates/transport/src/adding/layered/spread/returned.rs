@@ -62,7 +62,7 @@ impl LayeredSpread<'_> {
     pub(super) fn returned(&self, set: &Set, wave: &Wave) -> Result<Returned, NotCovered> {
         let (some, factors) = self.some_reflectances(set.index);
         let reflectance = self.on_rings(wave);
-        let between = set.between(self.stack);
+        let between = self.between(set);
         let of_source = |(room, lit): (&Room, &Light)| {
             let start = room.start();
             let falling = between.leaving((wave, start), lit, Needed::All);
@@ -106,7 +106,7 @@ impl LayeredSpread<'_> {
         falling: &[Option<Leaving>],
         reflectance: &[f64],
     ) -> Vec<Vec<Option<Leaving>>> {
-        let between = set.between(self.stack);
+        let between = self.between(set);
         let of_source = |k: usize, source: usize| {
             let beams = self.sources[source].beams();
             let falling = falling[source].as_ref()?;
@@ -126,7 +126,7 @@ impl LayeredSpread<'_> {
         again: &[Vec<Option<Leaving>>],
         reflectance: &[f64],
     ) -> Vec<Vec<Leaving>> {
-        let between = set.between(self.stack);
+        let between = self.between(set);
         let of_source = |(source, room): (usize, &Room)| {
             let mut all: Vec<Leaving> = Vec::new();
             let Some(first) = again.get(returned.followed).and_then(|again| again[source].as_ref()) else {
@@ -150,7 +150,7 @@ impl LayeredSpread<'_> {
         fallen: &Fallen,
     ) -> Result<Meetings, NotCovered> {
         let Fallen { falling, again: fallen_again, further, reflectance, .. } = fallen;
-        let between = set.between(self.stack);
+        let between = self.between(set);
         let numbers = returned.factors.len();
         let next = |leaving: &Leaving, at: usize| {
             let (rings, beams) = set.onto_pixel(wave, (leaving, &self.view), reflectance, at);

@@ -6,6 +6,7 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use num_complex::Complex64;
 
@@ -62,6 +63,7 @@ pub(super) struct Between<'a> {
     pub(super) regular: usize,
     /// Values of the last round of scattering relative to all.
     pub(super) tolerance: f64,
+    pub(super) stop: &'a AtomicBool,
     pub(super) circles: RefCell<Circles>,
 }
 
@@ -98,7 +100,7 @@ impl Between<'_> {
     /// Returns the values of light that arrives at the scatterers, for each of some starts at a wave.
     ///
     /// # Errors
-    /// If light is left after the most rounds.
+    /// If light is left after the most rounds, or the computation was stopped.
     pub(super) fn solve(&self, wave: &Wave, starts: &[Start<'_>]) -> Result<Vec<Light>, NotCovered> {
         let emitters = self.emitters();
         let uniform = |start: &Start<'_>| match self.everywhere(*start) {
@@ -128,6 +130,9 @@ impl Between<'_> {
         let mut total = step.clone();
         let mut known = Links::default();
         for _ in 0..MOST_ROUNDS {
+            if self.stop.load(Ordering::Relaxed) {
+                return Err(NotCovered::Stopped);
+            }
             let next = |light| self.next(wave, light, &emitters, &mut known);
             let emitted: Vec<Light> = step.iter().map(next).collect();
             if emitted.iter().flatten().all(Option::is_none) {

@@ -1,8 +1,9 @@
-//! Light that flat faces return to Lambertian pixels, tabulated for callers that ask many frequencies.
+//! Light that the layers above the glass return to Lambertian pixels, tabulated for callers that ask many frequencies.
 //!
-//! **What.** The face alone returns `A(f)` of [`FaceReturn`]; a front of screen above an air gap adds the orders of light between
-//! the two, each a [`FrontReturn`] with a longer way. These decrease quickly with the frequency: light through a gap has no
-//! sharp edge. They are Chebyshev polynomials on panels that widen with the frequency, up to [`HIGHEST`].
+//! **What.** A flat face alone returns `A(f)` of [`FaceReturn`]; a front of screen above an air gap adds the orders of light between
+//! the two, each a [`FrontReturn`] with a longer way. Below a diffuser only the front returns light, through its lobe ([`lobe_return`]). These
+//! decrease quickly with the frequency: light through a gap has no sharp edge. They are Chebyshev polynomials on panels that widen with the
+//! frequency, up to [`HIGHEST`].
 
 use std::sync::Arc;
 
@@ -10,9 +11,9 @@ use papilio_optics::interface::fresnel_reflectance;
 
 use super::super::face::{FrontReturn, POINTS_OF_TABLE, chebyshev, clenshaw};
 use super::super::{Accuracy, FaceReturn};
-use super::{Heights, SpreadError};
+use super::{Heights, SpreadError, lobe_return};
 use crate::layers::Indices;
-use crate::{Panel, Top};
+use crate::{Diffuser, Panel, Top};
 
 /// Frequencies of the table, times the length of the way: that of the first panel, the ratio of the ends of each of the next ones, and the
 /// greatest width of a panel. The last panel ends at `HIGHEST`; less than 1e-5 of a front's reflectance comes back beyond.
@@ -30,19 +31,20 @@ const MOST_ORDERS: usize = 6;
 
 /// Light that the layers above return to Lambertian pixels at wavelengths with the same return.
 #[derive(Debug, Clone)]
-pub struct FlatReturn {
+pub struct LambertianReturn {
     /// Numbers of the wavelengths.
     pub bins: Vec<usize>,
     index: f64,
-    /// Reflectance of the front for light from below.
+    /// Reflectance of the front for light from below, through a diffuser twice.
     front: f64,
-    face: FaceReturn,
+    /// A flat face; none below a diffuser.
+    face: Option<FaceReturn>,
     /// Orders of a front that reflects everything, with the weight of each index for which they were made.
     orders: Vec<(f64, Arc<[Tabulated]>)>,
 }
 
-impl FlatReturn {
-    /// Prepares the return of a flat face and of a front above it; below a diffuser, that of the front through a clear face.
+impl LambertianReturn {
+    /// Prepares the return of a flat face or a diffuser, and of a front above it.
     /// `lengths_mm` as in [`PanelSpread::new`](super::PanelSpread::new).
     ///
     /// # Errors
@@ -50,13 +52,22 @@ impl FlatReturn {
     pub fn all(panel: &Panel, lengths_mm: &[f64], accuracy: Accuracy) -> Result<Vec<Self>, SpreadError> {
         let heights = Heights::new(panel, lengths_mm)?;
         let index = panel.medium.index();
-        let front = |bin: usize| if panel.single_pass { 0.0 } else { panel.front.reflectance_below[bin] };
+        let front = |bin: usize| match &panel.top {
+            _ if panel.single_pass => 0.0,
+            Top::Diffuser(Diffuser { transmittance, .. }) => {
+                panel.front.reflectance_below[bin] * transmittance[bin].powi(2)
+            }
+            Top::Fresnel(_) | Top::IdealAr => panel.front.reflectance_below[bin],
+        };
         let largest = (0..index.len()).map(front).fold(0.0, f64::max);
         let indices = (largest > 0.0).then(|| Indices::new(&panel.medium, accuracy.digits));
         let tables: Vec<Arc<[Tabulated]>> = indices
             .iter()
             .flat_map(|indices| &indices.nodes)
-            .map(|index| orders(panel, *index, heights, largest))
+            .map(|index| match &panel.top {
+                Top::Diffuser(diffuser) => through_lobe(diffuser, *index, heights, accuracy.digits),
+                Top::Fresnel(_) | Top::IdealAr => orders(panel, *index, heights, largest),
+            })
             .collect();
         let mut all: Vec<Self> = Vec::new();
         for bin in 0..index.len() {
@@ -65,10 +76,11 @@ impl FlatReturn {
                 known.bins.push(bin);
                 continue;
             }
-            let face = all.iter().find(|one| one.index == index[bin]).map(|one| one.face.clone());
-            let face = face.unwrap_or_else(|| {
+            let known = all.iter().find(|one| one.index == index[bin]).map(|one| one.face.clone());
+            let face = known.unwrap_or_else(|| {
                 let passes = |beta: f64| 1.0 - face_reflectance(panel, index[bin], beta);
-                FaceReturn::new(index[bin], heights.glass_mm, accuracy.most_per_mm, passes).tabulated()
+                let face = || FaceReturn::new(index[bin], heights.glass_mm, accuracy.most_per_mm, passes);
+                (!matches!(panel.top, Top::Diffuser(_))).then(|| face().tabulated())
             });
             let blend = |(node, table): (usize, &Arc<[Tabulated]>)| {
                 let weight = indices.as_ref().map_or(0.0, |indices| indices.blend_at(node, bin));
@@ -83,7 +95,8 @@ impl FlatReturn {
 
     /// Fraction that comes back of the light from the pixels that is modulated at this frequency (cycles per mm), with its sign.
     pub fn at(&self, frequency_per_mm: f64) -> f64 {
-        self.face.at(frequency_per_mm) + self.by_front(frequency_per_mm)
+        let by_face = self.face.as_ref().map_or(0.0, |face| face.at(frequency_per_mm));
+        by_face + self.by_front(frequency_per_mm)
     }
 
     /// The part of it that the front returns.
@@ -118,9 +131,21 @@ fn orders(panel: &Panel, index: f64, heights: Heights, largest: f64) -> Arc<[Tab
             let rest = if order == count { 1.0 / (1.0 - r * largest) } else { 1.0 };
             (1.0 - r).powi(2) * r.powi(order as i32 - 1) * rest
         };
-        Tabulated::new(index, lengths, weight)
+        let length = lengths[0] + lengths[1];
+        let rules = RULES.map(|most| FrontReturn::new(index, lengths, most / length, &weight));
+        Tabulated::new(length, |rule, f| rules[rule].at(f))
     };
     (1..=count).map(of).collect()
+}
+
+/// Tabulates what comes back through a diffuser from a front that reflects everything.
+fn through_lobe(diffuser: &Diffuser, index: f64, heights: Heights, digits: f64) -> Arc<[Tabulated]> {
+    let length = heights.glass_mm + heights.front_mm;
+    let rules = [0, 1, 2].map(|rule| {
+        let accuracy = Accuracy { digits, most_per_mm: RULES[rule] / length };
+        lobe_return::lit(diffuser, index, heights, accuracy, rule == 2)
+    });
+    [Tabulated::new(length, |rule, f| lobe_return::returned(&rules[rule], f))].into()
 }
 
 /// A function of the frequency on panels.
@@ -131,15 +156,14 @@ struct Tabulated {
 }
 
 impl Tabulated {
-    fn new(index: f64, lengths_mm: [f64; 2], weight: impl Fn(f64) -> f64) -> Self {
-        let length = lengths_mm[0] + lengths_mm[1];
-        let rules = RULES.map(|most| FrontReturn::new(index, lengths_mm, most / length, &weight));
+    /// Tabulates a function of one of the rules, by its number, and a frequency; `length` is that of the way.
+    fn new(length: f64, at: impl Fn(usize, f64) -> f64) -> Self {
         let mut panels = Vec::new();
         let (mut from, mut to) = (0.0_f64, FIRST);
         while from < HIGHEST {
             let rule = RULES.iter().position(|most| to <= *most * (1.0 + 1e-9)).unwrap_or(RULES.len() - 1);
             let ends = [from / length, to / length];
-            panels.push((ends, chebyshev(ends, |f| rules[rule].at(f))));
+            panels.push((ends, chebyshev(ends, |f| at(rule, f))));
             (from, to) = (to, (to * GROWTH).min(to + WIDEST).min(HIGHEST));
         }
         Self { panels }

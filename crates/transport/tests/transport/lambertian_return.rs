@@ -1,0 +1,119 @@
+//! Light that flat faces and a front return to paper, tabulated: closed forms, and the sum over directions.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+use papilio_optics::interface::fresnel_reflectance;
+use papilio_optics::lobe::Lobe;
+use papilio_transport::spatial::{Accuracy, LambertianReturn, PanelSpread};
+use papilio_transport::{Base, Cone, Diffuser, Front, Medium, Panel, Reflector, Source, Top};
+
+fn panel(top: Top, index: &[f64], front: &[f64]) -> Panel {
+    let bins = index.len();
+    Panel {
+        front: Front::exact(bins, [(front, &vec![0.0; bins][..])]),
+        top,
+        medium: Medium::new(index.to_vec().into()),
+        base: Base {
+            reflector: Reflector::Lambertian(vec![0.5; bins]),
+            inactive_absorptance: vec![0.0; bins].into(),
+        },
+        single_pass: false,
+    }
+}
+
+const ACCURACY: Accuracy = Accuracy { digits: 12.0, most_per_mm: 40.0 };
+
+/// The table resolves ways of up to 30 lengths. Through a face that transmits grazing light, too, (2/30)^2 = 4e-3 of it go farther.
+///
+/// Through a clear face the integral over the directions of air has a closed form: all light of one pass returns the fraction of the
+/// front, 1/n^2 of all.
+#[test]
+fn uniform_light_has_the_return_of_colours() {
+    let ideal = panel(Top::IdealAr, &[1.5], &[0.3]);
+    let all = LambertianReturn::all(&ideal, &[0.4, 0.6], ACCURACY).unwrap();
+    let expected = 1.0 - 1.0 / 2.25 + 0.3 / 2.25;
+    assert!((all[0].at(0.0) - expected).abs() < 1e-6, "{} {expected}", all[0].at(0.0));
+    // Of a plate without glass the way is 2 g tan(theta): f K_1(f) as between two plates, here with a thin glass of index near 1.
+    let thin = panel(Top::IdealAr, &[1.0 + 1e-9], &[1.0]);
+    let all = LambertianReturn::all(&thin, &[1.0, 1e-9], ACCURACY).unwrap();
+    for (fd, expected) in [(0.05, 0.768_495), (0.1, 0.500_191), (0.2, 0.182_669)] {
+        let found = all[0].by_front(fd);
+        assert!((found - expected).abs() < 1e-3, "{fd}: {found} {expected}");
+    }
+}
+
+/// Bessel's J0, by its integral over azimuths.
+fn j0(x: f64) -> f64 {
+    let steps = 24 + (0.75 * x.abs()) as usize;
+    let at = |k: usize| (x * (PI * (k as f64 + 0.5) / steps as f64).cos()).cos();
+    (0..steps).map(at).sum::<f64>() / steps as f64
+}
+
+/// The table against the sum over directions and orders, with dispersion and a coloured front.
+#[test]
+fn table_equals_the_sum_over_directions() {
+    let (index, front) = ([1.52, 1.5, 1.49], [0.04, 0.3, 0.1]);
+    let glass = panel(Top::Fresnel(index.to_vec().into()), &index, &front);
+    let [air, thick] = [0.3, 0.7];
+    let all = LambertianReturn::all(&glass, &[air, thick], ACCURACY).unwrap();
+    assert_eq!(all.len(), 3);
+    for f in [0.0, 0.11, 0.4, 0.9, 1.7, 3.1] {
+        for one in &all {
+            let bin = one.bins[0];
+            let (steps, mut expected) = (6000, 0.0);
+            for k in 0..steps {
+                let (beta, cos) = (0.5 * PI * (f64::from(k) + 0.5) / f64::from(steps)).sin_cos();
+                let face = fresnel_reflectance(1.0, index[bin], beta);
+                let [glass, air] = [thick * beta / (index[bin].powi(2) - beta * beta).sqrt(), air * beta / cos];
+                let weight = PI * beta * cos / f64::from(steps) / index[bin].powi(2) * (1.0 - face).powi(2);
+                let order = |k: i32| {
+                    front[bin].powi(k + 1) * face.powi(k) * j0(4.0 * PI * f * (glass + f64::from(k + 1) * air))
+                };
+                expected += weight * (0..5).map(order).sum::<f64>();
+            }
+            let found = one.by_front(f);
+            assert!((found - expected).abs() < 1e-4 * front[bin], "{f}, {bin}: {found} {expected}");
+        }
+    }
+}
+
+/// What a front returns through a lobe, against the sum over the directions of the air of what each sees of the pixel, squared.
+#[test]
+fn lobe_returns_what_each_direction_sees_squared() {
+    for (width, straight, gap) in [(0.057, 0.0, 0.2), (0.057, 0.3, 0.0), (0.3, 0.1, 0.5)] {
+        let lobe = Lobe::KCorrelation { width };
+        let diffuser =
+            Diffuser { lobe, transmittance: vec![0.9].into(), regular_fraction: straight };
+        let new = |front: f64| panel(Top::Diffuser(diffuser.clone()), &[1.5], &[front]);
+        let lengths = [gap, 0.4];
+        let accuracy = Accuracy { digits: 13.0, most_per_mm: 8.0 };
+        let all = LambertianReturn::all(&new(0.2), &lengths, accuracy).unwrap();
+        let frequencies = [0.0, 0.2, 0.6, 1.2, 1.6, 2.4].map(|f| [f, 0.0]);
+        let mut sums = [0.0; 6];
+        let (rings, turns) = (24, 24);
+        for ring in 0..rings {
+            let (beta, cos) = (0.5 * PI * (f64::from(ring) + 0.5) / f64::from(rings)).sin_cos();
+            for turn in 0..turns {
+                let azimuth = PI * (f64::from(turn) + 0.5) / f64::from(turns);
+                let view = Cone::new(beta.asin().to_degrees(), azimuth.to_degrees(), 0.0, 1.0);
+                let accuracy = Accuracy { digits: 8.0, most_per_mm: 4.0 };
+                let spread =
+                    PanelSpread::new(&new(0.0), &lengths[1..], &view, &Source::Diffuse, accuracy).unwrap();
+                let seen = spread.transfer(&new(0.0), &frequencies);
+                let weight = PI * beta * cos / f64::from(rings * turns) / 2.25;
+                let air = 2.0 * gap * beta / cos * azimuth.cos();
+                for ((sum, seen), [f, _]) in sums.iter_mut().zip(&seen).zip(frequencies) {
+                    let phase = -2.0 * PI * f * (2.0 * spread.own_mm()[0] + air);
+                    *sum += weight * (seen * seen * Complex64::cis(phase)).re;
+                }
+            }
+        }
+        for (sum, [f, _]) in sums.iter().zip(frequencies) {
+            let (found, expected) = (all[0].at(f) / all[0].at(0.0), sum / sums[0]);
+            // Beyond one over the length, shifts are linear over the width of a lobe.
+            let tolerance = if f * (gap + 0.4) > 1.0 { 3e-3 } else { 1e-3 };
+            assert!((found - expected).abs() < tolerance, "{width} {gap} {f}: {found} {expected}");
+        }
+    }
+}
