@@ -16,7 +16,7 @@ use papilio_testing::{mean_square_bounds, sized};
 use papilio_validation::{run_on, scenario};
 
 use crate::random_scenarios::draw::drawn;
-use crate::random_scenarios::each;
+use crate::random_scenarios::{each, range};
 
 /// Seeds of the variance between seeds.
 const SEEDS: u64 = 16;
@@ -198,11 +198,14 @@ fn random(number: u64) -> Option<(String, Scene)> {
 
 #[test]
 fn errors_over_seeds_of_random_scenarios_are_honest() {
-    let numbers: Vec<u64> = (0..sized(1, 200)).collect();
+    let numbers: Vec<u64> = range("PAPILIO_SCENARIOS").unwrap_or(0..sized(1, 200)).collect();
     let all = each(&numbers, |number| {
         let (name, scene) = random(*number)?;
         let measured = measured(&name, scene, sized(64, 1024)).ok()?;
         println!("{}", measured.row());
+        if !measured.faults(MOST_OVER_ROOT_OF_RANDOM).is_empty() || std::env::var_os("SHOWTEXT").is_some() {
+            println!("{}", drawn(*number).text);
+        }
         Some(measured)
     });
     let all: Vec<Measured> = all.into_iter().flatten().collect();

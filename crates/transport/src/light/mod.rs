@@ -35,6 +35,15 @@ impl Source {
     pub(crate) fn has_radiance(&self) -> bool {
         matches!(self, Self::Disc(_) | Self::Field(_))
     }
+
+    /// The direction cosines of light from a beam or from the centre of a disc.
+    pub(crate) fn direction(&self) -> Option<Beta> {
+        match self {
+            Self::Beam(beta) => Some(*beta),
+            Self::Disc(cone) => Some(-cone.axis_towards()),
+            Self::Diffuse | Self::Field(_) => None,
+        }
+    }
 }
 
 /// A round patch of directions, seen from the display.

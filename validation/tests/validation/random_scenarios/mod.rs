@@ -25,7 +25,7 @@ const EVERYDAY: usize = 12;
 const MAX_EXCLUDED: f64 = 0.01;
 
 /// Reads a range from an environment variable: only its end, or `FROM..TO`.
-fn range(variable: &str) -> Option<Range<u64>> {
+pub(crate) fn range(variable: &str) -> Option<Range<u64>> {
     let text = std::env::var(variable).ok()?;
     let (from, to) = text.split_once("..").unwrap_or(("0", &text));
     Some(from.parse().unwrap()..to.parse().unwrap())

@@ -27,6 +27,7 @@ mod columns;
 mod controls;
 mod crossings;
 mod generation;
+mod halfway;
 mod ledger;
 mod light;
 mod orders;
@@ -160,7 +161,8 @@ impl<'a> Layered<'a> {
         let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
         let largest_index = stack.layers.iter().map(|layer| layer.medium.largest_index()).fold(1.0, f64::max);
         let columns = if by_crossings { None } else { Columns::new(stack) };
-        let events = events(stack, by_crossings);
+        let mut events = events(stack, by_crossings);
+        events.iter_mut().for_each(|event| event.aim_half_way(view, sources));
         let base = columns.as_ref().map_or(&stack.base, |columns| &columns.base);
         // Light of two branches, and light and fields of what each source sends on.
         let interfaces = events.iter().filter(|event| matches!(event.kind, Kind::Interface(..))).count();

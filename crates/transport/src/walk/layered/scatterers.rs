@@ -7,20 +7,23 @@ use papilio_optics::Beta;
 use papilio_sampling::warp;
 
 use super::bulk::Bulk;
+use super::halfway::{HalfWay, mixed};
 use super::ledger::{Sums, Workspace};
 use super::light::Share;
 use super::{BRIGHT_SIDE, OutgoingRay, sources};
 use crate::layers::{Arrival, Channel, Colours, Departure, Scattered, ScatteringInterface};
 use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::walk::{base_density, base_direction};
-use crate::{Layered, Medium, Reflector, ScatterKernel};
+use crate::{Cone, Layered, Medium, Reflector, ScatterKernel, Source};
 
 /// A scatterer, and the way in which light arrives at it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct ScatterEvent<'a> {
     pub(super) element: usize,
     pub(super) going: Propagation,
     pub(super) kind: Kind<'a>,
+    /// Directions half way to sources: of light that it relays, and of light that the event of the way back relays.
+    half_way: [HalfWay; 2],
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +41,46 @@ pub(super) enum Kind<'a> {
     Mirror,
 }
 
-impl ScatterEvent<'_> {
+impl<'a> ScatterEvent<'a> {
+    fn new(element: usize, going: Propagation, kind: Kind<'a>) -> Self {
+        Self { element, going, kind, half_way: Default::default() }
+    }
+
+    /// The event that light meets on the way back; `None` unless light leaves an interface to one side.
+    fn way_back(&self) -> Option<Self> {
+        let Kind::Interface(_, channel, _) = self.kind else { return None };
+        let [leaves] = channel.leaves(self.going) else { return None };
+        Some(Self::new(self.element, leaves.reversed(), self.kind))
+    }
+
+    /// Finds the directions half way between the view and the sources that it needs.
+    pub(super) fn aim_half_way(&mut self, view: Cone, sources: &[Source]) {
+        let of = |event: Self| HalfWay::of(&event, view, sources);
+        let both = self.way_back().and_then(|back| Some([back.way_back()?, back]));
+        self.half_way = both.map(|both| both.map(of)).unwrap_or_default();
+    }
+
+    /// Density of sampling a direction from the kernel of an interface; `None` unless light leaves an interface to one side.
+    pub(super) fn density(&self, from: Beta, to: Beta) -> Option<f64> {
+        let Kind::Interface(interface, channel, _) = self.kind else { return None };
+        let [going] = *channel.leaves(self.going) else { return None };
+        Some(interface.scatter(self.arrival(from, channel), Departure { beta: to, going }).density)
+    }
+
+    /// Samples the light of a source that an interface relays; `None` if it is absorbed.
+    pub(super) fn relay(&self, beta: Beta, mut u: [f64; 4]) -> Option<OutgoingRay> {
+        let Kind::Interface(interface, channel, _) = self.kind else { return None };
+        let middle = self.half_way[0].choose(&mut u[0]);
+        let (to, scattered) = interface.sample(self.arrival(middle.unwrap_or(beta), channel), u)?;
+        let scattered = match middle {
+            Some(_) => interface.scatter(self.arrival(beta, channel), to),
+            None => scattered,
+        };
+        let density =
+            mixed(scattered.density, self.half_way[0].density(|middle| self.density(middle, to.beta)));
+        Some(self.outgoing(to, Scattered { density, ..scattered }))
+    }
+
     /// Sets `share` to the fraction of light that arrives and is scattered.
     pub(super) fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
         let ray = Ray::arriving_at(self.element, self.going);
@@ -126,7 +168,12 @@ impl ScatterEvent<'_> {
         let ways = channel.leaves(self.going);
         let rays = ways.iter().map(|going| Ray::from_element(self.element, *going));
         let from = self.arrival(sent.beta, channel);
-        let scattered = |way: usize, beta| interface.scatter(from, Departure { beta, going: ways[way] });
+        // The event of the way back relays light.
+        let half_way = self.half_way[1].density(|middle| self.way_back()?.density(middle, sent.beta));
+        let with_half_way =
+            |scattered: Scattered| Scattered { reverse: mixed(scattered.reverse, half_way), ..scattered };
+        let scattered =
+            |way: usize, beta| with_half_way(interface.scatter(from, Departure { beta, going: ways[way] }));
         // Light of a source that arrives has a direction that the medium there carries.
         let colours = ColoursAt::new(|to| interface.colours(from, to));
         let spread = |to, bin| self.spread_over(ways[0], bin) * colours.at(to, bin);
@@ -161,7 +208,7 @@ impl ScatterEvent<'_> {
         let colours = interface.colours(from, next.beta);
         let kept = |bin| next.weight * self.carried(next, bin) * colours.at(bin);
         workspace.light.keep(kept, &mut sums.absorbed.diffuser);
-        workspace.branch(OutgoingRay { rival: sent.density, ..next });
+        workspace.branch(OutgoingRay { rival: sent.density, back: mixed(next.back, half_way), ..next });
     }
 }
 
@@ -194,16 +241,13 @@ pub(super) fn events(stack: &Layered, by_crossings: bool) -> Vec<ScatterEvent<'_
     let mut events = Vec::new();
     for (element, (layer, media)) in stack.elements().enumerate() {
         if by_crossings && element.is_multiple_of(2) {
-            events.extend(BOTH_WAYS.map(|going| ScatterEvent { element, going, kind: Kind::Flat }));
+            events.extend(BOTH_WAYS.map(|going| ScatterEvent::new(element, going, Kind::Flat)));
         }
         let Some(interface) = layer.scattering_interface() else { continue };
         for going in BOTH_WAYS {
             let channels = interface.channels(going).into_iter();
-            events.extend(channels.map(|channel| ScatterEvent {
-                element,
-                going,
-                kind: Kind::Interface(interface, channel, media),
-            }));
+            let kind = |channel| Kind::Interface(interface, channel, media);
+            events.extend(channels.map(|channel| ScatterEvent::new(element, going, kind(channel))));
         }
     }
     let mut media = 0;
@@ -211,7 +255,7 @@ pub(super) fn events(stack: &Layered, by_crossings: bool) -> Vec<ScatterEvent<'_
         if let Some(bulk) = Bulk::new((2 * i + 1, media), &layer.medium) {
             media += 1;
             let kind = Kind::Bulk(bulk);
-            events.extend(BOTH_WAYS.map(|going| ScatterEvent { element: 2 * i + 1, going, kind }));
+            events.extend(BOTH_WAYS.map(|going| ScatterEvent::new(2 * i + 1, going, kind)));
         }
     }
     // From the top: numbers of random decisions depend on the order.
@@ -223,7 +267,7 @@ pub(super) fn events(stack: &Layered, by_crossings: bool) -> Vec<ScatterEvent<'_
         Reflector::Scattering(kernels) => Some(Kind::Pixel(kernels, upper)),
     };
     let element = 2 * stack.layers.len();
-    events.extend(base.map(|kind| ScatterEvent { element, going: Propagation::Down, kind }));
+    events.extend(base.map(|kind| ScatterEvent::new(element, Propagation::Down, kind)));
     events
 }
 

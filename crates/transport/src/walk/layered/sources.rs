@@ -7,7 +7,7 @@
 //! If that first event has a narrow lobe, the path rarely finds it. So each scattering interface also relays the light
 //! of the source, once per path, in a direction sampled from its own kernel; events connect to the relayed light in the
 //! same way. A direction that both the path and the interface may sample is weighted by the balance heuristic
-//! ([`SourceLight::weight`]).
+//! ([`SourceLight::weight`]). Some directions are sampled from its kernel for other light ([`halfway`](super::halfway)).
 
 use papilio_optics::Beta;
 
@@ -78,11 +78,7 @@ struct Relay {
 
 impl SourceLights {
     pub(super) fn new(walk: &Layered<'_>, skeleton: &mut Skeleton) -> Self {
-        let about = walk.sources.iter().filter_map(|source| match source {
-            Source::Beam(beta) => Some(*beta),
-            Source::Disc(cone) => Some(-cone.axis_towards()),
-            Source::Diffuse | Source::Field(_) => None,
-        });
+        let about = walk.sources.iter().filter_map(Source::direction);
         let mut lamps =
             Self { sources: Vec::new(), scattered: Vec::new(), about: about.collect(), ordered: false };
         for (source, light) in walk.sources.iter().enumerate() {
@@ -256,7 +252,7 @@ impl Relay {
             return;
         }
         let event = &walk.events[self.event];
-        let Some(sent) = event.send(source.beta, u) else { return };
+        let Some(sent) = event.relay(source.beta, u) else { return };
         lamp.before.clone_from(&self.arrived);
         let colours = event.colours(source.beta, sent.beta);
         lamp.before.multiply(|bin| event.carried(sent, bin) * colours.at(bin));
