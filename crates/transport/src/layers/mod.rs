@@ -268,7 +268,7 @@ pub(crate) struct Incidence {
 }
 
 impl Incidence {
-    fn between(media: [&Medium; 2], bin: usize, beta_squared: f64) -> Self {
+    pub(crate) fn between(media: [&Medium; 2], bin: usize, beta_squared: f64) -> Self {
         let indices = media.map(|medium| medium.index()[bin]);
         Self { bin, indices, beta: beta_squared.sqrt(), beta_squared }
     }

@@ -28,6 +28,8 @@
 //! sums everything that happens between two scattering events in closed form. It is the reference for all
 //! stacks that a panel cannot describe.
 //!
+//! [`Plain`] is none of these: it is the walk without any shortcut, in 200 lines. Read it first; the others are tested against it.
+//!
 //! # Ledger
 //! The same path also describes a unit beam that enters from the view direction (all kernels are
 //! reciprocal). The light that ends in each layer is recorded; `unaccounted` is what roulette removed minus
@@ -40,6 +42,7 @@ mod guide;
 mod images;
 mod layered;
 pub mod places;
+mod plain;
 mod strategy;
 
 use papilio_optics::{Beta, with_widest_simd};
@@ -50,6 +53,7 @@ use bare::Bare;
 use diffused::Diffused;
 use images::Images;
 use layered::Layered;
+pub use plain::Plain;
 pub use strategy::Strategy;
 
 /// Uniform random numbers of one path. Its first blocks are planned ([`PLANNED_BLOCKS`]): those of the first

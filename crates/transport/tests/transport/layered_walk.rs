@@ -208,7 +208,7 @@ fn half_space_under_interface_equals_giovanelli() {
 }
 
 /// Rough antiglare glass, adhesive, a diffuser, a slab, an air gap, over a base.
-fn everything(loss: f64, base: Base) -> Stack {
+pub(crate) fn everything(loss: f64, base: Base) -> Stack {
     let t = |value: f64| 1.0 - loss * (1.0 - value);
     let absorbing = |medium: Medium, value| medium.with_transmittance(one(t(value)));
     let white = Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), regular_fraction: 0.3 };
@@ -307,7 +307,7 @@ fn ledger_sums_to_one() {
 
 /// A stack with these of three wavelengths, in which all properties depend on wavelength, including the
 /// indices of glass. Two states.
-fn coloured(bins: &[usize], lambertian: bool) -> Stack {
+pub(crate) fn coloured(bins: &[usize], lambertian: bool) -> Stack {
     let of =
         |values: [f64; 3]| -> Spectrum { bins.iter().map(|&bin| values[bin]).collect::<Vec<_>>().into() };
     let glass = Medium::new(of([1.48, 1.5, 1.55])).with_transmittance(of([0.9, 0.8, 1.0]));

@@ -24,6 +24,7 @@ mod many_columns;
 mod narrow_lobes;
 mod panel_spread;
 mod places;
+mod plain;
 mod reflecting;
 mod rough_surface;
 mod scatter_faces;
