@@ -16,6 +16,9 @@ use crate::{Problem, Sources};
 /// Path of the summary in the repository.
 const SUMMARY: &str = "docs/SUMMARY.md";
 
+/// Folder of the paper about Papilio, which is no page of the site.
+const PAPER: &str = "docs/paper";
+
 /// Folder of the pages.
 const PAGES: &str = "docs";
 
@@ -209,6 +212,9 @@ impl Loader<'_> {
 fn pages_below(root: &Path, path: &str, found: &mut Vec<String>) {
     for name in names_in(&root.join(path)) {
         let inner = format!("{path}/{name}");
+        if inner == PAPER {
+            continue;
+        }
         if root.join(&inner).is_dir() {
             pages_below(root, &inner, found);
         } else if name.ends_with(".md") {

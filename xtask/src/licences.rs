@@ -1,4 +1,4 @@
-//! `cargo xtask licences`: THIRD-PARTY.md, the licences of everything that is distributed with Papilio.
+//! `cargo xtask licences`: release/THIRD-PARTY.md, the licences of everything that is distributed with Papilio.
 //!
 //! The lists come from `cargo tree`, `cargo metadata` and the lock file of the page, the texts from the packages themselves. Of a
 //! package that may be used under Apache 2.0, this licence is taken: its text is in the repository. A test
@@ -18,9 +18,9 @@ const DISTRIBUTED: [&str; 2] = ["papilio", "papilio-python"];
 
 const HEAD: &str = "# Third-party software
 
-Papilio itself is licensed under either of [Apache 2.0](LICENSE-APACHE) or [MIT](LICENSE-MIT), at your option. This file lists what is
+Papilio itself is licensed under either of [Apache 2.0](../LICENSE-APACHE) or [MIT](../LICENSE-MIT), at your option. This file lists what is
 distributed with it, and is written by `cargo xtask licences`. A package that offers Apache 2.0 is used under Apache 2.0, whose
-text is [LICENSE-APACHE](LICENSE-APACHE); the [texts](#texts) of all others are below. The Python package uses the NumPy that the user installs.
+text is [LICENSE-APACHE](../LICENSE-APACHE); the [texts](#texts) of all others are below. The Python package uses the NumPy that the user installs.
 
 ";
 
@@ -29,13 +29,13 @@ const REPOSITORY: &str = "## In the repository itself
 | what | licence |
 |---|---|
 | Roboto 2.138, subsets of Regular and Bold (`crates/imaging/fonts`), copyright 2011 Google Inc. | Apache-2.0 |
-| Latin Modern Math 1.959 (`site/assets/latinmodern-math.woff2`), in the documentation site only | GUST Font License ([text](site/assets/GUST-FONT-LICENSE.txt)) |
-| coefficients of the Boost Math Toolkit (`crates/sampling/src/erf/pieces.rs`), copyright 2006 John Maddock | BSL-1.0 ([text](crates/sampling/LICENSE-BOOST)) |
-| tables of the CIE, by colour-science (`crates/spectra/data`, `crates/colour/data`) | CC BY-SA 4.0 and BSD-3-Clause ([attribution and text](crates/spectra/data/README.md)) |
+| Latin Modern Math 1.959 (`site/assets/latinmodern-math.woff2`), in the documentation site only | GUST Font License ([text](../site/assets/GUST-FONT-LICENSE.txt)) |
+| coefficients of the Boost Math Toolkit (`crates/sampling/src/erf/pieces.rs`), copyright 2006 John Maddock | BSL-1.0 ([text](../crates/sampling/LICENSE-BOOST)) |
+| tables of the CIE, by colour-science (`crates/spectra/data`, `crates/colour/data`) | CC BY-SA 4.0 and BSD-3-Clause ([attribution and text](../crates/spectra/data/README.md)) |
 | n and k of the refractiveindex.info database (`crates/spectra/data/materials.txt`) | CC0-1.0 |
 | photograph `scenarios/data/chelsea.png`, by Stefan van der Walt | CC0-1.0 |
 
-[Provenance of data](docs/provenance.md) lists every file.
+[Provenance of data](../docs/provenance.md) lists every file.
 
 ";
 
@@ -70,9 +70,13 @@ pub(crate) fn licences() -> Outcome {
     for (licence, packages) in texts(linked.iter().chain(&scripts))? {
         text += &format!("\n### {}\n\n{}\n", packages.join(", "), indented(&licence));
     }
-    let path = root().join("THIRD-PARTY.md");
+    let path = root().join("release/THIRD-PARTY.md");
     fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
-    println!("wrote THIRD-PARTY.md: {} crates and {} packages of the page", linked.len(), scripts.len());
+    println!(
+        "wrote release/THIRD-PARTY.md: {} crates and {} packages of the page",
+        linked.len(),
+        scripts.len()
+    );
     Ok(())
 }
 

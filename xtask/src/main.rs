@@ -55,7 +55,7 @@ const TASKS: &[Task] = &[
     ("docs", "write what is generated from the code: tables of docs/, and README.md of each crate", docs),
     (
         "licences",
-        "write THIRD-PARTY.md: the licences of all that is distributed, with their texts",
+        "write release/THIRD-PARTY.md: the licences of all that is distributed, with their texts",
         licences::licences,
     ),
     ("deny", "check licences, advisories and sources of all dependencies", deny),

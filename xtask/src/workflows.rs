@@ -19,5 +19,5 @@ pub(crate) fn workflows() -> Outcome {
     let environment = Environment::new("lint", &HADOLINT)?;
     let hadolint =
         environment.python().with_file_name("hadolint").with_extension(std::env::consts::EXE_EXTENSION);
-    shell::run(command(hadolint, ["Containerfile"]))
+    shell::run(command(hadolint, ["release/Containerfile"]))
 }

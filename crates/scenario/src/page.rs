@@ -157,7 +157,7 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
 }
 
 /// Head of a table of keys in Markdown.
-const HEAD: &str = "\n| key | meaning | value | default |\n|---|---|---|---|\n";
+const HEAD: &str = "\n| key | meaning | value; default |\n|---|---|---|\n";
 
 /// A row of a table of keys in Markdown.
 fn line(row: &Row) -> String {
@@ -166,11 +166,12 @@ fn line(row: &Row) -> String {
         Default::Value(value, None) => format!("`{}`", toml(value)),
         // The meaning of an empty list or table says more than its value.
         Default::Value(value, Some(words)) if matches!(toml(value).as_str(), "[]" | "{}") => words.clone(),
-        Default::Value(value, Some(words)) => format!("`{}`; {words}", toml(value)),
+        Default::Value(value, Some(words)) => format!("`{}`, {words}", toml(value)),
         Default::Words(words) => words.clone(),
     };
     let value = BRIEF.iter().fold((row.on_page)(), |text, (long, brief)| text.replace(long, brief));
     // A bar would begin the next cell.
-    let [doc, value, default] = [&row.doc, &value, &default].map(|text| text.replace('|', "\\|"));
-    format!("| `{}` | {doc} | {value} | {default} |\n", row.key)
+    let value = if default == "none" { value } else { format!("{value}; {default}") };
+    let [doc, value] = [&row.doc, &value].map(|text| text.replace('|', "\\|"));
+    format!("| `{}` | {doc} | {value} |\n", row.key)
 }

@@ -17,8 +17,8 @@ const FILES: [&str; 8] = [
     "CHANGELOG.md",
     "LICENSE-APACHE",
     "LICENSE-MIT",
-    "THIRD-PARTY.md",
-    "Containerfile",
+    "release/THIRD-PARTY.md",
+    "release/Containerfile",
     "scenarios",
     "surfaces",
 ];
@@ -93,10 +93,7 @@ fn stage(program: &Path, staged: &Path) -> Outcome {
     fs::create_dir_all(&completions).map_err(failure)?;
     for name in FILES {
         let file = shell::root().join(name);
-        // The list of licences of others is made by a task of its own.
-        if file.exists() || name != "THIRD-PARTY.md" {
-            copy(&file, &staged.join(name))?;
-        }
+        copy(&file, &staged.join(Path::new(name).file_name().unwrap_or_default()))?;
     }
     // Of the package with the examples, not of the examples.
     for name in ["lib.rs", "README.md"] {

@@ -1,5 +1,5 @@
 //! The lists of the project: every shipped file of data has its source in docs/provenance.md, every package its licence in
-//! THIRD-PARTY.md; CITATION.cff states the present version.
+//! release/THIRD-PARTY.md; CITATION.cff states the present version.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -79,7 +79,7 @@ fn version_of_the_citation_is_that_of_the_workspace() {
     assert_eq!(version("CITATION.cff", "version: "), version("Cargo.toml", "version = "));
 }
 
-/// Names and versions in the rows or items of THIRD-PARTY.md below a heading.
+/// Names and versions in the rows or items of release/THIRD-PARTY.md below a heading.
 fn packages(page: &str, heading: &str) -> BTreeSet<(String, String)> {
     let (_, rest) =
         page.split_once(&format!("\n## {heading}\n")).unwrap_or_else(|| panic!("no heading {heading}"));
@@ -95,7 +95,7 @@ fn packages(page: &str, heading: &str) -> BTreeSet<(String, String)> {
 
 #[test]
 fn third_party_packages_are_those_of_the_lock_files() {
-    let page = read("THIRD-PARTY.md");
+    let page = read("release/THIRD-PARTY.md");
     let linked = packages(&page, "In the program and the Python package");
     let others = packages(&page, "For tests, benchmarks and builds only");
     assert!(linked.len() > 100 && !others.is_empty(), "{} and {}", linked.len(), others.len());

@@ -126,7 +126,8 @@ fn actions_are_pinned_by_version() {
 fn container_copies_files_of_the_archive() {
     let program = read("xtask/src/release/program.rs");
     let mut copied = 0;
-    for line in read("Containerfile").lines().filter_map(|line| line.strip_prefix("COPY ").map(str::to_owned))
+    for line in
+        read("release/Containerfile").lines().filter_map(|line| line.strip_prefix("COPY ").map(str::to_owned))
     {
         let names: Vec<&str> = line.split(' ').collect();
         for name in &names[..names.len() - 1] {

@@ -16,7 +16,7 @@ const FILES: [(&str, &str); 6] = [
     ("reader.toml", "rm -f reader.toml"),
 ];
 
-/// Describes all commands. Arguments and options of three commands or more are described once.
+/// Describes all commands. Arguments and options of several commands are described once.
 pub(super) fn reference(mut program: Command) -> String {
     program.build();
     let mut text = String::new();
@@ -30,7 +30,7 @@ pub(super) fn reference(mut program: Command) -> String {
         shown.map(row).collect()
     };
     let every: Vec<Vec<Row>> = all.iter().map(|(_, command)| own(command)).collect();
-    let is_common = |row: &Row| every.iter().filter(|rows| rows.contains(row)).count() >= 3;
+    let is_common = |row: &Row| every.iter().filter(|rows| rows.contains(row)).count() >= 2;
     let mut common: Vec<&Row> = Vec::new();
     for row in every.iter().flatten().filter(|row| is_common(row)) {
         if !common.contains(&row) {

@@ -14,7 +14,7 @@ use serde_json::Value;
 use super::cell;
 
 /// Names that differ in one or more words only, `{...}`, and what they all are: one row of a table.
-const FAMILIES: [(&str, &str); 20] = [
+const FAMILIES: [(&str, &str); 19] = [
     (
         "gamut_percent_{srgb,ebu,ntsc,dci_p3}",
         "Gamut area of the red, green and blue states in u'v', % of the standard's.",
@@ -41,7 +41,6 @@ const FAMILIES: [(&str, &str); 20] = [
         "line_contrast_{white,black}_{1,2,4}_{x,y}",
         "Contrast of a line of this colour, of 1, 2 or 4 pixels, across x or y.",
     ),
-    ("{white,black}_{1,2,4}_{x,y}", "Contrast of a line of this colour, of 1, 2 or 4 pixels, across x or y."),
     (
         "f50_{x,y}_per_mm",
         "Spatial frequency along x or y at which the modulation transfer is first 0.5, cycles per mm.",
@@ -74,7 +73,7 @@ fn members(pattern: &str) -> Vec<String> {
 }
 
 /// The family of a name among `names`, if they contain all of it: its pattern, what its members are, and whether the name is the first.
-pub(super) fn family(name: &str, names: &[&str]) -> Option<(&'static str, &'static str, bool)> {
+fn family(name: &str, names: &[&str]) -> Option<(&'static str, &'static str, bool)> {
     let is_complete = |all: &[String]| all.iter().all(|member| names.contains(&member.as_str()));
     FAMILIES.into_iter().find_map(|(pattern, meaning)| {
         let all = members(pattern);

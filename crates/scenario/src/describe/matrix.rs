@@ -8,9 +8,9 @@ use crate::read::{Named, Spanned};
 table! {
     /// The sub-pixels in the plane of the panel: one pixel, which repeats.
     Matrix {
-        /// Period of a whole pixel along x (azimuth 0) and y (azimuth 90 deg). Specify either `pitch_um` or `ppi`.
+        /// Period of a whole pixel along x (azimuth 0) and y (azimuth 90 deg). Either `pitch_um` or `ppi`.
         pitch_um as "Pixel pitch": Option<Period>,
-        /// Pixels per inch: the pitch is 25400/ppi, in um. Specify either `ppi` or `pitch_um`.
+        /// Pixels per inch: the pitch is 25400/ppi, in um. Either `ppi` or `pitch_um`.
         ppi as "Pixels per inch": Option<PixelsPerInch>,
         /// Number of columns and rows of the display; only pictures need it. Default: that of the picture.
         pixels: Option<Vec<Spanned<PixelCount>>>,

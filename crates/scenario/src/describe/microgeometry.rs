@@ -147,9 +147,9 @@ surface! {
 surface! {
     /// A random face with the two-dimensional power spectral density A (1 + (B f)^2)^(-C/2), f in cycles per um, or with that of a file.
     Psd {
-        /// A (um^4), B (um) and C. Specify either this or `file`.
+        /// A (um^4), B (um) and C. Either this or `file`.
         abc: Option<Vec<Spanned<SurfaceLength>>>,
-        /// A table with two columns: frequency in cycles per um, and density in um^4, as `psd.csv` of `papilio gonio`. Specify either this
+        /// A table with two columns: frequency in cycles per um, and density in um^4, as `psd.csv` of `papilio gonio`. Either this
         /// or `abc`.
         file: Option<String>,
         /// Shortest wavelength of the face.

@@ -55,15 +55,15 @@ choice! {
 table! {
     /// A key that the search may change: a number or a choice.
     Variable {
-        /// A path as in `--set`. Specify either `key` or `keys`.
+        /// A path as in `--set`. Either `key` or `keys`.
         key: Option<String>,
-        /// Several paths that get the same value. Specify either `key` or `keys`.
+        /// Several paths that get the same value. Either `key` or `keys`.
         keys: Option<Vec<Spanned<String>>>,
         /// A key that changes by the opposite amount, so that the sum is constant: for areas and shares of the light.
         compensated_by: Option<String>,
-        /// The smallest and the largest value. Specify either `bounds` or `choices`.
+        /// The smallest and the largest value. Either `bounds` or `choices`.
         bounds: Option<Vec<Spanned<Any>>>,
-        /// The possible values: materials, files, numbers, tables. Specify either `bounds` or `choices`.
+        /// The possible values: materials, files, numbers, tables. Either `bounds` or `choices`.
         choices: Option<Choices>,
     }
 }

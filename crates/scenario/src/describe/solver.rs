@@ -45,9 +45,9 @@ table! {
         metric: Metric,
         /// Name of the state, for a metric of a state. Default: all states that have the metric.
         state: Option<String>,
-        /// Standard error in the unit of the metric. Specify either `error` or `relative_error`.
+        /// Standard error in the unit of the metric. Either `error` or `relative_error`.
         error: Option<Tolerance>,
-        /// Standard error relative to the value. Specify either `error` or `relative_error`.
+        /// Standard error relative to the value. Either `error` or `relative_error`.
         relative_error: Option<RelativeError>,
     }
 }

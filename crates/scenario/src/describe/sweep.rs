@@ -40,9 +40,9 @@ table! {
         from: Any,
         /// Last value.
         to: Any,
-        /// Step, towards `to`. Specify either `step` or `count`.
+        /// Step, towards `to`. Either `step` or `count`.
         step: Option<Any>,
-        /// Number of values, both ends included. Specify either `step` or `count`.
+        /// Number of values, both ends included. Either `step` or `count`.
         count: Option<Count<2, { MOST_POINTS as u64 }>>,
     }
 }

@@ -37,9 +37,9 @@ table! {
     /// A key with a distribution, or several with the same deviation. There is exactly one distribution. Its numbers are
     /// values of the key; for several keys, deviations from the value of each.
     Scattered {
-        /// A path as in `--set`. Specify either `key` or `keys`.
+        /// A path as in `--set`. Either `key` or `keys`.
         key: Option<String>,
-        /// Several paths with the same deviation; numbers are deviations from the value of each. Specify either `key` or `keys`.
+        /// Several paths with the same deviation; numbers are deviations from the value of each. Either `key` or `keys`.
         keys: Option<Vec<Spanned<String>>>,
         /// Name in tables and figures, one line. Default: the path.
         name: Option<Label>,
@@ -89,11 +89,11 @@ table! {
 table! {
     /// A uniform distribution: `from` and `to`, or `plus_minus`.
     Uniform {
-        /// Lower end. Specify either `from` and `to`, or `plus_minus`.
+        /// Lower end. Either `from` and `to`, or `plus_minus`.
         from: Option<Any>,
-        /// Upper end. Specify either `from` and `to`, or `plus_minus`.
+        /// Upper end. Either `from` and `to`, or `plus_minus`.
         to: Option<Any>,
-        /// Half width about the scenario's value. Specify either `from` and `to`, or `plus_minus`.
+        /// Half width about the scenario's value. Either `from` and `to`, or `plus_minus`.
         plus_minus: Option<Deviation>,
     }
 }
@@ -101,13 +101,13 @@ table! {
 table! {
     /// A triangular distribution: `from` and `to`, or `plus_minus`.
     Triangular {
-        /// Lower end. Specify either `from` and `to`, or `plus_minus`.
+        /// Lower end. Either `from` and `to`, or `plus_minus`.
         from: Option<Any>,
         /// The most probable value. Default: the scenario's value.
         mode: Option<Any>,
-        /// Upper end. Specify either `from` and `to`, or `plus_minus`.
+        /// Upper end. Either `from` and `to`, or `plus_minus`.
         to: Option<Any>,
-        /// Half width about the mode. Specify either `from` and `to`, or `plus_minus`.
+        /// Half width about the mode. Either `from` and `to`, or `plus_minus`.
         plus_minus: Option<Deviation>,
     }
 }
