@@ -16,7 +16,9 @@ const MATRIX: &str = "[display.matrix]\nppi = 127\nlayout = \"single\"\n";
 
 /// Pixels of this kind whose two states differ by 0.3 %.
 fn pixels(kind: &str) -> String {
-    format!("[display.pixel]\nmodel = \"uniform\"\nkind = \"{kind}\"\nreflectance = {{ white = 0.7, black = 0.698 }}\n")
+    format!(
+        "[display.pixel]\nmodel = \"uniform\"\nkind = \"{kind}\"\nreflectance = {{ white = 0.7, black = 0.698 }}\n"
+    )
 }
 
 fn front(reflectance: f64, gap_mm: f64) -> String {
@@ -45,7 +47,8 @@ fn integral(table: &SpreadTable, from: f64, to: f64) -> f64 {
             (None, _) => 0.0,
             (_, None) => 1.0,
             (Some(last), Some(there)) => {
-                let [x0, e0, e1] = [table.position_um[last], table.edge_spread[last], table.edge_spread[next]];
+                let [x0, e0, e1] =
+                    [table.position_um[last], table.edge_spread[last], table.edge_spread[next]];
                 e0 + (e1 - e0) * (x - x0) / (there - x0)
             }
         }

@@ -65,10 +65,13 @@ fn table_equals_the_sum_over_directions() {
             for k in 0..steps {
                 let (beta, cos) = (0.5 * PI * (f64::from(k) + 0.5) / f64::from(steps)).sin_cos();
                 let face = fresnel_reflectance(1.0, index[bin], beta);
-                let [glass, air] = [thick * beta / (index[bin].powi(2) - beta * beta).sqrt(), air * beta / cos];
+                let [glass, air] =
+                    [thick * beta / (index[bin].powi(2) - beta * beta).sqrt(), air * beta / cos];
                 let weight = PI * beta * cos / f64::from(steps) / index[bin].powi(2) * (1.0 - face).powi(2);
                 let order = |k: i32| {
-                    front[bin].powi(k + 1) * face.powi(k) * j0(4.0 * PI * f * (glass + f64::from(k + 1) * air))
+                    front[bin].powi(k + 1)
+                        * face.powi(k)
+                        * j0(4.0 * PI * f * (glass + f64::from(k + 1) * air))
                 };
                 expected += weight * (0..5).map(order).sum::<f64>();
             }
@@ -83,8 +86,7 @@ fn table_equals_the_sum_over_directions() {
 fn lobe_returns_what_each_direction_sees_squared() {
     for (width, straight, gap) in [(0.057, 0.0, 0.2), (0.057, 0.3, 0.0), (0.3, 0.1, 0.5)] {
         let lobe = Lobe::KCorrelation { width };
-        let diffuser =
-            Diffuser { lobe, transmittance: vec![0.9].into(), regular_fraction: straight };
+        let diffuser = Diffuser { lobe, transmittance: vec![0.9].into(), regular_fraction: straight };
         let new = |front: f64| panel(Top::Diffuser(diffuser.clone()), &[1.5], &[front]);
         let lengths = [gap, 0.4];
         let accuracy = Accuracy { digits: 13.0, most_per_mm: 8.0 };

@@ -2,7 +2,7 @@
 
 use papilio_optics::interface::fresnel_reflectance;
 
-use super::super::Recycling;
+use super::super::{FaceReturn, Recycling};
 use super::*;
 
 const BINS: usize = 13;
