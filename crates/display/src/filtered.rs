@@ -48,8 +48,9 @@ pub(crate) struct Lit {
 
 /// Digits and fineness of levels.
 const DIGITS: [f64; 3] = [7.0, 9.0, 11.0];
-/// Distance of lines in thicknesses at two levels, and the least and largest number of pixels between lines at the first.
-const LINE_REACH: [f64; 2] = [6.0, 12.0];
+/// Distance of lines in thicknesses, and the least and largest number of pixels between lines, at the first level; twice as many at each
+/// further one.
+const LINE_REACH: f64 = 6.0;
 const LINE_PIXELS: [usize; 2] = [4, 12];
 /// Graded cells of each window at the first level.
 pub(crate) const CELLS: usize = 8;
@@ -144,8 +145,8 @@ impl<'a> Filtered<'a> {
 
     /// Number of pixels in a period of which one is a line: light of the line returns to its own column, hardly to the next line.
     pub(crate) fn pixels_of_line(&self, level: usize) -> usize {
-        let reach = LINE_REACH[level.min(1)] * self.thickness_mm / self.matrix.pitch_mm[0];
-        (reach.ceil() as usize).clamp(LINE_PIXELS[0] << level.min(1), LINE_PIXELS[1] << level.min(1))
+        let reach = LINE_REACH * f64::from(1_u32 << level) * self.thickness_mm / self.matrix.pitch_mm[0];
+        (reach.ceil() as usize).clamp(LINE_PIXELS[0] << level, LINE_PIXELS[1] << level)
     }
 
     /// Computes the light at a level for a period of this number of pixels along x.
