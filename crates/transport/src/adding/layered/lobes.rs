@@ -2,9 +2,11 @@
 //!
 //! Those of the k-correlation lobe follow from order 0, a complete elliptic integral, by a recurrence that is run
 //! backwards, for several nodes at once ([`side_by_side`]). It begins beyond the orders that are wanted, and all orders
-//! below come with them: batches of orders grow with their number, so that all of them take little more than the last.
+//! below come with them: batches of orders grow with their number, so that all of them take little more than the last. Faces have
+//! dozens of lobes, each with its orders: a batch is then stored in pieces, and computed again for each of them.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use papilio_optics::lobe::{FaceLobe, Gaussian, KCorrelation, Lobe};
 
@@ -16,8 +18,10 @@ use crate::adding::panel::lobes::{LANES, side_by_side};
 
 /// Least number of orders that are computed together.
 const LEAST_BATCH: usize = 16;
-/// Size in bytes above which no more are.
+/// Size in bytes of square matrices above which no more are.
 const MOST_BYTES: usize = 32 << 20;
+/// Largest number of orders of a face's lobe that are stored together.
+const MOST_OF_FACE: usize = 16;
 /// Natural digits by which the error at the start of the recurrence decreases before the last order.
 const DIGITS: f64 = 20.0;
 
@@ -26,9 +30,38 @@ const DIGITS: f64 = 20.0;
 #[derive(Debug, Clone)]
 pub(super) struct LobeOrders {
     shape: Shape,
-    /// First of the computed orders.
+    /// Orders that are computed together.
+    batch: Range<usize>,
+    /// Largest number of them that is stored, and the first that is.
+    most: usize,
     first: usize,
-    batch: Vec<Matrix>,
+    stored: Vec<Triangle>,
+}
+
+/// A symmetric matrix: its columns down to the diagonal.
+#[derive(Debug, Clone)]
+struct Triangle {
+    len: usize,
+    values: Vec<f64>,
+}
+
+impl Triangle {
+    fn zeros(len: usize) -> Self {
+        Self { len, values: vec![0.0; len * (len + 1) / 2] }
+    }
+
+    fn column_mut(&mut self, j: usize) -> &mut [f64] {
+        &mut self.values[j * (j + 1) / 2..][..=j]
+    }
+
+    fn whole(&self) -> Matrix {
+        let mut matrix = Matrix::zeros(self.len, self.len);
+        for j in 0..self.len {
+            matrix.column_mut(j)[..=j].copy_from_slice(&self.values[j * (j + 1) / 2..][..=j]);
+        }
+        matrix.mirror_upper();
+        matrix
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +83,7 @@ impl LobeOrders {
             Lobe::KCorrelation { width } => Shape::KCorrelation { width },
             Lobe::Lambertian => Shape::Lambertian { disc },
         };
-        Self { shape, first: 0, batch: Vec::new() }
+        Self { shape, batch: 0..0, most: usize::MAX, first: 0, stored: Vec::new() }
     }
 
     /// Begins the orders of the lobe of a face.
@@ -59,32 +92,34 @@ impl LobeOrders {
             FaceLobe::KCorrelation(KCorrelation { width }) => Shape::KCorrelation { width },
             FaceLobe::Gaussian(gaussian) => Shape::Gaussian(gaussian),
         };
-        Self { shape, first: 0, batch: Vec::new() }
+        Self { shape, batch: 0..0, most: MOST_OF_FACE, first: 0, stored: Vec::new() }
     }
 
     /// Returns the kernel of this order.
-    pub(super) fn order(&mut self, order: usize, grid: &Grid) -> Option<&Matrix> {
+    pub(super) fn order(&mut self, order: usize, grid: &Grid) -> Option<Matrix> {
         if matches!(self.shape, Shape::Lambertian { .. }) && order > 0 {
             return None;
         }
-        if !(self.first..self.first + self.batch.len()).contains(&order) {
+        if !(self.first..self.first + self.stored.len()).contains(&order) {
             self.fill(order, grid);
         }
-        self.batch.get(order - self.first)
+        self.stored.get(order - self.first).map(Triangle::whole)
     }
 
     fn fill(&mut self, first: usize, grid: &Grid) {
-        let len = grid.len();
-        self.first = first;
-        match self.shape {
-            Shape::Lambertian { disc } => {
-                let area = PI * disc * disc;
-                let inside = |i: usize| if grid.beta[i] <= disc { grid.scale[i] } else { 0.0 };
-                self.batch = vec![Matrix::from_fn(len, len, |i, j| inside(i) * inside(j) / area)];
-            }
-            Shape::KCorrelation { width } => self.batch = k_correlation(width, first, grid),
-            Shape::Gaussian(lobe) => self.batch = gaussian(lobe, first, grid),
+        if !self.batch.contains(&first) {
+            self.batch = first..end_of_batch(first, grid.len());
         }
+        self.first = first;
+        // Before the next piece needs the memory.
+        self.stored = Vec::new();
+        let count = self.batch.end;
+        let orders = first..count.min(first.saturating_add(self.most));
+        self.stored = match self.shape {
+            Shape::Lambertian { disc } => vec![lambertian(disc, grid)],
+            Shape::KCorrelation { width } => k_correlation(width, orders, count, grid),
+            Shape::Gaussian(lobe) => gaussian(lobe, orders, count, grid),
+        };
     }
 }
 
@@ -94,48 +129,55 @@ fn end_of_batch(first: usize, len: usize) -> usize {
     first + first.clamp(LEAST_BATCH, fits.max(LEAST_BATCH))
 }
 
-/// Computes some orders of a Gaussian lobe, from number `first` on.
-fn gaussian(lobe: Gaussian, first: usize, grid: &Grid) -> Vec<Matrix> {
-    let len = grid.len();
-    let count = end_of_batch(first, len);
-    let mut batch = vec![Matrix::zeros(len, len); count - first];
+/// Computes order 0 of a Lambertian lobe within a disc.
+fn lambertian(disc: f64, grid: &Grid) -> Triangle {
+    let area = PI * disc * disc;
+    let inside = |i: usize| if grid.beta[i] <= disc { grid.scale[i] } else { 0.0 };
+    let mut kernel = Triangle::zeros(grid.len());
+    for j in 0..grid.len() {
+        let column = kernel.column_mut(j).iter_mut().enumerate();
+        column.for_each(|(i, value)| *value = inside(i) * inside(j) / area);
+    }
+    kernel
+}
+
+/// Computes some orders of a Gaussian lobe, among `count`.
+fn gaussian(lobe: Gaussian, orders: Range<usize>, count: usize, grid: &Grid) -> Vec<Triangle> {
+    let mut all = vec![Triangle::zeros(grid.len()); orders.len()];
     let mut values = vec![0.0; count];
-    for j in 0..len {
+    for j in 0..grid.len() {
         for i in 0..=j {
             lobe.orders(grid.beta[i], grid.beta[j], &mut values);
-            for (matrix, value) in batch.iter_mut().zip(&values[first..]) {
+            for (matrix, value) in all.iter_mut().zip(&values[orders.start..]) {
                 matrix.column_mut(j)[i] = grid.scale[i] * grid.scale[j] * value;
             }
         }
     }
-    batch.iter_mut().for_each(Matrix::mirror_upper);
-    batch
+    all
 }
 
-/// Computes some orders of the k-correlation lobe, from number `first` on.
-fn k_correlation(width: f64, first: usize, grid: &Grid) -> Vec<Matrix> {
-    let len = grid.len();
-    let count = end_of_batch(first, len);
+/// Computes some orders of the k-correlation lobe, among `count`.
+fn k_correlation(width: f64, orders: Range<usize>, count: usize, grid: &Grid) -> Vec<Triangle> {
     let farthest = grid.beta.iter().copied().fold(0.0, f64::max);
     // Successive orders decrease by this in the logarithm, or more.
     let decay = 2.0 * (0.5 * width / farthest.max(width)).asinh();
     // The same for all nodes, so that values do not depend on the other nodes.
     let from = count + (0.5 * DIGITS / decay).ceil() as usize;
-    let mut batch = vec![Matrix::zeros(len, len); count - first];
+    let mut all = vec![Triangle::zeros(grid.len()); orders.len()];
     let mut ratios = Vec::new();
     with_widest_simd(
         #[inline(always)]
         || {
-            for j in 0..len {
+            for j in 0..grid.len() {
                 for start in (0..=j).step_by(LANES) {
                     let nodes = start..(start + LANES).min(j + 1);
                     let radii = std::array::from_fn(|k| grid.beta[(start + k).min(j)]);
                     let begins = (count, Some(from));
                     side_by_side(width, grid.beta[j], radii, begins, &mut ratios, |m, values| {
-                        if m < first {
+                        if !orders.contains(&m) {
                             return;
                         }
-                        let column = &mut batch[m - first].column_mut(j)[nodes.clone()];
+                        let column = &mut all[m - orders.start].column_mut(j)[nodes.clone()];
                         for ((out, value), scale) in
                             column.iter_mut().zip(values).zip(&grid.scale[nodes.clone()])
                         {
@@ -146,8 +188,7 @@ fn k_correlation(width: f64, first: usize, grid: &Grid) -> Vec<Matrix> {
             }
         },
     );
-    batch.iter_mut().for_each(Matrix::mirror_upper);
-    batch
+    all
 }
 
 #[cfg(test)]

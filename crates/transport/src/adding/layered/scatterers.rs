@@ -1,6 +1,6 @@
 //! Scatterers of a stack, computed once for all wavelengths that share them.
 
-use papilio_optics::lobe::{BalancedLobe, Lobe};
+use papilio_optics::lobe::{BalancedLobe, FaceLobe, Lobe};
 use papilio_optics::rough::{Rough, Side};
 use papilio_optics::scatter::Scatter;
 
@@ -43,9 +43,23 @@ struct Balanced<'a> {
     lobe: &'a BalancedLobe,
     /// Its factor at each node.
     factors: Vec<f64>,
-    orders: LobeOrders,
     /// Light of each node that the quadrature misses.
     missing: Vec<f64>,
+}
+
+/// Orders of the lobes of faces: transmitted and reflected light have lobes in common.
+#[derive(Debug, Default)]
+struct FaceLobes(Vec<(FaceLobe, LobeOrders)>);
+
+impl FaceLobes {
+    /// Returns the kernel of a lobe in this order.
+    fn order(&mut self, lobe: FaceLobe, order: usize, grid: &Grid) -> Option<Matrix> {
+        let place = self.0.iter().position(|(known, _)| *known == lobe).unwrap_or(self.0.len());
+        if place == self.0.len() {
+            self.0.push((lobe, LobeOrders::of_face(lobe)));
+        }
+        self.0[place].1.order(order, grid)
+    }
 }
 
 /// Response of a scatterer in one azimuthal order.
@@ -67,7 +81,10 @@ impl Scattered {
 
 /// All scatterers on a grid.
 #[derive(Debug, Default)]
-pub(super) struct Scatterers<'a>(Vec<Scatterer<'a>>);
+pub(super) struct Scatterers<'a> {
+    all: Vec<Scatterer<'a>>,
+    lobes: FaceLobes,
+}
 
 impl<'a> Scatterers<'a> {
     /// Returns the number of this layer; adds it if it is new.
@@ -90,7 +107,10 @@ impl<'a> Scatterers<'a> {
             let same = |other: &BalancedLobe| other.lobe() == lobe.lobe() && other.light() == lobe.light();
             matches!(s, Scatterer::Balanced(other) if same(other.lobe))
         };
-        self.find(known, || Scatterer::Balanced(Balanced::new(lobe, grid)))
+        self.all.iter().position(known).unwrap_or_else(|| {
+            self.all.push(Scatterer::Balanced(Balanced::new(lobe, grid, &mut self.lobes)));
+            self.all.len() - 1
+        })
     }
 
     /// Returns the number of this rough interface; adds it if it is new.
@@ -121,9 +141,9 @@ impl<'a> Scatterers<'a> {
     }
 
     fn find(&mut self, known: impl Fn(&Scatterer<'a>) -> bool, new: impl FnOnce() -> Scatterer<'a>) -> usize {
-        self.0.iter().position(known).unwrap_or_else(|| {
-            self.0.push(new());
-            self.0.len() - 1
+        self.all.iter().position(known).unwrap_or_else(|| {
+            self.all.push(new());
+            self.all.len() - 1
         })
     }
 
@@ -136,7 +156,7 @@ impl<'a> Scatterers<'a> {
             Scatterer::Rough { orders, .. } => orders.as_ref().map_or(0, |orders| orders.orders()),
             Scatterer::Scatter { orders, .. } => orders.as_ref().map_or(0, ScatterOrders::orders),
         };
-        self.0.iter().map(orders).max().unwrap_or(0)
+        self.all.iter().map(orders).max().unwrap_or(0)
     }
 
     /// Returns the same scatterers for the extra nodes of the grid alone; `known` keeps the kernels between others.
@@ -149,7 +169,6 @@ impl<'a> Scatterers<'a> {
                 ..lobe
             }),
             Scatterer::Balanced(balanced) => Scatterer::Balanced(Balanced {
-                orders: LobeOrders::of_face(balanced.lobe.lobe()),
                 factors: balanced.factors[grid.regular..].to_vec(),
                 missing: balanced.missing[grid.regular..].to_vec(),
                 ..balanced
@@ -171,7 +190,7 @@ impl<'a> Scatterers<'a> {
                 Scatterer::Scatter { scatter, disc, orders: None, missing: kept }
             }
         };
-        Self(self.0.into_iter().map(&mut extras).collect())
+        Self { all: self.all.into_iter().map(&mut extras).collect(), lobes: FaceLobes::default() }
     }
 
     /// Returns the modes in which single scatterers without a closed series scatter light, by their numbers.
@@ -179,7 +198,7 @@ impl<'a> Scatterers<'a> {
         const SIDES: [(Side, Side); 3] =
             [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
         let mut ways = Vec::new();
-        for (number, scatterer) in self.0.iter().enumerate() {
+        for (number, scatterer) in self.all.iter().enumerate() {
             let kernels: Vec<Kernel> = match scatterer {
                 Scatterer::Rough { face, .. } => SIDES
                     .map(|(from, to)| Kernel::Rough { face: Box::new((*face).clone()), from, to })
@@ -231,17 +250,18 @@ impl<'a> Scatterers<'a> {
                 Scattered::Kernel(if k == number { unit(straight) } else { flat(straight) })
             }
         };
-        self.0.iter_mut().enumerate().map(one).collect()
+        self.all.iter_mut().enumerate().map(one).collect()
     }
 
     /// Returns the response of each scatterer in this order.
     pub(super) fn scattered(&mut self, order: usize, grid: &Grid) -> Vec<Scattered> {
+        let lobes = &mut self.lobes;
         let one = |scatterer: &mut Scatterer<'_>| match scatterer {
             Scatterer::Slab(slab) => {
                 Scattered::slab(slab.operators(order).map(|operator| slab.spread(&operator, grid)))
             }
             Scatterer::Diffuser(lobe) => Scattered::Kernel(lobe.operator(order, grid)),
-            Scatterer::Balanced(balanced) => Scattered::Kernel(balanced.operator(order, grid)),
+            Scatterer::Balanced(balanced) => Scattered::Kernel(balanced.operator(order, grid, lobes)),
             Scatterer::Rough { face, orders, .. } => Scattered::Whole(match orders {
                 Some(orders) => orders.part(face, order, grid),
                 None => Part::dark(grid),
@@ -251,7 +271,7 @@ impl<'a> Scatterers<'a> {
                 None => Operator::diagonal(grid.regular, vec![0.0; grid.len()]),
             }),
         };
-        self.0.iter_mut().map(one).collect()
+        self.all.iter_mut().map(one).collect()
     }
 }
 
@@ -280,21 +300,24 @@ impl LobeBetween {
     fn operator(&mut self, order: usize, grid: &Grid) -> Operator {
         let [above, below] = self.indices;
         let straight = self.straight(grid);
-        let kernel = self.orders.order(order, grid).map(|kernel| {
-            Matrix::from_fn(grid.len(), grid.len(), |out, from| {
-                let carried = grid.beta[from] < above && grid.beta[out] < below;
-                if carried { kernel[(out, from)] } else { 0.0 }
-            })
-        });
+        let mut kernel = self.orders.order(order, grid);
+        for (from, column) in kernel.iter_mut().flat_map(Matrix::columns_mut) {
+            let out = |(value, out): (&mut f64, &f64)| {
+                if !(grid.beta[from] < above && *out < below) {
+                    *value = 0.0;
+                }
+            };
+            column.iter_mut().zip(&grid.beta).for_each(out);
+        }
         Operator { regular: grid.regular, straight, kernel: kernel.map(Into::into) }
     }
 }
 
 impl<'a> Balanced<'a> {
-    fn new(lobe: &'a BalancedLobe, grid: &Grid) -> Self {
+    fn new(lobe: &'a BalancedLobe, grid: &Grid, lobes: &mut FaceLobes) -> Self {
         let factors: Vec<f64> = grid.beta.iter().map(|beta| lobe.factor(*beta)).collect();
-        let mut all = Self { lobe, factors, orders: LobeOrders::of_face(lobe.lobe()), missing: Vec::new() };
-        if let Some(kernel) = all.kernel(0, grid) {
+        let mut all = Self { lobe, factors, missing: Vec::new() };
+        if let Some(kernel) = all.kernel(0, grid, lobes) {
             let found = |j: usize| -> f64 {
                 let column = kernel.column(j)[..grid.regular].iter().zip(&grid.scale);
                 column.map(|(value, scale)| value * scale).sum::<f64>() / grid.scale[j]
@@ -305,8 +328,8 @@ impl<'a> Balanced<'a> {
         all
     }
 
-    fn kernel(&mut self, order: usize, grid: &Grid) -> Option<Matrix> {
-        let mut kernel = self.orders.order(order, grid)?.clone();
+    fn kernel(&self, order: usize, grid: &Grid, lobes: &mut FaceLobes) -> Option<Matrix> {
+        let mut kernel = lobes.order(self.lobe.lobe(), order, grid)?;
         for (j, column) in kernel.columns_mut() {
             let from = self.factors[j];
             column.iter_mut().zip(&self.factors).for_each(|(value, to)| *value *= from * to);
@@ -314,8 +337,8 @@ impl<'a> Balanced<'a> {
         Some(kernel)
     }
 
-    fn operator(&mut self, order: usize, grid: &Grid) -> Operator {
-        let kernel = self.kernel(order, grid).map(Into::into);
+    fn operator(&self, order: usize, grid: &Grid, lobes: &mut FaceLobes) -> Operator {
+        let kernel = self.kernel(order, grid, lobes).map(Into::into);
         Operator { regular: grid.regular, straight: self.missing.clone(), kernel }
     }
 }
