@@ -19,7 +19,7 @@ table! {
         pattern: Option<ImagePattern>,
         /// Period of stripes and squares, and of the star at its rim. Default: 8 pixels; 36 spokes of the star.
         period_mm as "Period of the test pattern": Option<Millimetres>,
-        /// How the picture is fitted to `display.matrix.pixels`; without that key the panel has the size of the picture.
+        /// How the picture is fitted to `display.matrix.pixels`, without which the panel has its size.
         fit: ImageFit = ImageFit::Contain,
         /// Colour space of a picture that states none.
         source_space: SourceSpace = SourceSpace::Srgb,
@@ -62,7 +62,7 @@ choice! {
 choice! {
     /// Test pattern.
     ImagePattern {
-        /// Black on the left and white on the right of an edge 5 deg from the columns.
+        /// Black on the left of an edge 5 deg from the columns.
         SlantedEdge = "slanted-edge",
         /// Stripes along y, half of a period each.
         Stripes = "stripes",
@@ -126,15 +126,15 @@ choice! {
 choice! {
     /// Halftone of a picture.
     ImageHalftone {
-        /// None: every pixel shows the colour itself, as a reference.
+        /// Every pixel shows the colour itself, a reference.
         None = "none",
-        /// Each pixel is compared with Bayer's mask of 16 x 16 pixels.
+        /// By Bayer's mask of 16 x 16 pixels.
         Ordered = "ordered",
-        /// Each pixel is compared with a void-and-cluster mask of 64 x 64 pixels.
+        /// By a void-and-cluster mask of 64 x 64 pixels.
         VoidAndCluster = "void-and-cluster",
         /// The error of each pixel is passed on to its neighbours, in X, Y, Z.
         ErrorDiffusion = "error-diffusion",
-        /// Pixels are changed as long as that lowers what a reader at `viewer.distance_mm` sees of the pattern.
+        /// The least that a reader at `viewer.distance_mm` sees of the pattern.
         DirectBinarySearch = "direct-binary-search",
     }
 }

@@ -16,8 +16,8 @@ table! {
         pixels: Option<Vec<Spanned<PixelCount>>>,
         /// Arrangement of the sub-pixels. Default: `"stripe"`, unless rectangles are given.
         layout: Option<Layout>,
-        /// Rectangles of each sub-pixel instead of a layout: `[x0, y0, x1, y1]` in fractions of the pitch, from the lower left corner
-        /// of the pixel. Area without a rectangle is inactive. Default: the layout.
+        /// Rectangles of each sub-pixel instead of a layout: `[x0, y0, x1, y1]` from the lower left corner of the pixel. The rest
+        /// is inactive. Default: the layout.
         subpixel as "Sub-pixel rectangles": Option<Named<Vec<Spanned<Vec<Spanned<Fraction>>>>>>,
         /// The same rectangles from a CSV file with the columns name, x0, y0, x1, y1. Default: the layout.
         subpixel_file: Option<String>,

@@ -9,7 +9,7 @@ table! {
     Metrics {
         /// CIE standard observer for X, Y and Z.
         observer: Observer = Observer::Cie1931,
-        /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume.
+        /// White of CIELAB, CIELUV, colour differences and the gamut volume.
         white: White = White::Perfect,
         /// Name of the state with which the others are compared. Default: `"white"`, if there is one.
         reference_state: Option<String>,

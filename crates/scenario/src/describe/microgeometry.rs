@@ -105,7 +105,7 @@ surface! {
         level: bool = true,
         /// How the map repeats.
         period: MapPeriod = MapPeriod::Mirror,
-        /// Cut-off of a Gaussian filter (ISO 16610) that removes shorter waves, as noise of the instrument: half of a wave of this length remains.
+        /// Cut-off of a Gaussian filter (ISO 16610) that removes shorter waves, as noise: half of a wave of this length remains.
         cutoff_um: Option<SurfaceLength>,
         /// Cut-off of a Gaussian filter that removes longer waves, as the form of the sample.
         longest_um: Option<SurfaceLength>,
@@ -139,7 +139,7 @@ surface! {
         rms_nm: RmsHeight,
         /// Distance at which the correlation is 1/e.
         correlation_um: SurfaceLength,
-        /// Shortest wavelength of the face. Without it the slopes of such a face, and what rays do there, have no limit.
+        /// Shortest wavelength of the face, without which its slopes have no limit.
         cutoff_um: SurfaceLength,
     }
 }

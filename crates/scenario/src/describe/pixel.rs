@@ -226,16 +226,15 @@ table! {
 table! {
     /// A measured BRDF for each state. Its directions are used as directions in the medium above the pixel.
     MeasuredPixel {
-        /// A file of measured scattering for each state: Radiant/Zemax, ASTM E1392, CSV or Papilio's own format, detected from
-        /// the content (docs/bsdf-files.md). The reflection from the front of the sample is used.
+        /// A file of measured scattering for each state (docs/bsdf-files.md). The reflection from the front of the sample is
+        /// used.
         file: Named<String>,
-        /// Reflectance spectra of any of the states. They give the spectral shape of the BRDF; the level is that of the file
-        /// (see `normalise`). Default: the same at all wavelengths.
+        /// Reflectance spectra of any of the states: the spectral shape of the BRDF, not its level. Default: the same at all
+        /// wavelengths.
         spectrum: Named<ShareSpectrum> = Named(Vec::new()),
         /// The totals to which the measurement is normalised.
         normalise: Normalise = Normalise::None,
-        /// `true`: cells without light are treated as not measured, and tails are extrapolated beyond the last cell with light; `false`:
-        /// cells without light are dark.
+        /// `true`: cells without light are not measured, and tails are extrapolated; `false`: they are dark.
         extrapolate_tails: bool = false,
         /// Treatment of light beyond the measured directions. Default: `"hold"`, with a note where a file ends.
         extrapolate: Option<Extrapolate>,

@@ -17,8 +17,8 @@ table! {
         /// Stop at this relative error of Y, the largest over states and views: the standard error for Monte Carlo, the
         /// discretisation error for adding. Default: `0.001`.
         relative_error: Option<RelativeError>,
-        /// For Monte Carlo, alternative to `relative_error`: stop after this number of paths for each view, rounded up to a
-        /// multiple of 32. Default: none, `relative_error` is used.
+        /// For Monte Carlo, instead of `relative_error`: paths of each view, rounded up to a multiple of 32. Default: none,
+        /// `relative_error` is used.
         paths: Option<Paths>,
         /// For Monte Carlo: stop at this error of a metric.
         target: Option<Target>,
@@ -129,11 +129,11 @@ impl Solver {
 choice! {
     /// The solvers.
     Method {
-        /// Deterministic and without noise; layers are operators on direction cosines.
+        /// Deterministic, without noise.
         Adding = "adding",
-        /// Unbiased path tracing with standard errors, the reference.
+        /// Unbiased paths, with standard errors.
         MonteCarlo = "monte-carlo",
-        /// The one of the two that meets the target with less work, estimated from counts (docs/adding.md).
+        /// The one that meets the target with less work (docs/adding.md).
         Auto = "auto",
     }
 }
@@ -147,7 +147,7 @@ choice! {
         Random = "random",
         /// Jittered points on pairs of coordinates.
         Stratified = "stratified",
-        /// Points with large distances from each other on pairs of coordinates, in sets of at most 4096.
+        /// Points far from each other on pairs of coordinates, in sets of at most 4096.
         BestCandidate = "best-candidate",
     }
 }
