@@ -11,8 +11,9 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_transport::spatial::{Peak, displacement};
+use papilio_transport::spatial::{Cells, Peak, displacement};
 
+use super::irradiance::irradiance;
 use super::patterns::Pattern;
 use super::response::Lit;
 use super::{Level, PatternKind, Response};
@@ -120,14 +121,15 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
 }
 
 /// What a face, and a front above it, return to the pixel and let through, by the number of trips through the air between them.
-struct Faces {
-    returned: Vec<f64>,
-    leaving: Vec<f64>,
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Faces {
+    pub(super) returned: Vec<f64>,
+    pub(super) leaving: Vec<f64>,
 }
 
 impl Faces {
     /// `is_apart`: whether light moves in the air between them.
-    fn new([face, front]: [f64; 2], is_apart: bool) -> Self {
+    pub(super) fn new([face, front]: [f64; 2], is_apart: bool) -> Self {
         let between = face * front;
         let by_front = (1.0 - face).powi(2) * front;
         if !is_apart || by_front == 0.0 {
@@ -143,7 +145,7 @@ impl Faces {
     }
 
     /// Fraction of uniform light that comes back.
-    fn returned(&self) -> f64 {
+    pub(super) fn returned(&self) -> f64 {
         self.returned.iter().sum()
     }
 
@@ -213,53 +215,15 @@ impl RoundTrips {
         let is_on: Vec<bool> = (0..across * rows)
             .map(|cell| (cell % across < across / 2) == (cell / across * 2 < across))
             .collect();
-        let mut sum = 0.0;
+        let (cells, mut sum) = (Cells { count: [across, rows], period_mm: [period_mm; 2] }, 0.0);
         for trip in &self.bins {
-            let rho = |cell: usize| trip.pixel[if is_on[cell] { on } else { off }];
-            let start: Vec<f64> = (0..is_on.len()).map(|cell| trip.through * rho(cell)).collect();
-            let mut light = start.clone();
-            for _ in 0..MOST_ORDERS {
-                let mut next = start.clone();
-                for (k, part) in trip.face.returned.iter().enumerate() {
-                    let at = [0, 1].map(|axis| {
-                        (self.step_mm[axis] + k as f64 * self.air_mm[axis]) / period_mm * across as f64
-                    });
-                    let moved = moved(&light, across, at);
-                    next.iter_mut().zip(moved).enumerate().for_each(|(cell, (next, moved))| {
-                        *next += rho(cell) * part * moved;
-                    });
-                }
-                let change = next.iter().zip(&light).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                light = next;
-                if change <= FAINTEST {
-                    break;
-                }
-            }
-            sum += light.iter().sum::<f64>() / light.len() as f64;
+            let rho: Vec<f64> = is_on.iter().map(|is_on| trip.pixel[if *is_on { on } else { off }]).collect();
+            let irradiance = irradiance(&trip.face, [self.step_mm, self.air_mm], cells, &rho, FAINTEST);
+            let light = rho.iter().zip(irradiance).map(|(rho, e)| rho * e).sum::<f64>();
+            sum += trip.through * light / rho.len() as f64;
         }
         sum
     }
-}
-
-/// Light of cells from a place so many cells away: of a cell, the part that lies there.
-fn moved(light: &[f64], columns: usize, at: [f64; 2]) -> Vec<f64> {
-    let counts = [columns, light.len() / columns];
-    let of_axis = |axis: usize| {
-        let first = at[axis].floor();
-        let steps = [first, first + 1.0].map(|step| (step as i64).rem_euclid(counts[axis] as i64) as usize);
-        (steps, if counts[axis] > 1 { at[axis] - first } else { 0.0 })
-    };
-    let [(x, part_x), (y, part_y)] = [0, 1].map(of_axis);
-    let one = |cell: usize| {
-        let from = |k: usize, count: usize, step: usize| (k + count - step) % count;
-        let row = |step: usize| {
-            let row = from(cell / columns, counts[1], step) * columns;
-            let [near, far] = x.map(|step| light[row + from(cell % columns, columns, step)]);
-            (1.0 - part_x) * near + part_x * far
-        };
-        if part_y == 0.0 { row(y[0]) } else { (1.0 - part_y) * row(y[0]) + part_y * row(y[1]) }
-    };
-    (0..light.len()).map(one).collect()
 }
 
 impl RoundTrip {

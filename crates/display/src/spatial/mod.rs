@@ -29,6 +29,7 @@ mod contrast;
 mod crosstalk;
 mod curve;
 mod ghosts;
+mod irradiance;
 mod layered;
 mod lobe;
 mod measured;

@@ -14,9 +14,10 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Peak, Recycling, displacement};
+use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Peak, Recycling};
 use papilio_transport::{Source, Top};
 
+use super::irradiance::images;
 use super::lobe::{self, LobeResponse};
 use super::patterns::{Pattern, PatternKind, Text};
 use super::response::{Lit, lengths_of_one_front, several_fronts};
@@ -38,10 +39,6 @@ const LINE_PERIOD: f64 = 64.0;
 
 /// Tolerance of the irradiance of patterns.
 const TOLERANCE: f64 = 1e-9;
-
-/// Images that have less than this fraction of the light belong to the one before.
-const FAINTEST_IMAGE: f64 = 1e-6;
-const MOST_IMAGES: usize = 6;
 
 pub(super) struct Paper {
     /// A diffuser above the pixels.
@@ -109,7 +106,7 @@ pub(super) fn response(
     // A(0) and A(f) of each face.
     let count = (HIGHEST / thickness_mm / step_per_mm) as usize;
     let returned: Vec<Vec<[f64; 2]>> = (0..count).map(|k| paper.returned(k as f64 * step_per_mm)).collect();
-    for (at_mm, fraction) in images(lit, air_mm, bins) {
+    for (at_mm, fraction) in images(lit)? {
         let shades: Vec<_> = (0..states).map(|state| paper.shades_of(state, &fraction)).collect();
         let sharp = sum(&shades, &paper.returned(0.0), |rho, zero, _| 1.0 - rho * zero);
         let all: Vec<Vec<f64>> = returned.iter().map(|returned| sum(&shades, returned, orders)).collect();
@@ -180,20 +177,6 @@ impl Lobe {
     fn brightest(&self) -> usize {
         (0..self.y.len()).max_by(|a, b| self.y[*a].total_cmp(&self.y[*b])).unwrap_or(0)
     }
-}
-
-/// Places of the images, mm, and the fraction of the light that each has at the wavelengths.
-fn images(lit: Lit<'_>, air_mm: f64, bins: usize) -> Vec<([f64; 2], Vec<f64>)> {
-    let way = displacement(lit.view.field.axis_towards(), 2.0 * air_mm, 1.0);
-    let between: Vec<f64> = (0..bins).map(|bin| lit.faces(bin).iter().product()).collect();
-    let largest = if way == [0.0; 2] { 0.0 } else { between.iter().copied().fold(0.0, f64::max) };
-    let count = (0..MOST_IMAGES).take_while(|k| *k == 0 || largest.powi(*k as i32) > FAINTEST_IMAGE).count();
-    let one = |k: usize| {
-        let last = k + 1 == count;
-        let fraction = |between: &f64| between.powi(k as i32) * if last { 1.0 } else { 1.0 - between };
-        (way.map(|way| k as f64 * way), between.iter().map(fraction).collect())
-    };
-    (0..count).map(one).collect()
 }
 
 /// Light at a frequency over that at 0, of reflectance rho with the returns at 0 and at the frequency.

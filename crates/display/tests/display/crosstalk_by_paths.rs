@@ -123,6 +123,19 @@ fn fronts_above_a_lobe_agree_within_stated_errors() {
     }
 }
 
+/// Mirror-like pixels below a bare face, and below a front above it: a figure is seen again at the places of ghosts, and light of a page
+/// has met its neighbours before. An oblique view through front and face sees further images of the pixels.
+#[test]
+fn mirrors_below_faces_and_fronts_agree() {
+    let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.3 }\n";
+    let diffuse = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
+    let oblique = "[viewer]\ntheta_deg = 50\nphi_deg = 20\nfield_deg = 0\n";
+    for (front, glass) in [("", BARE), (FRONT, BARE), (FRONT, GLASS)] {
+        assert_agree(&format!("mirror {front}"), &[front, glass, mirror, MATRIX, diffuse, oblique], 1 << 13);
+    }
+    assert_agree("paper", &[FRONT, BARE, PAPER, MATRIX, diffuse, oblique], 1 << 13);
+}
+
 /// A filter at a height above paper, below a bare face and a front: shares on the way in and out, stripes and lines.
 #[test]
 fn filters_above_paper_agree() {

@@ -12,6 +12,7 @@ const LOBE: &str = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.056
 const LIGHT: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
 const BESIDE: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.0\ndirected = [{ theta_deg = -15, share = 1.0 }]\n";
 const VIEW: &str = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+const OBLIQUE: &str = "[viewer]\ntheta_deg = 40\nfield_deg = 0\n";
 const MATRIX: &str = "[display.matrix]\nppi = 127\nlayout = \"single\"\n";
 
 /// Pixels of this kind whose two states differ by 0.3 %.
@@ -76,27 +77,30 @@ fn figures_of_crosstalk_follow_from_the_spread_of_mtf() {
     for (reflectance, gap_mm) in [(0.2, 0.5), (0.2, 0.0), (0.0, 0.0)] {
         for thickness_mm in [0.5, 0.1] {
             let front = if reflectance > 0.0 { front(reflectance, gap_mm) } else { String::new() };
-            for (top, surface, kind, light) in [
-                ("", "fresnel", "lambertian", LIGHT),
-                (LOBE, "coated", "lambertian", LIGHT),
-                (LOBE, "coated", "mirror", LIGHT),
-                (LOBE, "coated", "mirror", BESIDE),
+            for (top, surface, kind, light, view) in [
+                ("", "fresnel", "lambertian", LIGHT, VIEW),
+                ("", "fresnel", "mirror", LIGHT, OBLIQUE),
+                (LOBE, "coated", "lambertian", LIGHT, VIEW),
+                (LOBE, "coated", "mirror", LIGHT, VIEW),
+                (LOBE, "coated", "mirror", BESIDE, VIEW),
             ] {
-                all.push((front.clone(), glass(surface, thickness_mm), top, pixels(kind), light));
+                all.push((front.clone(), glass(surface, thickness_mm), top, pixels(kind), light, view));
             }
         }
     }
-    for (front, glass, top, pixel, light) in everyday(8, all) {
+    for (front, glass, top, pixel, light, view) in everyday(10, all) {
         let scene = format!("{front}{top}{glass}{pixel}{light}");
-        let (sharpness, crosstalk) = computed(&[&front, top, &glass, &pixel, light, MATRIX, VIEW]);
+        let (sharpness, crosstalk) = computed(&[&front, top, &glass, &pixel, light, MATRIX, view]);
         let state = sharpness.views[0].states.get("white").unwrap();
         let table = state.spread.iter().find(|table| table.light == "all" && table.axis == 0).unwrap();
         let pitch_um = sharpness.pitch_um.unwrap()[0];
         let patterns = &crosstalk.views[0].patterns;
         let lost = |k: usize| 1.0 - 1.0 / patterns[k].values.contrast_ratio_via_pixel.unwrap();
         let line = of_column(table, pitch_um, 0.0);
-        let columns: Vec<f64> = (-40..=40).map(|k| of_column(table, pitch_um, f64::from(k))).collect();
-        // Of light from farther away, half comes from black stripes.
+        // Of light from farther away than the table, half comes from black stripes.
+        let most = (table.position_um[table.position_um.len() - 1] / pitch_um) as i32 / 2 * 2 - 2;
+        let columns: Vec<f64> =
+            (-most..=most).map(|k| of_column(table, pitch_um, f64::from(k))).collect();
         let far = 1.0 - columns.iter().sum::<f64>();
         let stripes = columns.iter().step_by(2).sum::<f64>() + 0.5 * far;
         for (number, expected, name) in [(2, line, "line"), (1, stripes, "stripes")] {

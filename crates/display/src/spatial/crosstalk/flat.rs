@@ -1,14 +1,14 @@
-//! Figures on pages of Lambertian pixels, to which a flat face, or a front above a diffuser, returns light.
+//! Figures on pages of pixels to which flat faces, or a front above a diffuser, return light.
 //!
 //! A figure of reflectance rho on a page of another has the irradiance E(rho, page) of [`Recycling`]; 1/E is almost linear in
 //! both, so that a few pairs serve all states and wavelengths.
 
 use papilio_imaging::text::Bitmap;
-use papilio_transport::Panel;
-use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Recycling};
+use papilio_transport::spatial::Cells;
 
 use super::super::Level;
-use super::super::response::several_fronts;
+use super::super::irradiance::{Return, images, moved};
+use super::super::response::Lit;
 use super::{Colour, Figure};
 use crate::DisplayError;
 
@@ -20,64 +20,108 @@ const LINE_PERIOD: f64 = 64.0;
 /// Pixels of a figure: its pitch, and text.
 pub(super) struct Pixels<'a> {
     pub(super) pitch_mm: [f64; 2],
-    pub(super) lengths_mm: &'a [f64],
     pub(super) text: Option<&'a Bitmap>,
 }
 
 /// Irradiance of figures over that of their own page, by the two reflectances.
 pub(super) struct Irradiance {
-    /// Wavelengths of a face, and 1/E at the nodes.
-    faces: Vec<(Vec<usize>, Table)>,
+    returns: Vec<Known>,
 }
 
-/// 1/E at pairs of nodes `[figure][page]`, from 0 to `most`.
+/// A figure at wavelengths to which the same light returns.
+struct Known {
+    bins: Vec<usize>,
+    /// Return of uniform light.
+    of_page: f64,
+    /// 1/E of the figure.
+    own: Table,
+    /// Further images of the pixels in an oblique view: the fraction of each at the wavelengths of the grid, and the light of the cells in
+    /// it. The first fraction is that of the figure itself.
+    fractions: Vec<Vec<f64>>,
+    images: Vec<Table>,
+}
+
+/// Values at pairs of nodes `[figure][page]`, from 0 to `most`.
 struct Table {
     most: f64,
     nodes: usize,
     values: Vec<f64>,
-    /// Return of uniform light.
-    zero: f64,
 }
 
 impl Irradiance {
     /// Computes a figure for all reflectances up to `most`; `None` if there is no such figure.
     pub(super) fn new(
-        panel: &Panel,
+        lit: Lit<'_>,
         pixels: &Pixels<'_>,
         figure: Figure,
         most: f64,
-        level: Level,
     ) -> Result<Option<Self>, DisplayError> {
-        let Some((cells, is_figure, seen)) = drawn(pixels, figure, level) else { return Ok(None) };
-        let accuracy = Accuracy { digits: level.digits, most_per_mm: cells.most_per_mm() };
-        let faces = LambertianReturn::all(panel, pixels.lengths_mm, accuracy).map_err(several_fronts)?;
-        let nodes = if level.is_fine { 3 + level.finer as usize } else { 2 };
-        let face = |face: LambertianReturn| {
-            let recycling = Recycling::new(cells, |f| face.at(f));
-            let at = |k: usize| most * k as f64 / (nodes - 1) as f64;
-            let one = |number: usize| {
-                let (own, page) = (at(number / nodes), at(number % nodes));
-                let rho: Vec<f64> = is_figure.iter().map(|own_is| if *own_is { own } else { page }).collect();
-                let irradiance = recycling.irradiance(&rho, TOLERANCE);
-                let sum: f64 = seen.iter().map(|cell| irradiance[*cell]).sum();
-                seen.len() as f64 / sum
-            };
-            let values = (0..nodes * nodes).map(one).collect();
-            let zero = face.at(0.0);
-            (face.bins, Table { most, nodes, values, zero })
+        let (level, thickness_mm) = (lit.level, lit.thickness_mm());
+        let Some((cells, is_figure, seen)) = drawn(pixels, thickness_mm, figure, level) else {
+            return Ok(None);
         };
-        Ok(Some(Self { faces: faces.into_iter().map(face).collect() }))
+        let nodes = if level.is_fine { 3 + level.finer as usize } else { 2 };
+        let images = images(lit)?;
+        let known = |returned: Return| {
+            let solve = returned.solver(cells);
+            let at = |k: usize| most * k as f64 / (nodes - 1) as f64;
+            let mut own = Vec::with_capacity(nodes * nodes);
+            let mut others = vec![Vec::with_capacity(nodes * nodes); images.len() - 1];
+            for number in 0..nodes * nodes {
+                let (figure, page) = (at(number / nodes), at(number % nodes));
+                let rho: Vec<f64> = is_figure.iter().map(|own| if *own { figure } else { page }).collect();
+                let irradiance = solve(&rho, TOLERANCE);
+                let mean =
+                    |values: &[f64]| seen.iter().map(|cell| values[*cell]).sum::<f64>() / seen.len() as f64;
+                own.push(1.0 / mean(&irradiance));
+                let light: Vec<f64> = rho.iter().zip(&irradiance).map(|(rho, e)| rho * e).collect();
+                for ((at_mm, _), values) in images[1..].iter().zip(&mut others) {
+                    values.push(mean(&moved(&light, cells, *at_mm)));
+                }
+            }
+            let table = |values| Table { most, nodes, values };
+            Known {
+                bins: returned.bins().to_vec(),
+                of_page: returned.of_page(),
+                own: table(own),
+                fractions: images.iter().map(|(_, fraction)| fraction.clone()).collect(),
+                images: others.into_iter().map(table).collect(),
+            }
+        };
+        let returns = Return::all(lit, cells.most_per_mm())?.into_iter().map(known).collect();
+        Ok(Some(Self { returns }))
     }
 
     /// Irradiance of a figure on a page over that of a page of a state, for each wavelength, from their reflectances.
-    pub(super) fn over_page(&self, [figure, page]: [&[f64]; 2], of: &[f64]) -> Vec<f64> {
-        let mut factors = vec![1.0; figure.len()];
-        for (bins, table) in &self.faces {
+    pub(super) fn over_page(&self, pair: [&[f64]; 2], of: &[f64]) -> Vec<f64> {
+        let mut factors = vec![1.0; of.len()];
+        for Known { bins, of_page, own, .. } in &self.returns {
             for &bin in bins {
-                factors[bin] = (1.0 - of[bin] * table.zero) / table.at([figure[bin], page[bin]]);
+                factors[bin] = (1.0 - of[bin] * of_page) / own.at(pair.map(|rho| rho[bin]));
             }
         }
         factors
+    }
+
+    /// Colour of a figure on a page, from the light of pages and the reflectance of two states, `[state][wavelength]`.
+    pub(super) fn colour(&self, light: &[[&[f64]; 3]; 2], rho: [&[f64]; 2]) -> Colour {
+        let mut sum = [0.0; 3];
+        for Known { bins, of_page, own, fractions, images } in &self.returns {
+            for &bin in bins {
+                let pair = rho.map(|rho| rho[bin]);
+                // The brighter of both pages tells how much light there is.
+                let of = usize::from(pair[1] > pair[0]);
+                if pair[of] <= 0.0 {
+                    continue;
+                }
+                let others = fractions[1..].iter().zip(images);
+                let others: f64 = others.map(|(fraction, image)| fraction[bin] * image.at(pair)).sum();
+                let seen = fractions[0][bin] * pair[0] / own.at(pair) + others;
+                let factor = seen * (1.0 - pair[of] * of_page) / pair[of];
+                (0..3).for_each(|k| sum[k] += light[of][k][bin] * factor);
+            }
+        }
+        sum
     }
 }
 
@@ -98,9 +142,13 @@ impl Table {
 }
 
 /// Cells of a figure, which of them belong to it, and those that are seen.
-fn drawn(pixels: &Pixels<'_>, figure: Figure, level: Level) -> Option<(Cells, Vec<bool>, Vec<usize>)> {
+fn drawn(
+    pixels: &Pixels<'_>,
+    thickness_mm: f64,
+    figure: Figure,
+    level: Level,
+) -> Option<(Cells, Vec<bool>, Vec<usize>)> {
     let pitch_mm = pixels.pitch_mm;
-    let thickness_mm = pixels.lengths_mm.last().copied().unwrap_or_default();
     let (fine, finer) = (level.is_fine, 0.5_f64.powi(level.finer as i32));
     match figure {
         Figure::Patch => None,

@@ -25,8 +25,9 @@ use self::orders::{Back, Orders};
 use self::places::{Gathered, NEIGHBOURS, Wanted, Windows, cell, gather};
 pub use self::result::{CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares};
 use self::surfaces::{Part, Surfaces};
+use super::irradiance::images;
 use super::patterns::Text;
-use super::response::{Lit, lengths_of_one_front, name_of_light};
+use super::response::{Lit, name_of_light};
 use super::returned::Returned;
 use super::target::{USUAL_TARGET, missed_target, target};
 use super::{Level, PatternKind, lobe, patterns};
@@ -172,6 +173,15 @@ impl<'a> Frame<'a> {
         scene.display.spreads_over_few_pixels(&lengths_mm)?;
         let panel = covered(setup)?;
         let surfaces = Surfaces::new(setup, matrix)?;
+        let is_flat = !matches!(panel.top, Top::Diffuser(_)) && panel.base.is_specular();
+        let returns = panel.front.reflectance_below.max() > 0.0 || matches!(panel.top, Top::Fresnel(_));
+        if is_flat && returns && surfaces.states.iter().any(|parts| parts.len() > 1) {
+            return Err(DisplayError::PlacesByPaths {
+                what: "mirror-like sub-pixels of different colours below a face, or a front, that reflects"
+                    .to_owned(),
+                key: "display.glass.surface".to_owned(),
+            });
+        }
         let mut parts: Vec<Part> = Vec::new();
         for part in surfaces.states.iter().flatten() {
             if !parts.iter().any(|known| known.at() == part.at()) {
@@ -211,7 +221,8 @@ impl<'a> Frame<'a> {
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
         let mut measured = Measured::default();
         let (mut pages, mut orders) = (vec![[0.0; 3]; states], None::<Orders>);
-        let is_flat = self.is_flat_paper();
+        let is_flat = self.is_flat();
+        let images = if is_flat { images(self.lit(view, level))? } else { Vec::new() };
         // Light of each state and wavelength in X, Y and Z.
         let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
         measured.from_faces = meter.without_pixel(&factors);
@@ -226,14 +237,20 @@ impl<'a> Frame<'a> {
                 sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
             }
             if is_flat {
-                let light = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
-                measured.page.push(self.only_own(light));
+                let page = &factor.via_pixel[self.page * bins..][..bins];
+                let mut rows =
+                    vec![vec![0.0; self.matrix.sub_pixels.len() + 1]; self.matrix.sub_pixels.len()];
+                for (at_mm, fraction) in &images {
+                    let light =
+                        page.iter().zip(fraction).zip(&weights[1]).map(|((light, f), w)| light * f * w);
+                    self.add_image(*at_mm, light.sum(), &mut rows);
+                }
+                measured.page.push(rows);
             } else {
                 let mut more = self.orders(view, &setup.sources[light.source], weights, level)?;
                 if self.returns() {
                     if level.is_fine && self.panel.base.is_specular() {
-                        let lit = Lit { panel: self.panel, lengths_mm: &self.lengths_mm, view, level };
-                        let source = &setup.sources[light.source];
+                        let (lit, source) = (self.lit(view, level), &setup.sources[light.source]);
                         more.own = self.own_light(lit, source, &weights[1], &factor.via_pixel)?;
                     }
                     let all = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
@@ -249,8 +266,10 @@ impl<'a> Frame<'a> {
         for figure in Figure::ALL {
             let (colours, beside) = match (&orders, figure) {
                 (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
-                (None, _) => self.on_paper(figure, &pages, &by_wavelength, level)?,
-                (Some(orders), _) => self.blurred(figure, &pages, (orders, &by_wavelength), level)?,
+                (None, _) => self.on_flat(figure, &pages, &by_wavelength, self.lit(view, level))?,
+                (Some(orders), _) => {
+                    self.blurred(figure, &pages, (orders, &by_wavelength), self.lit(view, level))?
+                }
             };
             measured.figures[figure as usize] = colours;
             measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
@@ -258,16 +277,36 @@ impl<'a> Frame<'a> {
         Ok(measured)
     }
 
-    /// True for Lambertian pixels under a flat face.
-    fn is_flat_paper(&self) -> bool {
-        matches!(self.panel.base.reflector, Reflector::Lambertian(_))
-            && !matches!(self.panel.top, Top::Diffuser(_))
+    fn lit<'l>(&'l self, view: &'l ViewPoint, level: Level) -> Lit<'l> {
+        Lit { panel: self.panel, lengths_mm: &self.lengths_mm, view, level }
     }
 
-    /// Light of each window that is its own.
-    fn only_own(&self, light: f64) -> Vec<Vec<f64>> {
-        let count = self.matrix.sub_pixels.len();
-        (0..count).map(|i| (0..=count).map(|j| if i == j { light } else { 0.0 }).collect()).collect()
+    /// True for pixels under a flat face that are Lambertian, or to which it or a front returns light.
+    fn is_flat(&self) -> bool {
+        let is_paper = matches!(self.panel.base.reflector, Reflector::Lambertian(_));
+        let returns = self.returns() || matches!(self.panel.top, Top::Fresnel(_));
+        !matches!(self.panel.top, Top::Diffuser(_)) && (is_paper || returns)
+    }
+
+    /// Adds the light of an image of the page at a place: of each window by sub-pixel.
+    fn add_image(&self, at_mm: [f64; 2], light: f64, rows: &mut [Vec<f64>]) {
+        let shift = [0, 1].map(|axis| -at_mm[axis] / self.matrix.pitch_mm[axis]);
+        let windows = self.matrix.sub_pixels.iter().map(|one| &one.window);
+        for (number, (row, window)) in rows.iter_mut().zip(windows.clone()).enumerate() {
+            if shift == [0.0; 2] || window.area() == 0.0 {
+                row[number] += light;
+                continue;
+            }
+            let mut rest = 1.0;
+            for (part, source) in row.iter_mut().zip(windows.clone()) {
+                let fraction = window.overlap(source, shift) / window.area();
+                *part += light * fraction;
+                rest -= fraction;
+            }
+            if let Some(last) = row.last_mut() {
+                *last += light * rest.max(0.0);
+            }
+        }
     }
 
     fn gathered(
@@ -358,7 +397,7 @@ impl<'a> Frame<'a> {
         figure: Figure,
         pages: &[Colour],
         (orders, by_wavelength): (&Orders, &[Vec<f64>; 3]),
-        level: Level,
+        lit: Lit<'_>,
     ) -> Result<(Vec<Colour>, Option<Colour>), DisplayError> {
         let light_of = |gathered: &Gathered| match figure {
             Figure::Stripe => Some(gathered.stripes.clone()),
@@ -377,11 +416,11 @@ impl<'a> Frame<'a> {
             }
             sum
         };
-        let irradiance = if self.returns() { self.irradiance(figure, level)? } else { None };
+        let is_paper = self.returns() && !self.panel.base.is_specular();
+        let (rho, irradiance) = if is_paper { self.irradiance(figure, lit)? } else { (Vec::new(), None) };
         let bins = self.setup.scene.grid.len();
         let on = |own: usize, page: usize| {
-            if let (Some(irradiance), Reflector::Lambertian(rho)) = (&irradiance, &self.panel.base.reflector)
-            {
+            if let Some(irradiance) = &irradiance {
                 let row = |state: usize| &rho[state * bins..][..bins];
                 // The brighter of both tells how much each wavelength counts.
                 let of = if pages[own][1] > pages[page][1] { own } else { page };
@@ -394,7 +433,7 @@ impl<'a> Frame<'a> {
                 return orders.figure(figure, [own, page], (pages, back), within);
             }
             if self.returns() {
-                let back = if level.is_fine { Back::Mirrored } else { Back::Directly };
+                let back = if lit.level.is_fine { Back::Mirrored } else { Back::Directly };
                 return orders.figure(figure, [own, page], (pages, back), within);
             }
             let (more, less) = (within(false, own), within(false, page));
@@ -430,32 +469,36 @@ impl<'a> Frame<'a> {
         (!middles.is_empty()).then_some(light)
     }
 
-    /// Irradiance of a figure of Lambertian pixels; `None` for other pixels and without such a figure.
-    fn irradiance(&self, figure: Figure, level: Level) -> Result<Option<Irradiance>, DisplayError> {
-        let Reflector::Lambertian(rho) = &self.panel.base.reflector else { return Ok(None) };
-        let lengths_mm = &lengths_of_one_front(self.panel, &self.lengths_mm, level);
-        let pixels = Pixels { pitch_mm: self.matrix.pitch_mm, lengths_mm, text: self.text.as_ref() };
+    /// Reflectance of the states in the direction of the view, `[state][wavelength]`, and the irradiance of a figure; `None` without such
+    /// a figure.
+    fn irradiance(
+        &self,
+        figure: Figure,
+        lit: Lit<'_>,
+    ) -> Result<(Vec<f64>, Option<Irradiance>), DisplayError> {
+        let mut rho = vec![0.0; self.setup.states.len() * self.setup.scene.grid.len()];
+        self.panel.base.reflectance(lit.view.field.axis_towards().squared(), &self.panel.medium, &mut rho);
+        let pixels = Pixels { pitch_mm: self.matrix.pitch_mm, text: self.text.as_ref() };
         let most = rho.iter().copied().fold(0.0, f64::max);
-        Irradiance::new(self.panel, &pixels, figure, most, level)
+        let irradiance = Irradiance::new(lit, &pixels, figure, most)?;
+        Ok((rho, irradiance))
     }
 
-    /// Colours of figures on paper under a flat face, through all orders.
-    fn on_paper(
+    /// Colours of figures under flat faces, through all orders.
+    fn on_flat(
         &self,
         figure: Figure,
         pages: &[Colour],
         by_wavelength: &[Vec<f64>; 3],
-        level: Level,
+        lit: Lit<'_>,
     ) -> Result<(Vec<Colour>, Option<Colour>), DisplayError> {
-        let nothing = (Vec::new(), None);
-        let Reflector::Lambertian(rho) = &self.panel.base.reflector else { return Ok(nothing) };
-        let Some(irradiance) = self.irradiance(figure, level)? else { return Ok(nothing) };
+        let (rho, irradiance) = self.irradiance(figure, lit)?;
+        let Some(irradiance) = irradiance else { return Ok((Vec::new(), None)) };
         let bins = self.setup.scene.grid.len();
-        let row = |all: &'_ [f64], state: usize| all[state * bins..][..bins].to_vec();
+        let light = |state: usize| by_wavelength.each_ref().map(|light| &light[state * bins..][..bins]);
         let on = |own: usize, page: usize| {
-            let own_rho = row(rho, own);
-            let factors = irradiance.over_page([&own_rho, &row(rho, page)], &own_rho);
-            flat::colour(&by_wavelength.each_ref().map(|light| row(light, own)), &factors)
+            let rho = [own, page].map(|state| &rho[state * bins..][..bins]);
+            irradiance.colour(&[light(own), light(page)], rho)
         };
         let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();
         let beside = match (figure, state(self.setup, BLACK)) {
@@ -478,15 +521,5 @@ fn covered(setup: &Setup) -> Result<&Panel, DisplayError> {
     let Stack::Panel(panel) = &setup.stack else {
         return not_yet("general layers ([[display.layers]])", "display.layers");
     };
-    let are_flat_mirrors = panel.base.is_specular() && !matches!(panel.top, Top::Diffuser(_));
-    if panel.front.reflectance_below.max() > 0.0 && are_flat_mirrors {
-        return not_yet(
-            "front components that reflect light to mirror-like pixels below a flat face",
-            "display.front",
-        );
-    }
-    if panel.base.is_specular() && matches!(panel.top, Top::Fresnel(_)) {
-        return not_yet("figures of mirror-like pixels below a face that reflects", "display.glass.surface");
-    }
     Ok(panel)
 }
