@@ -7,7 +7,7 @@ use std::ops::Range;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{
-    Accuracy, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, SpreadError,
+    Accuracy, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample,
     TwoPlanes, Window, air_below_front_mm, diffuse_directions, diffused_directions,
 };
 use papilio_transport::{
@@ -18,6 +18,7 @@ use crate::DisplayError;
 use crate::run::Control;
 use crate::scene::{AngleMedium, Approximation, Filter, Matrix};
 use crate::setup::{Setup, ViewPoint};
+use crate::spatial::Refused;
 
 /// A display with a filter.
 pub(crate) struct Filtered<'a> {
@@ -82,48 +83,31 @@ impl<'a> Filtered<'a> {
         let scene = &setup.scene;
         let Some(matrix) = &scene.display.matrix else { return Ok(None) };
         let Some(filter) = &matrix.filter else { return Ok(None) };
-        let not_yet = |what: &str, key: &str| {
-            Err(DisplayError::PlacesByPaths { what: what.to_owned(), key: key.to_owned() })
-        };
-        let Stack::Panel(panel) = &setup.stack else {
-            return not_yet("a colour filter below general layers ([[display.layers]])", "display.layers");
-        };
+        let Stack::Panel(panel) = &setup.stack else { return Err(Refused::FilterBelowLayers.into()) };
         let Reflector::Lambertian(rho) = &panel.base.reflector else {
-            return not_yet("a colour filter above mirror-like pixels", "display.pixel");
+            return Err(Refused::FilterAboveMirrors.into());
         };
-        let front = &panel.front.reflectance_below;
-        if front.max() > 0.0 && matches!(panel.top, Top::Diffuser(_)) {
-            return not_yet(
-                "a colour filter below a diffuser and a front that reflects light",
-                "display.front",
-            );
-        }
-        if !front.is_constant() {
-            return not_yet("a colour filter below a front that reflects a colour", "display.front");
-        }
-        if !panel.medium.index().is_constant() {
-            return not_yet("a colour filter in glass with dispersion", "display.glass.index");
-        }
-        if scene.solver.approximation != Approximation::None {
-            return not_yet("a colour filter in a single pass", "solver.approximation");
-        }
-        if scene.solver.angle_medium == AngleMedium::Unrefracted {
-            return not_yet("a colour filter without refraction", "solver.angle_medium");
-        }
+        let (front, is_diffused) = (&panel.front.reflectance_below, matches!(panel.top, Top::Diffuser(_)));
         let is_field = |source: &Source| matches!(source, Source::Field(_));
-        if matches!(panel.top, Top::Diffuser(_)) && setup.sources.iter().any(is_field) {
-            let key = if scene.lighting.environment.is_empty() { "front_light" } else { "environment" };
-            return not_yet("a colour filter below a diffuser in this light", &format!("lighting.{key}"));
+        let refused = [
+            (front.max() > 0.0 && is_diffused, Refused::FilterBelowLobeAndFront),
+            (!front.is_constant(), Refused::FilterBelowColouredFront),
+            (!panel.medium.index().is_constant(), Refused::FilterInDispersion),
+            (scene.solver.approximation != Approximation::None, Refused::FilterInSinglePass),
+            (scene.solver.angle_medium == AngleMedium::Unrefracted, Refused::FilterWithoutRefraction),
+            (
+                is_diffused && setup.sources.iter().any(is_field),
+                Refused::FilterBelowLobeInField { environment: !scene.lighting.environment.is_empty() },
+            ),
+        ];
+        if let Some((_, refused)) = refused.into_iter().find(|(is_refused, _)| *is_refused) {
+            return Err(refused.into());
         }
         let lengths = scene.display.lengths_mm()?;
         scene.display.spreads_over_few_pixels(&lengths)?;
         let thickness_mm = lengths.last().copied().unwrap_or_default();
         let index = panel.medium.index()[0];
-        let several = |error: SpreadError| DisplayError::PlacesByPaths {
-            what: error.to_string(),
-            key: "display.front".to_owned(),
-        };
-        let front = (air_below_front_mm(panel, &lengths).map_err(several)?, front[0]);
+        let front = (air_below_front_mm(panel, &lengths).map_err(Refused::Fronts)?, front[0]);
         Ok(Some(Self { front, setup, control, panel, matrix, filter, thickness_mm, index, rho }))
     }
 

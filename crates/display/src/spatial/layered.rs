@@ -4,14 +4,14 @@
 //! Monte Carlo.
 
 use num_complex::Complex64;
-use papilio_transport::adding::{self, LayeredSpread, NotCovered};
+use papilio_transport::adding::{self, LayeredSpread};
 use papilio_transport::{Layered, ReflectanceFactor, Source};
 
 use super::measured::{Light, Measured, sum};
 use super::mtf::Frame;
 use super::response::name_of_light;
 use super::target::{USUAL_TARGET, target};
-use super::{LineContrast, MtfView};
+use super::{LineContrast, MtfView, Refused};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::run::{Workers, each, finest, refine_or_fail};
@@ -60,17 +60,6 @@ fn append(all: &mut Measured, farther: &Measured) {
     }
 }
 
-/// Returns the error for light whose places are not computed by adding.
-fn not_covered(why: NotCovered) -> DisplayError {
-    if why == NotCovered::Stopped {
-        return DisplayError::Interrupted;
-    }
-    DisplayError::PlacesByPaths {
-        what: format!("{why} ([[display.layers]])"),
-        key: if why == NotCovered::Pixel { "display.pixel" } else { "display.layers" }.to_owned(),
-    }
-}
-
 /// What all frequencies of a view have in common at a level.
 struct Prepared<'a> {
     spread: LayeredSpread<'a>,
@@ -84,12 +73,8 @@ struct Prepared<'a> {
 impl Frame<'_> {
     /// Computes how sharp the display is in a view.
     pub(super) fn layered_view(&self, stack: &Layered, view: &ViewPoint) -> Result<MtfView, DisplayError> {
-        let by_paths = |what: &str, key: &str| DisplayError::PlacesByPaths {
-            what: what.to_owned(),
-            key: key.to_owned(),
-        };
         if !self.patterns().is_empty() {
-            return Err(by_paths("patterns below general layers ([[display.layers]])", "pattern"));
+            return Err(Refused::PatternsBelowLayers.into());
         }
         let lengths_mm = self.setup.scene.display.lengths_mm()?;
         let prepared = |level: usize| self.prepared((stack, &lengths_mm), view, level as u32);
@@ -180,7 +165,7 @@ impl Frame<'_> {
             || !stack.base.is_specular();
         let is_same = is_round && view.theta_deg == 0.0;
         Ok(Prepared {
-            spread: spread.map_err(not_covered)?,
+            spread: spread.map_err(Refused::Layered)?,
             axes: if is_same { 1 } else { 2 },
             from_faces: meter.without_pixel(&factors)[1],
             factors,
@@ -216,7 +201,7 @@ impl Frame<'_> {
                 return Err(DisplayError::Interrupted);
             }
             let some: Vec<[f64; 2]> = piece.iter().flat_map(|k| along(&frequencies[*k])).collect();
-            Ok((piece.clone(), spread.light(&seen, &some).map_err(not_covered)?))
+            Ok((piece.clone(), spread.light(&seen, &some).map_err(Refused::Layered)?))
         });
         let blank = || vec![Complex64::ZERO; frequencies.len()];
         let mut light = vec![vec![[blank(), blank()]; setup.states.len()]; seen.len()];

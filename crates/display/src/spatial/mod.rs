@@ -39,6 +39,7 @@ mod paper;
 mod patterns;
 mod picture;
 mod profile;
+mod refused;
 mod response;
 mod result;
 mod returned;
@@ -61,6 +62,7 @@ pub use papilio_transport::spatial::{Cells, Precision};
 pub use patterns::{PatternKind, PatternMean, Patterns};
 pub(crate) use picture::LitPicture;
 pub use picture::{Picture, PictureColours, picture};
+pub(crate) use refused::Refused;
 use response::{Level, Response, Seen};
 pub use result::{
     Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, Sharpness, SharpnessMetrics, SpatialScalars,

@@ -15,7 +15,7 @@ use super::response::responses;
 use super::scalars::eye_limit;
 use super::target::{USUAL_TARGET, missed_target, target};
 use super::walk::Placed;
-use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Patterns, Sharpness};
+use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Patterns, Refused, Sharpness};
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::result::Named;
@@ -56,10 +56,7 @@ const CELLS: usize = 65;
 pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<MtfResult, DisplayError> {
     let paths = scene.solver.method == Method::MonteCarlo;
     if scene.display.filter().is_some() && !paths {
-        return Err(DisplayError::PlacesByPaths {
-            what: "the sharpness of a display with a colour filter".to_owned(),
-            key: "display.matrix.filter".to_owned(),
-        });
+        return Err(Refused::SharpnessWithFilter.into());
     }
     let setup = Setup::with_filter(scene)?;
     let frame = Frame::new(&setup, patterns, control)?;
@@ -126,7 +123,11 @@ pub(crate) fn sharpness(setup: &Setup, control: &Control<'_>) -> Result<Option<S
         Ok(frame.sharpness(&frame.measure(view, level)?))
     });
     match measured {
-        Err(DisplayError::MissingLength { .. } | DisplayError::PlacesNotComputed { .. }) => Ok(None),
+        Err(
+            DisplayError::MissingLength { .. }
+            | DisplayError::PlacesNotComputed { .. }
+            | DisplayError::PlacesByPaths { .. },
+        ) => Ok(None),
         other => other,
     }
 }

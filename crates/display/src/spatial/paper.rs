@@ -20,9 +20,9 @@ use papilio_transport::{Source, Top};
 use super::irradiance::images;
 use super::lobe::{self, LobeResponse};
 use super::patterns::{Pattern, PatternKind, Text};
-use super::response::{Lit, lengths_of_one_front, several_fronts};
+use super::response::{Lit, lengths_of_one_front};
 use super::series::{Series, add};
-use super::{Level, Response};
+use super::{Level, Refused, Response};
 use crate::DisplayError;
 
 /// Period of the series, in reaches: light beyond half of it is below 3e-5 of all.
@@ -99,7 +99,7 @@ pub(super) fn response(
     let reach_mm = thickness_mm.max(0.25 * (thickness_mm + air_mm));
     let most_per_mm = level.most_per_mm.max(HIGHEST / thickness_mm);
     let accuracy = Accuracy { digits: level.digits, most_per_mm };
-    let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(several_fronts)?;
+    let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
     let step_per_mm = 1.0 / (PERIOD * reach_mm);
     let mut paper =
         Paper { lobe, thickness_mm, reach_mm, faces, reflectance, light, bins, images: Vec::new() };

@@ -5,7 +5,8 @@ use papilio_transport::spatial::{
 };
 use papilio_transport::{Panel, Reflector, Stack, Top};
 
-use super::response::{face_reflectance, several_fronts};
+use super::Refused;
+use super::response::face_reflectance;
 use crate::DisplayError;
 use crate::lamp_images;
 use crate::meter::Meter;
@@ -146,7 +147,7 @@ impl LitPicture {
         let mut whole = empty(picture);
         // Cells of half the size, and their diagonal.
         let accuracy = Accuracy { digits: DIGITS, most_per_mm: 2.0 / (finer.cell * thickness_mm) };
-        let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(several_fronts)?;
+        let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
         whole.error = shifted(panel, &lengths_mm, &setup.views);
         for face in faces {
             let bins = face.bins.clone();
@@ -276,9 +277,6 @@ fn covered(setup: &Setup) -> Result<(&Panel, &[f64]), DisplayError> {
     };
     if matches!(panel.top, Top::Diffuser(_)) {
         return not_yet("pictures below a diffuser", "display.diffuser");
-    }
-    if setup.scene.lighting.front_light.is_some() {
-        return not_yet("pictures in a front light", "lighting.front_light");
     }
     Ok((panel, rho))
 }

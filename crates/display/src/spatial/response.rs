@@ -1,11 +1,11 @@
 //! What a view sees of each light, by frequency and by place.
 
 use num_complex::Complex64;
-use papilio_transport::spatial::{Peak, SpreadError, air_below_front_mm};
+use papilio_transport::spatial::{Peak, air_below_front_mm};
 use papilio_transport::{Panel, Source, Stack, Top};
 
 use super::patterns::{Pattern, Text};
-use super::{ghosts, lobe, paper, returned};
+use super::{Refused, ghosts, lobe, paper, returned};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::run::Control;
@@ -86,10 +86,7 @@ pub(crate) fn responses(
     let lengths = setup.scene.display.lengths_mm()?;
     let meter = Meter::new(setup);
     let Stack::Panel(panel) = &setup.stack else {
-        return Err(DisplayError::PlacesByPaths {
-            what: "general layers ([[display.layers]])".to_owned(),
-            key: "display.layers".to_owned(),
-        });
+        return Err(Refused::Layers.into());
     };
     let factors = setup.seen(view, level.of_pages(), control)?;
     let lit = Lit { panel, lengths_mm: &lengths, view, level };
@@ -126,7 +123,7 @@ impl Lit<'_> {
 
     /// Air between the front and what is below it; 0 if the front returns no light.
     pub(super) fn air_mm(&self) -> Result<f64, DisplayError> {
-        air_below_front_mm(self.panel, self.lengths_mm).map_err(several_fronts)
+        air_below_front_mm(self.panel, self.lengths_mm).map_err(|error| Refused::Fronts(error).into())
     }
 
     /// True if a front returns light to the pixel.
@@ -155,11 +152,6 @@ pub(super) fn lengths_of_one_front(panel: &Panel, lengths_mm: &[f64], level: Lev
         false => fronts.last().copied().unwrap_or_default(),
     });
     vec![air_mm, *glass_mm]
-}
-
-/// A panel with several fronts at different heights.
-pub(super) fn several_fronts(error: SpreadError) -> DisplayError {
-    DisplayError::PlacesByPaths { what: error.to_string(), key: "display.front".to_owned() }
 }
 
 /// Reflectance of the face above the pixel for light from below, at a wavelength.

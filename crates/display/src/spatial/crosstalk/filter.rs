@@ -44,6 +44,9 @@ const NO_TEXT: &str = "text below a colour filter is computed by paths: it has n
     crosses it (--solver monte-carlo)";
 const DIFFUSED: &str = "a diffuser above the colour filter blurs what is seen of it: its stripes and lines are computed by paths (--solver monte-carlo)";
 
+/// Finest level: a further one takes ten times as long, and changes the numbers as much as this one.
+const FINEST: usize = 1;
+
 /// Computes all views.
 pub(super) fn views(
     filtered: &Filtered<'_>,
@@ -62,7 +65,7 @@ pub(super) fn views(
             }
             seen(filtered, setup, &levels[level], (number, view))
         };
-        let mut found = refined(setup, view, filtered.finest(), at)?;
+        let mut found = refined(setup, view, FINEST, at)?;
         for pattern in &mut found.patterns {
             pattern.why_null = match pattern.name {
                 Figure::Stripe | Figure::Line if filtered.is_diffused() => Some(DIFFUSED),

@@ -30,7 +30,7 @@ use super::patterns::Text;
 use super::response::{Lit, name_of_light};
 use super::returned::Returned;
 use super::target::{USUAL_TARGET, missed_target, target};
-use super::{Level, PatternKind, lobe, patterns};
+use super::{Level, PatternKind, Refused, lobe, patterns};
 use crate::DisplayError;
 use crate::filtered::Filtered;
 use crate::meter::Meter;
@@ -171,16 +171,12 @@ impl<'a> Frame<'a> {
         let matrix = matrix(setup)?;
         let lengths_mm = scene.display.lengths_mm()?;
         scene.display.spreads_over_few_pixels(&lengths_mm)?;
-        let panel = covered(setup)?;
+        let Stack::Panel(panel) = &setup.stack else { return Err(Refused::Layers.into()) };
         let surfaces = Surfaces::new(setup, matrix)?;
         let is_flat = !matches!(panel.top, Top::Diffuser(_)) && panel.base.is_specular();
         let returns = panel.front.reflectance_below.max() > 0.0 || matches!(panel.top, Top::Fresnel(_));
         if is_flat && returns && surfaces.states.iter().any(|parts| parts.len() > 1) {
-            return Err(DisplayError::PlacesByPaths {
-                what: "mirror-like sub-pixels of different colours below a face, or a front, that reflects"
-                    .to_owned(),
-                key: "display.glass.surface".to_owned(),
-            });
+            return Err(Refused::SubPixelsBelowFaces.into());
         }
         let mut parts: Vec<Part> = Vec::new();
         for part in surfaces.states.iter().flatten() {
@@ -212,7 +208,9 @@ impl<'a> Frame<'a> {
             let finer = level.saturating_sub(1) as u32;
             self.measure(view, Level { digits, most_per_mm, is_fine: level > 0, finer })
         };
-        refined(self.setup, view, MOST_LEVEL, at)
+        // Only the coarse level bounds what is estimated of light that returns to mirror-like pixels.
+        let is_estimated = self.returns() && !self.is_flat() && self.panel.base.is_specular();
+        refined(self.setup, view, if is_estimated { 1 } else { MOST_LEVEL }, at)
     }
 
     fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
@@ -511,15 +509,4 @@ impl<'a> Frame<'a> {
 
 fn add(sum: &mut Colour, more: Colour) {
     (0..3).for_each(|k| sum[k] += more[k]);
-}
-
-/// Returns the panel if its places are computed.
-fn covered(setup: &Setup) -> Result<&Panel, DisplayError> {
-    let not_yet = |what: &str, key: &str| {
-        Err(DisplayError::PlacesByPaths { what: what.to_owned(), key: key.to_owned() })
-    };
-    let Stack::Panel(panel) = &setup.stack else {
-        return not_yet("general layers ([[display.layers]])", "display.layers");
-    };
-    Ok(panel)
 }

@@ -8,7 +8,7 @@
 //! taken as linear in the direction over the width of a lobe: B is then the transform of the lobe in the plane, `exp(-b |w|)` of a k-correlation
 //! lobe of width b, w being the phase per direction cosine. What a Lambertian diffuser returns there is neglected.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use num_complex::Complex64;
 use papilio_optics::Beta;
@@ -18,7 +18,7 @@ use super::super::spread::{Bundle, Incoming, Pair, Spread};
 use super::super::{Accuracy, Gap, Sample, displacement};
 use super::Heights;
 use crate::Diffuser;
-use crate::numerics::quadrature::{Pole, radial};
+use crate::numerics::quadrature::{MOST_POINTS, Node, gauss};
 
 /// Places farther than this, in thicknesses of the glass, count as this far: little light goes there.
 const FARTHEST: f64 = 4.0;
@@ -29,6 +29,9 @@ const MORE_PLACES: f64 = 10.0;
 /// Natural digits: little comes back.
 const DIGITS: [f64; 2] = [4.0, 7.0];
 const DIGITS_LESS: f64 = 4.0;
+
+/// Rings of directions, besides those for digits and phases.
+const RINGS: f64 = 8.0;
 
 /// Light that leaves a diffuser in a direction.
 #[derive(Debug)]
@@ -90,23 +93,34 @@ pub(super) fn lit(
         * accuracy.most_per_mm
         * (heights.glass_mm / (index * index - 1.0).sqrt() + heights.front_mm);
     let turns = (accuracy.digits + phase).ceil();
-    let grazing = Pole { at: 1.0 + 1.0 / (1.0 + 0.1 * phase), off: 0.0 };
     let mut all = Vec::new();
-    for node in radial(1.0, &[], &[grazing], accuracy.digits) {
+    // |beta| = sin x: ways through the air grow without limit towards grazing light, of which there is little.
+    let rings = (accuracy.digits + RINGS + 0.5 * phase).ceil() as usize;
+    for node in gauss_of(0.0, FRAC_PI_2, rings) {
+        let (beta, cos_out) = node.x.sin_cos();
+        let ring = 2.0 * PI * beta * cos_out * node.weight;
         for turn in 0..turns as usize {
             let (sin, cos) = (PI * (turn as f64 + 0.5) / turns).sin_cos();
-            let beta = Beta { x: node.x * cos, y: node.x * sin };
+            let beta = Beta { x: beta * cos, y: beta * sin };
             let below = if local {
                 about(diffuser, gap, beta, width)
             } else {
                 let pair = Pair::new(diffuser, gap, Bundle::point(beta), Incoming::Pixel, accuracy);
                 Below::Places(places(Spread::of(pair).samples(), gap, 2.0 * PI * accuracy.most_per_mm))
             };
-            let weight = node.weight / (turns * PI * index * index);
+            let weight = ring / (turns * PI * index * index);
             all.push(Lit { weight, air_mm: displacement(beta, 2.0 * heights.front_mm, 1.0)[0], below });
         }
     }
     all
+}
+
+/// Gauss's rule of many points, in panels.
+fn gauss_of(from: f64, to: f64, points: usize) -> Vec<Node> {
+    let panels = points.div_ceil(MOST_POINTS);
+    let step = (to - from) / panels as f64;
+    let panel = |k: usize| gauss(from + k as f64 * step, from + (k + 1) as f64 * step, points.div_ceil(panels));
+    (0..panels).flat_map(panel).collect()
 }
 
 /// Light about a direction, whose shift changes with it as at the direction itself.

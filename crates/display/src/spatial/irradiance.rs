@@ -1,0 +1,153 @@
+//! Irradiance of cells of given reflectances, to which the layers of a flat panel or a front return light: `E = 1 + A * (rho E)`.
+
+use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Recycling, displacement};
+
+use super::Refused;
+use super::ghosts::Faces;
+use super::response::{Lit, lengths_of_one_front};
+use crate::DisplayError;
+
+/// Most meetings of light with mirror-like pixels.
+const MOST_ORDERS: usize = 48;
+
+/// Images that have less than this fraction of the light belong to the one before.
+const FAINTEST_IMAGE: f64 = 1e-6;
+const MOST_IMAGES: usize = 6;
+
+/// What comes back to pixels, at wavelengths at which it is the same.
+pub(super) enum Return {
+    /// To Lambertian pixels.
+    Everywhere(LambertianReturn),
+    /// To mirror-like pixels, in the direction of the view.
+    Trips(Trips),
+}
+
+/// Round trips of light that keeps its direction between pixels and flat faces.
+pub(super) struct Trips {
+    bins: Vec<usize>,
+    index: f64,
+    /// Distance between meetings, and how much a trip through the air above the face adds, mm.
+    step_mm: [f64; 2],
+    air_mm: [f64; 2],
+    faces: Faces,
+}
+
+impl Return {
+    /// What comes back to the pixels of a panel, for cells with frequencies up to `most_per_mm`.
+    pub(super) fn all(lit: Lit<'_>, most_per_mm: f64) -> Result<Vec<Self>, DisplayError> {
+        let lengths_mm = lengths_of_one_front(lit.panel, lit.lengths_mm, lit.level);
+        if !lit.panel.base.is_specular() {
+            let accuracy = Accuracy { digits: lit.level.digits, most_per_mm };
+            let all = LambertianReturn::all(lit.panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
+            return Ok(all.into_iter().map(Self::Everywhere).collect());
+        }
+        let (beta, index) = (lit.view.field.axis_towards(), lit.panel.medium.index());
+        let air_mm = displacement(beta, 2.0 * lit.air_mm()?, 1.0);
+        let mut all: Vec<Trips> = Vec::new();
+        for bin in 0..index.len() {
+            let faces = Faces::new(lit.faces(bin), air_mm != [0.0; 2]);
+            let same = |one: &&mut Trips| one.index == index[bin] && one.faces == faces;
+            if let Some(known) = all.iter_mut().find(same) {
+                known.bins.push(bin);
+                continue;
+            }
+            let step_mm = displacement(beta, 2.0 * lit.thickness_mm(), index[bin]);
+            all.push(Trips { bins: vec![bin], index: index[bin], step_mm, air_mm, faces });
+        }
+        Ok(all.into_iter().map(Self::Trips).collect())
+    }
+
+    /// Numbers of the wavelengths.
+    pub(super) fn bins(&self) -> &[usize] {
+        match self {
+            Self::Everywhere(returned) => &returned.bins,
+            Self::Trips(trips) => &trips.bins,
+        }
+    }
+
+    /// Fraction of the light of a page that comes back.
+    pub(super) fn of_page(&self) -> f64 {
+        match self {
+            Self::Everywhere(returned) => returned.at(0.0),
+            Self::Trips(trips) => trips.faces.returned(),
+        }
+    }
+
+    /// Solves the irradiance of cells, given their reflectances and a tolerance.
+    pub(super) fn solver<'a>(&'a self, cells: Cells) -> Box<dyn Fn(&[f64], f64) -> Vec<f64> + 'a> {
+        match self {
+            Self::Everywhere(returned) => {
+                let recycling = Recycling::new(cells, |f| returned.at(f));
+                Box::new(move |rho, tolerance| recycling.irradiance(rho, tolerance))
+            }
+            Self::Trips(Trips { faces, step_mm, air_mm, .. }) => {
+                Box::new(move |rho, tolerance| irradiance(faces, [*step_mm, *air_mm], cells, rho, tolerance))
+            }
+        }
+    }
+}
+
+/// Irradiance of mirror-like cells of these reflectances; the ways are those of a trip through the glass and of one through the air above it.
+pub(super) fn irradiance(
+    faces: &Faces,
+    [step_mm, air_mm]: [[f64; 2]; 2],
+    cells: Cells,
+    rho: &[f64],
+    tolerance: f64,
+) -> Vec<f64> {
+    let mut irradiance = vec![1.0; rho.len()];
+    for _ in 0..MOST_ORDERS {
+        let light: Vec<f64> = rho.iter().zip(&irradiance).map(|(rho, e)| rho * e).collect();
+        let mut next = vec![1.0; rho.len()];
+        for (k, part) in faces.returned.iter().enumerate() {
+            let way = [0, 1].map(|axis| step_mm[axis] + k as f64 * air_mm[axis]);
+            next.iter_mut().zip(moved(&light, cells, way)).for_each(|(next, moved)| *next += part * moved);
+        }
+        let change = next.iter().zip(&irradiance).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        irradiance = next;
+        if change <= tolerance {
+            break;
+        }
+    }
+    irradiance
+}
+
+/// Images of the pixels that a view sees because light was reflected between a flat face and a front above it: the place of each,
+/// mm, and the fraction of the light that each has at the wavelengths.
+pub(super) fn images(lit: Lit<'_>) -> Result<Vec<([f64; 2], Vec<f64>)>, DisplayError> {
+    let lengths_mm = lengths_of_one_front(lit.panel, lit.lengths_mm, lit.level);
+    let air_mm = Lit { lengths_mm: &lengths_mm, ..lit }.air_mm()?;
+    let way = displacement(lit.view.field.axis_towards(), 2.0 * air_mm, 1.0);
+    let bins = lit.panel.base.bins();
+    let between: Vec<f64> = (0..bins).map(|bin| lit.faces(bin).iter().product()).collect();
+    let largest = if way == [0.0; 2] { 0.0 } else { between.iter().copied().fold(0.0, f64::max) };
+    let count = (0..MOST_IMAGES).take_while(|k| *k == 0 || largest.powi(*k as i32) > FAINTEST_IMAGE).count();
+    let one = |k: usize| {
+        let last = k + 1 == count;
+        let fraction = |between: &f64| between.powi(k as i32) * if last { 1.0 } else { 1.0 - between };
+        (way.map(|way| k as f64 * way), between.iter().map(fraction).collect())
+    };
+    Ok((0..count).map(one).collect())
+}
+
+/// Light of cells from a place so far away: of a cell, the part that lies there.
+pub(super) fn moved(light: &[f64], Cells { count, period_mm }: Cells, way_mm: [f64; 2]) -> Vec<f64> {
+    let of_axis = |axis: usize| {
+        let at = way_mm[axis] / period_mm[axis] * count[axis] as f64;
+        let first = at.floor();
+        let steps = [first, first + 1.0].map(|step| (step as i64).rem_euclid(count[axis] as i64) as usize);
+        (steps, if count[axis] > 1 { at - first } else { 0.0 })
+    };
+    let [(x, part_x), (y, part_y)] = [0, 1].map(of_axis);
+    let columns = count[0];
+    let from = |k: usize, count: usize, step: usize| (k + count - step) % count;
+    let one = |cell: usize| {
+        let row = |step: usize| {
+            let row = from(cell / columns, count[1], step) * columns;
+            let [near, far] = x.map(|step| light[row + from(cell % columns, columns, step)]);
+            (1.0 - part_x) * near + part_x * far
+        };
+        if part_y == 0.0 { row(y[0]) } else { (1.0 - part_y) * row(y[0]) + part_y * row(y[1]) }
+    };
+    (0..light.len()).map(one).collect()
+}

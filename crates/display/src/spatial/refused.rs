@@ -1,0 +1,84 @@
+//! What adding does not compute of the places of light: one list, with the reason of each. Monte Carlo with places computes all of it.
+
+use papilio_transport::adding::NotCovered;
+use papilio_transport::spatial::SpreadError;
+
+use crate::DisplayError;
+
+/// Layers, pixels and lights whose places adding does not compute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Refused {
+    /// Light by place below general layers would take the transform at many frequencies in the plane: seconds each.
+    Layers,
+    /// The same for the means of patterns.
+    PatternsBelowLayers,
+    /// What frequencies below general layers do not cover.
+    Layered(NotCovered),
+    /// The common reflectance of several components of a front does not tell how much each of them returns.
+    Fronts(SpreadError),
+    /// A ghost of one sub-pixel lies on another: the reflectance of the pixel's mean is not enough.
+    SubPixelsBelowFaces,
+    /// The response of a display with a filter is not the same at all places of a period.
+    SharpnessWithFilter,
+    /// Places of light in the plane of the filter are those of an ordinary panel of Lambertian pixels.
+    FilterBelowLayers,
+    /// The same.
+    FilterAboveMirrors,
+    /// Light that a front returns through a lobe has no single place in the plane of the filter.
+    FilterBelowLobeAndFront,
+    /// All wavelengths have the same places, and the same return.
+    FilterBelowColouredFront,
+    /// The same.
+    FilterInDispersion,
+    /// All orders are solved together.
+    FilterInSinglePass,
+    /// Light without refraction has no place.
+    FilterWithoutRefraction,
+    /// Light of a sky or a map arrives through a lobe from too many directions.
+    FilterBelowLobeInField {
+        /// Whether the light is that of an environment, not of a front light.
+        environment: bool,
+    },
+}
+
+impl From<Refused> for DisplayError {
+    fn from(refused: Refused) -> Self {
+        let (what, key) = match refused {
+            Refused::Layered(NotCovered::Stopped) => return Self::Interrupted,
+            Refused::Layered(why) => {
+                let key = if why == NotCovered::Pixel { "display.pixel" } else { "display.layers" };
+                return Self::PlacesByPaths { what: format!("{why} ([[display.layers]])"), key: key.to_owned() };
+            }
+            Refused::Fronts(error) => {
+                return Self::PlacesByPaths { what: error.to_string(), key: "display.front".to_owned() };
+            }
+            Refused::Layers => ("general layers ([[display.layers]])", "display.layers"),
+            Refused::PatternsBelowLayers => ("patterns below general layers ([[display.layers]])", "pattern"),
+            Refused::SubPixelsBelowFaces => (
+                "mirror-like sub-pixels of different colours below a face, or a front, that reflects",
+                "display.glass.surface",
+            ),
+            Refused::SharpnessWithFilter => {
+                ("the sharpness of a display with a colour filter", "display.matrix.filter")
+            }
+            Refused::FilterBelowLayers => {
+                ("a colour filter below general layers ([[display.layers]])", "display.layers")
+            }
+            Refused::FilterAboveMirrors => ("a colour filter above mirror-like pixels", "display.pixel"),
+            Refused::FilterBelowLobeAndFront => {
+                ("a colour filter below a diffuser and a front that reflects light", "display.front")
+            }
+            Refused::FilterBelowColouredFront => {
+                ("a colour filter below a front that reflects a colour", "display.front")
+            }
+            Refused::FilterInDispersion => ("a colour filter in glass with dispersion", "display.glass.index"),
+            Refused::FilterInSinglePass => ("a colour filter in a single pass", "solver.approximation"),
+            Refused::FilterWithoutRefraction => ("a colour filter without refraction", "solver.angle_medium"),
+            Refused::FilterBelowLobeInField { environment } => (
+                "a colour filter below a diffuser in this light",
+                if environment { "lighting.environment" } else { "lighting.front_light" },
+            ),
+        };
+        Self::PlacesByPaths { what: what.to_owned(), key: key.to_owned() }
+    }
+}
