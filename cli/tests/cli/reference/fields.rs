@@ -1,18 +1,10 @@
-//! Tables of the fields of JSON files, from their schemas.
+//! Tables of the fields of result.json, from its schema.
 
 use std::fmt::Write;
 
 use serde_json::Value;
 
 use super::{cell, metrics};
-
-/// File, option of `papilio schema`, and schema of each result whose fields no page of a command describes.
-pub(super) fn schemas() -> [(&'static str, &'static str, Value); 2] {
-    [
-        ("result.json", "--result", papilio_formats::result_schema()),
-        ("audit.json", "--audit", papilio_formats::surface_audit_schema()),
-    ]
-}
 
 /// A field of a table: its name, its type, and what it is.
 type Field = [String; 3];
@@ -25,26 +17,24 @@ struct Table {
     metrics: usize,
 }
 
-/// A table for each file, and one for each kind of table in it. Fields of a larger table of the same file are described there only.
+/// The tables of `result.json`; pages of commands describe the other files. Fields of a larger table are described there only.
 pub(super) fn tables() -> String {
     let mut text = String::new();
-    for (file, option, schema) in schemas() {
-        let tables = tables_of(&schema);
-        for (k, table) in tables.iter().enumerate() {
-            let _ = match k {
-                0 => writeln!(text, "\n### {file}\n\n{} (`papilio schema {option}`)\n", table.sentence),
-                _ => writeln!(text, "\n**{}** of {file}: {}\n", table.name, table.sentence),
-            };
-            let shared =
-                |other: &&Table| table.fields.iter().filter(|field| other.fields.contains(field)).count();
-            let larger = tables
-                .iter()
-                .enumerate()
-                .filter(|(n, other)| (other.fields.len(), *n) > (table.fields.len(), k))
-                .map(|(_, other)| other);
-            let other = larger.max_by_key(shared).filter(|other| shared(other) >= 3);
-            text += &rows_of(table, other);
-        }
+    let tables = tables_of(&papilio_formats::result_schema());
+    for (k, table) in tables.iter().enumerate() {
+        let _ = match k {
+            0 => writeln!(text, "\n### result.json\n\n{} (`papilio schema --result`)\n", table.sentence),
+            _ => writeln!(text, "\n**{}**: {}\n", table.name, table.sentence),
+        };
+        let shared =
+            |other: &&Table| table.fields.iter().filter(|field| other.fields.contains(field)).count();
+        let larger = tables
+            .iter()
+            .enumerate()
+            .filter(|(n, other)| (other.fields.len(), *n) > (table.fields.len(), k))
+            .map(|(_, other)| other);
+        let other = larger.max_by_key(shared).filter(|other| shared(other) >= 3);
+        text += &rows_of(table, other);
     }
     text
 }
