@@ -52,6 +52,9 @@ pub enum DisplayError {
     /// Angles in glass for a glass with dispersion.
     #[error("angles in glass need a glass whose index does not depend on wavelength")]
     DispersiveGlassAngles,
+    /// An approximation for ordinary panels, of other layers.
+    #[error("approximations are for an ordinary panel only: components in air, a face or a lobe, clear glass, a pixel that is not measured")]
+    ApproximatesNoPanel,
     /// Colours of a display with a colour filter at a height above its pixels.
     #[error(
         "the colours of a display with [display.matrix.filter] depend on where light enters and leaves, which this command does not compute yet \

@@ -4,7 +4,6 @@
 //! `scenario` crate checks; [`run`](crate::run()) itself returns errors only for scenes that
 //! it cannot compute (a view below the horizon, a film with invalid parameters).
 
-mod panel;
 mod place;
 
 use std::sync::Arc;
@@ -19,11 +18,10 @@ use papilio_spectra::{Grid, LightSpectrum, Spectrum};
 pub use papilio_transport::spatial::{Rectangle, Window, rows, stripes};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{
-    Diffuser, Field, Interface as Ready, LobeReflection, ReflectedLobe, ReflectingDiffuser, RegularRings,
+    Diffuser, Field, Interface as Ready, LobeReflection, PanelParts, ReflectedLobe, ReflectingDiffuser, RegularRings,
     ScatterFace, ScatterKernel, Scattering, WaveFace, WaveLight,
 };
 
-pub use self::panel::{FrontComponent, Glass, Panel, Surface};
 pub use self::place::{Filter, FilterState, Length, Matrix, SubPixelWindow};
 pub use crate::result::ReferenceWhite;
 pub use crate::target::{Metric, MetricSource, Target, Tolerance};
@@ -105,9 +103,16 @@ pub struct Display {
 }
 
 impl Display {
-    /// Returns the ordinary panel, if the layers are one.
-    pub fn panel(&self) -> Option<Panel> {
-        Panel::recognised(self)
+    /// Returns the parts of the ordinary panel, if the layers are one.
+    pub fn panel(&self) -> Option<PanelParts<'_>> {
+        let described = self.layers.iter().map(|layer| {
+            let ready = match &layer.interface {
+                Interface::Ready(ready) => Some(ready),
+                Interface::Coating(_) | Interface::Rough { .. } => None,
+            };
+            (ready, &layer.medium.index, layer.medium.is_clear())
+        });
+        PanelParts::recognised(described).filter(|_| !matches!(self.pixel, Pixel::Scattering(_)))
     }
 
     /// Returns the refractive index of the medium above the pixel.

@@ -17,14 +17,14 @@ use papilio_optics::rough::Rough;
 use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    Base, Cone, Front, Interface, Layer, Layered, Medium, Panel, ReflectanceFactor, Reflector, Source, Stack,
-    Top,
+    Approximation, Base, Cone, Interface, Layer, Layered, Medium, NotAPanel, ReflectanceFactor, Reflector,
+    Source, Stack,
 };
 
 use crate::DisplayError;
 use crate::pixel::{self, FilmKey};
 use crate::run::Control;
-use crate::scene::{self, AngleMedium, Approximation, Scene, Surface};
+use crate::scene::{self, AngleMedium, Scene};
 
 /// Scene that is prepared for the transport.
 #[derive(Debug, Clone)]
@@ -162,7 +162,7 @@ impl Setup {
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
         if index_changed || scene.display.pixel != last.display.pixel {
-            let base = base_of(&mut self.stack);
+            let base = self.stack.base_mut();
             *base = pixel::base(scene, &mut self.film, Some(base))?;
             self.base_version += 1;
         }
@@ -173,7 +173,7 @@ impl Setup {
                 reflector: Reflector::Lambertian(Vec::new()),
                 inactive_absorptance: Vec::new().into(),
             };
-            let base = std::mem::replace(base_of(&mut self.stack), placeholder);
+            let base = std::mem::replace(self.stack.base_mut(), placeholder);
             let made = match &self.stack {
                 Stack::Layered(made) => Some((&last.display.layers[..], &made.layers[..])),
                 Stack::Panel(_) => None,
@@ -236,22 +236,6 @@ impl Setup {
     }
 }
 
-/// Returns the base of a stack, below all layers.
-pub(crate) fn base_under(stack: &Stack) -> &Base {
-    match stack {
-        Stack::Panel(panel) => &panel.base,
-        Stack::Layered(layered) => &layered.base,
-    }
-}
-
-/// Returns the base of a stack for modification.
-pub(crate) fn base_of(stack: &mut Stack) -> &mut Base {
-    match stack {
-        Stack::Panel(panel) => &mut panel.base,
-        Stack::Layered(layered) => &mut layered.base,
-    }
-}
-
 /// Returns the refractive index of the medium of the scene's angles.
 pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
     let index = scene.display.index_above_pixel();
@@ -263,20 +247,19 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
 }
 
 fn stack(scene: &Scene, base: Base, before: Option<Made<'_>>) -> Result<Stack, DisplayError> {
-    Ok(match &scene.display.panel() {
-        Some(panel) => Stack::Panel(self::panel(scene, panel, base)),
-        None => Stack::Layered(Layered { layers: layers(scene, &scene.display.layers, before)?, base }),
-    })
+    let approximation = Approximation {
+        single_pass: scene.solver.approximation == scene::Approximation::SinglePass,
+        unrefracted: scene.solver.angle_medium == AngleMedium::Unrefracted,
+    };
+    let layers = layers(scene, &scene.display.layers, before)?;
+    Stack::new(layers, base, approximation).map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)
 }
 
-/// Returns the layers over an empty base, which suffices to estimate the cost of the layers. Coatings are bare interfaces: they
+/// Returns layers that are no panel over an empty base, which suffices to estimate their cost. Coatings are bare interfaces: they
 /// do not scatter, and their tables take longer than a first answer.
 pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
     let inactive_absorptance = vec![0.0; scene.grid.len()].into();
     let base = Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance };
-    if scene.display.panel().is_some() {
-        return stack(scene, base, None);
-    }
     let mut layers = scene.display.layers.clone();
     for layer in &mut layers {
         if let scene::Interface::Coating(_) = layer.interface {
@@ -284,15 +267,6 @@ pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
         }
     }
     Ok(Stack::Layered(Layered { layers: self::layers(scene, &layers, None)?, base }))
-}
-
-fn panel(scene: &Scene, panel: &scene::Panel, base: Base) -> Panel {
-    let single_pass = scene.solver.approximation == Approximation::SinglePass;
-    let components = panel.front.iter().map(|c| (&*c.reflectance, &*c.absorptance));
-    let bins = scene.grid.len();
-    let front =
-        if single_pass { Front::first_order(bins, components) } else { Front::exact(bins, components) };
-    Panel { front, top: top(panel), medium: medium(scene), base, single_pass }
 }
 
 /// Layers of a scene, and what was made of them.
@@ -352,14 +326,6 @@ pub(crate) fn medium(scene: &Scene) -> Medium {
     let index = scene.display.index_above_pixel();
     let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
     Medium::new(if unrefracted { index.map(|_| 1.0) } else { index.clone() })
-}
-
-fn top(panel: &scene::Panel) -> Top {
-    match (&panel.diffuser, panel.glass.surface) {
-        (Some(diffuser), _) => Top::Diffuser(diffuser.clone()),
-        (None, Surface::IdealAr) => Top::IdealAr,
-        (None, Surface::Fresnel) => Top::Fresnel(panel.glass.index.clone()),
-    }
 }
 
 fn lights(scene: &Scene, observer: &Observer) -> Result<Vec<Light>, DisplayError> {

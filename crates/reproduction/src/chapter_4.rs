@@ -64,7 +64,7 @@ fn table_4_1() -> Section {
 /// Figure 4.1: paths with the directions of the Monte Carlo solver, drawn in the plane of incidence.
 fn paths(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let scene = bench.resolve("indoor", &[])?.scene;
-    let lobe = scene.display.panel().and_then(|panel| panel.diffuser).map(|diffuser| diffuser.lobe);
+    let lobe = scene.display.panel().and_then(|panel| panel.diffuser()).map(|diffuser| diffuser.lobe);
     let lobe = lobe.unwrap_or(Lobe::Lambertian);
     // Thickness of the glass below the diffuser, and height of the eye above it.
     let (glass, eye) = (1.0, 1.3);

@@ -6,7 +6,7 @@
 //! of index n.
 
 use crate::layers::{LayerKind, least_edge};
-use crate::{Base, Interface, Medium, Panel, Reflector};
+use crate::{Approximation, Base, Interface, Medium, Panel, PanelParts, Reflector};
 
 /// A display of any layers.
 #[derive(Debug, Clone)]
@@ -49,7 +49,7 @@ pub struct Layer {
     pub medium: Medium,
 }
 
-/// A display in either form.
+/// A display in either form; both are made from layers.
 #[derive(Debug, Clone)]
 #[allow(clippy::large_enum_variant, reason = "there is one stack, not many")]
 pub enum Stack {
@@ -59,7 +59,29 @@ pub enum Stack {
     Layered(Layered),
 }
 
+/// An approximation for panels was requested of other layers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NotAPanel;
+
 impl Stack {
+    /// Returns the stack of these layers over a pixel: the ordinary panel that they are, or else general layers.
+    ///
+    /// # Errors
+    /// [`NotAPanel`] if an approximation is requested of layers that are no panel.
+    pub fn new(layers: Vec<Layer>, base: Base, approximation: Approximation) -> Result<Self, NotAPanel> {
+        let described = layers.iter().map(|Layer { interface, medium }| {
+            let is_clear = medium.transmittance().is_none() && medium.scattering().is_none();
+            (Some(interface), medium.index(), is_clear)
+        });
+        let scatters = matches!(base.reflector, Reflector::Scattering(_));
+        if let Some(parts) = PanelParts::recognised(described).filter(|_| !scatters)
+            && let Some(glass) = layers.last()
+        {
+            return Ok(Self::Panel(Panel::new(&parts, &glass.medium, base, approximation)));
+        }
+        approximation.is_none().then_some(Self::Layered(Layered { layers, base })).ok_or(NotAPanel)
+    }
+
     /// The `|beta|` beyond which the appearance from above is unknown: where the table of the first scatterer ends. `None`
     /// if it extends to the horizon.
     pub fn known_within(&self) -> Option<f64> {
@@ -77,6 +99,14 @@ impl Stack {
         match self {
             Self::Panel(panel) => &panel.base,
             Self::Layered(layered) => &layered.base,
+        }
+    }
+
+    /// The pixel, to be changed for another that scatters or not as this one.
+    pub fn base_mut(&mut self) -> &mut Base {
+        match self {
+            Self::Panel(panel) => &mut panel.base,
+            Self::Layered(layered) => &mut layered.base,
         }
     }
 }

@@ -1,10 +1,10 @@
 //! The ordinary panel, top to bottom: front of screen, a surface or one diffuser, clear glass, the base (the
 //! pixel). Both solvers are fastest for it; any other order of layers is a [`Layered`](crate::Layered)
-//! display.
+//! display. It is recognised among any layers, here and nowhere else.
 
 use papilio_spectra::Spectrum;
 
-use crate::{Base, Diffuser, Front, Medium};
+use crate::{Base, Component, Diffuser, Front, Interface, Medium};
 
 /// A front of screen, one surface or diffuser, clear glass and a base.
 #[derive(Debug, Clone)]
@@ -30,4 +30,95 @@ pub enum Top {
     Fresnel(Spectrum),
     /// A diffuser, including its surfaces.
     Diffuser(Diffuser),
+}
+
+/// Approximations of Feng 2012, which exist for panels only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Approximation {
+    /// Light is followed through a single pass of the panel (eq. 3-5), and the front of screen is combined to first order.
+    pub single_pass: bool,
+    /// The medium above the base has the directions of the air.
+    pub unrefracted: bool,
+}
+
+impl Approximation {
+    /// True if nothing is approximated.
+    pub fn is_none(self) -> bool {
+        self == Self::default()
+    }
+}
+
+/// What any layers have to be for an ordinary panel, by layer from the top: its interface (`None`: one that is not prepared yet), the
+/// index of the medium below it, and whether that medium neither absorbs nor scatters.
+pub type Described<'a> = (Option<&'a Interface>, &'a Spectrum, bool);
+
+/// The parts of an ordinary panel among layers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PanelParts<'a> {
+    /// Components of the front of screen, in air, outermost first.
+    pub front: Vec<&'a Component>,
+    /// The interface between air and the glass: a diffuser, or a flat face.
+    pub face: &'a Interface,
+}
+
+impl<'a> PanelParts<'a> {
+    /// Returns the parts of the panel that these layers are, above a pixel that does not scatter: components in air, then one face or one
+    /// diffuser without a reflection of its own, then clear glass. `None` for all other layers.
+    pub fn recognised(layers: impl IntoIterator<Item = Described<'a>>) -> Option<Self> {
+        let mut front: Vec<_> = layers.into_iter().collect();
+        let (face, _, glass_is_clear) = front.pop()?;
+        // Between media of one index a bare interface is open.
+        let faces = |face: &&Interface| {
+            matches!(
+                face,
+                Interface::Diffuser(_) | Interface::IdealAr | Interface::Fresnel | Interface::Open
+            )
+        };
+        let face = face.filter(faces).filter(|_| glass_is_clear)?;
+        let component = |(interface, index, is_clear): Described<'a>| match interface {
+            Some(Interface::Component(component)) if is_clear && index.iter().all(|n| *n == 1.0) => {
+                Some(component)
+            }
+            _ => None,
+        };
+        Some(Self { front: front.into_iter().map(component).collect::<Option<_>>()?, face })
+    }
+
+    /// Returns the diffuser, if the face is one.
+    pub fn diffuser(&self) -> Option<&'a Diffuser> {
+        match self.face {
+            Interface::Diffuser(diffuser) => Some(diffuser),
+            _ => None,
+        }
+    }
+}
+
+impl Panel {
+    /// The panel of these parts, with this medium above the base.
+    pub(crate) fn new(
+        parts: &PanelParts<'_>,
+        medium: &Medium,
+        base: Base,
+        Approximation { single_pass, unrefracted }: Approximation,
+    ) -> Self {
+        let index = medium.index();
+        let components = parts.front.iter().map(|one| (&*one.reflectance, &*one.absorptance));
+        Self {
+            front: match single_pass {
+                true => Front::first_order(base.bins(), components),
+                false => Front::exact(base.bins(), components),
+            },
+            top: match parts.face {
+                Interface::Diffuser(diffuser) => Top::Diffuser(diffuser.clone()),
+                Interface::IdealAr => Top::IdealAr,
+                _ => Top::Fresnel(index.clone()),
+            },
+            medium: match unrefracted {
+                true => Medium::new(index.map(|_| 1.0)),
+                false => medium.clone(),
+            },
+            base,
+            single_pass,
+        }
+    }
 }

@@ -6,7 +6,7 @@ use papilio_optics::interface::fresnel_reflectance;
 use crate::front::Flat;
 use crate::light::images::{Mirror, image_points};
 use crate::skeleton::{Ray, Skeleton};
-use crate::{Base, Cone, Diffuser, Layered, Panel, Reflector, Source, Stack, Top};
+use crate::{Cone, Diffuser, Layered, Panel, Reflector, Source, Stack, Top};
 
 /// Radiance of a mirror image, relative to that of the source.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -29,7 +29,7 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
 /// Returns the mirror image of a round source in a field of view, as a reflectance factor: [`specular_image`] times the light of the source
 /// in the view. 0 where the view does not look into the image.
 pub fn disc_image(stack: &Stack, view: &Cone, disc: &Cone) -> Image {
-    let (bins, states) = (base_of(stack).bins(), base_of(stack).states());
+    let (bins, states) = (stack.base().bins(), stack.base().states());
     let mut sum = Image { front: vec![0.0; bins], base: vec![0.0; states * bins] };
     for image in image_points(view, &[Source::Disc(*disc)], DIGITS, Mirror::Across(across(stack, view))) {
         for point in &image.points {
@@ -46,13 +46,6 @@ pub fn disc_image(stack: &Stack, view: &Cone, disc: &Cone) -> Image {
 
 /// Accuracy of the image of a disc.
 const DIGITS: f64 = 12.0;
-
-fn base_of(stack: &Stack) -> &Base {
-    match stack {
-        Stack::Panel(panel) => &panel.base,
-        Stack::Layered(layered) => &layered.base,
-    }
-}
 
 /// Number of nodes of the base's table across a view.
 fn across(stack: &Stack, view: &Cone) -> f64 {

@@ -43,7 +43,7 @@ fn lobe(width: f64, d2: f64) -> f64 {
 
 /// Returns width and T of the k-correlation diffuser of a scene.
 fn diffuser(scene: &Scene) -> (f64, f64) {
-    let diffuser = scene.display.panel().unwrap().diffuser.unwrap();
+    let diffuser = scene.display.panel().unwrap().diffuser().unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("a k-correlation diffuser") };
     (width, diffuser.transmittance[0])
 }

@@ -13,7 +13,7 @@ use crate::meter::Meter;
 use crate::pixel::film::{Mixture, common, fit_nodes, tabulated_for};
 use crate::pixel::{SeenLight, WeightedNodes, WeightedTable};
 use crate::scene::{FilmPixel, Pixel, Stop};
-use crate::setup::{Setup, base_of};
+use crate::setup::Setup;
 
 /// Largest estimate of the error of X, Y and Z that is caused by the nodes over angle, relative to Y of the state (or to 0.01, if
 /// Y is less). If a tenth of the scene's `relative_error` is smaller, it is that. The error is to be at most 1e-5: that of rare
@@ -71,7 +71,7 @@ impl ColourViews {
         let mixture = Mixture::new(film)?;
         let ones = vec![1.0; panels.count() * mixture.gaps_nm.len() * scene.grid.len()];
         let mut stack = setup.stack.clone();
-        base_of(&mut stack).reflector = Reflector::Specular(mixture.table(panels, ones.into(), film));
+        stack.base_mut().reflector = Reflector::Specular(mixture.table(panels, ones.into(), film));
         let mut views: Vec<Option<SeenView>> = vec![None; setup.views.len()];
         let (mut rows, mut lights, mut recycled) = (Vec::new(), Vec::new(), 0.0_f64);
         for group in groups {

@@ -21,7 +21,6 @@ use crate::meter::{Meter, Number, PRIMARIES, Slopes, ViewScalars};
 use crate::pixel::film::{Beta, Film, Mixture};
 use crate::result::StateValues;
 use crate::scene::{FilmPixel, Metric};
-use crate::setup::base_under;
 
 /// Quantities of a design and their derivatives.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,7 +95,7 @@ impl Designs {
             return tangents.along(&gradients);
         }
         let (setup, stack) = (&self.setup, &self.stack);
-        let Reflector::Specular(table) = &base_under(stack).reflector else { return Ok(Vec::new()) };
+        let Reflector::Specular(table) = &stack.base().reflector else { return Ok(Vec::new()) };
         let Some(group) = self.groups.iter_mut().find(|group| group.views.contains(&view)) else {
             return Ok(Vec::new());
         };
@@ -146,7 +145,7 @@ impl<'a> Tangents<'a> {
                 _ => {}
             }
         }
-        let cosines: Vec<f64> = match (&designs.table, &base_under(&designs.stack).reflector) {
+        let cosines: Vec<f64> = match (&designs.table, &designs.stack.base().reflector) {
             (Some(table), _) => table.cosines().to_vec(),
             (None, Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. })) => {
                 panels.nodes().collect()

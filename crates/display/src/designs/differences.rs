@@ -11,7 +11,6 @@ use papilio_transport::{AngularTable, Reflector, Stack};
 use super::derivatives::Tangents;
 use super::parameter::Change;
 use crate::DisplayError;
-use crate::setup::base_of;
 
 /// Largest change of a reflectance or an area fraction in one step.
 const STEP: f64 = 1e-3;
@@ -35,7 +34,7 @@ impl Tangents<'_> {
         let mut stack = stack.clone();
         let slopes = self.changes.iter().map(|change| {
             let Some((moved, step)) = self.moved(table, &of_film, change) else { return Vec::new() };
-            base_of(&mut stack).reflector = Reflector::Specular(moved);
+            stack.base_mut().reflector = Reflector::Specular(moved);
             let seen = kernel.seen(&stack, view);
             let slope = |base: &Vec<f64>| {
                 let mut slope = vec![0.0; columns];

@@ -43,7 +43,7 @@ use crate::pixel::film::{Mixture, tabulated};
 use crate::result::StateValues;
 use crate::run::{Control, ViewGroupKernel, prepared_kernels};
 use crate::scene::{FilmPixel, Method, Metric, Pixel, Scene, Stop};
-use crate::setup::{Setup, base_of, base_under};
+use crate::setup::Setup;
 
 /// Evaluator of film pixels for one display, with fixed layers, lights and views.
 ///
@@ -143,7 +143,7 @@ impl Designs {
                 return Ok(mixture);
             }
         }
-        let base = base_of(&mut self.stack);
+        let base = self.stack.base_mut();
         let known = match &base.reflector {
             Reflector::Specular(table) => Some(&table.nodes),
             _ => None,
@@ -173,7 +173,7 @@ impl Designs {
         }
         let shifts = |metric| matches!(metric, Some(Metric::peak_shift_nm | Metric::average_peak_shift_nm));
         let bare = if self.quantities.iter().any(|quantity| shifts(quantity.metric())) {
-            meter.bare_peaks(&setup.views[view], base_under(stack))
+            meter.bare_peaks(&setup.views[view], stack.base())
         } else {
             vec![None; setup.states.len()]
         };

@@ -12,7 +12,7 @@ use super::sample::{Sample, relative};
 use super::view::Numbers;
 use super::{Meter, ViewSamples};
 use crate::run::{largest, level_error};
-use crate::setup::{ViewPoint, base_under};
+use crate::setup::ViewPoint;
 
 /// Smallest relative error that is reported: tables over direction (films) and sums over wavelengths are not more accurate.
 const LEAST_CLAIMED: f64 = 1e-7;
@@ -84,7 +84,7 @@ impl Meter<'_> {
         before: Option<&Sample>,
         specular: &[Vec<f64>],
     ) -> ViewSamples {
-        let bare = self.bare_peaks(at, base_under(&self.setup.stack));
+        let bare = self.bare_peaks(at, self.setup.stack.base());
         let (scalars, of_coarser) = (self.scalars(finer, &bare), self.scalars(coarser, &bare));
         let least = Some(self.level_error([finer, coarser], before, false)).filter(|least| least.is_finite());
         let of_levels = LevelError {

@@ -9,7 +9,7 @@ use super::metrics::ViewScalars;
 use super::sample::{Sample, relative, spread};
 use super::view::Numbers;
 use super::{Meter, ViewSamples};
-use crate::setup::{ViewPoint, base_under};
+use crate::setup::ViewPoint;
 
 impl Meter<'_> {
     /// Returns the largest relative standard error of Y over the states and, with `per_wavelength`, of
@@ -45,7 +45,7 @@ impl Meter<'_> {
         least: f64,
         specular: &[Vec<f64>],
     ) -> ViewSamples {
-        let bare = self.bare_peaks(at, base_under(&self.setup.stack));
+        let bare = self.bare_peaks(at, self.setup.stack.base());
         let mean = Sample::mean(samples, None);
         let left_out: Vec<ViewScalars> =
             (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)), &bare)).collect();

@@ -258,3 +258,15 @@ fn change_of_the_grid_equals_a_single_run() {
         assert_eq!(text(&kept), text(&papilio_display::run(&coarse, control).unwrap()));
     });
 }
+
+/// The scenario refuses them with their keys; a program that makes its own scenes gets an error, too.
+#[test]
+fn approximations_of_other_layers_than_a_panel_are_refused() {
+    let mut scene = scene("two-diffusers", &[]);
+    scene.solver.approximation = Approximation::SinglePass;
+    let refused = with_stop(1, |control| papilio_display::run(&scene, control)).unwrap_err();
+    assert_eq!(refused, DisplayError::ApproximatesNoPanel);
+    (scene.solver.approximation, scene.solver.angle_medium) = (Approximation::None, AngleMedium::Unrefracted);
+    let refused = with_stop(1, |control| papilio_display::run(&scene, control)).unwrap_err();
+    assert_eq!(refused, DisplayError::ApproximatesNoPanel);
+}

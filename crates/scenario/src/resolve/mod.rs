@@ -304,7 +304,7 @@ impl Resolver<'_> {
     fn note_scattering(&mut self, scene: &Scene) {
         let chosen =
             scene.solver.method != scene::Method::Adding && scene.solver.scattering != Strategy::Kernel;
-        let lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
+        let lobe = scene.display.panel().is_some_and(|panel| panel.diffuser().is_some());
         if chosen && !lobe {
             self.notes.push(
                 "solver.scattering has no effect: it is for a panel's diffuser given by its lobe; all scattering layers of \

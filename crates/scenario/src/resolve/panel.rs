@@ -1,7 +1,7 @@
 //! The short form of the layers: front of screen, surface or diffuser, glass; and the checks of keys for the ordinary panel only.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Display, Interface, Layer, Length, Medium, Ready, Scene, Surface};
+use papilio_display::scene::{Display, Interface, Layer, Length, Medium, Ready, Scene};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -156,7 +156,7 @@ impl Resolver<'_> {
     /// specularly.
     fn check_front_light(&mut self, file: &File, scene: &Scene) {
         let Some(guide) = &file.lighting.front_light.value else { return };
-        let over_lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
+        let over_lobe = scene.display.panel().is_some_and(|panel| panel.diffuser().is_some());
         if guide.distribution.value.is_some() && !over_lobe {
             let wrong = Diagnostic::new(
                 "`distribution` of a front light needs a panel with a diffuser given by a lobe, without `reflection`",
@@ -206,11 +206,11 @@ impl Resolver<'_> {
             return;
         }
         let panel = scene.display.panel();
-        let needs = if panel.as_ref().is_none_or(|panel| panel.diffuser.is_some()) {
+        let needs = if panel.as_ref().is_none_or(|panel| panel.diffuser().is_some()) {
             "a panel without diffuser"
         } else if !scene.display.index_above_pixel().is_constant() {
             "a glass of the same index at all wavelengths"
-        } else if panel.is_some_and(|panel| panel.glass.surface != Surface::IdealAr) {
+        } else if panel.is_some_and(|panel| *panel.face != Ready::IdealAr) {
             "surface = \"ideal-ar\""
         } else {
             return self.check_trapped(file, scene);

@@ -47,7 +47,7 @@ fn indoor_scenario_has_the_reference_display() {
                 ASTM D1003's scope, see ASTM E2387";
     assert_eq!(resolved.notes, [note, NO_REFLECTION]);
     assert_eq!(scene.display.panel().unwrap().front.len(), 1);
-    let diffuser = scene.display.panel().unwrap().diffuser.unwrap();
+    let diffuser = scene.display.panel().unwrap().diffuser().unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("not a k-correlation lobe") };
     // Truncated at the hemisphere, haze 0.78 is b = 0.05667; T from the total transmittance 0.90 by the truncation of that lobe.
     assert!((width - 0.05667).abs() < 5e-6);

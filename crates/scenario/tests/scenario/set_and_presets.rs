@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::common::{GOOD, changed, resolve, shipped};
-use papilio_display::scene::{Approximation, Drive, Lobe, Pixel, Sampler, Scene, Stop, Surface, Thickness};
+use papilio_display::scene::{Approximation, Drive, Lobe, Pixel, Sampler, Scene, Ready, Stop, Thickness};
 use papilio_scenario::{Resolved, preset_names};
 
 fn set(sets: &[&str]) -> Resolved {
@@ -75,7 +75,7 @@ fn set_accepts_numbers_without_leading_zero() {
     let straight = |value: &str| {
         let resolved =
             set(&["display.diffuser.haze=.5", &format!("display.diffuser.regular_fraction={value}")]);
-        resolved.scene.display.panel().unwrap().diffuser.clone().unwrap().regular_fraction
+        resolved.scene.display.panel().unwrap().diffuser().unwrap().clone().regular_fraction
     };
     for (value, expected) in [(".25", 0.25), (" +.25", 0.25), ("2.5e-1", 0.25), ("0.", 0.0), ("00.25", 0.25)]
     {
@@ -118,11 +118,11 @@ fn defaults() {
     let scene = &resolved.scene;
     assert_eq!((scene.grid.start_nm(), scene.grid.stop_nm(), scene.grid.step_nm()), (380.0, 780.0, 5.0));
     assert_eq!(
-        (scene.display.panel().unwrap().glass.index[0], scene.display.panel().unwrap().glass.surface),
-        (1.5, Surface::IdealAr)
+        (scene.display.index_above_pixel()[0], scene.display.panel().unwrap().face),
+        (1.5, &Ready::IdealAr)
     );
     assert!(
-        scene.display.panel().unwrap().diffuser.is_none() && scene.display.panel().unwrap().front.is_empty()
+        scene.display.panel().unwrap().diffuser().is_none() && scene.display.panel().unwrap().front.is_empty()
     );
     assert_eq!((scene.lighting.illuminance_lx, scene.lighting.diffuse), (500.0, 1.0));
     assert_eq!((&scene.viewer.theta_deg[..], &scene.viewer.phi_deg[..]), (&[0.0][..], &[0.0][..]));
@@ -189,14 +189,14 @@ fn presets_fill_lighting_and_viewer_and_keys_override_them() {
 fn transmittances_of_a_diffuser_are_consistent() {
     let diffuser = |sets: &[&str]| {
         let more = ["display.diffuser={ model = \"k-correlation\", width = 0.1, total_transmittance = 0.8 }"];
-        set(&[&more[..], sets].concat()).scene.display.panel().unwrap().diffuser.clone().unwrap()
+        set(&[&more[..], sets].concat()).scene.display.panel().unwrap().diffuser().unwrap().clone()
     };
     let share = 1.0 - 0.1 / 1.01_f64.sqrt();
     assert!((diffuser(&[]).transmittance[0] - 0.8 / share).abs() < 1e-12);
     let half = diffuser(&["display.diffuser.regular_fraction=0.5"]);
     assert!((half.transmittance[0] - 0.8 / (0.5 * share + 0.5)).abs() < 1e-12);
     let lambertian = set(&["display.diffuser={ model = \"lambertian\", total_transmittance = 0.8 }"]);
-    let lambertian = lambertian.scene.display.panel().unwrap().diffuser.clone().unwrap();
+    let lambertian = lambertian.scene.display.panel().unwrap().diffuser().unwrap().clone();
     assert_eq!((lambertian.lobe, lambertian.transmittance[0]), (Lobe::Lambertian, 0.8));
 }
 

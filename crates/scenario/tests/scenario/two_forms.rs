@@ -102,6 +102,39 @@ fn examples_in_both_forms_are_one_scene() {
     assert!(count > 40, "{count}");
 }
 
+/// What is a panel, and what resembles one.
+#[test]
+fn panels_are_recognised_among_layers() {
+    let pixel = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.5, black = 0 }\n";
+    let (sheet, air) = ("{ kind = \"component\", reflectance = 0.1 }", "{ kind = \"medium\", index = 1 }");
+    let (glass, bare) = ("{ kind = \"medium\", index = 1.5 }", "{ kind = \"fresnel\" }");
+    let lobe = "{ kind = \"diffuser\", model = \"lambertian\", transmittance = 0.9 }";
+    let cases: [(&[&str], bool); 14] = [
+        (&[glass], true),
+        (&[bare, glass], true),
+        (&["{ kind = \"ideal-ar\" }", glass], true),
+        (&[lobe, glass], true),
+        (&[lobe], true),
+        (&[sheet, sheet, lobe, glass], true),
+        (&[sheet, air, sheet, air, bare, glass], true),
+        // A second sheet of air, glass in two sheets, a component in glass, a lobe on the pixel, a component alone, an absorbing
+        // glass, a coating.
+        (&[sheet, air, air, bare, glass], false),
+        (&[lobe, glass, glass], false),
+        (&[bare, glass, sheet], false),
+        (&[bare, glass, lobe], false),
+        (&[sheet], false),
+        (&[lobe, "{ kind = \"medium\", internal_transmittance = 0.9 }"], false),
+        (&["{ kind = \"coating\", film = [{ material = \"MgF2\", thickness_nm = 99 }] }", glass], false),
+    ];
+    for (layers, is_panel) in cases {
+        let text = format!("[display]\nlayers = [{}]\n{pixel}", layers.join(", "));
+        let list = Scenario::from_text(&text, "list.toml", &shipped(), &[]).unwrap().resolve();
+        let list = list.unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(list.scene.display.panel().is_some(), is_panel, "{layers:?}");
+    }
+}
+
 #[test]
 fn results_of_both_forms_have_the_same_bits() {
     let stop = AtomicBool::new(false);

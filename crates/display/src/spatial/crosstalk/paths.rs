@@ -21,7 +21,7 @@ use crate::DisplayError;
 use crate::meter::{PRIMARIES, jackknife};
 use crate::run::{Control, Progress, Round, missed, until};
 use crate::scene::Matrix;
-use crate::setup::{Setup, ViewPoint, base_under};
+use crate::setup::{Setup, ViewPoint};
 
 /// Most paths of a view.
 const MOST_PATHS: u64 = 1 << 24;
@@ -72,7 +72,7 @@ impl<'a> Scenes<'a> {
                     let below = state.pixel_states.iter().map(|below| vec![(*below, 1.0)]);
                     below.chain([Vec::new()]).collect()
                 };
-                (base_under(&setup.stack).clone(), filter.states.iter().map(of_state).collect())
+                (setup.stack.base().clone(), filter.states.iter().map(of_state).collect())
             }
             None => {
                 let Surfaces { base, states } = Surfaces::new(setup, matrix)?;

@@ -6,7 +6,7 @@ use papilio_transport::{AngularTable, Base, Reflector};
 use crate::DisplayError;
 use crate::pixel::film::{Mixture, with_constant};
 use crate::scene::{Matrix, Pixel, Scene};
-use crate::setup::{Setup, base_under};
+use crate::setup::Setup;
 
 /// A fraction of the area of a sub-pixel that has a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +30,7 @@ impl Surfaces {
     /// Separates the surfaces of a display's pixel.
     pub(super) fn new(setup: &Setup, matrix: &Matrix) -> Result<Self, DisplayError> {
         let Scene { display, grid, .. } = &setup.scene;
-        let (base, sub_pixels) = (base_under(&setup.stack), matrix.sub_pixels.len());
+        let (base, sub_pixels) = (setup.stack.base(), matrix.sub_pixels.len());
         let (Pixel::Film(film), Reflector::Specular(table)) = (&display.pixel, &base.reflector) else {
             let state = |surface| vec![Part { sub_pixel: 0, surface, fraction: 1.0 }];
             let states = (0..base.states()).map(state).collect();
