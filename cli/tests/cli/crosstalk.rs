@@ -8,6 +8,9 @@ fn run(name: &str, more: &[&str]) -> std::process::Output {
     papilio().arg("crosstalk").arg(scenario(name)).args(more).output().unwrap()
 }
 
+/// Pixels inside which light spreads, below the diffuser of the example: only Monte Carlo computes them.
+const SPREAD: &str = "display.pixel={ model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.5, black = 0.1 }, spread_um = 5 }";
+
 #[test]
 fn crosstalk_writes_its_files() {
     let folder = tempfile::tempdir().unwrap();
@@ -41,7 +44,7 @@ fn missing_matrix_and_thickness_are_reported() {
         // All at once.
         ("epaper", &["--json"], "the key `matrix` is missing"),
         ("epaper", &["--json"], "the key `thickness_mm` is missing"),
-        ("matrix", &["--json", "--set", "display.matrix.spread_um=5"], "remove `spread_um`"),
+        ("matrix", &["--json", "--set", SPREAD], "monte-carlo"),
         // A pitch in mm.
         (
             "matrix",
@@ -128,7 +131,7 @@ fn folders_are_named_after_success() {
         command.args(["--set", "spectrum.step_nm=80", "--set", "pattern.text=l"]).args(more).output().unwrap()
     };
     assert!(run(&[]).status.success());
-    let refused = run(&["--set", "display.matrix.spread_um=5"]);
+    let refused = run(&["--set", SPREAD]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(!stderr(&refused).contains("is not replaced"), "{}", stderr(&refused));
     let other = run(&["--set", "viewer.theta_deg=20"]);

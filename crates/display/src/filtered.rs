@@ -90,6 +90,7 @@ impl<'a> Filtered<'a> {
         let (front, is_diffused) = (&panel.front.reflectance_below, matches!(panel.top, Top::Diffuser(_)));
         let is_field = |source: &Source| matches!(source, Source::Field(_));
         let refused = [
+            (scene.display.pixel_spread().is_some(), Refused::SpreadBelowFilter),
             (front.max() > 0.0 && is_diffused, Refused::FilterBelowLobeAndFront),
             (!front.is_constant(), Refused::FilterBelowColouredFront),
             (!panel.medium.index().is_constant(), Refused::FilterInDispersion),

@@ -16,6 +16,7 @@
 //! let paint = UniformPixel {
 //!     kind: UniformKind::Lambertian,
 //!     states: vec![("white".into(), constant(0.5))],
+//!     spread_mm: 0.0,
 //! };
 //! let scene = Scene {
 //!     grid,

@@ -22,6 +22,7 @@ pub use papilio_transport::{
     ScatterFace, ScatterKernel, Scattering, WaveFace, WaveLight,
 };
 
+pub(crate) use self::place::SPREAD_KEY;
 pub use self::place::{Filter, FilterState, Length, Matrix, SubPixelWindow};
 pub use crate::result::ReferenceWhite;
 pub use crate::target::{Metric, MetricSource, Target, Tolerance};
@@ -309,6 +310,8 @@ pub struct UniformPixel {
     pub kind: UniformKind,
     /// Name and reflectance of each state.
     pub states: Vec<(String, Spectrum)>,
+    /// How far light spreads sideways within Lambertian pixels, mm: where the line spread has decreased to 1/e; 0: not at all.
+    pub spread_mm: f64,
 }
 
 /// States given by their BRDFs. Directions are those of the medium above, of constant index: its sines take

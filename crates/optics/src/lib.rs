@@ -45,6 +45,7 @@ pub mod lobe;
 pub mod phase;
 mod random_face;
 pub mod rough;
+pub mod saunderson;
 pub mod scatter;
 pub mod scatterer;
 mod simd;

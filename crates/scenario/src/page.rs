@@ -61,6 +61,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.pixel uniform", pixel::UniformPixel::rows()),
         ("display.pixel measured", pixel::MeasuredPixel::rows()),
         ("display.pixel palette", pixel::PalettePixel::rows()),
+        ("display.pixel.measured_through", pixel::MeasuredThrough::rows()),
         ("display.matrix", matrix::Matrix::rows()),
         ("display.matrix.filter", matrix::Filter::rows()),
         ("lighting", lighting::Lighting::rows()),

@@ -289,9 +289,11 @@ impl Resolved {
             }
             DisplayError::PlacesNotComputed { what, key } => {
                 let wrong = Diagnostic::new(format!("the places of light are not computed yet for {what}"));
-                // No solver has a pixel that spreads light.
                 let wrong = if key.ends_with("spread_um") {
-                    wrong.expected("0 um").hint("remove `spread_um`")
+                    wrong.expected("0 um").hint(
+                        "remove `spread_um`: `papilio mtf` and `papilio crosstalk` compute it below flat faces, and by Monte Carlo below any \
+                         layers; `papilio image` below a flat face",
+                    )
                 } else if key.ends_with("samples_per_pixel") {
                     wrong
                         .expected("1")

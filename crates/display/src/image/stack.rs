@@ -13,7 +13,7 @@ use crate::DisplayError;
 use crate::lamp_images;
 use crate::palette::{Palette, PaletteColour};
 use crate::run::Control;
-use crate::scene::{Pixel, Scene, UniformKind};
+use crate::scene::{Pixel, SPREAD_KEY, Scene, UniformKind};
 use crate::setup::Setup;
 use crate::spatial::{Blur, BlurredPicture, LitPicture, PictureSurround, Precision};
 
@@ -109,6 +109,8 @@ impl Layers {
             .iter()
             .map(|(setup, palette)| colours_of_pages(setup, palette, several.without_lamps))
             .collect();
+        let spreads = scene.display.pixel_spread().is_some();
+        can_spread(scene)?;
         let mut error = lit.iter().map(|(_, palette)| palette.error()).fold(0.0, f64::max);
         let mut blurred = |blur: Blur, error: &mut f64| {
             let blur = blur.with_wholes(wholes);
@@ -146,7 +148,9 @@ impl Layers {
                     error += picture.error;
                     (Kind::Paper(Box::new(picture)), rows)
                 }
-                Err(DisplayError::PlacesNotComputed { .. } | DisplayError::PlacesByPaths { .. }) => {
+                Err(DisplayError::PlacesNotComputed { .. } | DisplayError::PlacesByPaths { .. })
+                    if !spreads =>
+                {
                     by_paths(&mut error)?
                 }
                 Err(other) => return Err(other),
@@ -245,12 +249,34 @@ fn add(sums: &mut Vec<[f32; 3]>, weight: f32, part: &[[f32; 3]]) {
     }
 }
 
-/// Whether pixels are Lambertian and below a face that returns light.
+/// Checks that the picture of pixels inside which light spreads is computed.
+fn can_spread(scene: &Scene) -> Result<(), DisplayError> {
+    let display = &scene.display;
+    if display.pixel_spread().is_none() {
+        return Ok(());
+    }
+    if display.matrix.is_none() {
+        return Err(DisplayError::NoMatrix { command: "image" });
+    }
+    let below = |what: &str| {
+        let what = format!("pictures on pixels inside which light spreads, below {what}");
+        Err(DisplayError::PlacesNotComputed { what, key: SPREAD_KEY.to_owned() })
+    };
+    if display.filter().is_some() {
+        return below("a colour filter");
+    }
+    if display.panel().is_some_and(|panel| panel.diffuser().is_some()) {
+        return below("a diffuser");
+    }
+    Ok(())
+}
+
+/// Whether pixels are Lambertian, and below a face that returns light or such that light spreads inside them.
 fn is_paper(scene: &Scene) -> bool {
     let is_paper =
         matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
     let is_glass = scene.display.index_above_pixel().max() > 1.0;
-    is_paper && is_glass && scene.display.matrix.is_some()
+    is_paper && (is_glass || scene.display.pixel_spread().is_some()) && scene.display.matrix.is_some()
 }
 
 /// X, Y and Z of pages of all states of a display; 0 for those that are not in the palette. The mirror images of lamps can be left out.

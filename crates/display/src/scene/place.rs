@@ -2,10 +2,13 @@
 //! how much of it.
 
 use papilio_spectra::Spectrum;
-use papilio_transport::spatial::Window;
+use papilio_transport::spatial::{PixelSpread, Window};
 
-use super::{Display, Interface, Layer, Ready};
+use super::{Display, Interface, Layer, Pixel, Ready, UniformKind};
 use crate::DisplayError;
+
+/// Key of the spread of light within the pixel.
+pub(crate) const SPREAD_KEY: &str = "display.pixel.spread_um";
 
 /// Length along the normal.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,8 +31,6 @@ pub struct Matrix {
     pub pixels: Option<[usize; 2]>,
     /// The sub-pixels: those of a film pixel in its order; those of a filter; or a single one.
     pub sub_pixels: Vec<SubPixelWindow>,
-    /// Width of the sideways scattering of light within the pixel, mm; 0: none.
-    pub spread_mm: f64,
     /// Second pattern plane above the pixels.
     pub filter: Option<Filter>,
 }
@@ -96,14 +97,19 @@ impl Display {
     /// light, where it has no effect on places.
     ///
     /// # Errors
-    /// If lengths are needed and missing: all of them, the lowest first; if light spreads within the pixel.
+    /// If lengths are needed and missing: all of them, the lowest first.
     pub fn lengths_mm(&self) -> Result<Vec<f64>, DisplayError> {
-        self.has_sharp_pixels()?;
         let first = self.first_needed();
         let missing = |layer: &Layer| match &layer.thickness {
             Length::Missing { key } => Some(key.clone()),
             Length::Mm(_) => None,
         };
+        if let (Some(spread), true) = (self.pixel_spread(), self.returns_nothing()) {
+            // Below any thickness of a medium like air, places are those inside the pixels; their scale is that of the spread.
+            let lengths =
+                (0..self.layers.len()).map(|number| self.length_mm(number).unwrap_or(spread.radius_mm()));
+            return Ok(lengths.collect());
+        }
         // The lowest first: without the glass, the others are of no use.
         let mut missing = self.layers.iter().skip(first).rev().filter_map(missing);
         if let Some(key) = missing.next() {
@@ -132,12 +138,22 @@ impl Display {
     /// # Errors
     /// If it spreads sideways within the pixel, which is not computed.
     pub(crate) fn has_sharp_pixels(&self) -> Result<(), DisplayError> {
-        match &self.matrix {
-            Some(matrix) if matrix.spread_mm > 0.0 => Err(DisplayError::PlacesNotComputed {
+        match self.pixel_spread() {
+            Some(_) => Err(DisplayError::PlacesNotComputed {
                 what: "light that spreads sideways within the pixel".to_owned(),
-                key: "display.matrix.spread_um".to_owned(),
+                key: SPREAD_KEY.to_owned(),
             }),
-            _ => Ok(()),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns how light spreads inside the pixels; `None` if it leaves them where it entered.
+    pub fn pixel_spread(&self) -> Option<PixelSpread> {
+        match &self.pixel {
+            Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian => {
+                PixelSpread::new(pixel.spread_mm)
+            }
+            _ => None,
         }
     }
 
@@ -152,6 +168,15 @@ impl Display {
                 Err(DisplayError::MissingLength { key: key.clone(), others: Vec::new() })
             }
         }
+    }
+
+    /// True if nothing is above the pixels that could move light or return it to them.
+    fn returns_nothing(&self) -> bool {
+        let Some(panel) = self.panel() else { return false };
+        let glass = self.layers.last().map(|layer| &layer.medium.index);
+        glass.is_some_and(|index| index.min() == 1.0 && index.max() == 1.0)
+            && panel.diffuser().is_none()
+            && panel.front.iter().all(|component| component.reflectance.max() == 0.0)
     }
 
     /// Returns the number of the highest medium from which light can come back to the pixel at another place.

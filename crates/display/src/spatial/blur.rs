@@ -307,7 +307,7 @@ fn responses(
     let lengths_mm = setup.scene.display.lengths_mm()?;
     let level =
         Level { digits, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]), is_fine: digits > 10.0, finer: 0 };
-    let lit = Lit { panel, lengths_mm: &lengths_mm, view, level };
+    let lit = Lit { panel, lengths_mm: &lengths_mm, view, level, spread: None };
     let lights = Meter::new(setup).pixel_lights().into_iter().filter(PixelLight::is_seen);
     lights
         .map(|light| lobe::of_quantities(lit, &setup.sources[light.source], &light.weights))

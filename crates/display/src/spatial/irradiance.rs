@@ -1,6 +1,6 @@
 //! Irradiance of cells of given reflectances, to which the layers of a flat panel or a front return light: `E = 1 + A * (rho E)`.
 
-use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Recycling, displacement};
+use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, PixelSpread, Recycling, displacement};
 
 use super::Refused;
 use super::ghosts::Faces;
@@ -16,8 +16,8 @@ const MOST_IMAGES: usize = 6;
 
 /// What comes back to pixels, at wavelengths at which it is the same.
 pub(super) enum Return {
-    /// To Lambertian pixels.
-    Everywhere(LambertianReturn),
+    /// To Lambertian pixels, inside which light may spread.
+    Everywhere(LambertianReturn, Option<PixelSpread>),
     /// To mirror-like pixels, in the direction of the view.
     Trips(Trips),
 }
@@ -39,7 +39,7 @@ impl Return {
         if !lit.panel.base.is_specular() {
             let accuracy = Accuracy { digits: lit.level.digits, most_per_mm };
             let all = LambertianReturn::all(lit.panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
-            return Ok(all.into_iter().map(Self::Everywhere).collect());
+            return Ok(all.into_iter().map(|one| Self::Everywhere(one, lit.spread)).collect());
         }
         let (beta, index) = (lit.view.field.axis_towards(), lit.panel.medium.index());
         let air_mm = displacement(beta, 2.0 * lit.air_mm()?, 1.0);
@@ -60,7 +60,7 @@ impl Return {
     /// Numbers of the wavelengths.
     pub(super) fn bins(&self) -> &[usize] {
         match self {
-            Self::Everywhere(returned) => &returned.bins,
+            Self::Everywhere(returned, _) => &returned.bins,
             Self::Trips(trips) => &trips.bins,
         }
     }
@@ -68,7 +68,7 @@ impl Return {
     /// Fraction of the light of a page that comes back.
     pub(super) fn of_page(&self) -> f64 {
         match self {
-            Self::Everywhere(returned) => returned.at(0.0),
+            Self::Everywhere(returned, _) => returned.at(0.0),
             Self::Trips(trips) => trips.faces.returned(),
         }
     }
@@ -76,8 +76,8 @@ impl Return {
     /// Solves the irradiance of cells, given their reflectances and a tolerance.
     pub(super) fn solver<'a>(&'a self, cells: Cells) -> Box<dyn Fn(&[f64], f64) -> Vec<f64> + 'a> {
         match self {
-            Self::Everywhere(returned) => {
-                let recycling = Recycling::new(cells, |f| returned.at(f));
+            Self::Everywhere(returned, spread) => {
+                let recycling = Recycling::new(cells, |f| returned.at(f)).with_spread(*spread);
                 Box::new(move |rho, tolerance| recycling.irradiance(rho, tolerance))
             }
             Self::Trips(Trips { faces, step_mm, air_mm, .. }) => {

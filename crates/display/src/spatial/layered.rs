@@ -165,7 +165,7 @@ impl Frame<'_> {
             || !stack.base.is_specular();
         let is_same = is_round && view.theta_deg == 0.0;
         Ok(Prepared {
-            spread: spread.map_err(Refused::Layered)?,
+            spread: spread.map_err(Refused::Layered)?.with_spread(setup.scene.display.pixel_spread()),
             axes: if is_same { 1 } else { 2 },
             from_faces: meter.without_pixel(&factors)[1],
             factors,

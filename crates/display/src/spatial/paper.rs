@@ -9,12 +9,15 @@
 //! In an oblique view, light that has been reflected between face and front is seen from another place: a second image, with its own
 //! surroundings, shifted by twice the way through the air.
 //!
+//! Light that spreads inside the pixels ([`PixelSpread`]), with the transform P, makes of it `(1 + P)/2 (1 - rho A(0))/(1 - rho P A(f))`: half
+//! of the light is sharp, the other half has the point spread of the pixel.
+//!
 //! Places come from frequencies by Fourier and Hankel series with a period of [`PERIOD`] thicknesses.
 
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Peak, Recycling};
+use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Peak, PixelSpread, Recycling};
 use papilio_transport::{Source, Top};
 
 use super::irradiance::images;
@@ -47,6 +50,8 @@ pub(super) struct Paper {
     /// How far light spreads that is returned: the thickness, or a part of a large distance to the front.
     reach_mm: f64,
     faces: Vec<LambertianReturn>,
+    /// Spread inside the pixels; not below a diffuser.
+    spread: Option<PixelSpread>,
     /// Reflectance of the paper, and light by wavelength, `[state][wavelength]`.
     reflectance: Vec<f64>,
     light: Vec<f64>,
@@ -101,17 +106,31 @@ pub(super) fn response(
     let accuracy = Accuracy { digits: level.digits, most_per_mm };
     let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
     let step_per_mm = 1.0 / (PERIOD * reach_mm);
+    let spread = lit.spread;
     let mut paper =
-        Paper { lobe, thickness_mm, reach_mm, faces, reflectance, light, bins, images: Vec::new() };
+        Paper { lobe, thickness_mm, reach_mm, faces, spread, reflectance, light, bins, images: Vec::new() };
     // A(0) and A(f) of each face.
     let count = (HIGHEST / thickness_mm / step_per_mm) as usize;
     let returned: Vec<Vec<[f64; 2]>> = (0..count).map(|k| paper.returned(k as f64 * step_per_mm)).collect();
     for (at_mm, fraction) in images(lit)? {
         let shades: Vec<_> = (0..states).map(|state| paper.shades_of(state, &fraction)).collect();
-        let sharp = sum(&shades, &paper.returned(0.0), |rho, zero, _| 1.0 - rho * zero);
-        let all: Vec<Vec<f64>> = returned.iter().map(|returned| sum(&shades, returned, orders)).collect();
-        let rest = |state: usize| all.iter().map(|one| one[state] - sharp[state]).collect();
-        let rest = Series { step_per_mm, sharp: sharp.clone(), rest: (0..states).map(rest).collect(), at_mm };
+        let alone = sum(&shades, &paper.returned(0.0), |rho, zero, _| 1.0 - rho * zero);
+        let all = |(k, returned): (usize, &Vec<[f64; 2]>)| {
+            sum(&shades, returned, orders(spread, k as f64 * step_per_mm))
+        };
+        let all: Vec<Vec<f64>> = returned.iter().enumerate().map(all).collect();
+        // Without what is not returned to the pixel, which is known by place.
+        let direct = |k: usize| spread.map_or(1.0, |spread| spread.of_state(k as f64 * step_per_mm));
+        let rest = |state: usize| {
+            all.iter().enumerate().map(|(k, one)| one[state] - direct(k) * alone[state]).collect()
+        };
+        let rest = (0..states).map(rest).collect();
+        let half = || alone.iter().map(|light| 0.5 * light).collect::<Vec<f64>>();
+        let (sharp, inside) = match spread {
+            None => (alone, None),
+            Some(spread) => (half(), Some((spread, half()))),
+        };
+        let rest = Series { step_per_mm, sharp: sharp.clone(), rest, at_mm, inside };
         let series = match &paper.lobe {
             Some(lobe) => lobe.spread(&rest).to_vec(),
             None => vec![rest],
@@ -180,8 +199,12 @@ impl Lobe {
 }
 
 /// Light at a frequency over that at 0, of reflectance rho with the returns at 0 and at the frequency.
-fn orders(rho: f64, zero: f64, returned: f64) -> f64 {
-    (1.0 - rho * zero) / (1.0 - rho * returned)
+fn orders(spread: Option<PixelSpread>, frequency_per_mm: f64) -> impl Fn(f64, f64, f64) -> f64 {
+    let inside = spread.map(|spread| (spread.at(frequency_per_mm), spread.of_state(frequency_per_mm)));
+    move |rho, zero, returned| match inside {
+        None => (1.0 - rho * zero) / (1.0 - rho * returned),
+        Some((spread, state)) => state * (1.0 - rho * zero) / (1.0 - rho * spread * returned),
+    }
 }
 
 /// Sums the light of each state times a function of rho, A(0) and A(f).
@@ -227,7 +250,7 @@ impl Paper {
     {
         let mut sum: Option<N> = None;
         for face in &self.faces {
-            let recycling = Recycling::new(cells, |f| face.at(f));
+            let recycling = Recycling::new(cells, |f| face.at(f)).with_spread(self.spread);
             let zero = face.at(0.0);
             // Wavelengths with the same reflectances are solved once.
             let mut known: Vec<([f64; 2], Vec<usize>)> = Vec::new();
@@ -265,17 +288,20 @@ impl Paper {
         sum.unwrap_or_else(|| reduced(&vec![0.0; is_first.len()]))
     }
 
-    /// Mean of two states in a pattern that is much finer than the thickness: its mean reflectance returns light (Clapper, Yule).
+    /// Mean of two states in a pattern that is much finer than the thickness: its mean reflectance returns light (Clapper, Yule). Where light
+    /// spreads inside the pixels, the square of the mean root takes the place of the mean reflectance.
     fn fine_mean(&self, states: [usize; 2]) -> f64 {
         let mut sum = 0.0;
         for face in &self.faces {
             let zero = face.at(0.0);
             for bin in &face.bins {
                 let rho = states.map(|state| self.reflectance[state * self.bins + bin]);
-                let mean = 0.5 * (rho[0] + rho[1]);
+                let root = 0.5 * (rho[0].sqrt() + rho[1].sqrt());
+                let mean = if self.spread.is_some() { root * root } else { 0.5 * (rho[0] + rho[1]) };
                 for (state, rho) in states.into_iter().zip(rho) {
                     let light = self.light[state * self.bins + bin];
-                    sum += 0.5 * light * (1.0 - rho * zero) / (1.0 - mean * zero);
+                    let inside = if self.spread.is_some() && rho > 0.0 { root / rho.sqrt() } else { 1.0 };
+                    sum += 0.5 * inside * light * (1.0 - rho * zero) / (1.0 - mean * zero);
                 }
             }
         }
@@ -322,7 +348,7 @@ impl Response for Paper {
         let mut sums = vec![Complex64::ZERO; self.reflectance.len() / self.bins];
         for Image { shades, series, .. } in &self.images {
             let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * series[0].at_mm[axis]);
-            let light = sum(shades, &returned, orders);
+            let light = sum(shades, &returned, orders(self.spread, frequency_per_mm));
             sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += light * phase);
         }
         if let Some(lobe) = &self.lobe {
@@ -345,7 +371,12 @@ impl Response for Paper {
     }
 
     fn line(&self, states: [usize; 2], axis: usize, width_mm: f64, level: Level) -> Option<f64> {
-        let parts = if level.is_fine { 5 } else { 3 };
+        let parts = match (self.spread, level.is_fine) {
+            (None, true) => 5,
+            (None, false) => 3,
+            (Some(_), true) => 15,
+            (Some(_), false) => 9,
+        };
         let cell = width_mm / parts as f64;
         let count = (LINE_PERIOD * self.reach_mm / cell).max(16.0 * parts as f64) as usize;
         let count = count.next_power_of_two();
@@ -392,7 +423,12 @@ impl Response for Paper {
         let Text { bitmap, pitch_mm, middles } = text;
         let widest = if level.is_fine { 0.17 } else { 0.4 } * self.thickness_mm;
         // An odd number of cells: one is in the middle of each pixel.
-        let parts = pitch_mm.map(|pitch| (pitch / widest).ceil() as usize | 1);
+        let least = match (self.spread, level.is_fine) {
+            (None, _) => 1,
+            (Some(_), true) => 5,
+            (Some(_), false) => 3,
+        };
+        let parts = pitch_mm.map(|pitch| (pitch / widest).ceil().max(f64::from(least)) as usize | 1);
         let [columns, rows] = [0, 1].map(|axis| bitmap.count[axis] * parts[axis]);
         let period_mm = [0, 1].map(|axis| bitmap.count[axis] as f64 * pitch_mm[axis]);
         let pixel = |cell: usize| cell / columns / parts[1] * bitmap.count[0] + cell % columns / parts[0];
@@ -425,7 +461,8 @@ impl Response for Paper {
     }
 
     fn peaks(&self) -> Vec<Peak> {
-        let peak = |at_mm| Peak { at_mm, width_mm: 0.05 * self.thickness_mm };
+        let width_mm = self.spread.map_or(f64::INFINITY, |spread| spread.radius_mm());
+        let peak = |at_mm| Peak { at_mm, width_mm: width_mm.min(0.05 * self.thickness_mm) };
         match &self.lobe {
             Some(lobe) => lobe.once.peaks(),
             None => self.images().into_iter().map(peak).collect(),

@@ -121,6 +121,7 @@ impl LitPicture {
         let lengths_mm = setup.scene.display.lengths_mm()?;
         let thickness_mm = lengths_mm.last().copied().unwrap_or_default();
         let (panel, rho) = covered(setup)?;
+        let spread = setup.scene.display.pixel_spread();
         let highest = picture.states.iter().copied().map(usize::from).max().unwrap_or(0);
         if highest >= setup.states.len() || picture.states.len() != picture.count[0] * picture.count[1] {
             return Err(DisplayError::NoSuchQuantity {
@@ -146,7 +147,10 @@ impl LitPicture {
         let mut parts = [empty(picture.part()), empty(picture.part())];
         let mut whole = empty(picture);
         // Cells of half the size, and their diagonal.
-        let accuracy = Accuracy { digits: DIGITS, most_per_mm: 2.0 / (finer.cell * thickness_mm) };
+        let most_per_mm = 2.0 / (finer.cell * thickness_mm);
+        // Where light spreads inside the pixels, each is a cell.
+        let of_pixels = if spread.is_some() { 0.75 / pitch_mm[0].min(pitch_mm[1]) } else { 0.0 };
+        let accuracy = Accuracy { digits: DIGITS, most_per_mm: most_per_mm.max(of_pixels) };
         let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
         whole.error = shifted(panel, &lengths_mm, &setup.views);
         for face in faces {
@@ -169,7 +173,9 @@ impl LitPicture {
             let seen = of_states(first, states, count, &bins);
             let light = PageLight { reflectance: &reflectance, seen: &seen };
             let solve = |into: &mut Self, precision: Precision| {
-                let lit = LitPage::new(&into.page(), &|f| face.at(f), light, precision, thickness_mm);
+                let returned = |f: f64| face.at(f);
+                let lit =
+                    LitPage::with_spread(spread, &into.page(), (&returned, thickness_mm), light, precision);
                 into.groups.push(Group { bins: bins.clone(), reflectance: reflectance.clone(), lit });
             };
             solve(&mut whole, precision);

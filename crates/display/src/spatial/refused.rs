@@ -4,6 +4,7 @@ use papilio_transport::adding::NotCovered;
 use papilio_transport::spatial::SpreadError;
 
 use crate::DisplayError;
+use crate::scene::SPREAD_KEY;
 
 /// Layers, pixels and lights whose places adding does not compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,6 +19,10 @@ pub(crate) enum Refused {
     Fronts(SpreadError),
     /// A ghost of one sub-pixel lies on another: the reflectance of the pixel's mean is not enough.
     SubPixelsBelowFaces,
+    /// Light that a lobe blurs has left the pixels at places that spread again.
+    SpreadBelowLobe,
+    /// The same in the plane of a filter.
+    SpreadBelowFilter,
     /// The response of a display with a filter is not the same at all places of a period.
     SharpnessWithFilter,
     /// Places of light in the plane of the filter are those of an ordinary panel of Lambertian pixels.
@@ -58,6 +63,10 @@ impl From<Refused> for DisplayError {
                 "mirror-like sub-pixels of different colours below a face, or a front, that reflects",
                 "display.glass.surface",
             ),
+            Refused::SpreadBelowLobe => ("light that spreads inside pixels below a diffuser", SPREAD_KEY),
+            Refused::SpreadBelowFilter => {
+                ("light that spreads inside the pixels below a colour filter", SPREAD_KEY)
+            }
             Refused::SharpnessWithFilter => {
                 ("the sharpness of a display with a colour filter", "display.matrix.filter")
             }

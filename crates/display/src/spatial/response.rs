@@ -1,7 +1,7 @@
 //! What a view sees of each light, by frequency and by place.
 
 use num_complex::Complex64;
-use papilio_transport::spatial::{Peak, air_below_front_mm};
+use papilio_transport::spatial::{Peak, PixelSpread, air_below_front_mm};
 use papilio_transport::{Panel, Source, Stack, Top};
 
 use super::patterns::{Pattern, Text};
@@ -89,7 +89,11 @@ pub(crate) fn responses(
         return Err(Refused::Layers.into());
     };
     let factors = setup.seen(view, level.of_pages(), control)?;
-    let lit = Lit { panel, lengths_mm: &lengths, view, level };
+    let spread = setup.scene.display.pixel_spread();
+    if spread.is_some() && matches!(panel.top, Top::Diffuser(_)) {
+        return Err(Refused::SpreadBelowLobe.into());
+    }
+    let lit = Lit { panel, lengths_mm: &lengths, view, level, spread };
     let mut all = Vec::new();
     for light in meter.pixel_lights().into_iter().filter(PixelLight::is_seen) {
         let [_, weights, _] = &light.weights;
@@ -113,6 +117,8 @@ pub(super) struct Lit<'a> {
     pub(super) lengths_mm: &'a [f64],
     pub(super) view: &'a ViewPoint,
     pub(super) level: Level,
+    /// Spread of light inside the pixels.
+    pub(super) spread: Option<PixelSpread>,
 }
 
 impl Lit<'_> {

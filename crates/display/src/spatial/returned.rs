@@ -119,7 +119,7 @@ fn later(lit: Lit<'_>, first: &LobeResponse, (once, orders): (&[f64], &[f64])) -
         }
     }
     let at_mm = place_mm(lit, air_mm);
-    Series { step_per_mm, sharp: vec![0.0; once.len()], rest, at_mm }
+    Series { step_per_mm, sharp: vec![0.0; once.len()], rest, at_mm, inside: None }
 }
 
 /// Power of the blur of the first order that is left of light that returns later.

@@ -4,6 +4,8 @@
 
 use std::f64::consts::PI;
 
+use papilio_transport::spatial::PixelSpread;
+
 /// Number of rings with which cells are filled.
 const RINGS: usize = 300;
 
@@ -17,6 +19,8 @@ pub(super) struct Series {
     pub(super) rest: Vec<Vec<f64>>,
     /// Place of the point, mm.
     pub(super) at_mm: [f64; 2],
+    /// Light of each state that spreads inside the pixel and is not returned to it.
+    pub(super) inside: Option<(PixelSpread, Vec<f64>)>,
 }
 
 impl Series {
@@ -46,7 +50,17 @@ impl Series {
             let terms = weights.iter().enumerate().map(|(k, weight)| weight * at(first + k as i64));
             sharp + terms.sum::<f64>()
         };
-        self.sharp.iter().zip(&self.rest).map(of_state).collect()
+        let sums = self.sharp.iter().zip(&self.rest).map(of_state).collect();
+        self.with_inside(sums, |spread| spread.at(frequency_per_mm))
+    }
+
+    /// Adds a part of the light that spreads inside the pixel.
+    fn with_inside(&self, mut sums: Vec<f64>, part: impl FnOnce(&PixelSpread) -> f64) -> Vec<f64> {
+        if let Some((spread, light)) = &self.inside {
+            let part = part(spread);
+            sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += light * part);
+        }
+        sums
     }
 
     /// Light of each state on the lower side of a place along an axis.
@@ -64,7 +78,7 @@ impl Series {
             let factor = s / (PI * k as f64);
             sums.iter_mut().zip(&self.rest).for_each(|(sum, rest)| *sum += rest[k] * factor);
         }
-        sums
+        self.with_inside(sums, |spread| spread.below(at_mm))
     }
 
     /// Light of each state within a radius above 0 about the view's own ray. `distance_mm`: of the point from there.
@@ -83,7 +97,8 @@ impl Series {
         }
         let sharp = |sharp: &f64| if distance_mm < radius_mm { *sharp } else { 0.0 };
         let states = sums.iter().zip(&self.sharp);
-        states.map(|(sum, own)| sharp(own) + 2.0 * PI * radius_mm * sum).collect()
+        let sums = states.map(|(sum, own)| sharp(own) + 2.0 * PI * radius_mm * sum).collect();
+        self.with_inside(sums, |spread| spread.within(radius_mm, distance_mm))
     }
 
     /// Light between ascending borders, from what is below each, `[state][bin]`.
@@ -92,6 +107,7 @@ impl Series {
             (0..self.states()).map(|_| Vec::with_capacity(edges.len() + 1)).collect();
         let mut last = vec![0.0; self.states()];
         let total = (0..self.states()).map(|state| self.sharp[state] + self.rest[state][0]).collect();
+        let total = self.with_inside(total, |_| 1.0);
         for now in edges.iter().map(|edge| below(*edge)).chain([total]) {
             for (state, bins) in bins.iter_mut().enumerate() {
                 bins.push(now[state] - last[state]);

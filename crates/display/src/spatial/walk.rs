@@ -380,7 +380,8 @@ impl<'a> Placed<'a> {
             Some(filter) => PlacedWalk::filtered(filter.clone(), stack, lengths, (view, sources), what),
             None => PlacedWalk::new(stack, lengths, view, sources, what),
         };
-        walk.map_err(DisplayError::Places)
+        let spread = self.setup.scene.display.pixel_spread();
+        walk.map(|walk| walk.with_spread(spread)).map_err(DisplayError::Places)
     }
 
     /// Computes all replicates. Each is given its number and a function that calls another with numbers of paths, until all are traced.

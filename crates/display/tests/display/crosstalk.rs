@@ -230,8 +230,8 @@ fn what_has_no_place_is_refused() {
     let thin = "[display.glass]\nindex = 1.5\n";
     assert_eq!(key(&[LOBE, thin, matrix, MIRROR, DIFFUSE]), "display.glass.thickness_mm");
     assert_eq!(key(&[BARE, matrix, ALUMINIUM, DIFFUSE]), "display.glass.surface");
-    let spread = "[display.matrix]\nppi = 300\nspread_um = 5\n";
-    assert_eq!(key(&[LOBE, GLASS, spread, MIRROR, DIFFUSE]), "display.matrix.spread_um");
+    let spread = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6 }\nspread_um = 5\n";
+    assert_eq!(key(&[LOBE, GLASS, matrix, spread, DIFFUSE]), "display.pixel.spread_um");
     let front = "[[display.front]]\nreflectance = 0.01\nabsorptance = 0.0\ngap_mm = 0.1\n";
     assert_eq!(key(&[front, GLASS, matrix, ALUMINIUM, DIFFUSE]), "display.glass.surface");
     assert_eq!(key(&[front, front, BARE, matrix, MIRROR, DIFFUSE]), "display.front");

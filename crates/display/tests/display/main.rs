@@ -32,5 +32,6 @@ mod picture_samples;
 mod placed;
 mod prepared;
 mod shown;
+mod spread_within;
 mod sub_pixels;
 mod viewing_cone;

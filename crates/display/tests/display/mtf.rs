@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::spatial::{MtfResult, MtfState, mtf, sparkle, walk};
+use papilio_display::spatial::{MtfResult, MtfState, mtf, sparkle};
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario};
 
@@ -225,22 +225,21 @@ fn displays_without_places_are_refused() {
     }
 }
 
-/// Light that spreads within the pixel is refused by all that computes places, not ignored.
+/// Light that spreads within the pixel is refused by what does not compute it, not ignored.
 #[test]
 fn pixels_that_spread_light_are_refused() {
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
-    let spread = ["display.matrix.spread_um=10"];
-    let key = |error| match error {
-        DisplayError::PlacesNotComputed { key, .. } => key,
+    let spread = "display.pixel={ model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.5 }, spread_um = 10 }";
+    let panel = common::scenario("matrix", &[spread]).unwrap();
+    match mtf(&panel.scene, &panel.patterns, &control).unwrap_err() {
+        DisplayError::PlacesByPaths { key, .. } => assert_eq!(key, "display.pixel.spread_um"),
         other => panic!("{other}"),
-    };
-    let panel = common::scenario("matrix", &spread).unwrap();
-    assert_eq!(key(mtf(&panel.scene, &panel.patterns, &control).unwrap_err()), "display.matrix.spread_um");
-    let walked = walk::transfer(&panel.scene, &[[1.0, 0.0]], 1, &control);
-    assert_eq!(key(walked.unwrap_err()), "display.matrix.spread_um");
-    let face = common::scenario("antiglare", &spread).unwrap();
-    let sparkled = sparkle(&face.scene, face.sparkle.as_ref().unwrap(), &control);
-    assert_eq!(key(sparkled.unwrap_err()), "display.matrix.spread_um");
+    }
+    let face = common::scenario("antiglare", &[spread]).unwrap();
+    match sparkle(&face.scene, face.sparkle.as_ref().unwrap(), &control).unwrap_err() {
+        DisplayError::PlacesNotComputed { key, .. } => assert_eq!(key, "display.pixel.spread_um"),
+        other => panic!("{other}"),
+    }
 }
 
 /// At grazing views numbers stay finite.

@@ -21,8 +21,6 @@ table! {
         subpixel as "Sub-pixel rectangles": Option<Named<Vec<Spanned<Vec<Spanned<Fraction>>>>>>,
         /// The same rectangles from a CSV file with the columns name, x0, y0, x1, y1. Default: the layout.
         subpixel_file: Option<String>,
-        /// Width of the sideways scattering of light within the pixel; it must be 0: no solver computes it yet.
-        spread_um as "Spread within the pixel": Micrometres = Micrometres(0.0),
         /// A colour filter above the pixels, with the same rectangles. Default: none.
         filter: Option<Filter>,
         /// With a filter, the states of the display: the state of the pixel below each part of the filter. Default: the eight states

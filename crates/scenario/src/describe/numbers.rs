@@ -48,6 +48,10 @@ number!(
     Index, Range::above_0_to(1000.0).unit("refractive index")
 );
 number!(
+    /// The refractive index of a medium below a face through which was measured.
+    FaceIndex, Range::from_to(1.01, 4.0).unit("refractive index")
+);
+number!(
     /// The refractive index of a medium at a surface that is measured by rays or waves.
     SurfaceIndex, Range::from_to(0.1, 10.0).unit("refractive index")
 );

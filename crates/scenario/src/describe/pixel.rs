@@ -7,7 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 
 use super::diffuser::{Extrapolate, Normalise};
 use super::display::{MaterialSpec, ShareSpectrum};
-use super::numbers::{Nanometres, PositiveShare, Share};
+use super::numbers::{FaceIndex, Micrometres, Nanometres, PositiveShare, Share};
 use crate::error::Errors;
 use crate::grammar::{choice, forms, kinds, table};
 use crate::origin::Origin;
@@ -200,6 +200,77 @@ table! {
         kind: ReflectionKind,
         /// Reflectance of each state *below* the glass, which is not the value of a datasheet.
         reflectance: Named<ShareSpectrum>,
+        /// The flat face through which the reflectances were measured; the pixel's own are recovered. For `kind = "lambertian"`. Default:
+        /// they are the pixel's own.
+        measured_through as "Measured through": Option<MeasuredThrough>,
+        /// How far light spreads sideways within a Lambertian pixel: the distance at which the line spread has decreased to 1/e.
+        /// Default: 0.
+        spread_um as "Spread within the pixel": Option<SpreadWithin>,
+    }
+}
+
+table! {
+    /// A flat face through which reflectances were measured, in diffuse light at 8 deg (d/8).
+    MeasuredThrough {
+        /// Refractive index of the medium below the face.
+        index: FaceIndex,
+        /// Whether the light that the face reflects itself is part of the values.
+        specular as "Specular component": SpecularComponent = SpecularComponent::Included,
+    }
+}
+
+choice! {
+    /// The light that a face reflects like a mirror.
+    SpecularComponent {
+        /// It is part of the values.
+        Included = "included",
+        /// The instrument has removed it.
+        Excluded = "excluded",
+    }
+}
+
+forms! {
+    /// How far light spreads within a pixel: a length, or "slab".
+    SpreadWithin, format!("{}, or \"slab\"", Micrometres::in_words()); {
+        /// The distance at which the line spread has decreased to 1/e.
+        Radius(Micrometres) if Value::Integer(_) | Value::Float(_),
+        /// The spread of a slab.
+        Slab(SlabWord) if Value::Text(_),
+    }
+}
+
+/// The word "slab".
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SlabWord;
+
+impl Read for SlabWord {
+    fn in_words() -> String {
+        "\"slab\"".to_owned()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        match &node.value {
+            Value::Text(word) if word == "slab" => Some(Self),
+            _ => node.wrong_type(SpreadWithin::in_words(), errors),
+        }
+    }
+}
+
+impl serde::Serialize for SlabWord {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str("slab")
+    }
+}
+
+impl JsonSchema for SlabWord {
+    fn schema_name() -> Cow<'static, str> {
+        "SlabWord".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        schemars::json_schema!({ "const": "slab" })
+    }
+    fn inline_schema() -> bool {
+        true
     }
 }
 
@@ -220,6 +291,12 @@ table! {
         file: String,
         /// The CIE illuminant of L\*, a\*, b\*. Spectra need none.
         illuminant as "Illuminant of L*, a*, b*": String = "D50".to_owned(),
+        /// The flat face through which the values were measured; those of the inks below it are recovered. Default: the colours are used as they
+        /// are.
+        measured_through as "Measured through": Option<MeasuredThrough>,
+        /// How far light spreads sideways within the pixels: the distance at which the line spread has decreased to 1/e.
+        /// Default: 0.
+        spread_um as "Spread within the pixel": Option<SpreadWithin>,
     }
 }
 

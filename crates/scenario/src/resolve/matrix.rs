@@ -42,13 +42,7 @@ impl Resolver<'_> {
             Some(filter) => names.and_then(|names| self.filter(matrix, filter, &names, pixel)).map(Some),
             None => self.refuse_states(matrix).map(|()| None),
         };
-        Some(Matrix {
-            pitch_mm: pitch_mm?,
-            pixels: pixels?,
-            sub_pixels: windows?,
-            spread_mm: matrix.spread_um.0 * MM_PER_UM,
-            filter: filter?,
-        })
+        Some(Matrix { pitch_mm: pitch_mm?, pixels: pixels?, sub_pixels: windows?, filter: filter? })
     }
 
     /// Resolves the period along x and y, mm.

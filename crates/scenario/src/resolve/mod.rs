@@ -25,6 +25,7 @@ mod relief;
 mod sampling;
 mod sparkle;
 mod stack;
+mod through;
 mod unbounded;
 mod viewer;
 mod windows;

@@ -4,9 +4,11 @@ use papilio_colour::{Lab, Observer};
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{UniformKind, UniformPixel};
 use papilio_formats::{PaletteTable, read_palette};
+use papilio_optics::saunderson::DiffuseFace;
 use papilio_spectra::{Grid, Spectrum, Tabulated, illuminant};
 
 use super::Resolver;
+use super::through::impossible;
 use crate::describe::File;
 use crate::describe::display::MaterialSpec;
 use crate::describe::numbers::Index;
@@ -34,11 +36,16 @@ impl Resolver<'_> {
             self.err(&pixel.illuminant, mistake::unknown_light(&pixel.illuminant.value));
             return None;
         };
+        let face = self.face(&pixel.measured_through);
         let states = match table {
             PaletteTable::Spectra(states) => {
                 let spectra = states.into_iter();
                 spectra
-                    .map(|(name, table)| Some((name, self.measured_spectrum(pixel, &table)?)))
+                    .map(|(name, table)| {
+                        let measured = self.measured_spectrum(pixel, &table)?;
+                        let own = self.below(face, (name.as_str(), measured), pixel.file.origin)?;
+                        Some((name, own))
+                    })
                     .collect::<Option<_>>()?
             }
             PaletteTable::Lab(states) => {
@@ -48,15 +55,33 @@ impl Resolver<'_> {
                 ));
                 states
                     .into_iter()
-                    .map(|(name, lab)| self.smoothest(pixel, (&grid, &light), name, lab))
+                    .map(|(name, lab)| self.smoothest(pixel, (&grid, &light), face, (name, lab)))
                     .collect::<Option<_>>()?
             }
         };
-        Some(UniformPixel { kind: UniformKind::Lambertian, states })
+        let spread_mm = self.spread_within(&pixel.spread_um)?;
+        Some(UniformPixel { kind: UniformKind::Lambertian, states, spread_mm })
     }
 
-    /// Warns of a second surface: a palette was measured through that of the panel.
+    /// Warns of a second surface: a palette was measured through that of the panel. Warns if inks below a face have none in the display.
     pub(super) fn check_surface(&mut self, file: &File) {
+        let through = match &file.display.pixel.value {
+            Pixel::Palette(palette) => palette.measured_through.as_ref(),
+            Pixel::Uniform(uniform) => uniform.measured_through.as_ref(),
+            _ => None,
+        };
+        if let Some(through) = through {
+            let glass = file.display.glass.as_ref().map(|glass| &glass.index.value);
+            let is_bare = matches!(glass, Some(MaterialSpec::Number(Index(index))) if *index == 1.0);
+            if is_bare && file.display.diffuser.is_none() {
+                self.warnings.push(format!(
+                    "display.pixel.measured_through: the reflectances below the face are used, but the display has no face; add [display.glass] \
+                     with index = {} to see the panel that was measured",
+                    tidy(through.index.0)
+                ));
+            }
+            return;
+        }
         let (Pixel::Palette(_), Some(glass)) = (&file.display.pixel.value, &file.display.glass.value) else {
             return;
         };
@@ -78,13 +103,29 @@ impl Resolver<'_> {
         &mut self,
         pixel: &PalettePixel,
         (grid, light): (&Grid, &Spectrum),
-        name: String,
-        lab: Lab,
+        face: Option<DiffuseFace>,
+        (name, lab): (String, Lab),
     ) -> Option<(String, Spectrum)> {
         let [first, last] = RANGE_NM;
         let observer = Observer::new(grid).ok()?;
         let white = observer.xyz(light);
-        let spectrum = observer.smoothest(light, lab.xyz(white * (1.0 / white.y)));
+        let white = white * (1.0 / white.y);
+        let mut colour = lab.xyz(white);
+        if let Some(face) = face {
+            // Without the light that the face reflects itself: the smoothest spectrum is that of the light from below.
+            if !(face.least()..=face.most()).contains(&colour.y) {
+                let wrong = impossible(
+                    &format!("Y = {}", tidy((colour.y * 1e4).round() / 1e4)),
+                    colour.y,
+                    &name,
+                    face,
+                );
+                self.errors.push(pixel.file.origin, wrong);
+                return None;
+            }
+            colour = (colour - white * face.least()) * (1.0 / (1.0 - face.view()));
+        }
+        let spectrum = observer.smoothest(light, colour);
         let Some(spectrum) = spectrum else {
             let [l, a, b] = [lab.l, lab.a, lab.b].map(tidy);
             let wrong = Diagnostic::new(format!("no surface has the colour of state `{name}`, L* {l}, a* {a}, b* {b}"))
@@ -92,6 +133,10 @@ impl Resolver<'_> {
                 .hint("check the numbers, and the key `illuminant`: colours of cameras and screens are not measured colours");
             self.errors.push(pixel.file.origin, wrong);
             return None;
+        };
+        let spectrum = match face {
+            Some(face) => spectrum.map(|below| face.own(face.least() + (1.0 - face.view()) * below)),
+            None => spectrum,
         };
         let table = Tabulated::new(grid.wavelengths_nm(), spectrum.to_vec()).ok()?;
         let values = self.grid.wavelengths_nm().into_iter().map(|nm| table.at(nm.clamp(first, last)));

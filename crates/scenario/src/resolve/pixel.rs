@@ -32,11 +32,28 @@ impl Resolver<'_> {
             let remedy = "name a state with its reflectance: reflectance = { white = 0.45 }";
             self.err(&pixel.reflectance, mistake::no_states(remedy));
         }
+        let is_mirror = pixel.kind.value == describe::ReflectionKind::Mirror;
+        for (key, origin) in [
+            ("measured_through", pixel.measured_through.as_ref().map(|_| pixel.measured_through.origin)),
+            ("spread_um", pixel.spread_um.as_ref().map(|_| pixel.spread_um.origin)),
+        ] {
+            let Some(origin) = origin.filter(|_| is_mirror) else { continue };
+            let wrong = Diagnostic::new(format!(
+                "`{key}` is for pixels that scatter light, but these are mirror-like"
+            ));
+            self.errors.push(origin, wrong.expected("kind = \"lambertian\"").hint(format!("remove `{key}`")));
+        }
+        let face = self.face(&pixel.measured_through);
         let states = pixel.reflectance.0.iter();
         let states: Vec<_> = states
-            .map(|item| Some((item.name.clone(), self.share(&item.value, item.value.origin)?)))
+            .map(|item| {
+                let measured = self.share(&item.value, item.value.origin)?;
+                let own = self.below(face, (item.name.as_str(), measured), item.value.origin)?;
+                Some((item.name.clone(), own))
+            })
             .collect();
         Some(UniformPixel {
+            spread_mm: self.spread_within(&pixel.spread_um)?,
             kind: match pixel.kind.value {
                 describe::ReflectionKind::Mirror => UniformKind::Mirror,
                 describe::ReflectionKind::Lambertian => UniformKind::Lambertian,

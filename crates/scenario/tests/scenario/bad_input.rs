@@ -502,3 +502,60 @@ fn angles_in_glass_beyond_the_critical_angle_are_refused() {
     let dispersive = message(&[glass, "display.glass.index=BK7"]);
     assert_eq!(dispersive, "angles in glass need a glass of the same index at all wavelengths");
 }
+
+/// Values that were measured through a face: impossible ones, and keys where they mean nothing.
+#[test]
+fn values_through_a_face_are_checked_where_they_are_written() {
+    let pixel = |keys: &str| {
+        format!(
+            "[display.pixel]\nmodel = \"uniform\"\n{keys}\n[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n"
+        )
+    };
+    let through = "measured_through = { index = 1.5 }";
+    for (keys, place, words) in [
+        (
+            format!("kind = \"lambertian\"\nreflectance = {{ white = 0.4, black = 0.02 }}\n{through}"),
+            (4, 38),
+            &["state `black` has 0.02 at 380 nm", "expected 0.04 to 1", "specular = \"excluded\""][..],
+        ),
+        (
+            "kind = \"lambertian\"\nreflectance = { white = 0.97 }\nmeasured_through = { index = 1.5, specular = \"excluded\" }".to_owned(),
+            (4, 25),
+            &["expected 0 to 0.96", "fractions, not per cent"],
+        ),
+        (
+            format!("kind = \"mirror\"\nreflectance = {{ white = 0.4 }}\n{through}"),
+            (5, 20),
+            &["`measured_through` is for pixels that scatter light", "remove `measured_through`"],
+        ),
+        (
+            "kind = \"mirror\"\nreflectance = { white = 0.4 }\nspread_um = 20".to_owned(),
+            (5, 13),
+            &["`spread_um` is for pixels that scatter light"],
+        ),
+        (
+            "kind = \"lambertian\"\nreflectance = { white = 0.4 }\nspread_um = \"slab\"".to_owned(),
+            (5, 13),
+            &["the spread of a slab is not computed", "expected a length in um", "kind = \"slab\""],
+        ),
+        (
+            "kind = \"lambertian\"\nreflectance = { white = 0.4 }\nspread_um = \"wide\"".to_owned(),
+            (5, 13),
+            &["expected a number from 0 to 100000 (um), or \"slab\""],
+        ),
+        (
+            "kind = \"lambertian\"\nreflectance = { white = 0.4 }\nspread_um = -1".to_owned(),
+            (5, 13),
+            &["-1 is out of range"],
+        ),
+        (
+            "kind = \"lambertian\"\nreflectance = { white = 0.4 }\nmeasured_through = { index = 0.9 }".to_owned(),
+            (5, 30),
+            &["0.9 is out of range", "1.01 to 4"],
+        ),
+    ] {
+        let (found, text) = only(errors(&pixel(&keys), &[]));
+        assert_eq!(found, place, "{text}");
+        words.iter().for_each(|words| assert!(text.contains(words), "{words}: {text}"));
+    }
+}

@@ -62,8 +62,7 @@ fn pitch_is_a_number_a_list_or_pixels_per_inch() {
     // One that is set replaces the other one of the file.
     assert_eq!(matrix("ppi = 300", &["display.matrix.pitch_um=50"]).pitch_mm, [0.05; 2]);
     let plain = matrix("ppi = 300", &["display.matrix.pixels=[600, 800]"]);
-    assert_eq!((plain.pixels, plain.spread_mm, plain.filter), (Some([600, 800]), 0.0, None));
-    assert_eq!(matrix("ppi = 300\nspread_um = 12", &[]).spread_mm, 0.012);
+    assert_eq!((plain.pixels, plain.filter), (Some([600, 800]), None));
 }
 
 /// Stripes stand in the order of the areas, shrunk about their middles.
@@ -213,7 +212,6 @@ const WRONG: &[(&str, (usize, usize), &[&str])] = &[
     ("ppi = 300\nlayout = \"single\"", (21, 10), &["needs a single sub-pixel"]),
     ("ppi = 300\npixels = [600]", (21, 10), &["[columns, rows]"]),
     ("ppi = 300\npixels = [600, 0]", (21, 16), &["0 is out of range"]),
-    ("ppi = 300\nspread_um = -1", (21, 13), &["-1 is out of range"]),
     ("ppi = 300\nsubpixels = 3", (21, 1), &["did you mean `subpixel`?"]),
     (
         "ppi = 300\nlayout = \"stripe\"\nsubpixel_file = \"x.csv\"",
@@ -403,7 +401,7 @@ fn missing_length_is_located() {
 fn matrix_and_lengths_change_no_layer() {
     let plain = resolved(GOOD, &[]);
     let placed = resolved(
-        &with_matrix("ppi = 300\nlayout = \"pentile\"\nspread_um = 3"),
+        &with_matrix("ppi = 300\nlayout = \"pentile\""),
         &["display.glass.thickness_mm=0.5", "display.front.0.gap_mm=0.1"],
     );
     assert_ne!(plain.hash, placed.hash);

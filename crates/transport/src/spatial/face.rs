@@ -36,6 +36,8 @@ pub struct FaceReturn {
     /// tan(theta) and the weight of what leaves.
     leaving: Vec<[f64; 2]>,
     table: Option<Table>,
+    /// True above a medium like air, from which all light leaves.
+    is_open: bool,
 }
 
 /// A over `a`, as Chebyshev polynomials.
@@ -54,6 +56,10 @@ impl FaceReturn {
     /// - `transmittance`: of the face for light from below, 0 to 1, as a function of `|beta|` from 0 to 1.
     /// - `most_per_mm`: the highest frequency that will be asked, cycles per mm.
     pub fn new(index: f64, thickness_mm: f64, most_per_mm: f64, transmittance: impl Fn(f64) -> f64) -> Self {
+        if index == 1.0 {
+            let nothing = Vec::new();
+            return Self { thickness_mm, most: 0.0, edge: 0.0, leaving: nothing, table: None, is_open: true };
+        }
         let edge = 1.0 / (index * index - 1.0).max(1e-12).sqrt();
         let panels = (4.0 * PI * most_per_mm * thickness_mm * edge / PHASE_OF_PANEL).ceil().max(1.0);
         // tan(theta) and the weight of what leaves.
@@ -70,13 +76,23 @@ impl FaceReturn {
                 [tangent, 2.0 * beta * slope * node.weight / (index * index) * transmittance(beta)]
             }));
         }
-        Self { thickness_mm, most: 4.0 * PI * most_per_mm * thickness_mm, edge, leaving, table: None }
+        Self {
+            thickness_mm,
+            most: 4.0 * PI * most_per_mm * thickness_mm,
+            edge,
+            leaving,
+            table: None,
+            is_open: false,
+        }
     }
 
     /// Tabulates the return up to the highest frequency, for callers that ask many frequencies: a value then takes 16 terms
     /// instead of an integral.
     #[must_use]
     pub fn tabulated(mut self) -> Self {
+        if self.is_open {
+            return self;
+        }
         let count = (self.most * self.edge / PHASE_OF_TABLE).ceil().max(1.0);
         let panel = if self.most > 0.0 { self.most / count } else { 1.0 };
         let of_panel = |k: usize| {
@@ -94,6 +110,9 @@ impl FaceReturn {
 
     /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back, with its sign.
     pub fn at(&self, frequency_per_mm: f64) -> f64 {
+        if self.is_open {
+            return 0.0;
+        }
         let a = 4.0 * PI * frequency_per_mm.abs() * self.thickness_mm;
         let known = self.table.as_ref().and_then(|table| table.at(a));
         known.unwrap_or_else(|| x_k1(a) - self.leaving_at(a))

@@ -12,6 +12,7 @@
 //! - [`LineSpread`]: its light along one axis, with exact transforms.
 //! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all directions.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
+//! - [`PixelSpread`]: light that spreads sideways inside Lambertian pixels.
 //! - [`LitPage`]: the same for pictures of many states, pixels and wavelengths.
 //! - [`PixelSquare`], [`Shapes`]: kernels of pictures below a lobe.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
@@ -35,6 +36,7 @@ pub mod sparkle;
 mod spread;
 mod two_planes;
 
+pub use crate::pixel_spread::PixelSpread;
 pub use crate::window::{Rectangle, Window, shares_by_transfer};
 pub use blur::{PixelSquare, Shapes};
 pub use face::FaceReturn;

@@ -6,9 +6,13 @@
 //!
 //! **Limits.** Features much larger than the thickness: `rho/(1 - A(0) rho)` for each point. Much smaller: the mean reflectance
 //! in the place of rho in the denominator (Clapper and Yule).
+//!
+//! **Spread inside the pixel.** With a [`PixelSpread`] P, `rho E` becomes `sqrt(rho) P * (sqrt(rho) E)`, between the means of cells.
 
 use num_complex::Complex64;
 use papilio_fourier::Plane;
+
+use super::PixelSpread;
 
 /// Cells of a period of a pattern: rows from the bottom, columns from the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,6 +53,8 @@ pub struct Recycling {
     cells: Cells,
     /// Return at each bin, over the number of cells; columns vary slowest (transposed).
     transfer: Vec<f64>,
+    /// Spread inside the pixels at each bin, in the same order and unit.
+    spread: Option<Vec<f64>>,
     plane: Plane,
 }
 
@@ -69,18 +75,39 @@ impl Recycling {
                 transfer[column * rows + (rows - row) % rows] = transfer[at];
             }
         }
-        Self { cells, transfer, plane: Plane::new(cells.count) }
+        Self { cells, transfer, spread: None, plane: Plane::new(cells.count) }
+    }
+
+    /// The same pixels, inside which light spreads.
+    #[must_use]
+    pub fn with_spread(self, spread: Option<PixelSpread>) -> Self {
+        let scale = 1.0 / self.cells.len() as f64;
+        let factors = |spread: PixelSpread| {
+            spread
+                .between(self.cells.count, self.cells.period_mm)
+                .into_iter()
+                .map(|factor| scale * factor)
+                .collect()
+        };
+        Self { spread: spread.map(factors), ..self }
     }
 
     /// Irradiance of each cell relative to that of the light from outside, for the mean reflectance of each cell. Ends when
     /// a repetition changes no cell by more than `tolerance`.
+    ///
+    /// Where light spreads inside the pixels, it is the irradiance that a cell would need for the same light without spread.
     pub fn irradiance(&self, reflectance: &[f64], tolerance: f64) -> Vec<f64> {
         let mut irradiance = vec![1.0; reflectance.len()];
         // Uniform patterns have E = 1/(1 - A(0) rho).
         let mean = reflectance.iter().sum::<f64>() / reflectance.len() as f64;
         irradiance.fill(1.0 / (1.0 - self.transfer[0] * self.cells.len() as f64 * mean));
+        let roots: Vec<f64> = reflectance.iter().map(|rho| rho.max(0.0).sqrt()).collect();
         loop {
-            let radiosity: Vec<f64> = reflectance.iter().zip(&irradiance).map(|(rho, e)| rho * e).collect();
+            let inside = self.spread.as_ref().map(|spread| self.inside(spread, &roots, &irradiance));
+            let radiosity: Vec<f64> = match &inside {
+                Some(inside) => roots.iter().zip(inside).map(|(root, light)| root * light).collect(),
+                None => reflectance.iter().zip(&irradiance).map(|(rho, e)| rho * e).collect(),
+            };
             let returned = self.returned(&radiosity);
             let mut change = 0.0_f64;
             for (value, returned) in irradiance.iter_mut().zip(returned) {
@@ -88,16 +115,30 @@ impl Recycling {
                 *value = 1.0 + returned;
             }
             if change.is_nan() || change <= tolerance {
-                return irradiance;
+                let Some(inside) = inside else { return irradiance };
+                let of_cell =
+                    |(k, light): (usize, f64)| if roots[k] > 0.0 { light / roots[k] } else { irradiance[k] };
+                return inside.into_iter().enumerate().map(of_cell).collect();
             }
         }
     }
 
+    /// Light inside the pixels on its way out of each cell.
+    fn inside(&self, spread: &[f64], roots: &[f64], irradiance: &[f64]) -> Vec<f64> {
+        let entered: Vec<f64> = roots.iter().zip(irradiance).map(|(root, e)| root * e).collect();
+        self.multiplied(&entered, spread)
+    }
+
     /// Light that the face returns of what leaves each cell.
     pub fn returned(&self, radiosity: &[f64]) -> Vec<f64> {
-        let cells = radiosity.iter().map(|value| Complex64::new(*value, 0.0)).collect();
+        self.multiplied(radiosity, &self.transfer)
+    }
+
+    /// Multiplies the transform of the cells by factors over their number.
+    fn multiplied(&self, cells: &[f64], factors: &[f64]) -> Vec<f64> {
+        let cells = cells.iter().map(|value| Complex64::new(*value, 0.0)).collect();
         let mut spectrum = self.plane.forward(cells);
-        spectrum.iter_mut().zip(&self.transfer).for_each(|(value, transfer)| *value *= transfer);
+        spectrum.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor);
         self.plane.inverse(spectrum).into_iter().map(|value| value.re).collect()
     }
 }
@@ -174,6 +215,51 @@ mod tests {
         let (rho, irradiance) = stripes(1e-3, 16);
         let mean = 0.315;
         assert!((mean_seen(&rho, &irradiance) - SEEN * mean / (1.0 - a * mean)).abs() < 1e-6);
+    }
+
+    /// Light that spreads inside the pixels: a small modulation of the reflectance has half of its light from places that it leaves, and no
+    /// return or all of it at once gives the formulae of print: Yule and Nielsen's with n = 2, and Clapper and Yule's.
+    #[test]
+    fn spread_inside_pixels_has_limits_of_print() {
+        let rho: Vec<f64> = (0..64).map(|k| PAPER[usize::from(k >= 32)]).collect();
+        let cells = Cells { count: [64, 1], period_mm: [0.1, 1.0] };
+        let root = 0.5 * (0.6_f64.sqrt() + 0.03_f64.sqrt());
+        let mean = |returned: f64, spread_mm: f64| {
+            let recycling = Recycling::new(cells, |_| returned).with_spread(PixelSpread::new(spread_mm));
+            let irradiance = recycling.irradiance(&rho, 1e-12);
+            rho.iter().zip(irradiance).map(|(rho, e)| rho * e).sum::<f64>() / 64.0
+        };
+        for returned in [0.0, 0.596] {
+            // The return of a thin face comes back at its own place.
+            let clapper_yule = root * root / (1.0 - returned * 0.315);
+            assert!(
+                (mean(returned, 100.0) - clapper_yule).abs() < 1e-6,
+                "{returned}: {}",
+                mean(returned, 100.0)
+            );
+            let own = 0.5 * PAPER.iter().map(|rho| rho / (1.0 - returned * rho)).sum::<f64>();
+            assert!((mean(returned, 0.0) - own).abs() < 1e-9 && (mean(returned, 1e-7) - own).abs() < 1e-5);
+            // Less spread, more light.
+            assert!(mean(returned, 0.01) > mean(returned, 0.02) && mean(returned, 0.02) > clapper_yule);
+        }
+        for (f, spread_mm) in [(1.0, 0.05), (3.0, 0.05), (3.0, 0.3)] {
+            let (count, spread) = (256, PixelSpread::new(spread_mm).unwrap());
+            let cells = Cells { count: [count, 1], period_mm: [1.0 / f, 1.0] };
+            let wave: Vec<f64> =
+                (0..count).map(|k| (2.0 * std::f64::consts::PI * k as f64 / count as f64).cos()).collect();
+            let rho: Vec<f64> = wave.iter().map(|wave| 0.5 + 1e-5 * wave).collect();
+            for returned in [0.0, 0.4] {
+                // A face whose return does not depend on the frequency, except that of uniform light.
+                let face = |f: f64| if f == 0.0 { 0.5 } else { returned };
+                let recycling = Recycling::new(cells, face).with_spread(Some(spread));
+                let irradiance = recycling.irradiance(&rho, 1e-14);
+                let amplitude: f64 =
+                    (0..count).map(|k| rho[k] * irradiance[k] * wave[k]).sum::<f64>() * 2.0 / count as f64;
+                let (e, p) = (1.0 / (1.0 - 0.5 * 0.5), spread.at(f));
+                let expected = 1e-5 * e * 0.5 * (1.0 + p) / (1.0 - 0.5 * p * returned);
+                assert!((amplitude / expected - 1.0).abs() < 2e-4, "{f} {spread_mm}: {amplitude} {expected}");
+            }
+        }
     }
 
     /// A small modulation about a mean: (1 - rho A(0))/(1 - rho A(f)).

@@ -1,7 +1,8 @@
 //! Figures on pages of pixels to which flat faces, or a front above a diffuser, return light.
 //!
 //! A figure of reflectance rho on a page of another has the irradiance E(rho, page) of [`Recycling`]; 1/E is almost linear in
-//! both, so that a few pairs serve all states and wavelengths.
+//! both, so that a few pairs serve all states and wavelengths. Where light spreads inside the pixels, `sqrt(rho) E` is a smooth function of
+//! both roots instead.
 
 use papilio_imaging::text::Bitmap;
 use papilio_transport::spatial::Cells;
@@ -33,7 +34,9 @@ struct Known {
     bins: Vec<usize>,
     /// Return of uniform light.
     of_page: f64,
-    /// 1/E of the figure.
+    /// Whether light spreads inside the pixels: nodes are then roots of reflectances.
+    spreads: bool,
+    /// 1/E of the figure; `sqrt(rho) E` where light spreads inside the pixels.
     own: Table,
     /// Further images of the pixels in an oblique view: the fraction of each at the wavelengths of the grid, and the light of the cells in
     /// it. The first fraction is that of the figure itself.
@@ -60,7 +63,9 @@ impl Irradiance {
         let Some((cells, is_figure, seen)) = drawn(pixels, thickness_mm, figure, level) else {
             return Ok(None);
         };
+        let spreads = lit.spread.is_some();
         let nodes = if level.is_fine { 3 + level.finer as usize } else { 2 };
+        let (nodes, most) = if spreads { (nodes + if level.is_fine { 3 } else { 2 }, most.sqrt()) } else { (nodes, most) };
         let images = images(lit)?;
         let known = |returned: Return| {
             let solve = returned.solver(cells);
@@ -69,11 +74,14 @@ impl Irradiance {
             let mut others = vec![Vec::with_capacity(nodes * nodes); images.len() - 1];
             for number in 0..nodes * nodes {
                 let (figure, page) = (at(number / nodes), at(number % nodes));
+                // There is light inside a black figure, too: that of one that is almost black.
+                let root = figure.max(1e-6);
+                let (figure, page) = if spreads { (root * root, page * page) } else { (figure, page) };
                 let rho: Vec<f64> = is_figure.iter().map(|own| if *own { figure } else { page }).collect();
                 let irradiance = solve(&rho, TOLERANCE);
                 let mean =
                     |values: &[f64]| seen.iter().map(|cell| values[*cell]).sum::<f64>() / seen.len() as f64;
-                own.push(1.0 / mean(&irradiance));
+                own.push(if spreads { root * mean(&irradiance) } else { 1.0 / mean(&irradiance) });
                 let light: Vec<f64> = rho.iter().zip(&irradiance).map(|(rho, e)| rho * e).collect();
                 for ((at_mm, _), values) in images[1..].iter().zip(&mut others) {
                     values.push(mean(&moved(&light, cells, *at_mm)));
@@ -83,6 +91,7 @@ impl Irradiance {
             Known {
                 bins: returned.bins().to_vec(),
                 of_page: returned.of_page(),
+                spreads,
                 own: table(own),
                 fractions: images.iter().map(|(_, fraction)| fraction.clone()).collect(),
                 images: others.into_iter().map(table).collect(),
@@ -106,7 +115,7 @@ impl Irradiance {
     /// Colour of a figure on a page, from the light of pages and the reflectance of two states, `[state][wavelength]`.
     pub(super) fn colour(&self, light: &[[&[f64]; 3]; 2], rho: [&[f64]; 2]) -> Colour {
         let mut sum = [0.0; 3];
-        for Known { bins, of_page, own, fractions, images } in &self.returns {
+        for Known { bins, of_page, spreads, own, fractions, images } in &self.returns {
             for &bin in bins {
                 let pair = rho.map(|rho| rho[bin]);
                 // The brighter of both pages tells how much light there is.
@@ -115,8 +124,13 @@ impl Irradiance {
                     continue;
                 }
                 let others = fractions[1..].iter().zip(images);
-                let others: f64 = others.map(|(fraction, image)| fraction[bin] * image.at(pair)).sum();
-                let seen = fractions[0][bin] * pair[0] / own.at(pair) + others;
+                let at = if *spreads { pair.map(f64::sqrt) } else { pair };
+                let others: f64 = others.map(|(fraction, image)| fraction[bin] * image.at(at)).sum();
+                let own = match spreads {
+                    false => fractions[0][bin] * pair[0] / own.at(at),
+                    true => fractions[0][bin] * at[0] * own.at(at),
+                };
+                let seen = own + others;
                 let factor = seen * (1.0 - pair[of] * of_page) / pair[of];
                 (0..3).for_each(|k| sum[k] += light[of][k][bin] * factor);
             }

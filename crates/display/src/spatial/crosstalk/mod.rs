@@ -35,7 +35,7 @@ use crate::DisplayError;
 use crate::filtered::Filtered;
 use crate::meter::Meter;
 use crate::run::{Control, Progress, Workers, each, refine_or_fail};
-use crate::scene::{Matrix, Method, Scene};
+use crate::scene::{Matrix, Method, SPREAD_KEY, Scene};
 use crate::setup::{Setup, ViewPoint};
 
 /// X, Y and Z relative to a perfect white.
@@ -61,6 +61,13 @@ const BLACK: &str = "black";
 /// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered, or the computation was stopped.
 pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<CrosstalkResult, DisplayError> {
     let setup = Setup::with_filter(scene)?;
+    if scene.display.filter().is_some() && scene.display.pixel_spread().is_some() {
+        return Err(DisplayError::PlacesNotComputed {
+            what: "which part of a colour filter lights which, above pixels inside which light spreads"
+                .to_owned(),
+            key: SPREAD_KEY.to_owned(),
+        });
+    }
     if scene.solver.method == Method::MonteCarlo {
         let matrix = matrix(&setup)?;
         return result(&setup, matrix, paths::views(&setup, matrix, text, control)?);
@@ -172,6 +179,9 @@ impl<'a> Frame<'a> {
         let lengths_mm = scene.display.lengths_mm()?;
         scene.display.spreads_over_few_pixels(&lengths_mm)?;
         let Stack::Panel(panel) = &setup.stack else { return Err(Refused::Layers.into()) };
+        if scene.display.pixel_spread().is_some() && matches!(panel.top, Top::Diffuser(_)) {
+            return Err(Refused::SpreadBelowLobe.into());
+        }
         let surfaces = Surfaces::new(setup, matrix)?;
         let is_flat = !matches!(panel.top, Top::Diffuser(_)) && panel.base.is_specular();
         let returns = panel.front.reflectance_below.max() > 0.0 || matches!(panel.top, Top::Fresnel(_));
@@ -276,7 +286,8 @@ impl<'a> Frame<'a> {
     }
 
     fn lit<'l>(&'l self, view: &'l ViewPoint, level: Level) -> Lit<'l> {
-        Lit { panel: self.panel, lengths_mm: &self.lengths_mm, view, level }
+        let spread = self.setup.scene.display.pixel_spread();
+        Lit { panel: self.panel, lengths_mm: &self.lengths_mm, view, level, spread }
     }
 
     /// True for pixels under a flat face that are Lambertian, or to which it or a front returns light.

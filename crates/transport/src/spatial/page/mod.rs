@@ -12,6 +12,9 @@
 //! - With the mean reflectance `m` apart, `E = (1 - m A)^-1 * (1 + A * ((rho - m) E))` converges in few repetitions. Two wavelengths are
 //!   real and imaginary part of one transform.
 //!
+//! Where light spreads inside the pixels ([`PixelSpread`]), the light inside on its way out, `P * (sqrt(rho) E)`, takes the place of E in
+//! what is seen. It changes within a few of these lengths: the cells are the pixels, or parts of them.
+//!
 //! **Limits.** The picture repeats at its borders. What returns light is the same at all wavelengths.
 //!
 //! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953), for both limits; Cheng, Gimbutas, Martinsson, Rokhlin, SIAM J. Sci. Comput. 26,
@@ -20,7 +23,7 @@
 use num_complex::Complex64;
 use papilio_fourier::Plane;
 
-use super::Cells;
+use super::{Cells, PixelSpread};
 
 mod representatives;
 
@@ -68,9 +71,11 @@ pub struct PageLight<'a> {
 #[derive(Debug, Clone)]
 pub struct LitPage {
     cells: Cells,
-    /// Irradiance of each cell over that of the light from outside, one plane for each representative.
+    /// Irradiance of each cell over that of the light from outside, one plane for each representative. Light inside the pixels instead, if it
+    /// spreads there.
     irradiance: Vec<Vec<f32>>,
     found: Representatives,
+    spreads: bool,
 }
 
 impl LitPage {
@@ -83,15 +88,31 @@ impl LitPage {
         precision: Precision,
         thickness_mm: f64,
     ) -> Self {
+        Self::with_spread(None, page, (face, thickness_mm), light, precision)
+    }
+
+    /// Solves the irradiance of a picture of pixels inside which light spreads.
+    pub fn with_spread(
+        spread: Option<PixelSpread>,
+        page: &Page<'_>,
+        (face, thickness_mm): (&dyn Fn(f64) -> f64, f64),
+        light: PageLight<'_>,
+        precision: Precision,
+    ) -> Self {
         let count = [0, 1].map(|k| {
+            let largest = precision.cell * thickness_mm;
+            if spread.is_some() {
+                return page.count[k] * (page.pitch_mm[k] / largest).ceil().clamp(1.0, MOST_PARTS) as usize;
+            }
             let length = page.count[k] as f64 * page.pitch_mm[k];
-            smooth((length / (precision.cell * thickness_mm)).ceil().max(1.0) as usize)
+            smooth((length / largest).ceil().max(1.0) as usize)
         });
         let period_mm = [0, 1].map(|k| page.count[k] as f64 * page.pitch_mm[k]);
         let cells = Cells { count, period_mm };
         let coverage = coverage(page, count, light.reflectance.len());
-        let found = representatives(light, face(0.0), precision.missed);
+        let found = representatives(light, face(0.0), precision.missed, spread.is_some());
         let kernel = Kernel::new(cells, face);
+        let inside = spread.map(|spread| spread.between(cells.count, cells.period_mm));
         let mut irradiance = vec![Vec::new(); found.bins.len()];
         let mut order: Vec<usize> = (0..found.bins.len()).collect();
         // Wavelengths of similar reflectance together: they share the mean.
@@ -99,13 +120,17 @@ impl LitPage {
         order.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
         for pair in order.chunks(2) {
             let rho = |k: usize| mixed(&coverage, light.reflectance, found.bins[pair[k.min(pair.len() - 1)]]);
-            let [one, other] = kernel.solved([&rho(0), &rho(1)], precision.change);
+            let rho = [&rho(0)[..], &rho(1)[..]];
+            let [one, other] = match &inside {
+                None => kernel.solved(rho, precision.change),
+                Some(inside) => kernel.solved_inside(inside, rho, precision.change),
+            };
             irradiance[pair[0]] = one;
             if let Some(last) = pair.get(1) {
                 irradiance[*last] = other;
             }
         }
-        Self { cells, irradiance, found }
+        Self { cells, irradiance, found, spreads: spread.is_some() }
     }
 
     /// Number of wavelengths that were solved.
@@ -120,11 +145,15 @@ impl LitPage {
 
     /// X, Y and Z of each pixel in a light that is seen; the reflectances are those of the preparation.
     pub fn seen(&self, page: &Page<'_>, light: PageLight<'_>) -> Vec<[f32; 3]> {
-        let weights = self.found.weights(light.seen);
+        let weights = match self.spreads {
+            false => self.found.weights(light.seen),
+            true => self.found.weights(&per_root(light)),
+        };
         let solved = self.irradiance.len();
         let [columns, rows] = page.count;
         let [width, height] = self.cells.count;
-        let (x, y) = (Taps::new(columns, width), Taps::new(rows, height));
+        let taps = if self.spreads { Taps::of_parts } else { Taps::new };
+        let (x, y) = (taps(columns, width), taps(rows, height));
         let mut all = Vec::with_capacity(columns * rows);
         // Irradiance along a row, `[cell][wavelength]`.
         let mut row = vec![0.0_f32; width * solved];
@@ -156,6 +185,21 @@ impl LitPage {
         }
         all
     }
+}
+
+/// Most cells of a pixel along an axis.
+const MOST_PARTS: f64 = 16.0;
+
+/// What is seen of each state over the root of its reflectance.
+fn per_root(light: PageLight<'_>) -> Vec<[Vec<f64>; 3]> {
+    let pairs = light.seen.iter().zip(light.reflectance);
+    let over = |(seen, rho): (&[Vec<f64>; 3], &Vec<f64>)| {
+        seen.each_ref().map(|seen| {
+            let one = |(seen, rho): (&f64, &f64)| if *rho > 0.0 { seen / rho.sqrt() } else { 0.0 };
+            seen.iter().zip(rho).map(one).collect()
+        })
+    };
+    pairs.map(over).collect()
 }
 
 /// Fraction of the area of each cell in each state, `[state][cell]`.
@@ -233,6 +277,13 @@ impl Taps {
         taps
     }
 
+    /// Means over the cells of which each part consists.
+    fn of_parts(parts: usize, cells: usize) -> Self {
+        let width = (cells / parts).max(1);
+        let first = (0..parts).map(|part| part * width).collect();
+        Self { first, width, shares: vec![1.0 / width as f32; parts * width] }
+    }
+
     /// First cell and shares of each part.
     fn each(&self) -> impl Iterator<Item = (usize, &[f32])> {
         self.first.iter().copied().zip(self.shares.chunks_exact(self.width))
@@ -275,6 +326,55 @@ struct Kernel {
 const MOST_REPETITIONS: usize = 60;
 
 impl Kernel {
+    /// Light inside the pixels of two patterns of reflectances, on its way out. `inside`: factor of the spread at each bin.
+    fn solved_inside(&self, inside: &[f64], rho: [&[f32]; 2], tolerance: f64) -> [Vec<f32>; 2] {
+        let cells = self.returned.len();
+        let scale = 1.0 / cells as f64;
+        let roots: Vec<Complex64> = rho[0]
+            .iter()
+            .zip(rho[1])
+            .map(|(one, other)| {
+                Complex64::new(f64::from(one.max(0.0)).sqrt(), f64::from(other.max(0.0)).sqrt())
+            })
+            .collect();
+        let mean = 0.5 * scale * roots.iter().map(|root| root.norm_sqr()).sum::<f64>();
+        let first = 1.0 / (1.0 - mean * self.returned[0]);
+        let factors: Vec<f64> = self.returned.iter().map(|a| a / (1.0 - mean * a)).collect();
+        let times = |a: &Complex64, b: &Complex64| Complex64::new(a.re * b.re, a.im * b.im);
+        let multiplied = |cells: Vec<Complex64>, factors: &[f64]| {
+            let mut spectrum = self.plane.forward(cells);
+            spectrum.iter_mut().zip(factors).for_each(|(value, factor)| *value *= scale * factor);
+            self.plane.inverse(spectrum)
+        };
+        let within = |irradiance: &[Complex64]| {
+            multiplied(irradiance.iter().zip(&roots).map(|(e, root)| times(e, root)).collect(), inside)
+        };
+        let mut irradiance = vec![Complex64::new(first, first); cells];
+        for _ in 0..MOST_REPETITIONS {
+            let light = within(&irradiance);
+            let apart = light
+                .iter()
+                .zip(&roots)
+                .zip(&irradiance)
+                .map(|((light, root), e)| times(light, root) - mean * e);
+            let returned = multiplied(apart.collect(), &factors);
+            let mut change = 0.0_f64;
+            for (e, returned) in irradiance.iter_mut().zip(returned) {
+                let next = returned + Complex64::new(first, first);
+                change = change.max((next.re - e.re).abs()).max((next.im - e.im).abs());
+                *e = next;
+            }
+            if change.is_nan() || change <= tolerance {
+                break;
+            }
+        }
+        let light = within(&irradiance);
+        [
+            light.iter().map(|light| light.re as f32).collect(),
+            light.iter().map(|light| light.im as f32).collect(),
+        ]
+    }
+
     fn new(cells: Cells, face: &dyn Fn(f64) -> f64) -> Self {
         let [columns, rows] = cells.count;
         let mut returned = vec![0.0; columns * rows];

@@ -20,12 +20,19 @@ const MOST_STATES: usize = 16;
 
 /// Chooses wavelengths until the rest of all others, weighted by their light, is at most `missed` of the whole. `returned` is the part
 /// of the light of a uniform page that the face returns.
-pub(super) fn representatives(light: PageLight<'_>, returned: f64, missed: f64) -> Representatives {
+pub(super) fn representatives(
+    light: PageLight<'_>,
+    returned: f64,
+    missed: f64,
+    spreads: bool,
+) -> Representatives {
     let bins = light.reflectance.first().map_or(0, Vec::len);
     let weights: Vec<f64> = (0..bins).map(|bin| weight(light, bin)).collect();
     let whole: f64 = weights.iter().sum();
     let rows: Vec<Vec<f64>> = (0..bins)
-        .map(|bin| features(light, bin, returned).into_iter().map(|value| weights[bin] * value).collect())
+        .map(|bin| {
+            features(light, bin, returned, spreads).into_iter().map(|value| weights[bin] * value).collect()
+        })
         .collect();
     let square = |row: &[f64]| row.iter().map(|value| value * value).sum::<f64>();
     let size = rows.first().map_or(1.0, |row| (row.len() as f64).sqrt());
@@ -79,8 +86,8 @@ fn weight(light: PageLight<'_>, bin: usize) -> f64 {
 }
 
 /// Functions of the reflectances at a wavelength like those of which the irradiance is composed: reflectances of mixtures, their light
-/// through all orders, and products of both.
-fn features(light: PageLight<'_>, bin: usize, returned: f64) -> Vec<f64> {
+/// through all orders, and products of both; for light that spreads inside the pixels, also their products with the roots of reflectances.
+fn features(light: PageLight<'_>, bin: usize, returned: f64, spreads: bool) -> Vec<f64> {
     let states = light.reflectance.len();
     let rho = |state: usize| returned * light.reflectance[state][bin];
     // Fractions that depend on states and mixtures as if at random.
@@ -98,6 +105,11 @@ fn features(light: PageLight<'_>, bin: usize, returned: f64) -> Vec<f64> {
         let other = parts[(number + 1 + number / 3) % parts.len()];
         let orders = 1.0 / (1.0 - own);
         all.extend([*own, orders, own * other, orders * other, own * other * other]);
+    }
+    for (state, reflectance) in light.reflectance.iter().enumerate().filter(|_| spreads).take(MOST_STATES) {
+        let root = reflectance[bin].max(0.0).sqrt();
+        let (own, other) = (parts[state], parts[(7 * state + 3) % parts.len()]);
+        all.extend([root, root * own, root * other, root / (1.0 - other), root * other * other]);
     }
     all
 }

@@ -53,7 +53,7 @@ use papilio_sampling::SampleStream;
 
 use super::PathNumbers;
 use super::diffused::Escape;
-use crate::{Cone, Layered, ReflectanceFactor, Source};
+use crate::{Cone, Layered, PixelSpread, ReflectanceFactor, Reflector, Source};
 pub use bins::CellGrid;
 pub use filter::FilterPlane;
 use grouped::Grouped;
@@ -246,6 +246,14 @@ impl<'a> PlacedWalk<'a> {
         // Groups do not cross the filter.
         let leaving = is_clear.then(|| grouped::leaving(&tracer)).flatten();
         Ok(Self { tracer, plan, leaving })
+    }
+
+    /// The same walk over a Lambertian pixel inside which light spreads.
+    #[must_use]
+    pub fn with_spread(mut self, spread: Option<PixelSpread>) -> Self {
+        self.tracer.spread =
+            spread.filter(|_| matches!(self.tracer.stack.base.reflector, Reflector::Lambertian(_)));
+        self
     }
 
     /// Returns an empty replicate, to be filled by [`Self::trace`].

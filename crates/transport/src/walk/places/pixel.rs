@@ -6,12 +6,13 @@ use papilio_sampling::warp;
 use super::connect::Last;
 use super::dice::Dice;
 use super::path::Path;
+use super::pattern::Pattern;
 use super::tally::Record;
 use super::tracer::{PixelWork, Shows, Tracer, Workspace};
 use crate::angular::Stencil;
 use crate::skeleton::Propagation;
 use crate::walk::{add_scaled, base_density, base_direction};
-use crate::{Medium, Reflector};
+use crate::{Medium, PixelSpread, Reflector};
 
 impl Tracer<'_> {
     /// Reflection by a mirror or a Lambertian pixel at the place of the path.
@@ -38,19 +39,65 @@ impl Tracer<'_> {
         match self.shows {
             Shows::EachState => path.light.reflect(&work.reflectance),
             Shows::Pattern(pattern) => {
-                let (bins, PixelWork { reflectance, mixed }) = (self.bins(), work);
-                mixed.fill(0.0);
-                for k in 0..path.place_mm.len() {
-                    let here = path.bins_at(k);
-                    pattern.shows_at(&path.meeting(k), &mut |image, state, coverage| {
-                        let row = &mut mixed[image * bins..][here.clone()];
-                        add_scaled(row, &reflectance[state * bins..][here.clone()], coverage);
-                    });
-                }
+                let PixelWork { reflectance, mixed, .. } = work;
+                self.mix(pattern, path, reflectance, mixed);
                 path.light.reflect(mixed);
             }
         }
         record.meets(path);
+    }
+
+    /// Sets the reflectance of each image of a pattern at the place of a path.
+    fn mix(&self, pattern: &dyn Pattern, path: &Path, reflectance: &[f64], mixed: &mut [f64]) {
+        let bins = self.bins();
+        mixed.fill(0.0);
+        for k in 0..path.place_mm.len() {
+            let here = path.bins_at(k);
+            pattern.shows_at(&path.meeting(k), &mut |image, state, coverage| {
+                let row = &mut mixed[image * bins..][here.clone()];
+                add_scaled(row, &reflectance[state * bins..][here.clone()], coverage);
+            });
+        }
+    }
+
+    /// Reflection by a Lambertian pixel inside which light spreads: it leaves at the place of the path and has entered at another one, each
+    /// time through the root of the reflectance there. Its place is recorded as either of them, by chance: that of a small change of the state.
+    fn reflect_spread(
+        &self,
+        spread: PixelSpread,
+        u: [f64; 4],
+        path: &mut Path,
+        work: &mut PixelWork,
+        record: &impl Record,
+    ) {
+        let [x, y] = spread.displacement([u[0], u[1], u[2]]);
+        let moves = |path: &mut Path| {
+            path.place_mm.iter_mut().for_each(|place| *place = [place[0] - x, place[1] - y]);
+        };
+        let leaves = u[3] < 0.5;
+        let Shows::Pattern(pattern) = self.shows else {
+            if !leaves {
+                moves(path);
+            }
+            self.reflect_at_once(path, work, record);
+            if leaves {
+                moves(path);
+            }
+            return;
+        };
+        self.stack.base.reflectance(path.beta.squared(), self.lowest(), &mut work.reflectance);
+        let PixelWork { reflectance, mixed, entered } = work;
+        self.mix(pattern, path, reflectance, mixed);
+        if leaves {
+            record.meets(path);
+        }
+        moves(path);
+        self.mix(pattern, path, reflectance, entered);
+        mixed.iter_mut().zip(entered).for_each(|(out, entered)| *out = (*out * *entered).sqrt());
+        if !leaves {
+            record.meets(path);
+        }
+        path.light.reflect(mixed);
     }
 
     /// Weights on the nodes of the pixel's angular table.
@@ -80,7 +127,12 @@ impl Tracer<'_> {
                 self.survives(dice, &mut work.path)
             }
             Reflector::Lambertian(_) => {
-                self.reflect_at_once(&mut work.path, &mut work.pixel, record);
+                match self.spread {
+                    None => self.reflect_at_once(&mut work.path, &mut work.pixel, record),
+                    Some(spread) => {
+                        self.reflect_spread(spread, dice.next(), &mut work.path, &mut work.pixel, record);
+                    }
+                }
                 self.survives(dice, &mut work.path) && {
                     self.leave_lambertian(dice, work, record);
                     true

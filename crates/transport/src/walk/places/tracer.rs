@@ -11,7 +11,7 @@ use super::tally::Record;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
 use crate::walk::{PathNumbers, Target};
-use crate::{Cone, Layered, Medium, Reflector, Source};
+use crate::{Cone, Layered, Medium, PixelSpread, Reflector, Source};
 use papilio_optics::Beta;
 
 /// Light below this fraction of that at the first meeting with the pixel continues by roulette.
@@ -33,6 +33,8 @@ pub(super) struct Tracer<'a> {
     pub(super) shows: Shows<'a>,
     /// A filter above the pixel.
     pub(super) filter: Option<FilterPlane>,
+    /// Spread of light inside a Lambertian pixel.
+    pub(super) spread: Option<PixelSpread>,
     pub(super) air: Medium,
     /// Scattering of each interface, of light going down and up.
     pub(super) faces: Vec<[Vec<Face<'a>>; 2]>,
@@ -86,6 +88,8 @@ pub(super) struct PixelWork {
     pub(super) reflectance: Vec<f64>,
     /// Reflectance of each image; `[image][wavelength]`.
     pub(super) mixed: Vec<f64>,
+    /// The same where light entered a pixel inside which it spread.
+    pub(super) entered: Vec<f64>,
 }
 
 impl<'a> Tracer<'a> {
@@ -116,6 +120,7 @@ impl<'a> Tracer<'a> {
             places: if constant { 1 } else { bins },
             bands: if stack.is_grey() && filter.is_none() { 1 } else { bins },
             filter,
+            spread: None,
         }
     }
 
@@ -142,7 +147,9 @@ impl<'a> Tracer<'a> {
     /// Memory for paths, whose light has spectra from the start if they are wanted.
     pub(super) fn workspace(&self, spectra: bool) -> Workspace {
         let (bins, states, images) = (self.bins(), self.stack.base.states(), self.images());
-        let looks_up = !matches!(self.stack.base.reflector, Reflector::Scattering(_));
+        // The light of two places of a pattern is no sum of lights of states.
+        let meets_two = self.spread.is_some() && matches!(self.shows, Shows::Pattern(_));
+        let looks_up = !matches!(self.stack.base.reflector, Reflector::Scattering(_)) && !meets_two;
         let shown = match self.shows {
             Shows::EachState => Shown::EachState,
             Shows::Pattern(_) => Shown::Covered(Vec::new()),
@@ -163,7 +170,11 @@ impl<'a> Tracer<'a> {
             targets: vec![None; self.sources.len()],
             of_last: flat.clone(),
             flat,
-            pixel: PixelWork { reflectance: vec![0.0; states * bins], mixed: vec![0.0; images * bins] },
+            pixel: PixelWork {
+                reflectance: vec![0.0; states * bins],
+                mixed: vec![0.0; images * bins],
+                entered: vec![0.0; if meets_two { images * bins } else { 0 }],
+            },
         }
     }
 

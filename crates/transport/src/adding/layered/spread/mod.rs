@@ -11,7 +11,7 @@
 //! `L(f) = V(f) (1 - rho A(f))^-1 rho E`
 //!
 //! is the response of all orders to a small change of the reflectance, relative to it. A Lambertian pixel sends the same light in all
-//! directions: A(f) is a number, and E needs no directions. A mirror-like pixel below layers that return nothing to it has A = 0; E is
+//! directions: A(f) is a number, and E needs no directions; light that spreads inside it has the factor P on rho A, and (1 + P)/2 on all. A mirror-like pixel below layers that return nothing to it has A = 0; E is
 //! the value of its light for the sources, without phases. Light that layers return to it is followed from meeting to meeting
 //! ([`returned`]). Without scatterers its light keeps its direction, and A is a number there.
 //!
@@ -45,7 +45,7 @@ use super::precision::{Precision, density_between};
 use super::prepare::optics;
 use super::splits::smooth_splits;
 use crate::light::images::{ImagePoints, Mirror, image_points};
-use crate::{Cone, Layered, Reflector, Source};
+use crate::{Cone, Layered, PixelSpread, Reflector, Source};
 use crossing::Needed;
 use kernels::{Kernels, Light};
 use returned::Returned;
@@ -142,6 +142,8 @@ pub struct LayeredSpread<'a> {
     sets: Vec<Set>,
     /// The sets that represent each wavelength, and their factors.
     of_bins: Vec<Vec<(usize, f64)>>,
+    /// Spread of light inside a Lambertian pixel.
+    inside: Option<PixelSpread>,
 }
 
 /// Light of a source in the air.
@@ -233,6 +235,7 @@ impl<'a> LayeredSpread<'a> {
             images,
             sets: Vec::new(),
             of_bins: Vec::new(),
+            inside: None,
         };
         let (bins, of_bins) = representatives(stack, REPRESENTATIVES[usize::from(level > 1)]);
         spread.of_bins = of_bins;
@@ -241,6 +244,12 @@ impl<'a> LayeredSpread<'a> {
             spread.sets.push(set);
         }
         Ok(spread)
+    }
+
+    /// The same over a Lambertian pixel inside which light spreads.
+    #[must_use]
+    pub fn with_spread(self, inside: Option<PixelSpread>) -> Self {
+        Self { inside, ..self }
     }
 
     fn set(&self, bin: usize, extras: &[f64]) -> Result<Set, NotCovered> {

@@ -1,6 +1,6 @@
 //! Light of pixels at the waves, relative to that without regard to places.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::rc::Rc;
 
 use num_complex::Complex64;
@@ -247,6 +247,13 @@ impl LayeredSpread<'_> {
             totals.extend(sums.next());
             let first = sums.next().map(|sum| sum / area);
             returned.push(first.or(known.map(|known| returned[known])).unwrap_or_default());
+        }
+        if let Some(inside) = &self.inside {
+            for ((total, returned), wave) in totals.iter_mut().zip(&mut returned).zip(waves) {
+                let frequency_per_mm = wave.per_mm / TAU;
+                *total *= inside.of_state(frequency_per_mm);
+                *returned *= inside.at(frequency_per_mm);
+            }
         }
         Ok(vec![all_orders(&relative_to_first(totals), &returned, reflectance, members)])
     }
