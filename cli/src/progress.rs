@@ -101,7 +101,7 @@ impl FractionBar {
     }
 
     /// Shows a report, unless a later one of another thread is shown already.
-    fn show(&self, report: &Report<'_>) {
+    pub(crate) fn show(&self, report: &Report<'_>) {
         let fraction = report.fraction();
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let paths = report.paths.unwrap_or(0);

@@ -8,6 +8,7 @@ use papilio_formats::write_file;
 use papilio_reproduction::{ReproductionError, reproduce};
 
 use crate::arguments::Validate;
+use crate::progress::FractionBar;
 use crate::{Failure, interrupt, output, print_message};
 
 pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
@@ -16,12 +17,16 @@ pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
     output::make_folder(&folder)?;
     interrupt::catch_ctrl_c();
     let started = Instant::now();
+    let bar = FractionBar::new();
+    let log = bar.in_log(String::new);
     let control = Control {
         threads: arguments.workers.threads.map(usize::from),
-        progress: &|_| {},
+        progress: &|report| bar.show(&report),
         stop: &interrupt::STOP,
     };
-    let report = match reproduce(&folder.join("scenarios"), &control) {
+    let report = reproduce(&folder.join("scenarios"), &control);
+    drop((log, bar));
+    let report = match report {
         Err(ReproductionError::Display(DisplayError::Interrupted)) => {
             return Err(Failure::Interrupted("no report was written"));
         }

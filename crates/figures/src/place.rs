@@ -5,6 +5,8 @@ use crate::svg::{Anchor, Point, Stroke, Svg, Text, finite, text_width};
 
 /// Smallest distance between names on contours, px.
 const MARGIN: f64 = 4.0;
+/// Distance between names on one line, px, from which on they read as two.
+const GAP: f64 = 6.0;
 
 /// Occupied parts of a rectangle of the page: marks, lines, and names already placed.
 #[derive(Debug)]
@@ -136,7 +138,8 @@ impl Places {
                 (best, least) = (place, cost);
             }
         }
-        self.taken.push(Box::of_text(best.at, best.anchor, name, size));
+        let Box { left, right, top, bottom } = Box::of_text(best.at, best.anchor, name, size);
+        self.taken.push(Box { left: left - GAP, right: right + GAP, top, bottom });
         best
     }
 }

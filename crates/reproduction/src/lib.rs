@@ -26,22 +26,36 @@ mod verdict;
 
 use std::path::Path;
 
-use papilio_display::Control;
+use papilio_display::{Control, Progress};
 
 pub use displays::ReproductionError;
 pub use report::{Part, Report, Section, Table};
 
-/// Computes the report, and writes its scenarios to `folder`, where they can be run with `papilio run`.
+/// A chapter of the report.
+type Chapter = fn(&displays::Bench<'_>) -> Result<Vec<Section>, ReproductionError>;
+
+/// The chapters, in order; they take about equally long.
+const CHAPTERS: [Chapter; 5] = [
+    bumps::sections,
+    |bench| Ok(vec![chapter_2::phase_functions(), dipoles::section(bench)?]),
+    chapter_3::sections,
+    chapter_4::sections,
+    chapter_5::sections,
+];
+
+/// Computes the report, and writes its scenarios to `folder`, where they can be run with `papilio run`. The progress is that of the
+/// whole.
 ///
 /// # Errors
 /// If files cannot be written, or the computation was stopped.
 pub fn reproduce(folder: &Path, control: &Control<'_>) -> Result<Report, ReproductionError> {
-    let bench = displays::Bench::new(folder, control)?;
-    let mut sections = bumps::sections(&bench)?;
-    sections.extend([chapter_2::phase_functions(), dipoles::section(&bench)?]);
-    sections.extend(chapter_3::sections(&bench)?);
-    sections.extend(chapter_4::sections(&bench)?);
-    sections.extend(chapter_5::sections(&bench)?);
+    let of_chapters = Control { progress: &|_| {}, ..*control };
+    let bench = displays::Bench::new(folder, &of_chapters)?;
+    let mut sections = Vec::new();
+    for (done, chapter) in CHAPTERS.iter().enumerate() {
+        (control.progress)(Progress { unit: "chapters", ..Progress::of_views(done, CHAPTERS.len()) });
+        sections.extend(chapter(&bench)?);
+    }
     let mut report = Report {
         title: "Feng 2012, reproduced".to_owned(),
         about: [

@@ -31,7 +31,7 @@ pub struct Progress<'a> {
 
 impl Progress<'_> {
     /// Progress of a computation without paths, in which a number of views out of all are done.
-    pub(crate) fn of_views(done: usize, all: usize) -> Self {
+    pub fn of_views(done: usize, all: usize) -> Self {
         Self {
             paths: None,
             share_of_view: None,

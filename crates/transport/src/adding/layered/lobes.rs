@@ -226,4 +226,21 @@ mod tests {
             }
         }
     }
+
+    /// A face's lobe has the orders of a diffuser's, bit for bit, and stores few of them.
+    #[test]
+    fn pieces_of_batches_equal_whole_batches() {
+        let density = Density { least: 8, spacing: 1.0, angle: None };
+        let grid = Grid::new(&Splits::default(), density, &[0.3, 0.35]);
+        let width = 0.1;
+        let mut pieces = LobeOrders::of_face(FaceLobe::KCorrelation(KCorrelation { width }));
+        let mut whole = LobeOrders::new(Lobe::KCorrelation { width }, 1.0);
+        let mut most = 0;
+        for order in 0..130 {
+            assert_eq!(pieces.order(order, &grid), whole.order(order, &grid), "{order}");
+            assert!(pieces.stored.len() <= MOST_OF_FACE);
+            most = most.max(whole.stored.len());
+        }
+        assert!(most > MOST_OF_FACE, "the test needs batches of several pieces");
+    }
 }

@@ -30,10 +30,10 @@ pub(in super::super) struct Block<'a> {
 
 impl<'a> Block<'a> {
     /// Divides groups into blocks: for each group its number, its layers, and the reflectance below them, `[node,
-    /// column]`.
+    /// column]`. Each block is built when it is needed.
     pub(in super::super) fn divide(
         groups: impl IntoIterator<Item = (usize, &'a Above, &'a Matrix)>,
-    ) -> Vec<Self> {
+    ) -> impl Iterator<Item = Self> {
         let mut blocks: Vec<Vec<(usize, &Above, &Matrix)>> = Vec::new();
         for group in groups {
             let columns = |block: &[(usize, &Above, &Matrix)]| -> usize {
@@ -46,7 +46,7 @@ impl<'a> Block<'a> {
                 _ => blocks.push(vec![group]),
             }
         }
-        blocks.iter().map(|block| Self::new(block)).collect()
+        blocks.into_iter().map(|block| Self::new(&block))
     }
 
     /// Builds a block of these groups, which share their kernels.
