@@ -12,11 +12,11 @@ table! {
     Measure {
         /// Name of the sample. Default: that of the output file.
         sample: Option<Title>,
-        /// Inclinations of the light: increasing, from 0 to below 90.
+        /// Inclinations of the light, 0 to below 90.
         incidence_deg: GridAngles = uniform(75.0, 5.0),
-        /// Azimuths about the specular direction: increasing, from 0 to 180, both included.
+        /// Azimuths about the specular direction, 0 to 180, both included.
         azimuth_deg: GridAngles = uniform(180.0, 10.0),
-        /// Distances from the specular direction: increasing, from 0 to at most 180.
+        /// Distances from the specular direction, 0 to at most 180.
         radial_deg: GridAngles = uniform(180.0, 2.0),
         /// Channels of the instrument.
         channels: Channels = Channels::Xyz,

@@ -91,11 +91,11 @@ table! {
         aim: Option<Aim>,
         /// The state whose spectrum or colour is compared with `spectrum`, `lab` or `uv`.
         state: Option<String>,
-        /// Desired reflectance factor of the state; the objective is the root mean square difference over the grid.
+        /// Reflectance factor to compare with: the root mean square difference of the state over the grid.
         spectrum: Option<DesiredSpectrum>,
-        /// Desired CIELAB colour of the state, `[L, a, b]`; the objective is the CIEDE2000 difference.
+        /// CIELAB colour to compare with, `[L, a, b]`: the CIEDE2000 difference of the state.
         lab: Option<Vec<Spanned<Any>>>,
-        /// Desired chromaticity of the state, `[u', v']`; the objective is the distance.
+        /// Chromaticity to compare with, `[u', v']`: the distance of the state.
         uv: Option<Vec<Spanned<Any>>>,
         /// Name of the condition. Default: all conditions; the objective is the mean.
         condition: Option<String>,
@@ -113,11 +113,11 @@ table! {
         metric: Option<MetricName>,
         /// The state whose spectrum or colour is compared with `spectrum`, `lab` or `uv`.
         state: Option<String>,
-        /// Reflectance factor; the limits apply to the root mean square difference of the state over the grid.
+        /// Reflectance factor to compare with: the root mean square difference of the state over the grid.
         spectrum: Option<DesiredSpectrum>,
-        /// CIELAB colour, `[L, a, b]`; the limits apply to the CIEDE2000 difference of the state.
+        /// CIELAB colour to compare with, `[L, a, b]`: the CIEDE2000 difference of the state.
         lab: Option<Vec<Spanned<Any>>>,
-        /// Chromaticity, `[u', v']`; the limits apply to the distance of the state.
+        /// Chromaticity to compare with, `[u', v']`: the distance of the state.
         uv: Option<Vec<Spanned<Any>>>,
         /// Name of the condition. Default: all conditions; the constraint must hold in each.
         condition: Option<String>,
