@@ -119,7 +119,8 @@ pub(super) fn lit(
 fn gauss_of(from: f64, to: f64, points: usize) -> Vec<Node> {
     let panels = points.div_ceil(MOST_POINTS);
     let step = (to - from) / panels as f64;
-    let panel = |k: usize| gauss(from + k as f64 * step, from + (k + 1) as f64 * step, points.div_ceil(panels));
+    let panel =
+        |k: usize| gauss(from + k as f64 * step, from + (k + 1) as f64 * step, points.div_ceil(panels));
     (0..panels).flat_map(panel).collect()
 }
 
