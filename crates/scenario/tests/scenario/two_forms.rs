@@ -92,7 +92,7 @@ fn examples_in_both_forms_are_one_scene() {
         if !name.ends_with(".toml") {
             continue;
         }
-        let Some(forms) = forms(&name, &["spectrum.step_nm=40"]) else { continue };
+        let Some(forms) = forms(&name, &["spectrum.step_nm=50"]) else { continue };
         let [short, list] = resolved(&forms);
         assert_eq!(short.scene.display.panel().is_some(), list.scene.display.panel().is_some(), "{name}");
         assert!(without_keys(short.scene) == without_keys(list.scene), "{name}");
