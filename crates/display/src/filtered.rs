@@ -7,8 +7,8 @@ use std::ops::Range;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{
-    Accuracy, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample,
-    TwoPlanes, Window, air_below_front_mm, diffuse_directions, diffused_directions,
+    Accuracy, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, TwoPlanes,
+    Window, air_below_front_mm, diffuse_directions, diffused_directions,
 };
 use papilio_transport::{
     Base, Cone, Estimate, Field, Ledger, Panel, ReflectanceFactor, Reflector, Source, Stack, Top,

@@ -52,7 +52,10 @@ impl From<Refused> for DisplayError {
             Refused::Layered(NotCovered::Stopped) => return Self::Interrupted,
             Refused::Layered(why) => {
                 let key = if why == NotCovered::Pixel { "display.pixel" } else { "display.layers" };
-                return Self::PlacesByPaths { what: format!("{why} ([[display.layers]])"), key: key.to_owned() };
+                return Self::PlacesByPaths {
+                    what: format!("{why} ([[display.layers]])"),
+                    key: key.to_owned(),
+                };
             }
             Refused::Fronts(error) => {
                 return Self::PlacesByPaths { what: error.to_string(), key: "display.front".to_owned() };
@@ -80,7 +83,9 @@ impl From<Refused> for DisplayError {
             Refused::FilterBelowColouredFront => {
                 ("a colour filter below a front that reflects a colour", "display.front")
             }
-            Refused::FilterInDispersion => ("a colour filter in glass with dispersion", "display.glass.index"),
+            Refused::FilterInDispersion => {
+                ("a colour filter in glass with dispersion", "display.glass.index")
+            }
             Refused::FilterInSinglePass => ("a colour filter in a single pass", "solver.approximation"),
             Refused::FilterWithoutRefraction => ("a colour filter without refraction", "solver.angle_medium"),
             Refused::FilterBelowLobeInField { environment } => (

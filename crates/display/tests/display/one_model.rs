@@ -99,8 +99,7 @@ fn figures_of_crosstalk_follow_from_the_spread_of_mtf() {
         let line = of_column(table, pitch_um, 0.0);
         // Of light from farther away than the table, half comes from black stripes.
         let most = (table.position_um[table.position_um.len() - 1] / pitch_um) as i32 / 2 * 2 - 2;
-        let columns: Vec<f64> =
-            (-most..=most).map(|k| of_column(table, pitch_um, f64::from(k))).collect();
+        let columns: Vec<f64> = (-most..=most).map(|k| of_column(table, pitch_um, f64::from(k))).collect();
         let far = 1.0 - columns.iter().sum::<f64>();
         let stripes = columns.iter().step_by(2).sum::<f64>() + 0.5 * far;
         for (number, expected, name) in [(2, line, "line"), (1, stripes, "stripes")] {

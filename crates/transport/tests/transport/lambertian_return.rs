@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::lobe::Lobe;
+use papilio_testing::sized;
 use papilio_transport::spatial::{Accuracy, LambertianReturn, PanelSpread};
 use papilio_transport::{Base, Cone, Diffuser, Front, Medium, Panel, Reflector, Source, Top};
 
@@ -93,7 +94,7 @@ fn lobe_returns_what_each_direction_sees_squared() {
         let all = LambertianReturn::all(&new(0.2), &lengths, accuracy).unwrap();
         let frequencies = [0.0, 0.2, 0.6, 1.2, 1.6, 2.4].map(|f| [f, 0.0]);
         let mut sums = [0.0; 6];
-        let (rings, turns) = (24, 24);
+        let (rings, turns) = (sized(40, 80), 12);
         for ring in 0..rings {
             let (beta, cos) = (0.5 * PI * (f64::from(ring) + 0.5) / f64::from(rings)).sin_cos();
             for turn in 0..turns {
@@ -113,8 +114,9 @@ fn lobe_returns_what_each_direction_sees_squared() {
         }
         for (sum, [f, _]) in sums.iter().zip(frequencies) {
             let (found, expected) = (all[0].at(f) / all[0].at(0.0), sum / sums[0]);
-            // Beyond one over the length, shifts are linear over the width of a lobe.
-            let tolerance = if f * (gap + 0.4) > 1.0 { 3e-3 } else { 1e-3 };
+            // Phases of grazing light in the air, 2 % of all, are not resolved. Beyond one over the length, shifts are linear over the width
+            // of a lobe. An error of A is that of a transfer function times the reflectances of front and pixel.
+            let tolerance = 4e-3;
             assert!((found - expected).abs() < tolerance, "{width} {gap} {f}: {found} {expected}");
         }
     }
