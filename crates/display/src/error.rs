@@ -53,7 +53,9 @@ pub enum DisplayError {
     #[error("angles in glass need a glass whose index does not depend on wavelength")]
     DispersiveGlassAngles,
     /// An approximation for ordinary panels, of other layers.
-    #[error("approximations are for an ordinary panel only: components in air, a face or a lobe, clear glass, a pixel that is not measured")]
+    #[error(
+        "approximations are for an ordinary panel only: components in air, a face or a lobe, clear glass, a pixel that is not measured"
+    )]
     ApproximatesNoPanel,
     /// Colours of a display with a colour filter at a height above its pixels.
     #[error(

@@ -18,8 +18,8 @@ use papilio_spectra::{Grid, LightSpectrum, Spectrum};
 pub use papilio_transport::spatial::{Rectangle, Window, rows, stripes};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{
-    Diffuser, Field, Interface as Ready, LobeReflection, PanelParts, ReflectedLobe, ReflectingDiffuser, RegularRings,
-    ScatterFace, ScatterKernel, Scattering, WaveFace, WaveLight,
+    Diffuser, Field, Interface as Ready, LobeReflection, PanelParts, ReflectedLobe, ReflectingDiffuser,
+    RegularRings, ScatterFace, ScatterKernel, Scattering, WaveFace, WaveLight,
 };
 
 pub(crate) use self::place::SPREAD_KEY;

@@ -69,10 +69,7 @@ impl<'a> PanelParts<'a> {
         let (face, _, glass_is_clear) = front.pop()?;
         // Between media of one index a bare interface is open.
         let faces = |face: &&Interface| {
-            matches!(
-                face,
-                Interface::Diffuser(_) | Interface::IdealAr | Interface::Fresnel | Interface::Open
-            )
+            matches!(face, Interface::Diffuser(_) | Interface::IdealAr | Interface::Fresnel | Interface::Open)
         };
         let face = face.filter(faces).filter(|_| glass_is_clear)?;
         let component = |(interface, index, is_clear): Described<'a>| match interface {

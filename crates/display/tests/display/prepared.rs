@@ -4,7 +4,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::common::{run_on, scenario};
 use papilio_display::result::RunResult;
-use papilio_display::scene::{AngleMedium, Approximation, Interface, Layer, Lobe, Method, Pixel, Ready, Scene, Stop, Thickness};
+use papilio_display::scene::{
+    AngleMedium, Approximation, Interface, Layer, Lobe, Method, Pixel, Ready, Scene, Stop, Thickness,
+};
 use papilio_display::{Control, DisplayError, Prepared};
 use papilio_spectra::Grid;
 

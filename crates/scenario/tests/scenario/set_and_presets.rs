@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::common::{GOOD, changed, resolve, shipped};
-use papilio_display::scene::{Approximation, Drive, Lobe, Pixel, Sampler, Scene, Ready, Stop, Thickness};
+use papilio_display::scene::{Approximation, Drive, Lobe, Pixel, Ready, Sampler, Scene, Stop, Thickness};
 use papilio_scenario::{Resolved, preset_names};
 
 fn set(sets: &[&str]) -> Resolved {
@@ -122,7 +122,8 @@ fn defaults() {
         (1.5, &Ready::IdealAr)
     );
     assert!(
-        scene.display.panel().unwrap().diffuser().is_none() && scene.display.panel().unwrap().front.is_empty()
+        scene.display.panel().unwrap().diffuser().is_none()
+            && scene.display.panel().unwrap().front.is_empty()
     );
     assert_eq!((scene.lighting.illuminance_lx, scene.lighting.diffuse), (500.0, 1.0));
     assert_eq!((&scene.viewer.theta_deg[..], &scene.viewer.phi_deg[..]), (&[0.0][..], &[0.0][..]));

@@ -105,7 +105,8 @@ fn examples_in_both_forms_are_one_scene() {
 /// What is a panel, and what resembles one.
 #[test]
 fn panels_are_recognised_among_layers() {
-    let pixel = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.5, black = 0 }\n";
+    let pixel =
+        "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.5, black = 0 }\n";
     let (sheet, air) = ("{ kind = \"component\", reflectance = 0.1 }", "{ kind = \"medium\", index = 1 }");
     let (glass, bare) = ("{ kind = \"medium\", index = 1.5 }", "{ kind = \"fresnel\" }");
     let lobe = "{ kind = \"diffuser\", model = \"lambertian\", transmittance = 0.9 }";

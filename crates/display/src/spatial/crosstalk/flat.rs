@@ -65,7 +65,8 @@ impl Irradiance {
         };
         let spreads = lit.spread.is_some();
         let nodes = if level.is_fine { 3 + level.finer as usize } else { 2 };
-        let (nodes, most) = if spreads { (nodes + if level.is_fine { 3 } else { 2 }, most.sqrt()) } else { (nodes, most) };
+        let (nodes, most) =
+            if spreads { (nodes + if level.is_fine { 3 } else { 2 }, most.sqrt()) } else { (nodes, most) };
         let images = images(lit)?;
         let known = |returned: Return| {
             let solve = returned.solver(cells);

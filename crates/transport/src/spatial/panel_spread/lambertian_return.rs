@@ -135,7 +135,7 @@ fn orders(panel: &Panel, index: f64, heights: Heights, largest: f64) -> Arc<[Tab
             (1.0 - r).powi(2) * r.powi(order as i32 - 1) * rest
         };
         let length = lengths[0] + lengths[1];
-        let rules = RULES.map(|most| FrontReturn::new(index, lengths, most / length, &weight));
+        let rules = RULES.map(|most| FrontReturn::new(index, lengths, most / length, weight));
         Tabulated::new(length, |rule, f| rules[rule].at(f))
     };
     (1..=count).map(of).collect()

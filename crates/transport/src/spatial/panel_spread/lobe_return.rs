@@ -30,12 +30,8 @@ const MORE_PLACES: f64 = 10.0;
 const DIGITS: f64 = 4.0;
 const DIGITS_LESS: f64 = 4.0;
 
-/// Rings of directions for each digit: grazing light in the air has phases that no rule resolves. At high frequencies, of which less comes
-/// back, there are fewer.
-const RINGS: [f64; 2] = [5.0, 3.0];
-
-/// Phase at the rim of the disc of air from which on frequencies are high, radians.
-const HIGH: f64 = 4.0;
+/// Rings of directions for each digit: grazing light in the air has phases that no rule resolves.
+const RINGS: f64 = 5.0;
 
 /// Light that leaves a diffuser in a direction.
 #[derive(Debug)]
@@ -98,7 +94,7 @@ pub(super) fn lit(
     let turns = (accuracy.digits + phase).ceil();
     let mut all = Vec::new();
     // |beta| = sin x: ways through the air grow without limit towards grazing light, of which there is little.
-    let rings = RINGS[usize::from(phase > HIGH)] * accuracy.digits + 0.5 * phase;
+    let rings = RINGS * accuracy.digits + 0.5 * phase;
     for node in gauss_of(0.0, FRAC_PI_2, rings.ceil() as usize) {
         let (beta, cos_out) = node.x.sin_cos();
         let ring = 2.0 * PI * beta * cos_out * node.weight;
