@@ -10,6 +10,12 @@ use crate::DisplayError;
 /// Most meetings of light with mirror-like pixels.
 const MOST_ORDERS: usize = 48;
 
+/// Computes the irradiance of cells from their reflectances and a tolerance.
+pub(super) type Solver<'a> = Box<dyn Fn(&[f64], f64) -> Vec<f64> + 'a>;
+
+/// Place of an image, mm, and the fraction of the light that it has at the wavelengths.
+pub(super) type PlacedImage = ([f64; 2], Vec<f64>);
+
 /// Images that have less than this fraction of the light belong to the one before.
 const FAINTEST_IMAGE: f64 = 1e-6;
 const MOST_IMAGES: usize = 6;
@@ -74,7 +80,7 @@ impl Return {
     }
 
     /// Solves the irradiance of cells, given their reflectances and a tolerance.
-    pub(super) fn solver<'a>(&'a self, cells: Cells) -> Box<dyn Fn(&[f64], f64) -> Vec<f64> + 'a> {
+    pub(super) fn solver<'a>(&'a self, cells: Cells) -> Solver<'a> {
         match self {
             Self::Everywhere(returned, spread) => {
                 let recycling = Recycling::new(cells, |f| returned.at(f)).with_spread(*spread);
@@ -114,7 +120,7 @@ pub(super) fn irradiance(
 
 /// Images of the pixels that a view sees because light was reflected between a flat face and a front above it: the place of each,
 /// mm, and the fraction of the light that each has at the wavelengths.
-pub(super) fn images(lit: Lit<'_>) -> Result<Vec<([f64; 2], Vec<f64>)>, DisplayError> {
+pub(super) fn images(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayError> {
     let lengths_mm = lengths_of_one_front(lit.panel, lit.lengths_mm, lit.level);
     let air_mm = Lit { lengths_mm: &lengths_mm, ..lit }.air_mm()?;
     let way = displacement(lit.view.field.axis_towards(), 2.0 * air_mm, 1.0);

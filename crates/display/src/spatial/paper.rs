@@ -88,8 +88,8 @@ struct Shade {
 pub(super) fn response(
     lit: Lit<'_>,
     source: &Source,
-    weights: &[f64],
-    via_pixel: &[f64],
+    (weights, via_pixel): (&[f64], &[f64]),
+    known: &mut Option<Vec<LambertianReturn>>,
 ) -> Result<Paper, DisplayError> {
     let Lit { panel, level, .. } = lit;
     let (states, bins) = (panel.base.states(), weights.len());
@@ -104,7 +104,11 @@ pub(super) fn response(
     let reach_mm = thickness_mm.max(0.25 * (thickness_mm + air_mm));
     let most_per_mm = level.most_per_mm.max(HIGHEST / thickness_mm);
     let accuracy = Accuracy { digits: level.digits, most_per_mm };
-    let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
+    let faces = match known {
+        Some(known) => known.clone(),
+        None => LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?,
+    };
+    *known = Some(faces.clone());
     let step_per_mm = 1.0 / (PERIOD * reach_mm);
     let spread = lit.spread;
     let mut paper =

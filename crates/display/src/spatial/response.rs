@@ -94,7 +94,7 @@ pub(crate) fn responses(
         return Err(Refused::SpreadBelowLobe.into());
     }
     let lit = Lit { panel, lengths_mm: &lengths, view, level, spread };
-    let mut all = Vec::new();
+    let (mut all, mut faces) = (Vec::new(), None);
     for light in meter.pixel_lights().into_iter().filter(PixelLight::is_seen) {
         let [_, weights, _] = &light.weights;
         let (source, via_pixel) = (&setup.sources[light.source], &factors[light.source].via_pixel[..]);
@@ -102,7 +102,7 @@ pub(crate) fn responses(
             (Top::Diffuser(_), true) => returned::response(lit, source, weights, via_pixel)?,
             (Top::Diffuser(_), false) if !lit.returns() => Box::new(lobe::response(lit, source, weights)?),
             (_, true) => Box::new(ghosts::response(lit, weights, via_pixel)?),
-            (_, false) => Box::new(paper::response(lit, source, weights, via_pixel)?),
+            (_, false) => Box::new(paper::response(lit, source, (weights, via_pixel), &mut faces)?),
         };
         all.push(Seen { light: name_of_light(setup, &light), response });
     }

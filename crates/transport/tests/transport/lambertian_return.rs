@@ -2,11 +2,10 @@
 
 use std::f64::consts::PI;
 
-use num_complex::Complex64;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::lobe::Lobe;
-use papilio_transport::spatial::{Accuracy, LambertianReturn, PanelSpread};
-use papilio_transport::{Base, Cone, Diffuser, Front, Medium, Panel, Reflector, Source, Top};
+use papilio_transport::spatial::{Accuracy, LambertianReturn};
+use papilio_transport::{Base, Diffuser, Front, Medium, Panel, Reflector, Top};
 
 fn panel(top: Top, index: &[f64], front: &[f64]) -> Panel {
     let bins = index.len();
@@ -81,41 +80,28 @@ fn table_equals_the_sum_over_directions() {
     }
 }
 
-/// What a front returns through a lobe, against the sum over the directions of the air of what each sees of the pixel, squared.
+/// What a front returns through a lobe over 0.4 mm of glass, relative to uniform light: sums over 60 to 200 rings of directions in the air and
+/// 7680 to 51200 directions in the glass for each, of a separate program (numpy).
 #[test]
-fn lobe_returns_what_each_direction_sees_squared() {
-    for (width, straight, gap) in [(0.057, 0.0, 0.2), (0.057, 0.3, 0.0), (0.3, 0.1, 0.5)] {
+fn lobe_returns_known_fractions() {
+    const FREQUENCIES: [f64; 5] = [0.2, 0.6, 1.2, 1.6, 2.4];
+    for (width, straight, gap, zero, known) in [
+        (0.057, 0.0, 0.2, 0.403_75, [0.6183, 0.0634, 0.0006, 0.0002, 0.0]),
+        (0.057, 0.3, 0.0, 0.415_75, [0.9078, 0.4191, -0.0274, -0.0032, -0.0041]),
+        (0.3, 0.1, 0.5, 0.275_74, [0.3232, 0.0068, 0.0, 0.0, 0.0]),
+    ] {
         let lobe = Lobe::KCorrelation { width };
         let diffuser = Diffuser { lobe, transmittance: vec![0.9].into(), regular_fraction: straight };
-        let new = |front: f64| panel(Top::Diffuser(diffuser.clone()), &[1.5], &[front]);
-        let lengths = [gap, 0.4];
+        let panel = panel(Top::Diffuser(diffuser), &[1.5], &[0.2]);
         let accuracy = Accuracy { digits: 13.0, most_per_mm: 8.0 };
-        let all = LambertianReturn::all(&new(0.2), &lengths, accuracy).unwrap();
-        let frequencies = [0.0, 0.2, 0.6, 1.2, 1.6, 2.4].map(|f| [f, 0.0]);
-        let mut sums = [0.0; 6];
-        let (rings, turns) = (24, 24);
-        for ring in 0..rings {
-            let (beta, cos) = (0.5 * PI * (f64::from(ring) + 0.5) / f64::from(rings)).sin_cos();
-            for turn in 0..turns {
-                let azimuth = PI * (f64::from(turn) + 0.5) / f64::from(turns);
-                let view = Cone::new(beta.asin().to_degrees(), azimuth.to_degrees(), 0.0, 1.0);
-                let accuracy = Accuracy { digits: 8.0, most_per_mm: 4.0 };
-                let spread =
-                    PanelSpread::new(&new(0.0), &lengths[1..], &view, &Source::Diffuse, accuracy).unwrap();
-                let seen = spread.transfer(&new(0.0), &frequencies);
-                let weight = PI * beta * cos / f64::from(rings * turns) / 2.25;
-                let air = 2.0 * gap * beta / cos * azimuth.cos();
-                for ((sum, seen), [f, _]) in sums.iter_mut().zip(&seen).zip(frequencies) {
-                    let phase = -2.0 * PI * f * (2.0 * spread.own_mm()[0] + air);
-                    *sum += weight * (seen * seen * Complex64::cis(phase)).re;
-                }
-            }
-        }
-        for (sum, [f, _]) in sums.iter().zip(frequencies) {
-            let (found, expected) = (all[0].at(f) / all[0].at(0.0), sum / sums[0]);
-            // Beyond one over the length, shifts are linear over the width of a lobe.
-            let tolerance = if f * (gap + 0.4) > 1.0 { 3e-3 } else { 1e-3 };
-            assert!((found - expected).abs() < tolerance, "{width} {gap} {f}: {found} {expected}");
+        let all = LambertianReturn::all(&panel, &[gap, 0.4], accuracy).unwrap();
+        let uniform = all[0].at(0.0);
+        assert!((uniform - 0.2 * 0.81 * zero).abs() < 1e-4 * uniform, "{width} {gap}: {uniform}");
+        for (f, known) in FREQUENCIES.into_iter().zip(known) {
+            // Phases of grazing light in the air, 2 % of all, are not resolved: it may add or subtract a part of itself. An error of A is that
+            // of a transfer function times the reflectances of front and pixel, some 1e-4 here.
+            let found = all[0].at(f) / uniform;
+            assert!((found - known).abs() < 5e-3, "{width} {gap} {f}: {found} {known}");
         }
     }
 }

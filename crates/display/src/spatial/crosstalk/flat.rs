@@ -119,7 +119,12 @@ impl Irradiance {
         for Known { bins, of_page, spreads, own, fractions, images } in &self.returns {
             for &bin in bins {
                 let pair = rho.map(|rho| rho[bin]);
-                // The brighter of both pages tells how much light there is.
+                if images.is_empty() && !spreads {
+                    let factor = (1.0 - pair[0] * of_page) / own.at(pair);
+                    (0..3).for_each(|k| sum[k] += light[0][k][bin] * factor);
+                    continue;
+                }
+                // Where other places are seen, too, the brighter of both pages tells how much light there is.
                 let of = usize::from(pair[1] > pair[0]);
                 if pair[of] <= 0.0 {
                     continue;

@@ -25,6 +25,9 @@ const HIGHEST: f64 = 8.0;
 /// Highest frequencies of the rules, times the length.
 const RULES: [f64; 3] = [0.125, 1.0, HIGHEST];
 
+/// Frequency times the length from which on nothing comes back through a lobe: less than 1e-3 of what does of uniform light.
+const HIGHEST_OF_LOBE: f64 = 3.0;
+
 /// Orders whose light is below this fraction are left out, the last one standing for all that follow.
 const FAINTEST: f64 = 1e-5;
 const MOST_ORDERS: usize = 6;
@@ -132,7 +135,7 @@ fn orders(panel: &Panel, index: f64, heights: Heights, largest: f64) -> Arc<[Tab
             (1.0 - r).powi(2) * r.powi(order as i32 - 1) * rest
         };
         let length = lengths[0] + lengths[1];
-        let rules = RULES.map(|most| FrontReturn::new(index, lengths, most / length, &weight));
+        let rules = RULES.map(|most| FrontReturn::new(index, lengths, most / length, weight));
         Tabulated::new(length, |rule, f| rules[rule].at(f))
     };
     (1..=count).map(of).collect()
@@ -141,11 +144,15 @@ fn orders(panel: &Panel, index: f64, heights: Heights, largest: f64) -> Arc<[Tab
 /// Tabulates what comes back through a diffuser from a front that reflects everything.
 fn through_lobe(diffuser: &Diffuser, index: f64, heights: Heights, digits: f64) -> Arc<[Tabulated]> {
     let length = heights.glass_mm + heights.front_mm;
-    let rules = [0, 1, 2].map(|rule| {
-        let accuracy = Accuracy { digits, most_per_mm: RULES[rule] / length };
-        lobe_return::lit(diffuser, index, heights, accuracy, rule == 2)
+    let rules = [RULES[0], RULES[1], HIGHEST_OF_LOBE].map(|most| {
+        let accuracy = Accuracy { digits, most_per_mm: most / length };
+        lobe_return::lit(diffuser, index, heights, accuracy, most > RULES[1])
     });
-    [Tabulated::new(length, |rule, f| lobe_return::returned(&rules[rule], f))].into()
+    let at = |rule: usize, f: f64| match f * length > HIGHEST_OF_LOBE {
+        true => 0.0,
+        false => lobe_return::returned(&rules[rule], f),
+    };
+    [Tabulated::new(length, at)].into()
 }
 
 /// A function of the frequency on panels.

@@ -26,12 +26,12 @@ const FARTHEST: f64 = 4.0;
 /// Places that stand for all, more than the phase of the highest frequency between the middle and the farthest one in radians.
 const MORE_PLACES: f64 = 10.0;
 
-/// Natural digits: little comes back.
-const DIGITS: [f64; 2] = [4.0, 7.0];
+/// Natural digits: at least, and how many less than other light has. Little comes back.
+const DIGITS: f64 = 4.0;
 const DIGITS_LESS: f64 = 4.0;
 
-/// Rings of directions, besides those for digits and phases.
-const RINGS: f64 = 8.0;
+/// Rings of directions for each digit: grazing light in the air has phases that no rule resolves.
+const RINGS: f64 = 5.0;
 
 /// Light that leaves a diffuser in a direction.
 #[derive(Debug)]
@@ -84,8 +84,7 @@ pub(super) fn lit(
         Lobe::Lambertian if local => return Vec::new(),
         Lobe::Lambertian => 1.0,
     };
-    let accuracy =
-        Accuracy { digits: (accuracy.digits - DIGITS_LESS).clamp(DIGITS[0], DIGITS[1]), ..accuracy };
+    let accuracy = Accuracy { digits: (accuracy.digits - DIGITS_LESS).max(DIGITS), ..accuracy };
     let gap = Gap { index, thickness_mm: heights.glass_mm };
     // Phase of the light at the rim of the disc of air.
     let phase = 4.0
@@ -95,8 +94,8 @@ pub(super) fn lit(
     let turns = (accuracy.digits + phase).ceil();
     let mut all = Vec::new();
     // |beta| = sin x: ways through the air grow without limit towards grazing light, of which there is little.
-    let rings = (accuracy.digits + RINGS + 0.5 * phase).ceil() as usize;
-    for node in gauss_of(0.0, FRAC_PI_2, rings) {
+    let rings = RINGS * accuracy.digits + 0.5 * phase;
+    for node in gauss_of(0.0, FRAC_PI_2, rings.ceil() as usize) {
         let (beta, cos_out) = node.x.sin_cos();
         let ring = 2.0 * PI * beta * cos_out * node.weight;
         for turn in 0..turns as usize {
