@@ -24,7 +24,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 
 use papilio_sampling::warp;
 
-use crate::numerics::bessel::x_k1;
+use crate::numerics::bessel::{i0_i1, k0, x_k1};
 use crate::numerics::quadrature::gauss;
 
 /// P is a mixture of Gaussians, of variance `2 t s^2` along each axis with the density `exp(-t)`, t = u^2: panels of u, and the points on
@@ -35,9 +35,8 @@ const POINTS: usize = 8;
 /// Standard deviations in widths of a cell up to which the light of neighbouring cells is summed by place, not by frequency.
 const NARROW: f64 = 0.5;
 
-/// Rings for a disc beside the middle: their width, and how far they extend, in `s`.
-const RING: f64 = 0.05;
-const RINGS: usize = 600;
+/// Radii and distances in `s` beyond which the spread is a point.
+const LARGEST: f64 = 500.0;
 
 /// Point spread of light inside a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,20 +74,16 @@ impl PixelSpread {
     /// Light of the point spread within a radius about a point at a distance from its middle, mm.
     pub fn within(&self, radius_mm: f64, distance_mm: f64) -> f64 {
         let [radius, distance] = [radius_mm, distance_mm].map(|length| length / self.radius_mm);
-        if distance == 0.0 {
-            return 1.0 - x_k1(radius);
+        // Graf's addition theorem for K_0.
+        if radius.min(distance) > LARGEST {
+            f64::from(u8::from(radius > distance))
+        } else if distance < radius {
+            1.0 - x_k1(radius) * i0_i1(distance)[0]
+        } else if radius > 0.0 {
+            radius * i0_i1(radius)[1] * k0(distance)
+        } else {
+            0.0
         }
-        if radius >= distance + RING * RINGS as f64 {
-            return 1.0;
-        }
-        // The part of each ring about the middle that is inside the disc.
-        let inside = |k: usize| {
-            let r = RING * (k as f64 + 0.5);
-            let cosine = (r * r + distance * distance - radius * radius) / (2.0 * r * distance);
-            (x_k1(RING * k as f64) - x_k1(RING * (k + 1) as f64)) * cosine.clamp(-1.0, 1.0).acos() / PI
-        };
-        let first = ((distance - radius) / RING - 1.0).max(0.0) as usize;
-        (first..RINGS).map(inside).sum()
     }
 
     /// A random displacement, mm, from three uniform random numbers.
@@ -205,7 +200,8 @@ mod tests {
             let found = part(&|[x, _]| *x < radius);
             assert!((found - spread.below(radius)).abs() < 0.01, "{radius} along: {found}");
         }
-        assert!((spread.within(0.4, 0.0) - spread.within(0.4, 1e-9)).abs() < 1e-3);
+        assert!((spread.within(0.4, 0.0) - spread.within(0.4, 1e-9)).abs() < 1e-9);
+        assert!((spread.within(0.4, 0.399_999_9) - spread.within(0.4, 0.400_000_1)).abs() < 1e-6);
         assert!((spread.below(0.3) - (1.0 - 0.5 / std::f64::consts::E)).abs() < 1e-15);
         // The transform of the line spread.
         let cosine = places.iter().map(|[x, _]| (TAU * 0.7 * x).cos()).sum::<f64>() / count as f64;

@@ -16,7 +16,11 @@ const GLASS: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickn
 const MATRIX: &str = "[display.matrix]\npitch_um = 200\n";
 const DIFFUSE: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
 const VIEW: &str = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
-const PATHS: &str = "[solver]\nmethod = \"monte-carlo\"\npaths = 262144\n";
+
+/// The Monte Carlo solver with fewer paths every day.
+fn paths() -> String {
+    format!("[solver]\nmethod = \"monte-carlo\"\npaths = {}\n", papilio_testing::sized(32_768, 1 << 20))
+}
 
 fn paper(spread_um: f64) -> String {
     format!(
@@ -96,7 +100,8 @@ fn paths_agree_with_frequencies() {
         let pixel = paper(40.0);
         let all = [&parts[..], &[MATRIX, &pixel, DIFFUSE, VIEW, pattern]].concat();
         let adding = sharpness(&all).unwrap();
-        let walked = sharpness(&[&all[..], &[PATHS]].concat()).unwrap();
+        let solver = paths();
+        let walked = sharpness(&[&all[..], &[&solver[..]]].concat()).unwrap();
         for f in [0.5, 1.0, 2.0, 5.0] {
             let ((found, error), (expected, _)) = (at(&walked, f), at(&adding, f));
             assert!((found - expected).abs() < 5.0 * error + 1e-4, "{f}: {found} +- {error}, {expected}");
@@ -132,7 +137,7 @@ fn crosstalk_agrees_with_paths() {
         let control = Control { threads: Some(2), progress: &|_| {}, stop: &AtomicBool::new(false) };
         crosstalk(&resolved.scene, "l", &control).unwrap()
     };
-    let [adding, walked] = ["", PATHS].map(of);
+    let [adding, walked] = [of(""), of(&paths())];
     for figure in [Figure::Stripe, Figure::Line] {
         let found = |result: &CrosstalkResult| {
             let pattern = result.views[0].patterns.iter().find(|one| one.name == figure).unwrap();
@@ -179,7 +184,7 @@ fn inks_below_the_face_give_the_measured_values_back() {
     };
     let eight = "[viewer]\ntheta_deg = 8\nfield_deg = 0\n";
     for (specular, front) in [("included", 0.0), ("excluded", 0.040_002)] {
-        for solver in ["", PATHS] {
+        for solver in ["", &paths()[..]] {
             let display = resolved(&[GLASS, &pixel(specular), DIFFUSE, eight, solver]);
             let run = common::run(&display.scene).unwrap();
             for (name, measured) in [("white", 0.4), ("grey", 0.18), ("black", 0.06)] {

@@ -15,6 +15,24 @@ pub(crate) fn x2_k2_half(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { 0.5 * x * x * modified(x, |_, cosh| 2.0 * cosh * cosh - 1.0) }
 }
 
+/// `K_0(x)` for x > 0.
+pub(crate) fn k0(x: f64) -> f64 {
+    modified(x, |_, _| 1.0)
+}
+
+/// `I_0(x)` and `I_1(x)` for x from 0 to 600: the mean over angles, by the trapezoidal rule.
+pub(crate) fn i0_i1(x: f64) -> [f64; 2] {
+    let count = 32 + x.ceil() as u32;
+    let mut sums = [0.0; 2];
+    for step in 0..count {
+        let cos = (std::f64::consts::TAU * f64::from(step) / f64::from(count)).cos();
+        let value = (x * cos).exp();
+        sums[0] += value;
+        sums[1] += value * cos;
+    }
+    sums.map(|sum| sum / f64::from(count))
+}
+
 /// Spherical Bessel functions `j_l(x)` of the orders l = 0, 1, ..., for x >= 0: upwards from j_0 and j_1 where that is
 /// stable, else downwards (Miller).
 pub(crate) fn spherical(x: f64, out: &mut [f64]) {
@@ -111,5 +129,15 @@ mod tests {
             assert!((x_k1(tiny) - 1.0).abs() < 1e-10 && (x2_k2_half(tiny) - 1.0).abs() < 1e-10);
         }
         assert!(x_k1(800.0) >= 0.0 && x_k1(800.0) < 1e-300);
+        assert!((k0(1.0) - 0.421_024_438_2).abs() < 1e-10 && (k0(0.1) - 2.427_069_024_7).abs() < 1e-10);
+        for (x, expected) in [(0.0, [1.0, 0.0]), (1.0, [1.266_065_877_8, 0.565_159_104_0])] {
+            let found = i0_i1(x);
+            assert!((found[0] - expected[0]).abs() < 1e-10 && (found[1] - expected[1]).abs() < 1e-10);
+        }
+        // The Wronskian I_0 K_1 + I_1 K_0 = 1/x.
+        for x in [0.3, 5.0, 100.0, 600.0] {
+            let [i0, i1] = i0_i1(x);
+            assert!((i0 * x_k1(x) + i1 * x * k0(x) - 1.0).abs() < 1e-9, "{x}");
+        }
     }
 }
