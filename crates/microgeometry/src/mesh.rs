@@ -9,6 +9,7 @@
 //! Triangles that penetrate each other are not found; rays that they mislead arrive on the wrong side, and count as lost.
 
 use std::collections::HashMap;
+use std::ops::RangeInclusive;
 
 use crate::MicrogeometryError;
 use crate::grid::{Bounds, Entry, Grid, Walked};
@@ -16,6 +17,9 @@ use crate::ray::{Face, Met, Ray, Side, dot, moved, normalised};
 
 /// Distance, relative to the larger period, within which corners are one: numbers of STL files have 24 bits.
 const SAME: f64 = 1e-6;
+
+/// Periods whose squares and smallest parts are numbers with all their digits, um.
+const PERIODS_UM: RangeInclusive<f64> = 1e-60..=1e60;
 
 /// Largest ratio of the periods along x and y: corners within [`SAME`] of the larger one are the same place.
 const MOST_ASPECT: f64 = 1e5;
@@ -101,6 +105,12 @@ impl Mesh {
             return Err(Self::wrong(format!(
                 "a mesh with a period of {x:e} um x {y:e} um is too elongated (expected a ratio of at most {MOST_ASPECT:e}): a wrong corner, or a \
                  wrong `period_um`"
+            )));
+        }
+        if !(PERIODS_UM.contains(&x) && PERIODS_UM.contains(&y)) {
+            let [least, most] = [PERIODS_UM.start(), PERIODS_UM.end()];
+            return Err(Self::wrong(format!(
+                "a mesh cannot have a period of {x:e} um x {y:e} um (expected {least:e} to {most:e} um): a wrong unit, or a wrong `period_um`"
             )));
         }
         let ratios = [(extent[0], x), (extent[1], y), (extent[2], x.max(y))];

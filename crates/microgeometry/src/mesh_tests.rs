@@ -266,6 +266,11 @@ fn mesh_of_extreme_proportions_is_refused() {
         let refused = Mesh::new(&square(x, y), None).unwrap_err().to_string();
         assert!(refused.contains("elongated"), "{x} {y}: {refused}");
     }
+    for side in [5e-324, 1e-300, 1e300] {
+        let refused = Mesh::new(&square(side, side), None).unwrap_err().to_string();
+        assert!(refused.contains("cannot have a period"), "{side}: {refused}");
+    }
+    assert!(Mesh::new(&square(1e-50, 1e-50), None).is_ok());
     let refused = Mesh::new(&square(50.0, 50.0), Some([1e-4, 1e-4])).unwrap_err().to_string();
     assert!(refused.contains("extends"), "{refused}");
     assert!(Mesh::new(&square(100.0, 1.0), None).is_ok());

@@ -20,8 +20,8 @@ use crate::adding::panel::lobes::{LANES, side_by_side};
 const LEAST_BATCH: usize = 16;
 /// Size in bytes of square matrices above which no more are.
 const MOST_BYTES: usize = 32 << 20;
-/// Largest number of orders of a face's lobe that are stored together.
-const MOST_OF_FACE: usize = 16;
+/// Largest number of orders of a face's lobe that are stored together, from order 0 on, whose operators take most memory, and from others.
+const MOST_OF_FACE: [usize; 2] = [4, 32];
 /// Natural digits by which the error at the start of the recurrence decreases before the last order.
 const DIGITS: f64 = 20.0;
 
@@ -32,8 +32,9 @@ pub(super) struct LobeOrders {
     shape: Shape,
     /// Orders that are computed together.
     batch: Range<usize>,
-    /// Largest number of them that is stored, and the first that is.
-    most: usize,
+    /// Largest number of them that is stored, from order 0 and from others on.
+    most: [usize; 2],
+    /// The first that is stored.
     first: usize,
     stored: Vec<Triangle>,
 }
@@ -83,7 +84,7 @@ impl LobeOrders {
             Lobe::KCorrelation { width } => Shape::KCorrelation { width },
             Lobe::Lambertian => Shape::Lambertian { disc },
         };
-        Self { shape, batch: 0..0, most: usize::MAX, first: 0, stored: Vec::new() }
+        Self { shape, batch: 0..0, most: [usize::MAX; 2], first: 0, stored: Vec::new() }
     }
 
     /// Begins the orders of the lobe of a face.
@@ -114,7 +115,8 @@ impl LobeOrders {
         // Before the next piece needs the memory.
         self.stored = Vec::new();
         let count = self.batch.end;
-        let orders = first..count.min(first.saturating_add(self.most));
+        let most = self.most[usize::from(first > 0)];
+        let orders = first..count.min(first.saturating_add(most));
         self.stored = match self.shape {
             Shape::Lambertian { disc } => vec![lambertian(disc, grid)],
             Shape::KCorrelation { width } => k_correlation(width, orders, count, grid),
@@ -238,9 +240,9 @@ mod tests {
         let mut most = 0;
         for order in 0..130 {
             assert_eq!(pieces.order(order, &grid), whole.order(order, &grid), "{order}");
-            assert!(pieces.stored.len() <= MOST_OF_FACE);
+            assert!(pieces.stored.len() <= MOST_OF_FACE[1]);
             most = most.max(whole.stored.len());
         }
-        assert!(most > MOST_OF_FACE, "the test needs batches of several pieces");
+        assert!(most > MOST_OF_FACE[1], "the test needs batches of several pieces");
     }
 }
