@@ -3,8 +3,8 @@
 use std::io::Write;
 use std::path::Path;
 
-use papilio_design::output::{Refinable, between_warning, brdf_warnings};
-use papilio_diagnostics::suggestion;
+use papilio_design::output::{Refinable, between_warning, brdf_warnings, smallest_step, table_numbers};
+use papilio_diagnostics::{number, suggestion};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Scene, Stop};
 use papilio_display::{
@@ -127,17 +127,24 @@ fn check_size(arguments: &Brdf, scene: &Scene, states: usize) -> Result<(), Fail
         BrdfFormat::Radiant => (RingGrid::numbers(step, states, bins), "theta_i x viewers", ""),
         BrdfFormat::Klems => (0, "", ""),
         BrdfFormat::Npz | BrdfFormat::Csv => {
-            let steps = (90.0 / step).round() as usize;
             // A large number of steps is refused before the grid takes memory.
-            let numbers = (steps * steps * (2 * steps + 1)).saturating_mul(states.saturating_mul(bins));
-            (numbers, "theta_i x theta_o x dphi", "")
+            (table_numbers(step, states, bins), "theta_i x theta_o x dphi", "")
         }
     };
     if numbers > BrdfGrid::MOST_NUMBERS {
+        let is_table = matches!(arguments.format, BrdfFormat::Npz | BrdfFormat::Csv);
+        let permitted = match smallest_step(states, bins).filter(|_| is_table) {
+            Some(step) => format!(
+                "--step {step} or more, or --format rgl or radiant, which have rings about the mirror direction and fewer numbers; "
+            ),
+            None => String::new(),
+        };
         return Err(Failure::Input(format!(
-            "the table would have {numbers} numbers (states x {axes} x wavelengths); expected at most {}\n  \
-             = help: use {smaller}a larger --step, a larger spectrum.step_nm or fewer --states",
-            BrdfGrid::MOST_NUMBERS
+            "the table would have {} numbers (states x {axes} x wavelengths); expected at most {}\n  \
+             = help: use {permitted}{smaller}a larger {}spectrum.step_nm or fewer --states",
+            number(numbers as f64),
+            number(BrdfGrid::MOST_NUMBERS as f64),
+            if permitted.is_empty() { "--step, a larger " } else { "" }
         )));
     }
     Ok(())
@@ -311,7 +318,8 @@ fn table_warnings(
     };
     let (exported, beams, refinable) = match table {
         Table::Directions(table) => {
-            (Exported::Directions(table), table, Refinable::Step(arguments.step, "--step "))
+            let smallest = smallest_step(table.states.len(), table.wavelength_nm.len());
+            (Exported::Directions(table), table, Refinable::Step(arguments.step, "--step ", smallest))
         }
         Table::HalfVectors(table, beams) => {
             (Exported::HalfVectors(table), beams, Refinable::Grid(grid_size(arguments)))

@@ -6,6 +6,7 @@
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use papilio_diagnostics::short_numbers;
 use papilio_formats::words::visible;
 
 /// Set by `--quiet`.
@@ -40,7 +41,7 @@ pub(crate) fn output(json: bool) -> impl Write {
 /// Prints a message on standard error; with `--quiet` only errors and warnings. Errors of the stream are ignored: standard error may be
 /// closed.
 pub(crate) fn print_message(text: &dyn std::fmt::Display) {
-    let text = text.to_string();
+    let text = short_numbers(&text.to_string()).into_owned();
     if !is_quiet() || IMPORTANT.iter().any(|word| text.starts_with(word)) {
         let _ = writeln!(anstream::stderr(), "{}", visible(&text));
     }

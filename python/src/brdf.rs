@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use papilio_design::output::{Refinable, between_warning, brdf_warnings, finer_step};
+use papilio_design::output::{Refinable, between_warning, brdf_warnings, finer_step, smallest_step};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::Stop;
 use papilio_display::{
@@ -73,7 +73,8 @@ pub(crate) fn bsdf<'py>(
     let mut warnings = brdf_warnings(&table, target);
     if let (Some(step_deg), Some(probes)) = (step_deg, probes) {
         let error = between_error(Exported::Directions(&table), &probes).map_err(internal)?;
-        let refinable = Refinable::Step(step_deg, "step_deg=");
+        let smallest = smallest_step(table.states.len(), table.wavelength_nm.len());
+        let refinable = Refinable::Step(step_deg, "step_deg=", smallest);
         warnings.extend(error.and_then(|error| between_warning(&error, refinable)));
     }
     let fits =

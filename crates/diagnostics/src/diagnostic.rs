@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::number::short_numbers;
 use crate::place::Place;
 use crate::text::{in_one_line, visible};
 
@@ -34,27 +35,32 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// Creates a diagnostic with a message alone.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), expected: None, note: None, hint: None, accepted: None }
+        Self {
+            message: short_numbers(&message.into()).into_owned(),
+            expected: None,
+            note: None,
+            hint: None,
+            accepted: None,
+        }
     }
 
     /// Adds what was expected: `a number from 0 to 1`.
     #[must_use]
     pub fn expected(mut self, words: impl fmt::Display) -> Self {
-        self.expected = Some(format!("expected {words}"));
+        self.expected = Some(short_numbers(&format!("expected {words}")).into_owned());
         self
     }
 
     /// Adds a hint: what the user can do.
     #[must_use]
-    pub fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.hint = Some(hint.into());
-        self
+    pub fn hint(self, hint: impl Into<String>) -> Self {
+        self.hint_if(Some(hint))
     }
 
     /// Sets or clears the hint.
     #[must_use]
     pub fn hint_if(mut self, hint: Option<impl Into<String>>) -> Self {
-        self.hint = hint.map(Into::into);
+        self.hint = hint.map(|hint| short_numbers(&hint.into()).into_owned());
         self
     }
 
@@ -68,9 +74,10 @@ impl Diagnostic {
     /// Adds a note after those that the diagnostic already has.
     #[must_use]
     pub fn note(mut self, note: impl AsRef<str>) -> Self {
+        let note = short_numbers(note.as_ref());
         self.note = Some(match self.note {
-            Some(before) => format!("{before}; {}", note.as_ref()),
-            None => note.as_ref().to_owned(),
+            Some(before) => format!("{before}; {note}"),
+            None => note.into_owned(),
         });
         self
     }

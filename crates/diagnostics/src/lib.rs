@@ -4,6 +4,7 @@
 //! - [`Diagnostic`]: a message, what was expected, a note and a hint. The code that finds a mistake creates it;
 //!   `diagnostic.at(&place)` prints it as a compiler's message.
 //! - [`nearest`] and [`suggestion`]: the known name that a misspelled one probably means.
+//! - [`number`]: a number as all messages and reports write it, with an exponent if it is very large or small.
 //! - [`visible`]: a text in which the characters that control a terminal are escaped.
 //! - [`Warned`]: a value with its warnings.
 //!
@@ -11,12 +12,14 @@
 
 mod diagnostic;
 mod nearest;
+mod number;
 mod place;
 mod text;
 mod warned;
 
 pub use diagnostic::{Diagnostic, Placed};
 pub use nearest::{did_you_mean, nearest, quoted, suggestion};
+pub use number::{number, short_numbers};
 pub use place::{Place, Spot};
 pub use text::{in_one_line, is_override, visible};
 pub use warned::Warned;

@@ -7,7 +7,7 @@ use papilio_goniometry::{
     WavelengthLevels, deblurred, may_be_relative,
 };
 
-use crate::words::{channel, percent, span, table};
+use crate::words::{channel, degrees, number, percent, span, table};
 
 /// Largest haze in the scope of ASTM D1003.
 const HAZE_SCOPE: f64 = 0.30;
@@ -193,7 +193,7 @@ fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
     for incidence in &audit.incidences {
         let width = |k: usize| incidence.half_widths_deg[k].map_or("-".to_owned(), |deg| format!("{deg:.2}"));
         rows.push(vec![
-            format!("{} deg", incidence.theta_deg),
+            format!("{} deg", degrees(incidence.theta_deg)),
             incidence.tis.map_or("-".to_owned(), |tis| format!("{tis:.4}")),
             format!("{:.4}", incidence.integral),
             incidence.tis.map_or("-".to_owned(), |tis| format!("{:.3}", incidence.integral / tis)),
@@ -277,9 +277,9 @@ fn rotations(audit: &Audit) -> String {
             Some(((least, at_least), (most, at_most))) => writeln!(
                 text,
                 "    {} deg: {least:.3} (rotation {at_least} deg) to {most:.3} (rotation {at_most} deg)",
-                incidence.theta_deg
+                degrees(incidence.theta_deg)
             ),
-            None => writeln!(text, "    {} deg: the file has no TIS", incidence.theta_deg),
+            None => writeln!(text, "    {} deg: the file has no TIS", degrees(incidence.theta_deg)),
         };
     }
     text
@@ -293,7 +293,7 @@ fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
     warnings.extend(relative(part, audit));
     let at = |bad: &dyn Fn(&papilio_goniometry::Incidence) -> bool| -> Option<String> {
         let bad: Vec<String> =
-            audit.incidences.iter().filter(|i| bad(i)).map(|i| format!("{}", i.theta_deg)).collect();
+            audit.incidences.iter().filter(|i| bad(i)).map(|i| degrees(i.theta_deg)).collect();
         (!bad.is_empty()).then(|| bad.join(", "))
     };
     if let Some(at) =
@@ -362,12 +362,13 @@ fn beyond(audit: &Audit) -> Option<String> {
     if worst.beyond_share() <= MUCH_BEYOND {
         return None;
     }
-    let at: Vec<String> = open().map(|i| i.theta_deg.to_string()).collect();
+    let at: Vec<String> = open().map(|i| degrees(i.theta_deg)).collect();
     let to_deg = open().filter_map(|i| i.measured_to_deg).fold(f64::INFINITY, f64::min);
     let end = match audit.inclined_to_deg {
-        Some(theta) => format!("the measurement ends {theta} deg from the normal"),
+        Some(theta) => format!("the measurement ends {} deg from the normal", degrees(theta)),
         None => format!(
-            "the measurement ends {to_deg} deg from the specular direction, at incidence {} deg",
+            "the measurement ends {} deg from the specular direction, at incidence {} deg",
+            degrees(to_deg),
             at.join(", ")
         ),
     };
@@ -375,7 +376,7 @@ fn beyond(audit: &Audit) -> Option<String> {
         "{end}; tails extrapolated beyond that angle would hold up to {} of the light (at {} deg); displays include them, unless \
          `extrapolate = \"none\"`",
         percent(worst.beyond_share()),
-        worst.theta_deg
+        degrees(worst.theta_deg)
     ))
 }
 
@@ -385,9 +386,10 @@ fn relative(part: &MeasuredPart, audit: &Audit) -> Option<String> {
     let total = audit.incidences.first().map_or(1.0, |incidence| incidence.integral);
     (part.way.is_transmission() && may_be_relative(total, largest) && audit.lit > 0).then(|| {
         format!(
-            "{} of the light passes at the smallest incidence, and the largest value is {largest}: if the values are in relative units, \
+            "{} of the light passes at the smallest incidence, and the largest value is {}: if the values are in relative units, \
              `total_transmittance` gives them their level in a display",
-            percent(total)
+            percent(total),
+            number(largest)
         )
     })
 }

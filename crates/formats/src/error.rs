@@ -440,7 +440,10 @@ impl Problem {
                 .hint("add rows for 0 deg, the normal of the display"),
             Self::Micrometres => Diagnostic::new("the wavelengths are probably in micrometres or in eV")
                 .expected("wavelengths in nm")
-                .hint("multiply um by 1000, or write the unit in the header: `wavelength_um`, `energy_eV`"),
+                .hint(
+                    "the header must state the unit of the values: `wavelength_um` or `energy_eV`, instead of none or nm; or multiply um by \
+                     1000",
+                ),
             Self::OutOfOrder { nm, before } => {
                 Diagnostic::new(format!("wavelength {nm} nm is out of order after {before} nm"))
                     .expected("wavelengths that all increase, or all decrease, from row to row")

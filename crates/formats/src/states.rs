@@ -175,7 +175,7 @@ fn state_columns(header: &Header) -> Vec<(Column, String)> {
         let name = ColumnName::new(&header.names[cell]);
         let unit = name.unit.clone().and_then(Result::ok).filter(|unit| unit.fits(REFLECTANCE.dimension));
         let text = if unit.is_some() { name.text } else { header.names[cell].trim().to_owned() };
-        (Column { quantity: &REFLECTANCE, cell, unit }, text)
+        (Column { unit, ..Column::at(cell, &REFLECTANCE) }, text)
     };
     cells.into_iter().map(column).filter(|(_, name)| !name.is_empty()).collect()
 }
@@ -211,6 +211,12 @@ impl Points {
         if matches!(&values, Values::Columns(_, states) if states.iter().all(|(column, _)| column.unit.is_none()))
         {
             points.divide_per_cent();
+        }
+        if let Values::Xyz(columns) = &values
+            && columns.iter().all(|column| column.unit.is_none())
+            && !is_own(&head)
+        {
+            points.divide_scale_100();
         }
         Ok(points)
     }
@@ -307,6 +313,19 @@ impl Points {
         let largest = values.fold(0.0, f64::max);
         if largest > instrument::LARGEST_FRACTION {
             self.all.iter_mut().flat_map(|point| &mut point.spectrum).for_each(|point| point.1 /= 100.0);
+            self.notes.push(instrument::percent_note(largest));
+        }
+    }
+
+    /// Divides X, Y, Z of the scale on which white has Y = 100 by 100, with a note.
+    fn divide_scale_100(&mut self) {
+        let largest = self.all.iter().filter_map(|point| point.xyz).flatten().fold(0.0, f64::max);
+        if largest > instrument::LARGEST_FRACTION {
+            self.all
+                .iter_mut()
+                .filter_map(|point| point.xyz.as_mut())
+                .flatten()
+                .for_each(|value| *value /= 100.0);
             self.notes.push(instrument::percent_note(largest));
         }
     }

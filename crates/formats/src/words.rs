@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-pub use papilio_diagnostics::{is_override, visible};
+pub use papilio_diagnostics::{is_override, number, visible};
 use papilio_goniometry::Channel;
 
 /// Returns rows as an aligned table: the first column to the left, all others to the right.
@@ -30,12 +30,18 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
+/// Writes an angle in degrees, or a wavelength in nm, with at most four decimals: what was in another unit has many.
+pub fn degrees(value: f64) -> String {
+    let rounded = (value * 1e4).round() / 1e4;
+    number(if rounded == 0.0 { value } else { rounded })
+}
+
 /// Describes ascending values by their number, the first and the last: `5 from 0 to 80`.
 pub fn span(values: &[f64]) -> String {
     match values {
         [] => "none".to_owned(),
-        [one] => format!("{one}"),
-        [first, .., last] => format!("{} from {first} to {last}", values.len()),
+        [one] => degrees(*one),
+        [first, .., last] => format!("{} from {} to {}", values.len(), degrees(*first), degrees(*last)),
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A mistake is a [`Diagnostic`]. Messages that are used once are written where the mistake is found.
 
-use papilio_diagnostics::{Diagnostic, did_you_mean, nearest, quoted, suggestion};
+use papilio_diagnostics::{Diagnostic, did_you_mean, nearest, number, quoted, suggestion};
 use papilio_formats::FormatError;
 use papilio_goniometry::GoniometryError;
 use papilio_spectra::{
@@ -107,14 +107,14 @@ pub(crate) fn another_length(expected: impl std::fmt::Display) -> Diagnostic {
 
 /// A number outside its range.
 pub(crate) fn out_of_range(value: f64, expected: impl std::fmt::Display) -> Mistake {
-    let diagnostic = Diagnostic::new(format!("{} is out of range", written(value))).expected(expected);
+    let diagnostic = Diagnostic::new(format!("{} is out of range", number(value))).expected(expected);
     Mistake { kind: MistakeKind::OutOfRange, diagnostic }
 }
 
 /// A number that is not an integer, or an integer outside its range.
 pub(crate) fn no_such_count(value: f64, expected: impl std::fmt::Display) -> Diagnostic {
     let wrong = if value.fract() == 0.0 { "out of range" } else { "not a whole number" };
-    Diagnostic::new(format!("{value} is {wrong}")).expected(expected)
+    Diagnostic::new(format!("{} is {wrong}", number(value))).expected(expected)
 }
 
 /// A word that is not one of the choices.
@@ -256,7 +256,9 @@ pub(crate) fn too_many(what: &str, count: f64, limit: usize) -> Diagnostic {
     let hint = what
         .contains("wavelengths")
         .then_some("use a larger spectrum.step_nm, or fewer of the other factors");
-    Diagnostic::new(format!("these are {count} {what}")).expected(format!("at most {limit}")).hint_if(hint)
+    Diagnostic::new(format!("these are {} {what}", number(count)))
+        .expected(format!("at most {limit}"))
+        .hint_if(hint)
 }
 
 /// A list without items.
@@ -271,7 +273,7 @@ pub(crate) fn sum(what: &str, sum: f64, expected: &str) -> Diagnostic {
 
 /// A range whose end is not above its start.
 pub(crate) fn empty_range(from: f64, to: f64) -> Diagnostic {
-    Diagnostic::new(format!("the range from {from} to {to} is empty"))
+    Diagnostic::new(format!("the range from {} to {} is empty", number(from), number(to)))
         .expected("an end that is larger than the start")
 }
 
@@ -292,22 +294,28 @@ pub(crate) fn dark_field() -> Diagnostic {
     Diagnostic::new("none of this light falls on the display")
 }
 
-/// Data that do not cover the wavelength grid.
-pub(crate) fn not_covered(what: &str, have: (f64, f64), needed: (f64, f64)) -> Diagnostic {
-    let shared = (have.0.max(needed.0).ceil(), have.1.min(needed.1).floor());
-    let range = match shared.0 < shared.1 {
-        true => format!("set spectrum.range_nm within [{}, {}]", shared.0, shared.1),
+/// Data that do not cover the wavelength grid, whose step is `step_nm`; 0 for a single wavelength.
+pub(crate) fn not_covered(what: &str, have: (f64, f64), needed: (f64, f64), step_nm: f64) -> Diagnostic {
+    // The first and the last wavelength of the grid that the data cover.
+    let first = needed.0 + ((have.0 - needed.0) / step_nm - 1e-6).ceil().max(0.0) * step_nm;
+    let last = needed.1 - ((needed.1 - have.1) / step_nm - 1e-6).ceil().max(0.0) * step_nm;
+    let range = match first < last {
+        true => format!("set spectrum.range_nm=[{}, {}]", number(first), number(last)),
         false => "change spectrum.range_nm".to_owned(),
     };
-    Diagnostic::new(format!("`{what}` reaches from {} to {} nm", have.0, have.1))
-        .expected(format!("{} to {} nm", needed.0, needed.1))
+    Diagnostic::new(format!("`{what}` reaches from {} to {} nm", number(have.0), number(have.1)))
+        .expected(format!("{} to {} nm", number(needed.0), number(needed.1)))
         .hint(format!("data are not extrapolated: extend them, or {range}"))
 }
 
 /// A wavelength grid outside the visible range.
 pub(crate) fn invisible(range_nm: (f64, f64)) -> Diagnostic {
-    Diagnostic::new(format!("nothing between {} and {} nm is visible", range_nm.0, range_nm.1))
-        .expected("a range that overlaps 380 to 780 nm")
+    Diagnostic::new(format!(
+        "nothing between {} and {} nm is visible",
+        number(range_nm.0),
+        number(range_nm.1)
+    ))
+    .expected("a range that overlaps 380 to 780 nm")
 }
 
 /// A syntax error of the TOML parser, with a hint.
@@ -321,17 +329,8 @@ pub(crate) fn syntax(message: &str) -> Diagnostic {
     Diagnostic::new(message).hint_if(hint)
 }
 
-/// Formats a number without the digits of rounding errors, and with an exponent if it is very large or small.
-fn written(value: f64) -> String {
-    let short: f64 = format!("{value:.9e}").parse().unwrap_or(value);
-    if short == 0.0 || (1e-6..1e16).contains(&short.abs()) || !short.is_finite() {
-        short.to_string()
-    } else {
-        format!("{short:e}")
-    }
-}
-
-/// Rounds a sum of decimal fractions to 1e-6, to remove rounding errors.
-pub(crate) fn tidy(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6 + 0.0
+/// Writes a sum of decimal fractions, rounded to 1e-6 to remove rounding errors.
+pub(crate) fn tidy(value: f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    number(if rounded == 0.0 || !rounded.is_finite() { value } else { rounded })
 }

@@ -1,6 +1,6 @@
 //! Ranges of numbers: one declaration defines the test, the description and the JSON Schema.
 
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, number};
 use serde_json::{Map, Value as Json, json};
 
 use crate::error::Errors;
@@ -70,7 +70,7 @@ impl Range {
 
     /// Describes the range: "a number from 0 to 1e6 (nm)".
     pub(crate) fn in_words(&self) -> String {
-        let (least, most) = (written(self.least), written(self.most));
+        let (least, most) = (number(self.least), number(self.most));
         let range = match self.open {
             _ if self.least.is_infinite() => "a number".to_owned(),
             [true, true] => format!("a number above {least} and below {most}"),
@@ -114,11 +114,6 @@ impl Range {
         add(if below { "exclusiveMaximum" } else { "maximum" }, self.most);
         rules
     }
-}
-
-/// Formats a bound.
-fn written(value: f64) -> String {
-    if value == 0.0 || (1e-4..1e6).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod oscillators;
 
 use num_complex::Complex64;
 
+use crate::spectrum::within;
 use crate::{Grid, SpectraError, Tabulated};
 use formula::Formula;
 use oscillators::{BrendelBormann, LorentzDrude};
@@ -140,9 +141,7 @@ impl Dispersion {
     /// Outside [`range_nm`](Self::range_nm), or if a formula gives no real n.
     pub fn index(&self, nm: f64) -> Result<Complex64, SpectraError> {
         let (first, last) = self.range_nm;
-        if !(first..=last).contains(&nm) {
-            return Err(SpectraError::OutsideTable { nm, first, last });
-        }
+        let nm = within(nm, self.range_nm).ok_or(SpectraError::OutsideTable { nm, first, last })?;
         let in_data = nm.clamp(self.data_nm.0, self.data_nm.1);
         let index = match &self.model {
             Model::Constant(index) => *index,

@@ -121,9 +121,7 @@ impl Tabulated {
     /// If `nm` is outside the table.
     pub fn at(&self, nm: f64) -> Result<f64, SpectraError> {
         let (first, last) = self.range_nm();
-        if !(first..=last).contains(&nm) {
-            return Err(SpectraError::OutsideTable { nm, first, last });
-        }
+        let nm = within(nm, (first, last)).ok_or(SpectraError::OutsideTable { nm, first, last })?;
         let right = self.wavelength_nm.partition_point(|&w| w < nm).max(1);
         let (x0, x1) = (self.wavelength_nm[right - 1], self.wavelength_nm[right]);
         let t = (nm - x0) / (x1 - x0);
@@ -138,6 +136,15 @@ impl Tabulated {
         let values: Result<Vec<f64>, _> = grid.wavelengths_nm().into_iter().map(|nm| self.at(nm)).collect();
         values.map(Spectrum)
     }
+}
+
+/// Largest distance from the end of a range, nm, that is taken for the rounding of another unit: 3.2627421 eV are 380 nm. It is much
+/// less than the resolution of instruments.
+const ROUNDED_NM: f64 = 1e-3;
+
+/// Returns a wavelength that is within a range, or outside it by no more than the rounding of its ends: then it is the end.
+pub(crate) fn within(nm: f64, (first, last): (f64, f64)) -> Option<f64> {
+    (first - ROUNDED_NM..=last + ROUNDED_NM).contains(&nm).then(|| nm.clamp(first, last))
 }
 
 /// Returns the scalar product of two spectra, up to the length of the shorter one.
@@ -159,4 +166,18 @@ pub fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
     sums.iter().sum::<f64>() + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ends of a table that were converted from another unit.
+    #[test]
+    fn rounded_end_of_a_table_covers_the_wavelength_that_was_meant() {
+        let table = Tabulated::new(vec![380.000_000_12, 779.999_7], vec![1.0, 2.0]).unwrap();
+        assert_eq!((table.at(380.0), table.at(780.0)), (Ok(1.0), Ok(2.0)));
+        assert!(matches!(table.at(379.99), Err(SpectraError::OutsideTable { .. })));
+        assert!(matches!(table.at(780.01), Err(SpectraError::OutsideTable { .. })));
+    }
 }

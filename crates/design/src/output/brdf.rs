@@ -1,6 +1,6 @@
 //! Warnings about BSDF tables.
 
-use papilio_display::{BrdfTable, HalfVectorGrid};
+use papilio_display::{BrdfGrid, BrdfTable, HalfVectorGrid};
 use papilio_formats::BetweenError;
 
 /// Largest accepted deviation of the sum over a table's directions, as a fraction of the light that leaves
@@ -37,8 +37,9 @@ pub fn finer_step(step_deg: f64, missed: f64) -> Option<f64> {
 /// Export of a BSDF with what the user can refine in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Refinable<'a> {
-    /// Directions in steps, with the name of the option: `--step `.
-    Step(f64, &'a str),
+    /// Directions in steps of so many degrees, with the name of the option (`--step `) and the smallest step of which a table is
+    /// permitted ([`smallest_step`]).
+    Step(f64, &'a str, Option<f64>),
     /// Half vectors, with their number along each axis.
     Grid(usize),
     /// Rings about the mirror direction.
@@ -54,14 +55,7 @@ pub fn between_warning(error: &BetweenError, of: Refinable<'_>) -> Option<String
     let BetweenError { relative, state, theta_i_deg, viewer } = error;
     let help = || {
         match of {
-        Refinable::Step(step, option) => match finer_step(step, *relative) {
-            Some(finer) => format!(
-                "{option}{finer} reduces this to about {:.1} %; --format rgl and radiant have rings about the mirror direction, which \
-                 follow a lobe with fewer numbers",
-                100.0 * relative * (finer / step).powi(2)
-            ),
-            None => "the lobe is too narrow for equal steps; --format rgl and radiant follow it".to_owned(),
-        },
+        Refinable::Step(step, option, smallest) => finer(step, option, smallest, *relative),
         Refinable::Grid(size) if size < HalfVectorGrid::LARGEST => {
             let wanted = (size as f64 * (relative / MOST_MISSED).sqrt() / 32.0).ceil() as usize * 32;
             let finer = wanted.clamp(size + 1, HalfVectorGrid::LARGEST);
@@ -87,6 +81,42 @@ pub fn between_warning(error: &BetweenError, of: Refinable<'_>) -> Option<String
     })
 }
 
+/// Returns which step reduces a deviation, as far as a table of it is permitted, and what else does.
+fn finer(step: f64, option: &str, smallest: Option<f64>, relative: f64) -> String {
+    let reduces = |finer: f64| {
+        format!("{option}{finer} reduces this to about {:.1} %", 100.0 * relative * (finer / step).powi(2))
+    };
+    let rings = "--format rgl and radiant have rings about the mirror direction, which follow a lobe with fewer numbers";
+    let smallest = smallest.filter(|smallest| *smallest < step);
+    match (finer_step(step, relative), smallest) {
+        (None, _) => "the lobe is too narrow for equal steps; --format rgl and radiant follow it".to_owned(),
+        (Some(finer), Some(smallest)) if finer >= smallest => format!("{}; {rings}", reduces(finer)),
+        (Some(_), Some(smallest)) => format!(
+            "{}, and is the smallest step of a table with so many states and wavelengths: fewer states or a larger spectrum.step_nm \
+             permit a smaller one; {rings}",
+            reduces(smallest)
+        ),
+        (Some(_), None) => format!(
+            "{rings}; a smaller step would have more numbers than a table may have, unless it has fewer states or wavelengths \
+             (spectrum.step_nm)"
+        ),
+    }
+}
+
+/// Returns the number of values of a table with steps of `step_deg` degrees, `usize::MAX` if it is too large.
+pub fn table_numbers(step_deg: f64, states: usize, wavelengths: usize) -> usize {
+    let steps = (90.0 / step_deg).round() as usize;
+    [steps, steps.saturating_mul(2).saturating_add(1), states, wavelengths]
+        .into_iter()
+        .fold(steps, usize::saturating_mul)
+}
+
+/// Returns the smallest of the usual steps, degrees, of which a table is permitted.
+pub fn smallest_step(states: usize, wavelengths: usize) -> Option<f64> {
+    let is_permitted = |step: &f64| table_numbers(*step, states, wavelengths) <= BrdfGrid::MOST_NUMBERS;
+    [9.0, 5.0].into_iter().chain(STEPS).filter(is_permitted).min_by(f64::total_cmp)
+}
+
 /// Returns a fraction in per cent, with two digits below 10.
 fn per_cent(fraction: f64) -> String {
     let per_cent = 100.0 * fraction;
@@ -109,11 +139,28 @@ mod tests {
         let text = warning(0.08, Refinable::Grid(64));
         assert!(text.contains("up to 8.0 %") && text.contains("state white, light from 62.5 deg"), "{text}");
         assert!(text.contains("--grid 128"), "{text}");
+        let step = |smallest| warning(0.08, Refinable::Step(5.0, "--step ", smallest));
+        assert!(step(Some(2.5)).contains("--step 2.5 reduces this to about 2.0 %"));
+        let larger = step(Some(3.0));
         assert!(
-            warning(0.08, Refinable::Step(5.0, "--step ")).contains("--step 2.5 reduces this to about 2.0 %")
+            larger.contains("--step 3 reduces this to about 2.9 %, and is the smallest step"),
+            "{larger}"
         );
+        assert!(!step(None).contains("--step") && step(None).contains("--format rgl"), "{}", step(None));
         assert!(warning(9.0, Refinable::Grid(256)).contains("a smaller --step"));
         assert!(warning(3.0, Refinable::Patches).contains("300 %"));
+    }
+
+    /// Eight states with 81 wavelengths: 90 x 90 x 181 directions at 1 deg, 45 x 45 x 91 at 2 deg and 36 x 36 x 73 at 2.5 deg.
+    #[test]
+    fn smallest_step_is_that_of_a_permitted_table() {
+        assert_eq!(table_numbers(1.0, 8, 81), 950_032_800);
+        assert_eq!((table_numbers(2.0, 8, 81), table_numbers(2.5, 8, 81)), (119_410_200, 61_305_984));
+        assert_eq!(
+            (smallest_step(8, 81), smallest_step(1, 1), smallest_step(8, usize::MAX)),
+            (Some(2.5), Some(0.3), None)
+        );
+        assert_eq!(table_numbers(1e-300, 8, 81), usize::MAX);
     }
 
     #[test]

@@ -25,7 +25,9 @@ mod search_figures;
 mod search_table;
 mod tolerance;
 
-pub use brdf::{MOST_MISSED, Refinable, between_warning, brdf_warnings, finer_step};
+pub use brdf::{
+    MOST_MISSED, Refinable, between_warning, brdf_warnings, finer_step, smallest_step, table_numbers,
+};
 pub use designs::{design_texts, moved};
 pub use search_figures::search_figures;
 pub use search_table::search_table;

@@ -1,11 +1,11 @@
 //! Reader of ASTM E1392 (and its successor E2387): a header of keywords, a line `VARS` with the names of the columns, and
 //! rows of angles in radians and values.
 
-use std::f64::consts::PI;
 use std::ops::Range;
 
 use papilio_goniometry::{Channel, Measurement, Provenance};
 
+use super::angles::RADIANS;
 use super::table_read::{Rows, is_front_reflection, unfold};
 use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem};
@@ -158,18 +158,14 @@ fn row(text: Text<'_>, line: Range<usize>, channels: &[Channel], rows: &mut Rows
     }
     let mut words = text.words(line.clone());
     for ((k, angle), word) in angles.iter_mut().enumerate().zip(words.by_ref()) {
-        let value = text.number(word.clone())?;
-        let range = if k % 2 == 0 { 0.0..=PI + 1e-6 } else { -TURN..=TURN };
+        let value = rows.angles.degrees(text, word.clone(), RADIANS)?;
+        let range = if k % 2 == 0 { 0.0..=180.0 } else { -360.0..=360.0 };
         if !range.contains(&value) {
             let expected = "radians: inclinations from 0 to pi from the normal of the front, azimuths from -2 pi to 2 pi";
+            let value = text.number(word.clone())?;
             return Err(text.error(word, Problem::OutOfRange { what: ANGLES[k], value, expected }));
         }
-        // A right angle in rounded radians may be slightly larger than pi/2, but still belongs to the front.
-        *angle = if k % 2 == 0 && (value - PI / 2.0).abs() < 1e-6 {
-            90.0
-        } else {
-            if k % 2 == 0 { value.to_degrees().min(180.0) } else { value.to_degrees() }
-        };
+        *angle = value;
     }
     let way = unfold(&mut angles);
     for (channel, word) in channels.iter().zip(words) {
@@ -178,6 +174,3 @@ fn row(text: Text<'_>, line: Range<usize>, channels: &[Channel], rows: &mut Rows
     }
     Ok(())
 }
-
-/// A full turn, plus a tolerance for rounding.
-const TURN: f64 = 2.0 * PI + 1e-6;

@@ -12,6 +12,7 @@ use std::ops::Range;
 
 use papilio_goniometry::{Channel, Direction, Measurement, Provenance};
 
+use super::angles::{Angles, DEGREES, RADIANS};
 use super::table_read::{Rows, unfold};
 use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem};
@@ -69,14 +70,13 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
         return Err(text.ends("the first row of data"));
     }
     let columns = if most <= 2 { 2 } else { 3 };
-    let mut blocks: Vec<Block> = Vec::new();
+    let (mut table, mut blocks) = (Rows::default(), Vec::<Block>::new());
     for (line, words) in rows {
-        add(text, &units, (line, words), columns, &mut blocks)?;
+        add(text, &units, (line, words), columns, (&mut table.angles, &mut blocks))?;
     }
     blocks.iter_mut().for_each(complete);
     fill_missing(&mut blocks);
     let (specular_deg, note) = if columns == 2 { (180.0, None) } else { specular(&blocks) };
-    let mut table = Rows::default();
     for block in &blocks {
         for (theta, phi, value, place) in &block.rows {
             // Light comes from the side opposite to the specular direction.
@@ -135,11 +135,15 @@ impl Units {
     }
 
     /// Reads an angle, in degrees.
-    fn angle(&self, text: Text<'_>, word: Range<usize>, range: [f64; 2]) -> Result<f64, FormatError> {
-        let value = text.number(word.clone())?;
-        let value = if self.radians { value.to_degrees() } else { value };
+    fn angle(
+        &self,
+        text: Text<'_>,
+        word: Range<usize>,
+        (angles, range): (&mut Angles, [f64; 2]),
+    ) -> Result<f64, FormatError> {
+        let value = angles.degrees(text, word.clone(), if self.radians { RADIANS } else { DEGREES })?;
         if (range[0]..=range[1]).contains(&value) {
-            return Ok(value + 0.0);
+            return Ok(value);
         }
         let expected = "an angle in the units of the line `format`";
         Err(text.error(word, Problem::OutOfRange { what: "this angle", value, expected }))
@@ -152,7 +156,7 @@ fn add(
     units: &Units,
     (line, words): (Range<usize>, Vec<Range<usize>>),
     columns: usize,
-    blocks: &mut Vec<Block>,
+    (angles, blocks): (&mut Angles, &mut Vec<Block>),
 ) -> Result<(), FormatError> {
     let in_plane = columns == 2;
     let head = words.len() + 1 == columns;
@@ -163,10 +167,14 @@ fn add(
         };
         return Err(text.error(line, Problem::Columns { count: columns, expected, found: words.len() }));
     }
-    let theta = units.angle(text, words[0].clone(), if head { [-90.0, 90.0] } else { [-180.0, 180.0] })?;
+    let theta = units.angle(
+        text,
+        words[0].clone(),
+        (&mut *angles, if head { [-90.0, 90.0] } else { [-180.0, 180.0] }),
+    )?;
     let phi = match in_plane {
         true => 0.0,
-        false => units.angle(text, words[1].clone(), [-360.0, 720.0])?,
+        false => units.angle(text, words[1].clone(), (angles, [-360.0, 720.0]))?,
     };
     if head {
         blocks.push(Block {

@@ -3,6 +3,7 @@
 //! The format is detected from the content of a file, never from its name. The memory of a reader is
 //! proportional to the size of the file, and a file with more than [`MOST_CELLS`] values is refused.
 
+mod angles;
 mod astm;
 mod between;
 mod display;
@@ -46,7 +47,7 @@ pub use write::{BsdfFormat, WriteError, write_measurement};
 use std::borrow::Cow;
 
 use papilio_diagnostics::{Place, Warned};
-use papilio_goniometry::{Channel, Measurement, ScatterMode};
+use papilio_goniometry::{Channel, MeasuredPart, Measurement, PartOfCircle, ScatterMode};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -162,6 +163,12 @@ fn of_any_format(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile,
         only.way = way;
     }
     read.states_part |= part.is_some();
+    let parts = std::mem::take(&mut read.measurement.parts).into_iter().map(MeasuredPart::on_one_side);
+    let uncovered = |PartOfCircle { from_deg, to_deg }| FormatError {
+        place: Place::whole(&file.name),
+        problem: BsdfProblem::PartOfCircle { from_deg, to_deg }.into(),
+    };
+    read.measurement.parts = parts.collect::<Result<_, _>>().map_err(uncovered)?;
     Ok(read)
 }
 

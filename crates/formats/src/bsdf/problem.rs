@@ -1,6 +1,6 @@
 //! Errors of BSDF files.
 
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, number};
 use papilio_goniometry::ScatterMode;
 
 /// The errors of a BSDF file, in addition to those of any data file.
@@ -62,6 +62,13 @@ pub enum BsdfProblem {
         /// The previous value.
         before: f64,
     },
+    /// The azimuths of the scattered light cover neither half a circle nor a whole one.
+    PartOfCircle {
+        /// The first azimuth from that of the light, degrees.
+        from_deg: f64,
+        /// The last azimuth from that of the light, degrees.
+        to_deg: f64,
+    },
     /// The measurement exceeds the limit of cells.
     TooManyCells {
         /// Largest number of cells.
@@ -115,9 +122,16 @@ impl BsdfProblem {
                 Diagnostic::new(format!("the number of {what} is {found}")).expected(count)
             }
             Self::Order { what, value, before } => {
-                Diagnostic::new(format!("{what} {value} is out of order after {before}"))
+                Diagnostic::new(format!("{what} {} is out of order after {}", number(*value), number(*before)))
                     .expected("ascending values")
             }
+            Self::PartOfCircle { from_deg, to_deg } => Diagnostic::new(format!(
+                "the azimuths of the scattered light reach from {} to {} deg from that of the light: neither half a circle nor a whole one",
+                number(*from_deg),
+                number(*to_deg)
+            ))
+            .expected("half a circle on either side of the plane of incidence (0 to 180 or -180 to 0 deg), or a whole one")
+            .hint("measure or add the other azimuths, or keep one azimuth, which then stands for all"),
             Self::TooManyCells { limit } => {
                 Diagnostic::new(format!("this measurement has more than {limit} cells"))
                     .hint("use a coarser grid or fewer wavelengths")

@@ -8,13 +8,15 @@ use std::ops::Range;
 
 use papilio_goniometry::{Channel, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry};
 
-use super::table_read::{cells, is_not_measured, provenance, table_of, way_of_name};
+use super::angles::{Angles, DEGREES};
+use super::table_read::{cells, is_not_measured, provenance, relative_note, table_of, way_of_name};
 use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::table::quantities::{BSDF, THETA};
-use crate::table::{Dimension, Header, Quantity, Unit};
+use crate::table::quantities::{BSDF, LIGHT, PHI_I, THETA, THETA_I};
+use crate::table::rounding::nearest;
+use crate::table::{ColumnName, Header, Quantity, Unit};
 
 /// Name of the format.
 const NAME: &str = "scan at normal incidence";
@@ -40,69 +42,98 @@ const FIRST_LINES: usize = 60;
 struct Layout {
     separator: Option<u8>,
     has_header: bool,
-    /// Whether the angle is the second column.
-    is_reversed: bool,
+    /// Number of columns, and the places of the angle and of the value.
+    count: usize,
+    theta: usize,
+    value: usize,
     /// The unit of the angles, if it is stated.
     unit: Option<Unit>,
     /// The part that the name of the value column states.
     way: Option<ScatterMode>,
+    /// How the header was read.
+    notes: Vec<String>,
 }
+
+/// The quantities of a scan; a relative radiance only if the caller states that the file is one.
+static ACCEPTED: [&Quantity; 3] = [&THETA, &BSDF, &LIGHT];
 
 impl Layout {
     /// Detects the layout from a line. A line of numbers, or with other names, begins a scan only if the caller states that
     /// the file is one (`is_stated`): other tables have two columns, too.
-    fn of(row: &crate::table::Row<'_>, is_stated: bool) -> Option<Self> {
-        static ACCEPTED: [&Quantity; 2] = [&THETA, &BSDF];
+    ///
+    /// # Errors
+    /// If the line is the header of a scan with a column or a unit that is not understood.
+    fn of(row: &crate::table::Row<'_>, is_stated: bool) -> Result<Option<Self>, FormatError> {
         let separator = row.table.dialect.separator.and_then(|separator| u8::try_from(separator).ok());
-        if row.cells.len() != 2 {
-            return None;
-        }
-        let (first, second) = (row.is_number(0), row.is_number(1));
-        if first && second {
-            let layout = Self { separator, has_header: false, is_reversed: false, unit: None, way: None };
-            return is_stated.then_some(layout);
-        }
-        if first || second {
-            return None;
-        }
-        let header = Header::of(row, &ACCEPTED).ok()?;
-        let theta = header.get(&THETA)?;
-        let value = header.get(&BSDF);
-        // A quantity that is called `value` is a BSDF only if the caller states it.
-        let is_named =
-            value.is_some_and(|value| !header.names[value.cell].trim().eq_ignore_ascii_case("value"));
-        let way = value.and_then(|value| way_of_name(&header.names[value.cell]));
-        let is_reversed = theta.cell == 1;
-        (is_stated || is_named).then_some(Self {
+        let count = row.cells.len();
+        let numbers = (0..count).filter(|cell| row.is_number(*cell)).count();
+        let bare = Self {
             separator,
-            has_header: true,
-            is_reversed,
-            unit: theta.unit,
-            way,
-        })
+            has_header: false,
+            count,
+            theta: 0,
+            value: 1,
+            unit: None,
+            way: None,
+            notes: Vec::new(),
+        };
+        if numbers > 0 || count < 2 {
+            return Ok((is_stated && count == 2 && numbers == 2).then_some(bare));
+        }
+        let names: Vec<ColumnName> = row.cells.iter().map(|cell| ColumnName::new(&cell.text)).collect();
+        let has = |one: &Quantity| names.iter().any(|name| name.is_one_of(one.names, one.with_case));
+        // A quantity that is called `value` is a BSDF only if the caller states it.
+        let is_bsdf =
+            |name: &ColumnName| name.is_one_of(BSDF.names, false) && !name.is_one_of(&["value"], false);
+        let is_named = names.iter().any(is_bsdf) && count < MOST_COLUMNS;
+        let may_be_theta =
+            has(&THETA) || names.iter().any(|name| matches!(name.unit, Some(Ok(Unit::Angle(_)))));
+        if !may_be_theta || has(&THETA_I) || has(&PHI_I) || !(is_named || is_stated) {
+            return Ok(None);
+        }
+        let mut header = Header::of(row, &ACCEPTED)?;
+        let Some(theta) = header.get(&THETA) else { return Ok(None) };
+        let of_light = || header.get(&LIGHT).filter(|_| is_stated);
+        let value = match header.get(&BSDF).or_else(of_light) {
+            Some(value) => value.cell,
+            // The other one of two columns, whatever its name.
+            None if is_stated && count == 2 => 1 - theta.cell,
+            None => return Ok(None),
+        };
+        if count > 2 {
+            header.refuse_others(row, &ACCEPTED[..2])?;
+        }
+        let way = way_of_name(&header.names[value]);
+        let mut notes = header.notes;
+        notes.extend(relative_note(&header.names[value]));
+        Ok(Some(Self { has_header: true, theta: theta.cell, value, unit: theta.unit, way, notes, ..bare }))
     }
 }
 
-/// Returns the text of a scan, its layout and its first line.
-fn find(file: &DataFile, is_stated: bool) -> Option<(Text<'_>, Layout, Range<usize>)> {
-    let (text, table) = table_of(file)?;
+/// Most columns of a scan: tables with more hold other things.
+const MOST_COLUMNS: usize = 10;
+
+/// Returns the text of a scan, its layout and its first line; `None` if the file is no scan.
+fn find(file: &DataFile, is_stated: bool) -> Result<Option<(Text<'_>, Layout, Range<usize>)>, FormatError> {
+    let Some((text, table)) = table_of(file) else { return Ok(None) };
     let mut lines = Lines::new(text);
     for k in 0..FIRST_LINES {
-        let line = lines.next().ok()??;
+        let Ok(Some(line)) = lines.next() else { return Ok(None) };
         let row = table.row_at(line.clone());
-        if let Some(layout) = Layout::of(&row, is_stated) {
-            return (k == 0 || layout.has_header).then_some((text, layout, line));
+        if let Some(layout) = Layout::of(&row, is_stated)? {
+            return Ok((k == 0 || layout.has_header).then_some((text, layout, line)));
         }
         // Below rows of numbers there is no header.
-        if row.cells.len() == 2 && row.is_number(0) && row.is_number(1) {
-            return None;
+        if row.cells.len() > 1 && row.is_number(0) && row.is_number(1) {
+            return Ok(None);
         }
     }
-    None
+    Ok(None)
 }
 
+/// Returns whether a file is a scan, be it one with a mistake in its header.
 pub(super) fn is_scan(file: &DataFile, is_stated: bool) -> bool {
-    find(file, is_stated).is_some()
+    !matches!(find(file, is_stated), Ok(None))
 }
 
 /// A row: angle, degrees, value, and its place.
@@ -110,13 +141,13 @@ type Row = (f64, f64, Range<usize>);
 
 pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatError> {
     let unknown = || Text::new(file).whole(BsdfProblem::Unknown);
-    let (text, layout, first) = find(file, is_stated).ok_or_else(unknown)?;
+    let (text, layout, first) = find(file, is_stated)?.ok_or_else(unknown)?;
     let mut lines = Lines::new(text);
     while lines.expect("the first row of data")?.start < first.start {}
-    let mut rows: Vec<Row> = Vec::new();
+    let (mut rows, mut angles) = (Vec::<Row>::new(), Angles::default());
     let mut line = if layout.has_header { lines.next()? } else { Some(first) };
     while let Some(place) = line {
-        rows.extend(row(text, &layout, place)?);
+        rows.extend(row(text, &layout, place, &mut angles)?);
         if rows.len() > MOST {
             return Err(text.whole(BsdfProblem::TooManyCells { limit: MOST }));
         }
@@ -124,6 +155,9 @@ pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatE
     }
     if rows.is_empty() {
         return Err(text.ends("the first row of data"));
+    }
+    if let Some(step) = angles.step(rows.iter().map(|row| row.0)) {
+        rows.iter_mut().for_each(|row| row.0 = nearest(row.0, step));
     }
     let most = rows.iter().map(|(theta, ..)| theta.abs()).fold(0.0, f64::max);
     let is_whole = rows.iter().all(|(theta, ..)| theta.fract() == 0.0);
@@ -143,19 +177,33 @@ pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatE
     let mut provenance = provenance(lines.comments);
     NAME.clone_into(&mut provenance.format);
     let measurement = Measurement { provenance, media: [1.0, 1.0], parts };
-    Ok(BsdfFile { measurement, warnings, notes: vec![NOTE.to_owned()], states_part, states_side })
+    Ok(BsdfFile {
+        measurement,
+        warnings,
+        notes: [vec![NOTE.to_owned()], layout.notes].concat(),
+        states_part,
+        states_side,
+    })
 }
 
 /// Reads a row; an empty value was not measured.
-fn row(text: Text<'_>, layout: &Layout, line: Range<usize>) -> Result<Option<Row>, FormatError> {
-    let found: Vec<Range<usize>> = cells(text, line.clone(), layout.separator).take(3).collect();
-    let [angle, value] = &found[..] else {
-        let expected = "two columns: the angle from the normal in deg, and the BSDF in 1/sr";
-        return Err(text.error(line, Problem::Columns { count: 2, expected, found: found.len() }));
-    };
-    let (angle, value) = if layout.is_reversed { (value, angle) } else { (angle, value) };
-    let theta = text.number(angle.clone())?;
-    let theta = layout.unit.map_or(theta, |unit| unit.convert(theta, Dimension::Angle));
+fn row(
+    text: Text<'_>,
+    layout: &Layout,
+    line: Range<usize>,
+    angles: &mut Angles,
+) -> Result<Option<Row>, FormatError> {
+    let count = layout.count;
+    let found: Vec<Range<usize>> = cells(text, line.clone(), layout.separator).take(count + 1).collect();
+    if found.len() != count {
+        let expected = match count {
+            2 => "two columns: the angle from the normal in deg, and the BSDF in 1/sr",
+            _ => "as many columns as the header",
+        };
+        return Err(text.error(line, Problem::Columns { count, expected, found: found.len() }));
+    }
+    let (angle, value) = (&found[layout.theta], &found[layout.value]);
+    let theta = angles.degrees(text, angle.clone(), layout.unit.unwrap_or(DEGREES))?;
     if !(-180.0..=180.0).contains(&theta) {
         let expected = "an angle from -180 to 180 deg, from the normal";
         return Err(text.error(angle.clone(), Problem::OutOfRange { what: "theta", value: theta, expected }));

@@ -11,13 +11,15 @@ use papilio_goniometry::{
     Channel, Direction, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, SphericalGrid,
 };
 
+use super::angles::Angles;
 use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem, MOST_CELLS};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::table::quantities::{
-    BSDF, CHANNEL, D_PHI, ERROR, PHI_I, PHI_O, REMARK, THETA_I, THETA_O, WAVELENGTH, WAY,
+    BSDF, CHANNEL, D_PHI, ERROR, LIGHT, PHI_I, PHI_O, REMARK, THETA_I, THETA_O, WAVELENGTH, WAY,
 };
+use crate::table::rounding;
 use crate::table::{self, Dialect, Dimension, Header, Quantity, Row, Table, Unit};
 
 /// The column with the meaning of a name, in its unit.
@@ -48,8 +50,8 @@ enum Column {
 /// Names of the angles, in messages.
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_o", "phi_o"];
 
-static ACCEPTED: [&Quantity; 11] =
-    [&THETA_I, &PHI_I, &THETA_O, &PHI_O, &D_PHI, &CHANNEL, &WAVELENGTH, &BSDF, &WAY, &ERROR, &REMARK];
+static ACCEPTED: [&Quantity; 12] =
+    [&THETA_I, &PHI_I, &THETA_O, &PHI_O, &D_PHI, &CHANNEL, &WAVELENGTH, &BSDF, &WAY, &ERROR, &REMARK, &LIGHT];
 
 const MISSING: &str =
     "the columns theta_i, phi_i, theta_o, phi_o (or theta_i, theta_o, dphi) and a value: bsdf, brdf or btdf";
@@ -136,7 +138,8 @@ impl Layout {
         let has = |quantity| header.get(quantity).is_some();
         // The azimuth of the light is either stated, or it is that from which azimuths are counted.
         let azimuth = has(&PHI_I) != has(&D_PHI) && has(&PHI_O) != has(&D_PHI);
-        if !(azimuth && has(&THETA_I) && has(&THETA_O) && has(&BSDF)) || (has(&CHANNEL) && has(&WAVELENGTH)) {
+        let is_valued = has(&BSDF) != has(&LIGHT);
+        if !(azimuth && has(&THETA_I) && has(&THETA_O) && is_valued) || (has(&CHANNEL) && has(&WAVELENGTH)) {
             return None;
         }
         let mut columns = vec![Column::Other; count];
@@ -145,15 +148,18 @@ impl Layout {
                 columns[column.cell] = make(column.unit);
             }
         }
-        let remark = header.get(&REMARK).map(|column| column.cell);
-        let notes =
-            remark.map(|cell| format!("the column `{}` is not used", table::clip(&header.names[cell])));
-        let way = header.get(&BSDF).and_then(|column| way_of_name(&header.names[column.cell]));
-        Some(Self { separator, columns, has_header: true, way, notes: notes.into_iter().collect() })
+        let unused = [&ERROR, &REMARK].into_iter().filter_map(|quantity| header.get(quantity));
+        let mut notes: Vec<String> = unused
+            .map(|column| format!("the column `{}` is not used", table::clip(&header.names[column.cell])))
+            .collect();
+        let value = header.get(&BSDF).or_else(|| header.get(&LIGHT));
+        let value = value.map_or("", |column| &header.names[column.cell]);
+        notes.extend(relative_note(value));
+        Some(Self { separator, columns, has_header: true, way: way_of_name(value), notes })
     }
 
     /// The columns that are read.
-    const MEANINGS: [(&'static Quantity, Meaning); 9] = [
+    const MEANINGS: [(&'static Quantity, Meaning); 10] = [
         (&THETA_I, |unit| Column::Angle(0, unit)),
         (&PHI_I, |unit| Column::Angle(1, unit)),
         (&THETA_O, |unit| Column::Angle(2, unit)),
@@ -163,6 +169,7 @@ impl Layout {
         (&WAVELENGTH, Column::Channel),
         (&WAY, |_| Column::ScatterMode),
         (&BSDF, |_| Column::Value),
+        (&LIGHT, |_| Column::Value),
     ];
 
     /// Whether no angle states its unit.
@@ -178,6 +185,20 @@ pub(super) fn way_of_name(name: &str) -> Option<ScatterMode> {
         "brdf" | "f_r" | "fr" => Some(ScatterMode::FrontReflection),
         _ => None,
     }
+}
+
+/// Returns a note on a column of values that are no BSDF in 1/sr by its name or its unit.
+pub(super) fn relative_note(name: &str) -> Option<String> {
+    let column = table::ColumnName::new(name);
+    let is_bsdf = column.is_one_of(BSDF.names, false) || matches!(column.unit, Some(Ok(Unit::PerSteradian)));
+    let is_relative = !is_bsdf || matches!(column.unit, Some(Ok(Unit::Relative | Unit::Counts)));
+    is_relative.then(|| {
+        format!(
+            "the column `{}` is read as a BSDF in relative units, proportional to the radiance; an intensity (W/sr) must be divided by the \
+             cosine of the inclination first",
+            table::clip(name)
+        )
+    })
 }
 
 /// Returns the cells of a line, without blanks and double quotes around them.
@@ -280,6 +301,7 @@ pub(super) struct Rows {
     channels: Vec<Channel>,
     numbers: HashMap<u64, usize>,
     ways: [Pairs; 4],
+    pub(super) angles: Angles,
 }
 
 /// The rows of one part.
@@ -312,7 +334,7 @@ impl Rows {
         let most = if layout.columns.contains(&Column::ScatterMode) { 90.0 } else { 180.0 };
         for (cell, column) in cells(text, line.clone(), layout.separator).zip(&layout.columns) {
             match *column {
-                Column::Angle(k, unit) => angles[k] = angle(text, cell, (k, unit), most)?,
+                Column::Angle(k, unit) => angles[k] = self.angle(text, cell, (k, unit), most)?,
                 Column::ScatterMode => way = Some(way_of(text, cell)?),
                 Column::Channel(unit) => channel = channel_of(text, cell, unit)?,
                 // An empty cell was not measured.
@@ -323,6 +345,46 @@ impl Rows {
         }
         let way = way.unwrap_or_else(|| unfold(&mut angles));
         self.add(text, line, way, angles, (channel, value))
+    }
+
+    /// Reads angle `k` of a row, in degrees.
+    fn angle(
+        &mut self,
+        text: Text<'_>,
+        cell: Range<usize>,
+        (k, unit): (usize, Option<Unit>),
+        most: f64,
+    ) -> Result<f64, FormatError> {
+        let unit = unit.unwrap_or(Unit::Angle(1.0));
+        let value = self.angles.degrees(text, cell.clone(), unit)?;
+        let (least, most) = if k.is_multiple_of(2) { (0.0, most) } else { (-360.0, 720.0) };
+        if (least..=most).contains(&value) {
+            return Ok(value);
+        }
+        let expected = match (k % 2, most) {
+            (0, 90.0) => "an inclination from 0 to 90 deg, from the normal of its side",
+            (0, _) => "an inclination from 0 to 180 deg, from the normal of the front",
+            _ => "an azimuth from -360 to 720 deg",
+        };
+        Err(text.error(cell, Problem::OutOfRange { what: ANGLES[k], value, expected }))
+    }
+
+    /// Replaces angles that are multiples of a step but for their rounding by these.
+    fn without_rounding(&mut self) {
+        // Inclinations, then azimuths, of the light and of the viewer together.
+        let steps = [0, 1].map(|first| {
+            let pairs = self.ways.iter().flat_map(|way| &way.pairs);
+            self.angles.step(pairs.flat_map(|pair| [pair[first], pair[first + 2]]))
+        });
+        let snapped = |pair: [f64; 4]| {
+            let snap = |k: usize| steps[k % 2].map_or(pair[k], |step| rounding::nearest(pair[k], step));
+            [snap(0), snap(1), snap(2), snap(3)]
+        };
+        for way in &mut self.ways {
+            if way.pairs.iter().any(|pair| snapped(*pair) != *pair) {
+                *way = way.with_angles(snapped);
+            }
+        }
     }
 
     /// Adds the value of a row.
@@ -365,7 +427,8 @@ impl Rows {
             .map_err(|_| text.error(line.clone(), BsdfProblem::TooManyCells { limit: MOST_CELLS }))
     }
 
-    pub(super) fn parts(self, text: Text<'_>) -> Result<Vec<MeasuredPart>, FormatError> {
+    pub(super) fn parts(mut self, text: Text<'_>) -> Result<Vec<MeasuredPart>, FormatError> {
+        self.without_rounding();
         let mut order: Vec<usize> = (0..self.channels.len()).collect();
         if self.channels.iter().all(|channel| matches!(channel, Channel::Wavelength(_))) {
             let nm = |k: usize| match self.channels[k] {
@@ -407,27 +470,6 @@ pub(super) fn is_not_measured(text: Text<'_>, cell: &Range<usize>) -> bool {
             table::is_missing(&word) && !word.eq_ignore_ascii_case("nan")
         }
     }
-}
-
-fn angle(
-    text: Text<'_>,
-    cell: Range<usize>,
-    (k, unit): (usize, Option<Unit>),
-    most: f64,
-) -> Result<f64, FormatError> {
-    let value = text.number(cell.clone())?;
-    let value = unit.map_or(value, |unit| unit.convert(value, Dimension::Angle));
-    let (least, most) = if k.is_multiple_of(2) { (0.0, most) } else { (-360.0, 720.0) };
-    if (least..=most).contains(&value) {
-        // Turns -0 into 0.
-        return Ok(value + 0.0);
-    }
-    let expected = match (k % 2, most) {
-        (0, 90.0) => "an inclination from 0 to 90 deg, from the normal of its side",
-        (0, _) => "an inclination from 0 to 180 deg, from the normal of the front",
-        _ => "an azimuth from -360 to 720 deg",
-    };
-    Err(text.error(cell, Problem::OutOfRange { what: ANGLES[k], value, expected }))
 }
 
 /// Returns the part with this name.
@@ -490,6 +532,15 @@ impl Pairs {
             self.pairs.push(angles);
         }
         self.entries.push((number, channel, value, at));
+    }
+
+    /// Returns the same rows with other angles, of which several may be the same.
+    fn with_angles(&self, angles: impl Fn([f64; 4]) -> [f64; 4]) -> Self {
+        let mut others = Self::default();
+        for &(pair, channel, value, at) in &self.entries {
+            others.take(angles(self.pairs[pair as usize]), channel, value, at);
+        }
+        others
     }
 
     fn part(

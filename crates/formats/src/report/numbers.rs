@@ -1,10 +1,16 @@
 //! Numbers of reports as text: with their errors, in percent, with their signs.
 
+/// Numbers from here on have an exponent, so that no column is wider than a page.
+const LARGE: f64 = 1e15;
+
 /// A value with its standard error in units of the last digit, as in `0.1523(2)` (GUM, 7.2.2). If the error is less than
 /// half of the last digit, only the value is printed.
 pub fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
     let Some(value) = value else { return "-".to_owned() };
     let error = error.unwrap_or(0.0);
+    if value.abs() >= LARGE {
+        return format!("{value:.4e}");
+    }
     if error.is_nan() || error < 0.5 * 0.1_f64.powi(decimals as i32) {
         return unsigned_zero(format!("{value:.decimals$}"));
     }
@@ -19,6 +25,9 @@ pub fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> Stri
 
 /// A number with its sign, unless its rounded value is zero.
 pub fn signed(value: f64, decimals: usize) -> String {
+    if value.abs() >= LARGE {
+        return format!("{value:+.4e}");
+    }
     unsigned_zero(format!("{value:+.decimals$}"))
 }
 
@@ -32,6 +41,9 @@ pub fn digits_with_error(value: f64, error: Option<f64>) -> String {
 
 /// A number with five digits, and all digits before the decimal point; numbers below 1 have five decimals.
 pub fn digits(value: f64) -> String {
+    if value.abs() >= LARGE {
+        return format!("{value:.4e}");
+    }
     unsigned_zero(format!("{value:.*}", decimals(value)))
 }
 
@@ -66,6 +78,11 @@ mod tests {
     fn number_is_printed_with_five_digits() {
         let texts = [0.19785, 27.41288, 14922.68596, -1e-9, -0.5, 0.0].map(digits);
         assert_eq!(texts, ["0.19785", "27.413", "14923", "0.00000", "-0.50000", "0.00000"]);
+        assert_eq!([1e300, -1e15].map(digits), ["1.0000e300", "-1.0000e15"]);
+        assert_eq!(
+            (measured(Some(1e300), Some(1e290), 4), signed(1e300, 2)),
+            ("1.0000e300".to_owned(), "+1.0000e300".to_owned())
+        );
         assert_eq!(digits_with_error(27.41288, Some(0.02)), "27.41(2)");
         assert_eq!(digits_with_error(27.41288, Some(1e-5)), "27.413");
         assert_eq!(digits_with_error(0.19785, None), "0.19785");

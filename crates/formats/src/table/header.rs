@@ -3,6 +3,7 @@
 use super::names::ColumnName;
 use super::problem::ColumnProblem;
 use super::quantities::{ERROR, KNOWN, Quantity, REMARK};
+use super::rounding::{self, Digits};
 use super::rows::{Row, Table, clip};
 use super::units::{Dimension, Unit};
 use crate::error::{FormatError, Problem};
@@ -15,6 +16,8 @@ pub(crate) struct Column {
     pub(crate) cell: usize,
     /// The unit that the header states.
     pub(crate) unit: Option<Unit>,
+    /// The step whose multiples its values are but for the rounding of their unit.
+    pub(crate) step: Option<f64>,
 }
 
 /// The columns of a table, found by their names.
@@ -70,7 +73,7 @@ impl Header {
                 return Err(row.cell_error(cell, problem.into()));
             }
             let unit = unit_of(&name, quantity).map_err(|problem| row.cell_error(cell, problem))?;
-            header.columns.push(Column { quantity, cell, unit });
+            header.columns.push(Column { quantity, cell, unit, step: None });
         }
         Ok(header)
     }
@@ -143,7 +146,16 @@ impl Column {
     /// Returns the number in the column's cell of a row, in the unit of Papilio.
     pub(crate) fn number(&self, row: &Row<'_>) -> Result<f64, FormatError> {
         let value = row.number(self.cell)?;
-        Ok(self.unit.map_or(value, |unit| unit.convert(value, self.quantity.dimension)))
+        let (Some(unit), dimension) = (self.unit, self.quantity.dimension) else { return Ok(value) };
+        let converted = unit.convert(value, dimension);
+        Ok(match self.step {
+            Some(step) => rounding::nearest(converted, step),
+            None if dimension == Dimension::Angle && unit.is_rounded(dimension) => {
+                let digits = Digits::of(&row.cells[self.cell].text);
+                rounding::quarter(converted, unit.error(value, digits, dimension))
+            }
+            None => converted,
+        })
     }
 
     /// Returns the number as [`Self::number`], if it is within a range.
@@ -164,6 +176,22 @@ impl Column {
         Err(row.cell_error(self.cell, if is_micrometres { Problem::Micrometres } else { out_of_range }))
     }
 
+    /// Finds the step whose multiples the values are, if their unit is converted.
+    fn find_step(&mut self, rows: &[Row<'_>]) {
+        let Some(unit) = self.unit.filter(|unit| unit.is_rounded(self.quantity.dimension)) else { return };
+        let numbers =
+            || rows.iter().filter_map(|row| Some((row.cells.get(self.cell)?, row.number(self.cell).ok()?)));
+        let mut digits = Digits::default();
+        numbers().for_each(|(cell, _)| digits.note(&cell.text));
+        let dimension = self.quantity.dimension;
+        let converted =
+            |(_, value): (_, f64)| (unit.convert(value, dimension), unit.error(value, digits, dimension));
+        let mut values: Vec<(f64, f64)> = numbers().map(converted).collect();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        values.dedup_by(|a, b| a.0 == b.0);
+        self.step = rounding::step(&values);
+    }
+
     /// Returns the text of the column's cell.
     pub(crate) fn text<'r>(&self, row: &'r Row<'_>) -> &'r str {
         row.cells.get(self.cell).map_or("", |cell| &cell.text)
@@ -171,7 +199,7 @@ impl Column {
 
     /// Returns the column at a place, for tables without header.
     pub(crate) fn at(cell: usize, quantity: &'static Quantity) -> Self {
-        Self { quantity, cell, unit: None }
+        Self { quantity, cell, unit: None, step: None }
     }
 }
 
@@ -204,6 +232,7 @@ pub(crate) fn body<'a>(
         if rows.first().is_some_and(|row| header.take_units(row)) {
             rows.remove(0);
         }
+        header.columns.iter_mut().for_each(|column| column.find_step(&rows));
         return Ok(Body { header: Some(header), head: Some(head), rows });
     }
     let Some(first) = rows.first() else { return Ok(Body { header: None, head: None, rows }) };
@@ -220,10 +249,11 @@ pub(crate) fn body<'a>(
             None => row.error(Problem::MissingColumn { missing }),
         });
     }
-    if let Some((head, header)) = commented(table, first, accepted)? {
+    if let Some((head, mut header)) = commented(table, first, accepted)? {
         if !is_complete(&header) {
             return Err(head.error(Problem::MissingColumn { missing }));
         }
+        header.columns.iter_mut().for_each(|column| column.find_step(&rows));
         return Ok(Body { header: Some(header), head: Some(head), rows });
     }
     Ok(Body { header: None, head: None, rows })

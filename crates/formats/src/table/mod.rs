@@ -14,6 +14,7 @@ mod header;
 mod names;
 mod problem;
 pub(crate) mod quantities;
+pub(crate) mod rounding;
 pub(crate) mod rows;
 mod units;
 

@@ -40,6 +40,10 @@ impl ColumnName {
 /// Separates the unit from the name of a column. A name that is a unit alone (`nm`) has this unit and keeps its name.
 fn split_unit(text: &str) -> (&str, Option<Result<Unit, String>>) {
     if let Some((name, inside)) = brackets(text) {
+        // `n(lambda)` is a function of the wavelength.
+        if is_wavelength(inside) && unit(inside).is_none() && !is_wavelength(name) {
+            return (name, None);
+        }
         return (name, Some(unit(inside).ok_or_else(|| inside.trim().to_owned())));
     }
     let bare = text.trim_end_matches('.');
@@ -194,7 +198,9 @@ mod tests {
             ("W/m2/nm", "w_m2_nm", Some(Ok(Unit::PerWavelength))),
             ("cm-1", "cm_1", Some(Ok(Unit::Wavenumber(1.0)))),
             ("W", "w", None),
-            ("a.u.", "a_u", Some(Ok(Unit::PerWavelength))),
+            ("a.u.", "a_u", Some(Ok(Unit::Relative))),
+            ("n(lambda)", "n", None),
+            ("T(\u{3bb})", "t", None),
             ("wavelength (furlong)", "wavelength", Some(Err("furlong".to_owned()))),
             ("", "", None),
         ] {

@@ -52,9 +52,19 @@ impl ColumnProblem {
                     }
                     unit => format!("the unit `{unit}` of the column `{column}` is not understood"),
                 };
-                Diagnostic::new(wrong)
-                    .expected(*expected)
-                    .hint("write the unit in brackets behind the name, or as in `wavelength_nm`")
+                let hint = match unit.as_str() {
+                    "none" => {
+                        "write the unit in brackets behind the name, or as in `wavelength_nm`".to_owned()
+                    }
+                    _ if *expected == "no unit" => {
+                        "remove what is in brackets, or behind the name, if the values have no unit"
+                            .to_owned()
+                    }
+                    _ => format!(
+                        "the accepted units are {expected}: convert the values, or correct the unit if it is written in another way"
+                    ),
+                };
+                Diagnostic::new(wrong).expected(*expected).hint(hint)
             }
             Self::Twice { what, found, other } => {
                 Diagnostic::new(format!("`{other}` and `{found}` both name {what}"))

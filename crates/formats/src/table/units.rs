@@ -1,5 +1,7 @@
 //! Units in the names of columns, and the values in the units of Papilio.
 
+use super::rounding::Digits;
+
 /// A unit, with the factor to the base unit of its kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Unit {
@@ -21,6 +23,8 @@ pub(crate) enum Unit {
     Density(f64),
     /// A spectral density per wavelength, whose scale has no meaning.
     PerWavelength,
+    /// Any quantity in a scale without a meaning.
+    Relative,
     /// Counts of a detector.
     Counts,
 }
@@ -57,7 +61,7 @@ const NM_PER_CM: f64 = 1e7;
 
 /// Units and their names, in small letters, without blanks and with `u` for the micro sign. `A`, `meV` and `MeV` need their case.
 #[rustfmt::skip]
-const UNITS: [(Unit, &[&str]); 27] = [
+const UNITS: [(Unit, &[&str]); 29] = [
     (Unit::Length(1.0), &["nm", "nanometer", "nanometers", "nanometre", "nanometres"]),
     (Unit::Length(1e3), &["um", "micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres", "mum"]),
     (Unit::Length(0.1), &["angstrom", "angstroms", "aangstroem", "ang"]),
@@ -70,6 +74,7 @@ const UNITS: [(Unit, &[&str]); 27] = [
     (Unit::Wavenumber(10.0), &["mm-1", "1/mm", "/mm", "permm", "cycles/mm", "cyclespermm", "lp/mm"]),
     (Unit::Energy(1.0), &["ev", "electronvolt", "electronvolts"]),
     (Unit::Frequency(1.0), &["thz"]),
+    (Unit::Frequency(1e-12), &["hz"]),
     (Unit::Angle(1.0), &["deg", "degs", "degree", "degrees"]),
     (Unit::Angle(180.0 / std::f64::consts::PI), &["rad", "rads", "radian", "radians"]),
     (Unit::Angle(0.18 / std::f64::consts::PI), &["mrad"]),
@@ -79,7 +84,8 @@ const UNITS: [(Unit, &[&str]); 27] = [
     (Unit::PerSteradian, &["1/sr", "sr-1", "/sr", "persr", "persteradian", "1/steradian"]),
     (Unit::Density(1.0), &["um4"]),
     (Unit::Density(1e-12), &["nm4"]),
-    (Unit::PerWavelength, &["a.u.", "a.u", "au", "arb.", "arb", "arb.u.", "arb.units", "arbitraryunits", "arbitrary", "rel.", "relative", "w/nm", "mw/nm", "uw/nm", "nw/nm"]),
+    (Unit::Relative, &["a.u.", "a.u", "au", "arb.", "arb", "arb.u.", "arb.units", "arbitraryunits", "arbitrary", "rel.", "relative"]),
+    (Unit::PerWavelength, &["w/nm", "mw/nm", "uw/nm", "nw/nm"]),
     (Unit::PerWavelength, &["w/m2/nm", "w/m2nm", "w/(m2nm)", "wm-2nm-1", "mw/m2/nm", "mw/(m2nm)", "mwm-2nm-1", "uw/cm2/nm", "uw/(cm2nm)", "uwcm-2nm-1"]),
     (Unit::PerWavelength, &["w/m2/um", "w/(m2um)", "wm-2um-1", "w/sr/m2/nm", "w/m2/sr/nm", "w/m2sr/nm", "w/(m2srnm)", "wm-2sr-1nm-1", "mw/m2/sr/nm", "uw/cm2/sr/nm"]),
     (Unit::PerWavelength, &["w/m2", "w", "mw", "uw", "w/sr/nm", "w/(srnm)"]),
@@ -132,7 +138,32 @@ impl Unit {
             },
             Self::PerSteradian => dimension == D::Bsdf,
             Self::Density(_) => dimension == D::Density,
-            Self::PerWavelength | Self::Counts => dimension == D::Light,
+            Self::PerWavelength => dimension == D::Light,
+            Self::Relative | Self::Counts => matches!(dimension, D::Light | D::Bsdf),
+        }
+    }
+
+    /// Returns whether values in this unit were probably converted before they were written, and are rounded.
+    pub(crate) fn is_rounded(self, dimension: Dimension) -> bool {
+        match self {
+            Self::Wavenumber(_) | Self::Energy(_) | Self::Frequency(_) => dimension == Dimension::Wavelength,
+            Self::Angle(factor) => factor != 1.0,
+            _ => false,
+        }
+    }
+
+    /// Returns the largest error of a converted value, in the unit of Papilio: of the rounding of a value in this unit with these
+    /// digits, and of the constants with which others convert.
+    pub(crate) fn error(self, value: f64, digits: Digits, dimension: Dimension) -> f64 {
+        let error = digits.error(value);
+        match (self, dimension) {
+            (Self::Angle(factor), _) => error * factor,
+            (Self::Energy(_) | Self::Frequency(_) | Self::Wavenumber(_), Dimension::Wavelength) => {
+                // 1239.8 eV nm instead of 1239.842, 3e5 nm THz is no rounding.
+                let constant = if matches!(self, Self::Wavenumber(_)) { 0.0 } else { 4e-5 };
+                self.convert(value, dimension) * (error / value.abs() + constant)
+            }
+            _ => error,
         }
     }
 
@@ -145,10 +176,10 @@ impl Unit {
             (Self::Wavenumber(factor), _) => rounded(NM_PER_CM / (value * factor)),
             (Self::Energy(factor), _) => rounded(NM_EV / (value * factor)),
             (Self::Frequency(factor), _) => rounded(NM_THZ / (value * factor)),
-            (Self::Angle(factor), _) => degrees(value * factor),
+            (Self::Angle(factor), _) => value * factor,
             (Self::Fraction(factor), _) => value / (1.0 / factor).round(),
             (Self::Density(factor), _) => value * factor,
-            (Self::PerSteradian | Self::PerWavelength | Self::Counts, _) => value,
+            (Self::PerSteradian | Self::PerWavelength | Self::Relative | Self::Counts, _) => value,
         }
     }
 }
@@ -157,11 +188,11 @@ impl Dimension {
     /// Returns the units of the quantity, in words.
     pub(crate) fn units(self) -> &'static str {
         match self {
-            Self::Wavelength => "nm, um, angstrom, cm-1, eV or THz",
+            Self::Wavelength => "nm, um, angstrom, cm-1, eV, THz or Hz",
             Self::Angle => "deg, rad or mrad",
             Self::Fraction => "1 or %",
             Self::Number | Self::Text => "no unit",
-            Self::Bsdf => "1/sr",
+            Self::Bsdf => "1/sr, or a.u. or counts for values in relative units",
             Self::Light => "a spectral density per nm, such as W/m2/nm, or a.u.",
             Self::SpatialFrequency => "1/um or 1/mm",
             Self::Density => "um4 or nm4",
@@ -173,17 +204,6 @@ impl Dimension {
 fn rounded(nm: f64) -> f64 {
     let near = (nm * 1e6).round() / 1e6;
     if (near - nm).abs() <= 1e-12 * nm.abs() { near } else { nm }
-}
-
-/// Largest difference that is taken for the rounding of an angle in radians with four or five decimals, degrees.
-const ROUNDED_DEG: f64 = 5e-4;
-
-/// Removes the rounding errors of angles in radians: 1.5708 rad are 90 deg. Only multiples of 5 deg are restored, of which 90, 180 and
-/// 360 have a meaning of their own.
-fn degrees(deg: f64) -> f64 {
-    let near = (deg / 5.0).round() * 5.0;
-    let tolerance = if near == 0.0 { 0.0 } else { ROUNDED_DEG };
-    if (near - deg).abs() <= tolerance { near } else { deg }
 }
 
 #[cfg(test)]
@@ -213,8 +233,6 @@ mod tests {
             assert!((nm(text, value) - 550.0).abs() < 1e-9, "{text}: {}", nm(text, value));
         }
         assert_eq!((nm("um", 0.57), nm("um", 0.78)), (570.0, 780.0));
-        let deg = |text: &str, value| unit(text).unwrap().convert(value, Dimension::Angle);
-        assert_eq!((deg("mrad", 1570.8), deg("\u{b0}", 30.0), deg("mrad", 523.6)), (90.0, 30.0, 30.0));
         assert!((unit("per cent").unwrap().convert(16.022, Dimension::Fraction) - 0.16022).abs() < 1e-15);
         for (text, dimension) in [
             ("1/sr", Dimension::Bsdf),

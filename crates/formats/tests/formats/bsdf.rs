@@ -2,6 +2,7 @@
 
 mod astm;
 mod audit;
+mod azimuths;
 mod binary;
 mod display;
 mod exports;

@@ -38,10 +38,16 @@ pub(super) fn around(axis: &[f64], azimuth: f64) -> Option<Weights> {
 }
 
 /// Interpolation weights of an azimuth relative to a plane of symmetry; an axis within 0 to 180 deg covers
-/// one side.
+/// one side. Next to the plane, an azimuth has the same value as its mirror image, if the axis ends half a step before it.
 pub(super) fn mirrored(axis: &[f64], azimuth: f64) -> Option<Weights> {
     let turned = azimuth.rem_euclid(360.0);
-    between(axis, turned.min(360.0 - turned))
+    let side = turned.min(360.0 - turned);
+    let near = match axis {
+        [first, second, ..] if side < *first && *first <= 0.5 * (second - first) + SLACK_DEG => *first,
+        [.., before, last] if side > *last && 180.0 - last <= 0.5 * (last - before) + SLACK_DEG => *last,
+        _ => side,
+    };
+    between(axis, near)
 }
 
 #[cfg(test)]
@@ -60,5 +66,9 @@ mod tests {
         assert_eq!(around(&round, 450.0), Some([(0, 0.0), (1, 1.0)]));
         assert_eq!(around(&axis, 200.0), None);
         assert_eq!(mirrored(&[0.0, 180.0], -45.0), Some([(0, 0.75), (1, 0.25)]));
+        let centres = [45.0, 135.0];
+        assert_eq!(mirrored(&centres, 10.0), Some([(0, 1.0), (1, 0.0)]));
+        assert_eq!(mirrored(&centres, 190.0), Some([(0, 0.0), (1, 1.0)]));
+        assert_eq!(mirrored(&[60.0, 120.0], 10.0), None);
     }
 }

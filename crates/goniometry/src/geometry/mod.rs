@@ -2,6 +2,7 @@
 
 mod axis;
 mod half_angle;
+mod one_side;
 mod patches;
 mod specular;
 mod spherical;
@@ -10,6 +11,7 @@ mod warp;
 mod warped;
 
 pub use half_angle::HalfAngleGrid;
+pub use one_side::PartOfCircle;
 pub use patches::{
     KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Ring, patch_count, patch_of, projected_solid_angle,
 };

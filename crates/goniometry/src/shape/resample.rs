@@ -139,7 +139,11 @@ fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid,
         let rotation = wrapped((180.0 - from.phi_deg).rem_euclid(360.0));
         [rotation, from.theta_deg, wrapped(azimuth), radial]
     };
-    let points: Vec<[f64; 4]> = pairs.iter().map(coordinates).collect();
+    let mut points: Vec<[f64; 4]> = pairs.iter().map(coordinates).collect();
+    // Half a circle on the other side of the plane of incidence is the mirror image of the one from 0 to 180 deg.
+    if points.iter().all(|point| point[2] == 0.0 || point[2] > 180.0 - SAME_DEG) {
+        points.iter_mut().for_each(|point| point[2] = (360.0 - point[2]) % 360.0);
+    }
     let [mut rotations_deg, incidences_deg, azimuths_deg, radials_deg] = [0, 1, 2, 3].map(|axis| {
         let mut angles: Vec<f64> = points.iter().map(|place| place[axis]).collect();
         angles.sort_by(f64::total_cmp);

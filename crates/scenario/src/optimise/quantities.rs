@@ -279,7 +279,7 @@ impl Reader {
             Ok(spectrum) => Some((name, spectrum)),
             Err(SpectraError::OutsideTable { first, last, .. }) => {
                 let needed = (grid.start_nm(), grid.stop_nm());
-                self.errors.push(origin, mistake::not_covered(&name, (first, last), needed));
+                self.errors.push(origin, mistake::not_covered(&name, (first, last), needed, grid.step_nm()));
                 None
             }
             Err(error) => {

@@ -125,7 +125,7 @@ impl Resolver<'_> {
             Ok(values) => return Some(values),
             Err(SpectraError::OutsideTable { first, last, .. }) => {
                 let needed = (self.grid.start_nm(), self.grid.stop_nm());
-                let wrong = mistake::not_covered(name, (first, last), needed);
+                let wrong = mistake::not_covered(name, (first, last), needed, self.grid.step_nm());
                 self.errors.push(origin.or_override([self.range]), wrong);
             }
             Err(error) => self.errors.push(origin, error),

@@ -114,7 +114,7 @@ impl SurfaceScenario {
         match dispersion.and_then(|dispersion| dispersion.index(nm)) {
             Ok(index) => return Some(index),
             Err(SpectraError::OutsideTable { first, last, .. }) => {
-                errors.push(spec.origin, mistake::not_covered(name, (first, last), (nm, nm)));
+                errors.push(spec.origin, mistake::not_covered(name, (first, last), (nm, nm), 0.0));
             }
             Err(error) => errors.push(spec.origin, error),
         }
