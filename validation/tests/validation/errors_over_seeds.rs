@@ -174,7 +174,7 @@ fn errors_over_seeds_of_every_example_are_honest() {
         .collect();
     names.sort();
     let all = each(&names, |name| {
-        let scene = scenario(name, &[sized("spectrum.step_nm=80", "spectrum.step_nm=20")]).unwrap().scene;
+        let scene = scenario(name, &[sized("spectrum.step_nm=50", "spectrum.step_nm=25")]).unwrap().scene;
         let measured = measured(name, scene, sized(256, 2048)).unwrap();
         println!("{}", measured.row());
         measured

@@ -351,8 +351,8 @@ fn every_scenario_agrees() {
     let paths = if has_time() { 65_536 } else { 8192 };
     names.retain(|name| has_time() || !ONLY_IN_FULL.contains(&name.as_str()));
     for name in names {
-        // A coarse grid: what is compared is transport, wavelength by wavelength.
-        let step = if has_time() { "spectrum.step_nm=20" } else { "spectrum.step_nm=40" };
+        // A coarse grid, which fits the range of every example: what is compared is transport, wavelength by wavelength.
+        let step = if has_time() { "spectrum.step_nm=25" } else { "spectrum.step_nm=50" };
         let mut scene = scenario(&name, &["solver.method=adding", step]).unwrap().scene;
         // Of many views every day only some: neighbours have much in common.
         let views = &mut scene.viewer.theta_deg;
