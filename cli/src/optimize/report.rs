@@ -1,6 +1,7 @@
 //! Report of a search, on the terminal and as JSON.
 
 use papilio_design::search::{FEASIBLE, Search, SearchResult, SelectedDesign};
+use papilio_diagnostics::number;
 use papilio_formats::sweep_value;
 use papilio_scenario::{SearchAim, SearchRange, label};
 use serde_json::{Map, Value, json};
@@ -67,7 +68,7 @@ fn aims(search: &Search, name: &str, found: Option<f64>) -> String {
     let objectives = objectives.map(|one| match one.aim {
         SearchAim::Maximise => "maximise".to_owned(),
         SearchAim::Minimise => "minimise".to_owned(),
-        SearchAim::Target(target) => format!("near {target}"),
+        SearchAim::Target(target) => format!("near {}", number(target)),
     });
     let constraints = search.spec().constraints.iter().filter(|one| one.quantity.name == name);
     let constraints = constraints.flat_map(|one| {
@@ -76,10 +77,18 @@ fn aims(search: &Search, name: &str, found: Option<f64>) -> String {
             if violation <= 100.0 * FEASIBLE * limit.abs() { "" } else { ": violated" }
         };
         let least = one.at_least.map(|least| {
-            format!("at least {least}{}", verdict(found.map_or(f64::INFINITY, |found| least - found), least))
+            format!(
+                "at least {}{}",
+                number(least),
+                verdict(found.map_or(f64::INFINITY, |found| least - found), least)
+            )
         });
         let most = one.at_most.map(|most| {
-            format!("at most {most}{}", verdict(found.map_or(f64::INFINITY, |found| found - most), most))
+            format!(
+                "at most {}{}",
+                number(most),
+                verdict(found.map_or(f64::INFINITY, |found| found - most), most)
+            )
         });
         least.into_iter().chain(most)
     });

@@ -2,15 +2,17 @@
 
 use std::fmt::Write;
 
-pub use papilio_diagnostics::{is_override, number, visible};
+pub use papilio_diagnostics::{is_override, number, short_numbers, visible};
 use papilio_goniometry::Channel;
 
-/// Returns rows as an aligned table: the first column to the left, all others to the right.
+/// Returns rows as an aligned table: the first column to the left, all others to the right; numbers of hundreds of digits are shortened.
 pub fn table(rows: &[Vec<String>]) -> String {
+    let short = |row: &Vec<String>| row.iter().map(|cell| short_numbers(cell).into_owned()).collect();
+    let rows: Vec<Vec<String>> = rows.iter().map(short).collect();
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows.first().map_or(0, Vec::len)).map(width).collect();
     let mut text = String::new();
-    for row in rows {
+    for row in &rows {
         let _ = write!(text, "  {:<1$}", row[0], widths[0]);
         for (cell, width) in row.iter().zip(&widths).skip(1) {
             let _ = write!(text, "  {cell:>width$}");

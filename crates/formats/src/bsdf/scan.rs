@@ -117,18 +117,20 @@ const MOST_COLUMNS: usize = 10;
 fn find(file: &DataFile, is_stated: bool) -> Result<Option<(Text<'_>, Layout, Range<usize>)>, FormatError> {
     let Some((text, table)) = table_of(file) else { return Ok(None) };
     let mut lines = Lines::new(text);
+    // A header with a fault, unless a sound one follows: then it was a title.
+    let mut fault = None;
     for k in 0..FIRST_LINES {
-        let Ok(Some(line)) = lines.next() else { return Ok(None) };
+        let Ok(Some(line)) = lines.next() else { break };
         let row = table.row_at(line.clone());
-        if let Some(layout) = Layout::of(&row, is_stated)? {
-            return Ok((k == 0 || layout.has_header).then_some((text, layout, line)));
-        }
-        // Below rows of numbers there is no header.
-        if row.cells.len() > 1 && row.is_number(0) && row.is_number(1) {
-            return Ok(None);
+        match Layout::of(&row, is_stated) {
+            Ok(Some(layout)) if k == 0 || layout.has_header => return Ok(Some((text, layout, line))),
+            // Below rows of numbers there is no header.
+            Ok(_) if row.cells.len() > 1 && row.is_number(0) && row.is_number(1) => break,
+            Ok(_) => {}
+            Err(error) => fault = fault.or(Some(error)),
         }
     }
-    Ok(None)
+    fault.map_or(Ok(None), Err)
 }
 
 /// Returns whether a file is a scan, be it one with a mistake in its header.
