@@ -246,6 +246,9 @@ fn watch(arguments: &[&str], folder: &Path) -> End {
         if let Some(status) = status {
             break match status.code() {
                 _ if said.contains("panicked") => End::Wrong(format!("a panic: {said}")),
+                _ if has_long_number(&(said.clone() + &fs::read_to_string(&out).unwrap_or_default())) => {
+                    End::Wrong(format!("a number of hundreds of digits: {said}"))
+                }
                 Some(0 | 2) => End::Ended,
                 code => End::Wrong(format!("ended with {code:?}: {said}")),
             };
@@ -264,6 +267,36 @@ fn watch(arguments: &[&str], folder: &Path) -> End {
     let _ = child.kill();
     let _ = child.wait();
     end
+}
+
+/// Returns whether a text has a number of more than 40 digits, which should have an exponent.
+fn has_long_number(text: &str) -> bool {
+    text.split(|c: char| !c.is_ascii_digit() && c != '.').any(|word| word.len() > 40)
+}
+
+/// Numbers of the user's at the ends of those of a computer, in messages and in the table of a report.
+#[test]
+fn numbers_of_messages_and_reports_have_exponents() {
+    let film = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/indoor.toml");
+    for (arguments, says) in [
+        (&["tolerance", "--set", "tolerance.samples=1e300"][..], "1e300"),
+        (&["optimize", "--set", "optimize.evaluations=1e300"], "1e300"),
+        (&["run", "--set", "spectrum.step_nm=1e-300"], "1e-300"),
+        (&["run", "--set", "spectrum.range_nm=[1e-300,780]"], "1e-300"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output = papilio_command()
+            .arg(arguments[0])
+            .arg(&film)
+            .args(&arguments[1..])
+            .arg("--out")
+            .arg(folder.path().join("results"))
+            .output()
+            .unwrap();
+        let said =
+            format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert!(said.contains(says) && !has_long_number(&said), "{arguments:?}: {said}");
+    }
 }
 
 /// Largest memory so far, bytes, and time of processors, s.

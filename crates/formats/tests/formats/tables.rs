@@ -5,6 +5,7 @@ use papilio_formats::{
     read_fractions_with_notes, read_index, read_light, read_light_with_notes, read_measured_panel,
     read_palette, read_pixel_table, read_profile, read_spectrum, read_windows,
 };
+use papilio_goniometry::ScatterMode;
 use papilio_testing::{Dice, laws};
 
 fn file(text: impl AsRef<[u8]>) -> DataFile {
@@ -261,6 +262,114 @@ fn column_that_is_not_understood_is_refused_by_its_name() {
         let error = read(&file(&text)).unwrap_err();
         assert!(error.to_string().contains(words), "{header}: {error}");
         assert_eq!(error.place.line_column(), Some(place), "{header}: {error}");
+    }
+}
+
+/// Wavelengths that were converted from 380 to 780 nm in steps of 10 nm to energies and frequencies, with the constants of 2018 CODATA.
+#[test]
+fn rounded_energies_are_the_wavelengths_that_were_meant() {
+    let nm: Vec<f64> = (38..=78).map(|k| 10.0 * f64::from(k)).collect();
+    for (name, constant) in [
+        ("Energy (eV)", 1239.841_984),
+        ("Energy (eV)", 1239.84),
+        ("frequency/THz", 299_792.458),
+        ("cm-1", 1e7),
+    ] {
+        for digits in [4, 5, 6, 9, 12] {
+            let rows: Vec<String> = nm
+                .iter()
+                .map(|nm| {
+                    let value: f64 = format!("{:.*e}", digits - 1, constant / nm).parse().unwrap();
+                    format!("{value},{},0.001", 2.0 + 1e5 / nm / nm)
+                })
+                .collect();
+            let read = read_index(&file(format!("{name},n,k\n{}\n", rows.join("\n")))).unwrap();
+            assert_eq!(read.range_nm(), (380.0, 780.0), "{name}, {digits} digits");
+            for at in &nm {
+                assert!(
+                    (read.index(*at).unwrap().re - (2.0 + 1e5 / at / at)).abs() < 1e-12,
+                    "{name}, {digits} digits, {at} nm"
+                );
+            }
+        }
+    }
+    // Energies in steps of 0.05 eV are what they are.
+    let rows: Vec<String> = (30..70).map(|k| format!("{:.2},1.5", 0.05 * f64::from(k))).collect();
+    let read = read_index(&file(format!("Energy (eV),n\n{}\n", rows.join("\n")))).unwrap();
+    assert!((read.range_nm().0 - 1239.841_984 / 3.45).abs() < 1e-4, "{:?}", read.range_nm());
+}
+
+/// A unit that is written is not asked for: the message lists those that are accepted.
+#[test]
+fn refused_unit_lists_the_accepted_ones() {
+    for (header, says) in [
+        ("wavelength (cm),n", "the accepted units are nm, um"),
+        ("frequency (GHz),n", "THz or Hz"),
+        ("nm,n (%)", "remove what is in brackets"),
+    ] {
+        let error = read_index(&file(format!("{header}\n400,1.5\n500,1.4\n"))).unwrap_err().to_string();
+        assert!(error.contains(says) && !error.contains("write the unit in brackets"), "{error}");
+    }
+    let read = |header: &str, first: &str| {
+        read_index(&file(format!("{header}\n{first},1.5\n5e14,1.4\n"))).map(|index| index.range_nm())
+    };
+    let (least, most) = read("frequency (Hz),n(lambda)", "6e14").unwrap();
+    assert!((least - 499.654_097).abs() < 1e-5 && (most - 599.584_916).abs() < 1e-5, "{least} {most}");
+    let error = read_index(&file("wavelength (nm),n\n0.38,1.5\n0.78,1.4\n")).unwrap_err().to_string();
+    assert!(error.contains("micrometres") && error.contains("instead of none or nm"), "{error}");
+}
+
+/// X, Y, Z of white that have Y = 100 by their scale, as reflectances in per cent.
+#[test]
+fn tristimulus_values_of_the_scale_of_100_are_read_with_a_note() {
+    use papilio_display::compare::Quantity;
+    let read = read_measured_panel(&file("state,X,Y,Z\nwhite,26.1,27.4,28.2\nblack,0.5,0.6,0.7\n")).unwrap();
+    let Quantity::Xyz(white) = &read.value[0].quantity else { panic!("{:?}", read.value[0]) };
+    assert!(close(white.x, 0.261) && close(white.y, 0.274) && close(white.z, 0.282));
+    assert!(read.warnings.iter().any(|note| note.contains("per cent")), "{:?}", read.warnings);
+    let fractions = read_measured_panel(&file("state,X,Y,Z\nwhite,0.261,0.274,0.282\n")).unwrap();
+    let Quantity::Xyz(white) = &fractions.value[0].quantity else { panic!("{:?}", fractions.value[0]) };
+    assert!(close(white.y, 0.274) && fractions.warnings.is_empty(), "{:?}", fractions.warnings);
+}
+
+/// Scans are read as all tables: uncertainties and remarks are left out with a note, everything else is refused by its name.
+#[test]
+fn scan_with_further_columns_and_relative_units_is_read() {
+    let part = Some(ScatterMode::FrontTransmission);
+    let rows = ["0,100", "10,50", "20,20", "40,5"];
+    let scan = |header: &str, more: &str| {
+        let rows: Vec<String> = rows.iter().map(|row| format!("{row}{more}")).collect();
+        file(format!("{header}\n{}\n", rows.join("\n")))
+    };
+    let plain = read_bsdf_file(&scan("theta_deg,btdf", ""), None).unwrap().measurement.parts;
+    for (header, more, note) in [
+        ("theta_deg,btdf,error", ",1", "`error` is not used"),
+        ("theta_deg,btdf,comment,error", ",a,1", "`comment` is not used"),
+        ("theta_deg,btdf (a.u.)", "", "relative units"),
+        ("theta_deg,btdf (counts)", "", "relative units"),
+    ] {
+        let read = read_bsdf_file(&scan(header, more), None).unwrap();
+        assert_eq!(read.measurement.parts, plain, "{header}");
+        assert!(read.notes.iter().any(|all| all.contains(note)), "{header}: {:?}", read.notes);
+    }
+    for name in ["intensity", "counts"] {
+        let read = read_bsdf_file(&scan(&format!("theta_deg,{name}"), ""), part).unwrap();
+        assert_eq!(read.measurement.parts, plain, "{name}");
+        let table = format!("theta_i,phi_i,theta_o,phi_o,{name}\n0,0,0,0,4\n0,0,40,0,1\n");
+        let read = read_bsdf_file(&file(table), part).unwrap();
+        assert_eq!(read.measurement.parts[0].values, [4.0, 1.0], "{name}");
+        assert!(read.notes.iter().any(|note| note.contains("relative units")), "{:?}", read.notes);
+    }
+    for (header, more, says, column) in [
+        ("theta_deg,btdf,foo", ",1", "`foo`", 16),
+        ("theta_deg,btdf (dB)", "", "`dB`", 11),
+        ("theta (gon),btdf", "", "`gon`", 1),
+    ] {
+        for part in [None, part] {
+            let error = read_bsdf_file(&scan(header, more), part).unwrap_err();
+            assert!(error.to_string().contains(says), "{header}: {error}");
+            assert_eq!(error.place.line_column(), Some((1, column)), "{header}: {error}");
+        }
     }
 }
 

@@ -363,6 +363,23 @@ fn mistakes_caused_by_set_are_reported_at_the_set() {
     }
 }
 
+/// The range that the message proposes is accepted.
+#[test]
+fn proposed_range_of_wavelengths_is_a_grid() {
+    for set in ["spectrum={range_nm=[341, 700],step_nm=7}", "spectrum={range_nm=[340, 700],step_nm=5}"] {
+        let errors = errors(GOOD, &[set]);
+        let text = errors
+            .iter()
+            .map(ToString::to_string)
+            .find(|text| text.contains("`Cr:Johnson` reaches"))
+            .unwrap();
+        let range = text.split("set spectrum.range_nm=").nth(1).unwrap().trim();
+        let step = set.split("step_nm=").nth(1).unwrap().trim_end_matches('}');
+        let proposed = format!("spectrum={{range_nm={range},step_nm={step}}}");
+        assert!(resolve(GOOD, Path::new(""), &[&proposed]).is_ok(), "{proposed}: {text}");
+    }
+}
+
 #[test]
 fn errors_beyond_the_limit_are_counted() {
     let keys: String = (0..73).map(|i| format!("k{i} = 1\n")).collect();
