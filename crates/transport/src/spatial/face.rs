@@ -25,6 +25,12 @@ const POINTS: usize = 16;
 const PHASE_OF_TABLE: f64 = 4.0;
 pub(super) const POINTS_OF_TABLE: usize = 16;
 
+/// Highest frequency times the thickness: less than 1e-6 of the light comes back beyond.
+const HIGHEST: f64 = 100.0;
+
+/// Step of the index below which a face reflects nothing.
+const NO_INDEX_STEP: f64 = 1e-6;
+
 /// Light that the face above a Lambertian plane returns to it, by spatial frequency.
 #[derive(Debug, Clone)]
 pub struct FaceReturn {
@@ -54,14 +60,15 @@ impl FaceReturn {
     /// Prepares a face over a medium.
     ///
     /// - `transmittance`: of the face for light from below, 0 to 1, as a function of `|beta|` from 0 to 1.
-    /// - `most_per_mm`: the highest frequency that will be asked, cycles per mm.
+    /// - `most_per_mm`: the highest frequency at which light comes back, cycles per mm: none does at higher ones, nor above 100/thickness.
     pub fn new(index: f64, thickness_mm: f64, most_per_mm: f64, transmittance: impl Fn(f64) -> f64) -> Self {
-        if index == 1.0 {
+        if index <= 1.0 + NO_INDEX_STEP {
             let nothing = Vec::new();
             return Self { thickness_mm, most: 0.0, edge: 0.0, leaving: nothing, table: None, is_open: true };
         }
-        let edge = 1.0 / (index * index - 1.0).max(1e-12).sqrt();
-        let panels = (4.0 * PI * most_per_mm * thickness_mm * edge / PHASE_OF_PANEL).ceil().max(1.0);
+        let most = 4.0 * PI * (most_per_mm * thickness_mm).min(HIGHEST);
+        let edge = (1.0 / (index * index - 1.0).max(1e-12).sqrt()).min(LONGEST_WAY);
+        let panels = (most * edge / PHASE_OF_PANEL).ceil().max(1.0);
         // tan(theta) and the weight of what leaves.
         let mut leaving: Vec<[f64; 2]> = Vec::new();
         for panel in 0..panels as usize {
@@ -76,205 +83,3 @@ impl FaceReturn {
                 [tangent, 2.0 * beta * slope * node.weight / (index * index) * transmittance(beta)]
             }));
         }
-        Self {
-            thickness_mm,
-            most: 4.0 * PI * most_per_mm * thickness_mm,
-            edge,
-            leaving,
-            table: None,
-            is_open: false,
-        }
-    }
-
-    /// Tabulates the return up to the highest frequency, for callers that ask many frequencies: a value then takes 16 terms
-    /// instead of an integral.
-    #[must_use]
-    pub fn tabulated(mut self) -> Self {
-        if self.is_open {
-            return self;
-        }
-        let count = (self.most * self.edge / PHASE_OF_TABLE).ceil().max(1.0);
-        let panel = if self.most > 0.0 { self.most / count } else { 1.0 };
-        let of_panel = |k: usize| {
-            let ends = [k, k + 1].map(|end| end as f64 * panel);
-            if k == 0 {
-                chebyshev(ends, |a| self.leaving_at(a))
-            } else {
-                chebyshev(ends, |a| x_k1(a) - self.leaving_at(a))
-            }
-        };
-        let coefficients = (0..count as usize).map(of_panel).collect();
-        self.table = Some(Table { panel, coefficients });
-        self
-    }
-
-    /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back, with its sign.
-    pub fn at(&self, frequency_per_mm: f64) -> f64 {
-        if self.is_open {
-            return 0.0;
-        }
-        let a = 4.0 * PI * frequency_per_mm.abs() * self.thickness_mm;
-        let known = self.table.as_ref().and_then(|table| table.at(a));
-        known.unwrap_or_else(|| x_k1(a) - self.leaving_at(a))
-    }
-
-    fn leaving_at(&self, a: f64) -> f64 {
-        self.leaving.iter().map(|[tangent, weight]| weight * j0(a * tangent)).sum()
-    }
-}
-
-impl Table {
-    fn at(&self, a: f64) -> Option<f64> {
-        let place = a / self.panel;
-        let panel = place as usize;
-        let t = 2.0 * (place - panel as f64) - 1.0;
-        let value = clenshaw(self.coefficients.get(panel)?, t);
-        Some(if panel == 0 { x_k1(a) - value } else { value })
-    }
-}
-
-/// Sum of Chebyshev polynomials at t, -1 to 1 (Clenshaw's recurrence).
-pub(super) fn clenshaw([first, others @ ..]: &[f64; POINTS_OF_TABLE], t: f64) -> f64 {
-    let [mut here, mut next] = [0.0; 2];
-    for coefficient in others.iter().rev() {
-        (here, next) = (2.0 * t * here - next + coefficient, here);
-    }
-    t * here - next + first
-}
-
-/// Chebyshev coefficients of the polynomial through the values of a function on an interval.
-pub(super) fn chebyshev([from, to]: [f64; 2], of: impl Fn(f64) -> f64) -> [f64; POINTS_OF_TABLE] {
-    let angle = |k: usize| PI * (k as f64 + 0.5) / POINTS_OF_TABLE as f64;
-    let values: [f64; POINTS_OF_TABLE] =
-        std::array::from_fn(|k| of(0.5 * (from + to) + 0.5 * (to - from) * angle(k).cos()));
-    std::array::from_fn(|order| {
-        let sum: f64 =
-            values.iter().enumerate().map(|(k, value)| value * (order as f64 * angle(k)).cos()).sum();
-        if order == 0 { sum / POINTS_OF_TABLE as f64 } else { 2.0 * sum / POINTS_OF_TABLE as f64 }
-    })
-}
-
-/// Light that passes the face, is returned to it by a front of screen above an air gap, and passes it again, by spatial
-/// frequency; of a front that reflects everything.
-#[derive(Debug, Clone)]
-pub(super) struct FrontReturn {
-    /// Way in the plane of the panel, mm, and weight.
-    ways: Vec<[f64; 2]>,
-}
-
-/// Light beyond this way, in units of the thickness and the gap, is taken as not modulated at any frequency but 0.
-const LONGEST_WAY: f64 = 30.0;
-
-impl FrontReturn {
-    /// Prepares the front over glass of this index.
-    ///
-    /// - `lengths_mm`: the glass, and the way through the air in all passes of the gap together, over 2.
-    /// - `weight`: fraction of the light at `|beta|` that comes back.
-    pub(super) fn new(
-        index: f64,
-        [glass_mm, air_mm]: [f64; 2],
-        most_per_mm: f64,
-        weight: impl Fn(f64) -> f64,
-    ) -> Self {
-        let way = |beta: f64| {
-            let air = beta / (1.0 - beta * beta).max(1e-30).sqrt();
-            2.0 * (glass_mm * beta / (index * index - beta * beta).sqrt() + air_mm * air)
-        };
-        // |beta| = sin x: panels of equal phase up to grazing light, which goes far and has little weight.
-        let longest = LONGEST_WAY * (glass_mm + air_mm);
-        let mut edges = vec![0.0];
-        let step = (PHASE_OF_PANEL / (2.0 * PI * most_per_mm)).min(0.25 * longest.max(1e-9));
-        let mut next = step;
-        while let Some(&from) = edges.last().filter(|_| next < longest) {
-            let (mut low, mut high) = (from, FRAC_PI_2);
-            for _ in 0..40 {
-                let middle = 0.5 * (low + high);
-                *(if way(middle.sin()) < next { &mut low } else { &mut high }) = middle;
-            }
-            edges.push(0.5 * (low + high));
-            next += step;
-        }
-        edges.push(FRAC_PI_2);
-        let panels = edges.windows(2).flat_map(|pair| gauss(pair[0], pair[1], POINTS));
-        let node = |node: Node| {
-            let (beta, cos) = node.x.sin_cos();
-            [way(beta), 2.0 * beta * cos * node.weight / (index * index) * weight(beta)]
-        };
-        Self { ways: panels.map(node).collect() }
-    }
-
-    /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back, with its sign.
-    pub(super) fn at(&self, frequency_per_mm: f64) -> f64 {
-        let f = 2.0 * PI * frequency_per_mm.abs();
-        self.ways.iter().map(|[way, weight]| weight * j0(f * way)).sum()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use papilio_optics::interface::fresnel_reflectance;
-
-    use super::*;
-
-    fn bare(most: f64) -> FaceReturn {
-        FaceReturn::new(1.5, 1.0, most, |beta| 1.0 - fresnel_reflectance(1.5, 1.0, beta))
-    }
-
-    /// The same integral by mpmath, 25 digits.
-    #[test]
-    fn bare_glass_returns_known_fractions() {
-        let face = bare(4.0);
-        for (f, expected) in [
-            (0.0, 0.596_345_759_7),
-            (0.02, 0.534_521_369_4),
-            (0.05, 0.376_797_250_2),
-            (0.7 * 0.25, -0.036_948_007_21),
-            (0.7 * 0.5, -0.022_824_849),
-            (0.7, -0.004_842_359_222),
-            (2.0, -0.001_742_633_089),
-            (0.7 * 3.0, 0.000_773_073_973_4),
-            (4.0, 0.000_232_979_901),
-        ] {
-            assert!((face.at(f) - expected).abs() < 1e-10, "{f}: {}", face.at(f));
-        }
-        let table = face.clone().tabulated();
-        for step in 0..=400 {
-            let f = 0.01 * f64::from(step);
-            assert!((face.at(f) - table.at(f)).abs() < 1e-12, "{f}: {} {}", face.at(f), table.at(f));
-        }
-    }
-
-    /// Only the product of frequency and thickness matters: halation under 0.7 mm of glass.
-    #[test]
-    fn thickness_scales_the_place_of_the_return() {
-        let face = FaceReturn::new(1.5, 0.7, 3.0, |beta| 1.0 - fresnel_reflectance(1.5, 1.0, beta));
-        for (f, expected) in [(0.05, 0.458_053_101), (0.1, 0.273_358_730_8), (1.0, -0.004_842_359_222)] {
-            assert!((face.at(f) - expected).abs() < 1e-10, "{f}: {}", face.at(f));
-        }
-    }
-
-    /// Without transmittance everything comes back, as between two plates; with an ideal antireflection face, only what
-    /// is totally reflected.
-    #[test]
-    fn limits_of_the_face_have_closed_forms() {
-        let mirror = FaceReturn::new(1.5, 1.0, 2.0, |_| 0.0);
-        for (fd, expected) in [(0.05, 0.768_495), (0.1, 0.500_191), (0.2, 0.182_669)] {
-            assert!((mirror.at(fd) - expected).abs() < 6e-7);
-        }
-        let ideal = FaceReturn::new(1.5, 1.0, 2.0, |_| 1.0);
-        assert!((ideal.at(0.0) - (1.0 - 1.0 / 2.25)).abs() < 1e-14, "{}", ideal.at(0.0));
-        // One pass of the escape cone alone, a = 2 pi f d: half the frequency of the return.
-        for (fd, expected) in [(0.1, 0.968_544), (0.25, 0.815_237), (0.5, 0.406_787), (1.0, -0.050_498)] {
-            let escape = (mirror.at(0.5 * fd) - ideal.at(0.5 * fd)) * 2.25;
-            assert!((escape - expected).abs() < 6e-7, "{fd}: {escape} {expected}");
-        }
-    }
-
-    #[test]
-    fn rule_is_fine_enough_for_its_highest_frequency() {
-        let (one, other) = (bare(6.0), bare(40.0));
-        for f in [0.0, 0.3, 1.7, 6.0] {
-            assert!((one.at(f) - other.at(f)).abs() < 1e-13, "{f}: {} {}", one.at(f), other.at(f));
-        }
-    }
-}
