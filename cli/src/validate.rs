@@ -24,10 +24,16 @@ pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
         progress: &|report| bar.show(&report),
         stop: &interrupt::STOP,
     };
-    let report = reproduce(&folder.join("scenarios"), &control);
+    let scenarios = folder.join("scenarios");
+    let is_new = !scenarios.exists();
+    let report = reproduce(&scenarios, &control);
     drop((log, bar));
     let report = match report {
         Err(ReproductionError::Display(DisplayError::Interrupted)) => {
+            if is_new {
+                // If a file cannot be removed, the next report writes it again.
+                std::fs::remove_dir_all(&scenarios).ok();
+            }
             return Err(Failure::Interrupted("no report was written"));
         }
         other => other?,

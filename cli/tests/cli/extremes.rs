@@ -227,8 +227,11 @@ enum End {
     Wrong(String),
 }
 
-/// Runs the program until it ends, shows progress, or takes too much.
-fn watch(arguments: &[&str], folder: &Path) -> End {
+/// How long a run is watched that shows progress, s of a processor on each thread.
+const MOST_SECONDS_IN_ALL: f64 = 60.0;
+
+/// Runs the program until it ends, shows progress, or takes too much. Memory is also watched further on, if asked.
+fn watch(arguments: &[&str], folder: &Path, is_whole: bool) -> End {
     let [out, errors] = ["stdout", "stderr"].map(|name| folder.join(name));
     let into = |path: &Path| Stdio::from(fs::File::create(path).unwrap());
     let mut child = papilio_command()
@@ -255,12 +258,15 @@ fn watch(arguments: &[&str], folder: &Path) -> End {
         }
         match usage(&child) {
             Some((memory, _)) if memory > MOST_MEMORY => break End::Wrong(format!("took {memory} bytes")),
-            Some((_, seconds)) if seconds > 1.2 * MOST_SECONDS * f64::from(THREADS) => {
+            Some((_, seconds)) if seconds > MOST_SECONDS_IN_ALL * f64::from(THREADS) => break End::Progress,
+            Some((_, seconds))
+                if seconds > 1.2 * MOST_SECONDS * f64::from(THREADS) && !has_progress(&said) =>
+            {
                 break End::Wrong(format!("no sign of progress after {seconds:.0} s of a processor"));
             }
             _ => {}
         }
-        if said.lines().any(|line| line.starts_with(|first: char| first.is_ascii_digit())) {
+        if has_progress(&said) && !is_whole {
             break End::Progress;
         }
     };
@@ -297,6 +303,10 @@ fn numbers_of_messages_and_reports_have_exponents() {
             format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         assert!(said.contains(says) && !has_long_number(&said), "{arguments:?}: {said}");
     }
+}
+
+fn has_progress(said: &str) -> bool {
+    said.lines().any(|line| line.starts_with(|first: char| first.is_ascii_digit()))
 }
 
 /// Largest memory so far, bytes, and time of processors, s.
@@ -355,7 +365,7 @@ fn try_all(command: &str, files: Vec<PathBuf>, schema: Value, every_file: bool) 
                 if command == "gonio" && !key.path.ends_with(".rays") {
                     arguments.extend(FEW_RAYS);
                 }
-                match watch(&arguments, folder.path()) {
+                match watch(&arguments, folder.path(), false) {
                     End::Ended | End::Progress => {}
                     End::Wrong(what) => wrong.push(format!("{} --set {set}: {what}", file.display())),
                 }
@@ -402,6 +412,12 @@ fn what_would_take_hours_is_refused_with_its_key() {
         ),
         ("gonio", "surfaces/etched.toml", &["microgeometry.rms_nm=1e6"], &["are spikes", "correlation_um"]),
         (
+            "gonio",
+            "surfaces/hemispheres.toml",
+            &["microgeometry.radius_um=1e6"],
+            &["are flat at a radius of 1000000 um", "`radius_um`"],
+        ),
+        (
             "run",
             "scenarios/etched-face.toml",
             &["display.layers.0.rms_nm=1e6"],
@@ -424,4 +440,80 @@ fn what_would_take_hours_is_refused_with_its_key() {
     let output = run("run", "scenarios/auto.toml", &["viewer.theta_deg.0=1e-300", "spectrum.step_nm=20"]);
     assert!(output.status.success(), "{}", String::from_utf8(output.stderr).unwrap());
     assert!(String::from_utf8(output.stdout).unwrap().contains("seen from 1e-300 deg"));
+}
+
+/// Displays of Lambertian pixels below a face, and of mirrors below a diffuser.
+const PAPER: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.5\n[display.pixel]\nmodel = \"uniform\"\n\
+    kind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.03 }\n[display.matrix]\nppi = 300\n";
+const MIRRORS: &str = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.01\ntotal_transmittance = 0.9\n[display.glass]\nindex = 1.5\n\
+    thickness_mm = 1\n[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.6, black = 0.03 }\n[display.matrix]\n\
+    ppi = 300\n";
+
+/// Lengths and resolutions of commands with places: a few each day, all of them in full.
+#[test]
+fn places_survive_every_length() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str, bytes: &[u8]| -> String {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let files = [place("paper.toml", PAPER.as_bytes()), place("mirrors.toml", MIRRORS.as_bytes())];
+    let pixels: Vec<[u8; 3]> = (0..160 * 120).map(|at| [(at * 7 % 256) as u8; 3]).collect();
+    let mut picture = Vec::new();
+    papilio_formats::write_rgb_png(&mut picture, 160, &pixels, false).unwrap();
+    let picture = place("picture.png", &picture);
+    let thickness =
+        ["0.0", "1e-300", "1e-12", "1e-9", "1e-3", "0.005", "0.02", "0.1", "10", "100", "1e3", "1e300"]
+            .map(|mm| format!("display.glass.thickness_mm={mm}"));
+    let others = [
+        "display.matrix.ppi=0.1",
+        "display.matrix.ppi=1e5",
+        "viewer.text_height_mm=100",
+        "viewer.text_height_mm=1e-3",
+    ]
+    .map(str::to_owned);
+    let everyday = ["thickness_mm=1e-300", "thickness_mm=1e-9", "thickness_mm=1e3"];
+    let mut wrong = Vec::new();
+    for set in thickness.iter().chain(&others) {
+        for (number, file) in files.iter().enumerate() {
+            for command in ["mtf", "crosstalk", "image", "mtf --solver monte-carlo"] {
+                let is_everyday = number == 0 && command != "mtf --solver monte-carlo";
+                if sized(!(is_everyday && everyday.iter().any(|end| set.ends_with(end))), false) {
+                    continue;
+                }
+                let results = tempfile::tempdir().unwrap();
+                let mut arguments: Vec<&str> = command.split(' ').collect();
+                arguments.insert(1, file);
+                if command == "image" {
+                    arguments.insert(2, &picture);
+                }
+                arguments.extend(["--set", set]);
+                if let End::Wrong(what) = watch(&arguments, results.path(), true) {
+                    wrong.push(format!("{arguments:?}: {what}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Ctrl-C while a report is computed, surfaces or displays: exit code 130, and nothing is left in its folder.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_report_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenarios = folder.path().join("scenarios");
+    let mut program = papilio_command();
+    program.args(["validate", "--threads", "1", "--out"]).arg(folder.path());
+    let child = program.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while !scenarios.join("data/H81-transmission.csv").exists() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(!scenarios.exists(), "{said}");
 }

@@ -31,6 +31,17 @@ pub enum DisplayError {
         /// Index of the medium of the angle.
         index: f64,
     },
+    /// An eye so close to a picture that it sees a part of it along the panel.
+    #[error(
+        "from `viewer.distance_mm` = {distance_mm} the reader sees a part of the picture at {theta_deg:.4} deg, along the panel (expected a larger distance, \
+         or image.perspective = false)"
+    )]
+    TooClose {
+        /// Distance of the eye, mm.
+        distance_mm: f64,
+        /// Inclination of the view of that part.
+        theta_deg: f64,
+    },
     /// A film with too many interference fringes over angle to tabulate.
     #[error(
         "{key}: this layer of {thickness_nm} nm has {fringes} interference fringes over angle at {nm} nm, more than \
@@ -111,10 +122,22 @@ pub enum DisplayError {
         /// Its key.
         key: String,
     },
+    /// A length that is not that of a layer.
+    #[error(
+        "a length of {length_mm:e} mm above the pixels is too small for the places of light (expected 0 or at least {least_mm:e} mm; see \
+         `display.glass.thickness_mm` and the other lengths of the layers)"
+    )]
+    TooThin {
+        /// The length, mm.
+        length_mm: f64,
+        /// The smallest one, mm.
+        least_mm: f64,
+    },
     /// Layers that are so thick that light spreads over too many pixels.
     #[error(
-        "the layers above the pixels are {thickness_mm} mm thick: crosstalk is computed up to {most} times the pitch of the pixels, \
-         {pitch_mm} mm (see `display.matrix`)"
+        "the layers above the pixels are {thickness_mm} mm thick: crosstalk and pictures are computed up to {most} times the pitch of the \
+         pixels, {pitch_mm} mm (expected at most {} mm, see `display.glass.thickness_mm` and `display.matrix`)",
+        most * pitch_mm
     )]
     TooThick {
         /// Thickness of the layers, mm.
@@ -215,7 +238,8 @@ pub enum DisplayError {
     /// A scatterer whose lobe is too narrow for adding to resolve within general layers.
     #[error(
         "{what} (scatterer {number} from the top) is too narrow for adding within these layers: \
-         it would need {nodes} directions, and more than {most} would take hours; use the Monte Carlo solver \
+         it would need {nodes} directions; time grows with the cube of their number and more, and more than {most} take many minutes and \
+         gigabytes; use the Monte Carlo solver \
          (--solver monte-carlo, or method = \"monte-carlo\")"
     )]
     TooNarrow {

@@ -378,6 +378,21 @@ fn view(scene: &Scene, index: f64, theta_deg: f64, phi_deg: f64) -> Result<ViewP
     Ok(ViewPoint { theta_deg, phi_deg, field: Cone::new(theta_deg, phi_deg, half_field, index) })
 }
 
+impl Setup {
+    /// Checks that light is refracted, so that it has places in the layers.
+    ///
+    /// # Errors
+    /// With angles that are the same in all media.
+    pub(crate) fn refracts(&self) -> Result<(), DisplayError> {
+        match self.scene.solver.angle_medium {
+            AngleMedium::Unrefracted => {
+                Err(DisplayError::NoPlaces { what: "angles without refraction", key: "solver.angle_medium" })
+            }
+            AngleMedium::Air | AngleMedium::Glass => Ok(()),
+        }
+    }
+}
+
 /// Checks that all of a cone is above the horizon in air.
 fn check_above_horizon(
     what: &'static str,

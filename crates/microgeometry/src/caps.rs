@@ -24,6 +24,9 @@ const MOST_APERTURE: f64 = 8.0;
 /// Way, relative to the radius, by which a ray on a ball may be off by rounding.
 const ROUNDING: f64 = 1e-10;
 
+/// Lowest cap over the radius of its ball: a thousand times the rounding error of a place on it.
+const FLATTEST: f64 = 1e3 * ROUNDING;
+
 /// Where caps stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lattice {
@@ -140,6 +143,14 @@ impl Balls {
             }
         }
         let depth_um = ((radius_um - aperture_um).max(0.0) * (radius_um + aperture_um)).sqrt();
+        let high_um = aperture_um.powi(2) / (radius_um + depth_um);
+        if high_um < FLATTEST * radius_um {
+            return Err(MicrogeometryError::FlatCaps {
+                aperture_um,
+                radius_um,
+                most_um: aperture_um / (2.0 * FLATTEST).sqrt(),
+            });
+        }
         Ok(Self { period_um, squares, radius_um, depth_um, in_square })
     }
 

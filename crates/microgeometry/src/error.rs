@@ -51,6 +51,18 @@ pub enum MicrogeometryError {
         /// Radius of the ball, um.
         radius_um: f64,
     },
+    /// A cap is so flat that rounding errors of its ball hide it.
+    #[error(
+        "caps with an aperture radius of {aperture_um} um are flat at a radius of {radius_um} um (`radius_um`; expected at most {most_um:.3e} um)"
+    )]
+    FlatCaps {
+        /// Radius of the rim, um.
+        aperture_um: f64,
+        /// Radius of the ball, um.
+        radius_um: f64,
+        /// Largest radius of the ball, um.
+        most_um: f64,
+    },
     /// Neighbours in a lattice overlap.
     #[error(
         "caps with an aperture radius of {aperture_um} um overlap at a pitch of {pitch_um} um (expected a pitch of at least {}; only random places may overlap)",

@@ -21,7 +21,7 @@ pub enum ReproductionError {
     File(#[from] FormatError),
     /// A surface could not be measured.
     #[error("a surface of the report cannot be measured: {0}")]
-    Surface(#[from] papilio_microgeometry::MicrogeometryError),
+    Surface(papilio_microgeometry::MicrogeometryError),
     /// A measurement could not be used.
     #[error("a measured sample of the report cannot be used: {0}")]
     Sample(String),
@@ -31,6 +31,17 @@ pub enum ReproductionError {
     /// A folder could not be created.
     #[error("cannot create the folder {0}: {1}")]
     Folder(PathBuf, std::io::Error),
+}
+
+impl From<papilio_microgeometry::MicrogeometryError> for ReproductionError {
+    fn from(error: papilio_microgeometry::MicrogeometryError) -> Self {
+        match error {
+            papilio_microgeometry::MicrogeometryError::Interrupted => {
+                Self::Display(DisplayError::Interrupted)
+            }
+            other => Self::Surface(other),
+        }
+    }
 }
 
 /// The shipped files, in the folder of the examples.

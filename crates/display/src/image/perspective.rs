@@ -93,12 +93,18 @@ impl Eye {
             prepared: Prepared::of(lit.setup.clone()),
             known: BTreeMap::new(),
         };
-        let (counts, error) = pages.close_enough()?;
+        let from_afar = |error| match error {
+            DisplayError::BelowHorizon { theta_deg, .. } => {
+                DisplayError::TooClose { distance_mm: scene.viewer.distance_mm, theta_deg }
+            }
+            other => other,
+        };
+        let (counts, error) = pages.close_enough().map_err(from_afar)?;
         let mut places = Vec::new();
         for row in 0..=counts[1] {
             for column in 0..=counts[0] {
                 places.push([column * (MOST / counts[0]), row * (MOST / counts[1])]);
-                pages.at(places[places.len() - 1])?;
+                pages.at(places[places.len() - 1]).map_err(from_afar)?;
             }
         }
         let known: Vec<&PageThere> = places.iter().map(|place| &pages.known[place]).collect();

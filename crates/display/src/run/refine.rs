@@ -3,7 +3,9 @@
 use std::collections::HashSet;
 
 use papilio_optics::lobe::Lobe;
-use papilio_transport::adding::{FINEST, MOST_NODES, Narrowness, narrowest, nodes_needed};
+use papilio_transport::adding::{
+    FINEST, MOST_NODES, MOST_NODES_OF_FURTHER, Narrowness, narrowest, nodes_needed,
+};
 use papilio_transport::{Diffuser, Panel, Source, Stack, Top};
 
 use crate::DisplayError;
@@ -28,7 +30,11 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
     {
         return Err(DisplayError::TooNarrowInField { width, least: NARROWEST_IN_FIELDS });
     }
-    let fits = |level: &u32| nodes_needed(stack, *level) <= MOST_NODES;
+    let fits = |level: &u32| {
+        // Two levels are needed; further ones are computed where they take little time.
+        let most = if *level <= 1 { MOST_NODES } else { MOST_NODES_OF_FURTHER };
+        nodes_needed(stack, *level) <= most
+    };
     match (0..=FINEST).take_while(fits).last() {
         Some(level) if level > 0 => Ok(level as usize),
         _ => Err(too_narrow(stack)),

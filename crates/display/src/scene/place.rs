@@ -35,6 +35,9 @@ pub struct Matrix {
     pub filter: Option<Filter>,
 }
 
+/// Least length that is not 0, mm: far below the size of an atom. Light leaves where it came, and the scales of a result span too many decades.
+const LEAST_MM: f64 = 1e-12;
+
 /// Largest thickness of the layers above the pixels, over the pitch, with which crosstalk is computed: beyond, light of a sub-pixel spreads over
 /// tens of thousands of others.
 const MOST_PITCHES: f64 = 100.0;
@@ -116,7 +119,11 @@ impl Display {
             return Err(DisplayError::MissingLength { key, others: missing.collect() });
         }
         let needed = |number: usize| if number < first { Ok(0.0) } else { self.length_mm(number) };
-        (0..self.layers.len()).map(needed).collect()
+        let lengths: Vec<f64> = (0..self.layers.len()).map(needed).collect::<Result<_, _>>()?;
+        match lengths.iter().find(|length| (f64::MIN_POSITIVE..LEAST_MM).contains(*length)) {
+            Some(&length_mm) => Err(DisplayError::TooThin { length_mm, least_mm: LEAST_MM }),
+            None => Ok(lengths),
+        }
     }
 
     /// Checks that light spreads over so few pixels that crosstalk between them can be computed.

@@ -79,6 +79,10 @@ impl Blur {
         if matrix.filter.is_some() {
             return Ok(None);
         }
+        let first = &setups[0].scene.display;
+        if matches!(&setups[0].stack, Stack::Panel(panel) if is_covered(panel)) {
+            first.spreads_over_few_pixels(&first.lengths_mm()?)?;
+        }
         let digits = (MORE_DIGITS - missed.ln()).clamp(DIGITS[0], DIGITS[1]);
         let threads = control.thread_count();
         let lit = each(setups, threads, |setup| {
@@ -304,6 +308,7 @@ fn responses(
         return Ok(None);
     }
     let Some(view) = setup.views.first() else { return Ok(Some(Vec::new())) };
+    setup.refracts()?;
     let lengths_mm = setup.scene.display.lengths_mm()?;
     let level =
         Level { digits, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]), is_fine: digits > 10.0, finer: 0 };

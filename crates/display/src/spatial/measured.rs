@@ -81,9 +81,11 @@ impl Frame<'_> {
         radii.retain(|radius| *radius > 0.0);
         let mut lights: Vec<Vec<Light>> = self.setup.states.iter().map(|_| Vec::new()).collect();
         for Seen { response, .. } in &seen {
+            self.continues()?;
             let transfers = [0, 1].map(|axis| -> Vec<Vec<Complex64>> {
                 frequencies.iter().map(|f| response.transfer(axis, *f)).collect()
             });
+            self.continues()?;
             let strips = [0, 1].map(|axis| response.strips(axis, &places[axis]));
             let rings = response.rings(&radii);
             for (state, lights) in lights.iter_mut().enumerate() {
@@ -111,11 +113,19 @@ impl Frame<'_> {
             from_faces,
             seen,
         };
+        self.continues()?;
         measured.line_contrast = self.line_contrast(&measured, level);
+        self.continues()?;
         measured.text_contrast = self.text_contrast(&measured, level);
         measured.patterns =
             self.patterns().iter().map(|pattern| patterns::mean(&measured.seen, *pattern, level)).collect();
         Ok(measured)
+    }
+}
+
+impl Frame<'_> {
+    fn continues(&self) -> Result<(), DisplayError> {
+        if self.control.stopped() { Err(DisplayError::Interrupted) } else { Ok(()) }
     }
 }
 

@@ -25,6 +25,7 @@
 
 mod blur;
 mod blur_walk;
+mod bounds;
 mod contrast;
 mod crosstalk;
 mod curve;

@@ -11,6 +11,7 @@ use papilio_transport::Stack;
 use super::layered;
 use super::measured::{Light, Measured};
 use super::mtf_walk;
+use super::patterns::too_large;
 use super::response::responses;
 use super::scalars::eye_limit;
 use super::target::{USUAL_TARGET, missed_target, target};
@@ -96,7 +97,10 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         error_reached,
         patterns: views.iter().flat_map(|view| view.patterns.iter().copied()).collect(),
         views,
-        warnings: missed_target(scene, error_reached, "a modulation transfer").into_iter().collect(),
+        warnings: missed_target(scene, error_reached, "a modulation transfer")
+            .into_iter()
+            .chain(frame.pitch_mm.and_then(|pitch| too_large(scene, &patterns.text, pitch)))
+            .collect(),
     })
 }
 

@@ -20,6 +20,7 @@ use num_complex::Complex64;
 use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Peak, PixelSpread, Recycling};
 use papilio_transport::{Source, Top};
 
+use super::bounds::{cells_across, cells_along, parts_of_pixels};
 use super::irradiance::images;
 use super::lobe::{self, LobeResponse};
 use super::patterns::{Pattern, PatternKind, Text};
@@ -36,6 +37,9 @@ const HIGHEST: f64 = 16.0;
 
 /// Light that a lobe leaves of the series is neglected below this fraction.
 const FAINTEST: f64 = 1e-5;
+
+/// Most frequencies of the series: glass much thinner than the air below a front returns light to the same place.
+const MOST_FREQUENCIES: f64 = 131_072.0;
 
 /// Period of lines, in reaches.
 const LINE_PERIOD: f64 = 64.0;
@@ -114,11 +118,17 @@ pub(super) fn response(
     let mut paper =
         Paper { lobe, thickness_mm, reach_mm, faces, spread, reflectance, light, bins, images: Vec::new() };
     // A(0) and A(f) of each face.
-    let count = (HIGHEST / thickness_mm / step_per_mm) as usize;
+    let count = (HIGHEST / thickness_mm / step_per_mm).min(MOST_FREQUENCIES) as usize;
     let returned: Vec<Vec<[f64; 2]>> = (0..count).map(|k| paper.returned(k as f64 * step_per_mm)).collect();
     for (at_mm, fraction) in images(lit)? {
         let shades: Vec<_> = (0..states).map(|state| paper.shades_of(state, &fraction)).collect();
-        let alone = sum(&shades, &paper.returned(0.0), |rho, zero, _| 1.0 - rho * zero);
+        // What does not change beyond the highest frequency is sharp.
+        let alone = match (count as f64) < MOST_FREQUENCIES {
+            true => sum(&shades, &paper.returned(0.0), |rho, zero, _| 1.0 - rho * zero),
+            false => sum(&shades, &paper.returned(count as f64 * step_per_mm), |rho, zero, returned| {
+                (1.0 - rho * zero) / (1.0 - rho * returned)
+            }),
+        };
         let all = |(k, returned): (usize, &Vec<[f64; 2]>)| {
             sum(&shades, returned, orders(spread, k as f64 * step_per_mm))
         };
@@ -382,8 +392,7 @@ impl Response for Paper {
             (Some(_), false) => 9,
         };
         let cell = width_mm / parts as f64;
-        let count = (LINE_PERIOD * self.reach_mm / cell).max(16.0 * parts as f64) as usize;
-        let count = count.next_power_of_two();
+        let count = cells_along((LINE_PERIOD * self.reach_mm / cell).max(16.0 * parts as f64), level);
         let (mut cells, other) = (Cells { count: [1; 2], period_mm: [cell; 2] }, 1 - axis);
         (cells.count[axis], cells.period_mm[axis]) = (count, count as f64 * cell);
         cells.period_mm[other] = f64::INFINITY;
@@ -414,8 +423,14 @@ impl Response for Paper {
             (PatternKind::Checkerboard, true) => 0.15,
             (PatternKind::Checkerboard, false) => 0.3,
         };
-        let half = (0.5 * period_mm / (widest * self.thickness_mm)).ceil().clamp(4.0, 4096.0) as usize;
-        let rows = if kind == PatternKind::Stripes { 1 } else { 2 * half };
+        let widest_mm = widest * self.thickness_mm;
+        let (half, rows) = match kind {
+            PatternKind::Stripes => ((0.5 * period_mm / widest_mm).ceil().clamp(4.0, 4096.0) as usize, 1),
+            PatternKind::Checkerboard => {
+                let half = (cells_across(period_mm, widest_mm, level) / 2).max(4);
+                (half, 2 * half)
+            }
+        };
         let cells = Cells { count: [2 * half, rows], period_mm: [period_mm; 2] };
         let is_on = (0..cells.len()).map(|cell| (cell % (2 * half) < half) == (cell / (2 * half) < half));
         let is_on: Vec<bool> = is_on.collect();
@@ -425,14 +440,14 @@ impl Response for Paper {
 
     fn text(&self, text: &Text<'_>, states: [usize; 2], level: Level) -> Option<Vec<f64>> {
         let Text { bitmap, pitch_mm, middles } = text;
-        let widest = if level.is_fine { 0.17 } else { 0.4 } * self.thickness_mm;
+        let widest_mm = if level.is_fine { 0.17 } else { 0.4 } * self.thickness_mm;
         // An odd number of cells: one is in the middle of each pixel.
         let least = match (self.spread, level.is_fine) {
             (None, _) => 1,
             (Some(_), true) => 5,
             (Some(_), false) => 3,
         };
-        let parts = pitch_mm.map(|pitch| (pitch / widest).ceil().max(f64::from(least)) as usize | 1);
+        let parts = parts_of_pixels(bitmap, *pitch_mm, widest_mm, level).map(|parts| parts.max(least) | 1);
         let [columns, rows] = [0, 1].map(|axis| bitmap.count[axis] * parts[axis]);
         let period_mm = [0, 1].map(|axis| bitmap.count[axis] as f64 * pitch_mm[axis]);
         let pixel = |cell: usize| cell / columns / parts[1] * bitmap.count[0] + cell % columns / parts[0];

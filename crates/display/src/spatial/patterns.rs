@@ -4,6 +4,7 @@ use papilio_imaging::text::{Bitmap, Font, Setting, X_HEIGHT};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::bounds::MOST_PIXELS;
 use super::{Level, Seen};
 use crate::readability::Reader;
 use crate::scene::Scene;
@@ -107,8 +108,27 @@ pub(super) fn yule_nielsen(states: [f64; 2], mean: f64) -> Option<f64> {
     Some(0.5 * (low + high))
 }
 
-/// Text on the pixels of a matrix.
+/// Why the contrast of a text is not computed: it has too many pixels. `None` if it fits.
+pub(super) fn too_large(scene: &Scene, text: &str, pitch_mm: [f64; 2]) -> Option<String> {
+    let height_mm = Reader::of(scene).text_height_mm;
+    let [em_x, em_y] = pitch_mm.map(|pitch| height_mm / X_HEIGHT / pitch);
+    let letters = text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
+    let pixels = letters as f64 * em_x * text.lines().count() as f64 * em_y;
+    let most = MOST_PIXELS as f64;
+    (pixels > most).then(|| {
+        format!(
+            "the contrast of text is not computed: at viewer.text_height_mm = {height_mm}, {text:?} has about {pixels:.1e} pixels (expected a \
+             height of at most {:.2e} mm, for {most:.1e} pixels of this pitch)",
+            height_mm * (most / pixels).sqrt()
+        )
+    })
+}
+
+/// Text on the pixels of a matrix; `None` if it is [`too_large`], or cannot be set.
 pub(super) fn bitmap(scene: &Scene, text: &str, pitch_mm: [f64; 2], thickness_mm: f64) -> Option<Bitmap> {
+    if too_large(scene, text, pitch_mm).is_some() {
+        return None;
+    }
     let size_mm = Reader::of(scene).text_height_mm / X_HEIGHT;
     let margin = (MARGIN * thickness_mm / pitch_mm[0].min(pitch_mm[1])).ceil().clamp(4.0, 200.0) as usize;
     let setting =

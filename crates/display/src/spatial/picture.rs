@@ -36,6 +36,9 @@ pub struct PictureColours {
 /// Columns and rows of the part of which the error is computed.
 const PART: usize = 128;
 
+/// Most cells of a picture that has fewer pixels.
+const MOST_CELLS: usize = 1 << 23;
+
 /// Natural digits of light that a front returns.
 const DIGITS: f64 = 12.0;
 
@@ -120,6 +123,7 @@ impl LitPicture {
         let pitch_mm = setup.scene.display.matrix.as_ref().ok_or(missing)?.pitch_mm;
         let lengths_mm = setup.scene.display.lengths_mm()?;
         let thickness_mm = lengths_mm.last().copied().unwrap_or_default();
+        setup.scene.display.spreads_over_few_pixels(&lengths_mm)?;
         let (panel, rho) = covered(setup)?;
         let spread = setup.scene.display.pixel_spread();
         let highest = picture.states.iter().copied().map(usize::from).max().unwrap_or(0);
@@ -130,8 +134,12 @@ impl LitPicture {
             });
         }
         let (states, count) = (setup.states.len(), setup.scene.grid.len());
+        // A large picture has few cells in a pixel, at least one.
+        let fit = (MOST_CELLS as f64 / picture.states.len() as f64).sqrt().max(1.0) as usize;
+        let precision = Precision { most_per_pixel: precision.most_per_pixel.min(fit), ..precision };
         let finer = Precision {
             cell: 0.5 * precision.cell,
+            most_per_pixel: 2 * precision.most_per_pixel,
             change: 0.1 * precision.change,
             missed: 0.1 * precision.missed,
         };
@@ -275,6 +283,7 @@ fn covered(setup: &Setup) -> Result<(&Panel, &[f64]), DisplayError> {
     let not_yet = |what: &str, key: &str| {
         Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
     };
+    setup.refracts()?;
     let Stack::Panel(panel) = &setup.stack else {
         return not_yet("pictures below general layers ([[display.layers]])", "display.layers");
     };

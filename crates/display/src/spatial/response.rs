@@ -83,6 +83,7 @@ pub(crate) fn responses(
     level: Level,
     control: &Control<'_>,
 ) -> Result<(Vec<Seen>, f64), DisplayError> {
+    setup.refracts()?;
     let lengths = setup.scene.display.lengths_mm()?;
     let meter = Meter::new(setup);
     let Stack::Panel(panel) = &setup.stack else {

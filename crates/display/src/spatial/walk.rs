@@ -25,7 +25,7 @@ use crate::meter::{Meter, PixelLight};
 use crate::result::Named;
 pub use crate::run::REPLICATES;
 use crate::run::{Control, Progress, Workers, each};
-use crate::scene::{AngleMedium, Approximation, Scene};
+use crate::scene::{Approximation, Scene};
 use crate::setup::{Setup, ViewPoint, layers};
 
 /// A mean and its standard error.
@@ -217,12 +217,7 @@ impl<'a> Placed<'a> {
                 key: "solver.approximation",
             });
         }
-        if scene.solver.angle_medium == AngleMedium::Unrefracted {
-            return Err(DisplayError::NoPlaces {
-                what: "angles without refraction",
-                key: "solver.angle_medium",
-            });
-        }
+        setup.refracts()?;
         let stack = match &setup.stack {
             Stack::Layered(stack) => stack.clone(),
             Stack::Panel(panel) => {

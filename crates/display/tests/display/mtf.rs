@@ -188,6 +188,54 @@ fn lines_and_text_have_the_contrast_of_their_surround() {
     near("text", view.text_contrast_median_via_pixel.unwrap(), via.black_1_x.unwrap(), 0.02);
 }
 
+/// Air in the place of the glass: the same forms with an index of 1. Angles that are not refracted have no places.
+#[test]
+fn lobe_above_air_has_closed_forms() {
+    let b = 0.02;
+    let lobe = LOBE.replace("0.05667", "0.02");
+    let air = "[display.glass]\nindex = 1\nthickness_mm = 0.5\n";
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    let result = computed(&[&lobe, air, MATRIX, MIRROR, DIFFUSE, view]).unwrap();
+    for f in [1.0, 2.0, 5.0] {
+        let expected = (-2.0 * std::f64::consts::PI * f * b * 0.5).exp();
+        near("MTF", at(&result, white(&result), f)[0], expected, 1.2 * b);
+    }
+    let unrefracted =
+        resolved(&[&lobe, air, MATRIX, MIRROR, DIFFUSE, "[solver]\napproximation = \"unrefracted\"\n"]);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let error = mtf(&unrefracted.scene, &unrefracted.patterns, &control).unwrap_err();
+    assert!(matches!(error, DisplayError::NoPlaces { .. }), "{error}");
+}
+
+/// Below glass that is much thinner than a pixel, recycled light returns to its own place: lines and strokes have the contrast of pages,
+/// rho (1 - r)/(1 - rho r) each. Between, the contrast of text is that of cells that follow the thickness, of a program without a bound of
+/// their number.
+#[test]
+fn lines_and_text_below_thin_glass_have_the_contrast_of_pages() {
+    let contrast = |thickness_mm: f64| {
+        let matrix = "[display.matrix]\nppi = 300\n";
+        let result =
+            computed(&[&glass("fresnel", thickness_mm), matrix, &paper(0.6, 0.03), DIFFUSE]).unwrap();
+        let view = &result.views[0];
+        let line = view.line_contrast_via_pixel;
+        [
+            view.text_contrast_min_via_pixel,
+            view.text_contrast_median_via_pixel,
+            line.white_1_x,
+            line.black_4_x,
+        ]
+        .map(Option::unwrap)
+    };
+    let page = |rho: f64| rho / (1.0 - rho * 0.596_346);
+    let expected = (page(0.6) - page(0.03)) / (page(0.6) + page(0.03));
+    for (thickness_mm, tolerance) in [(1e-12, 1e-6), (1e-9, 1e-6), (1e-6, 1e-6), (1e-3, 2e-3)] {
+        contrast(thickness_mm).map(|found| near("thin", found, expected, tolerance));
+    }
+    let [least, median, ..] = contrast(0.03);
+    near("least", least, 0.924_846, 1e-3);
+    near("median", median, 0.932_049, 1e-3);
+}
+
 /// The light of a kernel is that of colours: with a lobe and a film, in diffuse light and a beam.
 #[test]
 fn light_of_a_kernel_is_that_of_colours() {

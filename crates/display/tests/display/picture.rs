@@ -51,6 +51,44 @@ fn uniform_pictures_are_pages_of_a_run() {
     }
 }
 
+/// Below glass that is much thinner than a pixel each pixel is a page of its own, and a picture needs few cells; at all thicknesses
+/// the stated error holds against smaller cells.
+#[test]
+fn pixels_below_thin_glass_are_pages() {
+    let view = "[viewer]\ntheta_deg = 8\nfield_deg = 0\n";
+    let at = |thickness_mm: f64| {
+        let glass = GLASS.replace("0.5", &thickness_mm.to_string());
+        resolved(&[&glass, MATRIX, PAPER, LIGHT, view])
+    };
+    let mixed = Picture { count: [12, 10], states: (0..120).map(|k| (k * k % 3) as u8).collect() };
+    let pages: Vec<f32> = (0..3_u8)
+        .map(|state| {
+            let page = Picture { count: [4, 4], states: vec![state; 16] };
+            computed(&at(0.5), &page, Precision::FAST).unwrap().views[0][5][1]
+        })
+        .collect();
+    for thickness_mm in [1e-12, 1e-9, 1e-6] {
+        let found = computed(&at(thickness_mm), &mixed, Precision::FAST).unwrap();
+        for (found, state) in found.views[0].iter().zip(&mixed.states) {
+            near("thin", f64::from(found[1]), f64::from(pages[usize::from(*state)]), 1e-4);
+        }
+    }
+    for thickness_mm in [0.01, 0.03, 0.1, 0.2] {
+        let display = at(thickness_mm);
+        let [fast, fine] = [Precision::FAST, Precision { cell: 0.05, most_per_pixel: 32, ..Precision::FINE }]
+            .map(|precision| computed(&display, &mixed, precision).unwrap());
+        for (fast_pixel, fine_pixel) in fast.views[0].iter().zip(&fine.views[0]) {
+            let bound = fast.error + fine.error;
+            near(
+                &format!("{thickness_mm} mm"),
+                f64::from(fast_pixel[1]),
+                f64::from(fine_pixel[1]),
+                1.5 * bound + 1e-4,
+            );
+        }
+    }
+}
+
 /// Every second column black: the contrast of both columns is that of `crosstalk`, which solves stripes by other cells. The error of a
 /// fast picture is as large as it says.
 #[test]

@@ -25,9 +25,12 @@ pub use table_sums::{TableGradient, TableSums, TableValues};
 /// The finest level.
 pub const FINEST: u32 = 6;
 
-/// Largest number of radial nodes for which *adding* is practicable ([`nodes_needed`]): a minute, and a
+/// Largest number of radial nodes for which *adding* is practicable ([`nodes_needed`]): a few minutes, and a
 /// gigabyte.
-pub const MOST_NODES: usize = 300;
+pub const MOST_NODES: usize = 450;
+
+/// The same for levels finer than the second, without which a result is known, too.
+pub const MOST_NODES_OF_FURTHER: usize = 300;
 
 /// Returns the number of radial nodes that these layers take at a level, besides the directions of views and
 /// sources; 0 for a panel, which determines its own. The number grows as 1/width of the narrowest lobe,

@@ -29,6 +29,12 @@ pub struct Scattering {
 }
 
 impl Medium {
+    /// The same medium, with an index of at least this at every wavelength.
+    pub(crate) fn with_index_of_at_least(&self, least: f64) -> Self {
+        let (transmittance, scattering) = (self.transmittance.clone(), self.scattering.clone());
+        Self { transmittance, scattering, ..Self::new(self.index.map(|index| index.max(least))) }
+    }
+
     /// Returns a clear medium of this index, at least 1 at every wavelength.
     pub fn new(index: Spectrum) -> Self {
         let constant = index.is_constant().then(|| index[0]);

@@ -25,6 +25,12 @@ const POINTS: usize = 16;
 const PHASE_OF_TABLE: f64 = 4.0;
 pub(super) const POINTS_OF_TABLE: usize = 16;
 
+/// Highest frequency times the thickness: less than 1e-6 of the light comes back beyond.
+const HIGHEST: f64 = 100.0;
+
+/// Step of the index below which a face reflects nothing.
+const NO_INDEX_STEP: f64 = 1e-6;
+
 /// Light that the face above a Lambertian plane returns to it, by spatial frequency.
 #[derive(Debug, Clone)]
 pub struct FaceReturn {
@@ -54,14 +60,15 @@ impl FaceReturn {
     /// Prepares a face over a medium.
     ///
     /// - `transmittance`: of the face for light from below, 0 to 1, as a function of `|beta|` from 0 to 1.
-    /// - `most_per_mm`: the highest frequency that will be asked, cycles per mm.
+    /// - `most_per_mm`: the highest frequency at which light comes back, cycles per mm: none does at higher ones, nor above 100/thickness.
     pub fn new(index: f64, thickness_mm: f64, most_per_mm: f64, transmittance: impl Fn(f64) -> f64) -> Self {
-        if index == 1.0 {
+        if index <= 1.0 + NO_INDEX_STEP {
             let nothing = Vec::new();
             return Self { thickness_mm, most: 0.0, edge: 0.0, leaving: nothing, table: None, is_open: true };
         }
-        let edge = 1.0 / (index * index - 1.0).max(1e-12).sqrt();
-        let panels = (4.0 * PI * most_per_mm * thickness_mm * edge / PHASE_OF_PANEL).ceil().max(1.0);
+        let most = 4.0 * PI * (most_per_mm * thickness_mm).min(HIGHEST);
+        let edge = (1.0 / (index * index - 1.0).max(1e-12).sqrt()).min(LONGEST_WAY);
+        let panels = (most * edge / PHASE_OF_PANEL).ceil().max(1.0);
         // tan(theta) and the weight of what leaves.
         let mut leaving: Vec<[f64; 2]> = Vec::new();
         for panel in 0..panels as usize {
@@ -76,14 +83,7 @@ impl FaceReturn {
                 [tangent, 2.0 * beta * slope * node.weight / (index * index) * transmittance(beta)]
             }));
         }
-        Self {
-            thickness_mm,
-            most: 4.0 * PI * most_per_mm * thickness_mm,
-            edge,
-            leaving,
-            table: None,
-            is_open: false,
-        }
+        Self { thickness_mm, most, edge, leaving, table: None, is_open: false }
     }
 
     /// Tabulates the return up to the highest frequency, for callers that ask many frequencies: a value then takes 16 terms
@@ -114,6 +114,9 @@ impl FaceReturn {
             return 0.0;
         }
         let a = 4.0 * PI * frequency_per_mm.abs() * self.thickness_mm;
+        if a > self.most * (1.0 + 1e-9) {
+            return 0.0;
+        }
         let known = self.table.as_ref().and_then(|table| table.at(a));
         known.unwrap_or_else(|| x_k1(a) - self.leaving_at(a))
     }

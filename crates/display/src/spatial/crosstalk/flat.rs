@@ -8,6 +8,7 @@ use papilio_imaging::text::Bitmap;
 use papilio_transport::spatial::Cells;
 
 use super::super::Level;
+use super::super::bounds::{cells_along, parts_of_pixels};
 use super::super::irradiance::{Return, images, moved};
 use super::super::response::Lit;
 use super::{Colour, Figure};
@@ -179,8 +180,8 @@ fn drawn(
             let count = if figure == Figure::Stripe {
                 2 * parts
             } else {
-                let most = (LINE_PERIOD * thickness_mm / pitch_mm[0]).ceil().max(16.0) as usize * parts;
-                most.next_power_of_two()
+                let most = (LINE_PERIOD * thickness_mm / pitch_mm[0]).ceil().max(16.0) * parts as f64;
+                cells_along(most, level)
             };
             let period_mm = [count as f64 / parts as f64 * pitch_mm[0], 1.0];
             let is_figure = (0..count).map(|cell| cell < parts).collect();
@@ -188,8 +189,8 @@ fn drawn(
         }
         Figure::Text => {
             let bitmap = pixels.text?;
-            let widest = if fine { 0.17 } else { 0.4 } * finer * thickness_mm;
-            let parts = pitch_mm.map(|pitch| (pitch / widest).ceil() as usize);
+            let widest_mm = if fine { 0.17 } else { 0.4 } * finer * thickness_mm;
+            let parts = parts_of_pixels(bitmap, pitch_mm, widest_mm, level);
             let [columns, rows] = [0, 1].map(|axis| bitmap.count[axis] * parts[axis]);
             let pixel = |cell: usize| {
                 let (column, row) = (cell % columns / parts[0], cell / columns / parts[1]);

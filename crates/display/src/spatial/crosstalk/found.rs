@@ -78,7 +78,7 @@ const NO_STATES: &str = "contrast is that of the states `white` and `black`, gam
 
 /// Why there is no such figure.
 fn why_null(figure: Figure) -> Option<&'static str> {
-    let no_strokes = "no pixel is in the middle of a stroke: the text is too small for these pixels (viewer.text_height_mm)";
+    let no_strokes = "no pixel is in the middle of a stroke: the text is too small for these pixels, or it has more than a million (viewer.text_height_mm)";
     (figure == Figure::Text).then_some(no_strokes)
 }
 

@@ -176,6 +176,7 @@ impl<'a> Frame<'a> {
     fn new(setup: &'a Setup, text: &str, control: &'a Control<'a>) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         let matrix = matrix(setup)?;
+        setup.refracts()?;
         let lengths_mm = scene.display.lengths_mm()?;
         scene.display.spreads_over_few_pixels(&lengths_mm)?;
         let Stack::Panel(panel) = &setup.stack else { return Err(Refused::Layers.into()) };

@@ -45,6 +45,8 @@ pub struct Page<'a> {
 pub struct Precision {
     /// Largest cell in thicknesses of the medium.
     pub cell: f64,
+    /// Most cells across a pixel. Under a thinner medium light returns to its own place: cells then need not be smaller.
+    pub most_per_pixel: usize,
     /// Largest change of the irradiance in the last repetition.
     pub change: f64,
     /// Largest part of the light that the representative wavelengths miss.
@@ -53,9 +55,9 @@ pub struct Precision {
 
 impl Precision {
     /// For errors below about 1e-3 of a perfect white.
-    pub const FAST: Self = Self { cell: 0.34, change: 1e-3, missed: 3e-3 };
+    pub const FAST: Self = Self { cell: 0.34, most_per_pixel: 4, change: 1e-3, missed: 3e-3 };
     /// For errors below about 1e-4.
-    pub const FINE: Self = Self { cell: 0.1, change: 1e-5, missed: 1e-6 };
+    pub const FINE: Self = Self { cell: 0.1, most_per_pixel: 16, change: 1e-5, missed: 1e-6 };
 }
 
 /// Light of the wavelengths under one face.
@@ -71,6 +73,8 @@ pub struct PageLight<'a> {
 #[derive(Debug, Clone)]
 pub struct LitPage {
     cells: Cells,
+    /// Whether pixels consist of whole cells, along x and y.
+    whole: [bool; 2],
     /// Irradiance of each cell over that of the light from outside, one plane for each representative. Light inside the pixels instead, if it
     /// spreads there.
     irradiance: Vec<Vec<f32>>,
@@ -100,12 +104,14 @@ impl LitPage {
         precision: Precision,
     ) -> Self {
         let count = [0, 1].map(|k| {
-            let largest = precision.cell * thickness_mm;
+            let wanted = (page.count[k] as f64 * page.pitch_mm[k] / (precision.cell * thickness_mm)).ceil();
+            let most = page.count[k] * precision.most_per_pixel;
             if spread.is_some() {
-                return page.count[k] * (page.pitch_mm[k] / largest).ceil().clamp(1.0, MOST_PARTS) as usize;
+                let largest = precision.cell * thickness_mm;
+                let most = MOST_PARTS.min(precision.most_per_pixel as f64);
+                return page.count[k] * (page.pitch_mm[k] / largest).ceil().clamp(1.0, most) as usize;
             }
-            let length = page.count[k] as f64 * page.pitch_mm[k];
-            smooth((length / largest).ceil().max(1.0) as usize)
+            if wanted < most as f64 { smooth(wanted.max(1.0) as usize).min(most) } else { most }
         });
         let period_mm = [0, 1].map(|k| page.count[k] as f64 * page.pitch_mm[k]);
         let cells = Cells { count, period_mm };
@@ -130,7 +136,8 @@ impl LitPage {
                 irradiance[*last] = other;
             }
         }
-        Self { cells, irradiance, found, spreads: spread.is_some() }
+        let whole = [0, 1].map(|k| spread.is_some() || count[k] == page.count[k] * precision.most_per_pixel);
+        Self { cells, whole, irradiance, found, spreads: spread.is_some() }
     }
 
     /// Number of wavelengths that were solved.
@@ -152,8 +159,8 @@ impl LitPage {
         let solved = self.irradiance.len();
         let [columns, rows] = page.count;
         let [width, height] = self.cells.count;
-        let taps = if self.spreads { Taps::of_parts } else { Taps::new };
-        let (x, y) = (taps(columns, width), taps(rows, height));
+        let taps = |k: usize| if self.whole[k] { Taps::of_parts } else { Taps::new };
+        let (x, y) = (taps(0)(columns, width), taps(1)(rows, height));
         let mut all = Vec::with_capacity(columns * rows);
         // Irradiance along a row, `[cell][wavelength]`.
         let mut row = vec![0.0_f32; width * solved];
@@ -277,7 +284,7 @@ impl Taps {
         taps
     }
 
-    /// Means over the cells of which each part consists.
+    /// Means over the cells of which each part consists: the light of large cells jumps at the border of a pixel.
     fn of_parts(parts: usize, cells: usize) -> Self {
         let width = (cells / parts).max(1);
         let first = (0..parts).map(|part| part * width).collect();

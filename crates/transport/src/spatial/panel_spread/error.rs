@@ -28,7 +28,7 @@ impl fmt::Display for SpreadError {
                 "the pixel scatters by a kernel of its own (expected a mirror or a Lambertian pixel)"
             }
             Self::Unrefracted => {
-                "light that is not refracted has no place in the glass (expected angles in air or in the glass)"
+                "a face of another index than the glass (expected light that is refracted)"
             }
         })
     }

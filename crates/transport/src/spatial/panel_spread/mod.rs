@@ -84,6 +84,9 @@ enum Sampled {
     No,
 }
 
+/// Lowest index of the glass; a lower one is taken as this.
+const LEAST_INDEX: f64 = 1.0 + 1e-7;
+
 /// Angle over which the reflectances of interfaces and pixels change, radians.
 const SMOOTH: f64 = 0.3;
 
@@ -157,10 +160,20 @@ impl PanelSpread {
         if matches!(panel.base.reflector, Reflector::Scattering(_)) {
             return Err(SpreadError::ScatteringPixel);
         }
-        let index = panel.medium.index();
-        if index.min() <= 1.0 || matches!(&panel.top, Top::Fresnel(face) if face != index) {
+        if matches!(&panel.top, Top::Fresnel(face) if face != panel.medium.index()) {
             return Err(SpreadError::Unrefracted);
         }
+        // Air in the place of the glass: grazing light goes infinitely far.
+        let refracting = (panel.medium.index().min() < LEAST_INDEX).then(|| {
+            let medium = panel.medium.with_index_of_at_least(LEAST_INDEX);
+            let top = match &panel.top {
+                Top::Fresnel(_) => Top::Fresnel(medium.index().clone()),
+                other => other.clone(),
+            };
+            Panel { medium, top, ..panel.clone() }
+        });
+        let panel = refracting.as_ref().unwrap_or(panel);
+        let index = panel.medium.index();
         let parts = match &panel.top {
             Top::Diffuser(diffuser) => {
                 diffused::parts((panel, diffuser), heights, view, source, (accuracy, sampled))

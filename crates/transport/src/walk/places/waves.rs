@@ -17,6 +17,9 @@ const PER_PERIOD: f64 = 20.0;
 /// Nodes that a place adds to.
 const NODES: usize = 8;
 
+/// Most nodes of a grid, times the frequencies of its line; places beyond it are summed directly.
+const MOST_PHASES: usize = 1 << 23;
+
 /// Frequencies of a line from which on it has a grid.
 const FEWEST: usize = 3;
 
@@ -89,7 +92,8 @@ impl Waves {
             let most = line.members.iter().fold(0.0_f64, |most, (_, f)| most.max(f.abs()));
             if line.members.len() >= FEWEST && most > 0.0 && extent_mm > 0.0 {
                 line.per_mm = PER_PERIOD * most;
-                line.nodes = (2.0 * extent_mm * line.per_mm).ceil() as usize + NODES;
+                let fit = (MOST_PHASES / line.members.len()) as f64;
+                line.nodes = (2.0 * extent_mm * line.per_mm).ceil().min(fit) as usize + NODES;
                 line.first_mm = -0.5 * (line.nodes - 1) as f64 / line.per_mm;
                 line.offset = waves.nodes;
                 waves.nodes += line.nodes;

@@ -255,7 +255,7 @@ impl<'a> LayeredSpread<'a> {
     fn set(&self, bin: usize, extras: &[f64]) -> Result<Set, NotCovered> {
         let density = density_between(self.stack, bin, &self.precision);
         let grid = Grid::new(&smooth_splits(self.stack, bin), density, extras);
-        if grid.len() > crate::adding::MOST_NODES {
+        if grid.len() > crate::adding::MOST_NODES_OF_FURTHER {
             return Err(NotCovered::TooMany);
         }
         let kernels = Kernels::new(self.stack, bin, &grid, &self.precision, self.stop)?;
