@@ -36,7 +36,7 @@ const POINTS: usize = 8;
 const NARROW: f64 = 0.5;
 
 /// Radii and distances in `s` beyond which the spread is a point.
-const LARGEST: f64 = 500.0;
+const LARGEST: f64 = 200.0;
 
 /// Point spread of light inside a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
