@@ -303,7 +303,8 @@ impl LobeBetween {
         let mut kernel = self.orders.order(order, grid);
         for (from, column) in kernel.iter_mut().flat_map(Matrix::columns_mut) {
             let out = |(value, out): (&mut f64, &f64)| {
-                if !(grid.beta[from] < above && *out < below) {
+                let carried = grid.beta[from] < above && *out < below;
+                if !carried {
                     *value = 0.0;
                 }
             };
