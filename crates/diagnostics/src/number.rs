@@ -2,14 +2,15 @@
 
 use std::borrow::Cow;
 
-/// Numbers from here on are written with an exponent.
+/// Numbers from here on are written with an exponent if that is shorter.
 const LARGE: f64 = 1e6;
 /// Smaller numbers are written with an exponent.
 const SMALL: f64 = 1e-4;
 /// Longest number, in characters, that is left as it is: those that Rust prints with all digits of a double have at most 20.
 const LONGEST: usize = 21;
 
-/// Writes a number with at most twelve significant digits and without zeros at the end; with an exponent from a million on and below 0.0001.
+/// Writes a number with at most twelve significant digits and without zeros at the end; with an exponent below 0.0001, and from a
+/// million on where that is shorter.
 ///
 /// ```
 /// use papilio_diagnostics::number;
@@ -20,7 +21,10 @@ pub fn number(value: f64) -> String {
     match rounded.abs() {
         0.0 => "0".to_owned(),
         size if (SMALL..LARGE).contains(&size) || !size.is_finite() => rounded.to_string(),
-        _ => format!("{rounded:e}"),
+        size => {
+            let (plain, with_exponent) = (rounded.to_string(), format!("{rounded:e}"));
+            if size >= LARGE && plain.len() <= with_exponent.len() { plain } else { with_exponent }
+        }
     }
 }
 
@@ -65,8 +69,8 @@ mod tests {
     fn number_is_short_whatever_its_size() {
         let numbers = [
             999_999.5,
-            1e6,
-            1_000_001.0,
+            8_076_432.0,
+            1e9,
             -1.5e9,
             123.456,
             1e-4,
@@ -77,8 +81,8 @@ mod tests {
         ];
         let written = [
             "999999.5",
-            "1e6",
-            "1.000001e6",
+            "8076432",
+            "1e9",
             "-1.5e9",
             "123.456",
             "0.0001",

@@ -50,7 +50,7 @@ fn value_that_an_error_offers_is_accepted() {
 fn what_adding_refuses_is_computed_by_monte_carlo() {
     let server = Server::start();
     let rough = server.get("/api/v1/examples/rough-glass").json()["scenario"].as_str().unwrap().to_owned();
-    let coarse = [("display.layers.0.alpha", json!(0.01)), ("solver.relative_error", json!(0.05))];
+    let coarse = [("display.layers.0.alpha", json!(0.005)), ("solver.relative_error", json!(0.05))];
     let edits: Vec<Value> = coarse.iter().map(|(path, value)| set(path, value)[0].clone()).collect();
     let refused = server.post("/live", &json!({ "scenario": rough, "edits": edits }));
     assert_eq!(refused.status, 422);

@@ -279,7 +279,8 @@ fn rounded_energies_are_the_wavelengths_that_were_meant() {
             let rows: Vec<String> = nm
                 .iter()
                 .map(|nm| {
-                    let value: f64 = format!("{:.*e}", digits - 1, constant / nm).parse().unwrap();
+                    // With its exponent, which alone states how many digits of 2.632e4 count.
+                    let value = format!("{:.*e}", digits - 1, constant / nm);
                     format!("{value},{},0.001", 2.0 + 1e5 / nm / nm)
                 })
                 .collect();

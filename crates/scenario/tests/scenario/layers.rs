@@ -183,7 +183,7 @@ const WRONG: &[Case] = &[
         (10, 40),
         &["from 1e-6 to 1e6 (optical thickness)"],
     ),
-    ("optical_thickness = 2", "optical_thickness = 2e6", (10, 40), &["2000000 is out of range"]),
+    ("optical_thickness = 2", "optical_thickness = 2e6", (10, 40), &["2e6 is out of range"]),
     ("optical_thickness = 2", "optical_thickness = 0", (10, 40), &["0 is out of range"]),
     ("anisotropy = 0.8", "anisotropy = 1", (10, 56), &["from -0.99 to 0.99"]),
     ("anisotropy = 0.8", "anisotropy = -1", (10, 56), &["from -0.99 to 0.99"]),

@@ -57,7 +57,7 @@ fn csv(phi_i: f64, phis: &[f64]) -> String {
 }
 
 fn steps(from: i32, to: i32) -> Vec<f64> {
-    (from..=to).step_by(15).map(f64::from).collect()
+    (from..=to).step_by(5).map(f64::from).collect()
 }
 
 /// Returns the totals of a file at each incidence.
@@ -73,7 +73,7 @@ fn assert_totals(text: &str, what: &str) {
     let incidences: Vec<f64> = found.iter().map(|(theta, _)| *theta).collect();
     assert_eq!(incidences, [0.0, 20.0, 40.0, 60.0], "{what}");
     for (theta, total) in found {
-        // Interpolation between azimuths that are 15 deg apart.
+        // Interpolation between azimuths that are 5 deg apart: 0.076 at 60 deg, where the lobe is 0.1 wide.
         let expected = integral(theta);
         assert!((total / expected - 1.0).abs() < 0.02, "{what}, {theta} deg: {total} {expected}");
     }
@@ -93,7 +93,7 @@ fn half_circle_on_any_side_has_the_light_of_the_whole_one() {
         (90.0, -90, 90),
         (90.0, 90, 270),
         (45.0, 45, 225),
-        (180.0, 0, 345),
+        (180.0, 0, 355),
         (30.0, 0, 360),
         (180.0, -180, 180),
         (0.0, 0, 210),

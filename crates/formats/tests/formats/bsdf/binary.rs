@@ -128,14 +128,14 @@ fn loss_of_information_is_reported() {
     assert_eq!(csv.unwrap_err().to_string(), "CSV cannot hold a warped grid");
 }
 
-/// Cells of the file are [theta_i][theta_o][dphi][wavelength]. Light from 10 deg and a viewer at 20 deg, 10 deg of azimuth apart,
+/// Cells of the file are [theta_i][theta_o][dphi][wavelength]. Light from 10 deg and a viewer at 20 deg, 180 deg of azimuth apart,
 /// are the last cell.
 #[test]
 fn bsdf_of_a_display_is_read_as_its_first_state() {
     let read = read_bsdf(&file(samples::display())).unwrap();
     let part = &read.value.parts[0];
     assert_eq!(part.channels, [Channel::Wavelength(500.0), Channel::Wavelength(600.0)]);
-    let (light, viewer) = (Direction::new(10.0, 70.0), Direction::new(20.0, 60.0));
+    let (light, viewer) = (Direction::new(10.0, 70.0), Direction::new(20.0, 250.0));
     assert_eq!((part.evaluate(0, light, viewer), part.evaluate(1, light, viewer)), (Some(22.0), Some(23.0)));
     assert_eq!(part.evaluate(0, Direction::new(10.0, 0.0), Direction::new(0.0, 0.0)), Some(12.0));
     assert_eq!(read.value.provenance.sample, "panel (white)");

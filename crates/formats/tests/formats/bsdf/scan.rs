@@ -146,7 +146,8 @@ fn fred_list_is_a_grid_about_the_light() {
     let part = &list.measurement.parts[0];
     let Geometry::Spherical(grid) = &part.geometry else { panic!("{:?}", part.geometry) };
     assert_eq!((&grid.theta_i_deg[..], &grid.phi_i_deg[..]), (&[0.0, 30.0][..], &[180.0][..]));
-    assert_eq!((&grid.theta_o_deg[..], &grid.phi_o_deg[..]), (&[0.0, 30.0][..], &[0.0, 90.0, 180.0][..]));
+    // The half circle from 0 to 180 deg, mirrored to the side that begins at the light.
+    assert_eq!((&grid.theta_o_deg[..], &grid.phi_o_deg[..]), (&[0.0, 30.0][..], &[180.0, 270.0, 360.0][..]));
     // Scaled by 2; light from (30, 180) has its specular direction at (30, 0).
     let light = Direction::new(30.0, 180.0);
     assert_eq!(part.evaluate(0, light, light.specular()), Some(18.0));
