@@ -45,20 +45,20 @@ fn value_that_an_error_offers_is_accepted() {
     }
 }
 
-/// Adding refuses a nearly smooth interface; the Monte Carlo solver computes it, without a comparison.
+/// Adding refuses a very narrow lobe among layers; the Monte Carlo solver computes it, without a comparison.
 #[test]
 fn what_adding_refuses_is_computed_by_monte_carlo() {
     let server = Server::start();
-    let rough = server.get("/api/v1/examples/rough-glass").json()["scenario"].as_str().unwrap().to_owned();
-    let coarse = [("display.layers.0.alpha", json!(0.005)), ("solver.relative_error", json!(0.05))];
+    let narrow = server.get("/api/v1/examples/two-diffusers").json()["scenario"].as_str().unwrap().to_owned();
+    let coarse = [("display.layers.0.width", json!(0.002)), ("solver.relative_error", json!(0.05))];
     let edits: Vec<Value> = coarse.iter().map(|(path, value)| set(path, value)[0].clone()).collect();
-    let refused = server.post("/live", &json!({ "scenario": rough, "edits": edits }));
+    let refused = server.post("/live", &json!({ "scenario": narrow, "edits": edits }));
     assert_eq!(refused.status, 422);
     assert_eq!(refused.json()["errors"][0]["monte_carlo"], true);
     let scenario = refused.json()["scenario"].clone();
     let (_, name, done) = events(&server.post("/walk", &json!({ "scenario": scenario })).body);
     assert_eq!(name, "done", "{done}");
-    assert_eq!(done["fields"]["display"]["layers"][0]["alpha"], 0.01);
+    assert_eq!(done["fields"]["display"]["layers"][0]["width"], 0.002);
     assert!(done["states"][0]["Y"].as_f64().unwrap() > 0.0 && done["states"][0]["live_Y"].is_null());
     assert_eq!(done["result"]["solver"]["method"], "monte-carlo");
     // Other errors are not for Monte Carlo.

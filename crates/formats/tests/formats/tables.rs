@@ -270,7 +270,7 @@ fn column_that_is_not_understood_is_refused_by_its_name() {
 fn rounded_energies_are_the_wavelengths_that_were_meant() {
     let nm: Vec<f64> = (38..=78).map(|k| 10.0 * f64::from(k)).collect();
     for (name, constant) in [
-        ("Energy (eV)", 1239.841_984),
+        ("Energy (eV)", 1_239.841_984),
         ("Energy (eV)", 1239.84),
         ("frequency/THz", 299_792.458),
         ("cm-1", 1e7),
@@ -297,7 +297,7 @@ fn rounded_energies_are_the_wavelengths_that_were_meant() {
     // Energies in steps of 0.05 eV are what they are.
     let rows: Vec<String> = (30..70).map(|k| format!("{:.2},1.5", 0.05 * f64::from(k))).collect();
     let read = read_index(&file(format!("Energy (eV),n\n{}\n", rows.join("\n")))).unwrap();
-    assert!((read.range_nm().0 - 1239.841_984 / 3.45).abs() < 1e-4, "{:?}", read.range_nm());
+    assert!((read.range_nm().0 - 1_239.841_984 / 3.45).abs() < 1e-4, "{:?}", read.range_nm());
 }
 
 /// A unit that is written is not asked for: the message lists those that are accepted.

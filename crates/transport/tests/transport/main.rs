@@ -1,6 +1,7 @@
 //! Both solvers against closed forms, published tables, laws and each other.
 
 #![allow(
+    clippy::panic,
     clippy::print_stdout,
     clippy::unwrap_used,
     reason = "helpers of tests, too, say what they expect by unwrapping"
