@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use num_complex::Complex64;
-use papilio_diagnostics::{Diagnostic, Warned};
+use papilio_diagnostics::{Diagnostic, Warned, number};
 use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_fractions_with_notes, read_index_within};
 use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_info};
 
@@ -195,7 +195,7 @@ impl Resolver<'_> {
         if let Some(i) = index.iter().position(|index| !is_film(index)) {
             let Complex64 { re: n, im: k } = index[i];
             let nm = self.grid.wavelength_nm(i);
-            let wrong = Diagnostic::new(format!("the refractive index is {n} + {k}i at {nm} nm"));
+            let wrong = Diagnostic::new(format!("the refractive index is {n} + {}i at {nm} nm", number(k)));
             self.err(spec, wrong.expected("n and k up to 1000, and |n + ik| of at least 0.001"));
             return None;
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, number};
 use papilio_display::THICKEST_FOR_MONTE_CARLO;
 use papilio_display::scene::{
     Coating, Distribution, FilmLayer, Interface, Layer, Length, Medium, Ready, Scattering, Thickness,
@@ -34,7 +34,7 @@ const NM_PER_MM: f64 = 1e6;
 /// Error: the index is not that of a transparent medium.
 fn not_transparent(index: Complex64, nm: f64, largest_k: f64) -> Diagnostic {
     let Complex64 { re: n, im: k } = index;
-    let wrong = Diagnostic::new(format!("the refractive index is {n} + {k}i at {nm} nm"));
+    let wrong = Diagnostic::new(format!("the refractive index is {n} + {}i at {nm} nm", number(k)));
     let wrong = match k <= largest_k {
         true => wrong.expected("n from 1 to 10"),
         false => wrong.expected(format!("n from 1 to 10 and k below {largest_k:e}")),
