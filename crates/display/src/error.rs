@@ -82,6 +82,12 @@ pub enum DisplayError {
         /// Its key.
         key: &'static str,
     },
+    /// Light that is not refracted, which has no places in the layers.
+    #[error(
+        "light that is not refracted has no places in the layers (expected `solver.approximation` = \"none\", and `solver.angle_medium` = \"air\" \
+         or \"glass\")"
+    )]
+    NoRefraction,
     /// A walk with places that cannot be prepared.
     #[error(transparent)]
     Places(papilio_transport::walk::places::PlaceError),
@@ -122,7 +128,7 @@ pub enum DisplayError {
         /// Its key.
         key: String,
     },
-    /// A length that is not that of a layer.
+    /// A length that is too small for places of light.
     #[error(
         "a length of {length_mm:e} mm above the pixels is too small for the places of light (expected 0 or at least {least_mm:e} mm; see \
          `display.glass.thickness_mm` and the other lengths of the layers)"
@@ -238,8 +244,7 @@ pub enum DisplayError {
     /// A scatterer whose lobe is too narrow for adding to resolve within general layers.
     #[error(
         "{what} (scatterer {number} from the top) is too narrow for adding within these layers: \
-         it would need {nodes} directions; time grows with the cube of their number and more, and more than {most} take many minutes and \
-         gigabytes; use the Monte Carlo solver \
+         it needs {nodes} directions, and adding computes at most {most} (its work grows faster than their cube); use the Monte Carlo solver \
          (--solver monte-carlo, or method = \"monte-carlo\")"
     )]
     TooNarrow {

@@ -16,7 +16,7 @@ use papilio_transport::{
 
 use crate::DisplayError;
 use crate::run::Control;
-use crate::scene::{AngleMedium, Approximation, Filter, Matrix};
+use crate::scene::{Approximation, Filter, Matrix};
 use crate::setup::{Setup, ViewPoint};
 use crate::spatial::Refused;
 
@@ -83,6 +83,7 @@ impl<'a> Filtered<'a> {
         let scene = &setup.scene;
         let Some(matrix) = &scene.display.matrix else { return Ok(None) };
         let Some(filter) = &matrix.filter else { return Ok(None) };
+        setup.refracts()?;
         let Stack::Panel(panel) = &setup.stack else { return Err(Refused::FilterBelowLayers.into()) };
         let Reflector::Lambertian(rho) = &panel.base.reflector else {
             return Err(Refused::FilterAboveMirrors.into());
@@ -95,7 +96,6 @@ impl<'a> Filtered<'a> {
             (!front.is_constant(), Refused::FilterBelowColouredFront),
             (!panel.medium.index().is_constant(), Refused::FilterInDispersion),
             (scene.solver.approximation != Approximation::None, Refused::FilterInSinglePass),
-            (scene.solver.angle_medium == AngleMedium::Unrefracted, Refused::FilterWithoutRefraction),
             (
                 is_diffused && setup.sources.iter().any(is_field),
                 Refused::FilterBelowLobeInField { environment: !scene.lighting.environment.is_empty() },

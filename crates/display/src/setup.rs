@@ -385,9 +385,7 @@ impl Setup {
     /// With angles that are the same in all media.
     pub(crate) fn refracts(&self) -> Result<(), DisplayError> {
         match self.scene.solver.angle_medium {
-            AngleMedium::Unrefracted => {
-                Err(DisplayError::NoPlaces { what: "angles without refraction", key: "solver.angle_medium" })
-            }
+            AngleMedium::Unrefracted => Err(DisplayError::NoRefraction),
             AngleMedium::Air | AngleMedium::Glass => Ok(()),
         }
     }

@@ -441,8 +441,7 @@ impl Problem {
             Self::Micrometres => Diagnostic::new("the wavelengths are probably in micrometres or in eV")
                 .expected("wavelengths in nm")
                 .hint(
-                    "the header must state the unit of the values: `wavelength_um` or `energy_eV`, instead of none or nm; or multiply um by \
-                     1000",
+                    "state the unit in the header (`wavelength_um`, `energy_eV`), or convert the values to nm",
                 ),
             Self::OutOfOrder { nm, before } => {
                 Diagnostic::new(format!("wavelength {nm} nm is out of order after {before} nm"))

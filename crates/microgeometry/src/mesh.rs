@@ -18,7 +18,7 @@ use crate::ray::{Face, Met, Ray, Side, dot, moved, normalised};
 /// Distance, relative to the larger period, within which corners are one: numbers of STL files have 24 bits.
 const SAME: f64 = 1e-6;
 
-/// Periods whose squares and smallest parts are numbers with all their digits, um.
+/// Range of periods, um, whose squares and smallest parts are normal numbers.
 const PERIODS_UM: RangeInclusive<f64> = 1e-60..=1e60;
 
 /// Largest ratio of the periods along x and y: corners within [`SAME`] of the larger one are the same place.

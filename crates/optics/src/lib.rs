@@ -43,6 +43,7 @@ pub mod film;
 pub mod interface;
 pub mod lobe;
 pub mod phase;
+pub mod quadrature;
 mod random_face;
 pub mod rough;
 pub mod saunderson;

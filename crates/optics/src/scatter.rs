@@ -20,7 +20,6 @@
 
 mod albedos;
 mod axis;
-mod gauss;
 mod proposal;
 mod rings;
 mod smooth;

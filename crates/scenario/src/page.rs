@@ -13,7 +13,7 @@ const BEGIN: &str = "<!-- keys: ";
 const END: &str = "<!-- end -->";
 /// Between the name of a table and that of another whose rows it does not repeat.
 const WITHOUT: &str = " without ";
-/// Longer and shorter words of the column `value`; a page is read, a message is not looked up.
+/// Long phrases of messages, and the short ones of the column `value` in the tables.
 const BRIEF: [(&str, &str); 14] = [
     (
         "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such",

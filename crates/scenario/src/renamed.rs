@@ -59,6 +59,9 @@ pub(crate) const RENAMED: &[Renamed] = &[
     Key { tables: &["optimize.variables.*"], old: "against", new: "compensated_by" },
 ];
 
+/// Keys that exist no more: table, key, and the key that has taken over. Their only value was 0, which is ignored with a note.
+const GONE: &[(&str, &str, &str)] = &[("display.matrix", "spread_um", "display.pixel.spread_um")];
+
 const DIFFUSERS: &[&str] = &["display.diffuser", "display.layers.*"];
 
 const TAILS: &[&str] = &[
@@ -93,6 +96,8 @@ pub(crate) struct OldName {
     /// The old name as it is written in TOML.
     pub(crate) old: String,
     pub(crate) new: String,
+    /// Whether the key exists no more.
+    pub(crate) is_gone: bool,
 }
 
 /// Returns one note for each old name.
@@ -109,6 +114,9 @@ pub(crate) fn notes(old: &[OldName]) -> Vec<String> {
 impl OldName {
     /// Note for the user.
     fn note(&self) -> String {
+        if self.is_gone {
+            return format!("`{}` exists no more: its value 0 is ignored; see `{}`", self.old, self.new);
+        }
         format!(
             "`{}` is the old name of `{}`; it is still accepted, and `papilio migrate` replaces it",
             self.old, self.new
@@ -168,7 +176,10 @@ pub(crate) fn table() -> String {
     });
     // The old names come first: who looks for one finds it in the first column, and so does the search of the site.
     let head = "| old | new | what |\n|---|---|---|\n".to_owned();
-    std::iter::once(head).chain(rows).collect()
+    let gone = GONE
+        .iter()
+        .map(|(table, key, new)| format!("| `{key}` = 0 | `{new}` | key of `{table}`, ignored |\n"));
+    std::iter::once(head).chain(rows).chain(gone).collect()
 }
 
 /// True if `path` matches one of the patterns, in which `*` is any single key.
@@ -185,7 +196,12 @@ pub(crate) fn rename(node: &mut Node, path: &[&str], found: &mut Vec<OldName>, e
     match &mut node.value {
         Value::Text(word) => {
             if let Some(new) = new_value(path, word) {
-                found.push(OldName { origin: node.origin, old: format!("\"{word}\""), new: new.written() });
+                found.push(OldName {
+                    origin: node.origin,
+                    old: format!("\"{word}\""),
+                    new: new.written(),
+                    is_gone: false,
+                });
                 node.value = new.value();
             }
         }
@@ -200,14 +216,33 @@ pub(crate) fn rename(node: &mut Node, path: &[&str], found: &mut Vec<OldName>, e
                     errors.push(entries[i].key_origin, mistake::both_names(&entries[i].key, new));
                 }
                 let old = std::mem::replace(&mut entries[i].key, new.to_owned());
-                found.push(OldName { origin: entries[i].key_origin, old, new: new.to_owned() });
+                found.push(OldName {
+                    origin: entries[i].key_origin,
+                    old,
+                    new: new.to_owned(),
+                    is_gone: false,
+                });
             }
+            entries.retain(|entry| {
+                let gone = gone(path, &entry.key, &entry.node.value, entry.key_origin);
+                let stays = gone.is_none();
+                found.extend(gone);
+                stays
+            });
             for Entry { key, node, .. } in entries {
                 rename(node, &[path, &[&**key]].concat(), found, errors);
             }
         }
         _ => {}
     }
+}
+
+/// Returns a note if the key `key` of the table at `table` exists no more and has its only value, with which it is ignored.
+pub(crate) fn gone(table: &[&str], key: &str, value: &Value, origin: Origin) -> Option<OldName> {
+    let is_zero = matches!(value, Value::Integer(0) | Value::Float(0.0));
+    let (table, key, new) =
+        GONE.iter().find(|(of, gone, _)| is_zero && *gone == key && is_any_of(table, &[of]))?;
+    Some(OldName { origin, old: format!("{table}.{key}"), new: (*new).to_owned(), is_gone: true })
 }
 
 /// Returns the changes that convert the text of a scenario to present names, from the last to the first.
@@ -218,6 +253,8 @@ pub(crate) fn changes(text: &str, root: &Node, errors: &mut Errors) -> Vec<(Rang
     found.extend(in_studies(&renamed));
     found.sort_by_key(|name| std::cmp::Reverse(name.origin));
     found.dedup();
+    // These stay in the text: what to remove with them, a line or an item of a list, is the user's decision.
+    found.retain(|name| !name.is_gone);
     let place = |name: OldName| (name.origin.start.min(text.len())..name.origin.end.min(text.len()), name);
     found.into_iter().map(place).collect()
 }
@@ -236,7 +273,7 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
             let path = KeyPath::new(text);
             if path.old_names().next().is_some() {
                 let (old, new) = (format!("\"{text}\""), format!("\"{}\"", path.present()));
-                found.push(OldName { origin: node.origin, old, new });
+                found.push(OldName { origin: node.origin, old, new, is_gone: false });
             }
         }
         Value::Array(items) => {
@@ -288,7 +325,7 @@ fn of_change(entry: &Entry, above: &[&str], is_swept: bool, found: &mut Vec<OldN
     if path.old_names().next().is_some() {
         let written = |name: &str| if name.contains('.') { format!("\"{name}\"") } else { name.to_owned() };
         let (old, new) = (written(&entry.key), written(&keys[above.len()..].join(".")));
-        found.push(OldName { origin: entry.key_origin, old, new });
+        found.push(OldName { origin: entry.key_origin, old, new, is_gone: false });
     }
     let mut none = Errors::default();
     match &entry.node.value {

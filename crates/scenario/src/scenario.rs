@@ -289,10 +289,14 @@ impl Resolved {
             }
             DisplayError::PlacesNotComputed { what, key } => {
                 let wrong = Diagnostic::new(format!("the places of light are not computed yet for {what}"));
-                let wrong = if key.ends_with("spread_um") {
+                let wrong = if key.ends_with("approximation") {
+                    wrong
+                        .expected("approximation = \"none\"")
+                        .hint("remove it: the filter is solved through all orders")
+                } else if key.ends_with("spread_um") {
                     wrong.expected("0 um").hint(
                         "remove `spread_um`: `papilio mtf` and `papilio crosstalk` compute it below flat faces, and by Monte Carlo below any \
-                         layers; `papilio image` below a flat face",
+                         layers (`papilio crosstalk` without colour filter); `papilio image` below a flat face",
                     )
                 } else if key.ends_with("samples_per_pixel") {
                     wrong
@@ -311,7 +315,7 @@ impl Resolved {
                     thickness_mm / pitch_mm,
                     1e3 * pitch_mm
                 ))
-                .expected(format!("at most {most} times, over which crosstalk is computed"))
+                .expected(format!("at most {most} times, over which crosstalk and pictures are computed"))
                 .hint("`pitch_um` is in um, `thickness_mm` in mm; `papilio crosstalk --solver monte-carlo` computes any thickness");
                 ("display.matrix", wrong.into())
             }
@@ -328,6 +332,15 @@ impl Resolved {
                     Diagnostic::new(format!("the Monte Carlo solver with places does not compute {what}"))
                         .hint("remove it, or use the solver \"adding\"");
                 (*key, wrong.into())
+            }
+            DisplayError::NoRefraction => {
+                let wrong = Diagnostic::new("light that is not refracted has no places in the layers")
+                    .expected("refraction: approximation = \"none\", and angle_medium = \"air\" or \"glass\"")
+                    .hint("remove \"unrefracted\" from [solver]; `papilio run` without a colour filter computes it");
+                let is_here =
+                    |key: &&str| self.written.root.at(key).is_some_and(|node| node.is_text("unrefracted"));
+                let keys = ["solver.approximation", "solver.angle_medium"];
+                (keys.into_iter().find(is_here).unwrap_or("solver"), wrong.into())
             }
             DisplayError::OneView { what, views } => {
                 let wrong =

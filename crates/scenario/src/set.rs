@@ -12,7 +12,7 @@ use crate::here::relocate;
 use crate::mistake;
 use crate::origin::Origin;
 use crate::path::{Grow, KeyPath, Position, Step};
-use crate::renamed::{OldName, rename};
+use crate::renamed::{self, OldName, rename};
 use crate::source::Sources;
 use crate::tree::{Entry, Node, Value};
 
@@ -159,9 +159,20 @@ fn put(
     errors: &mut Errors,
 ) {
     for (range, name, new) in path.old_names() {
-        old.push(OldName { origin: place.of(range), old: name.to_owned(), new: new.to_owned() });
+        old.push(OldName {
+            origin: place.of(range),
+            old: name.to_owned(),
+            new: new.to_owned(),
+            is_gone: false,
+        });
     }
-    rename(&mut value, &path.keys().collect::<Vec<_>>(), old, errors);
+    let keys: Vec<&str> = path.keys().collect();
+    if let Some((key, table)) = keys.split_last()
+        && let Some(gone) = renamed::gone(table, key, &value.value, place.path)
+    {
+        return old.push(gone);
+    }
+    rename(&mut value, &keys, old, errors);
     match path.put(root, false, &mut NodeBuilder { place }) {
         Ok(node) => *node = value,
         Err(error) => errors.push(place.of(error.range), mistake::of_path(Diagnostic::new(error.message))),

@@ -130,6 +130,11 @@ impl Node {
         KeyPath::new(path).get(self)
     }
 
+    /// Returns whether it is this text.
+    pub(crate) fn is_text(&self, text: &str) -> bool {
+        matches!(&self.value, Value::Text(own) if own == text)
+    }
+
     /// Returns the place of the value at a path, or of the nearest table or array above it.
     pub(crate) fn place_of(&self, path: &str) -> Origin {
         let there = KeyPath::new(path).prefixes().map_while(|path| path.get(self)).last();

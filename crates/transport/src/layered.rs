@@ -102,7 +102,7 @@ impl Stack {
         }
     }
 
-    /// The pixel, to be changed for another that scatters or not as this one.
+    /// Returns the pixel for modification; whether it scatters must not change.
     pub fn base_mut(&mut self) -> &mut Base {
         match self {
             Self::Panel(panel) => &mut panel.base,

@@ -203,7 +203,7 @@ fn errors_over_seeds_of_random_scenarios_are_honest() {
         let (name, scene) = random(*number)?;
         let measured = measured(&name, scene, sized(64, 1024)).ok()?;
         println!("{}", measured.row());
-        if !measured.faults(MOST_OVER_ROOT_OF_RANDOM).is_empty() || std::env::var_os("SHOWTEXT").is_some() {
+        if !measured.faults(MOST_OVER_ROOT_OF_RANDOM).is_empty() {
             println!("{}", drawn(*number).text);
         }
         Some(measured)

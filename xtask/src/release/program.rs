@@ -95,6 +95,10 @@ fn stage(program: &Path, staged: &Path) -> Outcome {
         let file = shell::root().join(name);
         copy(&file, &staged.join(Path::new(name).file_name().unwrap_or_default()))?;
     }
+    // Its links start from `release/` in the repository, and from the root here.
+    let licences = staged.join("THIRD-PARTY.md");
+    let text = fs::read_to_string(&licences).map_err(failure)?;
+    fs::write(&licences, text.replace("](../", "](")).map_err(failure)?;
     // Of the package with the examples, not of the examples.
     for name in ["lib.rs", "README.md"] {
         fs::remove_file(staged.join("scenarios").join(name)).map_err(failure)?;

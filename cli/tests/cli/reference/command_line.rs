@@ -16,28 +16,40 @@ const FILES: [(&str, &str); 6] = [
     ("reader.toml", "rm -f reader.toml"),
 ];
 
-/// Describes all commands. Arguments and options of several commands are described once.
+/// Describes all commands. Arguments and options that have the same meaning in all commands are described once.
 pub(super) fn reference(mut program: Command) -> String {
     program.build();
     let mut text = String::new();
     let all = commands(&program, "papilio");
-    let links = all.iter().filter(|(_, command)| !command.has_subcommands() || has_arguments(command));
-    let links = links
-        .map(|(name, _)| format!("[{}](#{})", name.trim_start_matches("papilio "), name.replace(' ', "-")));
-    let _ = writeln!(text, "Commands: {}.", links.collect::<Vec<_>>().join(", "));
+    text += "| command | purpose |\n|---|---|\n";
+    for (name, command) in
+        all.iter().filter(|(_, command)| !command.has_subcommands() || has_arguments(command))
+    {
+        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "| [`{name}`](#{}) | {} |",
+            name.replace(' ', "-"),
+            cell(about.trim_end_matches('.'))
+        );
+    }
     let own = |command: &Command| -> Vec<Row> {
         let shown = command.get_arguments().filter(|option| is_shown(option) && !option.is_global_set());
         shown.map(row).collect()
     };
     let every: Vec<Vec<Row>> = all.iter().map(|(_, command)| own(command)).collect();
-    let is_common = |row: &Row| every.iter().filter(|rows| rows.contains(row)).count() >= 2;
+    let is_common = |row: &Row| {
+        let of_this_name = every.iter().flatten().filter(|(name, _)| *name == row.0);
+        let meanings: Vec<&String> = of_this_name.map(|(_, meaning)| meaning).collect();
+        meanings.len() >= 2 && meanings.iter().all(|meaning| **meaning == row.1)
+    };
     let mut common: Vec<&Row> = Vec::new();
     for row in every.iter().flatten().filter(|row| is_common(row)) {
         if !common.contains(&row) {
             common.push(row);
         }
     }
-    text += "\n## Common options\n\nEvery command has `--quiet`; the others are listed with each command that has them.\n\n";
+    text += "\n## Common options\n\nThese have the same meaning in every command that has them. Every command has `--quiet`.\n\n";
     let global = program.get_arguments().filter(|option| is_shown(option)).map(row).collect::<Vec<_>>();
     text += &table("argument", global.iter().chain(common));
     text += &after_help(&program);

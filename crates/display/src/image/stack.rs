@@ -249,7 +249,7 @@ fn add(sums: &mut Vec<[f32; 3]>, weight: f32, part: &[[f32; 3]]) {
     }
 }
 
-/// Checks that the picture of pixels inside which light spreads is computed.
+/// Refuses pictures of pixels with spread where it is not computed.
 fn can_spread(scene: &Scene) -> Result<(), DisplayError> {
     let display = &scene.display;
     if display.pixel_spread().is_none() {
@@ -271,7 +271,7 @@ fn can_spread(scene: &Scene) -> Result<(), DisplayError> {
     Ok(())
 }
 
-/// Whether pixels are Lambertian, and below a face that returns light or such that light spreads inside them.
+/// Returns whether pixels are Lambertian and a face returns light to them, or light spreads inside them.
 fn is_paper(scene: &Scene) -> bool {
     let is_paper =
         matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);

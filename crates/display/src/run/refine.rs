@@ -141,7 +141,7 @@ pub(crate) fn refine<T>(
     }
 }
 
-/// The same for levels that may fail.
+/// Refines as [`refine`] does, for levels that may fail.
 ///
 /// # Errors
 /// Those of a level; `Interrupted` if stopped before two levels were computed.

@@ -1,4 +1,4 @@
-//! Rounds of paths until a target is met, for computations that trace all paths of a round anew.
+//! Rounds of paths until a target is met, for computations that trace all paths of a round again.
 //!
 //! The first round is a pilot: from its error follows the number of paths that the target needs. A further round follows as long as
 //! the target is not met, or the results of the last two contradict each other ([`Confidence`]).

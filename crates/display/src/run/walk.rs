@@ -93,7 +93,7 @@ impl Confidence {
         Self { least, is_random: rarest < 1.0, before: Vec::new(), confirmed: false }
     }
 
-    /// Of rounds that trace all paths anew: two must agree.
+    /// Confidence for rounds that trace all paths again: two successive rounds must agree.
     pub(super) fn of_two_rounds() -> Self {
         Self { least: 0, is_random: true, before: Vec::new(), confirmed: false }
     }

@@ -35,7 +35,8 @@ pub struct Matrix {
     pub filter: Option<Filter>,
 }
 
-/// Least length that is not 0, mm: far below the size of an atom. Light leaves where it came, and the scales of a result span too many decades.
+/// Smallest length other than 0, mm, far below the size of an atom. Below it light leaves where it came, and the results span more decades than
+/// a table shows.
 const LEAST_MM: f64 = 1e-12;
 
 /// Largest thickness of the layers above the pixels, over the pitch, with which crosstalk is computed: beyond, light of a sub-pixel spreads over
@@ -108,7 +109,7 @@ impl Display {
             Length::Mm(_) => None,
         };
         if let (Some(spread), true) = (self.pixel_spread(), self.returns_nothing()) {
-            // Below any thickness of a medium like air, places are those inside the pixels; their scale is that of the spread.
+            // A medium like air moves no light: places are those of the spread inside the pixels, whose scale is taken.
             let lengths =
                 (0..self.layers.len()).map(|number| self.length_mm(number).unwrap_or(spread.radius_mm()));
             return Ok(lengths.collect());

@@ -54,7 +54,11 @@ impl Blur {
         }
         let placed = match Placed::new(setup) {
             Ok(placed) => placed,
-            Err(DisplayError::NoPlaces { .. } | DisplayError::MissingLength { .. }) => return Ok(None),
+            Err(
+                DisplayError::NoPlaces { .. }
+                | DisplayError::NoRefraction
+                | DisplayError::MissingLength { .. },
+            ) => return Ok(None),
             Err(other) => return Err(other),
         };
         let (Some(view), pitch) = (setup.views.first(), matrix.pitch_mm) else { return Ok(None) };

@@ -220,7 +220,7 @@ impl<'a> Frame<'a> {
         let at = |level: usize, is_fine: bool| {
             self.measure(view, Level { digits: digits(level), most_per_mm, is_fine, finer: 0 })
         };
-        // Simpler estimates belong to the coarse one of two levels: further levels have one of their own.
+        // The coarse one of two levels uses simpler estimates: each further level has its own coarse one.
         let pair = |level: usize| {
             let coarse = (level > 1).then(|| at(level - 1, false)).transpose()?;
             Ok(Levelled { coarse, fine: at(level, level > 0)? })

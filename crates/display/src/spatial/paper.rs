@@ -9,7 +9,7 @@
 //! In an oblique view, light that has been reflected between face and front is seen from another place: a second image, with its own
 //! surroundings, shifted by twice the way through the air.
 //!
-//! Light that spreads inside the pixels ([`PixelSpread`]), with the transform P, makes of it `(1 + P)/2 (1 - rho A(0))/(1 - rho P A(f))`: half
+//! Light that spreads inside the pixels ([`PixelSpread`]), with the transform P, has the transfer `(1 + P)/2 (1 - rho A(0))/(1 - rho P A(f))`: half
 //! of the light is sharp, the other half has the point spread of the pixel.
 //!
 //! Places come from frequencies by Fourier and Hankel series with a period of [`PERIOD`] thicknesses.
@@ -35,7 +35,7 @@ const PERIOD: f64 = 400.0;
 /// Highest frequency of the series times the thickness. |A| decreases to 1e-5 there.
 const HIGHEST: f64 = 16.0;
 
-/// Light that a lobe leaves of the series is neglected below this fraction.
+/// Below this fraction, what a lobe leaves of the series is neglected.
 const FAINTEST: f64 = 1e-5;
 
 /// Most frequencies of the series: glass much thinner than the air below a front returns light to the same place.
@@ -133,7 +133,7 @@ pub(super) fn response(
             sum(&shades, returned, orders(spread, k as f64 * step_per_mm))
         };
         let all: Vec<Vec<f64>> = returned.iter().enumerate().map(all).collect();
-        // Without what is not returned to the pixel, which is known by place.
+        // What returns to the pixel; the rest of the light is known by place.
         let direct = |k: usize| spread.map_or(1.0, |spread| spread.of_state(k as f64 * step_per_mm));
         let rest = |state: usize| {
             all.iter().enumerate().map(|(k, one)| one[state] - direct(k) * alone[state]).collect()
@@ -189,7 +189,7 @@ impl Lobe {
         spread
     }
 
-    /// Light of equal cells about the one that is seen, from the place with the lowest number on: fractions of all.
+    /// Fractions of the light in equal cells around the cell that is seen, in ascending order of place.
     fn along(&self, axis: usize, cell_mm: f64, count: usize) -> Vec<f64> {
         let edges: Vec<f64> = (1..count).map(|k| (k as f64 - 0.5 * count as f64) * cell_mm).collect();
         let brightest = self.brightest();

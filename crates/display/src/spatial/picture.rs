@@ -36,7 +36,7 @@ pub struct PictureColours {
 /// Columns and rows of the part of which the error is computed.
 const PART: usize = 128;
 
-/// Most cells of a picture that has fewer pixels.
+/// Largest number of cells, unless the picture has more pixels.
 const MOST_CELLS: usize = 1 << 23;
 
 /// Natural digits of light that a front returns.

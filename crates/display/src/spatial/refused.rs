@@ -1,4 +1,5 @@
-//! What adding does not compute of the places of light: one list, with the reason of each. Monte Carlo with places computes all of it.
+//! What adding does not compute of the places of light: one list, with the reason of each. Monte Carlo with places computes all of it
+//! but approximations.
 
 use papilio_transport::adding::NotCovered;
 use papilio_transport::spatial::SpreadError;
@@ -19,26 +20,24 @@ pub(crate) enum Refused {
     Fronts(SpreadError),
     /// A ghost of one sub-pixel lies on another: the reflectance of the pixel's mean is not enough.
     SubPixelsBelowFaces,
-    /// Light that a lobe blurs has left the pixels at places that spread again.
+    /// Light that has spread inside the pixels is blurred by the lobe; the product of both is not computed.
     SpreadBelowLobe,
-    /// The same in the plane of a filter.
+    /// The same with a colour filter instead of the lobe.
     SpreadBelowFilter,
     /// The response of a display with a filter is not the same at all places of a period.
     SharpnessWithFilter,
     /// Places of light in the plane of the filter are those of an ordinary panel of Lambertian pixels.
     FilterBelowLayers,
-    /// The same.
+    /// As `FilterBelowLayers`.
     FilterAboveMirrors,
     /// Light that a front returns through a lobe has no single place in the plane of the filter.
     FilterBelowLobeAndFront,
     /// All wavelengths have the same places, and the same return.
     FilterBelowColouredFront,
-    /// The same.
+    /// As `FilterBelowColouredFront`.
     FilterInDispersion,
-    /// All orders are solved together.
+    /// A single pass has no orders, and the filter is solved through all of them. No solver computes it.
     FilterInSinglePass,
-    /// Light without refraction has no place.
-    FilterWithoutRefraction,
     /// Light of a sky or a map arrives through a lobe from too many directions.
     FilterBelowLobeInField {
         /// Whether the light is that of an environment, not of a front light.
@@ -86,8 +85,12 @@ impl From<Refused> for DisplayError {
             Refused::FilterInDispersion => {
                 ("a colour filter in glass with dispersion", "display.glass.index")
             }
-            Refused::FilterInSinglePass => ("a colour filter in a single pass", "solver.approximation"),
-            Refused::FilterWithoutRefraction => ("a colour filter without refraction", "solver.angle_medium"),
+            Refused::FilterInSinglePass => {
+                return Self::PlacesNotComputed {
+                    what: "a colour filter in a single pass".to_owned(),
+                    key: "solver.approximation".to_owned(),
+                };
+            }
             Refused::FilterBelowLobeInField { environment } => (
                 "a colour filter below a diffuser in this light",
                 if environment { "lighting.environment" } else { "lighting.front_light" },

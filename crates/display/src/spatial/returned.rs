@@ -122,7 +122,7 @@ fn later(lit: Lit<'_>, first: &LobeResponse, (once, orders): (&[f64], &[f64])) -
     Series { step_per_mm, sharp: vec![0.0; once.len()], rest, at_mm, inside: None }
 }
 
-/// Power of the blur of the first order that is left of light that returns later.
+/// Exponent of the first order's blur that gives the blur of light that returns later.
 fn power(lit: Lit<'_>, air_mm: f64) -> f64 {
     // Ways per direction cosine in the air and the glass: geometric means of those along and across the plane of view.
     let index = lit.panel.medium.index();
@@ -132,7 +132,7 @@ fn power(lit: Lit<'_>, air_mm: f64) -> f64 {
     5.0 + 4.0 * air / glass
 }
 
-/// Place about which it is: a mirror shifts light on its way to the front and back.
+/// Centre of this light: a mirror shifts light on its way to the front and back.
 fn place_mm(lit: Lit<'_>, air_mm: f64) -> [f64; 2] {
     let (beta, index) = (lit.view.field.axis_towards(), lit.panel.medium.index());
     let glass = displacement(beta, 2.0 * lit.thickness_mm(), index[index.len() / 2]);
@@ -141,7 +141,7 @@ fn place_mm(lit: Lit<'_>, air_mm: f64) -> [f64; 2] {
 }
 
 impl Returned {
-    /// Light of a figure on a page. `change`: of the light of the first order, by what is seen of one light; `own`: fraction of what returns
+    /// Light of a figure on a page. `change`: change of the first order's light, given one response; `own`: fraction of what returns
     /// that comes from the figure itself.
     fn figure(&self, [figure, page]: [usize; 2], change: impl Fn(&LobeResponse) -> f64, own: f64) -> f64 {
         let first = self.once[page] + change(&self.first);
@@ -149,7 +149,7 @@ impl Returned {
             Some((diffuse, y)) => (y[page] + change(diffuse), y),
             None => (first, &self.once),
         };
-        // What has returned before it meets the pixel at last, over light that meets it once from the same directions.
+        // Light that returned before its last meeting, relative to light that meets the pixel once from the same directions.
         let [figure, page] = [figure, page].map(|state| {
             if y[state] > 0.0 { self.once[state] * (self.orders[state] - 1.0) / y[state] } else { 0.0 }
         });

@@ -204,7 +204,7 @@ fn lobe_above_air_has_closed_forms() {
         resolved(&[&lobe, air, MATRIX, MIRROR, DIFFUSE, "[solver]\napproximation = \"unrefracted\"\n"]);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let error = mtf(&unrefracted.scene, &unrefracted.patterns, &control).unwrap_err();
-    assert!(matches!(error, DisplayError::NoPlaces { .. }), "{error}");
+    assert!(matches!(error, DisplayError::NoRefraction), "{error}");
 }
 
 /// Below glass that is much thinner than a pixel, recycled light returns to its own place: lines and strokes have the contrast of pages,

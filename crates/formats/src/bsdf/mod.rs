@@ -164,9 +164,9 @@ fn of_any_format(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile,
     }
     read.states_part |= part.is_some();
     let parts = std::mem::take(&mut read.measurement.parts).into_iter().map(MeasuredPart::on_one_side);
-    let uncovered = |PartOfCircle { from_deg, to_deg }| FormatError {
+    let uncovered = |PartOfCircle { from_deg, to_deg, in_one_plane }| FormatError {
         place: Place::whole(&file.name),
-        problem: BsdfProblem::PartOfCircle { from_deg, to_deg }.into(),
+        problem: BsdfProblem::PartOfCircle { from_deg, to_deg, in_one_plane }.into(),
     };
     read.measurement.parts = parts.collect::<Result<_, _>>().map_err(uncovered)?;
     Ok(read)

@@ -62,12 +62,14 @@ pub enum BsdfProblem {
         /// The previous value.
         before: f64,
     },
-    /// The azimuths of the scattered light cover neither half a circle nor a whole one.
+    /// The azimuths of the scattered light cover too little of a circle.
     PartOfCircle {
         /// The first azimuth from that of the light, degrees.
         from_deg: f64,
         /// The last azimuth from that of the light, degrees.
         to_deg: f64,
+        /// Whether the azimuths of the light lie in one plane of incidence.
+        in_one_plane: bool,
     },
     /// The measurement exceeds the limit of cells.
     TooManyCells {
@@ -125,7 +127,15 @@ impl BsdfProblem {
                 Diagnostic::new(format!("{what} {} is out of order after {}", number(*value), number(*before)))
                     .expected("ascending values")
             }
-            Self::PartOfCircle { from_deg, to_deg } => Diagnostic::new(format!(
+            Self::PartOfCircle { from_deg, to_deg, in_one_plane: false } => Diagnostic::new(format!(
+                "the azimuths of the scattered light reach from {} to {} deg from that of the first light, and the light comes from azimuths in \
+                 several planes of incidence",
+                number(*from_deg),
+                number(*to_deg)
+            ))
+            .expected("a whole circle (0 to 360 deg), which holds every side of every plane")
+            .hint("measure or add the other azimuths, or write a file for each plane of incidence"),
+            Self::PartOfCircle { from_deg, to_deg, .. } => Diagnostic::new(format!(
                 "the azimuths of the scattered light reach from {} to {} deg from that of the light: neither half a circle nor a whole one",
                 number(*from_deg),
                 number(*to_deg)

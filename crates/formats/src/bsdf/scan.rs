@@ -117,7 +117,7 @@ const MOST_COLUMNS: usize = 10;
 fn find(file: &DataFile, is_stated: bool) -> Result<Option<(Text<'_>, Layout, Range<usize>)>, FormatError> {
     let Some((text, table)) = table_of(file) else { return Ok(None) };
     let mut lines = Lines::new(text);
-    // A header with a fault, unless a sound one follows: then it was a title.
+    // A faulty header counts unless a valid one follows: then it was a title.
     let mut fault = None;
     for k in 0..FIRST_LINES {
         let Ok(Some(line)) = lines.next() else { break };
@@ -133,7 +133,7 @@ fn find(file: &DataFile, is_stated: bool) -> Result<Option<(Text<'_>, Layout, Ra
     fault.map_or(Ok(None), Err)
 }
 
-/// Returns whether a file is a scan, be it one with a mistake in its header.
+/// Returns whether a file is a scan, also one with a mistake in its header.
 pub(super) fn is_scan(file: &DataFile, is_stated: bool) -> bool {
     !matches!(find(file, is_stated), Ok(None))
 }

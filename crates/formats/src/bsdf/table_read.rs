@@ -187,7 +187,7 @@ pub(super) fn way_of_name(name: &str) -> Option<ScatterMode> {
     }
 }
 
-/// Returns a note on a column of values that are no BSDF in 1/sr by its name or its unit.
+/// Returns a note if the name or unit of a column is not that of a BSDF in 1/sr.
 pub(super) fn relative_note(name: &str) -> Option<String> {
     let column = table::ColumnName::new(name);
     let is_bsdf = column.is_one_of(BSDF.names, false) || matches!(column.unit, Some(Ok(Unit::PerSteradian)));

@@ -23,7 +23,7 @@ pub(crate) enum Unit {
     Density(f64),
     /// A spectral density per wavelength, whose scale has no meaning.
     PerWavelength,
-    /// Any quantity in a scale without a meaning.
+    /// Any quantity in an arbitrary scale.
     Relative,
     /// Counts of a detector.
     Counts,

@@ -317,7 +317,7 @@ fn refused_unit_lists_the_accepted_ones() {
     let (least, most) = read("frequency (Hz),n(lambda)", "6e14").unwrap();
     assert!((least - 499.654_097).abs() < 1e-5 && (most - 599.584_916).abs() < 1e-5, "{least} {most}");
     let error = read_index(&file("wavelength (nm),n\n0.38,1.5\n0.78,1.4\n")).unwrap_err().to_string();
-    assert!(error.contains("micrometres") && error.contains("instead of none or nm"), "{error}");
+    assert!(error.contains("micrometres") && error.contains("state the unit in the header"), "{error}");
 }
 
 /// X, Y, Z of white that have Y = 100 by their scale, as reflectances in per cent.

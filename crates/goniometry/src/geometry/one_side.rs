@@ -9,16 +9,19 @@ use crate::MeasuredPart;
 /// Azimuths that differ by less are the same, degrees: the rounding of radians with three decimals.
 const SAME_DEG: f64 = 0.03;
 
-/// Azimuths of the scattered light that cover neither half a circle nor a whole one.
+/// Azimuths of the scattered light that cover too little: neither half a circle nor a whole one, or, for light from azimuths outside one
+/// plane, no whole one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartOfCircle {
     /// The first azimuth from that of the light, degrees.
     pub from_deg: f64,
     /// The last azimuth from that of the light, degrees.
     pub to_deg: f64,
+    /// Whether the azimuths of the light lie in one plane of incidence.
+    pub in_one_plane: bool,
 }
 
-/// Azimuths in ascending order, each with the places on the axis of the file whose mean it has.
+/// Ascending azimuths, each with the places on the axis of the file over which it is averaged.
 type Azimuths = Vec<(f64, Vec<usize>)>;
 
 /// What an axis of azimuths covers.
@@ -75,7 +78,7 @@ fn of_spherical(grid: &SphericalGrid) -> Result<Option<Azimuths>, PartOfCircle> 
     let in_one_plane = grid.phi_i_deg.iter().all(|phi| within_half(2.0 * (phi - light)) < 2.0 * SAME_DEG);
     if mirrored.is_empty() || !in_one_plane {
         let ends = [relative.first(), relative.last()].map(|end| end.copied().unwrap_or(0.0));
-        return Err(PartOfCircle { from_deg: ends[0], to_deg: ends[1] });
+        return Err(PartOfCircle { from_deg: ends[0], to_deg: ends[1], in_one_plane });
     }
     let on_the_axis = |azimuth: f64| -> Vec<usize> {
         let is_here = |phi: f64| within_half(phi - azimuth) < SAME_DEG;

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use papilio_optics::Beta;
+use papilio_optics::quadrature::legendre;
 
 /// Largest distance: the contribution of larger ones is negligible, because products of two lobes fall as the
 /// sixth power.
@@ -87,24 +88,9 @@ impl Rule {
     }
 }
 
-/// Gauss-Legendre nodes and weights on 0 to 1, by Newton's method.
+/// Gauss-Legendre nodes and weights on 0 to 1.
 fn gauss(count: usize) -> Vec<[f64; 2]> {
-    let n = count as f64;
-    let node = |k: usize| {
-        let mut x = (PI * (k as f64 + 0.75) / (n + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..20 {
-            let (mut p, mut before) = (1.0, 0.0);
-            for order in 0..count {
-                let order = order as f64;
-                (p, before) = (((2.0 * order + 1.0) * x * p - order * before) / (order + 1.0), p);
-            }
-            slope = n * (x * p - before) / (x * x - 1.0);
-            x -= p / slope;
-        }
-        [0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope)]
-    };
-    (0..count).map(node).collect()
+    legendre(count, 0.0).into_iter().rev().map(|(x, weight)| [0.5 * (1.0 - x), 0.5 * weight]).collect()
 }
 
 #[cfg(test)]

@@ -12,18 +12,18 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::Side;
 use super::microfacets::{Microfacets, beyond, transmittance};
 use super::shadowing::beta_function;
+use crate::quadrature::legendre;
 
 /// Gauss rule after `x = sin^2(pi t/2)`: nodes and weights on [0, 1].
 pub(super) struct Rule(Vec<(f64, f64)>);
 
 impl Rule {
     pub(super) fn new(order: usize) -> Self {
-        let node = |k| {
-            let (x, weight) = legendre_node(order, k);
+        let node = |(x, weight): (f64, f64)| {
             let angle = 0.5 * FRAC_PI_2 * (1.0 + x);
             (angle.sin().powi(2), 0.5 * FRAC_PI_2 * weight * (2.0 * angle).sin())
         };
-        Self((0..order).map(node).collect())
+        Self(legendre(order, 0.0).into_iter().rev().map(node).collect())
     }
 
     /// Returns the integral over [from, to], divided where `cuts` lie within.
@@ -225,24 +225,6 @@ impl Across {
         let (up, down, over) = (1.0 + t, 1.0 - t, 2.0 - t);
         0.5 * up * over * (b * down + c * t) - t * down * (a * over + d * up) / 6.0
     }
-}
-
-/// Returns node and weight of the Gauss-Legendre rule of this order on [-1, 1].
-fn legendre_node(order: usize, k: usize) -> (f64, f64) {
-    let n = order as f64;
-    let mut x = (PI * (k as f64 + 0.75) / (n + 0.5)).cos();
-    let mut slope = 0.0;
-    // Newton's method from such an accurate estimate converges in four steps.
-    for _ in 0..6 {
-        let (mut previous, mut value) = (1.0, x);
-        for l in 2..=order {
-            let l = l as f64;
-            (previous, value) = (value, ((2.0 * l - 1.0) * x * value - (l - 1.0) * previous) / l);
-        }
-        slope = n * (x * value - previous) / (x * x - 1.0);
-        x -= value / slope;
-    }
-    (x, 2.0 / ((1.0 - x * x) * slope * slope))
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::axis::Axis;
-use super::gauss::gauss;
 use crate::Beta;
+use crate::quadrature::gauss;
 
 /// Integrals at nodes of `|beta|`, up to the last from which light is scattered.
 #[derive(Debug, Clone, PartialEq)]

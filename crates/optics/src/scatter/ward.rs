@@ -28,7 +28,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use papilio_sampling::warp;
 
 use super::albedos::four_points;
-use super::gauss::gauss;
+use crate::quadrature::gauss;
 use crate::scatterer::{Sample, Scatterer};
 use crate::{Beta, OpticsError};
 

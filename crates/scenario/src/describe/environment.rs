@@ -132,8 +132,8 @@ table! {
         spectrum: LightSpectrum,
         /// First and last elevation of the region above the horizon of the map.
         elevation_deg: Vec<Spanned<Latitude>> = vec![Spanned::without_span(Latitude(-90.0)), Spanned::without_span(Latitude(90.0))],
-        /// First and last azimuth of the region, counterclockwise from above; the centre of the map is at -90. The region rotates
-        /// with the map.
+        /// First and last azimuth of the region, counterclockwise from the display's x axis, seen from above; the centre of the map is
+        /// at -90. The region rotates with the map.
         azimuth_deg: Vec<Spanned<Azimuth>> = vec![Spanned::without_span(Azimuth(-180.0)), Spanned::without_span(Azimuth(180.0))],
     }
 }

@@ -48,7 +48,7 @@ number!(
     Index, Range::above_0_to(1000.0).unit("refractive index")
 );
 number!(
-    /// The refractive index of a medium below a face through which was measured.
+    /// The refractive index of the medium below a face through which a measurement was made.
     FaceIndex, Range::from_to(1.01, 4.0).unit("refractive index")
 );
 number!(

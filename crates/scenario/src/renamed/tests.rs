@@ -219,3 +219,25 @@ fn new_names_are_not_old_names() {
         }
     }
 }
+
+/// The matrix once had a key that had to be 0: files and `--set` that have it still read, with one note; other values are an error.
+#[test]
+fn keys_that_exist_no_more_are_ignored_where_they_had_their_only_value() {
+    let text = format!("{PIXEL}[display.matrix]\nppi = 100\n");
+    let known = filled(&read(&text, &[]));
+    for (text, set) in [
+        (format!("{text}spread_um = 0\n"), vec![]),
+        (format!("{text}spread_um = 0.0\n"), vec![]),
+        (text.clone(), vec!["display.matrix.spread_um=0".to_owned()]),
+        (text.clone(), vec!["display.matrix={ppi=100, spread_um=0.0}".to_owned()]),
+    ] {
+        let scenario = read(&text, &set);
+        assert_eq!(filled(&scenario), known, "{text} {set:?}");
+        let notes: Vec<_> = scenario.notes.iter().filter(|note| note.contains("spread_um")).collect();
+        assert_eq!(notes.len(), 1, "{notes:?}");
+        assert!(notes[0].contains("display.pixel.spread_um"), "{notes:?}");
+    }
+    let other = format!("{text}spread_um = 3\n");
+    let refused = Scenario::from_text(&other, "test.toml", Path::new(""), &Vec::<String>::new());
+    assert!(refused.is_err_and(|errors| errors.to_string().contains("spread_um")));
+}

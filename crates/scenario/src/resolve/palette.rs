@@ -63,7 +63,7 @@ impl Resolver<'_> {
         Some(UniformPixel { kind: UniformKind::Lambertian, states, spread_mm })
     }
 
-    /// Warns of a second surface: a palette was measured through that of the panel. Warns if inks below a face have none in the display.
+    /// Warns if a palette, which was measured through a surface, has a second one, or if inks below a face have no face in the display.
     pub(super) fn check_surface(&mut self, file: &File) {
         let through = match &file.display.pixel.value {
             Pixel::Palette(palette) => palette.measured_through.as_ref(),

@@ -77,7 +77,7 @@ impl Resolver<'_> {
 pub(super) fn impossible(value: &str, number: f64, state: &str, face: DiffuseFace) -> Diagnostic {
     let (least, most) = (four_digits(face.least()), four_digits(face.most()));
     let wrong =
-        Diagnostic::new(format!("state `{state}` has {value}, which is not measured through this face"))
+        Diagnostic::new(format!("state `{state}` has {value}, which no measurement through this face gives"))
             .expected(format!(
                 "{least} to {most}: what is seen of a black and of a perfect white reflector below it"
             ));

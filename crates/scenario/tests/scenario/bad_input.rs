@@ -455,7 +455,7 @@ fn mistakes_in_files_state_the_file_and_the_key_that_names_it() {
     assert!(text.contains("the fraction is 10") && text.contains("from 0 to 1, not in percent"), "{text}");
     assert!(text.contains("requested at test.toml:8:15"), "{text}");
     let (_, text) = shown("index = 1.5", "index = \"um.csv\"");
-    assert!(text.contains("micrometres") && text.contains("by 1000"), "{text}");
+    assert!(text.contains("micrometres") && text.contains("convert the values to nm"), "{text}");
     let (_, text) = shown(front, "reflectance = \"none.csv\"");
     assert!(
         text.contains("none.csv") && text.contains("no such file") && text.contains("test.toml:8:15"),

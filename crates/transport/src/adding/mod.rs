@@ -29,7 +29,7 @@ pub const FINEST: u32 = 6;
 /// gigabyte.
 pub const MOST_NODES: usize = 450;
 
-/// The same for levels finer than the second, without which a result is known, too.
+/// Largest number of nodes of levels after the second; a result exists without them.
 pub const MOST_NODES_OF_FURTHER: usize = 300;
 
 /// Returns the number of radial nodes that these layers take at a level, besides the directions of views and

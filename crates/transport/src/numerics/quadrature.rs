@@ -11,6 +11,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 
+use papilio_optics::quadrature;
+
 /// A node of a rule and its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Node {
@@ -23,29 +25,12 @@ pub(crate) const MOST_POINTS: usize = 40;
 
 static RULES: LazyLock<Vec<Vec<Node>>> = LazyLock::new(|| (0..=MOST_POINTS).map(legendre).collect());
 
-/// Returns the Gauss-Legendre rule of this many points on (-1, 1), by Newton's method from Tricomi's first
-/// approximation.
+/// Step of Newton's method after which a node is known to rounding.
+const LAST_STEP: f64 = 1e-14;
+
+/// Returns the Gauss-Legendre rule of this many points on (-1, 1).
 pub(crate) fn legendre(points: usize) -> Vec<Node> {
-    let n = points as f64;
-    let node = |i: usize| {
-        let mut x = (PI * (n - i as f64 - 0.25) / (n + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..8 {
-            let (mut before, mut value) = (1.0, x);
-            for k in 2..=points {
-                let k = k as f64;
-                (before, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
-            }
-            slope = n * (x * value - before) / (x * x - 1.0);
-            let step = value / slope;
-            x -= step;
-            if step.abs() < 1e-14 {
-                break;
-            }
-        }
-        Node { x, weight: 2.0 / ((1.0 - x * x) * slope * slope) }
-    };
-    (0..points).map(node).collect()
+    quadrature::legendre(points, LAST_STEP).into_iter().map(|(x, weight)| Node { x, weight }).collect()
 }
 
 /// Returns the Gauss-Legendre rule on an interval.

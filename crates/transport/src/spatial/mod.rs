@@ -12,8 +12,8 @@
 //! - [`LineSpread`]: its light along one axis, with exact transforms.
 //! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all directions.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
-//! - [`PixelSpread`]: light that spreads sideways inside Lambertian pixels.
 //! - [`LitPage`]: the same for pictures of many states, pixels and wavelengths.
+//! - [`PixelSpread`]: light that spreads sideways inside Lambertian pixels.
 //! - [`PixelSquare`], [`Shapes`]: kernels of pictures below a lobe.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
 //!   of one through another: [`shares_by_transfer`].

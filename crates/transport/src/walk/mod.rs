@@ -28,7 +28,7 @@
 //! sums everything that happens between two scattering events in closed form. It is the reference for all
 //! stacks that a panel cannot describe.
 //!
-//! [`Plain`] is none of these: it is the walk without any shortcut, in 170 lines. Read it first; the others are tested against it.
+//! [`Plain`] is none of these: it is the walk without any shortcut, in 170 lines (paths and slabs apart, in `plain/`). Read it first; the others are tested against it.
 //!
 //! # Ledger
 //! The same path also describes a unit beam that enters from the view direction (all kernels are

@@ -30,7 +30,7 @@ pub(super) struct Irradiance {
     returns: Vec<Known>,
 }
 
-/// A figure at wavelengths to which the same light returns.
+/// A figure, at wavelengths with the same returned light.
 struct Known {
     bins: Vec<usize>,
     /// Return of uniform light.

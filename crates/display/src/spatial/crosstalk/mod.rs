@@ -140,7 +140,7 @@ fn refined(
     if found.finished { Ok(of([&found.finer, &found.coarser])) } else { Err(DisplayError::Interrupted) }
 }
 
-/// Largest error and what has it: that of the shares, or a relative one of a contrast ratio.
+/// Returns the number with the largest error, and this error: of the shares, or a relative one of a contrast ratio.
 fn largest_error(view: &CrosstalkView) -> (&'static str, f64) {
     let of_pattern = |pattern: &PatternColours| {
         Some((pattern.name.name(), pattern.error.contrast_ratio? / pattern.values.contrast_ratio?))
@@ -219,7 +219,7 @@ impl<'a> Frame<'a> {
             let finer = level.saturating_sub(1) as u32;
             self.measure(view, Level { digits, most_per_mm, is_fine: level > 0, finer })
         };
-        // Only the coarse level bounds what is estimated of light that returns to mirror-like pixels.
+        // The estimate for mirror-like pixels is bounded by the coarse level only: no further level is computed.
         let is_estimated = self.returns() && !self.is_flat() && self.panel.base.is_specular();
         refined(self.setup, view, if is_estimated { 1 } else { MOST_LEVEL }, at)
     }
@@ -298,7 +298,7 @@ impl<'a> Frame<'a> {
         !matches!(self.panel.top, Top::Diffuser(_)) && (is_paper || returns)
     }
 
-    /// Adds the light of an image of the page at a place: of each window by sub-pixel.
+    /// Adds the light of a shifted image of the page to each window, by sub-pixel.
     fn add_image(&self, at_mm: [f64; 2], light: f64, rows: &mut [Vec<f64>]) {
         let shift = [0, 1].map(|axis| -at_mm[axis] / self.matrix.pitch_mm[axis]);
         let windows = self.matrix.sub_pixels.iter().map(|one| &one.window);

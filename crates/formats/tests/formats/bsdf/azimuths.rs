@@ -175,6 +175,13 @@ fn part_of_a_circle_is_refused_with_its_azimuths() {
     for (phi_i, from, to) in [(90.0, 0, 180), (0.0, 0, 90), (180.0, -30, 30)] {
         let (_, problem) = refused_bsdf(csv(phi_i, &steps(from, to)));
         let [from_deg, to_deg] = [from, to].map(|phi| f64::from(phi) - phi_i);
-        assert_eq!(problem, BsdfProblem::PartOfCircle { from_deg, to_deg });
+        assert_eq!(problem, BsdfProblem::PartOfCircle { from_deg, to_deg, in_one_plane: true });
     }
+    // Half a circle, with light from two planes: the half circle is that of one of them only.
+    let two =
+        |phis: &[f64]| [csv(0.0, phis), csv(45.0, phis).split_once('\n').unwrap().1.to_owned()].concat();
+    let (_, problem) = refused_bsdf(two(&steps(0, 180)));
+    assert_eq!(problem, BsdfProblem::PartOfCircle { from_deg: 0.0, to_deg: 180.0, in_one_plane: false });
+    let whole = read_bsdf_file(&file(two(&steps(0, 355))), Some(ScatterMode::FrontTransmission));
+    assert!(whole.is_ok(), "{:?}", whole.err());
 }

@@ -18,9 +18,10 @@ use crate::adding::panel::lobes::{LANES, side_by_side};
 
 /// Least number of orders that are computed together.
 const LEAST_BATCH: usize = 16;
-/// Size in bytes of square matrices above which no more are.
+/// Size in bytes, as square matrices, above which no further orders are computed together.
 const MOST_BYTES: usize = 32 << 20;
-/// Largest number of orders of a face's lobe that are stored together, from order 0 on, whose operators take most memory, and from others.
+/// Largest number of stored orders of a face's lobe: in the piece that begins with order 0, whose operators take most memory, and in later
+/// pieces.
 const MOST_OF_FACE: [usize; 2] = [4, 32];
 /// Natural digits by which the error at the start of the recurrence decreases before the last order.
 const DIGITS: f64 = 20.0;
@@ -32,7 +33,7 @@ pub(super) struct LobeOrders {
     shape: Shape,
     /// Orders that are computed together.
     batch: Range<usize>,
-    /// Largest number of them that is stored, from order 0 and from others on.
+    /// Largest number of stored orders: in the first piece, and in later ones.
     most: [usize; 2],
     /// The first that is stored.
     first: usize,

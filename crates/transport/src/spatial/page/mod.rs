@@ -197,7 +197,7 @@ impl LitPage {
 /// Most cells of a pixel along an axis.
 const MOST_PARTS: f64 = 16.0;
 
-/// What is seen of each state over the root of its reflectance.
+/// What is seen of each state, divided by the root of its reflectance.
 fn per_root(light: PageLight<'_>) -> Vec<[Vec<f64>; 3]> {
     let pairs = light.seen.iter().zip(light.reflectance);
     let over = |(seen, rho): (&[Vec<f64>; 3], &Vec<f64>)| {

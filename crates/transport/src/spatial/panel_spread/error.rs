@@ -28,7 +28,7 @@ impl fmt::Display for SpreadError {
                 "the pixel scatters by a kernel of its own (expected a mirror or a Lambertian pixel)"
             }
             Self::Unrefracted => {
-                "a face of another index than the glass (expected light that is refracted)"
+                "a face whose index is not that of the glass (expected the same index)"
             }
         })
     }

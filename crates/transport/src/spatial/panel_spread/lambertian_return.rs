@@ -25,7 +25,7 @@ const HIGHEST: f64 = 8.0;
 /// Highest frequencies of the rules, times the length.
 const RULES: [f64; 3] = [0.125, 1.0, HIGHEST];
 
-/// Frequency times the length from which on nothing comes back through a lobe: less than 1e-3 of what does of uniform light.
+/// Frequency times the length from which on nothing comes back through a lobe: there less than 1e-3 of what returns of uniform light.
 const HIGHEST_OF_LOBE: f64 = 3.0;
 
 /// Orders whose light is below this fraction are left out, the last one standing for all that follow.

@@ -23,10 +23,10 @@ use crate::numerics::quadrature::{MOST_POINTS, Node, gauss};
 /// Places farther than this, in thicknesses of the glass, count as this far: little light goes there.
 const FARTHEST: f64 = 4.0;
 
-/// Places that stand for all, more than the phase of the highest frequency between the middle and the farthest one in radians.
+/// Number of places in addition to the phase, in radians, from the middle to the farthest place at the highest frequency.
 const MORE_PLACES: f64 = 10.0;
 
-/// Natural digits: at least, and how many less than other light has. Little comes back.
+/// Fewest natural digits, and how many fewer than for other light: little comes back.
 const DIGITS: f64 = 4.0;
 const DIGITS_LESS: f64 = 4.0;
 

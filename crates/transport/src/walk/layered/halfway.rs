@@ -16,7 +16,7 @@ use crate::{Cone, Source};
 /// Fraction of the directions that are sampled from half way.
 const FRACTION: f64 = 0.5;
 
-/// Kernel half way over its largest value, above which the ends sample directions half way often enough.
+/// Ratio of the kernel half way to its maximum above which the ends sample directions half way often enough.
 const FAR: f64 = 0.05;
 
 /// Directions half way that an event needs; usually none.
