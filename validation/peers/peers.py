@@ -6,7 +6,7 @@ makes an environment with the packages listed there, builds Papilio's program (v
 this file with the path of that program.
 
 For each task, Papilio and the peer run alternately, ROUNDS times, with one thread each. The table has the median of the CPU
-seconds and their spread, the ratio, and the difference of the results. Run nothing else at the same time.
+seconds, the ratio, and the difference of the results. Run nothing else at the same time.
 """
 
 import importlib.metadata
@@ -65,17 +65,16 @@ def timed(work, problem):
 
 
 def in_turn(*sides, rounds=ROUNDS):
-    """Runs all sides alternately, and returns median and spread of the seconds and the result of each."""
+    """Runs all sides alternately, and returns the median of the seconds and the result of each."""
     for side in sides[1:]:
         # The first run includes imports and other initialisation.
         side()
     runs = [[side() for side in sides] for _ in range(rounds)]
 
-    def summary(number):
-        seconds = [run[number][0] for run in runs]
-        return statistics.median(seconds), min(seconds), max(seconds)
+    def median(number):
+        return statistics.median(run[number][0] for run in runs)
 
-    return [(summary(number), runs[0][number][1]) for number in range(len(sides))]
+    return [(median(number), runs[0][number][1]) for number in range(len(sides))]
 
 
 def shown(seconds):
@@ -85,10 +84,9 @@ def shown(seconds):
 
 
 def row(task, peer, ours, theirs, difference):
-    spread = [f"{shown(median)} ({shown(low)} to {shown(high)})" for median, low, high in (ours, theirs)]
-    ratio = theirs[0] / ours[0]
+    ratio = theirs / ours
     times = f"{ratio:,.0f}" if ratio >= 10 else f"{ratio:.2g}"
-    return f"| {task} | {peer} | {spread[1]} | {spread[0]} | {times} | {difference} |"
+    return f"| {task} | {peer} | {shown(theirs)} | {shown(ours)} | {times} | {difference} |"
 
 
 def largest_difference(a, b):

@@ -9,7 +9,6 @@ use papilio_display::result::{StateValues, ViewMetrics};
 use papilio_display::scene::Metric;
 use papilio_display::spatial::{CrosstalkMetrics, SharpnessMetrics, SparkleMetrics, SpatialScalars};
 use schemars::schema_for;
-use serde_json::Value;
 
 use super::cell;
 
@@ -149,9 +148,4 @@ fn documented() -> BTreeMap<String, String> {
         }
     }
     found
-}
-
-/// True if a field is a number that may be a metric.
-pub(super) fn is_metric(name: &str, field: &Value) -> bool {
-    Metric::named(name).is_some() && field.get("$ref").is_none() && field["type"] != "array"
 }

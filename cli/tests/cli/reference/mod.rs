@@ -1,8 +1,7 @@
-//! The reference pages that are made from the program: the command line, the metrics, the fields of JSON files. `cargo xtask docs` writes
-//! them; these tests fail if a page is not what the program says.
+//! The reference pages that are made from the program: the command line and the metrics. `cargo xtask docs` writes them; these tests
+//! fail if a page is not what the program says.
 
 mod command_line;
-mod fields;
 mod metrics;
 
 use std::path::Path;
@@ -40,6 +39,6 @@ fn command_line_of_the_docs_is_that_of_the_program() {
 }
 
 #[test]
-fn metrics_and_fields_of_the_docs_are_those_of_the_program() {
-    check("metric-names.md", &[("metrics", metrics::tables()), ("fields", fields::tables())]);
+fn metrics_of_the_docs_are_those_of_the_program() {
+    check("metric-names.md", &[("metrics", metrics::tables())]);
 }
