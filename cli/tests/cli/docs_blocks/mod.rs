@@ -146,7 +146,7 @@ fn blocks_of_the_documentation_run_and_their_outputs_are_those_shown() {
     );
     if one.is_none() {
         for (what, least) in
-            [("sh", 58), ("toml", 20), ("outputs compared", 12), ("commands run", 60), ("python", 23)]
+            [("sh", 58), ("toml", 20), ("outputs compared", 12), ("commands run", 60), ("python", 15)]
         {
             assert!(
                 counts.get(what).is_some_and(|count| *count >= least),
