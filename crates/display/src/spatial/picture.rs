@@ -29,7 +29,7 @@ pub struct Picture {
 pub struct PictureColours {
     /// X, Y and Z of each pixel relative to a perfect white in the scene's light, for each view.
     pub views: Vec<Vec<[f32; 3]>>,
-    /// Largest error: the difference from cells of half the size in a part of the picture.
+    /// Largest error: the difference from cells of half the size in a part of the picture, and what repetitions leave.
     pub error: f64,
 }
 
@@ -190,6 +190,10 @@ impl LitPicture {
             solve(&mut parts[0], precision);
             solve(&mut parts[1], finer);
         }
+        // The change of the repetitions belongs to the difference below, unless they ended before they reached it. The light of a page of the
+        // largest reflectance is at most that of a perfect white.
+        let left = whole.groups.iter().map(|group| group.lit.left()).fold(0.0, f64::max);
+        whole.error += if left > precision.change { left } else { 0.0 };
         let mut change = 0.0;
         for row in &rows {
             let [coarse, fine] = parts.each_ref().map(|part| part.seen(row));

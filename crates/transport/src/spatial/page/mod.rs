@@ -9,8 +9,8 @@
 //!   reflectance; the mean over a pixel is that of cubics through the cells.
 //! - E depends on the wavelength only through the reflectances of the states. A few wavelengths represent all: those with which
 //!   polynomials and fractions of the reflectances are interpolated best (pivoted Gram-Schmidt), at the light's weights.
-//! - With the mean reflectance `m` apart, `E = (1 - m A)^-1 * (1 + A * ((rho - m) E))` converges in few repetitions. Two wavelengths are
-//!   real and imaginary part of one transform.
+//! - With `m` in the middle of the reflectances, `E = (1 - m A)^-1 * (1 + A * ((rho - m) E))` converges in few repetitions ([`Approach`]). Two
+//!   wavelengths are real and imaginary part of one transform.
 //!
 //! Where light spreads inside the pixels ([`PixelSpread`]), the light inside on its way out, `P * (sqrt(rho) E)`, takes the place of E in
 //! what is seen. It changes within a few of these lengths: the cells are the pixels, or parts of them.
@@ -47,7 +47,7 @@ pub struct Precision {
     pub cell: f64,
     /// Most cells across a pixel. Under a thinner medium light returns to its own place: cells then need not be smaller.
     pub most_per_pixel: usize,
-    /// Largest change of the irradiance in the last repetition.
+    /// Largest error of the irradiance after the last repetition, relative to that of white.
     pub change: f64,
     /// Largest part of the light that the representative wavelengths miss.
     pub missed: f64,
@@ -80,6 +80,7 @@ pub struct LitPage {
     irradiance: Vec<Vec<f32>>,
     found: Representatives,
     spreads: bool,
+    left: f64,
 }
 
 impl LitPage {
@@ -120,29 +121,36 @@ impl LitPage {
         let kernel = Kernel::new(cells, face);
         let inside = spread.map(|spread| spread.between(cells.count, cells.period_mm));
         let mut irradiance = vec![Vec::new(); found.bins.len()];
+        let mut left = 0.0_f64;
         let mut order: Vec<usize> = (0..found.bins.len()).collect();
-        // Wavelengths of similar reflectance together: they share the mean.
+        // Wavelengths of similar reflectance together: they share the middle.
         let mean = |k: &usize| -> f64 { light.reflectance.iter().map(|rho| rho[found.bins[*k]]).sum() };
         order.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
         for pair in order.chunks(2) {
             let rho = |k: usize| mixed(&coverage, light.reflectance, found.bins[pair[k.min(pair.len() - 1)]]);
             let rho = [&rho(0)[..], &rho(1)[..]];
-            let [one, other] = match &inside {
+            let ([one, other], error) = match &inside {
                 None => kernel.solved(rho, precision.change),
                 Some(inside) => kernel.solved_inside(inside, rho, precision.change),
             };
+            left = left.max(error);
             irradiance[pair[0]] = one;
             if let Some(last) = pair.get(1) {
                 irradiance[*last] = other;
             }
         }
         let whole = [0, 1].map(|k| spread.is_some() || count[k] == page.count[k] * precision.most_per_pixel);
-        Self { cells, whole, irradiance, found, spreads: spread.is_some() }
+        Self { cells, whole, irradiance, found, spreads: spread.is_some(), left }
     }
 
     /// Number of wavelengths that were solved.
     pub fn wavelengths(&self) -> usize {
         self.found.bins.len()
+    }
+
+    /// Largest error of the irradiance because repetitions ended, relative to that of a page of the largest reflectance.
+    pub fn left(&self) -> f64 {
+        self.left
     }
 
     /// Number of columns and rows of cells.
@@ -329,12 +337,50 @@ struct Kernel {
     returned: Vec<f64>,
 }
 
-/// Repetitions after which a solution is given up; each divides the error by three or more.
-const MOST_REPETITIONS: usize = 60;
+/// Most repetitions. Each divides the error of white of 0.95 under glass by two or more; a mirror that returns 97 % of the light needs some 400.
+const MOST_REPETITIONS: usize = 1000;
+
+/// How repetitions approach the solution of a pattern.
+///
+/// `E = 1 + A K E`, K being the pattern, becomes `(1 - m A) E = 1 + A (K - m) E`. K lies between the least and the largest reflectance; with m
+/// in the middle of them each repetition multiplies the error by at most `A h / (1 - m A)`, h being half their difference. That is below 1
+/// wherever the largest reflectance times A is, which no other m achieves.
+#[derive(Debug, Clone, Copy)]
+struct Approach {
+    /// m.
+    middle: f64,
+    /// Largest factor of the error in a repetition.
+    rate: f64,
+    /// The largest irradiance, that of a page of the largest reflectance.
+    largest: f64,
+}
+
+impl Approach {
+    fn new(range: [f64; 2], returned: &[f64]) -> Self {
+        let most = returned.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        let [middle, half] = [0.5 * (range[0] + range[1]), 0.5 * (range[1] - range[0])];
+        let rate = most * half / (1.0 - middle * most).max(f64::EPSILON);
+        Self { middle, rate, largest: 1.0 / (1.0 - range[1] * most).max(f64::EPSILON) }
+    }
+
+    /// Error that is left after a repetition that changed the irradiance so much, relative to the largest irradiance.
+    fn left(&self, change: f64) -> f64 {
+        change * self.rate / (1.0 - self.rate).max(f64::EPSILON) / self.largest
+    }
+}
+
+/// Least and largest value of two patterns.
+fn range(rho: [&[f32]; 2]) -> [f64; 2] {
+    let all = rho.into_iter().flatten().map(|rho| f64::from(*rho));
+    all.fold([f64::INFINITY, 0.0], |[least, most], rho| [least.min(rho.max(0.0)), most.max(rho)])
+}
+
+/// Solution of two patterns, and the error that is left, relative to the largest irradiance.
+type Solved = ([Vec<f32>; 2], f64);
 
 impl Kernel {
     /// Light inside the pixels of two patterns of reflectances, on its way out. `inside`: factor of the spread at each bin.
-    fn solved_inside(&self, inside: &[f64], rho: [&[f32]; 2], tolerance: f64) -> [Vec<f32>; 2] {
+    fn solved_inside(&self, inside: &[f64], rho: [&[f32]; 2], tolerance: f64) -> Solved {
         let cells = self.returned.len();
         let scale = 1.0 / cells as f64;
         let roots: Vec<Complex64> = rho[0]
@@ -344,9 +390,11 @@ impl Kernel {
                 Complex64::new(f64::from(one.max(0.0)).sqrt(), f64::from(other.max(0.0)).sqrt())
             })
             .collect();
-        let mean = 0.5 * scale * roots.iter().map(|root| root.norm_sqr()).sum::<f64>();
-        let first = 1.0 / (1.0 - mean * self.returned[0]);
-        let factors: Vec<f64> = self.returned.iter().map(|a| a / (1.0 - mean * a)).collect();
+        // Modulations that the spread removes meet a reflectance of 0.
+        let approach = Approach::new([0.0, range(rho)[1]], &self.returned);
+        let middle = approach.middle;
+        let first = 1.0 / (1.0 - middle * self.returned[0]);
+        let factors: Vec<f64> = self.returned.iter().map(|a| a / (1.0 - middle * a)).collect();
         let times = |a: &Complex64, b: &Complex64| Complex64::new(a.re * b.re, a.im * b.im);
         let multiplied = |cells: Vec<Complex64>, factors: &[f64]| {
             let mut spectrum = self.plane.forward(cells);
@@ -357,13 +405,14 @@ impl Kernel {
             multiplied(irradiance.iter().zip(&roots).map(|(e, root)| times(e, root)).collect(), inside)
         };
         let mut irradiance = vec![Complex64::new(first, first); cells];
+        let mut left = f64::INFINITY;
         for _ in 0..MOST_REPETITIONS {
             let light = within(&irradiance);
             let apart = light
                 .iter()
                 .zip(&roots)
                 .zip(&irradiance)
-                .map(|((light, root), e)| times(light, root) - mean * e);
+                .map(|((light, root), e)| times(light, root) - middle * e);
             let returned = multiplied(apart.collect(), &factors);
             let mut change = 0.0_f64;
             for (e, returned) in irradiance.iter_mut().zip(returned) {
@@ -371,15 +420,17 @@ impl Kernel {
                 change = change.max((next.re - e.re).abs()).max((next.im - e.im).abs());
                 *e = next;
             }
-            if change.is_nan() || change <= tolerance {
+            left = approach.left(change);
+            if left <= tolerance {
                 break;
             }
         }
         let light = within(&irradiance);
-        [
+        let parts = [
             light.iter().map(|light| light.re as f32).collect(),
             light.iter().map(|light| light.im as f32).collect(),
-        ]
+        ];
+        (parts, left)
     }
 
     fn new(cells: Cells, face: &dyn Fn(f64) -> f64) -> Self {
@@ -400,18 +451,26 @@ impl Kernel {
     }
 
     /// Irradiance of two patterns of reflectances.
-    fn solved(&self, rho: [&[f32]; 2], tolerance: f64) -> [Vec<f32>; 2] {
+    fn solved(&self, rho: [&[f32]; 2], tolerance: f64) -> Solved {
         let cells = self.returned.len();
-        let means = rho.map(|rho| rho.iter().map(|rho| f64::from(*rho)).sum::<f64>() / cells as f64);
-        let mean = 0.5 * (means[0] + means[1]);
-        let first = 1.0 / (1.0 - mean * self.returned[0]);
+        let approach = Approach::new(range(rho), &self.returned);
+        let middle = approach.middle;
+        let first = 1.0 / (1.0 - middle * self.returned[0]);
         let scale = 1.0 / cells as f64;
-        let factors: Vec<f64> = self.returned.iter().map(|a| scale * a / (1.0 - mean * a)).collect();
-        let mut found = means.map(|mean| vec![(1.0 / (1.0 - mean * self.returned[0])) as f32; cells]);
+        let factors: Vec<f64> = self.returned.iter().map(|a| scale * a / (1.0 - middle * a)).collect();
+        // A uniform pattern is solved.
+        let mut found = rho.map(|rho| {
+            let mean = rho.iter().map(|rho| f64::from(*rho)).sum::<f64>() / cells as f64;
+            vec![(1.0 / (1.0 - mean * self.returned[0])) as f32; cells]
+        });
+        let mut left = f64::INFINITY;
         for _ in 0..MOST_REPETITIONS {
             let [one, other] = &found;
             let apart = rho[0].iter().zip(one).zip(rho[1].iter().zip(other)).map(|((r, e), (s, f))| {
-                Complex64::new((f64::from(*r) - mean) * f64::from(*e), (f64::from(*s) - mean) * f64::from(*f))
+                Complex64::new(
+                    (f64::from(*r) - middle) * f64::from(*e),
+                    (f64::from(*s) - middle) * f64::from(*f),
+                )
             });
             let mut spectrum = self.plane.forward(apart.collect());
             spectrum.iter_mut().zip(&factors).for_each(|(value, factor)| *value *= factor);
@@ -424,11 +483,12 @@ impl Kernel {
                     change.max((next[0] - f64::from(*one)).abs()).max((next[1] - f64::from(*other)).abs());
                 (*one, *other) = (next[0] as f32, next[1] as f32);
             }
-            if change.is_nan() || change <= tolerance {
+            left = approach.left(change);
+            if left <= tolerance {
                 break;
             }
         }
-        found
+        (found, left)
     }
 }
 

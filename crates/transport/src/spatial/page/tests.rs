@@ -2,7 +2,7 @@
 
 use papilio_optics::interface::fresnel_reflectance;
 
-use super::super::{FaceReturn, Recycling};
+use super::super::{FaceReturn, PixelSpread, Recycling};
 use super::*;
 
 const BINS: usize = 13;
@@ -133,5 +133,142 @@ fn stripes_have_the_mean_of_a_dense_solution() {
         let found = lit.seen(&page, light);
         let mean = found.iter().map(|one| f64::from(one[1])).sum::<f64>() / pixels as f64;
         assert!((mean - expected).abs() < 5e-5, "{period}: {mean} {expected}");
+    }
+}
+
+/// A black stroke on bright paper under dense glass: what is seen of white, at most 1, and of black.
+const BRIGHT: [f64; 2] = [0.95, 0.03];
+const THICKNESS_MM: f64 = 0.5;
+
+fn dense_face() -> FaceReturn {
+    FaceReturn::new(1.7, THICKNESS_MM, 200.0, |beta| 1.0 - fresnel_reflectance(1.7, 1.0, beta)).tabulated()
+}
+
+/// What is seen of a page of these two states.
+fn seen_of_bright(page: &Page<'_>, spread: Option<PixelSpread>, precision: Precision) -> (LitPage, Vec<f64>) {
+    let face = dense_face();
+    let reflectance = BRIGHT.map(|rho| vec![rho]).to_vec();
+    let seen = BRIGHT.map(|rho| [(); 3].map(|()| vec![unit(&face) * rho])).to_vec();
+    let light = PageLight { reflectance: &reflectance, seen: &seen };
+    let lit = LitPage::with_spread(spread, page, (&|f| face.at(f), THICKNESS_MM), light, precision);
+    let colours = lit.seen(page, light).iter().map(|colour| f64::from(colour[1])).collect();
+    (lit, colours)
+}
+
+/// What is seen of a white page becomes 1.
+fn unit(face: &FaceReturn) -> f64 {
+    (1.0 - BRIGHT[0] * face.at(0.0)) / BRIGHT[0]
+}
+
+/// Light that leaves each of a row of cells, by elimination: `(1 - K A) B = K`, A from its transform by sums of cosines, K the reflectances or
+/// `sqrt(rho) P sqrt(rho)`.
+fn dense(rho: &[f64], period_mm: f64, inside: Option<&dyn Fn(f64) -> f64>) -> Vec<f64> {
+    let (count, face) = (rho.len(), dense_face());
+    let between = |transform: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        let bins: Vec<f64> = (0..count).map(|k| transform(k.min(count - k) as f64 / period_mm)).collect();
+        let angle =
+            |k: usize, step: usize| std::f64::consts::TAU * ((k * step) % count) as f64 / count as f64;
+        let at = |step: usize| bins.iter().enumerate().map(|(k, a)| a * angle(k, step).cos()).sum::<f64>();
+        (0..count).map(|step| at(step) / count as f64).collect()
+    };
+    let returned = between(&|f| face.at(f));
+    let within = inside.map(between);
+    let pattern = |i: usize, k: usize| match &within {
+        Some(within) => (rho[i] * rho[k]).sqrt() * within[i.abs_diff(k)],
+        None => f64::from(u8::from(i == k)) * rho[i],
+    };
+    let mut rows: Vec<Vec<f64>> = (0..count)
+        .map(|i| {
+            let pattern: Vec<f64> = (0..count).map(|k| pattern(i, k)).collect();
+            let of = |j: usize| {
+                let passed: f64 =
+                    pattern.iter().enumerate().map(|(k, k_i)| k_i * returned[k.abs_diff(j)]).sum();
+                f64::from(u8::from(i == j)) - passed
+            };
+            (0..count).map(of).chain([pattern.iter().sum()]).collect()
+        })
+        .collect();
+    for k in 0..count {
+        let (done, rest) = rows.split_at_mut(k + 1);
+        for row in rest {
+            let factor = row[k] / done[k][k];
+            row.iter_mut().zip(&done[k]).skip(k).for_each(|(a, b)| *a -= factor * b);
+        }
+    }
+    let mut light = vec![0.0; count];
+    for k in (0..count).rev() {
+        let known: f64 = (k + 1..count).map(|j| rows[k][j] * light[j]).sum();
+        light[k] = (rows[k][count] - known) / rows[k][k];
+    }
+    light
+}
+
+fn stroke(pixel: usize) -> usize {
+    usize::from((12..17).contains(&pixel))
+}
+
+/// White of 0.95 and n = 1.7: 0.72 of the light comes back, so that repetitions about the mean reflectance would diverge in the stroke.
+#[test]
+fn stroke_on_bright_paper_equals_a_linear_solution() {
+    let (count, pitch, parts) = (40, 0.1, 5);
+    let states: Vec<u8> = (0..count).map(|k| stroke(k) as u8).collect();
+    let page = Page { count: [count, 1], pitch_mm: [pitch; 2], states: &states };
+    let rho: Vec<f64> = (0..count * parts).map(|k| BRIGHT[stroke(k / parts)]).collect();
+    let light = dense(&rho, count as f64 * pitch, None);
+    let unit = unit(&dense_face());
+    // A fast picture's cells are a third of the thickness: in dense glass, near the edge, they miss a little more than below glass of 1.5.
+    for (precision, tolerance) in [(Precision::FAST, 1.5e-3), (Precision::FINE, 1e-4)] {
+        let (lit, found) = seen_of_bright(&page, None, precision);
+        assert!(lit.left() <= precision.change, "{}", lit.left());
+        for (pixel, found) in found.iter().enumerate() {
+            let expected = unit * light[pixel * parts..][..parts].iter().sum::<f64>() / parts as f64;
+            assert!((found - expected).abs() < tolerance, "{precision:?} {pixel}: {found} {expected}");
+        }
+    }
+    // Cells are the pixels.
+    let (pitch, spread_mm) = (0.05, 0.06);
+    let page = Page { count: [count, 1], pitch_mm: [pitch; 2], states: &states };
+    let rho: Vec<f64> = (0..count).map(|k| BRIGHT[stroke(k)]).collect();
+    let spread = PixelSpread::new(spread_mm).unwrap();
+    let period_mm = count as f64 * pitch;
+    let factors = spread.between([count, 1], [period_mm, pitch]);
+    let light = dense(&rho, period_mm, Some(&|f| factors[(f * period_mm).round() as usize]));
+    let (_, found) = seen_of_bright(&page, Some(spread), Precision::FINE);
+    for (pixel, found) in found.iter().enumerate() {
+        let expected = unit * light[pixel];
+        assert!((found - expected).abs() < 3e-5, "spread, {pixel}: {found} {expected}");
+    }
+}
+
+/// The same in a plane, against plain repetitions, from none to all black.
+#[test]
+fn strokes_on_bright_paper_equal_plain_repetitions() {
+    let (count, pitch) = ([24, 20], 0.1);
+    let unit = unit(&dense_face());
+    for black in papilio_testing::everyday(1, [6, 1, 23]) {
+        let states: Vec<u8> =
+            (0..count[0] * count[1]).map(|k| u8::from(k % count[0] < black && k / count[0] > 3)).collect();
+        let page = Page { count, pitch_mm: [pitch; 2], states: &states };
+        for (spread, parts) in [(None, 5), (PixelSpread::new(0.04), 1)] {
+            let cells = Cells {
+                count: count.map(|count| count * parts),
+                period_mm: count.map(|count| count as f64 * pitch),
+            };
+            let pixel =
+                |cell: usize| cell / cells.count[0] / parts * count[0] + cell % cells.count[0] / parts;
+            let rho: Vec<f64> =
+                (0..cells.len()).map(|cell| BRIGHT[usize::from(states[pixel(cell)])]).collect();
+            let face = dense_face();
+            let irradiance = Recycling::new(cells, |f| face.at(f)).with_spread(spread).irradiance(&rho, 1e-8);
+            let mut expected = vec![0.0; states.len()];
+            for (cell, (rho, e)) in rho.iter().zip(irradiance).enumerate() {
+                expected[pixel(cell)] += unit * rho * e / (parts * parts) as f64;
+            }
+            let precision = if spread.is_some() { Precision::FAST } else { Precision::FINE };
+            let (lit, found) = seen_of_bright(&page, spread, precision);
+            assert!(lit.left() <= precision.change, "{}", lit.left());
+            let worst = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(worst < if spread.is_some() { 1e-3 } else { 2e-4 }, "{black} {spread:?}: {worst}");
+        }
     }
 }

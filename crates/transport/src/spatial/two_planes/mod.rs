@@ -85,6 +85,9 @@ impl Passed {
 /// Largest change of a repetition with which the irradiance is taken as solved.
 const TOLERANCE: f64 = 1e-13;
 
+/// The same relative to the largest irradiance, where that is above 50: rounding never falls below it.
+const ROUNDING: f64 = 2e-15;
+
 /// Orders of light between the face and a front above it that have less than this fraction belong to the one before.
 const FAINTEST: f64 = 1e-5;
 const MOST_ORDERS: i32 = 5;
@@ -229,7 +232,7 @@ impl TwoPlanes {
                     None => radiosity[row].fill(0.0),
                 }
             }
-            let mut change = 0.0_f64;
+            let [mut change, mut largest] = [0.0_f64; 2];
             for (cell, returned) in self.returned.chunks_exact(count * bins).enumerate() {
                 let row = cell * bins..(cell + 1) * bins;
                 let mut next = first[row.clone()].to_vec();
@@ -238,10 +241,11 @@ impl TwoPlanes {
                 }
                 for (value, next) in irradiance[row].iter_mut().zip(next) {
                     change = change.max((next - *value).abs());
+                    largest = largest.max(next);
                     *value = next;
                 }
             }
-            if change.is_nan() || change <= TOLERANCE {
+            if change.is_nan() || change <= TOLERANCE.max(ROUNDING * largest) {
                 return irradiance;
             }
         }
