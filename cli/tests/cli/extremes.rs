@@ -11,7 +11,7 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use papilio_scenario::{schema, surface_schema};
 use papilio_testing::{Dice, sized};
@@ -222,10 +222,14 @@ impl Key {
 /// How a run of the program ended, or why it was ended.
 #[derive(Debug, PartialEq)]
 enum End {
-    Ended,
+    /// With this exit code.
+    Ended(i32),
     Progress,
     Wrong(String),
 }
+
+/// A program that waits for nothing, and so uses no time of a processor, ends after this: far beyond any other bound.
+const LONGEST_WAIT: Duration = Duration::from_secs(900);
 
 /// How long a run is watched that shows progress, s of a processor on each thread.
 const MOST_SECONDS_IN_ALL: f64 = 60.0;
@@ -242,9 +246,13 @@ fn watch(arguments: &[&str], folder: &Path, is_whole: bool) -> End {
         .stderr(into(&errors))
         .spawn()
         .unwrap();
+    let begin = Instant::now();
     let end = loop {
         std::thread::sleep(Duration::from_millis(10));
         let status = child.try_wait().unwrap();
+        if begin.elapsed() > LONGEST_WAIT {
+            break End::Wrong(format!("it neither ended nor used its time in {} s", LONGEST_WAIT.as_secs()));
+        }
         let said = fs::read_to_string(&errors).unwrap_or_default();
         if let Some(status) = status {
             break match status.code() {
@@ -252,7 +260,7 @@ fn watch(arguments: &[&str], folder: &Path, is_whole: bool) -> End {
                 _ if has_long_number(&(said.clone() + &fs::read_to_string(&out).unwrap_or_default())) => {
                     End::Wrong(format!("a number of hundreds of digits: {said}"))
                 }
-                Some(0 | 2) => End::Ended,
+                Some(code @ (0 | 2)) => End::Ended(code),
                 code => End::Wrong(format!("ended with {code:?}: {said}")),
             };
         }
@@ -366,7 +374,7 @@ fn try_all(command: &str, files: Vec<PathBuf>, schema: Value, every_file: bool) 
                     arguments.extend(FEW_RAYS);
                 }
                 match watch(&arguments, folder.path(), false) {
-                    End::Ended | End::Progress => {}
+                    End::Ended(_) | End::Progress => {}
                     End::Wrong(what) => wrong.push(format!("{} --set {set}: {what}", file.display())),
                 }
             }
@@ -449,6 +457,54 @@ const MIRRORS: &str = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.
     thickness_mm = 1\n[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.6, black = 0.03 }\n[display.matrix]\n\
     ppi = 300\n";
 
+/// Lambertian pixels below a lobe and a front that returns light through it.
+const FRONT: &str = "[[display.front]]\nreflectance = 0.05\ngap_mm = 0.2\n[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.06\n\
+    total_transmittance = 0.9\n[display.glass]\nindex = 1.5\nthickness_mm = 0.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\n\
+    reflectance = { white = 0.6, black = 0.03 }\n[display.matrix]\nppi = 300\n";
+
+/// A picture of 160 x 120 pixels, its path.
+fn picture_in(folder: &Path) -> String {
+    let pixels: Vec<[u8; 3]> = (0..160 * 120).map(|at| [(at * 7 % 256) as u8; 3]).collect();
+    let mut picture = Vec::new();
+    papilio_formats::write_rgb_png(&mut picture, 160, &pixels, false).unwrap();
+    let path = folder.join("picture.png");
+    fs::write(&path, picture).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// Ordinary values: air in the place of the glass, and nearly. Every command answers.
+#[test]
+fn places_above_air_are_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = picture_in(folder.path());
+    let mut wrong = Vec::new();
+    let all = [("front", FRONT), ("paper", PAPER), ("mirrors", MIRRORS)];
+    for (number, (name, text)) in all.into_iter().enumerate() {
+        let file = folder.path().join(format!("{name}.toml"));
+        fs::write(&file, text).unwrap();
+        for index in ["1", "1.00001", "1.0006"] {
+            for command in ["mtf", "crosstalk", "image"] {
+                let is_everyday = number == 0 && index == "1.00001";
+                if sized(!is_everyday, false) {
+                    continue;
+                }
+                let set = format!("display.glass.index={index}");
+                let mut arguments = vec![command, file.to_str().unwrap()];
+                if command == "image" {
+                    arguments.push(&picture);
+                }
+                arguments.extend(["--set", &set]);
+                let results = tempfile::tempdir().unwrap();
+                match watch(&arguments, results.path(), true) {
+                    End::Ended(0) => {}
+                    other => wrong.push(format!("{name} {arguments:?}: {other:?}")),
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// Lengths and resolutions of commands with places: a few each day, all of them in full.
 #[test]
 fn places_survive_every_length() {
@@ -458,11 +514,12 @@ fn places_survive_every_length() {
         fs::write(&path, bytes).unwrap();
         path.to_str().unwrap().to_owned()
     };
-    let files = [place("paper.toml", PAPER.as_bytes()), place("mirrors.toml", MIRRORS.as_bytes())];
-    let pixels: Vec<[u8; 3]> = (0..160 * 120).map(|at| [(at * 7 % 256) as u8; 3]).collect();
-    let mut picture = Vec::new();
-    papilio_formats::write_rgb_png(&mut picture, 160, &pixels, false).unwrap();
-    let picture = place("picture.png", &picture);
+    let files = [
+        place("paper.toml", PAPER.as_bytes()),
+        place("mirrors.toml", MIRRORS.as_bytes()),
+        place("front.toml", FRONT.as_bytes()),
+    ];
+    let picture = picture_in(folder.path());
     let thickness =
         ["0.0", "1e-300", "1e-12", "1e-9", "1e-3", "0.005", "0.02", "0.1", "10", "100", "1e3", "1e300"]
             .map(|mm| format!("display.glass.thickness_mm={mm}"));

@@ -25,8 +25,16 @@ const POINTS: usize = 16;
 const PHASE_OF_TABLE: f64 = 4.0;
 pub(super) const POINTS_OF_TABLE: usize = 16;
 
-/// Highest frequency times the thickness: less than 1e-6 of the light comes back beyond.
+/// Highest frequency times the thickness. Beyond, about 1e-6 of the light comes back from a bare face of glass, 1e-5 from one that reflects nothing
+/// within the critical angle.
 const HIGHEST: f64 = 100.0;
+
+/// Highest phase `4 pi f d tan(theta)` at the critical angle: at low indices it is far away, and little comes back of high frequencies.
+const MOST_PHASE: f64 = 2000.0;
+
+/// Largest phase of a panel, and its largest width over its distance to the place where the transmittance and the tangent are not analytic.
+const MOST_PHASE_OF_PANEL: f64 = 16.0;
+const WIDEST_PANEL: f64 = 2.0;
 
 /// Step of the index below which a face reflects nothing.
 const NO_INDEX_STEP: f64 = 1e-6;
@@ -66,23 +74,36 @@ impl FaceReturn {
             let nothing = Vec::new();
             return Self { thickness_mm, most: 0.0, edge: 0.0, leaving: nothing, table: None, is_open: true };
         }
-        let most = 4.0 * PI * (most_per_mm * thickness_mm).min(HIGHEST);
-        let edge = (1.0 / (index * index - 1.0).max(1e-12).sqrt()).min(LONGEST_WAY);
+        let edge = 1.0 / (index * index - 1.0).sqrt();
+        let most = (4.0 * PI * (most_per_mm * thickness_mm).min(HIGHEST)).min(MOST_PHASE / edge);
         let panels = (most * edge / PHASE_OF_PANEL).ceil().max(1.0);
-        // tan(theta) and the weight of what leaves.
-        let mut leaving: Vec<[f64; 2]> = Vec::new();
-        for panel in 0..panels as usize {
-            let ends = [panel, panel + 1].map(|end| end as f64 / panels);
-            // |beta| = 1 - (1 - v)^2: the square root at the critical angle becomes a straight line.
-            leaving.extend(gauss(ends[0], ends[1], POINTS).map(|node| {
-                let rest = 1.0 - node.x;
-                let beta = 1.0 - rest * rest;
-                let slope = 2.0 * rest;
-                let tangent = beta / (index * index - beta * beta).sqrt();
-                // 2 sin cos dtheta = 2 beta dbeta / n^2
-                [tangent, 2.0 * beta * slope * node.weight / (index * index) * transmittance(beta)]
-            }));
+        // |beta| = 1 - (1 - v)^2: the square root at the critical angle becomes a straight line.
+        let beta_at = |v: f64| 1.0 - (1.0 - v).powi(2);
+        let tangent = |beta: f64| beta / (index * index - beta * beta).sqrt();
+        // Near an index of 1 the tangent rises steeply at the critical angle: panels are divided.
+        let mut divided: Vec<[f64; 2]> = Vec::new();
+        let mut open: Vec<[f64; 2]> = (0..panels as usize)
+            .rev()
+            .map(|panel| [panel, panel + 1].map(|end| end as f64 / panels))
+            .collect();
+        while let Some([from, to]) = open.pop() {
+            let phase = most * (tangent(beta_at(to)) - tangent(beta_at(from)));
+            let is_wide = to - from > WIDEST_PANEL * ((index - 1.0).sqrt() + 1.0 - to);
+            if phase > MOST_PHASE_OF_PANEL || is_wide {
+                let middle = 0.5 * (from + to);
+                open.extend([[middle, to], [from, middle]]);
+            } else {
+                divided.push([from, to]);
+            }
         }
+        // tan(theta) and the weight of what leaves.
+        let node = |node: Node| {
+            let beta = beta_at(node.x);
+            let slope = 2.0 * (1.0 - node.x);
+            // 2 sin cos dtheta = 2 beta dbeta / n^2
+            [tangent(beta), 2.0 * beta * slope * node.weight / (index * index) * transmittance(beta)]
+        };
+        let leaving = divided.into_iter().flat_map(|[from, to]| gauss(from, to, POINTS)).map(node).collect();
         Self { thickness_mm, most, edge, leaving, table: None, is_open: false }
     }
 
@@ -244,6 +265,26 @@ mod tests {
         for step in 0..=400 {
             let f = 0.01 * f64::from(step);
             assert!((face.at(f) - table.at(f)).abs() < 1e-12, "{f}: {} {}", face.at(f), table.at(f));
+        }
+    }
+
+    /// Air, nearly: the critical angle is at up to 89.7 deg, and the transmittance ends steeply there. The same integral by mpmath.
+    #[test]
+    fn low_indices_return_known_fractions() {
+        for (index, known) in [
+            (1.02, [0.044_648_460_32, 0.014_355_167_189, 3.045_186_618e-3, 5.200_716_56e-4, 2.080_179_79e-4]),
+            (1.0006, [1.397_507_093_6e-3, 4.461_185_998e-5, 1.507_482_5e-6, -3.461_682e-7, 1.834_321e-7]),
+            (1.00001, [2.333_243_554e-5, 3.702_415e-8, -1.392_5e-10, 9.7e-11, -5.7e-11]),
+        ] {
+            let new = |most: f64| {
+                FaceReturn::new(index, 1.0, most, |beta| 1.0 - fresnel_reflectance(index, 1.0, beta))
+            };
+            for face in [new(0.5), new(0.5).tabulated(), new(100.0)] {
+                for (f, expected) in [0.0, 0.02, 0.1, 0.3, 0.5].into_iter().zip(known) {
+                    assert!((face.at(f) - expected).abs() < 1e-10, "{index} {f}: {} {expected}", face.at(f));
+                }
+                assert!(face.at(99.0).abs() < 1e-7, "{index}");
+            }
         }
     }
 

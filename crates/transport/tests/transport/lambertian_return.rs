@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::lobe::Lobe;
+use papilio_testing::everyday;
 use papilio_transport::spatial::{Accuracy, LambertianReturn};
 use papilio_transport::{Base, Diffuser, Front, Medium, Panel, Reflector, Top};
 
@@ -57,7 +58,7 @@ fn table_equals_the_sum_over_directions() {
     let [air, thick] = [0.3, 0.7];
     let all = LambertianReturn::all(&glass, &[air, thick], ACCURACY).unwrap();
     assert_eq!(all.len(), 3);
-    for f in [0.0, 0.11, 0.4, 0.9, 1.7, 3.1] {
+    for f in [0.0, 0.03, 0.11, 0.4, 0.9, 1.7, 3.1, 5.9] {
         for one in &all {
             let bin = one.bins[0];
             let (steps, mut expected) = (6000, 0.0);
@@ -75,7 +76,7 @@ fn table_equals_the_sum_over_directions() {
                 expected += weight * (0..5).map(order).sum::<f64>();
             }
             let found = one.by_front(f);
-            assert!((found - expected).abs() < 1e-4 * front[bin], "{f}, {bin}: {found} {expected}");
+            assert!((found - expected).abs() < 1e-6 * front[bin], "{f}, {bin}: {found} {expected}");
         }
     }
 }
@@ -102,6 +103,32 @@ fn lobe_returns_known_fractions() {
             // of a transfer function times the reflectances of front and pixel, some 1e-4 here.
             let found = all[0].at(f) / uniform;
             assert!((found - known).abs() < 5e-3, "{width} {gap} {f}: {found} {known}");
+        }
+    }
+}
+
+/// The same over 0.4 mm of a medium that is nearly air, in which light goes far: sums over 72 rings and 28 azimuths of the air and 145600
+/// directions in the medium for each, of a separate program (numpy), with errors of about 3e-4. Grazing light is not resolved, 1e-3 of all here.
+#[test]
+fn lobe_over_air_returns_known_fractions() {
+    const FREQUENCIES: [f64; 6] = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+    let cases = [
+        (1.00001, 0.057, 0.0, 0.2, 0.746_13, [0.9245, 0.7750, 0.4736, 0.1413, 0.0095, 0.0]),
+        (1.00001, 0.057, 0.3, 0.0, 0.815_47, [0.9551, 0.8634, 0.6468, 0.3082, 0.0554, 0.0012]),
+        (1.00001, 0.3, 0.1, 0.5, 0.374_87, [0.8735, 0.6627, 0.3143, 0.0504, 0.0006, 0.0]),
+        (1.0006, 0.3, 0.1, 0.0, 0.374_84, [0.9644, 0.8898, 0.7026, 0.3712, 0.0759, 0.0020]),
+    ];
+    for (index, width, straight, gap, zero, known) in everyday(1, cases) {
+        let lobe = Lobe::KCorrelation { width };
+        let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction: straight };
+        let panel = panel(Top::Diffuser(diffuser), &[index], &[1.0]);
+        let accuracy = Accuracy { digits: 13.0, most_per_mm: 8.0 };
+        let all = LambertianReturn::all(&panel, &[gap, 0.4], accuracy).unwrap();
+        let uniform = all[0].at(0.0);
+        assert!((uniform - zero).abs() < 1e-5, "{index} {width} {gap}: {uniform}");
+        for (f, known) in FREQUENCIES.into_iter().zip(known) {
+            let found = all[0].at(f) / uniform;
+            assert!((found - known).abs() < 2e-3, "{index} {width} {gap} {f}: {found} {known}");
         }
     }
 }

@@ -20,8 +20,10 @@ use super::Heights;
 use crate::Diffuser;
 use crate::numerics::quadrature::{MOST_POINTS, Node, gauss};
 
-/// Places farther than this, in thicknesses of the glass, count as this far: little light goes there.
+/// Places farther than this, in thicknesses of the glass, count as this far: little light goes there. Where the index is so low that light of the
+/// air goes farther, its way is resolved up to the second one over `1 + 2 f d`: far light matters at low frequencies alone.
 const FARTHEST: f64 = 4.0;
+const FARTHEST_OF_AIR: f64 = 30.0;
 
 /// Number of places in addition to the phase, in radians, from the middle to the farthest place at the highest frequency.
 const MORE_PLACES: f64 = 10.0;
@@ -87,10 +89,10 @@ pub(super) fn lit(
     let accuracy = Accuracy { digits: (accuracy.digits - DIGITS_LESS).max(DIGITS), ..accuracy };
     let gap = Gap { index, thickness_mm: heights.glass_mm };
     // Phase of the light at the rim of the disc of air.
-    let phase = 4.0
-        * PI
-        * accuracy.most_per_mm
-        * (heights.glass_mm / (index * index - 1.0).sqrt() + heights.front_mm);
+    let edge = 1.0 / (index * index - 1.0).max(f64::EPSILON).sqrt();
+    let farthest =
+        (FARTHEST_OF_AIR / (1.0 + 2.0 * accuracy.most_per_mm * heights.glass_mm)).min(edge).max(FARTHEST);
+    let phase = 4.0 * PI * accuracy.most_per_mm * (heights.glass_mm * edge.min(farthest) + heights.front_mm);
     let turns = (accuracy.digits + phase).ceil();
     let mut all = Vec::new();
     // |beta| = sin x: ways through the air grow without limit towards grazing light, of which there is little.
@@ -105,7 +107,8 @@ pub(super) fn lit(
                 about(diffuser, gap, beta, width)
             } else {
                 let pair = Pair::new(diffuser, gap, Bundle::point(beta), Incoming::Pixel, accuracy);
-                Below::Places(places(Spread::of(pair).samples(), gap, 2.0 * PI * accuracy.most_per_mm))
+                let wave = 2.0 * PI * accuracy.most_per_mm;
+                Below::Places(places(Spread::of(pair).samples(), farthest * heights.glass_mm, wave))
             };
             let weight = ring / (turns * PI * index * index);
             all.push(Lit { weight, air_mm: displacement(beta, 2.0 * heights.front_mm, 1.0)[0], below });
@@ -137,9 +140,9 @@ fn about(diffuser: &Diffuser, Gap { index, thickness_mm }: Gap, beta: Beta, widt
     }
 }
 
-/// Few places along x that have the same transform up to a frequency (radians per mm): by polynomials through Chebyshev's points.
-fn places(samples: &[Sample], gap: Gap, wave: f64) -> Vec<[f64; 2]> {
-    let farthest = FARTHEST * gap.thickness_mm;
+/// Few places along x, none farther than a distance (mm), that have the same transform up to a frequency (radians per mm): by polynomials through
+/// Chebyshev's points.
+fn places(samples: &[Sample], farthest: f64, wave: f64) -> Vec<[f64; 2]> {
     let x = |sample: &Sample| sample.shift_mm[0].clamp(-farthest, farthest);
     let [low, high] = samples
         .iter()
