@@ -22,8 +22,9 @@ use crate::DisplayError;
 /// Images that are weaker than this fraction of all light are left out.
 const FAINTEST: f64 = 1e-9;
 
-/// Most orders of a pattern's mean: those of a bright pixel at 85 deg.
-const MOST_ORDERS: usize = 48;
+/// Most orders of the mean of stripes and of checkerboards with exact edges: those of pixels that return 0.96 or 0.81 of the light with the face.
+/// Brighter ones are divided into cells.
+const MOST_ORDERS: [usize; 2] = [500, 100];
 
 /// Most trips of light through the air below a front.
 const MOST_TRIPS: i32 = 6;
@@ -173,9 +174,11 @@ impl RoundTrips {
         }
         let rounds = self.bins.iter().map(|trip| trip.face.returned() * trip.pixel[on].max(trip.pixel[off]));
         let most = rounds.fold(0.0_f64, f64::max);
-        // Light of later orders is less than the faintest image, except in views close to the horizon.
+        // Light of later orders is less than the faintest image.
         let orders = if most > 0.0 { (FAINTEST.ln() / most.min(0.999).ln()).ceil() as usize } else { 0 };
-        let orders = orders.min(MOST_ORDERS);
+        if orders > MOST_ORDERS[usize::from(pattern.kind == PatternKind::Checkerboard)] {
+            return self.mean_of_cells(pattern, level);
+        }
         let shift = |axis: usize, order: usize| order as f64 * self.step_mm[axis] / pattern.period_mm;
         let pieces = |axis: usize| -> Vec<(f64, f64)> {
             let along = axis == 0 || pattern.kind == PatternKind::Checkerboard;
