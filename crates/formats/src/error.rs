@@ -66,6 +66,11 @@ pub enum Problem {
     EnergyAxis,
     /// Angles that are probably in radians.
     Radians,
+    /// Reflectance factors that may be fractions or per cent.
+    NoScale {
+        /// The largest value.
+        largest: f64,
+    },
     /// An error of a file of an instrument.
     Instrument {
         /// Name of the format.
@@ -300,7 +305,7 @@ impl Problem {
                 .expected("text in UTF-8, UTF-16 or Latin-1")
                 .hint("save it as plain text, such as CSV"),
             Self::Column(problem) => problem.diagnostic(),
-            Self::MissingColumn { .. } | Self::EnergyAxis | Self::Radians => self.header_diagnostic(),
+            Self::MissingColumn { .. } | Self::EnergyAxis | Self::Radians | Self::NoScale { .. } => self.header_diagnostic(),
             Self::Instrument { format, what } => Diagnostic::new(format!("this {format} file cannot be used: {what}")),
             Self::OtherQuantity { found, expected } => {
                 Diagnostic::new(format!("this file holds {found}")).expected(expected)
@@ -349,6 +354,11 @@ impl Problem {
                 .hint(
                     "power per eV (or per cm-1) is not power per nm: multiply the values by the square of the energy, and convert the                      energies to wavelengths (1239.84 nm eV)",
                 ),
+            Self::NoScale { largest } => Diagnostic::new(format!(
+                "the values reach {largest}, and no column states whether a perfect white is 1 or 100"
+            ))
+            .expected("values of which a perfect white is 1, or a unit")
+            .hint("write the unit in the names of the columns, such as `Y (1)` or `Y (%)`; without one, values above 10 are read as per cent"),
             _ => Diagnostic::new("the angles are probably in radians")
                 .expected("angles in degrees")
                 .hint("write the unit in the names of the columns, such as `theta_i (rad)` or `theta_i (deg)`"),

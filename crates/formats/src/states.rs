@@ -67,6 +67,10 @@ pub(crate) struct Accept {
 /// Values from here to 0 are the noise of a dark signal.
 const NOISE: f64 = -0.02;
 
+/// A panel that reflects like a mirror, or whose pixels gather light, has reflectance factors of up to about this: larger ones, without a unit, are
+/// in per cent. Smaller ones above [`instrument::LARGEST_FRACTION`] may be either.
+const LARGEST_GAIN: f64 = 10.0;
+
 /// Reads the states of a file.
 ///
 /// # Errors
@@ -210,13 +214,13 @@ impl Points {
         }
         if matches!(&values, Values::Columns(_, states) if states.iter().all(|(column, _)| column.unit.is_none()))
         {
-            points.divide_per_cent();
+            points.divide_per_cent(&head, accept)?;
         }
         if let Values::Xyz(columns) = &values
             && columns.iter().all(|column| column.unit.is_none())
             && !is_own(&head)
         {
-            points.divide_scale_100();
+            points.divide_per_cent(&head, accept)?;
         }
         Ok(points)
     }
@@ -307,27 +311,23 @@ impl Points {
         Ok(Self { all: read.samples.into_iter().map(point).collect(), notes: read.notes, is_table: false })
     }
 
-    /// Divides reflectances in per cent by 100, with a note, as those of instruments.
-    fn divide_per_cent(&mut self) {
-        let values = self.all.iter().flat_map(|point| &point.spectrum).map(|point| point.1);
-        let largest = values.fold(0.0, f64::max);
-        if largest > instrument::LARGEST_FRACTION {
-            self.all.iter_mut().flat_map(|point| &mut point.spectrum).for_each(|point| point.1 /= 100.0);
-            self.notes.push(instrument::percent_note(largest));
+    /// Divides reflectances in per cent, or X, Y, Z of which white has Y = 100, by 100, with a note: columns that state no unit.
+    fn divide_per_cent(&mut self, head: &Row<'_>, accept: &Accept) -> Result<(), FormatError> {
+        let mut values: Vec<&mut f64> = Vec::new();
+        for point in &mut self.all {
+            values.extend(point.spectrum.iter_mut().map(|point| &mut point.1));
+            values.extend(point.xyz.iter_mut().flatten());
         }
-    }
-
-    /// Divides X, Y, Z of the scale on which white has Y = 100 by 100, with a note.
-    fn divide_scale_100(&mut self) {
-        let largest = self.all.iter().filter_map(|point| point.xyz).flatten().fold(0.0, f64::max);
-        if largest > instrument::LARGEST_FRACTION {
-            self.all
-                .iter_mut()
-                .filter_map(|point| point.xyz.as_mut())
-                .flatten()
-                .for_each(|value| *value /= 100.0);
-            self.notes.push(instrument::percent_note(largest));
+        let largest = values.iter().fold(0.0_f64, |most, value| most.max(**value));
+        if largest <= instrument::LARGEST_FRACTION {
+            return Ok(());
         }
+        if largest <= LARGEST_GAIN && accept.factor.1 > 1.0 {
+            return Err(head.error(Problem::NoScale { largest }));
+        }
+        values.into_iter().for_each(|value| *value /= 100.0);
+        self.notes.push(instrument::percent_note(largest));
+        Ok(())
     }
 
     fn finish(mut self, file: &DataFile, accept: &Accept) -> Result<States, FormatError> {

@@ -333,6 +333,42 @@ fn tristimulus_values_of_the_scale_of_100_are_read_with_a_note() {
     assert!(close(white.y, 0.274) && fractions.warnings.is_empty(), "{:?}", fractions.warnings);
 }
 
+/// A panel that reflects like a mirror has Y of 2, a dark one of 2 per cent: between 1.5 and 10 the unit must be stated.
+#[test]
+fn values_that_may_be_fractions_or_per_cent_need_their_unit() {
+    use papilio_display::compare::Quantity;
+    let table = |unit: &str, y: &str| {
+        file(format!("state,X{unit},Y{unit},Z{unit}\nwhite,{y},{y},{y}\nblack,0.5,0.6,0.7\n"))
+    };
+    let white = |unit: &str, y: &str| {
+        let read = read_measured_panel(&table(unit, y)).unwrap();
+        let Quantity::Xyz(white) = &read.value[0].quantity else { panic!("{:?}", read.value[0]) };
+        (white.y, read.warnings.len())
+    };
+    for y in ["1.6", "2.1", "9.9"] {
+        let error = read_measured_panel(&table("", y)).unwrap_err();
+        assert_eq!(error.place.line_column().map(|place| place.0), Some(1), "{error}");
+        let error = error.to_string();
+        assert!(error.contains(&format!("the values reach {y}")) && error.contains("`Y (%)`"), "{error}");
+        let value: f64 = y.parse().unwrap();
+        assert_eq!(white(" (1)", y), (value, 0));
+        assert!(close(white(" (%)", y).0, 0.01 * value));
+    }
+    assert_eq!((white("", "1.4"), white(" (1)", "27.4")), ((1.4, 0), (27.4, 0)));
+    let (y, notes) = white("", "27.4");
+    assert!(close(y, 0.274) && notes == 1);
+    // Spectra of states in columns.
+    let spectra = |unit: &str, white: &str| {
+        let text = format!("wavelength_nm,white{unit},black{unit}\n400,{white},0.1\n700,{white},0.1\n");
+        read_measured_panel(&file(text)).map(|read| match &read.value[0].quantity {
+            Quantity::Spectrum(spectrum) => spectrum.at(500.0).unwrap(),
+            other => panic!("{other:?}"),
+        })
+    };
+    assert!(spectra("", "2.5").unwrap_err().to_string().contains("the values reach 2.5"));
+    assert!(close(spectra(" (1)", "2.5").unwrap(), 2.5) && close(spectra("", "25").unwrap(), 0.25));
+}
+
 /// Scans are read as all tables: uncertainties and remarks are left out with a note, everything else is refused by its name.
 #[test]
 fn scan_with_further_columns_and_relative_units_is_read() {
