@@ -59,9 +59,9 @@ pub use double_pass::double_pass_error;
 pub use error::GoniometryError;
 pub use fit::{Data, Fit, FitOptions, Parameter, Ranked, Straight, Weights, fitted, ranked};
 pub use geometry::{
-    Geometry, HalfAngleGrid, KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, PartOfCircle, Ring, SpecularGrid,
-    SphericalGrid, Symmetry, TensorTree, TreeNode, WarpFields, WarpedGrid, patch_count, patch_of,
-    projected_solid_angle,
+    Geometry, HalfAngleGrid, KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Overlap, PartOfCircle, Ring,
+    SpecularGrid, SphericalGrid, Symmetry, TensorTree, TreeNode, WarpFields, WarpedGrid, patch_count,
+    patch_of, projected_solid_angle,
 };
 pub use instrument::{
     Deblurred, Instrument, Noise, SyntheticSample, Unblur, Unblurred, View, deblurred, tristimulus_factors,

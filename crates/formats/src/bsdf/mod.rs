@@ -144,6 +144,9 @@ pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<Bsdf
     crate::guard::read(file, |file| of_any_format(file, part))
 }
 
+/// Mean difference of the two sides of the plane of incidence, over their mean, up to which it is taken as noise: then their means are used.
+const LARGEST_DIFFERENCE: f64 = 0.2;
+
 fn of_any_format(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile, FormatError> {
     let mut read: BsdfFile = if crate::npz::is_npz(file) {
         read_archive(file)?.into()
@@ -163,6 +166,18 @@ fn of_any_format(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile,
         only.way = way;
     }
     read.states_part |= part.is_some();
+    for overlap in read.measurement.parts.iter().filter_map(MeasuredPart::overlap) {
+        if overlap.difference > LARGEST_DIFFERENCE {
+            let place = Place::whole(&file.name);
+            return Err(FormatError { place, problem: BsdfProblem::SidesDisagree(overlap).into() });
+        }
+        read.notes.push(format!(
+            "the azimuths from {} to {} deg were measured on both sides of the plane of incidence: their means are taken (a mean difference of {:.1} %)",
+            overlap.from_deg,
+            overlap.to_deg,
+            100.0 * overlap.difference
+        ));
+    }
     let parts = std::mem::take(&mut read.measurement.parts).into_iter().map(MeasuredPart::on_one_side);
     let uncovered = |PartOfCircle { from_deg, to_deg, in_one_plane }| FormatError {
         place: Place::whole(&file.name),

@@ -1,7 +1,7 @@
 //! Errors of BSDF files.
 
 use papilio_diagnostics::{Diagnostic, number};
-use papilio_goniometry::ScatterMode;
+use papilio_goniometry::{Overlap, ScatterMode};
 
 /// The errors of a BSDF file, in addition to those of any data file.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,6 +71,8 @@ pub enum BsdfProblem {
         /// Whether the azimuths of the light lie in one plane of incidence.
         in_one_plane: bool,
     },
+    /// Both sides of the plane of incidence were measured at some azimuths, and differ.
+    SidesDisagree(Overlap),
     /// The measurement exceeds the limit of cells.
     TooManyCells {
         /// Largest number of cells.
@@ -142,6 +144,14 @@ impl BsdfProblem {
             ))
             .expected("half a circle on either side of the plane of incidence (0 to 180 or -180 to 0 deg), or a whole one")
             .hint("measure or add the other azimuths, or keep one azimuth, which then stands for all"),
+            Self::SidesDisagree(overlap) => Diagnostic::new(format!(
+                "the azimuths from {} to {} deg were measured on both sides of the plane of incidence, and their values differ by {} % in the mean",
+                number(overlap.from_deg),
+                number(overlap.to_deg),
+                number((100.0 * overlap.difference).round())
+            ))
+            .expected("one side of the plane of incidence, or a whole circle")
+            .hint("remove the azimuths of one side where both were measured, or add the others up to a whole circle"),
             Self::TooManyCells { limit } => {
                 Diagnostic::new(format!("this measurement has more than {limit} cells"))
                     .hint("use a coarser grid or fewer wavelengths")

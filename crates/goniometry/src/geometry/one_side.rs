@@ -21,6 +21,18 @@ pub struct PartOfCircle {
     pub in_one_plane: bool,
 }
 
+/// Azimuths that were measured on both sides of the plane of incidence, where a file covers more than one of them and not both. Their values are
+/// averaged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overlap {
+    /// The first of them on one side, degrees.
+    pub from_deg: f64,
+    /// The last of them, degrees.
+    pub to_deg: f64,
+    /// Mean difference between both sides, over the mean of their values.
+    pub difference: f64,
+}
+
 /// Ascending azimuths, each with the places on the axis of the file over which it is averaged.
 type Azimuths = Vec<(f64, Vec<usize>)>;
 
@@ -38,6 +50,42 @@ enum Cover {
 }
 
 impl MeasuredPart {
+    /// Returns the azimuths at which [`on_one_side`](Self::on_one_side) averages both sides of the plane of incidence; `None` if there are none.
+    pub fn overlap(&self) -> Option<Overlap> {
+        let (axis, cover, per_azimuth) = match &self.geometry {
+            Geometry::Spherical(grid) if grid.phi_i_deg.len() == 1 => {
+                let axis: Vec<f64> = grid.phi_o_deg.iter().map(|phi| phi - grid.phi_i_deg[0]).collect();
+                (axis.clone(), cover(&axis), 1)
+            }
+            Geometry::Specular(grid) if grid.symmetry != Symmetry::Plane && grid.rotations_deg.len() < 2 => {
+                (grid.azimuths_deg.clone(), cover(&grid.azimuths_deg), grid.radials_deg.len())
+            }
+            _ => return None,
+        };
+        let Cover::Mirrored(azimuths) = cover else { return None };
+        let is_beyond = |k: &&usize| axis[**k].rem_euclid(360.0) > 180.0;
+        let (mut found, mut apart, mut sum) = (None::<[f64; 2]>, 0.0, 0.0);
+        for (azimuth, at) in azimuths.iter().filter(|(azimuth, _)| *azimuth > 0.0 && *azimuth < 180.0) {
+            let (there, here): (Vec<&usize>, Vec<&usize>) = at.iter().partition(is_beyond);
+            if here.is_empty() || there.is_empty() {
+                continue;
+            }
+            found = Some([found.map_or(*azimuth, |[from, _]| from), *azimuth]);
+            for cells in self.values.chunks_exact(axis.len() * per_azimuth) {
+                for cell in 0..per_azimuth {
+                    let side = |side: &[&usize]| mean(side.iter().map(|k| cells[**k * per_azimuth + cell]));
+                    let [a, b] = [side(&here), side(&there)];
+                    if a.is_finite() && b.is_finite() {
+                        apart += (a - b).abs();
+                        sum += 0.5 * (a + b).abs();
+                    }
+                }
+            }
+        }
+        let difference = if apart > 0.0 { apart / sum } else { 0.0 };
+        found.map(|[from_deg, to_deg]| Overlap { from_deg, to_deg, difference })
+    }
+
     /// Returns the part with azimuths from 0 to 180 deg from the light if those of a grid cover half a circle on any side of the plane of
     /// incidence. Whole circles, and grids with a single azimuth, are returned as they are, and so are all other geometries.
     ///

@@ -170,6 +170,35 @@ fn rounded_radians_of_a_scan_are_degrees() {
     assert!(total < shape && total > 0.8 * shape);
 }
 
+/// More than half a circle, and no whole one: both sides were measured at some azimuths. Their means are taken with a note; sides that differ are
+/// refused.
+#[test]
+fn azimuths_on_both_sides_are_averaged_with_a_note() {
+    let table = |tilt: f64| {
+        let mut text = "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,bsdf\n".to_owned();
+        for theta in (0..=90).step_by(15) {
+            for phi in (0..=210).step_by(15) {
+                let value = if phi > 180 { 1.0 + tilt } else { 1.0 };
+                let _ = writeln!(text, "20,0,{theta},{phi},{value}");
+            }
+        }
+        text
+    };
+    for (tilt, percent) in [(0.0, "0.0 %"), (0.1, "9.5 %")] {
+        let read = read_bsdf_file(&file(table(tilt)), Some(ScatterMode::FrontReflection)).unwrap();
+        let notes = read.notes.iter().filter(|note| note.contains("on both sides")).collect::<Vec<_>>();
+        assert!(
+            notes.len() == 1 && notes[0].contains("150 to 165 deg") && notes[0].contains(percent),
+            "{notes:?}"
+        );
+        let part = &read.measurement.parts[0];
+        assert!((part.values[10] - (1.0 + 0.5 * tilt)).abs() < 1e-12 && part.values[9] == 1.0);
+    }
+    let (_, problem) = refused_bsdf(table(0.5));
+    let BsdfProblem::SidesDisagree(overlap) = problem else { panic!("{problem:?}") };
+    assert!((overlap.difference - 0.4).abs() < 1e-12 && overlap.from_deg == 150.0, "{overlap:?}");
+}
+
 #[test]
 fn part_of_a_circle_is_refused_with_its_azimuths() {
     for (phi_i, from, to) in [(90.0, 0, 180), (0.0, 0, 90), (180.0, -30, 30)] {
