@@ -157,7 +157,20 @@ class Brdf(Stored, ByName[NDArray[Any]]):
         return xarray.Dataset(data, coordinates, about | {"missed": self.missed} | messages)
 
     def _files(self) -> dict[str, bytes]:
-        return {"display-bsdf.npz": self._content}
+        return {"display-bsdf.npz": self._readable()}
+
+    def _readable(self) -> bytes:
+        """Returns the content of the file, if its azimuths cover the half circle that readers need; one azimuth stands for all."""
+        azimuths = self.dphi_deg
+        if azimuths.size > 1:
+            # The azimuths may be the middles of cells.
+            reach = [azimuths[0] - 0.5 * (azimuths[1] - azimuths[0]), azimuths[-1] + 0.5 * (azimuths[-1] - azimuths[-2])]
+            if reach[0] > 0.03 or reach[1] < 179.97:
+                raise ArgumentError(
+                    f"dphi_deg: a file needs the azimuths of half a circle, 0 to 180 deg, or a single one; these are {azimuths[0]:g} to "
+                    f"{azimuths[-1]:g} deg"
+                )
+        return self._content
 
     def save(self, folder: str | PathLike[str]) -> list[Path]:
         """Writes ``display-bsdf.npz``, identical to the program's file byte for byte, and the figures.
@@ -167,10 +180,13 @@ class Brdf(Stored, ByName[NDArray[Any]]):
 
         Returns:
             The paths of the files.
+
+        Raises:
+            ArgumentError: if ``dphi_deg`` is part of a half circle, which no reader accepts.
         """
         if Path(folder).suffix != ".npz":
             return super().save(folder)
-        return written(Path(folder).parent, {Path(folder).name: self._content})
+        return written(Path(folder).parent, {Path(folder).name: self._readable()})
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._content, self.missed, self.warnings, self.notes)

@@ -61,6 +61,27 @@ def test_arrays_have_documented_names(scenarios):
 
 
 @pytest.mark.parametrize(
+    ("dphi_deg", "reads"),
+    [([0], True), ([0, 180], True), ([0, 90, 180], True), ([15, 45, 75, 105, 135, 165], True), ([0, 10], False), ([0, 90], False), ([90, 180], False)],
+)
+def test_saved_azimuths_are_those_that_the_program_reads(program, scenarios, tmp_path, dphi_deg, reads):
+    found = papilio.brdf(scenarios / "indoor.toml", theta_i_deg=[0, 30], theta_o_deg=[0, 30, 60], dphi_deg=dphi_deg, set=COARSE)
+    assert found.brdf.shape[3] == len(dphi_deg)
+    path = tmp_path / "table.npz"
+    if reads:
+        found.save(path)
+    else:
+        with pytest.raises(ArgumentError, match="^dphi_deg: .*half a circle"):
+            found.save(path)
+        with pytest.raises(ArgumentError, match="^dphi_deg"):
+            found.save(tmp_path / "folder")
+        # The reader agrees.
+        path.write_bytes(found._content)
+    end = subprocess.run([program, "diffuser", path, "--json"], capture_output=True, text=True)
+    assert ("half a circle" not in end.stderr) == reads, end.stderr
+
+
+@pytest.mark.parametrize(
     ("arguments", "says"),
     [
         ({"step_deg": 7}, "step_deg"),
