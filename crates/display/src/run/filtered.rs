@@ -5,6 +5,7 @@ use std::cell::Cell;
 use papilio_transport::walk::places::Estimate as PlacedEstimate;
 
 use super::adding::run_levels;
+use super::rounds::paths_for_a_tenth;
 use super::{Progress, REPLICATES, Round, Run, missed, until};
 use crate::DisplayError;
 use crate::filtered::{Filtered, by_reciprocity};
@@ -67,7 +68,9 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     }
     let specular = run.specular();
     let (mut views, mut all_paths, mut reached, mut over) = (Vec::new(), 0, 0.0_f64, 0.0_f64);
+    let mut for_a_tenth = [0.0; 2];
     for view in &setup.views {
+        let mut rounds = Vec::new();
         let seen = |samples: &[Sample]| run.meter.view_of_replicates(view, samples, 0.0, &specular);
         let per_wavelength = matches!(solver.stop, Stop::RelativeError { per_wavelength: true, .. });
         let ((samples, error, of_view), paths) = until(&solver.stop, MOST_PATHS, |paths| {
@@ -83,6 +86,7 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
                 Stop::Target(target) => target.missed_by(&seen(&samples).view).unwrap_or(f64::INFINITY),
                 stop => missed(stop, error)?,
             };
+            rounds.push((paths, missed));
             let means = run.meter.luminous_means(&samples);
             Ok(Round { found: (samples, error, missed), missed, means })
         })?;
@@ -90,12 +94,14 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
             return Err(DisplayError::NotFinite);
         }
         (all_paths, reached, over) = (all_paths + paths, reached.max(error), over.max(of_view));
+        let more = paths_for_a_tenth(&rounds, paths);
+        for_a_tenth.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
         views.push(seen(&samples));
         (run.control.progress)(Progress::of_views(views.len(), setup.views.len()));
     }
     let target = matches!(solver.stop, Stop::Target(_)).then_some(TargetReport {
         error_over_tolerance: Some(over).filter(|over| over.is_finite()),
-        paths_for_a_tenth: [100.0 * all_paths as f64; 2],
+        paths_for_a_tenth: for_a_tenth,
     });
     let report = SolverReport {
         method: "monte-carlo".to_owned(),

@@ -62,9 +62,36 @@ pub(crate) fn until<T>(
     }
 }
 
+/// Estimates the number of paths for a tenth of a target's error: from the decrease of the error with the number of paths, by least squares of
+/// the logarithms, and in the worst case. `missed`: number of paths and ratio of error to tolerance after each round; `paths`: of the last one.
+pub(super) fn paths_for_a_tenth(missed: &[(u64, f64)], paths: u64) -> [f64; 2] {
+    let logs = missed.iter().filter(|(_, missed)| *missed > 0.0 && missed.is_finite());
+    let logs: Vec<(f64, f64)> = logs.map(|(paths, missed)| ((*paths as f64).ln(), missed.ln())).collect();
+    let n = logs.len().max(1) as f64;
+    let (x, y) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
+    let xx: f64 = logs.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let xy: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    // The slope of few rounds is uncertain: it is limited to the range of possible methods.
+    let power = if xx > 0.0 { (-xy / xx).clamp(0.5, 1.5) } else { 0.5 };
+    [10.0_f64.powf(1.0 / power), 100.0].map(|times| times * paths as f64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Errors that fall as a power of the number of paths; without rounds, or with errors that do not fall, the worst case.
+    #[test]
+    fn paths_for_a_tenth_follow_the_decrease_of_the_error() {
+        let of = |power: f64| -> Vec<(u64, f64)> {
+            (10..16).map(|k| (1 << k, 3.0 * 2.0_f64.powf(-power * f64::from(k)))).collect()
+        };
+        for (power, times) in [(0.5, 100.0), (0.75, 21.544_347), (1.0, 10.0), (0.0, 100.0)] {
+            let [likely, most] = paths_for_a_tenth(&of(power), 1 << 15);
+            assert!((likely / f64::from(1 << 15) - times).abs() < 1e-5 && most == 100.0 * f64::from(1 << 15));
+        }
+        assert_eq!(paths_for_a_tenth(&[(1024, f64::INFINITY)], 1024), [102_400.0; 2]);
+    }
 
     /// Rounds of a number whose error is 1/sqrt(paths), in units of one standard error from the truth.
     fn rounds(stop: &Stop, off: impl Fn(u64) -> f64) -> Vec<u64> {

@@ -9,6 +9,7 @@ use papilio_sampling::SampleStream;
 use papilio_transport::walk::{Replicate, Walk};
 use rayon::prelude::*;
 
+use super::rounds::paths_for_a_tenth;
 use super::{Progress, REPLICATES, Run};
 use crate::DisplayError;
 use crate::meter::{Sample, ViewSamples};
@@ -144,20 +145,6 @@ impl Work<'_> {
     fn missed_by(&self) -> f64 {
         self.missed.last().map_or(f64::INFINITY, |last| last.1)
     }
-
-    /// Estimates the number of paths for a tenth of a target's error: from the decrease of the error with the number of
-    /// paths, by least squares of the logarithms, and in the worst case.
-    fn paths_for_a_tenth(&self) -> [f64; 2] {
-        let logs = self.missed.iter().filter(|(_, missed)| *missed > 0.0 && missed.is_finite());
-        let logs: Vec<(f64, f64)> = logs.map(|(paths, missed)| ((*paths as f64).ln(), missed.ln())).collect();
-        let n = logs.len().max(1) as f64;
-        let (x, y) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
-        let xx: f64 = logs.iter().map(|p| (p.0 - x).powi(2)).sum();
-        let xy: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-        // The slope of few rounds is uncertain: it is limited to the range of possible methods.
-        let power = if xx > 0.0 { (-xy / xx).clamp(0.5, 1.5) } else { 0.5 };
-        [10.0_f64.powf(1.0 / power), 100.0].map(|times| times * self.paths as f64)
-    }
 }
 
 /// Results of the completed views.
@@ -192,7 +179,7 @@ impl<'a> Runner<'a> {
                 done.paths += work.paths;
                 done.relative_error = done.relative_error.max(work.relative_error);
                 done.missed = done.missed.max(work.missed_by());
-                let more = work.paths_for_a_tenth();
+                let more = paths_for_a_tenth(&work.missed, work.paths);
                 done.paths_for_a_tenth.iter_mut().zip(more).for_each(|(sum, paths)| *sum += paths);
             }
             if interrupted {
