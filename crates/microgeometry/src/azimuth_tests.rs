@@ -329,8 +329,8 @@ fn few_rays_do_not_contradict_the_laws() {
             }
             by_azimuth /= f64::from(balanced.max(1));
             // Replicates of one and two rays by azimuth are skewed, which biases z (up to 2.6 in its square was seen): there, the law must not be
-            // refused, and the kernel may be too dark to balance.
-            let most = if rays < 5 { 9.0 } else { 1.5 };
+            // refused, and the kernel may be too dark to balance. A sum of few replicates is not known better than to one ray, 2 of its errors.
+            let most = if rays < 5 { 4.0 } else { 1.5 };
             assert!(by_band < 1.5 && by_azimuth < most, "mesh {number}, {rays} rays: {by_band} {by_azimuth}");
             assert!(rays < 5 || balanced > 0, "mesh {number}, {rays} rays: no kernel by azimuth");
         }

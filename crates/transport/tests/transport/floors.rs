@@ -1,4 +1,5 @@
-//! The order of floors: no module of the crate uses one of a higher floor, and the solvers do not use each other.
+//! The order of floors: no module of the crate uses one of a higher floor, and the solvers do not use each other, by paths from `crate` or by
+//! `super`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -43,7 +44,7 @@ fn no_module_uses_a_higher_floor() {
         }
         let own = floor(&module)
             .unwrap_or_else(|| panic!("{name}: give the module `{module}` a floor in this test"));
-        for used in used(&code(&file)) {
+        for used in used(&code(&file), depth(&name)) {
             let used = exported.get(&used).cloned().unwrap_or(used);
             uses += 1;
             let Some(other) = floor(&used) else { continue };
@@ -80,14 +81,28 @@ fn exported(source: &Path) -> BTreeMap<String, String> {
     from
 }
 
-/// Returns the first names of all paths that begin with `crate::`.
-fn used(code: &str) -> Vec<String> {
-    let after = code.split("crate::").skip(1);
+/// Returns how many times `super` leads from a file to the root of the crate.
+fn depth(name: &str) -> usize {
+    name.split('/').filter(|part| *part != "mod.rs").count()
+}
+
+/// Returns the first names of all paths that begin with `crate::`, or with as many times `super::` as lead to the root.
+fn used(code: &str, depth: usize) -> Vec<String> {
+    let root = "super::".repeat(depth);
+    let after = code.split("crate::").skip(1).chain(code.split(&root).skip(1));
     let names = after.flat_map(|rest| match rest.strip_prefix('{') {
         Some(list) => tops(list),
         None => words(rest).into_iter().take(1).collect(),
     });
     names.collect()
+}
+
+#[test]
+fn paths_by_super_are_found() {
+    assert_eq!([depth("panel.rs"), depth("adding/mod.rs"), depth("adding/panel/rings.rs")], [1, 1, 3]);
+    let code =
+        "use super::super::super::{walk, spatial::page};\nuse super::super::own;\nuse crate::layers::Flat;";
+    assert_eq!(used(code, 3), ["layers", "walk", "spatial"]);
 }
 
 /// Returns the first name of each member of a list in braces, `a, b::{c, d}}`.
