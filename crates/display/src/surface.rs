@@ -134,10 +134,11 @@ impl SurfaceFace {
             let now = Progress::of_views(done, REPLICATES as usize);
             (control.progress)(Progress { unit: "replicates of a surface", ..now }.within(PART));
         };
+        // On all processors, whatever the number of threads of this computation: it is often one of many workers, which wait for the surface.
         // Totals at single inclinations are not needed.
         let goniometer = Goniometer { incidence_deg: Vec::new(), azimuths: None, ..goniometer.clone() };
         let found = goniometer
-            .replicates(surface, control.threads, &|| control.stopped(), &finished)
+            .replicates(surface, &|| control.stopped(), &finished)
             .and_then(|replicates| goniometer.kernel(&replicates))
             .and_then(|kernel| {
                 FaceTable::new([goniometer.index_above, goniometer.index_below], &kernel).kernels()

@@ -311,7 +311,7 @@ impl Goniometer {
         self.totals(&found).unwrap()
     }
 
-    /// Follows the rays of all replicates on a number of threads (all processors if `None`). `stop` as in [`replicate`](Self::replicate);
+    /// Follows the rays of all replicates on all processors. `stop` as in [`replicate`](Self::replicate);
     /// `finished` is called after each replicate.
     ///
     /// # Errors
@@ -319,11 +319,10 @@ impl Goniometer {
     pub fn replicates(
         &self,
         surface: &Surface,
-        threads: Option<usize>,
         stop: &(dyn Fn() -> bool + Sync),
         finished: &(dyn Fn() + Sync),
     ) -> Result<Vec<Replicate>, MicrogeometryError> {
-        on_threads(REPLICATES as usize, threads, &|number| {
+        on_threads(REPLICATES as usize, None, &|number| {
             let replicate = self.replicate(surface, number as u64, &stop)?;
             finished();
             Ok(replicate)
