@@ -5,13 +5,13 @@ use std::time::Instant;
 
 use papilio_display::result::RunResult;
 use papilio_display::scene::{AngleMedium, Method};
-use papilio_display::{ConeGrid, ConeResult, Control, adding_seconds, ambient_light_by_direction, forecast};
+use papilio_display::{ConeGrid, ConeResult, adding_seconds, ambient_light_by_direction, forecast};
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
 use crate::folder::Chosen;
-use crate::progress::Computation;
+use crate::progress::{Computation, with_progress};
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
 /// Fractions of the progress that are the views and their cone, about.
@@ -23,7 +23,7 @@ const LONG_SECONDS: f64 = 1.0;
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let resolved = resolve(arguments)?;
     let out = out_folder(arguments, &resolved.hash)?;
-    cost_note(&resolved)?.iter().for_each(|note| print_message(note));
+    cost_note(&resolved, arguments.workers.threads)?.iter().for_each(|note| print_message(note));
     let started = Instant::now();
     let threads = arguments.workers.threads;
     let mut computation = Computation::in_parts(if arguments.cone { &PARTS } else { &[1.0] });
@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
 }
 
 /// A note if the solver will take long, before it begins, and whether the other one would take less time.
-fn cost_note(resolved: &Resolved) -> Result<Option<String>, Failure> {
+fn cost_note(resolved: &Resolved, threads: Option<u16>) -> Result<Option<String>, Failure> {
     let scene = &resolved.scene;
     // Below a colour filter, paths read places, whose cost is not estimated.
     if scene.display.filter().is_some() {
@@ -97,8 +97,10 @@ fn cost_note(resolved: &Resolved) -> Result<Option<String>, Failure> {
         // Says itself what it has chosen.
         Method::Auto => return Ok(None),
     };
-    let control = Control { threads: None, progress: &|_| {}, stop: &interrupt::STOP };
-    let forecast = forecast(scene, &control).map_err(failure)?;
+    // Interrupted: so is the run.
+    let Some(forecast) = with_progress(resolved, threads, |control| forecast(scene, control))? else {
+        return Ok(None);
+    };
     let (adding, monte_carlo) =
         (("adding", forecast.adding_s), ("the Monte Carlo solver", forecast.monte_carlo_s));
     let ((solver, seconds), (other, of_other)) =

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use crate::errors;
 use crate::result::RunResult;
 use crate::scenario::Resolved;
-use crate::watch::{detached, watched};
+use crate::watch::watched;
 
 /// Interval between attempts to lock a display that another thread uses.
 const WAIT: Duration = Duration::from_millis(1);
@@ -26,8 +26,14 @@ pub(crate) struct Prepared {
 impl Prepared {
     #[new]
     fn new(py: Python<'_>, like: &Resolved) -> PyResult<Self> {
-        let prepared = detached(py, || papilio_display::Prepared::new(&like.of.scene))?;
-        Ok(Self { display: Mutex::new(prepared.map_err(|error| errors::display_of(py, &like.of, &error))?) })
+        let prepared = watched(py, &AtomicBool::new(false), None, |watch| {
+            watch.run(None, |control| papilio_display::Prepared::new(&like.of.scene, control))
+        })?;
+        match prepared {
+            Ok(prepared) => Ok(Self { display: Mutex::new(prepared) }),
+            Err(DisplayError::Interrupted) => Err(PyKeyboardInterrupt::new_err(())),
+            Err(error) => Err(errors::display_of(py, &like.of, &error)),
+        }
     }
 
     #[pyo3(signature = (scenario, threads=None, progress=None, first=false))]

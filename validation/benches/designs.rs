@@ -97,7 +97,7 @@ fn run(bencher: Bencher<'_, '_>) {
     let (scene, film) = scene();
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
-    let mut prepared = Prepared::new(&scene).unwrap();
+    let mut prepared = Prepared::new(&scene, &control).unwrap();
     let mut times = 0.0;
     let next = || {
         times += 1.0;

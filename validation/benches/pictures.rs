@@ -52,7 +52,7 @@ fn held(bencher: Bencher<'_, '_>, size: [usize; 2], threads: usize, change: impl
     let stop = AtomicBool::new(false);
     let control = on_cores(threads, &stop);
     let picture = HeldPicture::new(&scene, &source, &settings, &control).unwrap();
-    let (mut prepared, mut known) = (Prepared::new(&scene).unwrap(), KnownLights::default());
+    let (mut prepared, mut known) = (Prepared::new(&scene, &control).unwrap(), KnownLights::default());
     picture.factors_with(&scene, &mut prepared, &mut known, &control).unwrap();
     bencher
         .with_inputs(more_and_more(&scene, change))

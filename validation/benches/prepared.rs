@@ -32,7 +32,7 @@ fn changed(bencher: Bencher<'_, '_>, name: &str, change: impl Fn(&mut Scene, f64
     let scene = scene(name);
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
-    let mut prepared = Prepared::new(&scene).unwrap();
+    let mut prepared = Prepared::new(&scene, &control).unwrap();
     prepared.run(&scene, &control).unwrap();
     bencher
         .with_inputs(more_and_more(&scene, change))

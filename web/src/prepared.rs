@@ -57,7 +57,7 @@ impl PreparedDisplays {
         accuracy: Accuracy,
         control: &Control<'_>,
     ) -> Result<RunResult, DisplayError> {
-        self.with(scene, |prepared| match accuracy {
+        self.with(scene, control, |prepared| match accuracy {
             Accuracy::Exact => prepared.run(scene, control),
             Accuracy::First => prepared.first(scene, control),
         })
@@ -67,11 +67,12 @@ impl PreparedDisplays {
     pub(crate) fn with<T>(
         &self,
         scene: &Scene,
+        control: &Control<'_>,
         compute: impl FnOnce(&mut Prepared) -> Result<T, DisplayError>,
     ) -> Result<T, DisplayError> {
         let mut prepared = match self.take(scene) {
             Some(entry) => entry.prepared,
-            None => Prepared::new(scene)?,
+            None => Prepared::new(scene, control)?,
         };
         let result = compute(&mut prepared);
         // An interrupted computation leaves the prepared display usable.

@@ -56,9 +56,8 @@ fn compute_point(
     let control = Control { threads: Some(threads), progress: &|_| {}, stop: &interrupt::STOP };
     let result = match prepared {
         Some(prepared) => prepared.run(&resolved.scene, &control),
-        None => {
-            Prepared::new(&resolved.scene).and_then(|new| prepared.insert(new).run(&resolved.scene, &control))
-        }
+        None => Prepared::new(&resolved.scene, &control)
+            .and_then(|new| prepared.insert(new).run(&resolved.scene, &control)),
     };
     match result {
         Ok(result) if result.solver.interrupted => Ok(None),

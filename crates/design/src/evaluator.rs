@@ -304,13 +304,15 @@ impl<'a> Evaluator<'a> {
     /// Those of [`evaluate`](Self::evaluate).
     pub fn run(&mut self, design: &[f64], condition: usize) -> Result<RunResult, DesignError> {
         let values = self.study.values(design)?;
-        let scene = self.study.conditions[condition].varied.scenario(&values)?.resolve()?.scene;
+        let resolved = self.study.conditions[condition].varied.scenario(&values)?.resolve()?;
         let control = Control { threads: Some(1), progress: &|_| {}, stop: self.stop };
-        let prepared = match self.conditions[condition].prepared.take() {
-            Some(prepared) => prepared,
-            None => Prepared::new(&scene)?,
+        let kept = &mut self.conditions[condition].prepared;
+        let result = match kept {
+            Some(prepared) => prepared.run(&resolved.scene, &control),
+            None => Prepared::new(&resolved.scene, &control)
+                .and_then(|new| kept.insert(new).run(&resolved.scene, &control)),
         };
-        Ok(self.conditions[condition].prepared.insert(prepared).run(&scene, &control)?)
+        result.map_err(|error| resolved.located(&error).map_or_else(|| error.into(), DesignError::from))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Errors of scenes and runs.
 
 use papilio_colour::ColourError;
+use papilio_microgeometry::MicrogeometryError;
 use papilio_optics::OpticsError;
 use papilio_transport::spatial::sparkle::SparkleError;
 
@@ -59,6 +60,14 @@ pub enum DisplayError {
         nm: f64,
         /// Approximate largest total thickness of films, mm.
         most_mm: f64,
+    },
+    /// A surface that cannot be measured.
+    #[error("{key}: the surface cannot be measured: {error}")]
+    Surface {
+        /// The key of the surface.
+        key: String,
+        /// What is wrong.
+        error: MicrogeometryError,
     },
     /// Angles in glass for a glass with dispersion.
     #[error("angles in glass need a glass whose index does not depend on wavelength")]

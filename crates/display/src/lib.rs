@@ -100,6 +100,7 @@ pub mod scene;
 mod setup;
 mod single_view;
 pub mod spatial;
+mod surface;
 mod target;
 mod threads;
 mod viewers;

@@ -9,6 +9,8 @@ use papilio_transport::{Interface as Ready, ScatterFace};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::DisplayError;
+use crate::run::Control;
 use crate::scene::{Interface, Scene};
 
 /// Lobe of a diffuser, for light from one direction.
@@ -32,7 +34,10 @@ const FURTHEST: f64 = 3.0;
 
 /// Computes the lobes of all diffusers of a scene, top to bottom, for light of the first directed source, projected on the
 /// plane of azimuth 0. Without a directed source, the light arrives along the normal.
-pub fn transmitted_lobes(scene: &Scene) -> Vec<TransmittedLobe> {
+///
+/// # Errors
+/// A surface that cannot be measured; if its measurement was stopped.
+pub fn transmitted_lobes(scene: &Scene, control: &Control<'_>) -> Result<Vec<TransmittedLobe>, DisplayError> {
     let bin = scene.grid.len() / 2;
     let source = scene.lighting.directed.first();
     let beta = source.map_or(0.0, |one| Beta::from_source(one.theta_deg, one.phi_deg, 1.0).x);
@@ -46,13 +51,17 @@ pub fn transmitted_lobes(scene: &Scene) -> Vec<TransmittedLobe> {
                 sampled(number, index, from, |to| diffuser.lobe.evaluate(from, to))
             }
             Interface::Ready(Ready::Scatter(face)) => of_face(number, index, from, face),
+            Interface::OfSurface(surface) => match surface.interface(&scene.grid, control)? {
+                Ready::Scatter(face) => of_face(number, index, from, &face),
+                _ => continue,
+            },
             Interface::Rough { .. } => None,
             _ => continue,
         };
         number += 1;
         lobes.extend(lobe);
     }
-    lobes
+    Ok(lobes)
 }
 
 fn of_face(number: usize, index: f64, from: Beta, face: &ScatterFace) -> Option<TransmittedLobe> {

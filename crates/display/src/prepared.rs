@@ -24,9 +24,9 @@ impl Prepared {
     /// Prepares the computation of scenes similar to this one.
     ///
     /// # Errors
-    /// If the scene is invalid.
-    pub fn new(scene: &Scene) -> Result<Self, DisplayError> {
-        Ok(Self::of(Setup::with_filter(scene)?))
+    /// If the scene is invalid, or the preparation was stopped.
+    pub fn new(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
+        Ok(Self::of(Setup::with_filter(scene, control)?))
     }
 
     /// A series of scenes similar to this one.
@@ -56,16 +56,12 @@ impl Prepared {
     }
 
     /// The scene, prepared.
-    pub(crate) fn setup(&mut self, scene: &Scene) -> Result<&Setup, DisplayError> {
-        self.renew(scene)
-    }
-
-    fn renew(&mut self, scene: &Scene) -> Result<&Setup, DisplayError> {
+    pub(crate) fn setup(&mut self, scene: &Scene, control: &Control<'_>) -> Result<&Setup, DisplayError> {
         let setup = match self.setup.take() {
-            Some(setup) => setup.renewed(scene)?,
+            Some(setup) => setup.renewed(scene, control)?,
             None => {
                 self.kernels.clear();
-                Setup::with_filter(scene)?
+                Setup::with_filter(scene, control)?
             }
         };
         Ok(self.setup.insert(setup))
@@ -77,7 +73,7 @@ impl Prepared {
         accuracy: Accuracy,
         control: &Control<'_>,
     ) -> Result<RunResult, DisplayError> {
-        self.renew(scene)?;
+        self.setup(scene, control)?;
         let Self { setup: Some(setup), kernels, workers } = self else {
             return Err(DisplayError::Interrupted);
         };

@@ -70,7 +70,7 @@ pub fn reflection(
     theta_deg: &[f64],
     control: &Control<'_>,
 ) -> Result<Vec<Reflection>, DisplayError> {
-    let light = ambient_spectrum(scene)?;
+    let light = ambient_spectrum(scene, control)?;
     let one = |(number, theta): (usize, &f64)| {
         let part = [number, number + 1].map(|done| done as f64 / theta_deg.len() as f64);
         let scene = reflection_scene(scene, *theta, &light);
@@ -81,10 +81,10 @@ pub fn reflection(
 }
 
 /// Relative spectrum of the total ambient light; an equal-energy spectrum if there is none.
-fn ambient_spectrum(scene: &Scene) -> Result<Spectrum, DisplayError> {
+fn ambient_spectrum(scene: &Scene, control: &Control<'_>) -> Result<Spectrum, DisplayError> {
     let mut ambient = scene.clone();
     ambient.lighting.front_light = None;
-    let setup = Setup::new(&ambient)?;
+    let setup = Setup::new(&ambient, control)?;
     let zero = Spectrum::constant(&scene.grid, 0.0);
     let sum = setup.lights.iter().fold(zero, |sum, light| sum.zip_map(&light.irradiance, |a, b| a + b));
     Ok(if sum.max() > 0.0 { sum } else { Spectrum::constant(&scene.grid, 1.0) })

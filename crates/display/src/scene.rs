@@ -25,6 +25,7 @@ pub use papilio_transport::{
 pub(crate) use self::place::SPREAD_KEY;
 pub use self::place::{Filter, FilterState, Length, Matrix, SubPixelWindow};
 pub use crate::result::ReferenceWhite;
+pub use crate::surface::{Correlation, Goniometer, Surface, SurfaceFace, SurfaceModel, face_by_rays};
 pub use crate::target::{Metric, MetricSource, Target, Tolerance};
 
 /// Complete description of one computation.
@@ -109,7 +110,7 @@ impl Display {
         let described = self.layers.iter().map(|layer| {
             let ready = match &layer.interface {
                 Interface::Ready(ready) => Some(ready),
-                Interface::Coating(_) | Interface::Rough { .. } => None,
+                Interface::Coating(_) | Interface::Rough { .. } | Interface::OfSurface(_) => None,
             };
             (ready, &layer.medium.index, layer.medium.is_clear())
         });
@@ -167,6 +168,8 @@ pub enum Interface {
         /// Distribution of the slopes.
         distribution: Distribution,
     },
+    /// A surface given by its geometry, which is measured when the scene is prepared.
+    OfSurface(Arc<SurfaceFace>),
 }
 
 impl From<Ready> for Interface {

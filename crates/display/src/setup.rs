@@ -114,21 +114,21 @@ pub(crate) struct ViewPoint {
 
 impl Setup {
     /// Prepares a scene for a computation that does not know colour filters.
-    pub(crate) fn new(scene: &Scene) -> Result<Self, DisplayError> {
+    pub(crate) fn new(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
         if scene.display.filter().is_some() {
             return Err(DisplayError::FilterWithoutPlace);
         }
-        Self::with_filter(scene)
+        Self::with_filter(scene, control)
     }
 
     /// Prepares a scene that may have a colour filter.
-    pub(crate) fn with_filter(scene: &Scene) -> Result<Self, DisplayError> {
+    pub(crate) fn with_filter(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
         let base = pixel::base(scene, &mut film, None)?;
         Ok(Self {
-            stack: stack(scene, base, None)?,
+            stack: stack(scene, base, None, control)?,
             film,
             lights: lights(scene, &observer)?,
             sources: sources(scene, angle_index)?,
@@ -152,13 +152,13 @@ impl Setup {
     /// pixel and the index above it, the stack on the layers, the sources on the lighting and that index, and the
     /// views on the viewer and that index. `version` is not incremented if new lighting has the same sources, that is,
     /// differs only in spectra and illuminances.
-    pub(crate) fn renewed(mut self, scene: &Scene) -> Result<Self, DisplayError> {
+    pub(crate) fn renewed(mut self, scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
         let other_observer = scene.metrics.observer != last.metrics.observer;
         if scene.grid != last.grid || solver_changed || other_observer {
-            return Ok(Self { version: self.version + 1, ..Self::with_filter(scene)? });
+            return Ok(Self { version: self.version + 1, ..Self::with_filter(scene, control)? });
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
         if index_changed || scene.display.pixel != last.display.pixel {
@@ -178,7 +178,7 @@ impl Setup {
                 Stack::Layered(made) => Some((&last.display.layers[..], &made.layers[..])),
                 Stack::Panel(_) => None,
             };
-            self.stack = stack(scene, base, made)?;
+            self.stack = stack(scene, base, made, control)?;
             self.version += 1;
         }
         let angle_index = angle_index(scene)?;
@@ -246,38 +246,52 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
     }
 }
 
-fn stack(scene: &Scene, base: Base, before: Option<Made<'_>>) -> Result<Stack, DisplayError> {
+fn stack(
+    scene: &Scene,
+    base: Base,
+    before: Option<Made<'_>>,
+    control: &Control<'_>,
+) -> Result<Stack, DisplayError> {
     let approximation = Approximation {
         single_pass: scene.solver.approximation == scene::Approximation::SinglePass,
         unrefracted: scene.solver.angle_medium == AngleMedium::Unrefracted,
     };
-    let layers = layers(scene, &scene.display.layers, before)?;
+    let layers = layers(scene, before, Surfaces::Measured(control))?;
     Stack::new(layers, base, approximation).map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)
 }
 
-/// Returns layers that are no panel over an empty base, which suffices to estimate their cost. Coatings are bare interfaces: they
-/// do not scatter, and their tables take longer than a first answer.
+/// Returns layers that are no panel over an empty base, which suffices to estimate their cost. Coatings are bare interfaces, which
+/// do not scatter either, and surfaces are not measured: both take longer than a first answer.
 pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
     let inactive_absorptance = vec![0.0; scene.grid.len()].into();
     let base = Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance };
-    let mut layers = scene.display.layers.clone();
-    for layer in &mut layers {
-        if let scene::Interface::Coating(_) = layer.interface {
-            layer.interface = Interface::Fresnel.into();
-        }
-    }
-    Ok(Stack::Layered(Layered { layers: self::layers(scene, &layers, None)?, base }))
+    Ok(Stack::Layered(Layered { layers: layers(scene, None, Surfaces::Estimated)?, base }))
+}
+
+/// Returns the layers of an ordinary panel, which has neither coatings nor surfaces.
+pub(crate) fn layers_of_panel(scene: &Scene) -> Result<Vec<Layer>, DisplayError> {
+    layers(scene, None, Surfaces::Estimated)
+}
+
+/// What is prepared of layers.
+#[derive(Clone, Copy)]
+enum Surfaces<'a> {
+    /// Everything.
+    Measured(&'a Control<'a>),
+    /// What decides on the work of a solver.
+    Estimated,
 }
 
 /// Layers of a scene, and what was made of them.
 type Made<'a> = (&'a [scene::Layer], &'a [Layer]);
 
 /// Prepares layers. Interfaces between the same media as in `before` are taken from there, with their tables.
-pub(crate) fn layers(
+fn layers(
     scene: &Scene,
-    layers: &[scene::Layer],
     before: Option<Made<'_>>,
+    surfaces: Surfaces<'_>,
 ) -> Result<Vec<Layer>, DisplayError> {
+    let layers = &scene.display.layers;
     let air = Spectrum::constant(&scene.grid, 1.0);
     let mut above = &air;
     let mut made = Vec::with_capacity(layers.len());
@@ -290,7 +304,7 @@ pub(crate) fn layers(
         });
         let interface = match known {
             Some(interface) => interface,
-            None => interface(scene, &layer.interface, above, &layer.medium.index)?,
+            None => interface(scene, &layer.interface, [above, &layer.medium.index], surfaces)?,
         };
         above = &layer.medium.index;
         let medium = Medium::new(above.clone()).with_transmittance(layer.medium.transmittance.clone());
@@ -306,11 +320,16 @@ pub(crate) fn layers(
 fn interface(
     scene: &Scene,
     interface: &scene::Interface,
-    above: &Spectrum,
-    below: &Spectrum,
+    [above, below]: [&Spectrum; 2],
+    surfaces: Surfaces<'_>,
 ) -> Result<Interface, DisplayError> {
     Ok(match interface {
         scene::Interface::Ready(ready) => ready.clone(),
+        scene::Interface::OfSurface(surface) => match surfaces {
+            Surfaces::Measured(control) => surface.interface(&scene.grid, control)?,
+            Surfaces::Estimated => surface.estimated(&scene.grid)?,
+        },
+        scene::Interface::Coating(_) if matches!(surfaces, Surfaces::Estimated) => Interface::Fresnel,
         scene::Interface::Coating(coating) => {
             let made = Coating::new(&scene.grid.wavelengths_nm(), above, &coating.films, below);
             Interface::Coating(made.map_err(|error| DisplayError::of_coating(error, &coating.key))?)

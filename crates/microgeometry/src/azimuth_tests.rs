@@ -25,7 +25,7 @@ fn goniometer(azimuths: usize, rays: u64, seed: u64) -> Goniometer {
 
 /// All replicates, and their sums by azimuth.
 fn measured(of: &Goniometer, surface: &Surface) -> (Vec<Replicate>, AzimuthSums) {
-    let mut replicates = of.replicates(surface, &|| false).unwrap();
+    let mut replicates = of.replicates(surface, &|| false, &|| {}).unwrap();
     let mut sums = AzimuthSums::new(of.patches().unwrap().unwrap(), of.rays);
     replicates.iter_mut().for_each(|one| sums.add(one.by_azimuth.take().unwrap()));
     (replicates, sums)

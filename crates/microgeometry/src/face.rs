@@ -51,6 +51,17 @@ impl FaceTable {
         }
     }
 
+    /// A surface that reflects all light as a flat one does: the bands of any surface between these indices, without light in them.
+    pub fn mirror(index: [f64; 2]) -> Self {
+        let count = Bands::new(index).count();
+        Self {
+            index,
+            scattered: vec![0.0; count * count * AZIMUTHS],
+            regular_reflected: vec![1.0; count],
+            regular_transmitted: vec![0.0; count],
+        }
+    }
+
     /// Edges of the bands of a side between these indices, `|beta|`.
     pub fn edges(&self, side: Side) -> Vec<f64> {
         Bands::new(self.index).edges(side).to_vec()

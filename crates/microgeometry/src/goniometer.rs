@@ -311,7 +311,8 @@ impl Goniometer {
         self.totals(&found).unwrap()
     }
 
-    /// Follows the rays of all replicates, on all processors. `stop` as in [`replicate`](Self::replicate).
+    /// Follows the rays of all replicates on all processors. `stop` as in [`replicate`](Self::replicate);
+    /// `finished` is called after each replicate.
     ///
     /// # Errors
     /// As [`replicate`](Self::replicate).
@@ -319,8 +320,13 @@ impl Goniometer {
         &self,
         surface: &Surface,
         stop: &(dyn Fn() -> bool + Sync),
+        finished: &(dyn Fn() + Sync),
     ) -> Result<Vec<Replicate>, MicrogeometryError> {
-        on_threads(REPLICATES as usize, None, &|number| self.replicate(surface, number as u64, &stop))
+        on_threads(REPLICATES as usize, None, &|number| {
+            let replicate = self.replicate(surface, number as u64, &stop)?;
+            finished();
+            Ok(replicate)
+        })
     }
 
     /// The replicate with these [`numbers`](Replicate::numbers); `None` if their count is wrong.

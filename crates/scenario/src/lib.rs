@@ -23,7 +23,8 @@
 //! Limits: a text of at most 1 MiB, files of at most 64 MiB, 5000 views, ten million
 //! numbers for each quantity of the result, eight million states x wavelengths x
 //! (directed sources + 8), and 100 000 film gaps x wavelengths. No content of a file makes the
-//! program panic or use memory without bound. **Out of scope**: any computation with light.
+//! program panic or use memory without bound. **Out of scope**: any computation with light. A surface by its geometry is described in the scene, and
+//! measured when that is prepared.
 //!
 //! ```
 //! use papilio_scenario::Scenario;

@@ -282,6 +282,9 @@ impl Resolved {
                 );
                 (key, wrong.into())
             }
+            DisplayError::Surface { key, error } => {
+                (key, Diagnostic::new(format!("the surface cannot be measured: {error}")).into())
+            }
             DisplayError::MissingLength { key, others } => {
                 let mut errors = Errors::default();
                 self.push_missing_lengths(std::iter::once(key).chain(others), &mut errors);

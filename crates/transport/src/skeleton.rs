@@ -91,8 +91,6 @@ pub(crate) struct Skeleton {
     base: Vec<f64>,
     /// True if the base is a mirror, and light is followed through it.
     mirror: bool,
-    /// What interfaces do, where light stops at them; shape `[interface][band]`, otherwise empty.
-    faces: Vec<Part>,
 }
 
 /// An element at one direction and wavelength.
@@ -135,25 +133,7 @@ impl Skeleton {
             below: vec![0.0; (elements + 1) * bands],
             base: vec![0.0; base.states() * bins],
             mirror: base.is_specular(),
-            faces: Vec::new(),
         }
-    }
-
-    /// Lets light stop at every interface and at the base, after one medium.
-    pub(crate) fn crossing_by_crossing(mut self) -> Self {
-        self.mirror = false;
-        self.faces = vec![Part::flat(Flat::CLEAR); self.parts.len() / 2];
-        self
-    }
-
-    /// What the interface of this element does, by band, if light stops at it.
-    pub(crate) fn face(&self, element: usize) -> &[Part] {
-        &self.faces[element / 2 * self.bands..][..self.bands]
-    }
-
-    /// Reflectance of the base; shape `[state][wavelength]`, 0 where it scatters.
-    pub(crate) fn base(&self) -> &[f64] {
-        &self.base
     }
 
     /// An empty field of this skeleton.
@@ -190,12 +170,6 @@ impl Skeleton {
         match &base.reflector {
             Reflector::Specular(_) => base.reflectance(beta_squared, upper, &mut self.base),
             Reflector::Lambertian(_) | Reflector::Scattering(_) => {}
-        }
-        let interfaces = self.parts.chunks_exact_mut(2 * self.bands);
-        for (face, parts) in self.faces.chunks_exact_mut(self.bands).zip(interfaces) {
-            let interface = &mut parts[..face.len()];
-            face.copy_from_slice(interface);
-            interface.iter_mut().for_each(|part| part.flat = Flat::OPAQUE);
         }
         self.combine();
     }

@@ -217,8 +217,8 @@ fn brought(
     let fault = |error: DisplayError| Fault::of(&resolved, error);
     if settings.halftone == Halftone::None && settings.given.is_none() {
         check_lights(scene)?;
-        let found =
-            site.prepared().with(scene, |prepared| exact(scene, &source, &settings, prepared, control));
+        let compute = |prepared: &mut _| exact(scene, &source, &settings, prepared, control);
+        let found = site.prepared().with(scene, control, compute);
         let (names, factors) = found.map_err(fault)?;
         let (held, prepared_elsewhere, states, source) = (None, false, Vec::new(), Some(source));
         return Ok(Answer { resolved, panel, held, prepared_elsewhere, names, states, factors, source });
@@ -250,7 +250,7 @@ fn factors(
     check_lights(scene)?;
     let mut known = site.held().known();
     let compute = |prepared: &mut _| picture.factors_with(scene, prepared, &mut known, control);
-    let found = site.prepared().with(scene, compute);
+    let found = site.prepared().with(scene, control, compute);
     site.held().set_known(known);
     found.map_err(|error| Fault::of(resolved, error))
 }

@@ -169,7 +169,9 @@ fn compute(site: &Site, live: Live, stop: &AtomicBool) -> Result<Seen, Fault> {
     let fields = serde_json::value::to_raw_value(&read.filled());
     let fields = fields.map_err(|_| Fault::internal("the scenario cannot be serialised"))?;
     let preset = read.preset().map(|one| PresetSeen { name: one.name, changed: one.is_changed });
-    let lobes = transmitted_lobes(&resolved.scene);
+    let control = Control { threads: None, progress: &|_| {}, stop };
+    let lobes = transmitted_lobes(&resolved.scene, &control);
+    let lobes = lobes.map_err(|error| about(Fault::of(&resolved, error)))?;
     let result = compute_scene(site, resolved, live.accuracy, stop).map_err(about)?;
     let warnings = result.result.warnings.clone();
     let cost_ms = 1e3 * started.elapsed().as_secs_f64();

@@ -85,7 +85,7 @@ impl Designs {
         {
             return Err(DisplayError::NotByAdding);
         }
-        let setup = Setup::new(scene)?;
+        let setup = Setup::new(scene, control)?;
         quantities.iter().try_for_each(|one| one.check(setup.views.len(), &setup.states))?;
         let group =
             |ViewGroupKernel { kernel, views }| ViewGroup { views, kernels: [Arc::new(kernel)].into() };

@@ -47,7 +47,7 @@ pub fn exact(
         pages: lit.palette.pages(),
         error: lit.palette.error(),
         neighbours_light: false,
-        lamps: drawn_lamps(&lit.setup, &names)?,
+        lamps: drawn_lamps(&lit.setup, &names, control)?,
         coverage,
     };
     Ok((names, factors))

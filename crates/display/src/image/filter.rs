@@ -21,7 +21,7 @@ pub(super) fn error_of_mixture(
     control: &Control<'_>,
 ) -> Result<f64, DisplayError> {
     let Some(mixed) = mixed(scene, shown)? else { return Ok(0.0) };
-    let lit = Lit::new(&mixed, &ImageSettings::default(), &mut Prepared::new(&mixed)?, control)?;
+    let lit = Lit::new(&mixed, &ImageSettings::default(), &mut Prepared::new(&mixed, control)?, control)?;
     let fine = lit.palette.pages()[0];
     let mean = |k: usize| pages.iter().zip(shown).map(|(page, share)| share * page[k]).sum::<f64>();
     Ok((0..3).map(|k| (fine[k] - mean(k)).abs()).fold(0.0, f64::max))

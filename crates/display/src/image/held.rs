@@ -98,7 +98,7 @@ impl Lit {
         let palette = Palette::of(&result, 0).ok_or(no_white)?.with_states(&settings.states)?;
         let [x, y, z] = palette.white_XYZ;
         stopped(control)?;
-        let setup = prepared.setup(scene)?.clone();
+        let setup = prepared.setup(scene, control)?.clone();
         Ok(Self { setup, view, result, palette, white: Xyz { x, y, z } })
     }
 }
@@ -147,7 +147,7 @@ impl HeldPicture {
             return Err(DisplayError::NoHalftone);
         }
         let size = source.size_on(scene)?;
-        let mut prepared = Prepared::new(scene)?;
+        let mut prepared = Prepared::new(scene, control)?;
         let lit = control.within([0.0, 0.3], |control| Lit::new(scene, settings, &mut prepared, control))?;
         let brought = control.within([0.3, 1.0], |control| Brought::new(&lit, source, settings, control))?;
         Ok(Self { size, states: brought.states, names: lit.palette.names(), surround: settings.surround })
@@ -166,7 +166,7 @@ impl HeldPicture {
     /// # Errors
     /// As [`run`](crate::run()); if the scene does not have exactly one view, a state does not exist, or the light has no colour.
     pub fn factors(&self, scene: &Scene, control: &Control<'_>) -> Result<Factors, DisplayError> {
-        self.factors_of(scene, &mut Prepared::new(scene)?, control)
+        self.factors_of(scene, &mut Prepared::new(scene, control)?, control)
     }
 
     /// [`factors`](Self::factors) with a prepared display, which is quicker for a series of scenes.
@@ -205,7 +205,7 @@ impl HeldPicture {
             pages: all.palette.pages(),
             error: 0.0,
             neighbours_light: false,
-            lamps: drawn_lamps(&all.setup, &self.names)?,
+            lamps: drawn_lamps(&all.setup, &self.names, control)?,
             coverage: self.coverage(),
         };
         let known = known.of(self, &alone, &settings, prepared, control)?;

@@ -13,6 +13,7 @@ use std::f64::consts::PI;
 use super::perspective::Eye;
 use crate::DisplayError;
 use crate::lamp_images::whole;
+use crate::run::Control;
 use crate::scene::{AngleMedium, DirectedLight};
 use crate::setup::Setup;
 
@@ -40,7 +41,11 @@ pub struct LampImage {
 ///
 /// # Errors
 /// If the scene is invalid.
-pub(super) fn drawn_lamps(setup: &Setup, states: &[String]) -> Result<Vec<LampImage>, DisplayError> {
+pub(super) fn drawn_lamps(
+    setup: &Setup,
+    states: &[String],
+    control: &Control<'_>,
+) -> Result<Vec<LampImage>, DisplayError> {
     let scene = &setup.scene;
     let mut drawn = scene.clone();
     for light in &mut drawn.lighting.directed {
@@ -54,7 +59,7 @@ pub(super) fn drawn_lamps(setup: &Setup, states: &[String]) -> Result<Vec<LampIm
             .and_then(|number| scene.lighting.directed.get(number))
             .is_some_and(|one| one.radius_deg.is_none())
     };
-    let images = lamp_images(&setup.clone().renewed(&drawn)?, states);
+    let images = lamp_images(&setup.clone().renewed(&drawn, control)?, states);
     Ok(images.into_iter().map(|one| LampImage { is_collimated: is_collimated(&one), ..one }).collect())
 }
 

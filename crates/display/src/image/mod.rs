@@ -233,7 +233,7 @@ pub fn image(
         }
         _ => settings,
     };
-    let mut prepared = Prepared::new(scene)?;
+    let mut prepared = Prepared::new(scene, control)?;
     let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
     let Brought { rendering, rendered: Rendered { wanted, mapped, photograph, inside }, states, cut } =
         control.within([0.4, 0.6], |control| Brought::new(&lit, source, settings, control))?;

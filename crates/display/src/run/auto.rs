@@ -63,7 +63,7 @@ pub struct Forecast {
 /// # Errors
 /// If the scene is invalid, or the pilot run was stopped.
 pub fn forecast(scene: &Scene, control: &Control<'_>) -> Result<Forecast, DisplayError> {
-    let setup = Setup::new(scene)?;
+    let setup = Setup::new(scene, control)?;
     let meter = Meter::new(&setup);
     estimated(&Run::new(&setup, control, &meter), |_| LONGEST_PILOT_S)
 }

@@ -29,7 +29,7 @@ use crate::{DisplayError, RowErrors};
 /// # Errors
 /// If the scene is invalid, or the computation was stopped.
 pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<BrdfTable, DisplayError> {
-    let setup = Setup::new(scene)?;
+    let setup = Setup::new(scene, control)?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let survey = Survey::new(&setup, control, &grid, finest(&setup)?);

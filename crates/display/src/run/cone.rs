@@ -38,7 +38,7 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     everywhere.metrics.observer = Standard::Cie1931;
     everywhere.viewer.theta_deg.clone_from(&grid.theta_deg);
     everywhere.viewer.phi_deg.clone_from(&grid.phi_deg);
-    let setup = Setup::new(&everywhere)?;
+    let setup = Setup::new(&everywhere, control)?;
     let [theta_deg, phi_deg] = grid.reference_deg;
     let reference = setup.view(theta_deg, phi_deg)?;
     let meter = Meter::new(&setup);

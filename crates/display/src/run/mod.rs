@@ -92,7 +92,7 @@ impl Control<'_> {
 /// # Errors
 /// If the scene is invalid, or the run was stopped before its first estimate.
 pub fn run(scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
-    Prepared::new(scene)?.run(scene, control)
+    Prepared::new(scene, control)?.run(scene, control)
 }
 
 /// Pool of worker threads, kept as long as the requested number does not change.

@@ -41,7 +41,7 @@ pub fn brdf_at_viewers<G: ViewerGrid>(
     grid: G,
     control: &Control<'_>,
 ) -> Result<ViewerTable<G>, DisplayError> {
-    let setup = Setup::new(scene)?;
+    let setup = Setup::new(scene, control)?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let lights = grid.theta_i_deg().to_vec();

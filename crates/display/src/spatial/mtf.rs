@@ -59,7 +59,7 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
     if scene.display.filter().is_some() && !paths {
         return Err(Refused::SharpnessWithFilter.into());
     }
-    let setup = Setup::with_filter(scene)?;
+    let setup = Setup::with_filter(scene, control)?;
     let frame = Frame::new(&setup, patterns, control)?;
     let placed = paths.then(|| Placed::new(&setup)).transpose()?;
     let mut workers = None;

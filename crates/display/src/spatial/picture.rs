@@ -56,7 +56,7 @@ pub fn picture(
     precision: Precision,
     control: &Control<'_>,
 ) -> Result<PictureColours, DisplayError> {
-    let setup = Setup::new(scene)?;
+    let setup = Setup::new(scene, control)?;
     let lights = setup.views.iter().map(|view| ViewLight::new(&setup, view, control));
     let lights = lights.collect::<Result<Vec<ViewLight>, _>>()?;
     let (lit, rows) = LitPicture::of(&setup, &lights, picture.clone(), precision, control)?;

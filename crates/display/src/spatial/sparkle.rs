@@ -169,7 +169,7 @@ pub fn sparkle(
 ) -> Result<SparkleResult, DisplayError> {
     let matrix = scene.display.matrix.as_ref().ok_or(DisplayError::NoMatrix { command: "sparkle" })?;
     scene.display.has_sharp_pixels()?;
-    let setup = Setup::new(scene)?;
+    let setup = Setup::new(scene, control)?;
     let room = room(scene, &setup)?;
     let luminances = luminances(scene, control)?;
     let mut workers = None;
@@ -350,7 +350,7 @@ fn gaps(scene: &Scene, face: &Antiglare) -> Result<Vec<Vec<Gap>>, DisplayError> 
 /// True if an interface scatters light.
 fn scatters_light(interface: &Interface) -> bool {
     match interface {
-        Interface::Rough { .. } => true,
+        Interface::Rough { .. } | Interface::OfSurface(_) => true,
         Interface::Coating(_) => false,
         Interface::Ready(ready) => {
             matches!(

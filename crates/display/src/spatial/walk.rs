@@ -26,7 +26,7 @@ use crate::result::Named;
 pub use crate::run::REPLICATES;
 use crate::run::{Control, Progress, Workers, each};
 use crate::scene::{Approximation, Scene};
-use crate::setup::{Setup, ViewPoint, layers};
+use crate::setup::{Setup, ViewPoint, layers_of_panel};
 
 /// A mean and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,7 +89,7 @@ pub fn pattern(
     paths: u64,
     control: &Control<'_>,
 ) -> Result<Vec<PatternView>, DisplayError> {
-    let setup = Setup::new(scene)?;
+    let setup = Setup::new(scene, control)?;
     let panel = Placed::new(&setup)?;
     let of_view = |view: &ViewPoint| {
         let estimates = panel.trace(view, What::Pattern(pattern), paths, control)?;
@@ -111,7 +111,7 @@ pub fn pattern(
 /// # Errors
 /// As [`pattern`]; if there is no filter.
 pub fn filtered(scene: &Scene, paths: u64, control: &Control<'_>) -> Result<Vec<PatternView>, DisplayError> {
-    let setup = Setup::with_filter(scene)?;
+    let setup = Setup::with_filter(scene, control)?;
     let panel = Placed::new(&setup)?;
     let of_view = |view: &ViewPoint| {
         let estimates = panel.filtered(view, paths, control)?;
@@ -138,7 +138,7 @@ pub fn transfer(
     paths: u64,
     control: &Control<'_>,
 ) -> Result<Vec<TransferView>, DisplayError> {
-    let setup = Setup::new(scene)?;
+    let setup = Setup::new(scene, control)?;
     let panel = Placed::new(&setup)?;
     let mut frequencies = vec![[0.0; 2]];
     frequencies.extend(frequencies_per_mm);
@@ -220,9 +220,7 @@ impl<'a> Placed<'a> {
         setup.refracts()?;
         let stack = match &setup.stack {
             Stack::Layered(stack) => stack.clone(),
-            Stack::Panel(panel) => {
-                Layered { layers: layers(scene, &scene.display.layers, None)?, base: panel.base.clone() }
-            }
+            Stack::Panel(panel) => Layered { layers: layers_of_panel(scene)?, base: panel.base.clone() },
         };
         let lengths_mm = scene.display.lengths_mm()?;
         let meter = Meter::new(setup);

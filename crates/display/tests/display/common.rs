@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_display::result::RunResult;
 use papilio_display::scene::Scene;
-use papilio_display::{Control, DisplayError};
+use papilio_display::{Control, DisplayError, Prepared};
 use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 
 /// Returns the folder of the example scenarios.
@@ -24,6 +24,11 @@ pub(crate) fn scenario(name: &str, overrides: &[&str]) -> Result<Resolved, Scena
 /// Reads an example scenario for the Monte Carlo solver, with overrides `PATH=VALUE`.
 pub(crate) fn walked(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
     scenario(name, &[&["solver.method=monte-carlo"], overrides].concat())
+}
+
+/// Prepares a series of scenes.
+pub(crate) fn prepared_for(scene: &Scene) -> Result<Prepared, DisplayError> {
+    Prepared::new(scene, &Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) })
 }
 
 /// Runs a scene on this many threads.

@@ -2,10 +2,10 @@
 
 use std::sync::atomic::AtomicBool;
 
-use crate::common::scenario;
+use crate::common::{prepared_for, scenario};
 use papilio_colour::{Lab, UvPrime};
 use papilio_display::scene::{Drive, FilmPixel, Method, Metric, Pixel, Scene, Stop, Thickness};
-use papilio_display::{Control, Designs, DisplayError, Parameter, Prepared, Quantity};
+use papilio_display::{Control, Designs, DisplayError, Parameter, Quantity};
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
 use papilio_testing::{everyday, seeds, sized};
@@ -111,7 +111,7 @@ fn design_equals_the_result_of_a_run() {
     for (name, scene) in scenes() {
         let quantities = everything(&scene);
         let mut designs = designs(&scene, &quantities);
-        let mut prepared = Prepared::new(&scene).unwrap();
+        let mut prepared = prepared_for(&scene).unwrap();
         for number in 0..6 {
             let mut other = scene.clone();
             let film = moved(film(&scene), number);

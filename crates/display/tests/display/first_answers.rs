@@ -2,10 +2,10 @@
 
 use std::sync::atomic::AtomicBool;
 
-use crate::common::{scenario, walked};
+use crate::common::{prepared_for, scenario, walked};
+use papilio_display::Control;
 use papilio_display::result::{RunResult, StateValues};
 use papilio_display::scene::Scene;
-use papilio_display::{Control, Prepared};
 use papilio_testing::everyday;
 
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -60,7 +60,7 @@ fn first_answer_is_within_its_error_of_the_exact_one() {
     let mut firsts = 0;
     for (name, overrides) in everyday(14, DISPLAYS) {
         let scene = scene(name, overrides);
-        let mut prepared = Prepared::new(&scene).unwrap();
+        let mut prepared = prepared_for(&scene).unwrap();
         let first = prepared.first(&scene, &CONTROL).unwrap();
         let exact = prepared.run(&scene, &CONTROL).unwrap();
         assert!(exact.solver.is_final, "{name}");
@@ -85,7 +85,7 @@ fn first_answer_is_within_its_error_of_the_exact_one() {
 /// The exact answer after a first one equals a single run to the last bit, also if the display was another one in between.
 #[test]
 fn exact_answer_does_not_depend_on_first_answers() {
-    let mut prepared = Prepared::new(&scene("indoor", &[])).unwrap();
+    let mut prepared = prepared_for(&scene("indoor", &[])).unwrap();
     for name in ["indoor", "two-diffusers", "cover-glass", "indoor"] {
         let scene = scene(name, &[]);
         let first = format!("{:?}", prepared.first(&scene, &CONTROL).unwrap());
@@ -99,6 +99,6 @@ fn exact_answer_does_not_depend_on_first_answers() {
 #[test]
 fn scene_for_monte_carlo_has_no_first_answer_and_is_run() {
     let scene = walked("indoor", &["spectrum.step_nm=40", "solver.relative_error=0.05"]).unwrap().scene;
-    let first = Prepared::new(&scene).unwrap().first(&scene, &CONTROL).unwrap();
+    let first = prepared_for(&scene).unwrap().first(&scene, &CONTROL).unwrap();
     assert!(first.solver.is_final && first.solver.method == "monte-carlo", "{:?}", first.solver);
 }

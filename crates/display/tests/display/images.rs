@@ -9,10 +9,12 @@ use papilio_display::image::{
 use papilio_display::scene::Scene;
 use papilio_display::spatial::walk::pattern;
 use papilio_display::spatial::{Patterns, mtf};
-use papilio_display::{Control, DisplayError, Prepared};
+use papilio_display::{Control, DisplayError};
 use papilio_scenario::Scenario;
 use papilio_testing::{Dice, everyday};
 use papilio_transport::walk::places::{Pattern, SeenFrom};
+
+use crate::common::prepared_for;
 
 const GLASS: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.5\n";
 const MATRIX: &str = "[display.matrix]\nppi = 150\n";
@@ -100,7 +102,7 @@ fn known_lights_give_the_same_pictures() {
         lit(LIGHT, VIEW),
     ];
     let series = control(|control| {
-        let (mut prepared, mut known) = (Prepared::new(&scenes[0])?, KnownLights::default());
+        let (mut prepared, mut known) = (prepared_for(&scenes[0])?, KnownLights::default());
         let each = scenes.iter().map(|scene| held.factors_with(scene, &mut prepared, &mut known, control));
         each.collect::<Result<Vec<_>, _>>()
     });
@@ -140,7 +142,7 @@ fn known_transforms_give_the_same_pictures() {
     let masked = HeldPicture { surround: PictureSurround::BlackMask, ..held.clone() };
     let reversed = HeldPicture { states: held.states.iter().rev().copied().collect(), ..masked.clone() };
     assert_ne!(reversed.states, held.states);
-    let (mut prepared, mut known) = (Prepared::new(&first).unwrap(), KnownLights::default());
+    let (mut prepared, mut known) = (prepared_for(&first).unwrap(), KnownLights::default());
     for picture in [held, masked, reversed] {
         for scene in &scenes {
             let found = control(|control| picture.factors_with(scene, &mut prepared, &mut known, control));
@@ -321,7 +323,7 @@ fn lamps_are_those_of_a_halftone_without_one() {
         let settings = ImageSettings::default();
         let held = control(|control| HeldPicture::new(&display, &ramp(), &settings, control));
         let by_states = control(|control| held.factors(&display, control));
-        let mut prepared = Prepared::new(&display).unwrap();
+        let mut prepared = prepared_for(&display).unwrap();
         let (names, exactly) = control(|control| exact(&display, &ramp(), &settings, &mut prepared, control));
         assert_eq!(held.names, names);
         assert_eq!(by_states.lamps, exactly.lamps);

@@ -2,15 +2,16 @@
 
 use std::f64::consts::PI;
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::result::{RunResult, View};
 use papilio_display::scene::{Method, Scene, Stop};
-use papilio_display::{Control, Prepared};
+use papilio_display::{Control, DisplayError, Prepared, Progress, adding_seconds};
 use papilio_scenario::Scenario;
 use papilio_testing::{everyday, sized};
 
-use crate::common::run;
+use crate::common::{prepared_for, run};
 
 /// Luminance factors of white by view with their standard and discretisation errors, in a light and above a paper of a reflectance.
 fn factors(layers: &str, reflectance: f64, light: &str, method: &str) -> Vec<(f64, f64, f64)> {
@@ -55,7 +56,7 @@ struct Faced {
 impl Faced {
     fn new(relative_error: f64, layers: &str, reflectance: f64, light: &str) -> Self {
         let scene = scene(relative_error, layers, reflectance, light, "adding");
-        Self { prepared: Prepared::new(&scene).unwrap(), scene }
+        Self { prepared: prepared_for(&scene).unwrap(), scene }
     }
 
     /// The whites by adding.
@@ -219,4 +220,34 @@ fn mirror_images_behind_a_face_by_waves_are_those_of_screens() {
         // Over 2 nm, the mean differs from the value in the middle by less than 1e-5 of it.
         assert!((found / expected - 1.0).abs() < 2e-5, "{reflectance}: {found} {expected}");
     }
+}
+
+/// A surface is measured when a scene is prepared, not when it is read: with progress, once for all scenes that have it, and until it is
+/// stopped.
+#[test]
+fn surfaces_are_measured_once_in_preparation_with_progress_and_stop() {
+    // A pitch of its own: other tests measure this surface, too.
+    let layers = face("surface = \"hemispheres.toml\"\nrays = 65\npitch_um = 4.75");
+    let one = scene(1e-2, &layers, 0.6, DIFFUSE, "adding");
+    let reports = Mutex::new(Vec::new());
+    let prepare = |scene: &Scene, stop: &AtomicBool| {
+        reports.lock().unwrap().clear();
+        let progress = |now: Progress<'_>| reports.lock().unwrap().push((now.views_done, now.unit));
+        let result = Prepared::new(scene, &Control { threads: Some(2), progress: &progress, stop });
+        (result.map(drop), reports.lock().unwrap().len())
+    };
+    let (stopped, _) = prepare(&one, &AtomicBool::new(true));
+    assert_eq!(stopped, Err(DisplayError::Interrupted));
+    assert_eq!(prepare(&one, &AtomicBool::new(false)), (Ok(()), 32));
+    assert_eq!(prepare(&one, &AtomicBool::new(false)), (Ok(()), 0));
+    // Another scene with the same surface, whose text was read again, and one with another surface.
+    let same = scene(1e-3, &layers, 0.3, LAMP, "monte-carlo");
+    assert_eq!(prepare(&same, &AtomicBool::new(false)), (Ok(()), 0));
+    let other = scene(1e-2, &layers.replace("4.75", "4.8"), 0.6, DIFFUSE, "adding");
+    assert_eq!(prepare(&other, &AtomicBool::new(false)).1, 32);
+    // The work of adding is estimated without a measurement, from the same directions as with it.
+    assert_eq!(
+        adding_seconds(&scene(1e-2, &layers.replace("4.75", "4.9"), 0.6, DIFFUSE, "adding")),
+        adding_seconds(&one)
+    );
 }

@@ -2,12 +2,12 @@
 //! scenes and of the number of threads.
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::common::{run_on, scenario};
+use crate::common::{prepared_for, run_on, scenario};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{
     AngleMedium, Approximation, Interface, Layer, Lobe, Method, Pixel, Ready, Scene, Stop, Thickness,
 };
-use papilio_display::{Control, DisplayError, Prepared};
+use papilio_display::{Control, DisplayError};
 use papilio_spectra::Grid;
 
 /// Reads the scene of a scenario for adding, with few wavelengths.
@@ -107,7 +107,7 @@ fn text(result: &RunResult) -> String {
 fn prepared_display_equals_a_single_run_after_every_change() {
     with_stop(1, |control| {
         let mut scene = scene("indoor", &[]);
-        let mut prepared = Prepared::new(&scene).unwrap();
+        let mut prepared = prepared_for(&scene).unwrap();
         for (what, change) in changes() {
             change(&mut scene);
             let kept = prepared.run(&scene, control).unwrap();
@@ -126,7 +126,7 @@ fn kernels_kept_for_other_directions_equal_new_ones() {
     let measured = scene("measured-h65", &["viewer.theta_deg=0"]);
     with_stop(1, |control| {
         for (number, first) in [rough, rough_film, measured].into_iter().enumerate() {
-            let mut prepared = Prepared::new(&first).unwrap();
+            let mut prepared = prepared_for(&first).unwrap();
             let changes: [fn(&mut Scene); 4] = [
                 |_| {},
                 |s| s.lighting.directed[0].theta_deg = -31.0,
@@ -150,7 +150,7 @@ fn alternating_scenes_do_not_affect_each_other() {
         let scenes = ["indoor", "epaper", "two-diffusers", "table-pixel", "sunny", "reflecting-diffuser"]
             .map(|name| scene(name, &[]));
         let plain = scenes.each_ref().map(|scene| text(&papilio_display::run(scene, control).unwrap()));
-        let mut prepared = Prepared::new(&scenes[0]).unwrap();
+        let mut prepared = prepared_for(&scenes[0]).unwrap();
         for k in [0, 1, 0, 2, 5, 3, 2, 4, 0, 5, 3, 1, 4, 4] {
             assert!(text(&prepared.run(&scenes[k], control).unwrap()) == plain[k], "{k}");
         }
@@ -161,7 +161,7 @@ fn alternating_scenes_do_not_affect_each_other() {
 fn invalid_scene_does_not_affect_the_next() {
     with_stop(1, |control| {
         let good = scene("indoor", &[]);
-        let mut prepared = Prepared::new(&good).unwrap();
+        let mut prepared = prepared_for(&good).unwrap();
         let before = prepared.run(&good, control).unwrap();
         let mut below = good.clone();
         below.viewer.theta_deg = vec![89.99];
@@ -254,7 +254,7 @@ fn change_of_the_grid_equals_a_single_run() {
     let (fine, coarse) = (scene("indoor", &[]), scene("indoor", &["spectrum.step_nm=80"]));
     assert_ne!(fine.grid, Grid::new(380.0, 780.0, 80.0).unwrap());
     with_stop(1, |control| {
-        let mut prepared = Prepared::new(&fine).unwrap();
+        let mut prepared = prepared_for(&fine).unwrap();
         prepared.run(&fine, control).unwrap();
         let kept = prepared.run(&coarse, control).unwrap();
         assert_eq!(text(&kept), text(&papilio_display::run(&coarse, control).unwrap()));

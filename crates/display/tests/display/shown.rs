@@ -13,7 +13,7 @@ fn prepared_display_of_the_page_equals_runs() -> Result<(), DisplayError> {
     let mut scene = scenario("indoor", &["spectrum.step_nm=20"]).unwrap().scene;
     let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
     let alone = run(&scene)?;
-    let mut prepared = Prepared::new(&scene)?;
+    let mut prepared = Prepared::new(&scene, &control)?;
     let first = prepared.run(&scene, &control)?;
     scene.viewer.theta_deg = vec![20.0];
     let second = prepared.run(&scene, &control)?; // computes only what depends on the view

@@ -160,6 +160,11 @@ impl BalancedLobe {
         Self { lobe, light, factors: x.iter().zip(&wanted).map(factor).collect() }
     }
 
+    /// A lobe that is not balanced: it has the widths and the limits of the balanced one, and takes no time.
+    pub fn unbalanced(lobe: FaceLobe, light: FaceLight) -> Self {
+        Self { lobe, light, factors: vec![1.0] }
+    }
+
     /// The lobe before it is balanced.
     pub fn lobe(&self) -> FaceLobe {
         self.lobe

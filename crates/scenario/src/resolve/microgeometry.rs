@@ -1,16 +1,14 @@
-//! `model = "microgeometry"`: a face by its geometry, read from a file or measured by rays.
+//! `model = "microgeometry"`: a face by its geometry: its kernel in a file, or a surface that is measured when the scene is prepared.
 
 use std::f64::consts::{PI, SQRT_2};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace, WaveFace, WaveLight};
+use papilio_display::scene::{Interface, SurfaceFace, SurfaceModel, face_by_rays};
 use papilio_formats::read_face;
 use papilio_microgeometry::{
-    Coating, Correlation, FaceKernels, FaceTable, Goniometer, MOST_PHASE, MicrogeometryError, REPLICATES,
-    Spectrum as Heights, Surface, WaveLobe, wave_lobes,
+    Coating, Correlation, FaceKernels, MOST_PHASE, Measurement, REPLICATES, Spectrum as Heights, Surface,
 };
-use papilio_optics::lobe::{BalancedLobe, FaceLight, FaceLobe};
 use papilio_spectra::Spectrum;
 
 use super::relief::SurfaceRelief;
@@ -25,19 +23,7 @@ use crate::surface::{ResolvedSurface, SurfaceScenario};
 /// Difference of refractive indices that counts as none.
 const SAME_INDEX: f64 = 1e-6;
 
-/// Faces that were measured in this process, by what determines them; the last ones are kept.
-static MEASURED: Mutex<Vec<(String, FaceKernels)>> = Mutex::new(Vec::new());
-
-/// Number of faces that are kept.
-const MOST_KEPT: usize = 8;
-
-/// Lobes that were balanced in this process; the last ones are kept.
-static BALANCED: Mutex<Vec<BalancedLobe>> = Mutex::new(Vec::new());
-
-/// Number of lobes that are kept.
-const MOST_LOBES: usize = 200;
-
-/// Most rays of a band while a scenario is read: 2 minutes on a processor. And for scenarios in memory: those that a server is given by anyone.
+/// Most rays of a band of a surface that is a layer: 2 minutes on a processor. And for scenarios in memory: those that a server is given by anyone.
 const MOST_RAYS: u64 = 1_000_000;
 const MOST_RAYS_IN_MEMORY: u64 = 50_000;
 
@@ -54,9 +40,6 @@ pub struct LayerSurface {
     pub text: String,
 }
 
-/// A face whose neighbours are known, and its error.
-type Measured = Result<FaceKernels, Diagnostic>;
-
 impl Resolver<'_> {
     /// Resolves a face between media of these indices.
     pub(super) fn microgeometry(
@@ -69,22 +52,22 @@ impl Resolver<'_> {
         match (&face.file.value, &face.surface.value) {
             (Some(name), None) => {
                 let kernels = self.face_of_file(face, name, index)?;
-                Some(self.by_rays(kernels))
+                Some(face_by_rays(kernels, self.grid.len()).into())
             }
             (None, Some(name)) => {
                 let surface = self.surface(path, face, name, index)?;
-                let found = match surface.measurement.by_rays {
+                let model = match surface.measurement.by_rays {
                     true => {
                         self.note_azimuths(&format!("`{name}`"), surface.measurement.goniometer.azimuths);
-                        let kernels = self.face_of_surface(face, &surface)?;
-                        self.by_rays(kernels)
+                        self.by_rays(face, &surface)?
                     }
                     false => self.by_waves(face, &surface, index)?,
                 };
+                let found = SurfaceFace { model, key: format!("{path}.surface") };
                 if let Some(heights) = heights_of(surface) {
                     self.known_faces.push((path.to_owned(), KnownFace { origin: face.origin, heights }));
                 }
-                Some(found)
+                Some(Interface::OfSurface(Arc::new(found)))
             }
             (file, _) => {
                 let wrong = match file {
@@ -97,14 +80,6 @@ impl Resolver<'_> {
                 None
             }
         }
-    }
-
-    /// A face by the kernels of its rays.
-    fn by_rays(&self, kernels: FaceKernels) -> Interface {
-        let FaceKernels { through, reflection, rings, reflected, transmitted } = kernels;
-        let regular = RegularRings { rings, reflected, transmitted };
-        let face = ScatterFace::of_surface(through, reflection, regular, self.grid.len());
-        Ready::Scatter(Box::new(face)).into()
     }
 
     /// Indices of both media, which must not depend on wavelength and differ.
@@ -176,13 +151,13 @@ impl Resolver<'_> {
         }
     }
 
-    /// A face by waves: lobes that differ by wavelength.
+    /// A face by waves, if its lobes are known.
     fn by_waves(
         &mut self,
         face: &FaceOfSurface,
         surface: &ResolvedSurface,
         index: [f64; 2],
-    ) -> Option<Interface> {
+    ) -> Option<SurfaceModel> {
         let random = match &surface.measurement.surface {
             Surface::Random(random) => Some(random.spectrum()),
             _ => None,
@@ -207,15 +182,11 @@ impl Resolver<'_> {
             }
         };
         let [above, below] = index;
-        let kinds = [
-            (FaceLight::Transmitted(index), below - above),
-            (FaceLight::Reflected([above, below]), 2.0 * above),
-            (FaceLight::Reflected([below, above]), 2.0 * below),
-        ];
         let wavelengths_nm = self.grid.wavelengths_nm();
         let shortest_um = 1e-3 * wavelengths_nm.iter().copied().fold(f64::INFINITY, f64::min);
-        let per_um =
-            kinds.map(|(_, path)| 2.0 * PI * path.abs() / shortest_um).into_iter().fold(0.0, f64::max);
+        // Of transmitted light, and of light reflected above and below.
+        let paths = [below - above, 2.0 * above, 2.0 * below];
+        let per_um = paths.map(|path| 2.0 * PI * path.abs() / shortest_um).into_iter().fold(0.0, f64::max);
         if per_um * rms_um > MOST_PHASE {
             let wrong = Diagnostic::new(format!(
                 "heights of {:e} nm rms are too many wavelengths for waves",
@@ -227,13 +198,7 @@ impl Resolver<'_> {
             self.errors.push(at, wrong);
             return None;
         }
-        let lights = kinds.map(|(light, path)| {
-            let phase = 2.0 * PI * path.abs() * rms_um;
-            let lobes = wave_lobes(correlation, phase, correlation_um, &wavelengths_nm);
-            let one = |lobe: WaveLobe| (balanced(lobe.lobe, light), Spectrum::from_values(lobe.fractions));
-            WaveLight::new(lobes.into_iter().map(one).collect(), self.grid.len())
-        });
-        Some(Ready::Wave(Box::new(WaveFace::new(lights))).into())
+        Some(SurfaceModel::Waves { correlation, rms_um, correlation_um, index })
     }
 
     /// Reads the surface of a file with the keys of the layer.
@@ -308,20 +273,22 @@ impl Resolver<'_> {
         }
     }
 
-    /// Measures a surface by rays.
-    fn face_of_surface(&mut self, face: &FaceOfSurface, surface: &ResolvedSurface) -> Option<FaceKernels> {
-        let rays = surface.measurement.goniometer.rays * REPLICATES;
+    /// A face by rays, if these are not too many.
+    fn by_rays(&mut self, face: &FaceOfSurface, surface: &ResolvedSurface) -> Option<SurfaceModel> {
+        let Measurement { surface, goniometer, .. } = &surface.measurement;
+        let rays = goniometer.rays * REPLICATES;
         let most = match self.library {
             Library::Memory { .. } => MOST_RAYS_IN_MEMORY,
             _ => MOST_RAYS,
         };
-        let measured = match rays > most {
-            true => Err(Diagnostic::new(format!("this surface asks for {rays} rays of each band"))
+        if rays > most {
+            let wrong = Diagnostic::new(format!("this surface asks for {rays} rays of each band"))
                 .expected(format!("at most {most} here"))
-                .hint("add rays = 20000 to the layer, or measure it with `papilio gonio` and give its face.npz as `file`")),
-            false => measured(surface),
-        };
-        measured.map_err(|wrong| self.errors.push(face.surface.origin, wrong)).ok()
+                .hint("add rays = 20000 to the layer, or measure it with `papilio gonio` and give its face.npz as `file`");
+            self.errors.push(face.surface.origin, wrong);
+            return None;
+        }
+        Some(SurfaceModel::Rays { surface: surface.clone(), goniometer: goniometer.clone() })
     }
 }
 
@@ -346,42 +313,4 @@ fn with_keys(text: &str, given: &[(&str, f64)]) -> String {
     };
     // The same keys were accepted as overrides.
     edit(text, &of_surface.map(set).collect::<Vec<_>>()).unwrap_or_else(|_| text.to_owned())
-}
-
-/// A balanced lobe, unless it is known.
-fn balanced(lobe: FaceLobe, light: FaceLight) -> BalancedLobe {
-    let kept = || BALANCED.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = |other: &&BalancedLobe| other.lobe() == lobe && other.light() == light;
-    if let Some(lobe) = kept().iter().find(known) {
-        return lobe.clone();
-    }
-    let lobe = BalancedLobe::new(lobe, light);
-    let mut kept = kept();
-    kept.push(lobe.clone());
-    let surplus = kept.len().saturating_sub(MOST_LOBES);
-    kept.drain(..surplus);
-    lobe
-}
-
-/// Measures a surface by rays, unless this was done before.
-fn measured(surface: &ResolvedSurface) -> Measured {
-    let key = &surface.hash;
-    let kept = || MEASURED.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, kernels)) = kept().iter().find(|(known, _)| known == key) {
-        return Ok(kernels.clone());
-    }
-    let wrong =
-        |error: MicrogeometryError| Diagnostic::new(format!("the surface cannot be measured: {error}"));
-    // Totals at single inclinations are not needed.
-    let goniometer =
-        Goniometer { incidence_deg: Vec::new(), azimuths: None, ..surface.measurement.goniometer.clone() };
-    let replicates = goniometer.replicates(&surface.measurement.surface, &|| false).map_err(wrong)?;
-    let kernel = goniometer.kernel(&replicates).map_err(wrong)?;
-    let index = [goniometer.index_above, goniometer.index_below];
-    let kernels = FaceTable::new(index, &kernel).kernels().map_err(wrong)?;
-    let mut kept = kept();
-    kept.push((key.clone(), kernels.clone()));
-    let surplus = kept.len().saturating_sub(MOST_KEPT);
-    kept.drain(..surplus);
-    Ok(kernels)
 }

@@ -164,7 +164,8 @@ impl Resolver<'_> {
             Interface::Rough { .. } | Interface::Ready(Ready::Rough(_)) => is_rough,
             Interface::Ready(
                 Ready::Diffuser(_) | Ready::Reflecting(_) | Ready::Scatter(_) | Ready::Wave(_),
-            ) => !is_rough,
+            )
+            | Interface::OfSurface(_) => !is_rough,
             _ => false,
         };
         let before = layers[..number].iter().filter(in_file).count();

@@ -27,6 +27,7 @@ pub(crate) fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
         Interface::Ready(Ready::Scatter(_)) => "scatter",
         Interface::Ready(Ready::Wave(_)) => "wave",
         Interface::Ready(Ready::Reflecting(_)) => "reflecting",
+        Interface::OfSurface(_) => "surface",
     };
     layers.iter().map(|layer| (word(&layer.interface), layer.medium.index[0])).collect()
 }

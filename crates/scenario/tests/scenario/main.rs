@@ -13,6 +13,7 @@ mod layers;
 mod library;
 mod matrix;
 mod measured;
+mod no_light;
 mod optimize;
 mod pixels;
 mod reflection;

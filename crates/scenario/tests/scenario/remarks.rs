@@ -265,7 +265,9 @@ fn unbounded_lobes_are_warned_of() {
 fn too_thick_films_are_refused_at_their_place() {
     let refused = |text: &str, sets: &[&str]| {
         let resolved = resolve(text, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"));
-        let error = papilio_display::Prepared::new(&resolved.scene).unwrap_err();
+        let stop = std::sync::atomic::AtomicBool::new(false);
+        let control = papilio_display::Control { threads: None, progress: &|_| {}, stop: &stop };
+        let error = papilio_display::Prepared::new(&resolved.scene, &control).unwrap_err();
         let errors = resolved.located(&error).unwrap();
         let first = errors.iter().next().unwrap().clone();
         (first.place.to_string(), first.path.clone().unwrap_or_default(), first.to_string())

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use papilio_microgeometry::{Coating, Surface};
+use papilio_display::DisplayError;
+use papilio_display::scene::{Interface, SurfaceModel};
+use papilio_microgeometry::{Coating, MicrogeometryError, Surface};
 use papilio_scenario::{ScenarioErrors, SurfaceScenario};
 
 const CAPS: &str =
@@ -321,12 +323,13 @@ fn faces_are_layers_between_known_media() {
     };
     let hemispheres = "surface = \"hemispheres.toml\"\nrays = 64";
     let found = resolved(hemispheres, "1.6").unwrap_or_else(|error| panic!("{error}"));
-    let papilio_display::scene::Interface::Ready(papilio_display::scene::Ready::Scatter(face)) =
-        &found.scene.display.layers[0].interface
-    else {
-        panic!("no face")
-    };
-    assert_eq!(face.surface_indices(), Some([1.0, 1.6]));
+    let Interface::OfSurface(face) = &found.scene.display.layers[0].interface else { panic!("no face") };
+    let SurfaceModel::Rays { goniometer, .. } = &face.model else { panic!("not by rays") };
+    assert_eq!([goniometer.index_above, goniometer.index_below], [1.0, 1.6]);
+    // What only the measurement can find names the key, too.
+    let error = MicrogeometryError::LostRays { lost: 3, rays: 64 };
+    let wrong = found.located(&DisplayError::Surface { key: face.key.clone(), error }).unwrap().to_string();
+    assert!(wrong.contains("d.toml:4:11") && wrong.contains("3 of 64 rays were lost"), "{wrong}");
     let smaller = resolved(&format!("{hemispheres}\npitch_um = 6"), "1.6").unwrap();
     assert!(smaller.scene.display.layers != found.scene.display.layers && smaller.hash != found.hash);
     for (keys, index, expected) in [

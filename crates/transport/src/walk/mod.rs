@@ -108,18 +108,6 @@ impl<'a> PathNumbers<'a> {
     }
 }
 
-/// What a walk through any layers may compute in closed form. All choices have the same mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Shortcuts {
-    /// All that a pixel permits which is the same at all points of its plane.
-    #[default]
-    All,
-    /// Nothing that matters for where light meets the pixel: light crosses one medium at a time, each flat interface and a
-    /// specular pixel are events, and paths carry all states and wavelengths. Takes several times as long. It is what
-    /// a pixel with a pattern needs, and a check of the closed forms.
-    None,
-}
-
 /// The Monte Carlo solver, prepared for one stack, one view and its sources.
 #[derive(Debug)]
 pub struct Walk<'a> {
@@ -153,7 +141,7 @@ impl<'a> Walk<'a> {
         let images = Images::new(stack, view, sources);
         let kind = match stack {
             Stack::Layered(layered) => {
-                let walk = Layered::new(layered, view, sources, Shortcuts::All);
+                let walk = Layered::new(layered, view, sources);
                 Kind::Layered(Box::new(walk), images)
             }
             Stack::Panel(panel) => match &panel.top {
@@ -165,19 +153,6 @@ impl<'a> Walk<'a> {
             },
         };
         Self { kind }
-    }
-
-    /// Prepares a solver for any layers, with or without the shortcuts that a uniform pixel permits; `None` for a panel, which
-    /// can be given as layers.
-    pub fn with_shortcuts(
-        stack: &'a Stack,
-        view: Cone,
-        sources: &'a [Source],
-        shortcuts: Shortcuts,
-    ) -> Option<Self> {
-        let Stack::Layered(layered) = stack else { return None };
-        let walk = Layered::new(layered, view, sources, shortcuts);
-        Some(Self { kind: Kind::Layered(Box::new(walk), Images::new(stack, view, sources)) })
     }
 
     /// Returns the smallest probability of a random choice that may carry a large fraction of the light; 1

@@ -10,7 +10,7 @@ use papilio_optics::rough::Rough;
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
 use papilio_transport::adding::Kernel;
-use papilio_transport::walk::{Shortcuts, Walk};
+use papilio_transport::walk::Walk;
 use papilio_transport::{
     AngularTable, Base, Component, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Panel,
     Reflector, Scattering, Source, Stack, Top, specular_image,
@@ -406,52 +406,4 @@ fn sums_of_split_calls_are_bit_identical() {
         walk.trace(&mut parts, &numbers, count);
     }
     assert_eq!(walk.estimate(&whole), walk.estimate(&parts));
-}
-
-/// Light that is followed crossing by crossing, with each reflection of flat interfaces and of the pixel as an event, has the
-/// means of the closed forms; through all kinds of layers, in diffuse light, a beam and a disc. The energy balance is complete.
-#[test]
-fn crossings_have_the_means_of_closed_forms() {
-    let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
-    let two_glasses = |base| {
-        let sheet = layer(sheet(0.1, 0.05), clear(1.0));
-        let milk = slab(1.4, 0.5, 0.8, 0.95).with_transmittance(one(0.9));
-        layered(vec![sheet, under_air(clear(1.5)), layer(Interface::Fresnel, milk)], base)
-    };
-    let cases = [
-        ("everything over paper", everything(1.0, lambertian(0.8))),
-        ("coloured layers over a mirror", coloured(&[0, 1, 2], false)),
-        ("everything over a mirror", everything(1.0, mirror(0.8))),
-        ("slab under glass over a mirror", two_glasses(mirror(0.9))),
-    ];
-    for (name, stack) in everyday(2, cases) {
-        let [all, none] = [Shortcuts::All, Shortcuts::None]
-            .map(|shortcuts| Walk::with_shortcuts(&stack, view(10.0), &sources, shortcuts).unwrap());
-        let estimates = |walk: &Walk<'_>, seed| -> Vec<Estimate> {
-            let replicate = |stream| {
-                let mut replicate = walk.replicate();
-                walk.trace(&mut replicate, &SampleStream::new(Sampler::Sobol, seed, stream), sized(16, 64));
-                replicate
-            };
-            walk.estimates(&(0..REPLICATES).map(replicate).collect::<Vec<_>>())
-        };
-        let cache = RefCell::new(HashMap::new());
-        for source in 0..sources.len() {
-            assert_unbiased(&format!("{name}, source {source}"), 1.0, 0.15, |seed| {
-                let mut cache = cache.borrow_mut();
-                let [a, b] = cache.entry(seed).or_insert_with(|| {
-                    let both = [estimates(&all, 2 * seed), estimates(&none, 2 * seed + 1)];
-                    for e in &both[1] {
-                        let l = &e.ledger;
-                        let absorbed = l.front[0] + l.diffuser[0] + l.glass[0] + l.pixel[0] + l.inactive[0];
-                        assert!((l.returned[0] + absorbed + l.unaccounted[0] - 1.0).abs() < 1e-12, "{name}");
-                    }
-                    both
-                });
-                let (x, error_x) = mean_and_error(a.iter().map(|e| rho(e, source)));
-                let (y, error_y) = mean_and_error(b.iter().map(|e| rho(e, source)));
-                (x / y, (x / y) * (error_x / x).hypot(error_y / y))
-            });
-        }
-    }
 }

@@ -63,11 +63,16 @@ fn assert_solvers_agree(name: &str, stack: &Stack, [bin, state]: [usize; 2]) {
 /// All kinds of layers, colours and states.
 #[test]
 fn solvers_agree_with_reference_through_all_kinds_of_layers() {
+    let milk = slab(0.5, 0.8, 0.95, 1.4).with_transmittance(one(0.9));
+    let layers =
+        [(sheet(0.1, 0.05), clear(1.0)), (Interface::Fresnel, clear(1.5)), (Interface::Fresnel, milk)];
+    let layers = layers.map(|(interface, medium)| Layer { interface, medium }).to_vec();
     let cases = [
         ("everything over paper", everything(1.0, lambertian(0.8)), [0, 0]),
         ("coloured layers over a mirror", coloured(&[0, 1, 2], false), [2, 1]),
         ("everything over a mirror", everything(1.0, mirror(0.8)), [0, 0]),
         ("coloured layers over paper", coloured(&[0, 1, 2], true), [0, 1]),
+        ("slab under glass over a mirror", Stack::Layered(Layered { layers, base: mirror(0.9) }), [0, 0]),
     ];
     for (name, stack, at) in everyday(1, cases) {
         assert_solvers_agree(name, &stack, at);

@@ -10,7 +10,6 @@
 use papilio_sampling::SampleStream;
 
 use super::bulk::Stay;
-use super::crossings::Record;
 use super::light::Light;
 use super::{Gathered, OutgoingRay};
 
@@ -28,7 +27,8 @@ pub(super) struct Generation {
 pub(super) struct Travelling {
     /// The path, from 0 in the batch.
     pub(super) path: usize,
-    pub(super) record: Record,
+    /// Number of its meetings with a pixel that scatters.
+    pub(super) meetings: u32,
     pub(super) sent: OutgoingRay,
     pub(super) light: Light,
 }
@@ -38,7 +38,8 @@ pub(super) struct Travelling {
 pub(super) struct Arrived {
     /// The path, from 0 in the batch.
     pub(super) path: usize,
-    pub(super) record: Record,
+    /// Number of its meetings with a pixel that scatters.
+    pub(super) meetings: u32,
     /// Number of the event.
     pub(super) event: usize,
     pub(super) sent: OutgoingRay,
@@ -67,12 +68,12 @@ impl Generation {
     /// Adds a branch that leaves an event; returns its light.
     pub(super) fn depart(
         &mut self,
-        (path, record): (usize, Record),
+        (path, meetings): (usize, u32),
         sent: OutgoingRay,
         light: &Light,
     ) -> &mut Light {
         let light = self.copy(light);
-        self.travelling.push(Travelling { path, record, sent, light });
+        self.travelling.push(Travelling { path, meetings, sent, light });
         let last = self.travelling.len() - 1;
         &mut self.travelling[last].light
     }
@@ -80,13 +81,13 @@ impl Generation {
     /// Adds a branch that arrives at an event.
     pub(super) fn arrive(
         &mut self,
-        (path, record): (usize, Record),
+        (path, meetings): (usize, u32),
         event: usize,
         sent: OutgoingRay,
         light: &Light,
     ) {
         let light = self.copy(light);
-        self.arrived.push(Arrived { path, record, event, sent, stay: None, light, gathered: Vec::new() });
+        self.arrived.push(Arrived { path, meetings, event, sent, stay: None, light, gathered: Vec::new() });
     }
 
     /// Keeps the memory of light that has been followed.

@@ -1,7 +1,6 @@
 //! Sums over paths, and the reflectance factors and ledger that follow from them.
 
 use super::controls::Controls;
-use super::crossings::Record;
 use super::generation::{Arrived, Generation, Roulette};
 use super::light::{Light, Share};
 use super::scatterers::ScatterEvent;
@@ -77,8 +76,8 @@ pub(super) struct Workspace {
     /// The light of each source that the event scatters into the path, upwards and downwards, and that is not in the sums
     /// yet.
     pub(super) gathered: Gathered,
-    /// What the branch has met on its way to the event.
-    pub(super) record: Record,
+    /// Number of the branch's meetings with a pixel that scatters, on its way to the event.
+    pub(super) meetings: u32,
     /// The branches that are still to be followed.
     pub(super) next: Generation,
     /// Control variates, if there are events that they describe.
@@ -124,7 +123,7 @@ impl Workspace {
 
     /// Adds a branch with this light.
     pub(super) fn branch(&mut self, sent: OutgoingRay) {
-        self.next.depart((self.lamps.path, self.record), sent, &self.light);
+        self.next.depart((self.lamps.path, self.meetings), sent, &self.light);
     }
 
     /// Lets a branch with this light stay in its medium. The workspace takes over the memory of the branch's light.
@@ -137,7 +136,7 @@ impl Workspace {
 
     /// Adds a branch with a part of this light, by wavelength; returns its light.
     pub(super) fn branch_part(&mut self, sent: OutgoingRay, part: impl Fn(usize) -> f64) -> &Light {
-        let light = self.next.depart((self.lamps.path, self.record), sent, &self.light);
+        let light = self.next.depart((self.lamps.path, self.meetings), sent, &self.light);
         light.multiply(part);
         light
     }
@@ -155,10 +154,7 @@ impl Layered<'_> {
         let base = self.base();
         let (states, bins) = (base.states(), base.bins());
         let light = || Light::zeros(states, bins);
-        let mut skeleton = Skeleton::new(self.stack, base);
-        if self.by_crossings {
-            skeleton = skeleton.crossing_by_crossing();
-        }
+        let skeleton = Skeleton::new(self.stack, base);
         let field = skeleton.field();
         let lamps = SourcesOfPaths::new(self);
         let sums = Sums {
@@ -177,7 +173,7 @@ impl Layered<'_> {
             workspace: Workspace {
                 light: light(),
                 gathered: Vec::new(),
-                record: Record::default(),
+                meetings: 0,
                 controls,
                 next: Generation::default(),
                 skeleton,
@@ -195,8 +191,7 @@ impl Layered<'_> {
         let Workspace { skeleton, field, share, .. } = workspace;
         for (account, sum) in sums.absorbed.accounts() {
             share.clear();
-            let elements = self.accounts.iter().enumerate().filter(|(_, of)| **of == account);
-            for (element, _) in elements.filter(|(element, _)| !self.is_event(*element)) {
+            for (element, _) in self.accounts.iter().enumerate().filter(|(_, of)| **of == account) {
                 let parts = skeleton.element(element);
                 for going in [Propagation::Down, Propagation::Up] {
                     share.add(field, Ray::arriving_at(element, going), |bin| parts[bin].absorbed(going));
@@ -204,7 +199,7 @@ impl Layered<'_> {
             }
             sum.add_share(light, share, &field.rising, 1.0);
         }
-        if self.base_is_event() {
+        if !self.stack.base.is_specular() {
             return;
         }
         let base = Ray { plane: skeleton.elements(), going: Propagation::Down };

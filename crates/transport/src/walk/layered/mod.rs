@@ -19,13 +19,12 @@
 //!
 //! # A pixel that is the same everywhere
 //! Two things rely on a pixel that is the same at all points of its plane: [`columns`], and the closed form of
-//! inter-reflections, which does not know where light meets the pixel. A pixel with a pattern must have neither:
-//! [`Shortcuts::None`] follows light crossing by crossing, with full spectra; [`crossings`] describes what a pattern adds.
+//! inter-reflections, which does not know where light meets the pixel. Light over a pixel with a pattern is followed by
+//! [`places`](super::places). The tracer without any closed form, which tests this one, is [`Plain`](super::Plain).
 
 mod bulk;
 mod columns;
 mod controls;
-mod crossings;
 mod generation;
 mod halfway;
 mod ledger;
@@ -42,13 +41,12 @@ use std::ops::Range;
 use papilio_optics::Beta;
 use papilio_sampling::SampleStream;
 
-use super::{PathNumbers, Shortcuts};
+use super::PathNumbers;
 use crate::estimate::Account;
 use crate::skeleton::Ray;
 use crate::{Base, Cone, Medium, Reflector, Source};
 use bulk::Outcome;
 use columns::Columns;
-use crossings::Record;
 use generation::{Arrived, GenerationNumbers, Roulette, Travelling, key, order};
 pub(super) use ledger::Accumulator;
 use ledger::{Sums, Workspace};
@@ -96,8 +94,6 @@ pub(super) struct Layered<'a> {
     largest_index: f64,
     /// The number of paths that are followed side by side.
     batch: u64,
-    /// Light stops at every interface and at the base ([`crossings`]).
-    by_crossings: bool,
 }
 
 /// Light that starts its way through the flat skeleton.
@@ -149,19 +145,13 @@ fn most_survival(generation: u32) -> f64 {
 }
 
 impl<'a> Layered<'a> {
-    /// Prepares a walk; `shortcuts` as in [`Walk::with_shortcuts`](super::Walk::with_shortcuts).
-    pub(super) fn new(
-        stack: &'a crate::Layered,
-        view: Cone,
-        sources: &'a [Source],
-        shortcuts: Shortcuts,
-    ) -> Self {
-        let by_crossings = shortcuts == Shortcuts::None;
+    /// Prepares a walk.
+    pub(super) fn new(stack: &'a crate::Layered, view: Cone, sources: &'a [Source]) -> Self {
         let discs = sources.iter().any(Source::has_radiance);
         let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
         let largest_index = stack.layers.iter().map(|layer| layer.medium.largest_index()).fold(1.0, f64::max);
-        let columns = if by_crossings { None } else { Columns::new(stack) };
-        let mut events = events(stack, by_crossings);
+        let columns = Columns::new(stack);
+        let mut events = events(stack);
         events.iter_mut().for_each(|event| event.aim_half_way(view, sources));
         let base = columns.as_ref().map_or(&stack.base, |columns| &columns.base);
         // Light of two branches, and light and fields of what each source sends on.
@@ -181,7 +171,6 @@ impl<'a> Layered<'a> {
             directed: directed > 0,
             largest_index,
             batch,
-            by_crossings,
         }
     }
 
@@ -209,16 +198,6 @@ impl<'a> Layered<'a> {
     /// The base, with the spectra that paths carry.
     fn base(&self) -> &Base {
         self.columns.as_ref().map_or(&self.stack.base, |columns| &columns.base)
-    }
-
-    /// True if reflection by the base is an event: the skeleton then ends in black.
-    fn base_is_event(&self) -> bool {
-        self.by_crossings || !self.stack.base.is_specular()
-    }
-
-    /// True if reflection and transmission by this element are events.
-    fn is_event(&self, element: usize) -> bool {
-        self.by_crossings && element.is_multiple_of(2)
     }
 
     /// True if there are events that [`controls`] describes.
@@ -257,7 +236,7 @@ impl<'a> Layered<'a> {
             controls.begin(count, &sums.received);
         }
         workspace.light.start();
-        workspace.record = Record::default();
+        workspace.meetings = 0;
         for path in 0..count {
             workspace.lamps.path = path;
             let beta = self.view.sample_towards(of(path).field());
@@ -287,9 +266,9 @@ impl<'a> Layered<'a> {
         let mut roulettes = numbers.roulettes(self.events.len());
         let order = order(&travelling, |branch| self.key_of_ray(branch));
         for k in order {
-            let Travelling { path, record, sent, light } = &travelling[k];
+            let Travelling { path, meetings, sent, light } = &travelling[k];
             workspace.exchange(*path, sums);
-            workspace.record = *record;
+            workspace.meetings = *meetings;
             self.leave(*sent, light, sums, workspace);
             self.arrive((*sent, light), generation, &mut roulettes, sums, workspace);
             workspace.exchange(*path, sums);
@@ -314,7 +293,7 @@ impl<'a> Layered<'a> {
             let branch = &mut arrived[k];
             let path = branch.path;
             workspace.exchange(path, sums);
-            workspace.record = branch.record;
+            workspace.meetings = branch.meetings;
             std::mem::swap(&mut workspace.light, &mut branch.light);
             std::mem::swap(&mut workspace.gathered, &mut branch.gathered);
             self.perform(branch, (generation, numbers.of(rank)), sums, workspace);
@@ -327,8 +306,8 @@ impl<'a> Layered<'a> {
 
     /// Position of a branch among others between two events.
     fn key_of_ray(&self, branch: &Travelling) -> u64 {
-        let Travelling { record, sent, light, .. } = branch;
-        let meetings = record.meetings.min(MOST_MEETINGS) as usize;
+        let Travelling { meetings, sent, light, .. } = branch;
+        let meetings = (*meetings).min(MOST_MEETINGS) as usize;
         let planes = 2 * self.stack.layers.len() + 1;
         let class = 2 * (planes * meetings + sent.ray.plane) + sent.ray.going as usize;
         key(class, [sent.beta.squared() / self.largest_index.powi(2), light.brightest()])
@@ -401,7 +380,7 @@ impl<'a> Layered<'a> {
                 if is_faint {
                     sums.unaccounted.add(&workspace.light, -1.0);
                 }
-                let of = (workspace.lamps.path, workspace.record);
+                let of = (workspace.lamps.path, workspace.meetings);
                 workspace.next.arrive(of, i, sent, &workspace.light);
             }
         }
@@ -439,10 +418,6 @@ impl<'a> Layered<'a> {
                 let pixel = Pixel { kernels, medium, element: event.element };
                 pixel.reflect(sent.beta, [u[0], u[1], u[2]], sums, workspace)
             }
-            Kind::Flat => {
-                return crossings::pass_flat(self, (branch.event, event), sent, sums, workspace);
-            }
-            Kind::Mirror => return crossings::reflect_by_mirror(self, event, sent, sums, workspace),
             Kind::Interface(..) => return event.pass_interface((branch.event, sent), u, sums, workspace),
         };
         if let Some(next) = next {

@@ -31,7 +31,7 @@ impl Pixel<'_> {
     ) -> Option<OutgoingRay> {
         let ray = Ray { plane: self.element, going: Propagation::Up };
         sums.arriving.add(&workspace.light, 1.0);
-        workspace.record.meet();
+        workspace.meetings = workspace.meetings.saturating_add(1);
         self.tint(&mut workspace.light);
         let mut turned = workspace.light.clone();
         let Workspace { light, share, lamps, .. } = &mut *workspace;

@@ -35,10 +35,6 @@ pub(super) enum Kind<'a> {
     Base(Option<&'a Medium>),
     /// A base with a kernel for each state, under this medium.
     Pixel(&'a [ScatterKernel], Option<&'a Medium>),
-    /// What an interface does not scatter, where light is followed [crossing by crossing](super::crossings).
-    Flat,
-    /// A specular base, where light is followed crossing by crossing.
-    Mirror,
 }
 
 impl<'a> ScatterEvent<'a> {
@@ -85,7 +81,7 @@ impl<'a> ScatterEvent<'a> {
     pub(super) fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
         let ray = Ray::arriving_at(self.element, self.going);
         match self.kind {
-            Kind::Base(..) | Kind::Pixel(..) | Kind::Mirror => {
+            Kind::Base(..) | Kind::Pixel(..) => {
                 return share.set(field, ray, |_| 1.0);
             }
             Kind::Interface(interface, channel, _) => {
@@ -93,10 +89,6 @@ impl<'a> ScatterEvent<'a> {
                 if let Some((total, factor)) = fraction {
                     return share.set(field, ray, |bin| total * factor[bin]);
                 }
-            }
-            Kind::Flat => {
-                let parts = skeleton.element(self.element);
-                return share.set(field, ray, |bin| 1.0 - parts[bin].scattered[self.going as usize]);
             }
             Kind::Bulk(_) => {}
         }
@@ -234,15 +226,10 @@ impl<F: Fn(Beta) -> Colours> ColoursAt<F> {
 }
 
 /// All scattering events that a stack has.
-///
-/// `by_crossings`: flat interfaces and mirrors are events, too.
-pub(super) fn events(stack: &Layered, by_crossings: bool) -> Vec<ScatterEvent<'_>> {
+pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
     const BOTH_WAYS: [Propagation; 2] = [Propagation::Down, Propagation::Up];
     let mut events = Vec::new();
     for (element, (layer, media)) in stack.elements().enumerate() {
-        if by_crossings && element.is_multiple_of(2) {
-            events.extend(BOTH_WAYS.map(|going| ScatterEvent::new(element, going, Kind::Flat)));
-        }
         let Some(interface) = layer.scattering_interface() else { continue };
         for going in BOTH_WAYS {
             let channels = interface.channels(going).into_iter();
@@ -262,7 +249,7 @@ pub(super) fn events(stack: &Layered, by_crossings: bool) -> Vec<ScatterEvent<'_
     events.sort_by_key(|event| event.element);
     let upper = stack.layers.last().map(|layer| &layer.medium);
     let base = match &stack.base.reflector {
-        Reflector::Specular(_) => by_crossings.then_some(Kind::Mirror),
+        Reflector::Specular(_) => None,
         Reflector::Lambertian(_) => Some(Kind::Base(upper)),
         Reflector::Scattering(kernels) => Some(Kind::Pixel(kernels, upper)),
     };
@@ -288,7 +275,7 @@ pub(super) fn at_lambertian_base(
 ) {
     let light = &mut workspace.light;
     sums.arriving.add(light, 1.0);
-    workspace.record.meet();
+    workspace.meetings = workspace.meetings.saturating_add(1);
     light.meet(reflectance);
     sums.reflected.add(light, 1.0);
 

@@ -84,9 +84,9 @@ fn columns_have_the_means_of_full_spectra() {
         [("rough glass over paper", rough_glass(BINS), false), ("slab over a mirror", slab(BINS, 1.5), true)]
     {
         let stack = crate::Layered { layers: vec![layer], base: base(coloured(), BINS, is_mirror) };
-        let few = Layered::new(&stack, view, &[Source::Diffuse], Shortcuts::All);
+        let few = Layered::new(&stack, view, &[Source::Diffuse]);
         assert!(few.columns.as_ref().is_some_and(|columns| columns.base.states() < 32));
-        let all = Layered::new(&stack, view, &[Source::Diffuse], Shortcuts::All).with_full_spectra();
+        let all = Layered::new(&stack, view, &[Source::Diffuse]).with_full_spectra();
         let paths = sized(32, 64);
         let cache = RefCell::new(HashMap::new());
         for (state, bin) in [(0, 0), (0, 17), (0, 40), (0, 80), (1, 0), (1, 63)] {
@@ -113,7 +113,7 @@ fn control_variates_reduce_variance_and_keep_the_mean() {
     for index in [1.0, 1.5] {
         let base = base(vec![0.8, 0.1], 1, true);
         let stack = crate::Layered { layers: vec![slab(1, index)], base };
-        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &[Source::Diffuse], Shortcuts::All);
+        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &[Source::Diffuse]);
         let paths = 1024;
         let tallies = replicates(&walk, 5, paths);
         let with = results(&walk, &tallies, paths);
@@ -164,7 +164,7 @@ fn orders_of_beams_keep_the_mean() {
         let stack = crate::Layered { layers: vec![layer], base: base(vec![0.8, 0.1], 1, is_mirror) };
         let beam = Cone::new(-20.0, 0.0, 0.0, 1.0).axis_towards();
         let sources = [Source::Beam(-beam)];
-        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &sources, Shortcuts::All);
+        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &sources);
         let cache = RefCell::new(HashMap::new());
         for state in 0..2 {
             assert_unbiased(&format!("{name}, state {state}"), 1.0, 0.1, |seed| {
@@ -189,7 +189,7 @@ fn orders_of_beams_reduce_variance() {
         let layer = slab_of(1, index, thickness, 1.0);
         let stack = crate::Layered { layers: vec![layer], base: base(vec![0.8, 0.1], 1, true) };
         let sources = [Source::Beam(-Cone::new(source_deg, 0.0, 0.0, 1.0).axis_towards())];
-        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &sources, Shortcuts::All);
+        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &sources);
         let [with, without] = with_and_without_orders(&walk, 5, 256);
         for state in 0..2 {
             let error = |of: &[Vec<f64>]| mean_and_error(of.iter().map(|values| values[state])).1;
@@ -220,7 +220,7 @@ fn directions_half_way_are_sampled() {
     let expected = 0.8 * std::f64::consts::PI * STEP * STEP * products.sum::<f64>();
 
     let sources = [Source::Beam(beam)];
-    let walk = Layered::new(&stack, view, &sources, Shortcuts::All);
+    let walk = Layered::new(&stack, view, &sources);
     assert_unbiased("half way", expected, 0.02, |seed| {
         let results = results(&walk, &replicates(&walk, seed, 64), 64);
         mean_and_error(results.iter().map(|values| values[0]))
