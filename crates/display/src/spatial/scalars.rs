@@ -10,6 +10,9 @@ use super::{Sharpness, SpatialScalars};
 /// Field of view of the square-root integral, degrees.
 const FIELD_DEG: f64 = 10.0;
 
+/// Widths of edges up to this part of the extent of a table are those of sharp images: the distance of the places beside them.
+const SHARPEST: f64 = 1e-6;
+
 impl Frame<'_> {
     /// Computes the metrics of a state; none for one without light.
     pub(super) fn scalars(&self, state: usize, measured: &Measured) -> SpatialScalars {
@@ -29,8 +32,10 @@ impl Frame<'_> {
         };
         let edge = |axis: usize| {
             let edge = cumulative(&all.strips[axis]);
-            let at = |share: f64| crossing(&measured.places[axis], &edge, share);
-            Some(1e3 * (at(0.9)? - at(0.1)?))
+            let places = &measured.places[axis];
+            let at = |share: f64| crossing(places, &edge, share);
+            let (width, extent) = (at(0.9)? - at(0.1)?, places.last()? - places.first()?);
+            Some(if width > SHARPEST * extent { 1e3 * width } else { 0.0 })
         };
         let rings = cumulative(&all.rings);
         let radius = |share: f64| {

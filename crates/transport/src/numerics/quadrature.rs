@@ -116,9 +116,10 @@ fn cut(from: f64, to: f64, poles: &[Pole], least: f64, each: &mut impl FnMut(f64
     let (pole, axis) = nearest;
     // The sum of half-axes.
     let ellipse = axis + (axis * axis - 1.0).sqrt();
-    if ellipse < SMALLEST_ELLIPSE && to - from > least {
-        let inside = (pole.at - from) / (to - from);
-        let at = if (0.2..0.8).contains(&inside) { pole.at } else { 0.5 * (from + to) };
+    let inside = (pole.at - from) / (to - from);
+    let at = if (0.2..0.8).contains(&inside) { pole.at } else { 0.5 * (from + to) };
+    // Between neighbouring numbers there is none.
+    if ellipse < SMALLEST_ELLIPSE && to - from > least && from < at && at < to {
         cut(from, at, poles, least, each);
         cut(at, to, poles, least, each);
     } else {
@@ -182,6 +183,15 @@ mod tests {
                 assert!((sum / truth - 1.0).abs() < allowed, "{width} {digits}");
             }
         }
+    }
+
+    /// Borders of strips and rings may be as close as numbers are.
+    #[test]
+    fn interval_between_neighbouring_numbers_has_one_panel() {
+        let (from, to) = (1.0, 1.0 + f64::EPSILON);
+        let nodes = graded(from, to, &[], &[Pole { at: 1.0, off: 1e-12 }], 12.0);
+        let sum: f64 = nodes.iter().map(|node| node.weight).sum();
+        assert!((sum / f64::EPSILON - 1.0).abs() < 1e-6, "{sum}");
     }
 
     #[test]
