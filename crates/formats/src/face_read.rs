@@ -1,11 +1,11 @@
 //! Reader of `face.npz`, the kernel of a surface that `papilio gonio` measured.
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 use papilio_microgeometry::{FaceTable, Side};
 
+use crate::DataFile;
 use crate::error::FormatError;
 use crate::npz::{Npz, is_npz};
-use crate::{DataFile, SurfaceProblem};
 
 /// Name of the format, with its version.
 pub(crate) const FORMAT: &str = "papilio-face 1";
@@ -78,5 +78,7 @@ fn of_archive(file: &DataFile) -> Result<(FaceTable, Option<usize>), FormatError
 }
 
 fn wrong_kind(file: &DataFile) -> FormatError {
-    FormatError { place: Place::whole(&file.name), problem: SurfaceProblem::NotAFace.into() }
+    let wrong = Diagnostic::new("this is not the kernel of a face");
+    let wrong = wrong.expected("face.npz, which `papilio gonio` writes");
+    FormatError { place: Place::whole(&file.name), problem: wrong.into() }
 }

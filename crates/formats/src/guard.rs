@@ -4,9 +4,9 @@ use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::sync::Once;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
-use crate::error::{FormatError, Problem};
+use crate::error::FormatError;
 use crate::file::DataFile;
 use crate::picture_format;
 
@@ -18,16 +18,18 @@ thread_local! {
 /// Calls the reader of a file. A panic in it is an error of the file.
 ///
 /// # Errors
-/// Those of the reader, and [`Problem::Undecodable`] with the name of a picture's format.
+/// Those of the reader, and that its decoder has failed.
 pub(crate) fn read<T>(
     file: &DataFile,
     reader: impl FnOnce(&DataFile) -> Result<T, FormatError>,
 ) -> Result<T, FormatError> {
     decoded(|| reader(file)).unwrap_or_else(|Panicked| {
-        Err(FormatError {
-            place: Place::whole(&file.name),
-            problem: Problem::Undecodable { format: picture_format(&file.bytes) },
-        })
+        let named = picture_format(&file.bytes).map_or("file".to_owned(), |format| format!("{format} file"));
+        let wrong = Diagnostic::new(format!(
+            "this {named} cannot be read: its contents contradict each other, so that the decoder failed"
+        ));
+        let hint = "is it damaged or cut off? Save it again, if possible in another format";
+        Err(FormatError { place: Place::whole(&file.name), problem: wrong.hint(hint).into() })
     })
 }
 
@@ -62,10 +64,7 @@ mod tests {
         let file = DataFile { name: "a.bin".to_owned(), bytes: vec![1, 2] };
         let read_at = |at: usize| read(&file, |file| Ok(file.bytes[std::hint::black_box(at)]));
         let error = read_at(3).unwrap_err();
-        assert_eq!(
-            (error.place.name.as_str(), &error.problem),
-            ("a.bin", &Problem::Undecodable { format: None })
-        );
+        assert_eq!(error.place.name, "a.bin");
         assert!(error.to_string().contains("contradict each other"), "{error}");
         assert_eq!(read_at(1), Ok(2));
     }

@@ -133,16 +133,16 @@ pub use journal::{
 };
 pub use json::write_json;
 pub use light::{
-    IntensityEdge, LightMap, Luminaire, MapChannel, MapColour, MapProblem, Opening, OpeningShape,
-    is_luminaire, read_light_map, read_luminaire, read_profile,
+    IntensityEdge, LightMap, Luminaire, MapChannel, MapColour, Opening, OpeningShape, is_luminaire,
+    read_light_map, read_luminaire, read_profile,
 };
 pub use measured_panel::read_measured_panel;
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};
 pub use palette::{PaletteTable, device_colour, palette_files, read_palette};
 pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use picture::{
-    LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, PictureProblem, RgbSpace, SourcePicture, Transfer,
-    picture_format, read_picture, write_indexed_png, write_rgb_png, write_scene_exr,
+    LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, SourcePicture, Transfer, picture_format,
+    read_picture, write_indexed_png, write_rgb_png, write_scene_exr,
 };
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
@@ -153,9 +153,7 @@ pub use spectrum::{
     read_fractions, read_fractions_with_notes, read_light, read_light_with_notes, read_spectrum,
 };
 pub use study::write_study;
-pub use surface::{
-    HeightFile, MeshFile, SurfaceProblem, is_height_file, read_density, read_heights, read_mesh,
-};
+pub use surface::{HeightFile, MeshFile, is_height_file, read_density, read_heights, read_mesh};
 pub use sweep::{
     LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
 };

@@ -1,10 +1,10 @@
 //! Measured panels: spectra or colours of each state from each direction.
 
 use papilio_colour::{Lab, Xyz};
-use papilio_diagnostics::Warned;
+use papilio_diagnostics::{Diagnostic, Warned};
 use papilio_display::compare::{Measured, Quantity};
 
-use crate::error::{FormatError, Problem};
+use crate::error::{FormatError, too_few};
 use crate::file::DataFile;
 use crate::states::{Accept, State, Value, read_states};
 
@@ -27,8 +27,18 @@ pub fn read_measured_panel(file: &DataFile) -> Result<Warned<Vec<Measured>>, For
         factor: (LEAST, 1e4),
         factor_in_words: "a value from -0.05 (noise) to 1e4, where 1 is a perfect white",
         xyz: true,
-        empty: Problem::EmptyPanel,
-        header: Problem::PanelHeader,
+        empty: too_few(0)
+            .expected(
+                "a first row with the names of the columns, and a row for each state and direction (for spectra, a row for each \
+                 state, direction and wavelength)",
+            )
+            .into(),
+        header: Diagnostic::new("this is not the header of a measured panel")
+            .expected(
+                "the columns `state`, optionally `theta_deg`, and `wavelength_nm`, `reflectance_factor` or `X`, `Y`, `Z` or `L`, `a`, `b`; \
+                 or `wavelength_nm` and a column for each state; or `state` and a column for each wavelength",
+            )
+            .into(),
     };
     let read = read_states(file, &accept)?;
     let measured = |State { name, theta_deg, phi_deg, value }: State| Measured {

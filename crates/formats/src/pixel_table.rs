@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use csv::QuoteStyle;
+use papilio_diagnostics::Diagnostic;
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
 
 use crate::error::{FormatError, Problem};
@@ -101,7 +102,8 @@ impl PixelColumns {
         let [Some(state), Some(theta), Some(wavelength), Some(reflectance)] =
             ACCEPTED.map(|quantity| header.get(quantity))
         else {
-            return Err(head.error(Problem::Header));
+            let wrong = Diagnostic::new("this is not the header of a pixel table");
+            return Err(head.error(wrong.expected("`state,theta_deg,wavelength_nm,reflectance`").into()));
         };
         Ok(Self { state, theta, wavelength, reflectance, count: header.count })
     }
@@ -176,7 +178,10 @@ impl Points {
         match theta_deg.first() {
             Some(&first) if first == 0.0 && wavelength_nm.len() > 1 => {}
             Some(&first) if first > 0.0 => {
-                return Err(table.error(Problem::NoNormal { theta_deg: first }));
+                let wrong = Diagnostic::new(format!("the smallest angle is {first} deg"))
+                    .expected("0 deg as the smallest angle")
+                    .hint("add rows for 0 deg, the normal of the display");
+                return Err(table.error(wrong.into()));
             }
             _ => return Err(table.error(Problem::TooFew { rows: wavelength_nm.len() })),
         }
@@ -190,9 +195,11 @@ impl Points {
         for pair in self.points.windows(2) {
             let [a, b] = [pair[0], pair[1]];
             if a.state == b.state && a.theta_deg == b.theta_deg && a.nm == b.nm {
-                let state = self.names[b.state].clone();
-                let problem = Problem::Duplicate { state, theta_deg: b.theta_deg, nm: b.nm };
-                return Err(table.error_at_line(self.places[b.row], problem));
+                let (state, theta_deg, nm) = (&self.names[b.state], b.theta_deg, b.nm);
+                let wrong =
+                    Diagnostic::new(format!("state `{state}` at {theta_deg} deg and {nm} nm has two rows"));
+                let wrong = wrong.hint("remove one of the two rows");
+                return Err(table.error_at_line(self.places[b.row], wrong.into()));
             }
         }
         Ok(())
@@ -212,8 +219,11 @@ impl Points {
                 for &nm in wavelength_nm {
                     let found = points.next();
                     if found.is_none_or(|p| (p.state, p.theta_deg, p.nm) != (state, theta, nm)) {
-                        let problem = Problem::Hole { state: name.clone(), theta_deg: theta, nm };
-                        return Err(table.error(problem));
+                        let wrong =
+                            Diagnostic::new(format!("state `{name}` has no row for {theta} deg and {nm} nm"))
+                                .expected("a row for every wavelength at every angle of every state")
+                                .hint("add the row, or remove the wavelength or the angle from all states");
+                        return Err(table.error(wrong.into()));
                     }
                 }
             }

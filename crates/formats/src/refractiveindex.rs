@@ -10,7 +10,7 @@
 
 use std::ops::Range;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 use papilio_spectra::{Dispersion, Tabulated};
 
 mod download;
@@ -69,7 +69,11 @@ pub(crate) fn read(
         Some(Quantity { source: Source::Formula(number, entry), range_nm, .. }) => {
             entry.formula(number, range_nm, k, file)?
         }
-        None => return Err(file.error(Problem::NoIndex)),
+        None => {
+            let wrong = Diagnostic::new("no entry of `DATA` holds the refractive index n");
+            let expected = "an entry of type `tabulated nk`, `tabulated n` or `formula 1` to `formula 9`";
+            return Err(file.error(wrong.expected(expected).into()));
+        }
     };
     Ok(Warned { value, warnings: reading.notes })
 }
@@ -92,7 +96,11 @@ fn quantities<'a>(entries: &'a [Entry<'a>], file: Table<'a>) -> Result<Quantitie
                 let source = Source::Formula(number.parse().unwrap_or_default(), entry);
                 found.n.push(Quantity { entry, source, range_nm: entry.range(file)? });
             }
-            _ => return Err(error_at(file, named, Problem::UnknownData { found: kind.to_owned() })),
+            _ => {
+                let wrong = Diagnostic::new(format!("`{kind}` is not a known type of optical data"));
+                let expected = "`tabulated nk`, `tabulated n`, `tabulated k` or `formula 1` to `formula 9`";
+                return Err(error_at(file, named, wrong.expected(expected).into()));
+            }
         }
     }
     Ok(found)
@@ -128,7 +136,7 @@ impl Reading<'_> {
             None => Ok(quantities.pop()),
             Some(second) => {
                 let message = format!("a second entry holds {what}; remove one of the two");
-                Err(error_at(self.file, second.entry.kind(self.file)?, Problem::Yaml { message }))
+                Err(error_at(self.file, second.entry.kind(self.file)?, page::yaml(&message)))
             }
         }
     }
@@ -275,11 +283,7 @@ impl Entry<'_> {
         let range = self.get("range").map_or_else(|| self.needs("wavelength_range", file), Ok)?;
         match numbers(&range.text).map_err(|problem| error_at(file, range, problem))?[..] {
             [first, last] => Ok((nm_from_um(first), nm_from_um(last))),
-            _ => Err(error_at(
-                file,
-                range,
-                Problem::Yaml { message: "expected a range of two wavelengths in um".to_owned() },
-            )),
+            _ => Err(error_at(file, range, page::yaml("expected a range of two wavelengths in um"))),
         }
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use papilio_colour::{Standard, Xyz};
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 use papilio_display::compare::{Simulated, SimulatedView};
 use papilio_spectra::Grid;
 use serde::Deserialize;
@@ -82,12 +82,16 @@ fn of_json(file: &DataFile) -> Result<ReadResult, FormatError> {
             _ => usize::saturating_add(line_start, error.column().saturating_sub(1)),
         };
         let place = Place::in_text(&file.name, text, at..at + 1);
-        FormatError { place, problem: Problem::NotAResult { message: parser_message(&error) } }
+        FormatError { place, problem: not_a_result(&parser_message(&error)) }
     })?;
-    simulated(read).map_err(|message| FormatError {
-        place: Place::whole(&file.name),
-        problem: Problem::NotAResult { message: message.to_owned() },
-    })
+    simulated(read)
+        .map_err(|message| FormatError { place: Place::whole(&file.name), problem: not_a_result(message) })
+}
+
+fn not_a_result(message: &str) -> Problem {
+    Diagnostic::new(format!("this is not a result.json: {message}"))
+        .hint("specify a result.json that `papilio run` has written, or its folder")
+        .into()
 }
 
 /// Returns the parser's message without the place, which the diagnostic prints separately.
@@ -182,7 +186,7 @@ mod tests {
         ] {
             assert!(GOOD.contains(from));
             let error = read(&GOOD.replace(from, to)).unwrap_err();
-            assert!(matches!(error.problem, Problem::NotAResult { .. }), "{from} -> {to}: {error}");
+            assert!(error.to_string().contains("this is not a result.json"), "{from} -> {to}: {error}");
         }
     }
 

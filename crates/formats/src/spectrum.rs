@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use papilio_diagnostics::{Place, Warned};
+use papilio_diagnostics::{Diagnostic, Place, Warned};
 use papilio_spectra::Tabulated;
 
 use crate::error::{FormatError, Problem};
@@ -169,15 +169,19 @@ fn check_density(head: &Row<'_>, nm: Column, value: Column) -> Result<(), Format
     if is_length || !std::ptr::eq(value.quantity, &LIGHT) {
         return Ok(());
     }
-    Err(head.cell_error(nm.cell, Problem::EnergyAxis))
+    let wrong =
+        Diagnostic::new("this spectrum of light is given over photon energy, wavenumber or frequency")
+            .expected("a wavelength")
+            .hint(
+                "power per eV (or per cm-1) is not power per nm: multiply the values by the square of the energy, and convert the \
+                 energies to wavelengths (1239.84 nm eV)",
+            );
+    Err(head.cell_error(nm.cell, wrong.into()))
 }
 
 fn of_instrument(file: &DataFile, mut read: SpectralFile) -> Result<Points<'_>, FormatError> {
     let format = read.format;
-    let wrong = |what: String| {
-        let problem = Problem::Instrument { format, what };
-        FormatError { place: Place::whole(&file.name), problem }
-    };
+    let wrong = |what: String| instrument::error(&file.name, 0, format, what);
     if read.samples.len() > 1 {
         let names: Vec<&str> = read.samples.iter().take(6).map(|sample| sample.name.as_str()).collect();
         let more = if read.samples.len() > names.len() { ", ..." } else { "" };
@@ -202,8 +206,8 @@ impl Points<'_> {
                 Kind::Absorptance => "an absorptance",
                 Kind::Unstated => "another quantity",
             };
-            let problem = Problem::OtherQuantity { found, expected };
-            return Err(FormatError { place: Place::whole(&self.file.name), problem });
+            let wrong = Diagnostic::new(format!("this file holds {found}")).expected(expected);
+            return Err(FormatError { place: Place::whole(&self.file.name), problem: wrong.into() });
         }
         Ok(())
     }

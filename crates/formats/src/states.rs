@@ -7,7 +7,7 @@
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 use papilio_spectra::Tabulated;
 
 use crate::error::{FormatError, Problem};
@@ -260,8 +260,7 @@ impl Points {
         }
         self.all[number].set_colour(values, row, accept)?;
         if is_known {
-            let state = self.all[number].name.clone();
-            return Err(row.error(Problem::StateTwice { state, at: Box::new([theta_deg, None]) }));
+            return Err(row.error(two_values(&self.all[number].name, theta_deg, None)));
         }
         Ok(())
     }
@@ -289,8 +288,8 @@ impl Points {
 
     fn of_instrument(file: &DataFile, mut read: SpectralFile) -> Result<Self, FormatError> {
         if matches!(read.kind, Kind::Light) {
-            let problem = Problem::OtherQuantity { found: "a light", expected: "reflectances of states" };
-            return Err(FormatError { place: Place::whole(&file.name), problem });
+            let wrong = Diagnostic::new("this file holds a light").expected("reflectances of states");
+            return Err(FormatError { place: Place::whole(&file.name), problem: wrong.into() });
         }
         if read.kind == Kind::Unstated {
             read.divide_per_cent();
@@ -323,7 +322,12 @@ impl Points {
             return Ok(());
         }
         if largest <= LARGEST_GAIN && accept.factor.1 > 1.0 {
-            return Err(head.error(Problem::NoScale { largest }));
+            let problem = Diagnostic::new(format!(
+                "the values reach {largest}, and no column states whether a perfect white is 1 or 100"
+            ))
+            .expected("values of which a perfect white is 1, or a unit")
+            .hint("write the unit in the names of the columns, such as `Y (1)` or `Y (%)`; without one, values above 10 are read as per cent");
+            return Err(head.error(problem.into()));
         }
         values.into_iter().for_each(|value| *value /= 100.0);
         self.notes.push(instrument::percent_note(largest));
@@ -353,8 +357,7 @@ impl Points {
                 return fault(&point.at, Problem::BadName);
             }
             if !names.insert(key) {
-                let (state, theta_deg) = (point.name.clone(), point.theta_deg);
-                return fault(&point.at, Problem::StateTwice { state, at: Box::new([theta_deg, None]) });
+                return fault(&point.at, two_values(&point.name, point.theta_deg, None));
             }
             let value = match (point.spectrum.is_empty(), point.xyz.filter(|_| accept.xyz), point.lab) {
                 (false, ..) => {
@@ -395,14 +398,22 @@ fn tabulated(
     spectrum.sort_by(|a, b| a.0.total_cmp(&b.0));
     if let Some(pair) = spectrum.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         let at = if pair[0].2.start > pair[1].2.start { &pair[0].2 } else { &pair[1].2 };
-        let (state, theta_deg, nm) = (point.name.clone(), point.theta_deg, Some(pair[1].0));
-        return Err(fault(at, Problem::StateTwice { state, at: Box::new([theta_deg, nm]) }));
+        return Err(fault(at, two_values(&point.name, point.theta_deg, Some(pair[1].0))));
     }
     if spectrum.len() < 2 {
         return Err(fault(&point.at, Problem::TooFew { rows: spectrum.len() }));
     }
     let (nm, values) = spectrum.into_iter().map(|(nm, value, _)| (nm, value)).unzip();
     Tabulated::new(nm, values).map_err(|problem| fault(&point.at, problem.into()))
+}
+
+/// The error of two values for a state, a direction (inclination in degrees, if it is stated) and, for a spectrum, a wavelength in nm.
+pub(crate) fn two_values(state: &str, theta_deg: Option<f64>, nm: Option<f64>) -> Problem {
+    let direction = theta_deg.map_or(String::new(), |theta| format!(" at {theta} deg"));
+    let at = nm.map_or(String::new(), |nm| format!(" at {nm} nm"));
+    Diagnostic::new(format!("state `{state}`{direction}{at} has two values"))
+        .hint("remove one of the two")
+        .into()
 }
 
 /// The error of a table without a header, or whose header lacks columns.

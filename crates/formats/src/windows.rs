@@ -1,8 +1,8 @@
 //! Rectangles of sub-pixels: name, and corners in fractions of the pixel's pitch.
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
-use crate::error::{FormatError, Problem};
+use crate::error::{FormatError, Problem, too_few};
 use crate::file::DataFile;
 use crate::pixel_table::is_name;
 use crate::table::quantities::{NAME, X_0, X_1, Y_0, Y_1};
@@ -39,19 +39,24 @@ pub fn read_windows(file: &DataFile) -> Result<Vec<NamedRectangle>, FormatError>
     let text = TableText::new(file)?;
     let table = text.table();
     let mut rows = table.rows().filter(|row| !is_comment(row));
-    let head = rows.next().ok_or_else(|| table.error(Problem::NoRectangles))?;
+    let head = rows.next().ok_or_else(|| table.error(no_rectangles()))?;
     let mut header = Header::of(&head, &COLUMNS)?;
     header.refuse_others(&head, &COLUMNS)?;
     let all = COLUMNS.map(|quantity| header.get(quantity));
     let [Some(name), Some(x0), Some(y0), Some(x1), Some(y1)] = all else {
-        return Err(head.error(Problem::WindowHeader));
+        let wrong = Diagnostic::new("this is not the header of a table of rectangles");
+        return Err(head.error(wrong.expected("`name,x0,y0,x1,y1`").into()));
     };
     let columns = ([x0, y0, x1, y1], name, header.count);
     let rectangles = rows.map(|row| rectangle(&row, columns)).collect::<Result<Vec<_>, _>>()?;
     if rectangles.is_empty() {
-        return Err(table.error(Problem::NoRectangles));
+        return Err(table.error(no_rectangles()));
     }
     Ok(rectangles)
+}
+
+fn no_rectangles() -> Problem {
+    too_few(0).expected("a row for each rectangle: name, x0, y0, x1, y1").into()
 }
 
 fn rectangle(
@@ -67,7 +72,10 @@ fn rectangle(
     let edge = |column: Column| column.number_within(row, "an edge", (0.0, 1.0), expected);
     let corners = [edge(edges[0])?, edge(edges[1])?, edge(edges[2])?, edge(edges[3])?];
     if corners[0] >= corners[2] || corners[1] >= corners[3] {
-        return Err(row.error(Problem::EmptyRectangle));
+        let wrong = Diagnostic::new("this rectangle has no area")
+            .expected("x0 below x1, and y0 below y1")
+            .hint("x0, y0 is the lower left corner, x1, y1 the upper right one");
+        return Err(row.error(wrong.into()));
     }
     Ok(NamedRectangle { name: text.to_owned(), corners, place: row.place() })
 }
@@ -100,16 +108,16 @@ mod tests {
     fn mistakes_have_their_line() {
         const HEAD: &str = "name,x0,y0,x1,y1\n";
         for (text, line, problem) in [
-            ("", None, Problem::NoRectangles),
-            (HEAD, None, Problem::NoRectangles),
-            ("name,x0,y0,x1\nred,0,0,1\n", Some(1), Problem::WindowHeader),
-            (&format!("{HEAD}red,0.5,0,0.5,1\n"), Some(2), Problem::EmptyRectangle),
-            (&format!("{HEAD}red,0,0.6,0.5,0.5\n"), Some(2), Problem::EmptyRectangle),
-            (&format!("{HEAD}=red,0,0,1,1\n"), Some(2), Problem::BadName),
-            (&format!("{HEAD}red,0,0,1,x\n"), Some(2), Problem::NotANumber { found: "x".to_owned() }),
+            ("", None, "there are no rows of data"),
+            (HEAD, None, "there are no rows of data"),
+            ("name,x0,y0,x1\nred,0,0,1\n", Some(1), "this is not the header of a table of rectangles"),
+            (&format!("{HEAD}red,0.5,0,0.5,1\n"), Some(2), "this rectangle has no area"),
+            (&format!("{HEAD}red,0,0.6,0.5,0.5\n"), Some(2), "this rectangle has no area"),
+            (&format!("{HEAD}=red,0,0,1,1\n"), Some(2), "this name is not permitted"),
+            (&format!("{HEAD}red,0,0,1,x\n"), Some(2), "`x` is not a number"),
         ] {
             let error = read(text).unwrap_err();
-            assert_eq!(error.problem, problem);
+            assert_eq!(error.problem.to_string(), problem);
             assert_eq!(error.place.spot.as_ref().map(|spot| spot.line), line, "{error}");
         }
         let outside = read(&format!("{HEAD}red,0,0,1.2,1\n")).unwrap_err().to_string();

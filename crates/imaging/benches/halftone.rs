@@ -48,10 +48,9 @@ fn wanted() -> Vec<[f32; 3]> {
     (0..PIXELS).map(colour).collect()
 }
 
-#[divan::bench(args = ["floyd-steinberg", "jarvis", "sierra"])]
-fn error_diffusion_of_a_page(bencher: Bencher<'_, '_>, kernel: &str) {
+#[divan::bench(args = [DiffusionKernel::FloydSteinberg, DiffusionKernel::Jarvis, DiffusionKernel::Sierra])]
+fn error_diffusion_of_a_page(bencher: Bencher<'_, '_>, kernel: DiffusionKernel) {
     let (wanted, palette) = (wanted(), palette());
-    let kernel = DiffusionKernel::ALL.into_iter().find(|known| known.name() == kernel).unwrap();
     let settings = ErrorDiffusion { kernel, ..ErrorDiffusion::default() };
     bencher.bench_local(|| settings.colours(black_box(&wanted), COLUMNS, &palette).unwrap());
 }

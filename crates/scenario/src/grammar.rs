@@ -150,33 +150,46 @@ macro_rules! kinds {
 }
 pub(crate) use kinds;
 
-/// Declares a set of words, of which a value is one.
+/// Declares a set of words, of which a value is one: an enum of the grammar, or, after `for`, the words of an enum that
+/// means something elsewhere, which is then read as [`Word`](crate::word::Word).
 macro_rules! choice {
+    (for $name:ident { $( $(#[doc = $word_doc:literal])* $variant:ident = $word:literal ),* $(,)? }) => {
+        impl $crate::word::Words for $name {
+            const WORDS: &'static [(&'static str, Self, &'static str)] =
+                &[$(($word, Self::$variant, concat!($($word_doc),*))),*];
+
+            fn word(self) -> &'static str {
+                match self { $(Self::$variant => $word),* }
+            }
+        }
+    };
     (
         $(#[doc = $doc:literal])*
         $name:ident { $( $(#[doc = $word_doc:literal])* $variant:ident = $word:literal ),* $(,)? }
     ) => {
         $(#[doc = $doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-        pub(crate) enum $name { $( $(#[doc = $word_doc])* #[serde(rename = $word)] $variant, )* }
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(crate) enum $name { $( $(#[doc = $word_doc])* $variant, )* }
+
+        $crate::grammar::choice! { for $name { $( $(#[doc = $word_doc])* $variant = $word ),* } }
+
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                $crate::word::Word(*self).serialize(serializer)
+            }
+        }
 
         impl $crate::read::Read for $name {
             fn in_words() -> String {
-                [$(concat!("\"", $word, "\"")),*].join(" or ")
+                $crate::word::Word::<Self>::in_words()
             }
 
             fn on_page() -> String {
-                $crate::schema::choices(&[$(($word, concat!($($word_doc),*))),*])
+                $crate::word::Word::<Self>::on_page()
             }
 
             fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
-                let $crate::tree::Value::Text(word) = &node.value else {
-                    return node.wrong_type(Self::in_words(), errors);
-                };
-                match word.as_str() {
-                    $($word => Some(Self::$variant),)*
-                    _ => $crate::read::unknown_word(node, word, &[$($word),*], &[], errors),
-                }
+                $crate::word::Word::read(node, errors).map(|word| word.0)
             }
         }
 
@@ -184,8 +197,8 @@ macro_rules! choice {
             fn schema_name() -> std::borrow::Cow<'static, str> {
                 stringify!($name).into()
             }
-            fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-                schemars::json_schema!({ "enum": [$($word),*] })
+            fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                $crate::word::Word::<Self>::json_schema(generator)
             }
             fn inline_schema() -> bool {
                 true

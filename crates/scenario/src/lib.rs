@@ -81,6 +81,7 @@ mod sweep;
 mod tolerance;
 mod tree;
 mod varied;
+mod word;
 
 pub use browse::{
     IlluminantEntry, IlluminantSheet, MaterialEntry, MaterialSheet, illuminant_sheet, illuminants,

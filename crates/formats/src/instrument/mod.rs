@@ -16,9 +16,9 @@ mod ocean;
 mod tm27;
 mod wide;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
-use crate::error::{FormatError, Problem};
+use crate::error::FormatError;
 use crate::file::DataFile;
 use crate::table::TableText;
 
@@ -96,9 +96,10 @@ fn xml(name: &str, text: &str) -> Result<Option<SpectralFile>, FormatError> {
 }
 
 /// Returns an error of a file of an instrument, at a line if it is not 0.
-fn error(name: &str, line: usize, format: &'static str, what: String) -> FormatError {
+pub(crate) fn error(name: &str, line: usize, format: &'static str, what: String) -> FormatError {
     let what = if line == 0 { what } else { format!("line {line}: {what}") };
-    FormatError { place: Place::whole(name), problem: Problem::Instrument { format, what } }
+    let wrong = Diagnostic::new(format!("this {format} file cannot be used: {what}"));
+    FormatError { place: Place::whole(name), problem: wrong.into() }
 }
 
 impl SpectralFile {

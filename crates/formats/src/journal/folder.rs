@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 use serde::de::DeserializeOwned;
 
 use super::{Journal, LARGEST_JOURNAL, Lines, read_journal};
@@ -68,7 +68,11 @@ pub fn open_journal<H: DeserializeOwned, L: DeserializeOwned>(
 
 /// Returns the error for a journal of a different computation.
 pub fn foreign_journal_error(path: &Path) -> FormatError {
-    FormatError { place: Place::whole(&path.display().to_string()), problem: Problem::ForeignJournal }
+    let wrong = Diagnostic::new(
+        "this journal belongs to a different scenario, different input files or a different version of Papilio",
+    );
+    let hint = "compute all shards from the same scenario file with the same --set options";
+    FormatError { place: Place::whole(&path.display().to_string()), problem: wrong.hint(hint).into() }
 }
 
 /// Passes each line of a journal to `take` if the journal has this head. Returns the bytes of its complete lines, head included, or 0

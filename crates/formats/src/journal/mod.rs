@@ -11,12 +11,12 @@ mod seal;
 
 use std::io::{self, Write};
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::value::RawValue;
 
-use crate::error::{FormatError, Problem};
+use crate::error::FormatError;
 use crate::file::DataFile;
 
 pub use folder::{
@@ -123,9 +123,18 @@ impl Line<'_> {
         let text = String::from_utf8_lossy(&self.file.bytes[..self.from + self.bytes.len()]);
         // Replacement characters for invalid UTF-8 change the length of the text: the line is found as its last one.
         let from = text.trim_end_matches('\n').rfind('\n').map_or(0, |end| end + 1);
-        let problem =
-            if self.from == 0 { Problem::BrokenHead { reason } } else { Problem::BrokenLine { reason } };
-        FormatError { place: Place::in_text(&self.file.name, &text, from..from + 1), problem }
+        let wrong = match self.from {
+            0 => Diagnostic::new(format!("the first line of this journal is damaged: {reason}")).hint(
+                "the first line identifies the computation: restore it from a copy, or move the file to another folder to compute \
+                 everything again",
+            ),
+            _ => Diagnostic::new(format!("this line of a journal is damaged: {reason}")).hint(
+                "delete the line from the file (in the journal of a search, optimize.jsonl, also all lines after it) and run the same \
+                 command again: the deleted results are computed again, all others are used",
+            ),
+        };
+        let place = Place::in_text(&self.file.name, &text, from..from + 1);
+        FormatError { place, problem: wrong.into() }
     }
 }
 
@@ -253,10 +262,10 @@ mod tests {
         assert_eq!(read(&text[..text.len() - 1]).unwrap().lines.len(), 2);
         let error = read(&text.replace("[1.5]", "[1.7]")).unwrap_err();
         assert_eq!(error.place.line_column(), Some((3, 1)));
-        assert!(matches!(error.problem, Problem::BrokenLine { .. }), "{error}");
+        assert!(error.to_string().contains("this line of a journal is damaged"), "{error}");
         assert!(error.to_string().contains("delete the line from the file"), "{error}");
         let error = read(&text.replace("this", "that")).unwrap_err();
-        assert!(matches!(error.problem, Problem::BrokenHead { .. }), "{error}");
+        assert!(error.to_string().contains("the first line of this journal is damaged"), "{error}");
         // A line without its checksum and with a changed value.
         let from = text.find("\"values\":[1.5]").unwrap();
         let end = from + text[from..].find('\n').unwrap();

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
 use super::luminaire::{Luminaire, Photometry};
 use super::numbers::Numbers;
@@ -36,7 +36,7 @@ pub(super) fn is_eulumdat(text: &str) -> bool {
 }
 
 fn problem(what: &str) -> Problem {
-    Problem::Eulumdat { what: what.to_owned() }
+    Diagnostic::new(format!("this EULUMDAT file cannot be used: {what}")).into()
 }
 
 fn cut() -> Problem {

@@ -3,10 +3,10 @@
 use exr::math::Vec2;
 use exr::meta::attribute::{EnvironmentMap, IntegerBounds};
 use exr::meta::header::Header;
+use papilio_diagnostics::Diagnostic;
 
 use super::cube::equirectangular;
 use super::map::{MapChannel, check_size};
-use super::problem::MapProblem;
 
 /// Window that is the map.
 pub(super) enum Window {
@@ -21,11 +21,13 @@ fn data_window(header: &Header) -> IntegerBounds {
     IntegerBounds { position: header.own_attributes.layer_position, size: header.layer_size }
 }
 
-pub(super) fn window(header: &Header) -> Result<Window, MapProblem> {
+pub(super) fn window(header: &Header) -> Result<Window, Diagnostic> {
     let (data, display) = (header.layer_size, header.shared_attributes.display_window.size);
     if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
         let fits = data.0 >= 2 && data.0 <= 1024 && data.0.checked_mul(6) == Some(data.1);
-        return if fits { Ok(Window::Cube) } else { Err(MapProblem::Cube { width: data.0, height: data.1 }) };
+        let wrong = || Diagnostic::new(format!("this cube has {} x {} pixels", data.0, data.1));
+        let expected = "six square faces of 2 to 1024 pixels, one below the other";
+        return if fits { Ok(Window::Cube) } else { Err(wrong().expected(expected)) };
     }
     if check_size(display.0, display.1).is_ok() {
         return Ok(Window::Display);
@@ -38,7 +40,7 @@ pub(super) fn place(
     header: &Header,
     channels: &mut [MapChannel],
     notes: &mut Vec<String>,
-) -> Result<(usize, usize), MapProblem> {
+) -> Result<(usize, usize), Diagnostic> {
     let (data, display) = (data_window(header), header.shared_attributes.display_window);
     match window(header)? {
         Window::Cube => {

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
 use super::luminaire::{Luminaire, Photometry};
 use super::numbers::Numbers;
@@ -51,7 +51,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Luminaire, FormatError> {
 }
 
 fn problem(what: &str) -> Problem {
-    Problem::Ies { what: what.to_owned() }
+    Diagnostic::new(format!("this IES LM-63 file cannot be used: {what}")).into()
 }
 
 fn cut() -> Problem {

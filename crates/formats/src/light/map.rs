@@ -1,11 +1,11 @@
 //! Light maps: radiance by direction, as an image of the whole sphere in equirectangular projection.
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
-use super::problem::MapProblem;
 use super::{openexr, primaries, radiance};
 use crate::error::FormatError;
 use crate::file::DataFile;
+use crate::picture::convert_to;
 use crate::picture_format;
 
 /// Largest width of a map, pixels.
@@ -64,7 +64,7 @@ fn of_any_format(file: &DataFile) -> Result<LightMap, FormatError> {
     } else if file.bytes.starts_with(b"#?") {
         radiance::read(&file.bytes)
     } else {
-        Err(picture_format(&file.bytes).map_or(MapProblem::NotAMap, |format| MapProblem::Format { format }))
+        Err(picture_format(&file.bytes).map_or_else(not_a_map, other_format))
     };
     let converted = map.and_then(|(map, primaries)| {
         let mut map = checked(map)?;
@@ -76,26 +76,39 @@ fn of_any_format(file: &DataFile) -> Result<LightMap, FormatError> {
     converted.map_err(|problem| FormatError { place: Place::whole(&file.name), problem: problem.into() })
 }
 
+pub(super) fn not_a_map() -> Diagnostic {
+    Diagnostic::new("this is neither a Radiance picture (.hdr) nor an OpenEXR file (.exr)")
+}
+
+fn other_format(format: &'static str) -> Diagnostic {
+    let instead = "OpenEXR; a usual photograph has no radiances, and lamps in it are as bright as paper";
+    Diagnostic::new(format!("this is a {format} file, which is not supported"))
+        .expected("a Radiance picture (.hdr) or an OpenEXR file (.exr)")
+        .hint(convert_to(format, instead))
+}
+
 /// Fails unless this is the size of an equirectangular map.
-pub(super) fn check_size(width: usize, height: usize) -> Result<(), MapProblem> {
+pub(super) fn check_size(width: usize, height: usize) -> Result<(), Diagnostic> {
     let fits = height >= 2
         && height.is_multiple_of(2)
         && width <= MOST_WIDTH
         && height.checked_mul(2) == Some(width);
-    if fits { Ok(()) } else { Err(MapProblem::Size { width, height }) }
+    let wrong = || {
+        Diagnostic::new(format!("this map has {width} x {height} pixels"))
+        .expected("an equirectangular map, twice as wide as high, of 4 x 2 to 4096 x 2048 pixels, with an even number of rows")
+        .hint("resize or reproject the map: other projections and parts of the sphere are not supported")
+    };
+    if fits { Ok(()) } else { Err(wrong()) }
 }
 
-fn checked(map: LightMap) -> Result<LightMap, MapProblem> {
+fn checked(map: LightMap) -> Result<LightMap, Diagnostic> {
     for channel in &map.channels {
         let wrong = channel.radiance.iter().position(|value| !(value.is_finite() && *value >= 0.0));
         if let Some(at) = wrong {
             let (column, row) = (at % map.width + 1, at / map.width + 1);
-            return Err(MapProblem::Pixel {
-                channel: channel.colour.to_string(),
-                column,
-                row,
-                value: channel.radiance[at],
-            });
+            let (channel, value) = (channel.colour, channel.radiance[at]);
+            let pixel = format!("channel {channel} of pixel {column} in row {row} is {value}");
+            return Err(Diagnostic::new(pixel).expected("a radiance of 0 or more"));
         }
     }
     Ok(map)

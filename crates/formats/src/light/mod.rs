@@ -11,12 +11,10 @@ mod numbers;
 mod openexr;
 mod opening;
 mod primaries;
-mod problem;
 mod profile;
 mod radiance;
 
 pub use luminaire::{IntensityEdge, Luminaire, is_luminaire, read_luminaire};
 pub use map::{LightMap, MapChannel, MapColour, read_light_map};
 pub use opening::{Opening, OpeningShape};
-pub use problem::MapProblem;
 pub use profile::read_profile;

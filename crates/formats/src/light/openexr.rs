@@ -11,20 +11,20 @@ use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers};
+use papilio_diagnostics::Diagnostic;
 
 use super::exr_channels::{ChannelSet, channels, chosen, values};
 use super::exr_window::{place, window};
 use super::map::{LightMap, MapChannel};
 use super::primaries::{PICTURE_LM_PER_W, Primaries, XYZ};
-use super::problem::MapProblem;
 
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// Largest number of values of all channels.
 const MOST_VALUES: usize = 1 << 26;
 
-pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapProblem> {
-    let refused = |error: exr::error::Error| MapProblem::Exr { message: error.to_string() };
+pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), Diagnostic> {
+    let refused = |error: exr::error::Error| unreadable(&error.to_string());
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(refused)?;
     let headers = &meta.headers;
     let (part, set) = checked(headers)?;
@@ -37,13 +37,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapPro
     unused(headers, part, &set, &mut notes);
     let sizes = |channel: &AnyChannel<FlatSamples>| channel.sample_data.len() == header.layer_size.area();
     if !list.iter().all(sizes) {
-        return Err(MapProblem::Channels { found: names(headers) });
+        return Err(other_channels(headers));
     }
     let named: Vec<(String, Vec<f32>)> =
         list.into_iter().map(|channel| (channel.name.to_string(), values(&channel.sample_data))).collect();
     let primaries = primaries(header, &set, &mut notes);
-    let mut channels =
-        channels(named, &set, primaries).ok_or_else(|| MapProblem::Channels { found: names(headers) })?;
+    let mut channels = channels(named, &set, primaries).ok_or_else(|| other_channels(headers))?;
     let (width, height) = place(header, &mut channels, &mut notes)?;
     meaning(header, &set, &mut channels, &mut notes);
     let primaries = if matches!(set, ChannelSet::Xyz(_)) { Some(XYZ) } else { primaries };
@@ -51,19 +50,19 @@ pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapPro
 }
 
 /// Returns the first part with a map, and its channels. Sizes are checked before memory is allocated.
-fn checked(headers: &[Header]) -> Result<(usize, ChannelSet), MapProblem> {
+fn checked(headers: &[Header]) -> Result<(usize, ChannelSet), Diagnostic> {
     let all = || headers.iter().flat_map(|header| &header.channels.list);
     if headers.iter().any(|header| header.deep) {
         let message =
             "it has deep data, several values for each pixel; flatten it in the program that created it";
-        return Err(MapProblem::Exr { message: message.to_owned() });
+        return Err(unreadable(message));
     }
     if let Some(coarse) = all().find(|channel| channel.sampling.area() != 1) {
         let message = format!(
             "its channel {} is stored at a lower resolution than the others; convert the colours to R, G and B",
             coarse.name
         );
-        return Err(MapProblem::Exr { message });
+        return Err(unreadable(&message));
     }
     let found = |(k, header): (usize, &Header)| {
         let names: Vec<String> =
@@ -71,19 +70,26 @@ fn checked(headers: &[Header]) -> Result<(usize, ChannelSet), MapProblem> {
         Some((k, chosen(&names)?))
     };
     let found = headers.iter().enumerate().find_map(found);
-    let (part, set) = found.ok_or_else(|| MapProblem::Channels { found: names(headers) })?;
+    let (part, set) = found.ok_or_else(|| other_channels(headers))?;
     window(&headers[part])?;
     let count = |header: &Header| header.layer_size.area().saturating_mul(header.channels.list.len());
     let most = headers.iter().map(count).fold(0_usize, usize::saturating_add);
     if most > MOST_VALUES {
-        return Err(MapProblem::Channels { found: names(headers) });
+        return Err(other_channels(headers));
     }
     Ok((part, set))
 }
 
-fn names(headers: &[Header]) -> String {
+fn unreadable(message: &str) -> Diagnostic {
+    Diagnostic::new(format!("this OpenEXR file cannot be read: {message}"))
+}
+
+fn other_channels(headers: &[Header]) -> Diagnostic {
     let all = headers.iter().flat_map(|header| &header.channels.list);
-    all.map(|channel| channel.name.to_string()).collect::<Vec<_>>().join(", ")
+    let found = all.map(|channel| channel.name.to_string()).collect::<Vec<_>>().join(", ");
+    Diagnostic::new(format!("this map has the channels {found}")).expected(
+        "R, G and B, or X, Y and Z, or Y, or wavelengths such as `S0.550,0nm`, all in one part of the file",
+    )
 }
 
 /// Notes parts and channels that are not used.

@@ -3,8 +3,9 @@
 //! The conversion is that of XYZ, without adaptation to another white: the luminance and the chromaticity of a pixel are those that
 //! the file states. A colour outside the gamut of sRGB is moved towards grey of the same luminance until no component is negative.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::map::{LightMap, MapColour};
-use super::problem::MapProblem;
 
 /// Chromaticities x, y of red, green, blue and white.
 pub(super) type Primaries = [[f64; 2]; 4];
@@ -24,15 +25,18 @@ type Matrix = [[f64; 3]; 3];
 ///
 /// # Errors
 /// If the primaries span no colours.
-pub(super) fn to_srgb(map: &mut LightMap, primaries: Primaries) -> Result<(), MapProblem> {
+pub(super) fn to_srgb(map: &mut LightMap, primaries: Primaries) -> Result<(), Diagnostic> {
     let differs = primaries.iter().flatten().zip(SRGB.iter().flatten()).any(|(a, b)| (a - b).abs() > 2e-4);
     let colours: Vec<MapColour> = map.channels.iter().map(|channel| channel.colour).collect();
     if !differs || colours != [MapColour::Red, MapColour::Green, MapColour::Blue] {
         return Ok(());
     }
-    let wrong = MapProblem::Primaries { found: primaries };
-    let xyz = xyz(primaries).ok_or_else(|| wrong.clone())?;
-    let back = xyz_of_srgb().and_then(inverse).ok_or(wrong)?;
+    let wrong = || {
+        Diagnostic::new(format!("the primaries {primaries:?} do not span a range of colours"))
+            .expected("x and y of red, green, blue and white")
+    };
+    let xyz = xyz(primaries).ok_or_else(wrong)?;
+    let back = xyz_of_srgb().and_then(inverse).ok_or_else(wrong)?;
     let luminance = xyz[1];
     let mut outside = 0_usize;
     for pixel in 0..map.width * map.height {

@@ -1,6 +1,6 @@
 //! Light profiles: angle, relative radiance.
 
-use crate::error::{FormatError, Problem};
+use crate::error::{FormatError, Problem, too_few};
 use crate::file::DataFile;
 use crate::table::quantities::{RADIANCE, THETA};
 use crate::table::{Column, Quantity, TableText, body};
@@ -54,7 +54,7 @@ pub fn read_profile(file: &DataFile) -> Result<Vec<(f64, f64)>, FormatError> {
         points.push((angle, value.number_within(row, "the radiance", (0.0, LARGEST), expected)?));
     }
     if points.len() < 2 {
-        return Err(table.error(Problem::TooFewAngles { rows: points.len() }));
+        return Err(table.error(too_few(points.len()).expected("at least two angles").into()));
     }
     Ok(points)
 }

@@ -5,11 +5,12 @@
 //! orders of the resolution line. Colours are red, green and blue, in W/(m2 sr), or X, Y and Z, in cd/m2. Without `PRIMARIES`, they
 //! are those of sRGB: photographs have these, not the default of Radiance.
 
-use super::map::{LightMap, MapChannel, MapColour, check_size};
-use super::primaries::{PICTURE_LM_PER_W, Primaries, XYZ};
-use super::problem::MapProblem;
+use papilio_diagnostics::Diagnostic;
 
-pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapProblem> {
+use super::map::{LightMap, MapChannel, MapColour, check_size, not_a_map};
+use super::primaries::{PICTURE_LM_PER_W, Primaries, XYZ};
+
+pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), Diagnostic> {
     let header = Header::read(bytes)?;
     let Header { order, start, scale, primaries, notes } = header;
     let Order { width, height, .. } = order;
@@ -19,8 +20,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), MapPro
     let mut row = vec![[0_u8; 4]; length];
     for number in 0..scans {
         scanline(&mut input, &mut row).map_err(|error| match error {
-            ScanlineError::End => MapProblem::Truncated { row: number + 1, height: scans },
-            ScanlineError::Run => MapProblem::Run { row: number + 1 },
+            ScanlineError::End => damaged(format!("the file ends in row {} of {scans}", number + 1)),
+            ScanlineError::Run => {
+                damaged(format!("the data of row {} do not match the width in the header", number + 1))
+            }
         })?;
         for (channel, (values, scale)) in channels.iter_mut().zip(scale).enumerate() {
             for (k, pixel) in row.iter().enumerate() {
@@ -46,11 +49,20 @@ struct Order {
     right: bool,
 }
 
+/// An error of data that do not match their header.
+fn damaged(what: String) -> Diagnostic {
+    Diagnostic::new(what).hint("the file is damaged or incomplete: download or copy it again")
+}
+
 impl Order {
     /// Reads a resolution line such as `-Y 512 +X 1024`.
-    fn read(line: &str) -> Result<Self, MapProblem> {
+    fn read(line: &str) -> Result<Self, Diagnostic> {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let other = || MapProblem::Orientation { found: line.chars().take(40).collect() };
+        let other = || {
+            let found: String = line.chars().take(40).collect();
+            Diagnostic::new(format!("the scanlines of this map have the order `{found}`"))
+                .expected("an order such as `-Y height +X width`")
+        };
         let [first, slow, second, fast] = words[..] else { return Err(other()) };
         let by_columns = match (first, second) {
             ("-Y" | "+Y", "-X" | "+X") => false,
@@ -95,7 +107,7 @@ struct Header {
 }
 
 impl Header {
-    fn read(bytes: &[u8]) -> Result<Self, MapProblem> {
+    fn read(bytes: &[u8]) -> Result<Self, Diagnostic> {
         let mut scale = [1.0; 3];
         let (mut primaries, mut notes) = (None, Vec::new());
         let mut at = 0;
@@ -104,7 +116,7 @@ impl Header {
             let rest = bytes.get(at..).unwrap_or_default();
             // Longest line of a header: 2048 bytes.
             let end = rest.iter().take(2048).position(|byte| *byte == b'\n');
-            let wrong = |what| MapProblem::Header { line: number, what };
+            let wrong = |what| Diagnostic::new(format!("line {number} of the header: {what}"));
             let line = end.map(|end| &rest[..end]).ok_or(wrong("it has no newline"))?;
             // Comments and names of files may have any encoding.
             let line = String::from_utf8_lossy(line);
@@ -166,7 +178,7 @@ impl Header {
                 ));
             }
         }
-        Err(MapProblem::NotAMap)
+        Err(not_a_map())
     }
 }
 

@@ -1,12 +1,12 @@
 //! A measured palette: spectra, or L\*, a\*, b\*, of the states of a panel.
 
 use papilio_colour::Lab;
-use papilio_diagnostics::{Place, Warned};
+use papilio_diagnostics::{Diagnostic, Place, Warned};
 use papilio_spectra::Tabulated;
 
-use crate::error::{FormatError, Problem};
+use crate::error::{FormatError, Problem, too_few};
 use crate::file::DataFile;
-use crate::states::{Accept, Value, read_states};
+use crate::states::{Accept, Value, read_states, two_values};
 
 /// A measured palette: names and colours of the states, in the order of their first rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,13 +31,25 @@ pub fn read_palette(file: &DataFile) -> Result<Warned<PaletteTable>, FormatError
     crate::guard::read(file, of_table)
 }
 
+fn wrong_header() -> Problem {
+    let wrong = Diagnostic::new("this is not the header of a measured palette").expected(
+        "the columns `state`, and `wavelength_nm`, `reflectance_factor` or `L`, `a`, `b`; or `wavelength_nm` and a column for each \
+         state; or `state` and a column for each wavelength",
+    );
+    wrong.into()
+}
+
 fn of_table(file: &DataFile) -> Result<Warned<PaletteTable>, FormatError> {
     let accept = Accept {
         factor: (0.0, 1.0),
         factor_in_words: "a number from 0 to 1; fluorescence is not modelled",
         xyz: false,
-        empty: Problem::EmptyPalette,
-        header: Problem::PaletteHeader,
+        empty: too_few(0)
+            .expected(
+                "a first row with the names of the columns, and a row for each state (for spectra, for each state and wavelength)",
+            )
+            .into(),
+        header: wrong_header(),
     };
     let read = read_states(file, &accept)?;
     let (mut spectra, mut colours) = (Vec::new(), Vec::new());
@@ -45,14 +57,13 @@ fn of_table(file: &DataFile) -> Result<Warned<PaletteTable>, FormatError> {
     for state in read.states {
         let whole = |problem| FormatError { place: Place::whole(&file.name), problem };
         if names.contains(&state.name) {
-            let (state, theta_deg) = (state.name, state.theta_deg);
-            return Err(whole(Problem::StateTwice { state, at: Box::new([theta_deg, None]) }));
+            return Err(whole(two_values(&state.name, state.theta_deg, None)));
         }
         names.push(state.name.clone());
         match state.value {
             Value::Spectrum(spectrum) => spectra.push((state.name, spectrum)),
             Value::Lab([l, a, b]) => colours.push((state.name, Lab { l, a, b })),
-            Value::Xyz(_) => return Err(whole(Problem::PaletteHeader)),
+            Value::Xyz(_) => return Err(whole(wrong_header())),
         }
     }
     let value = match spectra.is_empty() {

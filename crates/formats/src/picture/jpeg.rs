@@ -1,21 +1,20 @@
 //! JPEG files: baseline and progressive, grey, YCbCr, RGB, and CMYK and YCCK as Adobe's programs write them.
 
-use papilio_diagnostics::Warned;
+use papilio_diagnostics::{Diagnostic, Warned};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::colour_space::RgbSpace;
-use super::problem::PictureProblem;
 use super::source::{ColourEncoding, Samples, SourcePicture};
-use super::{check_size, exif, icc};
+use super::{check_size, cut_off, exif, icc, unsupported};
 
 /// First bytes of the file.
 pub(super) const MAGIC: [u8; 3] = [0xff, 0xd8, 0xff];
 
 /// Reads a JPEG file.
-pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePicture>, PictureProblem> {
+pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePicture>, Diagnostic> {
     let options = DecoderOptions::default()
         .set_max_width(usize::from(u16::MAX))
         .set_max_height(usize::from(u16::MAX))
@@ -29,7 +28,7 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
     check_size(columns, rows)?;
     // A block of 64 pixels takes one bit at least.
     if !is_complete(bytes) || columns * rows / 512 > bytes.len() {
-        return Err(PictureProblem::CutOff { format: "JPEG" });
+        return Err(cut_off("JPEG"));
     }
     let mut warnings = Vec::new();
     let profile = decoder.icc_profile();
@@ -45,10 +44,7 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
             (3, ColorSpace::RGB)
         }
         _ => {
-            return Err(PictureProblem::Unsupported {
-                what: "this JPEG file's colours".to_owned(),
-                expected: "grey, YCbCr, RGB, CMYK or YCCK",
-            });
+            return Err(unsupported("this JPEG file's colours", "grey, YCbCr, RGB, CMYK or YCCK"));
         }
     };
     let encoding = match of_inks.filter(|_| channels == 4) {
@@ -79,8 +75,8 @@ fn inks([a, b, c, k]: [u8; 4], space: ColorSpace) -> [u8; 4] {
     [byte(y + 1.402 * red), byte(y - 0.344_136 * blue - 0.714_136 * red), byte(y + 1.772 * blue), 255 - k]
 }
 
-fn damaged(message: &str) -> PictureProblem {
-    PictureProblem::Damaged { format: "JPEG", message: message.to_owned() }
+fn damaged(message: &str) -> Diagnostic {
+    super::damaged("JPEG", message)
 }
 
 fn encoding(
@@ -88,17 +84,14 @@ fn encoding(
     channels: usize,
     untagged: &RgbSpace,
     warnings: &mut Vec<String>,
-) -> Result<ColourEncoding, PictureProblem> {
+) -> Result<ColourEncoding, Diagnostic> {
     if let Some(profile) = profile {
         match icc::read(&profile, channels) {
             Some(encoding) => return Ok(encoding),
             None => warnings.push(format!("{}; it is ignored", icc::NOT_USED)),
         }
     }
-    ColourEncoding::of(untagged).ok_or_else(|| PictureProblem::Unsupported {
-        what: format!("the colour space {}", untagged.name),
-        expected: "primaries that are not on a line, and a white",
-    })
+    ColourEncoding::needed(untagged)
 }
 
 /// Whether the data of the picture have an end: a thumbnail in the header has one of its own, and does not count.

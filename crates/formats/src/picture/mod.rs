@@ -10,7 +10,6 @@ mod icc_table;
 mod jpeg;
 mod other;
 mod png_read;
-mod problem;
 mod source;
 mod transfer;
 mod write;
@@ -18,12 +17,11 @@ mod write;
 pub use colour_space::RgbSpace;
 pub(crate) use other::convert_to;
 pub use other::picture_format;
-pub use problem::PictureProblem;
 pub use source::SourcePicture;
 pub use transfer::Transfer;
 pub use write::{write_indexed_png, write_rgb_png, write_scene_exr};
 
-use papilio_diagnostics::{Place, Warned};
+use papilio_diagnostics::{Diagnostic, Place, Warned};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -54,19 +52,42 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
         jpeg::read(&file.bytes, untagged)
     } else {
         Err(match picture_format(&file.bytes) {
-            Some(format) => PictureProblem::Format { format },
-            None if file.bytes.starts_with(b"#?") => PictureProblem::Format { format: "Radiance" },
-            None if file.bytes.starts_with(b"\x76\x2f\x31\x01") => {
-                PictureProblem::Format { format: "OpenEXR" }
-            }
-            None => PictureProblem::NotAPicture,
+            Some(format) => other_format(format),
+            None if file.bytes.starts_with(b"#?") => other_format("Radiance"),
+            None if file.bytes.starts_with(b"\x76\x2f\x31\x01") => other_format("OpenEXR"),
+            None => Diagnostic::new("this is not a picture in a supported format")
+                .expected("a PNG or JPEG file")
+                .hint("save the picture as PNG in the program that created it"),
         })
     };
     picture.map_err(|problem| FormatError { place: Place::whole(&file.name), problem: problem.into() })
 }
 
 /// Fails unless a picture has a permitted size.
-fn check_size(columns: usize, rows: usize) -> Result<(), PictureProblem> {
+fn check_size(columns: usize, rows: usize) -> Result<(), Diagnostic> {
     let fits = columns.checked_mul(rows).is_some_and(|pixels| (1..=MOST_PICTURE_PIXELS).contains(&pixels));
-    if fits { Ok(()) } else { Err(PictureProblem::Size { columns, rows }) }
+    let wrong = || Diagnostic::new(format!("this picture has {columns} x {rows} pixels"));
+    let hint = "reduce the picture; a panel has a few million pixels";
+    if fits { Ok(()) } else { Err(wrong().expected("1 to 64 million pixels").hint(hint)) }
+}
+
+fn other_format(format: &'static str) -> Diagnostic {
+    Diagnostic::new(format!("this is a {format} file, which is not supported"))
+        .expected("a PNG or JPEG file")
+        .hint(convert_to(format, "PNG"))
+}
+
+/// Hint for a damaged file.
+const AGAIN: &str = "the file is damaged or incomplete: copy or download it again, or save it again in the program that created it";
+
+fn damaged(format: &str, message: &str) -> Diagnostic {
+    Diagnostic::new(format!("this {format} file cannot be decoded: {message}")).hint(AGAIN)
+}
+
+fn cut_off(format: &str) -> Diagnostic {
+    Diagnostic::new(format!("this {format} file ends before its picture is complete")).hint(AGAIN)
+}
+
+fn unsupported(what: &str, expected: &str) -> Diagnostic {
+    Diagnostic::new(format!("{what} is not supported")).expected(expected)
 }

@@ -2,13 +2,12 @@
 
 use std::io::Cursor;
 
-use papilio_diagnostics::Warned;
+use papilio_diagnostics::{Diagnostic, Warned};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
 
 use super::colour_space::RgbSpace;
-use super::problem::PictureProblem;
 use super::source::{ColourEncoding, Samples, SourcePicture};
-use super::{check_size, exif, icc};
+use super::{check_size, cut_off, exif, icc, unsupported};
 
 /// First bytes of the file.
 pub(super) const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -20,7 +19,7 @@ const MOST_CHUNKS: usize = 64 << 20;
 const MOST_COMPRESSION: usize = 1032;
 
 /// Reads a PNG file.
-pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePicture>, PictureProblem> {
+pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePicture>, Diagnostic> {
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_CHUNKS });
     decoder.set_ignore_text_chunk(true);
     decoder.set_transformations(Transformations::EXPAND);
@@ -29,7 +28,7 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
     check_size(columns, rows)?;
     let bits = header.color_type.samples() * usize::from(header.bit_depth as u8);
     if columns * rows / 8 * bits / MOST_COMPRESSION > bytes.len() {
-        return Err(PictureProblem::CutOff { format: "PNG" });
+        return Err(cut_off("PNG"));
     }
     let mut reader = decoder.read_info().map_err(refused)?;
     let (colour, depth) = reader.output_color_type();
@@ -70,18 +69,16 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
     Ok(Warned { value: picture.upright(orientation), warnings })
 }
 
-fn refused(error: DecodingError) -> PictureProblem {
+fn refused(error: DecodingError) -> Diagnostic {
     match error {
-        DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-            PictureProblem::CutOff { format: "PNG" }
-        }
+        DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => cut_off("PNG"),
         DecodingError::LimitsExceeded => damaged("a chunk needs more than 64 MiB of memory"),
         error => damaged(&error.to_string()),
     }
 }
 
-fn damaged(message: &str) -> PictureProblem {
-    PictureProblem::Damaged { format: "PNG", message: message.to_owned() }
+fn damaged(message: &str) -> Diagnostic {
+    super::damaged("PNG", message)
 }
 
 /// The colour space: the first one of those that a file may state, in the order of the recommendation.
@@ -90,18 +87,17 @@ fn encoding(
     is_coloured: bool,
     untagged: &RgbSpace,
     warnings: &mut Vec<String>,
-) -> Result<ColourEncoding, PictureProblem> {
+) -> Result<ColourEncoding, Diagnostic> {
     if let Some(points) = info.coding_independent_code_points {
         let (primaries, transfer) = (points.color_primaries, points.transfer_function);
         if matches!(transfer, 16 | 18) || !points.is_video_full_range_image {
-            return Err(PictureProblem::Unsupported {
-                what: format!(
-                    "this picture's encoding (cICP {primaries} {transfer} {} {})",
-                    points.matrix_coefficients,
-                    u8::from(points.is_video_full_range_image)
-                ),
-                expected: "a full range of numbers and a standard dynamic range, in which white is 1",
-            });
+            let what = format!(
+                "this picture's encoding (cICP {primaries} {transfer} {} {})",
+                points.matrix_coefficients,
+                u8::from(points.is_video_full_range_image)
+            );
+            let expected = "a full range of numbers and a standard dynamic range, in which white is 1";
+            return Err(unsupported(&what, expected));
         }
         match RgbSpace::from_code_points(primaries, transfer).and_then(|space| ColourEncoding::of(&space)) {
             Some(encoding) => return Ok(encoding),
@@ -115,14 +111,8 @@ fn encoding(
             None => warnings.push(format!("{}; it is ignored", icc::NOT_USED)),
         }
     }
-    let plain = |space: &RgbSpace| {
-        ColourEncoding::of(space).ok_or_else(|| PictureProblem::Unsupported {
-            what: format!("the colour space {}", space.name),
-            expected: "primaries that are not on a line, and a white",
-        })
-    };
     if info.srgb.is_some() {
-        return plain(&RgbSpace::srgb());
+        return ColourEncoding::needed(&RgbSpace::srgb());
     }
     // Without a profile, what is not stated is that of `untagged`.
     let mut stated = untagged.clone();
@@ -144,5 +134,5 @@ fn encoding(
             None => warnings.push("its primaries (cHRM) are not colours and ignored".to_owned()),
         }
     }
-    plain(&stated)
+    ColourEncoding::needed(&stated)
 }

@@ -1,8 +1,9 @@
 //! A picture in memory with the samples of its file.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::colour_space::{RgbSpace, d65};
 use super::icc_table::IccTable;
-use super::problem::PictureProblem;
 use super::transfer::Transfer;
 
 /// A picture as in its file. The first row is at the top.
@@ -76,6 +77,16 @@ impl ColourEncoding {
         let light = Light::Matrix { transfers, xyz_from_rgb: space.xyz_from_rgb()? };
         Some(Self { name: space.name.clone(), light })
     }
+
+    /// The same.
+    ///
+    /// # Errors
+    /// Primaries on a line.
+    pub(super) fn needed(space: &RgbSpace) -> Result<Self, Diagnostic> {
+        let wrong = || format!("the colour space {}", space.name);
+        let expected = "primaries that are not on a line, and a white";
+        Self::of(space).ok_or_else(|| super::unsupported(&wrong(), expected))
+    }
 }
 
 /// From each encoded number to X, Y, Z.
@@ -94,12 +105,9 @@ impl SourcePicture {
         channels: usize,
         samples: Samples,
         encoding: &ColourEncoding,
-    ) -> Result<Self, PictureProblem> {
+    ) -> Result<Self, Diagnostic> {
         if samples.len() != columns * rows * channels {
-            return Err(PictureProblem::Damaged {
-                format: "picture",
-                message: "values are missing".to_owned(),
-            });
+            return Err(super::damaged("picture", "values are missing"));
         }
         let largest = samples.largest();
         let (inputs, encoded) = match &encoding.light {

@@ -4,7 +4,8 @@
 use papilio_spectra::{Dispersion, Tabulated};
 
 use super::check_not_negative;
-use crate::error::{FormatError, Problem};
+use super::page::yaml;
+use crate::error::FormatError;
 use crate::spectrum::Columns;
 use crate::table::quantities::{K, N, WAVELENGTH};
 use crate::table::{Column, Header, Quantity, Row, Table, Unit};
@@ -42,7 +43,7 @@ pub(crate) fn read_download(file: Table<'_>) -> Result<Dispersion, FormatError> 
         let place = &mut found[usize::from(what == "k")];
         if place.is_some() {
             let message = format!("a second block holds {what}; remove one of the two");
-            return Err(head.error(Problem::Yaml { message }));
+            return Err(head.error(yaml(&message)));
         }
         let mut data: Vec<Row<'_>> = Vec::new();
         while let Some(row) = rows.next_if(|row| block(row).is_none()) {
@@ -63,7 +64,7 @@ pub(crate) fn read_download(file: Table<'_>) -> Result<Dispersion, FormatError> 
         *place = Some(table);
     }
     let [n, k] = found;
-    let no_n = || file.error(Problem::Yaml { message: "there is no block `wl,n`".to_owned() });
+    let no_n = || file.error(yaml("there is no block `wl,n`"));
     let n = n.ok_or_else(no_n)?;
     Dispersion::tabulated(n, k).map_err(|error| file.error(error.into()))
 }

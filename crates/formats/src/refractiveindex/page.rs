@@ -7,6 +7,8 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use papilio_diagnostics::Diagnostic;
+
 use crate::error::{FormatError, Problem};
 use crate::table::Table;
 
@@ -317,8 +319,9 @@ fn without_comment(text: &str) -> &str {
     text[..end].trim()
 }
 
-fn yaml(message: &str) -> Problem {
-    Problem::Yaml { message: message.to_owned() }
+/// The error of a page that is not YAML, or not in the layout of refractiveindex.info.
+pub(super) fn yaml(message: &str) -> Problem {
+    Diagnostic::new(format!("this page of refractiveindex.info cannot be read: {message}")).into()
 }
 
 /// Returns an error at a byte of the page.

@@ -2,9 +2,10 @@
 
 use std::io::{Cursor, Read};
 
+use papilio_diagnostics::Diagnostic;
 use zip::read::ZipArchive;
 
-use super::{HeightFile, MOST_HEIGHTS, SurfaceProblem, array, damaged, keyence, plux, x3p};
+use super::{HeightFile, MOST_HEIGHTS, array, damaged, keyence, not_a_map, plux, unsupported, x3p};
 
 /// Largest number of files in an archive.
 const MOST_FILES: usize = 1000;
@@ -26,7 +27,7 @@ pub(super) struct Archive<'a> {
 }
 
 /// Reads a map.
-pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let zip =
         ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged("zip archive", error.to_string()))?;
     if zip.len() > MOST_FILES {
@@ -49,10 +50,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
         archive.zip.file_names().filter_map(|name| name.ok().map(|name| name.into_owned())).collect();
     if names.iter().any(|name| name == "[Content_Types].xml") {
         let format = "an Office document, such as an Excel workbook";
-        return Err(SurfaceProblem::Unsupported {
-            format: format.to_owned(),
-            export: "save the heights as CSV",
-        });
+        return Err(unsupported(format, "save the heights as CSV"));
     }
     if !names.is_empty() && names.iter().all(|name| name.ends_with(".npy")) {
         archive.format = ".npz";
@@ -64,7 +62,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
             )),
         };
     }
-    Err(SurfaceProblem::NotAMap)
+    Err(not_a_map())
 }
 
 impl Archive<'_> {
@@ -73,7 +71,7 @@ impl Archive<'_> {
     }
 
     /// Content of a file of the archive, of at most this size.
-    pub(super) fn content(&mut self, name: &str, most: u64) -> Result<Vec<u8>, SurfaceProblem> {
+    pub(super) fn content(&mut self, name: &str, most: u64) -> Result<Vec<u8>, Diagnostic> {
         let format = self.format;
         let wrong = |what: String| damaged(format, format!("{}: {what}", name.escape_debug()));
         let file = self.zip.by_name(name).map_err(|error| wrong(error.to_string()))?;

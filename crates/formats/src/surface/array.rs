@@ -1,12 +1,14 @@
 //! Maps of heights in NumPy arrays: `.npy`, and the single array of an `.npz`.
 
-use super::{HeightFile, SurfaceProblem, damaged, sized};
+use papilio_diagnostics::Diagnostic;
+
+use super::{HeightFile, damaged, sized};
 use crate::npy::Header;
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Reads an array of numbers, in any order and byte order. `format` is the one that errors name.
-pub(super) fn read(bytes: &[u8], format: &'static str) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(bytes: &[u8], format: &'static str) -> Result<HeightFile, Diagnostic> {
     let wrong = |what: String| damaged(format, what);
     let (header, data) =
         Header::of(bytes).ok_or_else(|| wrong("its header is not that of an array".to_owned()))?;

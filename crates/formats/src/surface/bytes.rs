@@ -1,6 +1,8 @@
 //! Numbers at places of a binary file, little-endian.
 
-use super::SurfaceProblem;
+use papilio_diagnostics::Diagnostic;
+
+use super::damaged;
 
 /// A binary file of a format.
 #[derive(Clone, Copy)]
@@ -14,7 +16,7 @@ impl<'a> Bytes<'a> {
     ///
     /// # Errors
     /// If the file ends before.
-    pub(super) fn part(&self, at: usize, length: usize) -> Result<&'a [u8], SurfaceProblem> {
+    pub(super) fn part(&self, at: usize, length: usize) -> Result<&'a [u8], Diagnostic> {
         let part = at.checked_add(length).and_then(|end| self.all.get(at..end));
         part.ok_or_else(|| {
             self.wrong(format!(
@@ -24,52 +26,52 @@ impl<'a> Bytes<'a> {
         })
     }
 
-    fn array<const N: usize>(&self, at: usize) -> Result<[u8; N], SurfaceProblem> {
+    fn array<const N: usize>(&self, at: usize) -> Result<[u8; N], Diagnostic> {
         let mut array = [0; N];
         array.copy_from_slice(self.part(at, N)?);
         Ok(array)
     }
 
-    pub(super) fn i16(&self, at: usize) -> Result<i16, SurfaceProblem> {
+    pub(super) fn i16(&self, at: usize) -> Result<i16, Diagnostic> {
         Ok(i16::from_le_bytes(self.array(at)?))
     }
 
-    pub(super) fn u16(&self, at: usize) -> Result<usize, SurfaceProblem> {
+    pub(super) fn u16(&self, at: usize) -> Result<usize, Diagnostic> {
         Ok(usize::from(u16::from_le_bytes(self.array(at)?)))
     }
 
-    pub(super) fn i32(&self, at: usize) -> Result<i32, SurfaceProblem> {
+    pub(super) fn i32(&self, at: usize) -> Result<i32, Diagnostic> {
         Ok(i32::from_le_bytes(self.array(at)?))
     }
 
-    pub(super) fn u32(&self, at: usize) -> Result<usize, SurfaceProblem> {
+    pub(super) fn u32(&self, at: usize) -> Result<usize, Diagnostic> {
         Ok(u32::from_le_bytes(self.array(at)?) as usize)
     }
 
-    pub(super) fn f32(&self, at: usize) -> Result<f64, SurfaceProblem> {
+    pub(super) fn f32(&self, at: usize) -> Result<f64, Diagnostic> {
         Ok(f64::from(f32::from_le_bytes(self.array(at)?)))
     }
 
-    pub(super) fn f64(&self, at: usize) -> Result<f64, SurfaceProblem> {
+    pub(super) fn f64(&self, at: usize) -> Result<f64, Diagnostic> {
         Ok(f64::from_le_bytes(self.array(at)?))
     }
 
     /// A text of a fixed length in Latin-1, up to its first zero, without blanks around it.
-    pub(super) fn text(&self, at: usize, length: usize) -> Result<String, SurfaceProblem> {
+    pub(super) fn text(&self, at: usize, length: usize) -> Result<String, Diagnostic> {
         let part = self.part(at, length)?;
         let text: String = part.iter().take_while(|byte| **byte != 0).map(|byte| char::from(*byte)).collect();
         Ok(text.trim().to_owned())
     }
 
     /// Numbers of a type from a place on.
-    pub(super) fn numbers(&self, at: usize, count: usize, kind: Kind) -> Result<Vec<f64>, SurfaceProblem> {
+    pub(super) fn numbers(&self, at: usize, count: usize, kind: Kind) -> Result<Vec<f64>, Diagnostic> {
         let size = kind.size();
         let part = self.part(at, count.saturating_mul(size))?;
         Ok(part.chunks_exact(size).map(|bytes| kind.number(bytes)).collect())
     }
 
-    pub(super) fn wrong(&self, what: impl Into<String>) -> SurfaceProblem {
-        SurfaceProblem::Damaged { format: self.format, what: what.into() }
+    pub(super) fn wrong(&self, what: impl Into<String>) -> Diagnostic {
+        damaged(self.format, what)
     }
 }
 

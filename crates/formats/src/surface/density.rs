@@ -1,6 +1,6 @@
 //! Power spectral densities of heights: tables of frequency and density.
 
-use super::SurfaceProblem;
+use super::damaged;
 use crate::DataFile;
 use crate::error::{FormatError, Problem};
 use crate::table::quantities::{DENSITY, FREQUENCY};
@@ -36,28 +36,25 @@ pub fn read_density(file: &DataFile) -> Result<Vec<[f64; 2]>, FormatError> {
     for row in &found.rows {
         row.expect_cells(count, "two columns: frequency in cycles per um, density in um^4")?;
         let point = [columns[0].number(row)?, columns[1].number(row)?];
-        let damaged = |column: usize, what: String| {
-            let problem = SurfaceProblem::Damaged { format: "density", what };
-            row.cell_error(columns[column].cell, problem.into())
+        let wrong = |column: usize, what: String| {
+            row.cell_error(columns[column].cell, damaged("density", what).into())
         };
         if let Some(column) = (0..2).find(|column| point[*column] < 0.0) {
-            return Err(damaged(column, format!("{} is negative", point[column])));
+            return Err(wrong(column, format!("{} is negative", point[column])));
         }
         if let Some([before, _]) = points.last().filter(|[before, _]| point[0] <= *before) {
-            return Err(damaged(
+            return Err(wrong(
                 0,
                 format!("the frequency {} follows {before} (expected ascending ones)", point[0]),
             ));
         }
         points.push(point);
         if points.len() > MOST_POINTS {
-            return Err(damaged(0, format!("the table has more than {MOST_POINTS} points")));
+            return Err(wrong(0, format!("the table has more than {MOST_POINTS} points")));
         }
     }
     if !points.iter().any(|[frequency, density]| *frequency > 0.0 && *density > 0.0) {
-        let what = "it has no density above 0".to_owned();
-        let problem: Problem = SurfaceProblem::Damaged { format: "density", what }.into();
-        return Err(table.error(problem));
+        return Err(table.error(damaged("density", "it has no density above 0").into()));
     }
     Ok(points)
 }

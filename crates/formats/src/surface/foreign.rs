@@ -1,6 +1,9 @@
 //! Formats that are recognised and not read, with what to export instead. Those of pictures are the ones of [`picture_format`].
 
-use super::SurfaceProblem;
+use papilio_diagnostics::Diagnostic;
+
+use super::unsupported;
+
 use crate::picture_format;
 
 /// First bytes, the format with its article, and what to export instead.
@@ -39,7 +42,7 @@ const FORMATS: [(&[u8], &str, &str); 19] = [
 ];
 
 /// The error for a file of these formats, or a picture of a format that is not one of heights.
-pub(super) fn recognised(bytes: &[u8]) -> Option<SurfaceProblem> {
+pub(super) fn recognised(bytes: &[u8]) -> Option<Diagnostic> {
     if let Some(format) = picture_format(bytes) {
         let export = match format {
             "TIFF" => "export the heights as a TIFF file below 4 GB: this one is a BigTIFF file",
@@ -48,8 +51,8 @@ pub(super) fn recognised(bytes: &[u8]) -> Option<SurfaceProblem> {
                 "export the heights as SDF or X3P from the program of the instrument, or as a grey PNG of 16 bits: 8 bits are too coarse"
             }
         };
-        return Some(SurfaceProblem::Unsupported { format: format!("a {format} file"), export });
+        return Some(unsupported(&format!("a {format} file"), export));
     }
     let (_, format, export) = FORMATS.iter().find(|(magic, ..)| bytes.starts_with(magic))?;
-    Some(SurfaceProblem::Unsupported { format: (*format).to_owned(), export })
+    Some(unsupported(format, export))
 }

@@ -1,18 +1,20 @@
 //! Gwyddion Simple Field, `.gsf`: lines `Key = value`, one to four zeros up to a multiple of 4 bytes, and single-precision numbers,
 //! little-endian, by rows from the top.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::bytes::{Bytes, Kind};
 use super::units::um_of;
-use super::{HeightFile, SurfaceProblem, damaged, sized};
+use super::{HeightFile, damaged, sized};
 
 pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
 
-fn wrong(what: impl Into<String>) -> SurfaceProblem {
+fn wrong(what: impl Into<String>) -> Diagnostic {
     damaged("GSF", what)
 }
 
 /// Reads a map.
-pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let end = bytes.iter().position(|byte| *byte == 0).ok_or_else(|| wrong("its header has no end"))?;
     let head = String::from_utf8_lossy(bytes.get(MAGIC.len()..end).unwrap_or_default()).into_owned();
     let word = |name: &str| {
@@ -46,7 +48,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
         }
     };
     let (xy_um, z_um) = (unit("XYUnits")?, unit("ZUnits")?);
-    let mut pitch = |name: &str, count: usize| -> Result<f64, SurfaceProblem> {
+    let mut pitch = |name: &str, count: usize| -> Result<f64, Diagnostic> {
         let real = number(name)?.unwrap_or_else(|| {
             warnings.push(format!("this GSF file has no {name}: 1 is taken, as its format says"));
             1.0

@@ -3,8 +3,10 @@
 //! A table of places, the conditions of the measurement, and pictures. Lengths are in pm per pixel and per step of height; heights are unsigned
 //! integers by rows from the top. The format has no mark of missing heights.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::bytes::{Bytes, Kind};
-use super::{HeightFile, SurfaceProblem, damaged, sized};
+use super::{HeightFile, damaged, sized};
 
 pub(super) const MAGICS: [&[u8]; 2] = [b"VK3_", b"VK4_"];
 
@@ -22,12 +24,12 @@ const PALETTE: usize = 768;
 const UM_PER_PM: f64 = 1e-6;
 
 /// Reads the heights.
-pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let wrong = |what: String| damaged("Keyence VK", what);
     let file = Bytes { all: bytes, format: "Keyence VK" };
     let (conditions, head) = (file.u32(CONDITIONS)?, file.u32(HEIGHTS)?);
     // The last three of 45 numbers that come before the gamma of the pictures.
-    let length = |number: usize| -> Result<f64, SurfaceProblem> {
+    let length = |number: usize| -> Result<f64, Diagnostic> {
         let pm = file.u32(conditions.saturating_add(4 * number))?;
         if pm > 0 {
             Ok(pm as f64 * UM_PER_PM)

@@ -4,9 +4,10 @@
 //! and faces are read; a face with more than three corners becomes triangles around its first one. Normals of STL files are not read: the order
 //! of the corners states the side.
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
-use super::SurfaceProblem;
+use super::damaged;
+
 use crate::DataFile;
 use crate::error::FormatError;
 
@@ -33,10 +34,15 @@ pub fn read_mesh(file: &DataFile) -> Result<MeshFile, FormatError> {
     crate::guard::read(file, of_any_format)
 }
 
+fn not_a_mesh(what: &str) -> Diagnostic {
+    Diagnostic::new(format!("this is not a mesh in a supported format: {what}"))
+        .expected("a Wavefront OBJ file, or an STL file in text or binary")
+}
+
 fn of_any_format(file: &DataFile) -> Result<MeshFile, FormatError> {
     let bytes = file.bytes.as_slice();
     let whole =
-        |problem: SurfaceProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };
+        |problem: Diagnostic| FormatError { place: Place::whole(&file.name), problem: problem.into() };
     // A text may begin with 80 bytes and a number as well, but its length is then another one.
     let count =
         bytes.get(80..HEAD).map(|four| four.iter().rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte)));
@@ -53,13 +59,13 @@ fn of_any_format(file: &DataFile) -> Result<MeshFile, FormatError> {
                 ),
                 None => format!("it has {} bytes, and is no text", bytes.len()),
             };
-            return Err(whole(SurfaceProblem::NotAMesh { what }));
+            return Err(whole(not_a_mesh(&what)));
         };
         let lines = Lines { name: &file.name, text };
         if text.trim_start().starts_with("solid") { of_text_stl(lines)? } else { of_obj(lines)? }
     };
     if triangles.is_empty() {
-        return Err(whole(SurfaceProblem::NotAMesh { what: "it has no triangles".to_owned() }));
+        return Err(whole(not_a_mesh("it has no triangles")));
     }
     Ok(MeshFile { triangles })
 }
@@ -85,7 +91,7 @@ impl<'a> Lines<'a> {
     /// An error about the line that begins at this byte.
     fn wrong(&self, format: &'static str, at: usize, what: impl Into<String>) -> FormatError {
         let end = self.text[at..].find(['\r', '\n']).map_or(self.text.len(), |end| at + end);
-        let problem = SurfaceProblem::Damaged { format, what: what.into() };
+        let problem = damaged(format, what);
         FormatError { place: Place::in_text(self.name, self.text, at..end), problem: problem.into() }
     }
 }
@@ -187,7 +193,7 @@ fn of_text_stl(lines: Lines<'_>) -> Result<Vec<Triangle>, FormatError> {
     }
 }
 
-fn of_binary_stl(bytes: &[u8]) -> Result<Vec<Triangle>, SurfaceProblem> {
+fn of_binary_stl(bytes: &[u8]) -> Result<Vec<Triangle>, Diagnostic> {
     let mut triangles = Vec::with_capacity(bytes.len() / TRIANGLE);
     for (number, record) in bytes.chunks_exact(TRIANGLE).enumerate() {
         // Behind the normal.
@@ -198,7 +204,7 @@ fn of_binary_stl(bytes: &[u8]) -> Result<Vec<Triangle>, SurfaceProblem> {
             if !value.is_finite() {
                 let at = HEAD + TRIANGLE * number + 12 + 4 * k;
                 let what = format!("the coordinate at byte {at} is {value} (expected a finite number)");
-                return Err(SurfaceProblem::Damaged { format: "STL", what });
+                return Err(damaged("STL", what));
             }
             triangle[k / 3][k % 3] = f64::from(value);
         }

@@ -12,7 +12,9 @@
 //! A map with missing heights is refused with their number. Heights are missing where a surface is steep, so that those of the neighbours
 //! would not stand for them: a map that was filled without a word would scatter less than the surface.
 
-use super::{HeightFile, SurfaceProblem};
+use papilio_diagnostics::Diagnostic;
+
+use super::HeightFile;
 
 /// Numbers that programs write for a height that was not measured: round ones, the ends of integer types, and that of Zygo.
 const MARKERS: [f64; 17] = [
@@ -39,15 +41,24 @@ const MARKERS: [f64; 17] = [
 const NO_HEIGHT: f64 = 1e30;
 
 /// Fails if heights are missing.
-pub(super) fn check(map: &HeightFile) -> Result<(), SurfaceProblem> {
+pub(super) fn check(map: &HeightFile) -> Result<(), Diagnostic> {
+    let Some((holes, marker)) = holes(map) else { return Ok(()) };
+    let marked = marker.map_or(String::new(), |marker| {
+        format!(": they are {marker}, a usual mark of missing heights far from all others")
+    });
+    Err(Diagnostic::new(format!("{holes} of {} heights are missing{marked}", map.numbers.len()))
+        .expected("a map without holes")
+        .hint("fill them in the program of the instrument, which knows why they are missing, or cut out a part without holes"))
+}
+
+/// The number of missing heights, if there are any, and the number that marks them, if it is a usual one that the file does not declare.
+fn holes(map: &HeightFile) -> Option<(usize, Option<f64>)> {
     let numbers = &map.numbers;
     let is_mark = |marker: &f64| !map.is_picture || *marker < 0.0;
     let marker = MARKERS.into_iter().find(|marker| is_mark(marker) && stands_apart(numbers, *marker));
     let is_missing = |number: &&f64| is_no_height(**number) || Some(**number) == marker;
-    match numbers.iter().filter(is_missing).count() {
-        0 => Ok(()),
-        holes => Err(SurfaceProblem::Holes { holes, of: numbers.len(), marker }),
-    }
+    let holes = numbers.iter().filter(is_missing).count();
+    (holes > 0).then_some((holes, marker))
 }
 
 /// A note on the numbers of a picture that would be marks of missing heights in another file.
@@ -81,11 +92,7 @@ mod tests {
     use super::*;
 
     fn holes(numbers: &[f64]) -> Option<(usize, Option<f64>)> {
-        let map = HeightFile::plain(2, numbers.to_vec());
-        match check(&map) {
-            Err(SurfaceProblem::Holes { holes, marker, .. }) => Some((holes, marker)),
-            _ => None,
-        }
+        super::holes(&HeightFile::plain(2, numbers.to_vec()))
     }
 
     #[test]

@@ -17,7 +17,6 @@ mod opd;
 mod openexr;
 mod plux;
 mod points;
-mod problem;
 mod sdf;
 mod sur;
 mod table;
@@ -30,14 +29,13 @@ mod zygo;
 
 use std::io::Cursor;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
 use crate::DataFile;
 use crate::error::FormatError;
 
 pub use density::read_density;
 pub use mesh::{MeshFile, read_mesh};
-pub use problem::SurfaceProblem;
 
 /// Largest number of heights: 4096 x 4096.
 const MOST_HEIGHTS: usize = 1 << 24;
@@ -83,7 +81,7 @@ pub fn read_heights(file: &DataFile) -> Result<HeightFile, FormatError> {
 
 fn of_any_format(file: &DataFile) -> Result<HeightFile, FormatError> {
     let error =
-        |problem: SurfaceProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };
+        |problem: Diagnostic| FormatError { place: Place::whole(&file.name), problem: problem.into() };
     let mut map = match binary(&file.bytes) {
         Some(map) => map.map_err(error)?,
         None => table::read(file)?,
@@ -112,7 +110,7 @@ pub fn is_height_file(bytes: &[u8]) -> bool {
 }
 
 /// Reads a file that is no text of numbers; `None` if it may be one.
-fn binary(bytes: &[u8]) -> Option<Result<HeightFile, SurfaceProblem>> {
+fn binary(bytes: &[u8]) -> Option<Result<HeightFile, Diagnostic>> {
     let begins = |magics: &[&[u8]]| magics.iter().any(|magic| bytes.starts_with(magic));
     Some(match bytes {
         _ if begins(&[array::MAGIC]) => array::read(bytes, ".npy"),
@@ -130,17 +128,37 @@ fn binary(bytes: &[u8]) -> Option<Result<HeightFile, SurfaceProblem>> {
 }
 
 /// Fails for sizes that are not supported.
-fn sized(columns: usize, rows: usize) -> Result<usize, SurfaceProblem> {
+fn sized(columns: usize, rows: usize) -> Result<usize, Diagnostic> {
     let count = columns.checked_mul(rows).filter(|count| *count <= MOST_HEIGHTS);
-    count.filter(|_| columns >= 2 && rows >= 2).ok_or(SurfaceProblem::Size { columns, rows })
+    count.filter(|_| columns >= 2 && rows >= 2).ok_or_else(|| wrong_size(columns, rows))
 }
 
-fn damaged(format: &'static str, what: impl Into<String>) -> SurfaceProblem {
-    SurfaceProblem::Damaged { format, what: what.into() }
+fn damaged(format: &'static str, what: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(format!("this {format} file cannot be used: {}", what.into()))
+}
+
+fn not_a_map() -> Diagnostic {
+    Diagnostic::new("this is not a map of heights in a supported format")
+        .expected(
+            "SDF of ISO 25178-71 or BCR, X3P of ISO 25178-72, .sur, .gsf, .opd, .plux, .vk4, .vk6, rows of numbers, points x, y, z on a grid, \
+             a .npy array of two dimensions, a grey PNG or TIFF of 16 bits or more, or OpenEXR",
+        )
+        .hint("export the map as SDF or X3P from the program of the instrument")
+}
+
+/// An error of a known format that is not read; `format` has its article.
+fn unsupported(format: &str, export: &str) -> Diagnostic {
+    Diagnostic::new(format!("this is {format}, which is not supported")).hint(export)
+}
+
+fn wrong_size(columns: usize, rows: usize) -> Diagnostic {
+    Diagnostic::new(format!("this map has {columns} x {rows} heights"))
+        .expected(format!("at least 2 x 2, and at most {MOST_HEIGHTS} in all"))
+        .hint("cut out a part of the map, or reduce its resolution")
 }
 
 /// A grey picture of 16 bits.
-fn of_png(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
+fn of_png(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let wrong = |what: String| damaged("PNG", what);
     let mut reader =
         png::Decoder::new(Cursor::new(bytes)).read_info().map_err(|error| wrong(error.to_string()))?;

@@ -2,8 +2,10 @@
 //!
 //! Lengths of pixels are in mm; heights are numbers times Wavelength (nm) over Mult. Arrays run along y first, from the lowest y on.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::bytes::{Bytes, Kind};
-use super::{HeightFile, SurfaceProblem, damaged, sized};
+use super::{HeightFile, damaged, sized};
 
 pub(super) const MAGIC: &[u8] = b"\x01\x00Directory\0";
 
@@ -14,7 +16,7 @@ const MOST_ENTRIES: usize = 10_000;
 /// Names of blocks of heights.
 const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "OPD", "Raw", "SAMPLE_DATA"];
 
-fn wrong(what: impl Into<String>) -> SurfaceProblem {
+fn wrong(what: impl Into<String>) -> Diagnostic {
     damaged("OPD", what)
 }
 
@@ -27,10 +29,10 @@ struct Block {
 }
 
 /// Reads the heights.
-pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let file = Bytes { all: bytes, format: "OPD" };
     let blocks = directory(file)?;
-    let number = |name: &str| -> Result<Option<f64>, SurfaceProblem> {
+    let number = |name: &str| -> Result<Option<f64>, Diagnostic> {
         let Some(block) = blocks.iter().find(|block| block.name == name) else { return Ok(None) };
         let number = match (block.kind, block.length) {
             (6, 2) | (7, 2) => f64::from(file.i16(block.at)?),
@@ -80,10 +82,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     Ok(map)
 }
 
-fn directory(file: Bytes<'_>) -> Result<Vec<Block>, SurfaceProblem> {
-    let length = |at: usize| -> Result<usize, SurfaceProblem> {
-        Ok(file.i32(at + 18)?.max(0).unsigned_abs() as usize)
-    };
+fn directory(file: Bytes<'_>) -> Result<Vec<Block>, Diagnostic> {
+    let length =
+        |at: usize| -> Result<usize, Diagnostic> { Ok(file.i32(at + 18)?.max(0).unsigned_abs() as usize) };
     let entries = length(2)? / ENTRY;
     if entries > MOST_ENTRIES {
         return Err(wrong(format!("its directory has {entries} entries")));

@@ -5,8 +5,9 @@ use std::io::Cursor;
 use exr::image::FlatSamples;
 use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers};
+use papilio_diagnostics::Diagnostic;
 
-use super::{HeightFile, SurfaceProblem, damaged, sized};
+use super::{HeightFile, damaged, sized};
 
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
@@ -14,7 +15,7 @@ pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 const HEIGHTS: [&str; 2] = ["Z", "Y"];
 
 /// Reads a map. Its numbers have no unit.
-pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let refused = |error: exr::error::Error| damaged("OpenEXR", error.to_string());
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(refused)?;
     let [header] = &meta.headers[..] else {

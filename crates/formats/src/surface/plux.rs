@@ -1,8 +1,10 @@
 //! Sensofar, `.plux`: a zip archive with `index.xml` and the heights of its first layer, single-precision numbers in um by rows from the top.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::archive::{Archive, document};
 use super::bytes::{Bytes, Kind};
-use super::{HeightFile, SurfaceProblem, damaged, sized};
+use super::{HeightFile, damaged, sized};
 
 pub(super) const HEIGHTS: &str = "LAYER_0.raw";
 const INDEX: &str = "index.xml";
@@ -14,12 +16,12 @@ const LARGEST_XML: u64 = 16 << 20;
 const MISSING_FROM: f64 = 1e6;
 
 /// Reads the heights.
-pub(super) fn read(archive: &mut Archive<'_>) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(archive: &mut Archive<'_>) -> Result<HeightFile, Diagnostic> {
     let wrong = |what: String| damaged("PLUX", what);
     let xml = archive.content(INDEX, LARGEST_XML)?;
     let xml = String::from_utf8(xml).map_err(|_| wrong(format!("{INDEX} is not UTF-8")))?;
     let document = document(&xml).map_err(|error| wrong(format!("{INDEX}: {error}")))?;
-    let number = |name: &str| -> Result<f64, SurfaceProblem> {
+    let number = |name: &str| -> Result<f64, Diagnostic> {
         let general = document.root_element().children().find(|node| node.has_tag_name("GENERAL"));
         let node = general.and_then(|general| general.children().find(|node| node.has_tag_name(name)));
         let number = node.and_then(|node| node.text()?.trim().parse::<f64>().ok());

@@ -1,9 +1,11 @@
 //! Lists of points x, y, z: put on the grid on which they are.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::header::Header;
 use super::table::Rows;
 use super::units::um_of;
-use super::{HeightFile, SurfaceProblem, sized};
+use super::{HeightFile, sized};
 
 /// Largest distance of a point from its place on the grid, in distances of the grid.
 const OFF_GRID: f64 = 0.1;
@@ -23,7 +25,7 @@ struct Columns {
 ///
 /// # Errors
 /// Names of columns that are no points, and two columns.
-pub(super) fn are_points(header: &Header, rows: &Rows) -> Result<bool, SurfaceProblem> {
+pub(super) fn are_points(header: &Header, rows: &Rows) -> Result<bool, Diagnostic> {
     if named(header, rows)?.is_some() {
         return Ok(true);
     }
@@ -32,17 +34,18 @@ pub(super) fn are_points(header: &Header, rows: &Rows) -> Result<bool, SurfacePr
         return Ok(false);
     }
     match rows.columns {
-        2 => Err(SurfaceProblem::Text {
-            what: format!("this table has 2 columns and {} rows, as a profile x, z has", rows.count()),
-            expected: "a map: rows of heights, or points x, y, z",
-        }),
+        2 => Err(Diagnostic::new(format!(
+            "this table has 2 columns and {} rows, as a profile x, z has",
+            rows.count()
+        ))
+        .expected("a map: rows of heights, or points x, y, z")),
         3 => Ok(true),
         _ => Ok(false),
     }
 }
 
 /// The columns of x, y and z by their names.
-fn named(header: &Header, rows: &Rows) -> Result<Option<Columns>, SurfaceProblem> {
+fn named(header: &Header, rows: &Rows) -> Result<Option<Columns>, Diagnostic> {
     let Some(names) = &header.names else { return Ok(None) };
     let parts: Vec<(String, Option<f64>)> = names.cells.iter().map(|name| name_and_unit(name)).collect();
     let find = |known: &[&str]| parts.iter().position(|(name, _)| known.contains(&name.as_str()));
@@ -56,10 +59,8 @@ fn named(header: &Header, rows: &Rows) -> Result<Option<Columns>, SurfaceProblem
         // A comment, or names of the columns of a map.
         (None, None, _) if names.is_comment || rows.columns > 3 => Ok(None),
         _ if names.is_comment => Ok(None),
-        _ => Err(SurfaceProblem::Text {
-            what: format!("the columns of this table are `{}`", names.cells.join("`, `")),
-            expected: "the columns x, y and z of points, with their units, such as `x (mm)`",
-        }),
+        _ => Err(Diagnostic::new(format!("the columns of this table are `{}`", names.cells.join("`, `")))
+            .expected("the columns x, y and z of points, with their units, such as `x (mm)`")),
     }
 }
 
@@ -82,7 +83,7 @@ fn name_and_unit(name: &str) -> (String, Option<f64>) {
 ///
 /// # Errors
 /// Points that are not on a grid, two points at a place, and unknown names of columns.
-pub(super) fn map(header: &Header, rows: &Rows) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn map(header: &Header, rows: &Rows) -> Result<HeightFile, Diagnostic> {
     let unnamed = Columns { at: [0, 1, 2], unit_um: [None; 3] };
     let mut columns = named(header, rows)?.unwrap_or(unnamed);
     for (own, stated) in columns.unit_um.iter_mut().zip(header.unit_um) {
@@ -123,7 +124,7 @@ pub(super) fn map(header: &Header, rows: &Rows) -> Result<HeightFile, SurfacePro
 }
 
 /// The map of points on a regular grid along x and y; its distances are in the unit of the points.
-pub(super) fn on_grid(points: &[[f64; 3]]) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn on_grid(points: &[[f64; 3]]) -> Result<HeightFile, Diagnostic> {
     let axes = [axis(points, 0)?, axis(points, 1)?];
     let [columns, rows] = [axes[0].count, axes[1].count];
     // A list with many more places than points would take memory that the file does not have.
@@ -145,11 +146,9 @@ pub(super) fn on_grid(points: &[[f64; 3]]) -> Result<HeightFile, SurfaceProblem>
     Ok(map)
 }
 
-fn off_grid(what: String) -> SurfaceProblem {
-    SurfaceProblem::Text {
-        what: format!("this list of points x, y, z is not on a regular grid: {what}"),
-        expected: "points on a regular grid along x and y (three columns are points, and not a map)",
-    }
+fn off_grid(what: String) -> Diagnostic {
+    Diagnostic::new(format!("this list of points x, y, z is not on a regular grid: {what}"))
+        .expected("points on a regular grid along x and y (three columns are points, and not a map)")
 }
 
 /// Places of points along x or y.
@@ -166,7 +165,7 @@ impl Axis {
 }
 
 /// The regular places along an axis.
-fn axis(points: &[[f64; 3]], axis: usize) -> Result<Axis, SurfaceProblem> {
+fn axis(points: &[[f64; 3]], axis: usize) -> Result<Axis, Diagnostic> {
     let name = ["x", "y"][axis];
     let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
     if let Some(at) = values.iter().position(|value| !value.is_finite()) {

@@ -4,8 +4,10 @@
 //! heights by the smallest number of their type, in a text by `BAD`, and begins with the profile of the lowest y; BCR marks them by the
 //! largest number, and begins with that of the highest y.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::bytes::{Bytes, Kind};
-use super::{HeightFile, SurfaceProblem, UM, damaged, sized};
+use super::{HeightFile, UM, damaged, sized};
 
 /// What a revision of the format has of its own.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -26,7 +28,7 @@ pub(super) fn is_sdf(bytes: &[u8]) -> bool {
 }
 
 /// Reads a map.
-pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let revision = match bytes.get(1..WORD) {
         Some(b"BCR-1.0") => Revision::Bcr,
         Some(b"ISO-1.0") => Revision::Iso1,
@@ -45,7 +47,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     }
 }
 
-fn wrong(what: impl Into<String>) -> SurfaceProblem {
+fn wrong(what: impl Into<String>) -> Diagnostic {
     damaged("SDF", what)
 }
 
@@ -74,7 +76,7 @@ impl Head {
         }
     }
 
-    fn map(self, numbers: Vec<f64>) -> Result<HeightFile, SurfaceProblem> {
+    fn map(self, numbers: Vec<f64>) -> Result<HeightFile, Diagnostic> {
         let count = sized(self.columns, self.rows)?;
         if numbers.len() != count {
             return Err(wrong(format!("it has {} heights, and its header {count}", numbers.len())));
@@ -95,7 +97,7 @@ impl Head {
 }
 
 /// The type of numbers by its code.
-fn kind_of(code: usize) -> Result<Kind, SurfaceProblem> {
+fn kind_of(code: usize) -> Result<Kind, Diagnostic> {
     let kinds = [Kind::U8, Kind::U16, Kind::U32, Kind::F32, Kind::I8, Kind::I16, Kind::I32, Kind::F64];
     kinds.get(code).copied().ok_or_else(|| wrong(format!("its data type is {code} (expected 0 to 7)")))
 }
@@ -116,7 +118,7 @@ const NAMES: [(&str, usize); 11] = [
 ];
 
 /// Lines `Name = value`, a line `*`, the heights, a line `*`, and a free text.
-fn of_text(text: &str, revision: Revision) -> Result<HeightFile, SurfaceProblem> {
+fn of_text(text: &str, revision: Revision) -> Result<HeightFile, Diagnostic> {
     let [mut head, mut data] = [String::new(), String::new()];
     let mut records = 0;
     for line in text.split(['\n', '\r']).skip(1) {
@@ -171,7 +173,7 @@ fn of_text(text: &str, revision: Revision) -> Result<HeightFile, SurfaceProblem>
 }
 
 /// A header of 81 bytes, or 85 with the longer counts of ISO-2.0, and the heights.
-fn of_binary(bytes: Bytes<'_>, revision: Revision) -> Result<HeightFile, SurfaceProblem> {
+fn of_binary(bytes: Bytes<'_>, revision: Revision) -> Result<HeightFile, Diagnostic> {
     let at = WORD + TEXTS;
     let (columns, rows, at) = match revision {
         Revision::Bcr | Revision::Iso1 => (bytes.u16(at)?, bytes.u16(at + 2)?, at + 4),

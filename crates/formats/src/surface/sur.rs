@@ -5,9 +5,11 @@
 
 use std::io::Read;
 
+use papilio_diagnostics::Diagnostic;
+
 use super::bytes::{Bytes, Kind};
 use super::units::um_of;
-use super::{HeightFile, SurfaceProblem, damaged, sized};
+use super::{HeightFile, damaged, sized};
 
 pub(super) const MAGICS: [&[u8]; 2] = [b"DIGITAL SURF", b"DSCOMPRESSED"];
 
@@ -18,12 +20,12 @@ const SURFACE: i16 = 2;
 const MULTILAYER: i16 = 8;
 const INTENSITY_SURFACE: [i16; 3] = [11, 13, 16];
 
-fn wrong(what: impl Into<String>) -> SurfaceProblem {
+fn wrong(what: impl Into<String>) -> Diagnostic {
     damaged("SUR", what)
 }
 
 /// Reads the first map.
-pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let head = Bytes { all: bytes, format: "SUR" };
     head.part(0, HEAD)?;
     let mut warnings = Vec::new();
@@ -41,8 +43,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
         32 => Kind::I32,
         other => return Err(wrong(format!("its numbers have {other} bits (expected 16 or 32)"))),
     };
-    let length =
-        |at: usize| -> Result<usize, SurfaceProblem> { Ok(head.i16(at)?.max(0).unsigned_abs().into()) };
+    let length = |at: usize| -> Result<usize, Diagnostic> { Ok(head.i16(at)?.max(0).unsigned_abs().into()) };
     let begins = HEAD + length(334)? + length(336)?;
     let numbers = if bytes.starts_with(MAGICS[1]) {
         let data = unpacked(head, begins, total * kind.size())?;
@@ -51,7 +52,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
         head.numbers(begins, total, kind)?
     };
     let marker = (head.i16(86)? == 1).then_some(f64::from(head.i32(100)?) - 2.0);
-    let axis = |axis: usize| -> Result<f64, SurfaceProblem> {
+    let axis = |axis: usize| -> Result<f64, Diagnostic> {
         let spacing = head.f32(120 + 4 * axis)?;
         let unit = head.text(180 + 16 * axis, 16)?;
         let um = um_of(&unit).ok_or_else(|| {
@@ -82,12 +83,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
     Ok(map)
 }
 
-fn count(head: Bytes<'_>, at: usize) -> Result<usize, SurfaceProblem> {
+fn count(head: Bytes<'_>, at: usize) -> Result<usize, Diagnostic> {
     usize::try_from(head.i32(at)?).map_err(|_| wrong("its size is negative"))
 }
 
 /// Fails for contents without a map of heights, and warns of those beside it.
-fn check_kind(head: Bytes<'_>, warnings: &mut Vec<String>) -> Result<(), SurfaceProblem> {
+fn check_kind(head: Bytes<'_>, warnings: &mut Vec<String>) -> Result<(), Diagnostic> {
     let kind = head.i16(18)?;
     // Gwyddion writes surfaces as profiles, with these names.
     let is_of_gwyddion = kind == 1 && head.text(20, 30)? == "SCRATCH" && head.text(50, 30)? == "csm";
@@ -115,7 +116,7 @@ fn inverted(
     columns: usize,
     marker: Option<f64>,
     inversion: i16,
-) -> Result<(Vec<f64>, bool), SurfaceProblem> {
+) -> Result<(Vec<f64>, bool), Diagnostic> {
     let sign = if inversion == 0 { 1.0 } else { -1.0 };
     let height = |number: f64| if Some(number) == marker { f64::NAN } else { sign * number };
     let mut numbers: Vec<f64> = numbers.into_iter().map(height).collect();
@@ -131,7 +132,7 @@ fn inverted(
 }
 
 /// Compressed numbers: a count of streams, the lengths of each unpacked and packed, and the streams.
-fn unpacked(head: Bytes<'_>, begins: usize, size: usize) -> Result<Vec<u8>, SurfaceProblem> {
+fn unpacked(head: Bytes<'_>, begins: usize, size: usize) -> Result<Vec<u8>, Diagnostic> {
     let streams = head.u32(begins)?;
     // The list of lengths must be in the file.
     head.part(begins + 4, streams.saturating_mul(8))?;

@@ -5,11 +5,11 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
 use super::header::{Header, shown};
 use super::text::{Style, decoded};
-use super::{HeightFile, MOST_HEIGHTS, SurfaceProblem, points, wyko, zygo};
+use super::{HeightFile, MOST_HEIGHTS, not_a_map, points, wrong_size, wyko, zygo};
 use crate::DataFile;
 use crate::error::{FormatError, Problem};
 
@@ -57,7 +57,7 @@ impl Rows {
 /// Reads a map.
 pub(super) fn read(file: &DataFile) -> Result<HeightFile, FormatError> {
     let whole =
-        |problem: SurfaceProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };
+        |problem: Diagnostic| FormatError { place: Place::whole(&file.name), problem: problem.into() };
     let source = Source { name: &file.name, text: decoded(&file.bytes).map_err(whole)? };
     if zygo::is_zygo(&source.text) {
         return zygo::read(&source);
@@ -117,20 +117,17 @@ fn rows(source: &Source<'_>) -> Result<(Header, Rows), FormatError> {
         }
         // Points take three numbers each.
         if rows.numbers.len() > 4 * MOST_HEIGHTS {
-            return Err(source.whole(SurfaceProblem::Size { columns: rows.columns, rows: rows.count() }));
+            return Err(source.whole(wrong_size(rows.columns, rows.count())));
         }
     }
     if rows.columns == 0 {
-        return Err(source.whole(SurfaceProblem::NotAMap));
+        return Err(source.whole(not_a_map()));
     }
     Ok((header, rows))
 }
 
-fn text_problem(what: String) -> SurfaceProblem {
-    SurfaceProblem::Text {
-        what,
-        expected: "a line such as `Width: 100 um`, `X Pixels = 512` or `Value units: nm`",
-    }
+fn text_problem(what: String) -> Diagnostic {
+    Diagnostic::new(what).expected("a line such as `Width: 100 um`, `X Pixels = 512` or `Value units: nm`")
 }
 
 /// Whether a line before the first row is a row: numbers, or words for missing ones.
@@ -140,9 +137,9 @@ fn is_row(style: &Style, cells: &[(usize, &str)]) -> bool {
 }
 
 /// Rows of a map.
-fn matrix(header: &Header, rows: Rows) -> Result<HeightFile, SurfaceProblem> {
+fn matrix(header: &Header, rows: Rows) -> Result<HeightFile, Diagnostic> {
     let Rows { mut columns, numbers } = rows;
-    let wrong = |what: String, expected| SurfaceProblem::Text { what, expected };
+    let wrong = |what: String, expected: &str| Diagnostic::new(what).expected(expected);
     if let [Some(x), Some(y)] = header.count {
         if x * y != numbers.len() {
             let what = format!("the header states {x} x {y} heights, and the file has {}", numbers.len());

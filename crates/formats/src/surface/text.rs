@@ -1,16 +1,18 @@
 //! Texts of numbers: their encoding, and how their numbers are separated.
 
-use std::borrow::Cow;
+use papilio_diagnostics::Diagnostic;
 
-use super::SurfaceProblem;
+use super::not_a_map;
+
+use std::borrow::Cow;
 
 /// The content as a text, in the encodings of all tables.
 ///
 /// # Errors
 /// A file with zero bytes, which is no text.
-pub(super) fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, SurfaceProblem> {
+pub(super) fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, Diagnostic> {
     let text = crate::table::decode(bytes).filter(|text| !text.contains('\0'));
-    text.ok_or(SurfaceProblem::NotAMap)
+    text.ok_or_else(not_a_map)
 }
 
 /// How the numbers of a text are separated and written.

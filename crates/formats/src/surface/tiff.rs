@@ -3,11 +3,12 @@
 
 use std::io::Cursor;
 
+use papilio_diagnostics::Diagnostic;
 use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
-use super::{HeightFile, SurfaceProblem, damaged, sized};
+use super::{HeightFile, damaged, sized};
 
 /// First bytes of the files: little-endian and big-endian.
 pub(super) const MAGICS: [&[u8]; 2] = [b"II*\0", b"MM\0*"];
@@ -17,7 +18,7 @@ const GDAL_NODATA: u16 = 42113;
 const PIXEL_SCALE: u16 = 33550;
 
 /// Reads the first picture of a file.
-pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let wrong = |error: tiff::TiffError| damaged("TIFF", error.to_string());
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(wrong)?;
     let (columns, rows) = decoder.dimensions().map_err(wrong)?;

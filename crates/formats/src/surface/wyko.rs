@@ -3,7 +3,9 @@
 //! Lengths of pixels are in mm. Heights are in nm, or, where the second number of the first line is 0, in wavelengths over Mult. Missing heights
 //! are `Bad`.
 
-use super::{HeightFile, SurfaceProblem, damaged, sized};
+use papilio_diagnostics::Diagnostic;
+
+use super::{HeightFile, damaged, sized};
 
 pub(super) const WORDS: &str = "Wyko ASCII Data File Format";
 
@@ -11,12 +13,12 @@ pub(super) fn is_wyko(text: &str) -> bool {
     text.trim_start().starts_with(WORDS)
 }
 
-fn wrong(what: impl Into<String>) -> SurfaceProblem {
+fn wrong(what: impl Into<String>) -> Diagnostic {
     damaged("Wyko ASCII", what)
 }
 
 /// Reads the first block of heights.
-pub(super) fn read(text: &str) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(text: &str) -> Result<HeightFile, Diagnostic> {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let first = lines.next().unwrap_or("");
     let is_in_nm = first[WORDS.len().min(first.len())..].split_whitespace().nth(1) == Some("1");
@@ -25,7 +27,7 @@ pub(super) fn read(text: &str) -> Result<HeightFile, SurfaceProblem> {
         let rest = head.iter().find_map(|line| line.strip_prefix(name))?;
         rest.split_whitespace().next_back()?.parse().ok()
     };
-    let count = |name: &str| -> Result<usize, SurfaceProblem> {
+    let count = |name: &str| -> Result<usize, Diagnostic> {
         let count = number(name).filter(|number| number.fract() == 0.0 && (1.0..1e9).contains(number));
         Ok(count.ok_or_else(|| wrong(format!("it has no line `{name}`")))? as usize)
     };

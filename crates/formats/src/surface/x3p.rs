@@ -4,19 +4,21 @@
 //! plus its offset, by rows from the lowest y. Missing ones have a 0 in the mask, and are the smallest value of an integer type, NaN of a
 //! floating type, or an empty element.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::archive::{Archive, document};
 use super::bytes::{Bytes, Kind};
-use super::{HeightFile, SurfaceProblem, UM, damaged, sized};
+use super::{HeightFile, UM, damaged, sized};
 
 /// Largest size of `main.xml`, which may contain the heights, bytes.
 const LARGEST_XML: u64 = 64 << 20;
 
-fn wrong(what: impl Into<String>) -> SurfaceProblem {
+fn wrong(what: impl Into<String>) -> Diagnostic {
     damaged("X3P", what)
 }
 
 /// Reads a map.
-pub(super) fn read(archive: &mut Archive<'_>) -> Result<HeightFile, SurfaceProblem> {
+pub(super) fn read(archive: &mut Archive<'_>) -> Result<HeightFile, Diagnostic> {
     let xml = archive.content("main.xml", LARGEST_XML)?;
     let xml = String::from_utf8(xml).map_err(|_| wrong("main.xml is not UTF-8"))?;
     let document = document(&xml).map_err(|error| wrong(format!("main.xml: {error}")))?;
@@ -79,25 +81,25 @@ impl Main<'_, '_> {
         Some(node.text().unwrap_or_default().trim().to_owned())
     }
 
-    fn number(&self, path: &[&str]) -> Result<f64, SurfaceProblem> {
+    fn number(&self, path: &[&str]) -> Result<f64, Diagnostic> {
         let found =
             self.text(path).and_then(|text| text.parse::<f64>().ok()).filter(|number| number.is_finite());
         found.ok_or_else(|| wrong(format!("main.xml has no number {}", path.join("/"))))
     }
 
-    fn count(&self, name: &str) -> Result<usize, SurfaceProblem> {
+    fn count(&self, name: &str) -> Result<usize, Diagnostic> {
         let number = self.number(&["Record3", "MatrixDimension", name])?;
         let is_count = number.fract() == 0.0 && (0.0..=1e9).contains(&number);
         if is_count { Ok(number as usize) } else { Err(wrong(format!("{name} is {number}"))) }
     }
 
-    fn increment(&self, axis: &str) -> Result<f64, SurfaceProblem> {
+    fn increment(&self, axis: &str) -> Result<f64, Diagnostic> {
         let number = self.number(&["Record1", "Axes", axis, "Increment"])?;
         if number > 0.0 { Ok(number) } else { Err(wrong(format!("the increment of {axis} is {number} m"))) }
     }
 
     /// Fails for profiles, clouds of points, and places that are no grid.
-    fn check_kind(&self) -> Result<(), SurfaceProblem> {
+    fn check_kind(&self) -> Result<(), Diagnostic> {
         match self.text(&["Record1", "FeatureType"]).as_deref() {
             Some("PRF") => {
                 return Err(wrong("it holds a profile (FeatureType PRF; expected a surface, SUR)"));
@@ -129,7 +131,7 @@ impl Main<'_, '_> {
 }
 
 /// Removes heights whose bit is 0: a bit for each height, the lowest bit of a byte first.
-fn mask_out(numbers: &mut [f64], mask: &[u8]) -> Result<(), SurfaceProblem> {
+fn mask_out(numbers: &mut [f64], mask: &[u8]) -> Result<(), Diagnostic> {
     if mask.len() != numbers.len().div_ceil(8) {
         return Err(wrong(format!("its mask has {} bytes for {} heights", mask.len(), numbers.len())));
     }
@@ -147,7 +149,7 @@ fn child<'a, 'b>(node: roxmltree::Node<'a, 'b>, name: &str) -> Option<roxmltree:
 }
 
 /// The type of numbers by its letter.
-fn kind_of(kind: &str) -> Result<Kind, SurfaceProblem> {
+fn kind_of(kind: &str) -> Result<Kind, Diagnostic> {
     match kind {
         "I" => Ok(Kind::I16),
         "L" => Ok(Kind::I32),
@@ -161,7 +163,7 @@ fn kind_of(kind: &str) -> Result<Kind, SurfaceProblem> {
 }
 
 /// Heights in `main.xml`: an element `Datum` for each, `x;y;z` or `z`, empty where it is missing.
-fn of_texts(document: &roxmltree::Document<'_>) -> Result<Vec<f64>, SurfaceProblem> {
+fn of_texts(document: &roxmltree::Document<'_>) -> Result<Vec<f64>, Diagnostic> {
     let data = document.descendants().filter(|node| node.tag_name().name() == "Datum");
     let number = |node: roxmltree::Node<'_, '_>| {
         let text = node.text().unwrap_or_default();

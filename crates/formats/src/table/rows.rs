@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
 use super::dialect::{self, Dialect};
 use super::encoding;
@@ -197,7 +197,10 @@ impl<'a> Row<'a> {
     /// Fails unless the row has exactly `count` cells, all with matching quotes.
     pub(crate) fn expect_cells(&self, count: usize, expected: &'static str) -> Result<(), FormatError> {
         if let Some(i) = self.cells.iter().position(|cell| cell.has_bad_quotes) {
-            return Err(self.cell_error(i, Problem::Quotes));
+            let wrong = Diagnostic::new("the quotation marks of this cell do not match").hint(
+                "begin and end a quoted cell with a double quote; write a double quote inside it twice",
+            );
+            return Err(self.cell_error(i, wrong.into()));
         }
         if self.cells.len() == count {
             return Ok(());

@@ -15,6 +15,10 @@ fn place<T: std::fmt::Debug>(result: Result<T, FormatError>) -> (Option<(usize, 
     (error.place.line_column(), error.problem)
 }
 
+fn is_of_page(problem: &Problem) -> bool {
+    problem.to_string().contains("this page of refractiveindex.info cannot be read")
+}
+
 #[test]
 fn spectrum_with_any_separator_header_or_order_is_read() {
     for text in [
@@ -178,10 +182,7 @@ fn page_with_malformed_yaml_is_an_error_with_its_place() {
         ("DATA:\n  - type: tabulated nk\nDATA:\n", (3, 1)),
     ] {
         let (at, problem) = place(read_index(&file(text)));
-        assert!(
-            matches!(problem, Problem::Yaml { .. }) && at == Some(place_of),
-            "{text}: {at:?} {problem:?}"
-        );
+        assert!(is_of_page(&problem) && at == Some(place_of), "{text}: {at:?} {problem:?}");
     }
 }
 
@@ -191,12 +192,15 @@ fn page_with_invalid_data_is_an_error_with_its_place() {
     let wrong = bad(SELLMEIER.replace("0.9 0.06", "0.9 nan"));
     assert_eq!(wrong, (Some((11, 9)), Problem::NotFinite { found: "nan".to_owned() }));
     let wrong = bad(SELLMEIER.replace("formula 1\n", "formula 12\n"));
-    assert_eq!(wrong, (Some((5, 11)), Problem::UnknownData { found: "formula 12".to_owned() }));
+    assert_eq!(
+        (wrong.0, wrong.1.to_string()),
+        (Some((5, 11)), "`formula 12` is not a known type of optical data".to_owned())
+    );
     let wrong = bad(SELLMEIER.replace("0.9 0.06", "0.9 0.06 3"));
     assert!(matches!(wrong, (Some((11, 9)), Problem::Columns { found: 3, .. })));
-    assert!(matches!(bad(SELLMEIER.replace("    wavelength_range: 0.21 6.7\n", "")).1, Problem::Yaml { .. }));
-    assert!(matches!(bad("DATA:\n  - [\n".to_owned()).1, Problem::Yaml { .. }));
-    assert_eq!(bad("DATA: []\n".to_owned()).1, Problem::NoIndex);
+    assert!(is_of_page(&bad(SELLMEIER.replace("    wavelength_range: 0.21 6.7\n", "")).1));
+    assert!(is_of_page(&bad("DATA:\n  - [\n".to_owned()).1));
+    assert_eq!(bad("DATA: []\n".to_owned()).1.to_string(), "no entry of `DATA` holds the refractive index n");
 }
 
 /// Faults of a page that do not affect 400 to 700 nm become notes, and the data end before them; faults that do remain
@@ -355,19 +359,21 @@ fn comments_of_a_pixel_table_are_skipped() {
 #[test]
 fn malformed_pixel_table_is_an_error_with_its_place() {
     let bad = |from: &str, to: &str| place(read_pixel_table(&file(&PIXEL.replace(from, to))));
-    assert_eq!(bad(",reflectance", ""), (Some((1, 1)), Problem::Header));
+    let stated = |(place, problem): (_, Problem)| (place, problem.to_string());
+    let header = "this is not the header of a pixel table".to_owned();
+    assert_eq!(stated(bad(",reflectance", "")), (Some((1, 1)), header));
     assert_eq!(
         bad("0,500,0.2", "0,500,nan"),
         (Some((4, 13)), Problem::NotFinite { found: "nan".to_owned() })
     );
     let range = bad("0,500,0.2", "0,500,20");
     assert!(matches!(range, (Some((4, 13)), Problem::OutOfRange { what: "reflectance", value: 20.0, .. })));
-    let hole = Problem::Hole { state: "white".to_owned(), theta_deg: 0.0, nm: 500.0 };
-    assert_eq!(bad("white,0,500,0.2\n", ""), (None, hole));
-    let twice = Problem::Duplicate { state: "white".to_owned(), theta_deg: 0.0, nm: 400.0 };
-    assert_eq!(bad("white,0,500,0.2", "white,0,400,0.1"), (Some((4, 1)), twice));
+    let hole = "state `white` has no row for 0 deg and 500 nm".to_owned();
+    assert_eq!(stated(bad("white,0,500,0.2\n", "")), (None, hole));
+    let twice = "state `white` at 0 deg and 400 nm has two rows".to_owned();
+    assert_eq!(stated(bad("white,0,500,0.2", "white,0,400,0.1")), (Some((4, 1)), twice));
     let (_, normal) = bad(",0,", ",5,");
-    assert_eq!(normal, Problem::NoNormal { theta_deg: 5.0 });
+    assert_eq!(normal.to_string(), "the smallest angle is 5 deg");
     assert!(matches!(bad("30,400,0.3", "91,400,0.3"), (Some((2, 7)), Problem::OutOfRange { .. })));
     assert_eq!(place(read_pixel_table(&file(""))).1, Problem::TooFew { rows: 0 });
     assert_eq!(
@@ -426,7 +432,7 @@ fn download_of_refractiveindex_info_is_read() {
     assert!(matches!(bad("0.6,3", "0.6,-3"), (Some((3, 5)), Problem::OutOfRange { what: "n", .. })));
     assert!(matches!(bad("0.6,3", "0.4,3"), (Some((3, 1)), Problem::OutOfOrder { .. })));
     assert!(matches!(bad("0.6,3", "0.6,3,1"), (Some((3, 1)), Problem::Columns { found: 3, .. })));
-    assert!(matches!(bad("wl,k", "wl,n"), (Some((5, 1)), Problem::Yaml { .. })));
-    assert!(matches!(bad("wl,n\n0.4,2\n0.6,3\n\n", ""), (None, Problem::Yaml { .. })));
+    assert!(matches!(bad("wl,k", "wl,n"), (Some((5, 1)), problem) if is_of_page(&problem)));
+    assert!(matches!(bad("wl,n\n0.4,2\n0.6,3\n\n", ""), (None, problem) if is_of_page(&problem)));
     assert!(matches!(bad("0.4,2\n", ""), (Some((1, 1)), Problem::TooFew { rows: 1 })));
 }

@@ -36,18 +36,6 @@ impl DiffusionKernel {
     /// All kernels.
     pub const ALL: [Self; 6] =
         [Self::FloydSteinberg, Self::Jarvis, Self::Stucki, Self::Sierra, Self::SierraLite, Self::Burkes];
-
-    /// Name in scenario files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FloydSteinberg => "floyd-steinberg",
-            Self::Jarvis => "jarvis",
-            Self::Stucki => "stucki",
-            Self::Sierra => "sierra",
-            Self::SierraLite => "sierra-lite",
-            Self::Burkes => "burkes",
-        }
-    }
 }
 
 /// Order of the pixels.
@@ -63,14 +51,6 @@ pub enum Scan {
 impl Scan {
     /// All orders.
     pub const ALL: [Self; 2] = [Self::Serpentine, Self::Raster];
-
-    /// Name in scenario files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Serpentine => "serpentine",
-            Self::Raster => "raster",
-        }
-    }
 }
 
 /// Settings of error diffusion.

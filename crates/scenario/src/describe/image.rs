@@ -1,9 +1,15 @@
 //! `[image]`: a picture, and how it is brought to the panel, for `papilio image`.
 
+use papilio_colour::mapping::Intent;
+use papilio_display::image::{Halftone, PictureSurround};
+use papilio_imaging::halftone::{DiffusionKernel, Scan};
+use papilio_imaging::{Fit, TestPattern};
+
 use super::Title;
 use super::numbers::{Count, Millimetres, Points, Seed};
 use crate::grammar::{choice, table};
 use crate::read::Spanned;
+use crate::word::Word;
 
 table! {
     /// A picture on the display, for `papilio image` only.
@@ -16,23 +22,23 @@ table! {
         /// Size of the text in points of 1/72 inch. Default: that at which the lower-case x is `viewer.text_height_mm` high, or 1.6 mm.
         text_size_pt as "Size of the text": Option<Points>,
         /// A test pattern of black and white instead of a picture. It needs `display.matrix.pixels`.
-        pattern: Option<ImagePattern>,
+        pattern: Option<Word<TestPattern>>,
         /// Period of stripes and squares, and of the star at its rim. Default: 8 pixels; 36 spokes of the star.
         period_mm as "Period of the test pattern": Option<Millimetres>,
         /// How the picture is fitted to `display.matrix.pixels`, without which the panel has its size.
-        fit: ImageFit = ImageFit::Contain,
+        fit: Word<Fit> = Word(Fit::Contain),
         /// Colour space of a picture that states none.
         source_space: SourceSpace = SourceSpace::Srgb,
         /// White, black and colours that the display cannot show.
-        intent: ImageIntent = ImageIntent::Relative,
+        intent: Word<Intent> = Word(Intent::Relative),
         /// Space in which the hue of such colours is constant.
         map_space: ImageMapSpace = ImageMapSpace::Oklab,
         /// How pixels with few states show many colours.
-        halftone: ImageHalftone = ImageHalftone::ErrorDiffusion,
+        halftone: Word<Halftone> = Word(Halftone::ErrorDiffusion),
     /// Weights of error diffusion.
-        kernel: ErrorKernel = ErrorKernel::FloydSteinberg,
+        kernel: Word<DiffusionKernel> = Word(DiffusionKernel::FloydSteinberg),
     /// Order of the pixels in error diffusion.
-        scan: ErrorScan = ErrorScan::Serpentine,
+        scan: Word<Scan> = Word(Scan::Serpentine),
         /// Seed of the void-and-cluster mask.
         seed: Seed = Count(0),
         /// States that are used, in the order of the palette of states.png. Default: all.
@@ -45,13 +51,12 @@ table! {
         /// Samples along each side of a pixel in seen.png and seen.exr. With more than one, sub-pixels are seen at their places.
         samples_per_pixel as "Samples along a pixel": Count<1, 32> = Count(1),
         /// What lies beyond the borders of the picture. Below a flat face that lights Lambertian pixels, it repeats.
-        surround: ImageSurround = ImageSurround::Repeat,
+        surround: Word<PictureSurround> = Word(PictureSurround::Repeat),
     }
 }
 
 choice! {
-    /// Surround of a picture.
-    ImageSurround {
+    for PictureSurround {
         /// The picture again: its borders see the opposite ones.
         Repeat = "repeat",
         /// A mask that reflects no light.
@@ -60,8 +65,7 @@ choice! {
 }
 
 choice! {
-    /// Test pattern.
-    ImagePattern {
+    for TestPattern {
         /// Black on the left of an edge 5 deg from the columns.
         SlantedEdge = "slanted-edge",
         /// Stripes along y, half of a period each.
@@ -74,8 +78,7 @@ choice! {
 }
 
 choice! {
-    /// Fit of a picture to a panel with other proportions.
-    ImageFit {
+    for Fit {
         /// The whole picture, with white margins.
         Contain = "contain",
         /// The whole panel; the picture is cut.
@@ -100,8 +103,7 @@ choice! {
 }
 
 choice! {
-    /// Rendering intent of a picture.
-    ImageIntent {
+    for Intent {
         /// White and black become those of the display; colours outside its gamut lose chroma.
         Relative = "relative",
         /// As relative, but chroma and dark colours are compressed gradually.
@@ -124,8 +126,7 @@ choice! {
 }
 
 choice! {
-    /// Halftone of a picture.
-    ImageHalftone {
+    for Halftone {
         /// Every pixel shows the colour itself, a reference.
         None = "none",
         /// By Bayer's mask of 16 x 16 pixels.
@@ -140,8 +141,7 @@ choice! {
 }
 
 choice! {
-    /// Weights of error diffusion.
-    ErrorKernel {
+    for DiffusionKernel {
         /// That of Floyd and Steinberg (1976).
         FloydSteinberg = "floyd-steinberg",
         /// That of Jarvis, Judice and Ninke (1976).
@@ -158,8 +158,7 @@ choice! {
 }
 
 choice! {
-    /// Order of the pixels in error diffusion.
-    ErrorScan {
+    for Scan {
         /// Every second row from right to left.
         Serpentine = "serpentine",
         /// Every row from left to right.

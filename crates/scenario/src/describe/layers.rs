@@ -1,5 +1,7 @@
 //! `[[display.layers]]`: media and interfaces in any order.
 
+use papilio_display::scene::Distribution;
+
 use super::diffuser::{Btdf, Slab};
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{CorrelationLength, Index, Nanometres, Roughness, Share, Thickness};
@@ -8,6 +10,7 @@ use crate::grammar::{choice, kinds, table};
 use crate::read::{Read, Spanned, Table};
 use crate::schema::of_table;
 use crate::tree::Node;
+use crate::word::Word;
 
 kinds! {
     /// A medium (`medium`, `slab`) or an interface (the other kinds); its keys depend on `kind`.
@@ -73,8 +76,7 @@ table! {
 }
 
 choice! {
-    /// Distribution of the slopes of a rough interface.
-    Slopes {
+    for Distribution {
         /// GGX (Trowbridge-Reitz), with a long tail: half of the surface is steeper than atan(alpha).
         Ggx = "ggx",
         /// Gaussian slopes of variance alpha^2/2 along each axis.
@@ -88,7 +90,7 @@ table! {
         /// Roughness: typical slope of the surface.
         alpha as "Roughness alpha": Roughness,
         /// Distribution of the slopes.
-        distribution: Slopes = Slopes::Ggx,
+        distribution: Word<Distribution> = Word(Distribution::Ggx),
         /// Distance at which the correlation of the heights is 1/e, for `papilio sparkle` only; it requires
         /// `distribution = "beckmann"`. Default: not known.
         correlation_um as "Correlation length": Option<CorrelationLength>,

@@ -1,16 +1,19 @@
 //! `[metrics]`: colorimetric settings.
 
+use papilio_display::scene::{ReferenceWhite, Standard, Surround};
+
 use super::numbers::{AdaptingLuminance, Background};
 use crate::grammar::{choice, table};
 use crate::read::Spanned;
+use crate::word::Word;
 
 table! {
     /// Colorimetric settings.
     Metrics {
         /// CIE standard observer for X, Y and Z.
-        observer: Observer = Observer::Cie1931,
+        observer: Word<Standard> = Word(Standard::Cie1931),
         /// White of CIELAB, CIELUV, colour differences and the gamut volume.
-        white: White = White::Perfect,
+        white: Word<ReferenceWhite> = Word(ReferenceWhite::Perfect),
         /// Name of the state with which the others are compared. Default: `"white"`, if there is one.
         reference_state: Option<String>,
         /// Whether to report the reflectance factors in each light separately.
@@ -23,8 +26,7 @@ table! {
 }
 
 choice! {
-    /// White to which colours are relative.
-    White {
+    for ReferenceWhite {
         /// A perfect white diffuser in the same light.
         Perfect = "perfect",
         /// The state `white` of the display, in the same view and light.
@@ -33,8 +35,7 @@ choice! {
 }
 
 choice! {
-    /// A CIE standard observer.
-    Observer {
+    for Standard {
         /// CIE 1931, 2 degrees.
         Cie1931 = "1931",
         /// CIE 1964, 10 degrees.
@@ -50,13 +51,12 @@ table! {
         /// Luminance of the background over that of a perfect white in the same light.
         background: Background = Background(0.2),
         /// Surround of the display.
-        surround: Surround = Surround::Average,
+        surround: Word<Surround> = Word(Surround::Average),
     }
 }
 
 choice! {
-    /// Surround of a display in CIECAM16.
-    Surround {
+    for Surround {
         /// A surround about as bright as the display.
         Average = "average",
         /// A surround less than a fifth as bright.

@@ -11,16 +11,18 @@ use super::sweep::Any;
 use crate::error::Errors;
 use crate::grammar::{choice, forms, table};
 use crate::mistake;
+use crate::optimise::SearchMethod;
 use crate::path::{KeyPath, joined};
 use crate::read::{Read, Spanned};
 use crate::set::Change;
 use crate::tree::{Node, Value};
+use crate::word::Word;
 
 table! {
     /// A search for better designs, for `papilio optimize` only.
     Optimize {
         /// Method of the search.
-        method: Method = Method::Gradient,
+        method: Word<SearchMethod> = Word(SearchMethod::Gradient),
         /// Number of gradient searches for each combination of choices, each from its own starting point.
         starts: Count<1, 10_000> = Count(20),
         /// Seed of the starting points and of the population.
@@ -41,8 +43,7 @@ table! {
 }
 
 choice! {
-    /// Method of a search.
-    Method {
+    for SearchMethod {
         /// By derivatives from many starting points (SLSQP).
         Gradient = "gradient",
         /// By a population of designs (differential evolution).

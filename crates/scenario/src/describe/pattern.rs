@@ -1,15 +1,21 @@
 //! `[pattern]`: patterns of two states, and text, for `papilio mtf`.
 
+use papilio_display::spatial::PatternKind;
+
 use super::Title;
 use super::numbers::Millimetres;
 use crate::grammar::{choice, table};
 use crate::read::Spanned;
+use crate::word::Word;
+
+/// Patterns without `kind`.
+const BOTH: [PatternKind; 2] = [PatternKind::Stripes, PatternKind::Checkerboard];
 
 table! {
     /// Patterns of two states, for `papilio mtf` only. No matrix is needed: edges are ideal.
     Pattern {
         /// Kinds of patterns, each with half of its area in either state. Stripes repeat along x.
-        kind: Vec<Spanned<PatternKind>> = [PatternKind::Stripes, PatternKind::Checkerboard].map(Spanned::without_span).to_vec(),
+        kind: Vec<Spanned<Word<PatternKind>>> = BOTH.map(|kind| Spanned::without_span(Word(kind))).to_vec(),
         /// State of one half of the area.
         on: Title = Title("white".to_owned()),
         /// State of the other half.
@@ -22,8 +28,7 @@ table! {
 }
 
 choice! {
-    /// Kind of a pattern.
-    PatternKind {
+    for PatternKind {
         /// Stripes along y, half of a period each.
         Stripes = "stripes",
         /// Squares with sides of half a period.

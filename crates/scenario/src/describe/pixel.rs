@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use papilio_diagnostics::Diagnostic;
+use papilio_display::scene::{TableAngles, UniformKind};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
 use super::diffuser::{Extrapolate, Normalise};
@@ -13,6 +14,7 @@ use crate::grammar::{choice, forms, kinds, table};
 use crate::origin::Origin;
 use crate::read::{Named, Read, Spanned};
 use crate::tree::{Node, Value};
+use crate::word::Word;
 
 kinds! {
     /// The pixel array; its keys depend on `model`.
@@ -179,13 +181,12 @@ table! {
         /// A CSV file with the columns state, theta_deg, wavelength_nm, reflectance.
         file: String,
         /// Medium of the angles of the file.
-        angles: TableMedium,
+        angles: Word<TableAngles>,
     }
 }
 
 choice! {
-    /// Medium of the angles of a pixel table.
-    TableMedium {
+    for TableAngles {
         /// Angles are in air, before refraction.
         Air = "air",
         /// Angles are in the glass above the pixel.
@@ -197,7 +198,7 @@ table! {
     /// States with the same reflectance at all angles.
     UniformPixel {
         /// Kind of the reflection.
-        kind: ReflectionKind,
+        kind: Word<UniformKind>,
         /// Reflectance of each state *below* the glass, which is not the value of a datasheet.
         reflectance: Named<ShareSpectrum>,
         /// The flat face through which the reflectances were measured; the pixel's own are recovered. For `kind = "lambertian"`. Default:
@@ -275,8 +276,7 @@ impl JsonSchema for SlabWord {
 }
 
 choice! {
-    /// Reflection of a uniform pixel.
-    ReflectionKind {
+    for UniformKind {
         /// Specular.
         Mirror = "mirror",
         /// Diffuse: the same radiance in every direction of the glass.

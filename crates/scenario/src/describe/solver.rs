@@ -1,19 +1,20 @@
 //! `[solver]`: the solver, its accuracy and its approximations.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene;
+use papilio_display::scene::{self, AngleMedium, Method, Sampler, Strategy};
 
 use super::numbers::{Count, Paths, RelativeError, Seed, Tolerance};
 use crate::error::Errors;
 use crate::grammar::{choice, table};
 use crate::read::{Read, Spanned, unknown_word};
 use crate::tree::{Node, Value};
+use crate::word::Word;
 
 table! {
     /// The solver, its accuracy and its approximations.
     Solver {
         /// Solver.
-        method: Method = Method::Adding,
+        method: Word<Method> = Word(Method::Adding),
         /// Stop at this relative error of Y, the largest over states and views: the standard error for Monte Carlo, the
         /// discretisation error for adding. Default: `0.001`.
         relative_error: Option<RelativeError>,
@@ -26,13 +27,13 @@ table! {
         /// has no effect, with a warning.
         per_wavelength: bool = false,
         /// For Monte Carlo: source of the random numbers (docs/sampling.md).
-        sampler: Sampler = Sampler::Sobol,
+        sampler: Word<Sampler> = Word(Sampler::Sobol),
         /// For Monte Carlo: sampling of directions at a diffuser (docs/sampling.md).
-        scattering: Scattering = Scattering::Kernel,
+        scattering: Word<Strategy> = Word(Strategy::Kernel),
         /// Approximations of the transport, for ordinary panels.
         approximation: Approximation = Approximation::None,
         /// Medium of the angles of viewer, sources and pixel.csv.
-        angle_medium: AngleMedium = AngleMedium::Air,
+        angle_medium: Word<AngleMedium> = Word(AngleMedium::Air),
         /// For Monte Carlo: seed of the random numbers.
         seed: Seed = Count(0),
     }
@@ -127,8 +128,7 @@ impl Solver {
 }
 
 choice! {
-    /// The solvers.
-    Method {
+    for Method {
         /// Deterministic, without noise.
         Adding = "adding",
         /// Unbiased paths, with standard errors.
@@ -139,8 +139,7 @@ choice! {
 }
 
 choice! {
-    /// Sources of random numbers.
-    Sampler {
+    for Sampler {
         /// Owen-scrambled Sobol points.
         Sobol = "sobol",
         /// Independent random numbers.
@@ -153,8 +152,7 @@ choice! {
 }
 
 choice! {
-    /// Sampling of directions at a diffuser.
-    Scattering {
+    for Strategy {
         /// From the lobe itself, and towards sources from both ends of the path.
         Kernel = "kernel",
         /// Uniformly over the hemisphere.
@@ -182,8 +180,7 @@ choice! {
 }
 
 choice! {
-    /// Medium of the angles of a scenario.
-    AngleMedium {
+    for AngleMedium {
         /// Angles are in air, and refracted by Snell's law.
         Air = "air",
         /// Angles are in glass; for a bare panel.

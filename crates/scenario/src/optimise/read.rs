@@ -5,7 +5,7 @@ use papilio_display::scene::{Method as Solver, MetricSource, Scene};
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 
-use super::{Optimisation, SearchCondition, SearchMethod, SearchRange, SearchVariable};
+use super::{Optimisation, SearchCondition, SearchRange, SearchVariable};
 use crate::describe::optimize as describe;
 use crate::error::{Errors, ScenarioErrors};
 use crate::library::hex;
@@ -109,11 +109,7 @@ impl Reader {
         }?;
         let hash = hash(spec, &scenes, &pictured);
         Ok(Optimisation {
-            method: match spec.method.value {
-                describe::Method::Gradient => SearchMethod::Gradient,
-                describe::Method::Global => SearchMethod::Global,
-                describe::Method::Both => SearchMethod::Both,
-            },
+            method: spec.method.0,
             starts: spec.starts.0 as usize,
             seed: spec.seed.0,
             evaluations: spec.evaluations.0 as usize,

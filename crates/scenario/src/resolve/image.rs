@@ -2,18 +2,15 @@
 
 use std::f64::consts::PI;
 
-use papilio_colour::mapping::{Intent, MapSpace};
+use papilio_colour::mapping::MapSpace;
 use papilio_colour::{Surround, Viewing};
 use papilio_diagnostics::Diagnostic;
-use papilio_display::image::{Halftone, ImageSettings, PictureSurround, SourceImage};
+use papilio_display::image::{Halftone, ImageSettings, SourceImage};
 use papilio_display::scene::Scene;
-use papilio_imaging::halftone::{DiffusionKernel, Scan};
 
 use super::Resolver;
 use crate::describe::File;
-use crate::describe::image::{
-    ErrorKernel, ErrorScan, Image, ImageHalftone, ImageIntent, ImageMapSpace, ImageSurround,
-};
+use crate::describe::image::{Image, ImageMapSpace};
 use crate::mistake;
 use crate::read::Read as _;
 use crate::tree::Node;
@@ -52,7 +49,7 @@ impl Resolver<'_> {
                 self.err(state, twice.hint("remove one of the two"));
             }
         }
-        if image.halftone.value == ImageHalftone::DirectBinarySearch && scene.display.matrix.is_none() {
+        if image.halftone.0 == Halftone::DirectBinarySearch && scene.display.matrix.is_none() {
             let wrong = Diagnostic::new(
                 "direct-binary-search needs the angle at which the reader sees a pixel, and [display.matrix] is missing",
             );
@@ -70,12 +67,7 @@ const GREY: f64 = 0.2;
 
 fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
     ImageSettings {
-        intent: match image.intent.value {
-            ImageIntent::Relative => Intent::Relative,
-            ImageIntent::Perceptual => Intent::Perceptual,
-            ImageIntent::Absolute => Intent::Absolute,
-            ImageIntent::Clip => Intent::Clip,
-        },
+        intent: image.intent.0,
         space: match image.map_space.value {
             ImageMapSpace::Oklab => MapSpace::Oklab,
             ImageMapSpace::Cam16Ucs => MapSpace::Cam16Ucs(Viewing {
@@ -84,31 +76,12 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
                 surround: Surround::Average,
             }),
         },
-        halftone: match image.halftone.value {
-            ImageHalftone::None => Halftone::None,
-            ImageHalftone::Ordered => Halftone::Ordered,
-            ImageHalftone::VoidAndCluster => Halftone::VoidAndCluster,
-            ImageHalftone::ErrorDiffusion => Halftone::ErrorDiffusion,
-            ImageHalftone::DirectBinarySearch => Halftone::DirectBinarySearch,
-        },
-        kernel: match image.kernel.value {
-            ErrorKernel::FloydSteinberg => DiffusionKernel::FloydSteinberg,
-            ErrorKernel::Jarvis => DiffusionKernel::Jarvis,
-            ErrorKernel::Stucki => DiffusionKernel::Stucki,
-            ErrorKernel::Sierra => DiffusionKernel::Sierra,
-            ErrorKernel::SierraLite => DiffusionKernel::SierraLite,
-            ErrorKernel::Burkes => DiffusionKernel::Burkes,
-        },
-        scan: match image.scan.value {
-            ErrorScan::Serpentine => Scan::Serpentine,
-            ErrorScan::Raster => Scan::Raster,
-        },
+        halftone: image.halftone.0,
+        kernel: image.kernel.0,
+        scan: image.scan.0,
         seed: image.seed.0,
         states: image.states.iter().map(|state| state.0.clone()).collect(),
-        surround: match image.surround.value {
-            ImageSurround::Repeat => PictureSurround::Repeat,
-            ImageSurround::BlackMask => PictureSurround::BlackMask,
-        },
+        surround: image.surround.0,
         perspective: image.perspective.value,
         samples_per_pixel: image.samples_per_pixel.0 as usize,
         given: None,

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use papilio_diagnostics::{Diagnostic, number};
 use papilio_display::THICKEST_FOR_MONTE_CARLO;
 use papilio_display::scene::{
-    Coating, Distribution, FilmLayer, Interface, Layer, Length, Medium, Ready, Scattering, Thickness,
+    Coating, FilmLayer, Interface, Layer, Length, Medium, Method, Ready, Scattering, Thickness,
 };
 use papilio_spectra::Spectrum;
 
@@ -17,7 +17,6 @@ use crate::describe::diffuser::{Btdf, Diffuser, Slab};
 use crate::describe::display::{Display, MaterialSpec, ShareSpectrum};
 use crate::describe::layers as describe;
 use crate::describe::numbers;
-use crate::describe::solver::Method;
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
 use crate::read::Spanned;
@@ -221,13 +220,9 @@ impl Resolver<'_> {
             }
             describe::Layer::IdealAr(_) => Part::Interface(Ready::IdealAr.into()),
             describe::Layer::Fresnel(_) => Part::Interface(Ready::Fresnel.into()),
-            describe::Layer::Rough(rough) => Part::Interface(Interface::Rough {
-                alpha: rough.alpha.0,
-                distribution: match *rough.distribution {
-                    describe::Slopes::Ggx => Distribution::Ggx,
-                    describe::Slopes::Beckmann => Distribution::Beckmann,
-                },
-            }),
+            describe::Layer::Rough(rough) => {
+                Part::Interface(Interface::Rough { alpha: rough.alpha.0, distribution: rough.distribution.0 })
+            }
         }))
     }
 
@@ -308,7 +303,7 @@ impl Resolver<'_> {
 
     /// Refuses slabs that are too thick for the Monte Carlo solver.
     pub(super) fn check_slab_thickness(&mut self, file: &File) {
-        if file.solver.method.value != Method::MonteCarlo {
+        if file.solver.method.0 != Method::MonteCarlo {
             return;
         }
         let diffuser = match &file.display.diffuser.value {

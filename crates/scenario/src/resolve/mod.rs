@@ -252,14 +252,8 @@ impl Resolver<'_> {
     fn metrics(&mut self, file: &File, display: &scene::Display) -> scene::Metrics {
         let asked = &file.metrics;
         let mut metrics = scene::Metrics {
-            observer: match asked.observer.value {
-                metrics::Observer::Cie1931 => scene::Standard::Cie1931,
-                metrics::Observer::Cie1964 => scene::Standard::Cie1964,
-            },
-            white: match asked.white.value {
-                metrics::White::Perfect => scene::ReferenceWhite::Perfect,
-                metrics::White::Display => scene::ReferenceWhite::Display,
-            },
+            observer: asked.observer.0,
+            white: asked.white.0,
             spectra_by_light: asked.spectra_by_light.value,
             gamut_volume: asked.gamut_volume.value,
             reader_age_years: file.viewer.age_years.value.map(|years| years.0),
@@ -360,7 +354,7 @@ impl Resolver<'_> {
     fn solver(&mut self, solver: &Solver) -> Option<scene::Solver> {
         let stop = self.stop(solver)?;
         let unrefracted = solver.approximation.value == solver::Approximation::Unrefracted;
-        if unrefracted && solver.angle_medium.value == solver::AngleMedium::Glass {
+        if unrefracted && solver.angle_medium.0 == scene::AngleMedium::Glass {
             let wrong = mistake::not_with("approximation = \"unrefracted\"", "angle_medium = \"glass\"");
             let at = solver.approximation.origin.or_override([solver.angle_medium.origin]);
             self.errors.push(
@@ -369,37 +363,17 @@ impl Resolver<'_> {
             );
         }
         Some(scene::Solver {
-            method: match solver.method.value {
-                solver::Method::Adding => scene::Method::Adding,
-                solver::Method::MonteCarlo => scene::Method::MonteCarlo,
-                solver::Method::Auto => scene::Method::Auto,
-            },
+            method: solver.method.0,
             stop,
-            sampler: match solver.sampler.value {
-                solver::Sampler::Sobol => scene::Sampler::Sobol,
-                solver::Sampler::Random => scene::Sampler::Random,
-                solver::Sampler::Stratified => scene::Sampler::Stratified,
-                solver::Sampler::BestCandidate => scene::Sampler::BestCandidate,
-            },
-            scattering: match solver.scattering.value {
-                solver::Scattering::Kernel => Strategy::Kernel,
-                solver::Scattering::Uniform => Strategy::Uniform,
-                solver::Scattering::Cosine => Strategy::Cosine,
-                solver::Scattering::Ward => Strategy::Ward,
-                solver::Scattering::Guided => Strategy::Guided,
-            },
+            sampler: solver.sampler.0,
+            scattering: solver.scattering.0,
             approximation: match solver.approximation.value {
                 solver::Approximation::None | solver::Approximation::Unrefracted => {
                     scene::Approximation::None
                 }
                 solver::Approximation::SinglePass => scene::Approximation::SinglePass,
             },
-            angle_medium: match solver.angle_medium.value {
-                _ if unrefracted => scene::AngleMedium::Unrefracted,
-                solver::AngleMedium::Air => scene::AngleMedium::Air,
-                solver::AngleMedium::Glass => scene::AngleMedium::Glass,
-                solver::AngleMedium::Unrefracted => scene::AngleMedium::Unrefracted,
-            },
+            angle_medium: if unrefracted { scene::AngleMedium::Unrefracted } else { solver.angle_medium.0 },
             seed: solver.seed.0,
         })
     }
@@ -436,7 +410,7 @@ impl Resolver<'_> {
 
     fn stop(&mut self, solver: &Solver) -> Option<scene::Stop> {
         if let Some(target) = &solver.target.value {
-            if solver.method.value != solver::Method::Adding {
+            if solver.method.0 != scene::Method::Adding {
                 return self.target(solver, target);
             }
             self.notes.push(
@@ -449,7 +423,7 @@ impl Resolver<'_> {
                 self.errors.push(at, mistake::exactly_one("`relative_error` and `paths`", 2));
                 None
             }
-            (None, Some(_)) if solver.method.value == solver::Method::Adding => {
+            (None, Some(_)) if solver.method.0 == scene::Method::Adding => {
                 let at = solver.paths.origin.or_override([solver.method.origin]);
                 let wrong = mistake::not_with("paths", "method = \"adding\"");
                 self.errors.push(at, wrong.hint("give `relative_error`, or method = \"monte-carlo\""));
@@ -482,10 +456,6 @@ fn appearance(viewing: &metrics::Appearance) -> scene::Appearance {
     scene::Appearance {
         adapting_luminance_cd_m2: viewing.adapting_luminance_cd_m2.as_ref().map(|luminance| luminance.0),
         background: viewing.background.0,
-        surround: match viewing.surround.value {
-            metrics::Surround::Average => scene::Surround::Average,
-            metrics::Surround::Dim => scene::Surround::Dim,
-            metrics::Surround::Dark => scene::Surround::Dark,
-        },
+        surround: viewing.surround.0,
     }
 }

@@ -1,7 +1,7 @@
 //! The short form of the layers: front of screen, surface or diffuser, glass; and the checks of keys for the ordinary panel only.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Display, Interface, Layer, Length, Medium, Ready, Scene};
+use papilio_display::scene::{AngleMedium, Display, Interface, Layer, Length, Medium, Ready, Scene};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -11,7 +11,7 @@ use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::display as describe;
 use crate::describe::display::ShareSpectrum;
-use crate::describe::solver::{AngleMedium, Approximation};
+use crate::describe::solver::Approximation;
 use crate::mistake;
 use crate::origin::Origin;
 use crate::read::Spanned;
@@ -180,7 +180,7 @@ impl Resolver<'_> {
         causes.extend(reflection.map(|reflection| reflection.origin));
         causes.extend(display.glass.as_ref().map(|glass| glass.internal_transmittance.origin));
         causes.extend(display.glass.as_ref().map(|glass| glass.thickness_mm.origin));
-        let what = match solver.angle_medium.value {
+        let what = match solver.angle_medium.0 {
             AngleMedium::Air => None,
             AngleMedium::Glass => Some("angle_medium = \"glass\""),
             AngleMedium::Unrefracted => Some("angle_medium = \"unrefracted\""),
@@ -202,7 +202,7 @@ impl Resolver<'_> {
 
     /// Checks angles in glass, which are for a bare panel of one index, and for light that leaves the glass.
     fn check_angles(&mut self, file: &File, scene: &Scene) {
-        if file.solver.angle_medium.value != AngleMedium::Glass {
+        if file.solver.angle_medium.0 != AngleMedium::Glass {
             return;
         }
         let panel = scene.display.panel();

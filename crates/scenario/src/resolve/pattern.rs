@@ -1,10 +1,10 @@
 //! `[pattern]`: states and periods of patterns.
 
 use papilio_display::scene::Scene;
-use papilio_display::spatial::{PatternKind, Patterns};
+use papilio_display::spatial::Patterns;
 
 use super::Resolver;
-use crate::describe::{File, pattern};
+use crate::describe::File;
 use crate::mistake;
 
 impl Resolver<'_> {
@@ -17,12 +17,8 @@ impl Resolver<'_> {
                 self.err(state, mistake::no_such_state(&state.0, &known));
             }
         }
-        let kind = |kind: &pattern::PatternKind| match kind {
-            pattern::PatternKind::Stripes => PatternKind::Stripes,
-            pattern::PatternKind::Checkerboard => PatternKind::Checkerboard,
-        };
         Patterns {
-            kinds: asked.kind.iter().map(|one| kind(&one.value)).collect(),
+            kinds: asked.kind.iter().map(|kind| kind.0).collect(),
             on: asked.on.0.clone(),
             off: asked.off.0.clone(),
             period_mm: asked.period_mm.iter().map(|period| period.0).collect(),

@@ -15,7 +15,7 @@ use papilio_imaging::{Fit, TestPattern, fitted};
 
 use super::Resolver;
 use crate::describe::File;
-use crate::describe::image::{Image, ImageFit, ImagePattern, SourceSpace};
+use crate::describe::image::{Image, SourceSpace};
 use crate::library::{MemoryFile, sha256};
 use crate::mistake;
 use crate::origin::Origin;
@@ -166,7 +166,7 @@ impl Resolver<'_> {
                 return None;
             }
             let pixels = self.needed(pixels, at, "a test pattern")?;
-            return if fits(self, pixels.count, at) { self.pattern(image, pattern, &pixels) } else { None };
+            return if fits(self, pixels.count, at) { self.pattern(image, pattern.0, &pixels) } else { None };
         }
         let photograph = match (given, &image.file.value) {
             (Some(given), _) => {
@@ -194,7 +194,7 @@ impl Resolver<'_> {
                 if !fits(self, to, image.file.origin) {
                     return None;
                 }
-                Some(SourceImage { columns: to[0], pixels: photograph.fitted(to, fit(image.fit.value)) })
+                Some(SourceImage { columns: to[0], pixels: photograph.fitted(to, image.fit.0) })
             }
             (None, None) => {
                 let mut wrong =
@@ -235,17 +235,11 @@ impl Resolver<'_> {
         }
     }
 
-    fn pattern(&mut self, image: &Image, pattern: ImagePattern, pixels: &Pixels) -> Option<SourceImage> {
+    fn pattern(&mut self, image: &Image, pattern: TestPattern, pixels: &Pixels) -> Option<SourceImage> {
         let Pixels { count, pitch_mm } = *pixels;
         let period = image.period_mm.value.as_ref().map(|period| period.0);
-        let kind = match pattern {
-            ImagePattern::SlantedEdge => TestPattern::SlantedEdge,
-            ImagePattern::Stripes => TestPattern::Stripes,
-            ImagePattern::Checker => TestPattern::Checker,
-            ImagePattern::Siemens => TestPattern::Siemens,
-        };
         let at = image.period_mm.origin;
-        match (kind, period) {
+        match (pattern, period) {
             (TestPattern::SlantedEdge, Some(_)) => {
                 let wrong = Diagnostic::new("a slanted edge has no period");
                 self.errors.push(at, wrong.hint("remove `period_mm`, or use pattern = \"stripes\""));
@@ -261,8 +255,8 @@ impl Resolver<'_> {
             }
             _ => {}
         }
-        let period = period.unwrap_or_else(|| kind.usual_period_mm(count, pitch_mm));
-        let black = kind.black(count, pitch_mm, period);
+        let period = period.unwrap_or_else(|| pattern.usual_period_mm(count, pitch_mm));
+        let black = pattern.black(count, pitch_mm, period);
         let mut pixels = vec![white(); black.len()];
         darken(&mut pixels, &black);
         Some(SourceImage { columns: count[0], pixels })
@@ -342,14 +336,5 @@ fn paste(page: &mut [[f32; 3]], columns: usize, area: Area, pixels: &[[f32; 3]])
 fn darken(pixels: &mut [[f32; 3]], black: &[f32]) {
     for (pixel, black) in pixels.iter_mut().zip(black) {
         *pixel = pixel.map(|value| value * (1.0 - black));
-    }
-}
-
-fn fit(fit: ImageFit) -> Fit {
-    match fit {
-        ImageFit::Contain => Fit::Contain,
-        ImageFit::Cover => Fit::Cover,
-        ImageFit::Stretch => Fit::Stretch,
-        ImageFit::None => Fit::None,
     }
 }

@@ -32,7 +32,7 @@ impl Resolver<'_> {
             let remedy = "name a state with its reflectance: reflectance = { white = 0.45 }";
             self.err(&pixel.reflectance, mistake::no_states(remedy));
         }
-        let is_mirror = pixel.kind.value == describe::ReflectionKind::Mirror;
+        let is_mirror = pixel.kind.0 == UniformKind::Mirror;
         for (key, origin) in [
             ("measured_through", pixel.measured_through.as_ref().map(|_| pixel.measured_through.origin)),
             ("spread_um", pixel.spread_um.as_ref().map(|_| pixel.spread_um.origin)),
@@ -54,10 +54,7 @@ impl Resolver<'_> {
             .collect();
         Some(UniformPixel {
             spread_mm: self.spread_within(&pixel.spread_um)?,
-            kind: match pixel.kind.value {
-                describe::ReflectionKind::Mirror => UniformKind::Mirror,
-                describe::ReflectionKind::Lambertian => UniformKind::Lambertian,
-            },
+            kind: pixel.kind.0,
             states: states.into_iter().collect::<Option<_>>()?,
         })
     }
@@ -73,11 +70,7 @@ impl Resolver<'_> {
             let reflectance = self.sampled(&pixel.file, pixel.file.origin, spectra)?;
             states.push(TableState { name: name.clone(), reflectance });
         }
-        let angles = match pixel.angles.value {
-            describe::TableMedium::Air => TableAngles::Air,
-            describe::TableMedium::Glass => TableAngles::Glass,
-        };
-        Some(TablePixel { angles, theta_deg: table.theta_deg, states })
+        Some(TablePixel { angles: pixel.angles.0, theta_deg: table.theta_deg, states })
     }
 
     /// Checks that the medium above a measured pixel has one index, because its directions are those of that medium.

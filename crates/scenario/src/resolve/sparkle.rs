@@ -1,13 +1,13 @@
 //! `[sparkle]`: the antiglare face.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{self, Interface, Ready, Scene};
+use papilio_display::scene::{self, Distribution, Interface, Ready, Scene};
 use papilio_display::spatial::{Antiglare, Face};
 use papilio_optics::RandomFace;
 
 use super::{FaceHeights, KnownFace, Resolver};
 use crate::describe::File;
-use crate::describe::layers::{Layer, Rough, Slopes};
+use crate::describe::layers::{Layer, Rough};
 use crate::describe::sparkle::{CorrelationLengths, FaceGaps, Sparkle};
 use crate::mistake::{self, Mistake};
 use crate::origin::Origin;
@@ -176,7 +176,7 @@ impl Resolver<'_> {
     /// The face of a rough layer; the inner `None` if its correlation length is not known.
     fn rough_face(&mut self, rough: &Rough) -> Option<Option<KnownFace>> {
         let Some(length) = &rough.correlation_um.value else { return Some(None) };
-        if *rough.distribution != Slopes::Beckmann {
+        if rough.distribution.0 != Distribution::Beckmann {
             let wrong = Diagnostic::new(
                 "`correlation_um` describes a face with Gaussian heights, whose slopes are not GGX",
             );
