@@ -11,10 +11,8 @@ const PICTURES: [Picture; 22] = [
         "indoor.toml",
         &[
             "overview.svg",
-            "spectra.svg",
             "chromaticity.svg",
             "chromaticity_xy.svg",
-            "patches.svg",
             "cone.svg",
             "cone_differences.svg",
         ],
