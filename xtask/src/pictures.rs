@@ -9,15 +9,7 @@ const PICTURES: [Picture; 22] = [
     (
         &["run"],
         "indoor.toml",
-        &[
-            "overview.svg",
-            "spectra.svg",
-            "chromaticity.svg",
-            "chromaticity_xy.svg",
-            "patches.svg",
-            "cone.svg",
-            "cone_differences.svg",
-        ],
+        &["overview.svg", "chromaticity.svg", "chromaticity_xy.svg", "cone.svg", "cone_differences.svg"],
         "",
     ),
     (

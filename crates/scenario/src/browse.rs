@@ -185,14 +185,12 @@ pub fn with_catalogue_tables(page: &str) -> Option<String> {
 }
 
 fn material_table() -> String {
-    let mut text =
-        "| name | what | n, k at 550 nm | data, nm | source | page |\n|---|---|---|---|---|---|\n".to_owned();
+    let mut text = "| name | what | n, k at 550 nm | data, nm | source |\n|---|---|---|---|---|\n".to_owned();
     for entry in materials() {
         let range = entry.measured_nm.map_or("all".to_owned(), |[a, b]| format!("{a:.0} to {b:.0}"));
         let k = if entry.k_550 >= 5e-4 { format!(", {:.3}", entry.k_550) } else { String::new() };
-        let page = entry.page.unwrap_or_default();
         text += &format!(
-            "| `{}` | {} | {:.3}{k} | {range} | {} | {page} |\n",
+            "| `{}` | {} | {:.3}{k} | {range} | {} |\n",
             entry.name, entry.what, entry.n_550, entry.source
         );
     }
@@ -200,21 +198,17 @@ fn material_table() -> String {
 }
 
 fn illuminant_table() -> String {
-    let mut text =
-        "| name | light | x | y | CCT, K | Ra | table | source |\n|---|---|---|---|---|---|---|---|\n"
-            .to_owned();
+    let mut text = "| name | light | x | y | CCT, K | Ra |\n|---|---|---|---|---|---|\n".to_owned();
     for entry in illuminants() {
-        let step = entry.table_step_nm.map_or("constant".to_owned(), |step| format!("{step} nm"));
         let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));
         text += &format!(
-            "| `{}` | {} | {:.4} | {:.4} | {} | {} | {step} | {} |\n",
+            "| `{}` | {} | {:.4} | {:.4} | {} | {} |\n",
             entry.name,
             entry.what,
             entry.x,
             entry.y,
             number(entry.cct_K),
-            number(entry.Ra),
-            entry.source
+            number(entry.Ra)
         );
     }
     text

@@ -16,7 +16,7 @@ const FILES: [(&str, &str); 6] = [
     ("reader.toml", "rm -f reader.toml"),
 ];
 
-/// Describes all commands. Arguments and options that have the same meaning in all commands are described once.
+/// Describes all commands: their purposes in the table at the beginning, arguments and options that several commands share once.
 pub(super) fn reference(mut program: Command) -> String {
     program.build();
     let mut text = String::new();
@@ -38,10 +38,11 @@ pub(super) fn reference(mut program: Command) -> String {
         shown.map(row).collect()
     };
     let every: Vec<Vec<Row>> = all.iter().map(|(_, command)| own(command)).collect();
+    // Of the meanings of a name, the most frequent one, if two commands or more have it.
+    let count = |row: &Row| every.iter().flatten().filter(|other| *other == row).count();
     let is_common = |row: &Row| {
-        let of_this_name = every.iter().flatten().filter(|(name, _)| *name == row.0);
-        let meanings: Vec<&String> = of_this_name.map(|(_, meaning)| meaning).collect();
-        meanings.len() >= 2 && meanings.iter().all(|meaning| **meaning == row.1)
+        let mut of_this_name = every.iter().flatten().filter(|(name, _)| *name == row.0);
+        count(row) >= 2 && of_this_name.all(|other| other == row || count(other) < count(row))
     };
     let mut common: Vec<&Row> = Vec::new();
     for row in every.iter().flatten().filter(|row| is_common(row)) {
@@ -49,14 +50,16 @@ pub(super) fn reference(mut program: Command) -> String {
             common.push(row);
         }
     }
-    text += "\n## Common options\n\nThese have the same meaning in every command that has them. Every command has `--quiet`.\n\n";
+    text += "\n## Common options\n\nThey have this meaning wherever a command names them. Every command has `--quiet`.\n\n";
     let global = program.get_arguments().filter(|option| is_shown(option)).map(row).collect::<Vec<_>>();
     text += &table("argument", global.iter().chain(common));
     text += &after_help(&program);
     for ((name, command), rows) in all.iter().zip(&every) {
-        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
-        let _ = write!(text, "\n## {name}\n\n{}.\n", about.trim_end_matches('.'));
-        if !command.has_subcommands() || has_arguments(command) {
+        let _ = write!(text, "\n## {name}\n");
+        if command.has_subcommands() && !has_arguments(command) {
+            let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+            let _ = write!(text, "\n{}.\n", about.trim_end_matches('.'));
+        } else {
             let mut command = (*command).clone();
             let usage = command.render_usage().to_string();
             let usages = usage.trim_start_matches("Usage:").lines().map(|line| format!("`{}`", line.trim()));
