@@ -17,8 +17,8 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
-    Scattering, Source, Stack, Top,
+    AngularTable, Base, Component, Cone, Diffuser, Interface, Layer, Medium, Nodes, Reflector, Scattering,
+    Source, Stack,
 };
 
 fn main() {
@@ -55,21 +55,15 @@ fn panel(front_reflectance: f64) -> Stack {
 }
 
 fn panel_with_lobe(width: f64, front_reflectance: f64) -> Stack {
-    let (r, a) = (vec![front_reflectance; BINS], vec![0.01; BINS]);
-    Stack::Panel(Panel {
-        front: Front::exact(BINS, [(&r[..], &a[..])]),
-        top: Top::Diffuser(Diffuser {
-            lobe: Lobe::KCorrelation { width },
-            transmittance: vec![0.953; BINS].into(),
-            regular_fraction: 0.0,
-        }),
-        medium: Medium::new(vec![1.5; BINS].into()),
-        base: Base {
-            reflector: Reflector::Specular(pixel()),
-            inactive_absorptance: vec![0.127; BINS].into(),
-        },
-        single_pass: false,
-    })
+    let of = |value: f64| vec![value; BINS].into();
+    let front = Component { reflectance: of(front_reflectance), absorptance: of(0.01) };
+    let diffuser =
+        Diffuser { lobe: Lobe::KCorrelation { width }, transmittance: of(0.953), regular_fraction: 0.0 };
+    let layers = vec![
+        Layer { interface: Interface::Component(front), medium: Medium::new(of(1.0)) },
+        Layer { interface: Interface::Diffuser(diffuser), medium: Medium::new(of(1.5)) },
+    ];
+    Stack::new(layers, Base { reflector: Reflector::Specular(pixel()), inactive_absorptance: of(0.127) })
 }
 
 fn view() -> [Cone; 1] {
@@ -151,10 +145,8 @@ fn slabs_over_mirror(count: usize, anisotropy: f64) -> Stack {
         mixture: vec![1.0],
         common: vec![0.0],
     };
-    Stack::Layered(Layered {
-        layers: (0..count).map(slab).collect(),
-        base: Base { reflector: Reflector::Specular(mirror), inactive_absorptance: vec![0.0].into() },
-    })
+    let base = Base { reflector: Reflector::Specular(mirror), inactive_absorptance: vec![0.0].into() };
+    Stack::general((0..count).map(slab).collect(), base)
 }
 
 #[divan::bench(args = [(1, 0.5), (3, 0.5), (6, 0.5), (1, 0.95), (3, 0.95), (6, 0.95), (1, 0.98), (2, 0.98)], sample_count = 3, sample_size = 1)]

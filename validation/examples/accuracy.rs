@@ -24,8 +24,8 @@ use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::adding::{FINEST, Kernel};
 use papilio_transport::walk::Walk;
 use papilio_transport::{
-    AngularTable, Base, Cone, CosinePanels, Diffuser, Estimate, Front, Interface, Layer, Layered, Medium,
-    Nodes, Panel, Reflector, Scattering, Source, Stack, Top,
+    AngularTable, Base, Component, Cone, CosinePanels, Diffuser, Estimate, Interface, Layer, Medium, Nodes,
+    Reflector, Scattering, Source, Stack,
 };
 use papilio_validation::scenario;
 
@@ -101,15 +101,15 @@ fn panel() -> Result<Case, Box<dyn Error>> {
     let basis = white.1.chunks(3).map(|bins| bins[1]).collect();
     let table =
         AngularTable { nodes: Nodes::CosinePanels(panels), basis, mixture: one(1.0), common: one(0.0) };
+    let front = Component { reflectance: one(0.005).into(), absorptance: one(0.01).into() };
+    let layers = vec![
+        Layer { interface: Interface::Component(front), medium: Medium::new(one(1.0).into()) },
+        Layer { interface: Interface::Diffuser(lobe(0.05667, 0.953)), medium: Medium::new(one(1.5).into()) },
+    ];
+    let base = Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0).into() };
     Ok(Case {
         name: "panel",
-        stack: Stack::Panel(Panel {
-            front: Front::exact(1, [(&[0.005][..], &[0.01][..])]),
-            top: Top::Diffuser(lobe(0.05667, 0.953)),
-            medium: Medium::new(one(1.5).into()),
-            base: Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0).into() },
-            single_pass: false,
-        }),
+        stack: Stack::new(layers, base),
         view: Cone::new(8.0, 0.0, 0.05, 1.0),
         sources: vec![Source::Diffuse, Source::Beam(Beta::from_source(-20.0, 0.0, 1.0))],
         shares: vec![0.5, 0.5],
@@ -143,7 +143,7 @@ fn over_mirror<const N: usize>(layers: [(Interface, Medium); N], reflectance: f6
         common: one(0.0),
     };
     let base = Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0).into() };
-    Stack::Layered(Layered { layers, base })
+    Stack::general(layers, base)
 }
 
 /// Returns a slab with total internal reflection over a mirror: R(0) of the table of layers.

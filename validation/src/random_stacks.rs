@@ -12,8 +12,8 @@ use papilio_optics::rough::Rough;
 use papilio_optics::scatter::{Normalisation, Ward};
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    AngularTable, Base, Component, Cone, Diffuser, Front, Interface, Layer, Layered, LobeReflection, Medium,
-    Nodes, Panel, ReflectedLobe, ReflectingDiffuser, Reflector, Scattering, Source, Stack, Top,
+    AngularTable, Base, Component, Cone, Diffuser, Interface, Layer, LobeReflection, Medium, Nodes,
+    ReflectedLobe, ReflectingDiffuser, Reflector, Scattering, Source, Stack,
 };
 
 use papilio_testing::Dice;
@@ -120,7 +120,7 @@ fn reflecting(dice: &mut Dice) -> (String, Stack) {
         }
     }
     let base = base(dice);
-    (names.join(", "), Stack::Layered(Layered { layers, base }))
+    (names.join(", "), Stack::general(layers, base))
 }
 
 /// Returns a reflection of one side; with the transmittance of [`diffuser`], up to 1 where that is at its largest, it may
@@ -146,19 +146,25 @@ fn lobe_reflection(dice: &mut Dice) -> (String, LobeReflection) {
     (format!("{name} m {mirror:.2}"), LobeReflection::new(lobe, &reflectance, mirror))
 }
 
-fn rare_front(dice: &mut Dice) -> (f64, Front) {
+fn rare_front(dice: &mut Dice) -> (f64, Vec<Component>) {
     let reflectance = dice.log_between(1e-5, 0.3);
-    let (r, a) = (constant(reflectance), constant(0.01));
-    (reflectance, Front::exact(WAVELENGTHS_NM.len(), [(&*r, &*a)]))
+    (reflectance, vec![Component { reflectance: constant(reflectance), absorptance: constant(0.01) }])
+}
+
+/// The stack of an ordinary panel: components in air, and a face of the glass.
+fn stack_of_panel(front: Vec<Component>, face: Interface, glass: Spectrum, base: Base) -> Stack {
+    let in_air = |one| Layer { interface: Interface::Component(one), medium: Medium::new(constant(1.0)) };
+    let mut layers: Vec<Layer> = front.into_iter().map(in_air).collect();
+    layers.push(Layer { interface: face, medium: Medium::new(glass) });
+    Stack::new(layers, base)
 }
 
 fn rare_bare(dice: &mut Dice) -> (String, Stack) {
     let (reflectance, front) = rare_front(dice);
     let n = [1.0001, 1.5, 4.0, 10.0][dice.below(4)];
-    let top = if dice.one_in(2) { Top::IdealAr } else { Top::Fresnel(constant(n)) };
-    let name = format!("bare panel: front {reflectance:.1e}, {top:?}");
-    let panel = Panel { front, top, medium: Medium::new(constant(n)), base: base(dice), single_pass: false };
-    (name, Stack::Panel(panel))
+    let face = if dice.one_in(2) { Interface::IdealAr } else { Interface::Fresnel };
+    let name = format!("bare panel: front {reflectance:.1e}, {face:?} {n}");
+    (name, stack_of_panel(front, face, constant(n), base(dice)))
 }
 
 fn rare_straight(dice: &mut Dice) -> (String, Stack) {
@@ -168,10 +174,9 @@ fn rare_straight(dice: &mut Dice) -> (String, Stack) {
     let width = dice.log_between(0.07, 0.4);
     let lobe = if dice.one_in(4) { Lobe::Lambertian } else { Lobe::KCorrelation { width } };
     let diffuser = Diffuser { lobe, transmittance: spectrum(dice, 0.8, 1.0), regular_fraction };
-    let medium = Medium::new(constant([1.5, 1.5, 3.0][dice.below(3)]));
+    let glass = constant([1.5, 1.5, 3.0][dice.below(3)]);
     let name = format!("panel: front {reflectance:.1e}, b {width:.2}, s {regular_fraction:.5}");
-    let top = Top::Diffuser(diffuser);
-    (name, Stack::Panel(Panel { front, top, medium, base: base(dice), single_pass: false }))
+    (name, stack_of_panel(front, Interface::Diffuser(diffuser), glass, base(dice)))
 }
 
 /// Returns a thin slab, or one that absorbs nearly all light, without or under a diffuser.
@@ -190,7 +195,7 @@ fn rare_slab(dice: &mut Dice, under_diffuser: bool) -> (String, Stack) {
     let scattering = Scattering { optical_thickness, anisotropy, albedo };
     let interface = if under_diffuser { Interface::Open } else { Interface::Fresnel };
     layers.push(Layer { interface, medium: Medium::new(constant(1.5)).with_scattering(scattering) });
-    (name, Stack::Layered(Layered { layers, base: base(dice) }))
+    (name, Stack::general(layers, base(dice)))
 }
 
 /// Numbers of the families' streams of random numbers.
@@ -260,21 +265,20 @@ fn diffuser(dice: &mut Dice, narrowest: f64) -> (String, Diffuser) {
 
 fn panel(dice: &mut Dice) -> (String, Stack) {
     let components = dice.below(3);
-    let parts: Vec<(Spectrum, Spectrum)> =
-        (0..components).map(|_| (spectrum(dice, 0.0, 0.08), spectrum(dice, 0.0, 0.05))).collect();
-    let front = Front::exact(WAVELENGTHS_NM.len(), parts.iter().map(|(r, a)| (&**r, &**a)));
+    let mut component =
+        |_| Component { reflectance: spectrum(dice, 0.0, 0.08), absorptance: spectrum(dice, 0.0, 0.05) };
+    let front = (0..components).map(&mut component).collect();
     let glass: Spectrum = if dice.one_in(3) { vec![1.53, 1.50].into() } else { constant(1.5) };
-    let (name, top) = match dice.below(4) {
-        0 => ("coated".to_owned(), Top::IdealAr),
-        1 => ("Fresnel".to_owned(), Top::Fresnel(glass.clone())),
+    let (name, face) = match dice.below(4) {
+        0 => ("coated".to_owned(), Interface::IdealAr),
+        1 => ("Fresnel".to_owned(), Interface::Fresnel),
         _ => {
             let (name, diffuser) = diffuser(dice, 0.004);
-            (name, Top::Diffuser(diffuser))
+            (name, Interface::Diffuser(diffuser))
         }
     };
     let name = format!("panel: {components} fronts, {name}");
-    let panel = Panel { front, top, medium: Medium::new(glass), base: base(dice), single_pass: false };
-    (name, Stack::Panel(panel))
+    (name, stack_of_panel(front, face, glass, base(dice)))
 }
 
 fn layered(dice: &mut Dice) -> (String, Stack) {
@@ -291,7 +295,7 @@ fn layered(dice: &mut Dice) -> (String, Stack) {
     let base = base(dice);
     let kind = if matches!(base.reflector, Reflector::Specular(_)) { "mirror" } else { "paint" };
     names.push(kind.to_owned());
-    (names.join(", "), Stack::Layered(Layered { layers, base }))
+    (names.join(", "), Stack::general(layers, base))
 }
 
 /// Returns a layer under a medium of this index, with its name and its index.

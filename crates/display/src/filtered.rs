@@ -11,7 +11,7 @@ use papilio_transport::spatial::{
     Window, air_below_front_mm, diffuse_directions, diffused_directions,
 };
 use papilio_transport::{
-    Base, Cone, Estimate, Field, Ledger, Panel, ReflectanceFactor, Reflector, Source, Stack, Top,
+    Base, Cone, Estimate, Field, Ledger, Panel, ReflectanceFactor, Reflector, Source, Top,
 };
 
 use crate::DisplayError;
@@ -84,7 +84,7 @@ impl<'a> Filtered<'a> {
         let Some(matrix) = &scene.display.matrix else { return Ok(None) };
         let Some(filter) = &matrix.filter else { return Ok(None) };
         setup.refracts()?;
-        let Stack::Panel(panel) = &setup.stack else { return Err(Refused::FilterBelowLayers.into()) };
+        let Some(panel) = setup.stack.panel() else { return Err(Refused::FilterBelowLayers.into()) };
         let Reflector::Lambertian(rho) = &panel.base.reflector else {
             return Err(Refused::FilterAboveMirrors.into());
         };
@@ -174,7 +174,7 @@ impl<'a> Filtered<'a> {
             reflector: Reflector::Lambertian(vec![PAGE; bins]),
             inactive_absorptance: vec![0.0; bins].into(),
         };
-        let stack = Stack::Panel(Panel { base, ..self.panel.clone() });
+        let stack = self.setup.stack.with_base(base);
         let mut kernel = Kernel::new(level as u32 + 2);
         let views: Vec<Cone> = self.setup.views.iter().map(|view| view.field).collect();
         if !kernel.prepare_unless(&stack, &views, &self.setup.sources, self.control.stop) {
@@ -220,7 +220,7 @@ impl<'a> Filtered<'a> {
             reflector: Reflector::Lambertian(vec![PAGE; self.setup.scene.grid.len()]),
             inactive_absorptance: vec![0.0; self.setup.scene.grid.len()].into(),
         };
-        let stack = Stack::Panel(Panel { base, ..self.panel.clone() });
+        let stack = self.setup.stack.with_base(base);
         let mut all = lit.kernel.seen(&stack, view);
         for factor in &mut all {
             factor.via_pixel.iter_mut().for_each(|light| *light /= PAGE * lit.orders);

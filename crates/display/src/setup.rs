@@ -17,8 +17,8 @@ use papilio_optics::rough::Rough;
 use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    Approximation, Base, Cone, Interface, Layer, Layered, Medium, NotAPanel, ReflectanceFactor, Reflector,
-    Source, Stack,
+    Approximation, Base, Cone, Interface, Layer, Medium, NotAPanel, ReflectanceFactor, Reflector, Source,
+    Stack,
 };
 
 use crate::DisplayError;
@@ -167,17 +167,14 @@ impl Setup {
             self.base_version += 1;
         }
         self.states = scene.display.state_names();
-        let was_panel = matches!(self.stack, Stack::Panel(_));
+        let was_panel = self.stack.panel().is_some();
         if !scene.display.has_layers_of(&last.display) || was_panel != scene.display.panel().is_some() {
             let placeholder = Base {
                 reflector: Reflector::Lambertian(Vec::new()),
                 inactive_absorptance: Vec::new().into(),
             };
             let base = std::mem::replace(self.stack.base_mut(), placeholder);
-            let made = match &self.stack {
-                Stack::Layered(made) => Some((&last.display.layers[..], &made.layers[..])),
-                Stack::Panel(_) => None,
-            };
+            let made = Some((&last.display.layers[..], self.stack.layers()));
             self.stack = stack(scene, base, made, control)?;
             self.version += 1;
         }
@@ -257,7 +254,7 @@ fn stack(
         unrefracted: scene.solver.angle_medium == AngleMedium::Unrefracted,
     };
     let layers = layers(scene, before, Surfaces::Measured(control))?;
-    Stack::new(layers, base, approximation).map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)
+    Stack::approximated(layers, base, approximation).map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)
 }
 
 /// Returns layers that are no panel over an empty base, which suffices to estimate their cost. Coatings are bare interfaces, which
@@ -265,12 +262,7 @@ fn stack(
 pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
     let inactive_absorptance = vec![0.0; scene.grid.len()].into();
     let base = Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance };
-    Ok(Stack::Layered(Layered { layers: layers(scene, None, Surfaces::Estimated)?, base }))
-}
-
-/// Returns the layers of an ordinary panel, which has neither coatings nor surfaces.
-pub(crate) fn layers_of_panel(scene: &Scene) -> Result<Vec<Layer>, DisplayError> {
-    layers(scene, None, Surfaces::Estimated)
+    Ok(Stack::general(layers(scene, None, Surfaces::Estimated)?, base))
 }
 
 /// What is prepared of layers.

@@ -1,8 +1,9 @@
 //! Light transport through the layered display: the stack and its two solvers.
 //!
-//! - [`Panel`]: front of screen ([`Front`]), a surface or a [`Diffuser`] ([`Top`]), the glass
-//!   ([`Medium`]), the pixel ([`Base`]; a specular one is an [`AngularTable`]).
-//! - [`Layered`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it.
+//! - [`Stack`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it, over the pixel ([`Base`]; a specular one is
+//!   an [`AngularTable`]).
+//! - [`Panel`]: what a stack is for the fast methods of both solvers, if it is a front of screen ([`Front`]), a surface or a
+//!   [`Diffuser`] ([`Top`]), and clear glass.
 //! - [`Source`], [`Field`] and [`Cone`]: directions of light and of the viewer; spectrum and illuminance of a
 //!   source are the caller's. A field consists of cells, of [`Pixels`] or of a formula ([`Radiance`]).
 //! - [`walk`]: unbiased Monte Carlo. The result is, for each source, the reflectance factor
@@ -16,19 +17,15 @@
 //! use papilio_sampling::{SampleStream, Sampler};
 //! use papilio_transport::walk::Walk;
 //! use papilio_transport::{
-//!     AngularTable, Base, Cone, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
+//!     AngularTable, Base, Cone, Interface, Layer, Medium, Nodes, Reflector, Source, Stack,
 //! };
 //!
 //! // Bare glass of index 1.5 over a mirror of 50 %, one state, one wavelength.
 //! let mirror =
 //!     AngularTable { nodes: Nodes::Constant, basis: vec![0.5].into(), mixture: vec![1.0], common: vec![0.0] };
-//! let stack = Stack::Panel(Panel {
-//!     front: Front::none(1),
-//!     top: Top::Fresnel(vec![1.5].into()),
-//!     medium: Medium::new(vec![1.5].into()),
-//!     base: Base { reflector: Reflector::Specular(mirror), inactive_absorptance: vec![0.0].into() },
-//!     single_pass: false,
-//! });
+//! let base = Base { reflector: Reflector::Specular(mirror), inactive_absorptance: vec![0.0].into() };
+//! let glass = Layer { interface: Interface::Fresnel, medium: Medium::new(vec![1.5].into()) };
+//! let stack = Stack::new(vec![glass], base);
 //! let normal = Cone::new(0.0, 0.0, 0.0, 1.0);
 //! let walk = Walk::new(&stack, normal, &[Source::Diffuse]);
 //! let mut replicate = walk.replicate();
@@ -49,7 +46,6 @@ mod base;
 mod cosines;
 mod estimate;
 mod front;
-mod layered;
 mod layers;
 mod light;
 mod numerics;
@@ -58,6 +54,7 @@ mod pixel_spread;
 mod skeleton;
 pub mod spatial;
 mod specular;
+mod stack;
 pub mod walk;
 mod window;
 
@@ -66,9 +63,9 @@ pub use base::{Base, Reflector};
 pub use cosines::CosinePanels;
 pub use estimate::{Estimate, Ledger, ReflectanceFactor};
 pub use front::Front;
-pub use layered::{Layer, Layered, NotAPanel, Stack};
 pub use layers::*;
 pub use light::{Cone, Edge, Field, Pixels, Radiance, Source};
 pub use panel::{Approximation, Described, Panel, PanelParts, Top};
 pub use pixel_spread::PixelSpread;
 pub use specular::{Image, disc_image, specular_image};
+pub use stack::{Layer, NotAPanel, Stack};

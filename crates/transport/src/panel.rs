@@ -1,12 +1,12 @@
 //! The ordinary panel, top to bottom: front of screen, a surface or one diffuser, clear glass, the base (the
-//! pixel). Both solvers are fastest for it; any other order of layers is a [`Layered`](crate::Layered)
-//! display. It is recognised among any layers, here and nowhere else.
+//! pixel). Both solvers are fastest for it. A [`Stack`](crate::Stack) recognises it among any layers, by the rule of
+//! [`PanelParts::recognised`].
 
 use papilio_spectra::Spectrum;
 
 use crate::{Base, Component, Diffuser, Front, Interface, Medium};
 
-/// A front of screen, one surface or diffuser, clear glass and a base.
+/// A front of screen, one surface or diffuser, clear glass and a base, as a [`Stack`](crate::Stack) shows it.
 #[derive(Debug, Clone)]
 pub struct Panel {
     /// Front of screen, in air.

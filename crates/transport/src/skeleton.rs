@@ -17,7 +17,7 @@ use papilio_optics::with_widest_simd;
 
 use crate::front::Flat;
 use crate::layers::LayerKind;
-use crate::{Base, Layered, Medium, Reflector};
+use crate::{Base, Medium, Reflector, Stack};
 
 /// Whether light propagates down or up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,7 +119,7 @@ impl Part {
 
 impl Skeleton {
     /// An empty skeleton of these layers over a base, which may have fewer wavelengths if the layers are grey.
-    pub(crate) fn new(stack: &Layered, base: &Base) -> Self {
+    pub(crate) fn new(stack: &Stack, base: &Base) -> Self {
         let bins = base.bins();
         let bands = if stack.is_grey() { 1 } else { bins };
         let elements = 2 * stack.layers.len();
@@ -158,7 +158,7 @@ impl Skeleton {
     }
 
     /// Prepares it for light with this `|beta|^2`.
-    pub(crate) fn set(&mut self, stack: &Layered, base: &Base, beta_squared: f64) {
+    pub(crate) fn set(&mut self, stack: &Stack, base: &Base, beta_squared: f64) {
         self.length = beta_squared.sqrt();
         let mut upper = &self.air;
         for (layer, parts) in stack.layers.iter().zip(self.parts.chunks_exact_mut(2 * self.bands)) {

@@ -6,7 +6,7 @@ use papilio_optics::interface::fresnel_reflectance;
 use crate::front::Flat;
 use crate::light::images::{Mirror, image_points};
 use crate::skeleton::{Ray, Skeleton};
-use crate::{Cone, Diffuser, Layered, Panel, Reflector, Source, Stack, Top};
+use crate::{Cone, Diffuser, Panel, Reflector, Source, Stack, Top};
 
 /// Radiance of a mirror image, relative to that of the source.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -20,10 +20,7 @@ pub struct Image {
 /// Returns the specular reflectance of the whole display for light with these direction cosines,
 /// `|beta| <= 1`: the luminance of its mirror image over its own.
 pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
-    match stack {
-        Stack::Panel(panel) => panel_image(panel, beta),
-        Stack::Layered(layered) => layered_image(layered, beta),
-    }
+    stack.panel().map_or_else(|| layered_image(stack, beta), |panel| panel_image(panel, beta))
 }
 
 /// Returns the mirror image of a round source in a field of view, as a reflectance factor: [`specular_image`] times the light of the source
@@ -49,21 +46,18 @@ const DIGITS: f64 = 12.0;
 
 /// Number of nodes of the base's table across a view.
 fn across(stack: &Stack, view: &Cone) -> f64 {
-    match stack {
-        Stack::Panel(panel) => panel.base.nodes_across(view, &panel.medium),
-        Stack::Layered(_) => 0.0,
-    }
+    stack.panel().map_or(0.0, |panel| panel.base.nodes_across(view, &panel.medium))
 }
 
 /// [`specular_image`] of general layers: the reflection of their specular skeleton.
-pub(crate) fn layered_image(stack: &Layered, beta: Beta) -> Image {
-    let mut skeleton = Skeleton::new(stack, &stack.base);
-    skeleton.set(stack, &stack.base, beta.squared());
+pub(crate) fn layered_image(stack: &Stack, beta: Beta) -> Image {
+    let mut skeleton = Skeleton::new(stack, stack.base());
+    skeleton.set(stack, stack.base(), beta.squared());
     let mut field = skeleton.field();
     skeleton.emit(Ray::ENTERING, &mut field);
     let (front, risen) = field.at(Ray::LEAVING);
     let base = field.rising.iter().enumerate().map(|(k, rising)| rising * risen[k % risen.len()]);
-    Image { front: front.iter().copied().cycle().take(stack.base.bins()).collect(), base: base.collect() }
+    Image { front: front.iter().copied().cycle().take(stack.base().bins()).collect(), base: base.collect() }
 }
 
 /// [`specular_image`] of a panel.

@@ -9,10 +9,7 @@ use papilio_sampling::{SampleStream, Sampler};
 use papilio_testing::{assert_student, everyday, mean_and_error, sized};
 use papilio_transport::adding::{Kernel, error_over_difference, nodes_needed};
 use papilio_transport::walk::Walk;
-use papilio_transport::{
-    Base, Cone, Diffuser, Estimate, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Source,
-    Stack, Top,
-};
+use papilio_transport::{Base, Cone, Diffuser, Estimate, Interface, Layer, Medium, Reflector, Source, Stack};
 use papilio_validation::random_stacks::{
     Member, STATES, WAVELENGTHS_NM, member, rare_member, reflecting_member,
 };
@@ -200,7 +197,7 @@ fn random_stacks_have_student_distributed_deviations() {
     let one = |number| {
         let member = member(number);
         // Paths in a panel are fast; faint light of a source far from the peak of a narrow lobe needs many.
-        let paths = sized(1, 2) * if matches!(member.stack, Stack::Panel(_)) { 1 << 13 } else { 1 << 9 };
+        let paths = sized(1, 2) * if member.stack.panel().is_some() { 1 << 13 } else { 1 << 9 };
         scores(&member, number, Sampler::Random, seeds, paths)
     };
     let all: Vec<Scores> = (0..count).into_par_iter().map(one).collect();
@@ -238,9 +235,7 @@ fn light_just_above_horizon_is_included_by_all_tracers() {
         inactive_absorptance: vec![0.0; bins].into(),
     };
     let air = || Medium::new(vec![1.0; bins].into());
-    let panel =
-        |top| Panel { front: Front::none(bins), top, medium: air(), base: base(), single_pass: false };
-    let coated = || Layer { interface: Interface::IdealAr, medium: air() };
+    let under = |interface| vec![Layer { interface, medium: air() }];
     let diffuser = Diffuser {
         lobe: Lobe::KCorrelation { width: 0.1 },
         transmittance: vec![1.0; bins].into(),
@@ -250,9 +245,9 @@ fn light_just_above_horizon_is_included_by_all_tracers() {
         for phi in [0.0, 33.3, 90.0, 217.0] {
             let sources = vec![Source::Beam(Beta::from_source(theta, phi, 1.0))];
             let stacks = [
-                (Stack::Panel(panel(Top::IdealAr)), Some(0.5)),
-                (Stack::Layered(Layered { layers: vec![coated()], base: base() }), Some(0.5)),
-                (Stack::Panel(panel(Top::Diffuser(diffuser.clone()))), None),
+                (Stack::new(under(Interface::IdealAr), base()), Some(0.5)),
+                (Stack::general(under(Interface::IdealAr), base()), Some(0.5)),
+                (Stack::new(under(Interface::Diffuser(diffuser.clone())), base()), None),
             ];
             for (number, (stack, exact)) in stacks.into_iter().enumerate() {
                 let view = Cone::new(8.0, 0.0, 0.05, 1.0);

@@ -21,10 +21,10 @@ pub(super) struct BelowFront {
 impl BelowFront {
     pub(super) fn new(scene: &Scene, stack: &Stack) -> Option<Self> {
         let FrontLight { field, upward_over_downward, .. } = scene.lighting.front_light.as_ref()?;
-        let front = match stack {
-            Stack::Panel(panel) => panel.front.clone(),
-            Stack::Layered(layered) => {
-                let components = layered.layers.iter().map_while(|layer| layer.interface.front_component());
+        let front = match stack.panel() {
+            Some(panel) => panel.front.clone(),
+            None => {
+                let components = stack.layers().iter().map_while(|layer| layer.interface.front_component());
                 let components =
                     components.map(|[reflectance, absorptance]| (&**reflectance, &**absorptance));
                 Front::exact(scene.grid.len(), components)

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use papilio_transport::adding::{FINEST, FIRST_LEVELS, Kernel};
-use papilio_transport::{Cone, Estimate, Stack};
+use papilio_transport::{Cone, Estimate};
 use rayon::ThreadPool;
 
 use super::refine::{Refined, finest, largest, refine, refine_or_fail};
@@ -147,15 +147,15 @@ impl Level {
     ) -> Option<&Kernel> {
         let fields = || views.iter().map(|view| view.field).collect::<Vec<Cone>>();
         let (stack, sources) = (&setup.stack, &setup.sources);
-        match stack {
+        match stack.panel() {
             // The kernel depends on the base, and decides itself during the preparation what can be reused.
-            Stack::Panel(_) => {
+            Some(_) => {
                 let common = common.at(self.index, setup, control)?;
                 let ready = self.kernel.prepare_part(&common, stack, &fields(), sources, control.stop);
                 ready.then_some(())?;
             }
             // Operators hardly depend on the base.
-            Stack::Layered(_) => {
+            None => {
                 if self.prepared_for != Some(setup.version) || !self.kernel.serves(stack) {
                     self.prepared_for = None;
                     let ready = self.kernel.prepare_unless(stack, &fields(), sources, control.stop);
@@ -177,13 +177,13 @@ pub(super) fn run(
     let views = &run.setup.views;
     let Kernels { groups, common } = kernels;
     let runner = Runner::new(run, common)?;
-    let groups: Vec<Option<Group>> = match run.setup.stack {
-        Stack::Panel(_) => {
+    let groups: Vec<Option<Group>> = match run.setup.stack.panel() {
+        Some(_) => {
             groups.resize_with(views.len(), Vec::new);
             let one = |(view, levels): (usize, &mut Levels)| runner.refine(levels, &views[view..=view], None);
             each(pool, groups, one)
         }
-        Stack::Layered(_) => {
+        None => {
             groups.resize_with(1, Vec::new);
             groups.iter_mut().map(|levels| runner.refine(levels, views, pool)).collect()
         }
@@ -221,9 +221,9 @@ pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, 
     let common = Common::default();
     let runner = Runner::new(run, &common)?;
     let views = &run.setup.views;
-    let each = match run.setup.stack {
-        Stack::Panel(_) => 1,
-        Stack::Layered(_) => views.len(),
+    let each = match run.setup.stack.panel() {
+        Some(_) => 1,
+        None => views.len(),
     };
     let group_kernel = |(number, views): (usize, &[ViewPoint])| {
         let mut levels = Levels::new();

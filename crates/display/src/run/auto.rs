@@ -134,12 +134,10 @@ fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     let nodes = |level: u32| nodes_needed(&setup.stack, level).max(1) as f64;
     let level = level_needed(target, error_over_difference(&setup.stack, &setup.sources));
     let more = (nodes(level) / nodes(1)).powi(3);
-    Ok(match &setup.stack {
-        Stack::Panel(_) => panel_seconds(setup),
-        Stack::Layered(_) => {
-            adding_seconds(&setup.scene)? * more + column_seconds(setup, nodes(level)) + kernel_seconds(setup)
-        }
-    })
+    if setup.stack.panel().is_some() {
+        return Ok(panel_seconds(setup));
+    }
+    Ok(adding_seconds(&setup.scene)? * more + column_seconds(setup, nodes(level)) + kernel_seconds(setup))
 }
 
 /// Estimates the work of adding, in seconds, for the light between the layers and a pixel of this many states and wavelengths.
@@ -165,7 +163,7 @@ fn kernel_seconds(setup: &Setup) -> f64 {
 
 /// Returns the interfaces of general layers.
 fn interfaces(stack: &Stack) -> impl Iterator<Item = &Interface> {
-    let layers = if let Stack::Layered(layered) = stack { &layered.layers[..] } else { &[] };
+    let layers = if stack.panel().is_none() { stack.layers() } else { &[] };
     layers.iter().map(|layer| &layer.interface)
 }
 
@@ -249,10 +247,10 @@ fn path_seconds(setup: &Setup) -> f64 {
         matches!(interface, Interface::Rough(_) | Interface::Scatter(_) | Interface::Wave(_))
     };
     let kernel = if interfaces(&setup.stack).any(is_kernel) { KERNEL } else { 0.0 };
-    let events = match (&setup.stack, setup.scene.solver.scattering) {
-        (Stack::Panel(_), Strategy::Guided) => 10.0 * EVENT,
-        (Stack::Panel(_), _) => EVENT,
-        (Stack::Layered(_), _) => events(setup) * (EVENT + kernel + NUMBER * numbers),
+    let events = match (setup.stack.panel(), setup.scene.solver.scattering) {
+        (Some(_), Strategy::Guided) => 10.0 * EVENT,
+        (Some(_), _) => EVENT,
+        (None, _) => events(setup) * (EVENT + kernel + NUMBER * numbers),
     };
     fields + events
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_optics::Beta;
 use papilio_transport::adding::{Kernel, error_over_difference};
-use papilio_transport::{Cone, Estimate, ReflectanceFactor, Source, Stack, specular_image};
+use papilio_transport::{Cone, Estimate, ReflectanceFactor, Source, specular_image};
 use rayon::ThreadPool;
 
 use super::cone::DEFAULT_TARGET;
@@ -151,10 +151,10 @@ impl<'a> Survey<'a> {
         pool: Option<&ThreadPool>,
     ) -> Option<Rows> {
         let (mut spectra, mut luminous, mut nodes) = self.scattered(kernel, 0, pool)?;
-        let Stack::Layered(_) = self.setup.stack else {
+        if self.setup.stack.panel().is_some() {
             let errors = vec![sample.error; self.setup.states.len() * self.grid.pairs()];
             return Some(((spectra, nodes), errors));
-        };
+        }
         let rest = slowness([&sample.finer, &sample.coarser], sample.before.as_deref());
         let times = error_over_difference(&self.setup.stack, &self.beams).max(rest);
         let mut level = sample.level;
@@ -196,9 +196,9 @@ impl<'a> Survey<'a> {
 
     /// The part of the progress that is a pass through all directions, from 0. A panel has one.
     pub(super) fn pass(&self, pass: u32) -> [f64; 2] {
-        match self.setup.stack {
-            Stack::Panel(_) => [SAMPLE, 1.0],
-            Stack::Layered(_) => part_of_pass(pass).map(|passes| SAMPLE + (1.0 - SAMPLE) * passes),
+        match self.setup.stack.panel() {
+            Some(_) => [SAMPLE, 1.0],
+            None => part_of_pass(pass).map(|passes| SAMPLE + (1.0 - SAMPLE) * passes),
         }
     }
 
@@ -209,7 +209,7 @@ impl<'a> Survey<'a> {
         let fields = |theta: f64| self.grid.dphi_deg.iter().map(move |phi| view(theta, *phi));
         let azimuths = self.grid.dphi_deg.len();
         let mut shared = kernel.unprepared().without_ledger();
-        if let Stack::Layered(_) = stack {
+        if stack.panel().is_none() {
             let fields: Vec<Cone> = self.grid.theta_o_deg.iter().flat_map(|theta| fields(*theta)).collect();
             self.prepare(&mut shared, &fields, &self.beams)?;
         }
@@ -219,7 +219,7 @@ impl<'a> Survey<'a> {
                 return None;
             }
             let mut own = None;
-            let (kernel, first) = if let Stack::Layered(_) = stack {
+            let (kernel, first) = if stack.panel().is_none() {
                 (&shared, theta * azimuths)
             } else {
                 let kernel = own.insert(kernel.clone());
@@ -241,7 +241,7 @@ impl<'a> Survey<'a> {
         };
         let mut rows = vec![(Vec::new(), Luminous::new(), 0); self.grid.theta_o_deg.len()];
         each(pool, &mut rows, row).into_iter().collect::<Option<Vec<()>>>()?;
-        let mut nodes = if let Stack::Layered(_) = stack { shared.nodes() as u64 } else { 0 };
+        let mut nodes = if stack.panel().is_none() { shared.nodes() as u64 } else { 0 };
         let (mut spectra, mut luminous) = (Vec::new(), Vec::new());
         for (of_viewer, y, own) in rows {
             spectra.push(of_viewer);

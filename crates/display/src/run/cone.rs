@@ -7,8 +7,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_colour::Xyz;
+use papilio_transport::Cone;
 use papilio_transport::adding::{Kernel, error_over_difference};
-use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
 use super::progress::{Progress, SAMPLE, part_of_pass};
@@ -116,9 +116,9 @@ impl Survey<'_> {
         if !self.is_known(theta_deg) {
             return Some(Err(DisplayError::UnknownReference { theta_deg }));
         }
-        let Rows { views: rows, errors, nodes } = match self.run.setup.stack {
-            Stack::Panel(_) => self.of_panel(target, pool)?,
-            Stack::Layered(_) => self.of_layers(target, pool)?,
+        let Rows { views: rows, errors, nodes } = match self.run.setup.stack.panel() {
+            Some(_) => self.of_panel(target, pool)?,
+            None => self.of_layers(target, pool)?,
         };
         let finite = |view: &ConeView| view.states.iter().all(|state| state.luminance_cd_m2.is_finite());
         if !rows.iter().flatten().all(finite) {
@@ -296,10 +296,10 @@ impl Survey<'_> {
     /// Computes the colours of a view; `None` if it was stopped.
     fn colours(&self, kernel: &Kernel, view: usize) -> Option<Vec<Xyz>> {
         let (stack, stop) = (&self.run.setup.stack, self.run.control.stop);
-        let rho = match stack {
+        let rho = match stack.panel() {
             // Without a ledger.
-            Stack::Panel(_) => kernel.seen(stack, view),
-            Stack::Layered(_) => kernel.estimate_unless(stack, view, stop)?.rho,
+            Some(_) => kernel.seen(stack, view),
+            None => kernel.estimate_unless(stack, view, stop)?.rho,
         };
         Some(self.run.meter.colours(&rho))
     }
@@ -328,7 +328,7 @@ impl Survey<'_> {
         let thetas = self.grid.theta_deg.len();
         // The operators of general layers are shared because they are expensive, and so is what all views of a panel have
         // in common. The rest of a panel's kernel is cheap: each inclination has its own.
-        let shared = matches!(setup.stack, Stack::Layered(_));
+        let shared = setup.stack.panel().is_none();
         let fields = |theta: usize| -> Vec<Cone> {
             let of_phi = |phi: &usize| setup.views[phi * thetas + theta].field;
             if theta < thetas { computed.iter().map(of_phi).collect() } else { vec![self.reference.field] }

@@ -6,7 +6,7 @@ use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::{
     FINEST, MOST_NODES, MOST_NODES_OF_FURTHER, Narrowness, narrowest, nodes_needed,
 };
-use papilio_transport::{Diffuser, Panel, Source, Stack, Top};
+use papilio_transport::{Diffuser, Source, Stack, Top};
 
 use crate::DisplayError;
 use crate::meter::relative;
@@ -48,11 +48,8 @@ pub(crate) fn is_turned(source: &Source) -> bool {
 
 /// Width of the lobe of an ordinary panel.
 pub(crate) fn width_of_panel(stack: &Stack) -> Option<f64> {
-    match stack {
-        Stack::Panel(Panel {
-            top: Top::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }),
-            ..
-        }) => Some(*width),
+    match &stack.panel()?.top {
+        Top::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) => Some(*width),
         _ => None,
     }
 }

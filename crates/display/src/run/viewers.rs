@@ -6,8 +6,8 @@
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use papilio_transport::Cone;
 use papilio_transport::adding::{Kernel, error_over_difference};
-use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
 use super::brdf::{Luminous, Survey, total, view};
@@ -87,7 +87,7 @@ impl OfViewers<'_> {
         let mut lights = self.scattered(&kernel, 0, pool)?;
         let states = setup.states.len();
         let mut relative = vec![sample.error; states * self.viewers.iter().map(Vec::len).sum::<usize>()];
-        if let Stack::Layered(_) = setup.stack {
+        if setup.stack.panel().is_none() {
             let rest = slowness([&sample.finer, &sample.coarser], sample.before.as_deref());
             let times = error_over_difference(&setup.stack, &self.survey.beams).max(rest);
             let mut level = sample.level;
@@ -148,14 +148,14 @@ impl OfViewers<'_> {
         let stop = survey.control.stop;
         // Data of a panel that do not depend on the viewers.
         let mut common = kernel.unprepared().without_ledger();
-        if let Stack::Panel(_) = stack {
+        if stack.panel().is_some() {
             let all: Vec<Cone> = self.viewers.first()?.iter().take(1).map(cone).collect();
             common.prepare_common(stack, &all, &survey.beams, stop).then_some(())?;
         }
         // Kernels of general layers keep what does not depend on the viewers for their next ones.
-        let (at_once, together) = match stack {
-            Stack::Panel(_) => (TOGETHER, TOGETHER),
-            Stack::Layered(_) => (usize::MAX, TOGETHER_BELOW_LAYERS),
+        let (at_once, together) = match stack.panel() {
+            Some(_) => (TOGETHER, TOGETHER),
+            None => (usize::MAX, TOGETHER_BELOW_LAYERS),
         };
         let mut parts: Vec<(usize, &[Viewer], OfLight)> = self
             .viewers

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use papilio_fourier::{KernelShapes, StatePicture};
 use papilio_transport::spatial::{Peak, PixelSquare, Shapes};
-use papilio_transport::{Panel, Reflector, Stack, Top};
+use papilio_transport::{Panel, Reflector, Top};
 
 use super::lobe::{self, LobeResponse};
 use super::picture::ViewLight;
@@ -80,7 +80,7 @@ impl Blur {
             return Ok(None);
         }
         let first = &setups[0].scene.display;
-        if matches!(&setups[0].stack, Stack::Panel(panel) if is_covered(panel)) {
+        if setups[0].stack.panel().is_some_and(is_covered) {
             first.spreads_over_few_pixels(&first.lengths_mm()?)?;
         }
         let digits = (MORE_DIGITS - missed.ln()).clamp(DIGITS[0], DIGITS[1]);
@@ -280,7 +280,7 @@ impl Blur {
 /// Light via the pixel over that which meets it once, on pages in all light, `[X, Y, Z][state]`.
 fn gains(setup: &Setup, lit_by: &[LobeResponse], control: &Control<'_>) -> Result<Vec<f64>, DisplayError> {
     let (states, bins) = (setup.states.len(), setup.scene.grid.len());
-    let (Some(view), Stack::Panel(panel)) = (setup.views.first(), &setup.stack) else {
+    let (Some(view), Some(panel)) = (setup.views.first(), setup.stack.panel()) else {
         return Ok(Vec::new());
     };
     if panel.front.reflectance_below.max() == 0.0 {
@@ -303,7 +303,7 @@ fn responses(
     pitch_mm: [f64; 2],
     digits: f64,
 ) -> Result<Option<Vec<LobeResponse>>, DisplayError> {
-    let Stack::Panel(panel) = &setup.stack else { return Ok(None) };
+    let Some(panel) = setup.stack.panel() else { return Ok(None) };
     if !is_covered(panel) {
         return Ok(None);
     }

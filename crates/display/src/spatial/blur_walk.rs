@@ -9,9 +9,9 @@
 
 use papilio_optics::Beta;
 use papilio_sampling::{SampleStream, Sampler};
+use papilio_transport::Source;
 use papilio_transport::spatial::{PixelSquare, Shapes};
 use papilio_transport::walk::places::{CellGrid, Estimate, KernelTally};
-use papilio_transport::{Source, Stack};
 
 use super::Blur;
 use super::walk::{Placed, States};
@@ -49,7 +49,7 @@ impl Blur {
         let Some(setup) = setups.get(middle) else { return Ok(None) };
         let Some(matrix) = setup.scene.display.matrix.as_ref() else { return Ok(None) };
         // Flat faces over mirror-like pixels show each at its own place.
-        if matches!(&setup.stack, Stack::Panel(panel) if panel.base.is_specular()) {
+        if setup.stack.panel().is_some_and(|panel| panel.base.is_specular()) {
             return Ok(None);
         }
         let placed = match Placed::new(setup) {

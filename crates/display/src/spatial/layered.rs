@@ -5,7 +5,7 @@
 
 use num_complex::Complex64;
 use papilio_transport::adding::{self, LayeredSpread};
-use papilio_transport::{Layered, ReflectanceFactor, Source};
+use papilio_transport::{ReflectanceFactor, Source, Stack};
 
 use super::measured::{Light, Measured, sum};
 use super::mtf::Frame;
@@ -72,7 +72,7 @@ struct Prepared<'a> {
 
 impl Frame<'_> {
     /// Computes how sharp the display is in a view.
-    pub(super) fn layered_view(&self, stack: &Layered, view: &ViewPoint) -> Result<MtfView, DisplayError> {
+    pub(super) fn layered_view(&self, stack: &Stack, view: &ViewPoint) -> Result<MtfView, DisplayError> {
         if !self.patterns().is_empty() {
             return Err(Refused::PatternsBelowLayers.into());
         }
@@ -151,7 +151,7 @@ impl Frame<'_> {
     /// Prepares a level.
     fn prepared<'s>(
         &'s self,
-        (stack, lengths_mm): (&'s Layered, &'s [f64]),
+        (stack, lengths_mm): (&'s Stack, &'s [f64]),
         view: &ViewPoint,
         level: u32,
     ) -> Result<Prepared<'s>, DisplayError> {
@@ -162,7 +162,7 @@ impl Frame<'_> {
         let lit: Vec<PixelLight> = meter.pixel_lights().into_iter().filter(PixelLight::is_seen).collect();
         // Seen along the normal, light without an azimuth is the same along both axes.
         let is_round = lit.iter().all(|light| setup.sources[light.source] == Source::Diffuse)
-            || !stack.base.is_specular();
+            || !stack.base().is_specular();
         let is_same = is_round && view.theta_deg == 0.0;
         Ok(Prepared {
             spread: spread.map_err(Refused::Layered)?.with_spread(setup.scene.display.pixel_spread()),

@@ -6,7 +6,6 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use num_complex::Complex64;
-use papilio_transport::Stack;
 
 use super::layered;
 use super::measured::{Light, Measured};
@@ -74,10 +73,8 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         }
         let view = match &placed {
             Some(placed) => mtf_walk::view(&frame, placed, *number, control)?,
-            None => match &setup.stack {
-                Stack::Panel(_) => frame.view(&setup.views[*number])?,
-                Stack::Layered(stack) => frame.layered_view(stack, &setup.views[*number])?,
-            },
+            None if setup.stack.panel().is_some() => frame.view(&setup.views[*number])?,
+            None => frame.layered_view(&setup.stack, &setup.views[*number])?,
         };
         (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
         Ok(view)
@@ -121,7 +118,7 @@ pub(crate) fn sharpness(setup: &Setup, control: &Control<'_>) -> Result<Option<S
     if scene.display.matrix.is_none() || scene.display.filter().is_some() {
         return Ok(None);
     }
-    let (Stack::Panel(_), Some(view)) = (&setup.stack, setup.views.first()) else { return Ok(None) };
+    let (Some(_), Some(view)) = (setup.stack.panel(), setup.views.first()) else { return Ok(None) };
     let measured = Frame::new(setup, &patterns, control).and_then(|frame| {
         let level = Level { digits: DIGITS[0], most_per_mm: frame.highest(), is_fine: false, finer: 0 };
         Ok(frame.sharpness(&frame.measure(view, level)?))
@@ -175,7 +172,7 @@ impl<'a> Frame<'a> {
             .map_or(EYE_CYCLES_PER_DEGREE / mm_per_degree, |nyquist| 2.0 * nyquist[0].max(nyquist[1]));
         let mut frequencies = vec![0.0, highest];
         frequencies.extend(nyquist_per_mm.into_iter().flatten());
-        let general = matches!(setup.stack, Stack::Layered(_)) && scene.solver.method != Method::MonteCarlo;
+        let general = setup.stack.panel().is_none() && scene.solver.method != Method::MonteCarlo;
         frequencies.extend(if general {
             layered::frequencies(highest)
         } else {

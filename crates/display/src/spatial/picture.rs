@@ -3,7 +3,7 @@
 use papilio_transport::spatial::{
     Accuracy, LambertianReturn, LitPage, Page, PageLight, Precision, air_below_front_mm,
 };
-use papilio_transport::{Panel, Reflector, Stack, Top};
+use papilio_transport::{Panel, Reflector, Top};
 
 use super::Refused;
 use super::response::face_reflectance;
@@ -288,7 +288,7 @@ fn covered(setup: &Setup) -> Result<(&Panel, &[f64]), DisplayError> {
         Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
     };
     setup.refracts()?;
-    let Stack::Panel(panel) = &setup.stack else {
+    let Some(panel) = setup.stack.panel() else {
         return not_yet("pictures below general layers ([[display.layers]])", "display.layers");
     };
     let Reflector::Lambertian(rho) = &panel.base.reflector else {

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 use papilio_transport::spatial::{Peak, PixelSpread, air_below_front_mm};
-use papilio_transport::{Panel, Source, Stack, Top};
+use papilio_transport::{Panel, Source, Top};
 
 use super::patterns::{Pattern, Text};
 use super::{Refused, ghosts, lobe, paper, returned};
@@ -86,7 +86,7 @@ pub(crate) fn responses(
     setup.refracts()?;
     let lengths = setup.scene.display.lengths_mm()?;
     let meter = Meter::new(setup);
-    let Stack::Panel(panel) = &setup.stack else {
+    let Some(panel) = setup.stack.panel() else {
         return Err(Refused::Layers.into());
     };
     let factors = setup.seen(view, level.of_pages(), control)?;

@@ -17,7 +17,7 @@ use papilio_transport::spatial::displacement;
 use papilio_transport::walk::places::{
     Entry, Estimate, FilterPlane, KernelTally, Pattern, PlacedWalk, Uniform, What,
 };
-use papilio_transport::{Base, Cone, Layered, Reflector, Source, Stack};
+use papilio_transport::{Base, Cone, Reflector, Source, Stack};
 
 use self::below_filter::BelowFilter;
 use crate::DisplayError;
@@ -26,7 +26,7 @@ use crate::result::Named;
 pub use crate::run::REPLICATES;
 use crate::run::{Control, Progress, Workers, each};
 use crate::scene::{Approximation, Scene};
-use crate::setup::{Setup, ViewPoint, layers_of_panel};
+use crate::setup::{Setup, ViewPoint};
 
 /// A mean and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -200,7 +200,7 @@ pub(crate) struct Placed<'a> {
     /// Light that reaches the pixel from each source.
     pub(super) lights: Vec<PixelLight>,
     pub(super) sources: Vec<Source>,
-    stack: Layered,
+    stack: Stack,
     /// Filter above the pixels.
     filter: Option<FilterPlane>,
     pub(super) lengths_mm: Vec<f64>,
@@ -218,10 +218,7 @@ impl<'a> Placed<'a> {
             });
         }
         setup.refracts()?;
-        let stack = match &setup.stack {
-            Stack::Layered(stack) => stack.clone(),
-            Stack::Panel(panel) => Layered { layers: layers_of_panel(scene)?, base: panel.base.clone() },
-        };
+        let stack = setup.stack.clone();
         let lengths_mm = scene.display.lengths_mm()?;
         let meter = Meter::new(setup);
         let lights = meter.pixel_lights();
@@ -240,7 +237,7 @@ impl<'a> Placed<'a> {
 
     /// The same layers above another base, whose states are those of patterns.
     pub(super) fn above(mut self, base: Base) -> Self {
-        self.stack.base = base;
+        self.stack = Stack::general(self.stack.layers().to_vec(), base);
         self
     }
 
@@ -293,7 +290,7 @@ impl<'a> Placed<'a> {
 
     /// Number of wavelengths.
     pub(super) fn bins(&self) -> usize {
-        self.stack.base.bins()
+        self.stack.base().bins()
     }
 
     /// Number of paths traced so far.
@@ -304,7 +301,7 @@ impl<'a> Placed<'a> {
     /// What all media move light of these direction cosines by, mm; the last wavelength stands for all.
     pub(super) fn displacement(&self, beta: Beta) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        for (layer, length) in self.stack.layers.iter().zip(&self.lengths_mm) {
+        for (layer, length) in self.stack.layers().iter().zip(&self.lengths_mm) {
             let index = layer.medium.index().iter().next_back().copied().unwrap_or(1.0);
             if beta.squared() < index * index {
                 let [x, y] = displacement(beta, *length, index);
@@ -346,7 +343,7 @@ impl<'a> Placed<'a> {
             reflector: Reflector::Lambertian(vec![1.0; grid.len()]),
             inactive_absorptance: vec![0.0; grid.len()].into(),
         };
-        let stack = Layered { layers: self.stack.layers.clone(), base: white };
+        let stack = Stack::general(self.stack.layers().to_vec(), white);
         // Any view: paths begin at the pixel.
         let (what, view) = (What::Pattern(pattern), Cone::new(0.0, 0.0, 0.0, 1.0));
         let walk = self.prepared(&stack, view, what)?;
@@ -364,7 +361,7 @@ impl<'a> Placed<'a> {
 
     fn prepared<'w>(
         &'w self,
-        stack: &'w Layered,
+        stack: &'w Stack,
         view: Cone,
         what: What<'w>,
     ) -> Result<PlacedWalk<'w>, DisplayError> {

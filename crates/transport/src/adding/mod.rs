@@ -38,10 +38,7 @@ pub const MOST_NODES_OF_FURTHER: usize = 300;
 /// grows with its cube and more. The caller refuses stacks that take more than [`MOST_NODES`], or uses the
 /// Monte Carlo solver.
 pub fn nodes_needed(stack: &Stack, level: u32) -> usize {
-    match stack {
-        Stack::Panel(_) => 0,
-        Stack::Layered(layered) => layered::nodes_needed(layered, level),
-    }
+    if stack.panel().is_some() { 0 } else { layered::nodes_needed(stack, level) }
 }
 
 /// The scatterer that determines the number of nodes of a stack.
@@ -56,10 +53,7 @@ pub struct Narrowest {
 /// Returns the scatterer that determines the number of nodes of a stack ([`nodes_needed`]); `None` in a
 /// panel or where nothing scatters.
 pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
-    match stack {
-        Stack::Panel(_) => None,
-        Stack::Layered(layered) => layered::narrowest(layered),
-    }
+    if stack.panel().is_some() { None } else { layered::narrowest(stack) }
 }
 
 /// Returns the factor by which the difference between two levels must be multiplied to bound the error of
@@ -68,14 +62,10 @@ pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
 /// last). So does, irregularly, light that a front sends back through a lobe too narrow for a grid. All others
 /// gain 2 or far more.
 pub fn error_over_difference(stack: &Stack, sources: &[Source]) -> f64 {
-    match stack {
-        Stack::Layered(layered) => {
-            layered.elements().map(|(kind, _)| kind.error_over_difference()).fold(1.0, f64::max)
-        }
-        Stack::Panel(panel) if panel::narrows(panel) => {
-            panel::error_over_difference_of_narrow(panel, sources)
-        }
-        _ => 1.0,
+    match stack.panel() {
+        None => stack.elements().map(|(kind, _)| kind.error_over_difference()).fold(1.0, f64::max),
+        Some(panel) if panel::narrows(panel) => panel::error_over_difference_of_narrow(panel, sources),
+        Some(_) => 1.0,
     }
 }
 
@@ -191,17 +181,17 @@ impl Kernel {
             _ => None,
         };
         let views = panel::Views { own, together: &self.together, common };
-        match (stack, &mut self.kind) {
-            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.prepare(panel, views, sources, stop),
-            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.prepare(layered, own, sources, stop),
-            (Stack::Panel(panel), kind) => {
+        match (stack.panel(), &mut self.kind) {
+            (Some(panel), Kind::Panel(kernel)) => kernel.prepare(panel, views, sources, stop),
+            (None, Kind::Layered(kernel)) => kernel.prepare(stack, own, sources, stop),
+            (Some(panel), kind) => {
                 let mut kernel = panel::Kernel::new(self.level);
                 kernel.prepare(panel, views, sources, stop);
                 *kind = Kind::Panel(kernel);
             }
-            (Stack::Layered(layered), kind) => {
+            (None, kind) => {
                 let mut kernel = layered::Kernel::new(self.level, self.ledger);
-                kernel.prepare(layered, own, sources, stop);
+                kernel.prepare(stack, own, sources, stop);
                 *kind = Kind::Layered(Box::new(kernel));
             }
         }
@@ -217,9 +207,9 @@ impl Kernel {
     /// of light that the base sends back; that of general layers on how many of those nodes lie across a
     /// field of view.
     pub fn serves(&self, stack: &Stack) -> bool {
-        match (stack, &self.kind) {
-            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.serves(panel),
-            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.serves(layered),
+        match (stack.panel(), &self.kind) {
+            (Some(panel), Kind::Panel(kernel)) => kernel.serves(panel),
+            (None, Kind::Layered(kernel)) => kernel.serves(stack),
             _ => false,
         }
     }
@@ -233,9 +223,9 @@ impl Kernel {
     /// Returns the same estimate; `None` if `stop` was set during the computation. Over another base than
     /// the last this can take long.
     pub fn estimate_unless(&self, stack: &Stack, view: usize, stop: &AtomicBool) -> Option<Estimate> {
-        let estimate = match (stack, &self.kind) {
-            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.estimate(panel, view),
-            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.estimate(layered, view, stop),
+        let estimate = match (stack.panel(), &self.kind) {
+            (Some(panel), Kind::Panel(kernel)) => kernel.estimate(panel, view),
+            (None, Kind::Layered(kernel)) => kernel.estimate(stack, view, stop),
             _ => {
                 debug_assert!(false, "a kernel is prepared before it is used");
                 Estimate::default()
@@ -246,8 +236,8 @@ impl Kernel {
 
     /// Returns only the `rho` of an estimate, which takes less time: the ledger is not computed.
     pub fn seen(&self, stack: &Stack, view: usize) -> Vec<ReflectanceFactor> {
-        match (stack, &self.kind) {
-            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.seen(panel, view),
+        match (stack.panel(), &self.kind) {
+            (Some(panel), Kind::Panel(kernel)) => kernel.seen(panel, view),
             _ => self.estimate(stack, view).rho,
         }
     }
@@ -271,8 +261,8 @@ impl Kernel {
     /// rounding, and little more work than an estimate. `None` if the gradients must be found by differences
     /// of estimates: this method covers the scattered light of a panel.
     pub fn pull_back(&self, stack: &Stack, view: usize, seen: &[f64]) -> Option<Vec<TableGradient>> {
-        match (stack, &self.kind) {
-            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.pull_back(panel, view, seen),
+        match (stack.panel(), &self.kind) {
+            (Some(panel), Kind::Panel(kernel)) => kernel.pull_back(panel, view, seen),
             _ => None,
         }
     }
@@ -281,8 +271,8 @@ impl Kernel {
     /// its light is the sum over them. `None` where [`pull_back`](Self::pull_back) returns none, and where recycled light
     /// depends on the reflectance at single angles.
     pub fn view_sums(&self, stack: &Stack, view: usize) -> Option<Vec<ViewSums>> {
-        match (stack, &self.kind) {
-            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.view_sums(panel, view),
+        match (stack.panel(), &self.kind) {
+            (Some(panel), Kind::Panel(kernel)) => kernel.view_sums(panel, view),
             _ => None,
         }
     }

@@ -119,11 +119,8 @@ impl<'a> Images<'a> {
 
 /// Returns whether any light returns unscattered.
 fn mirrors(stack: &Stack) -> bool {
-    match stack {
-        Stack::Panel(panel) => panel_mirrors(panel),
-        // It may at some angle, and evaluating a dark image is cheap.
-        Stack::Layered(_) => true,
-    }
+    // General layers may at some angle, and evaluating a dark image is cheap.
+    stack.panel().is_none_or(panel_mirrors)
 }
 
 fn panel_mirrors(stack: &Panel) -> bool {

@@ -139,12 +139,9 @@ impl<'a> Walk<'a> {
         shares: &[f64],
     ) -> Self {
         let images = Images::new(stack, view, sources);
-        let kind = match stack {
-            Stack::Layered(layered) => {
-                let walk = Layered::new(layered, view, sources);
-                Kind::Layered(Box::new(walk), images)
-            }
-            Stack::Panel(panel) => match &panel.top {
+        let kind = match stack.panel() {
+            None => Kind::Layered(Box::new(Layered::new(stack, view, sources)), images),
+            Some(panel) => match &panel.top {
                 Top::Diffuser(diffuser) => {
                     let diffused = Diffused::new(panel, diffuser, view, sources, (strategy, shares));
                     Kind::Diffused(Box::new(diffused), images)

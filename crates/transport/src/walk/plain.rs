@@ -19,12 +19,12 @@ use papilio_sampling::{SampleStream, warp};
 use super::Target;
 use crate::layers::{Arrival, Departure, Incidence};
 use crate::skeleton::Propagation::{self, Down, Up};
-use crate::{Cone, Layered, Medium, Reflector, ScatterKernel, Source};
+use crate::{Cone, Medium, Reflector, ScatterKernel, Source, Stack};
 use path::{Path, Run};
 
 /// A stack, its view and sources, at one wavelength (`bin`) and in one state.
 pub struct Plain<'a> {
-    stack: &'a Layered,
+    stack: &'a Stack,
     air: Medium,
     view: Cone,
     sources: &'a [Source],
@@ -34,8 +34,8 @@ pub struct Plain<'a> {
 
 impl<'a> Plain<'a> {
     /// Prepares the tracer of a wavelength and a state, by their numbers.
-    pub fn new(stack: &'a Layered, view: Cone, sources: &'a [Source], [bin, state]: [usize; 2]) -> Self {
-        Self { stack, air: Medium::new(vec![1.0; stack.base.bins()].into()), view, sources, bin, state }
+    pub fn new(stack: &'a Stack, view: Cone, sources: &'a [Source], [bin, state]: [usize; 2]) -> Self {
+        Self { stack, air: Medium::new(vec![1.0; stack.base().bins()].into()), view, sources, bin, state }
     }
 
     /// Returns the reflectance factor under each source alone: the mean over this number of paths.
@@ -142,7 +142,7 @@ impl<'a> Plain<'a> {
 
     /// The pixel: a mirror, a Lambertian pixel, or one with a kernel for each state.
     fn meet_pixel(&self, path: &mut Path, run: &mut Run<'_>) {
-        let (base, at, u) = (&self.stack.base, (2 * self.stack.layers.len(), &[Up][..]), run.random());
+        let (base, at, u) = (self.stack.base(), (2 * self.stack.layers.len(), &[Up][..]), run.random());
         let medium = self.stack.layers.last().map_or(&self.air, |layer| &layer.medium);
         let n = medium.index()[self.bin];
         let mut reflectance = vec![0.0; base.states() * base.bins()];

@@ -7,7 +7,7 @@ use crate::layers::*;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
-use papilio_transport::{Cone, Diffuser, Estimate, Front, Interface, Panel, Source, Stack, Top};
+use papilio_transport::{Cone, Diffuser, Estimate, Interface, Source, Stack, Top};
 
 /// Angles in degrees and weights of a mean over the hemisphere, weighted with the cosine: the Gauss-Legendre
 /// rule of eight points in theta, twice.
@@ -179,16 +179,14 @@ fn panel_as_layers_equals_panel() {
     ] {
         let diffuser = Diffuser { lobe, transmittance: one(0.9), regular_fraction };
         let front = [(0.04, 0.01), (0.02, 0.0)];
-        let panel = Stack::Panel(Panel {
-            front: Front::exact(
-                1,
-                front.iter().map(|(r, a)| (std::slice::from_ref(r), std::slice::from_ref(a))),
-            ),
+        let panel = Panel {
+            front: Front::of(front.iter().map(|(r, a)| (std::slice::from_ref(r), std::slice::from_ref(a)))),
             top: Top::Diffuser(diffuser.clone()),
             medium: clear(1.5),
             base: base.clone(),
             single_pass: false,
-        });
+        }
+        .stack();
         let layers = stack(
             [
                 (sheet(0.04, 0.01), clear(1.0)),

@@ -8,8 +8,8 @@ use papilio_optics::rough::{Distribution, Rough};
 use papilio_spectra::Spectrum;
 use papilio_transport::adding::{Kernel, MOST_NODES, nodes_needed};
 use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Reflector,
-    Scattering, Source, Stack,
+    AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Medium, Nodes, Reflector, Scattering,
+    Source, Stack,
 };
 
 /// Each level of a slab has at most a fifth of the error of the one before, so that level differences
@@ -177,7 +177,7 @@ fn single_scatterer_equals_composed_operators() {
             let lower = [(Interface::Fresnel, clear(1.0)), (Interface::Fresnel, clear(1.5))];
             let layers = upper.into_iter().chain(lower.into_iter().filter(|_| gap));
             let layers = layers.map(|(interface, medium)| Layer { interface, medium }).collect();
-            estimate(0, &Stack::Layered(Layered { layers, base: base.clone() }), view(15.0), &sources)
+            estimate(0, &Stack::general(layers, base.clone()), view(15.0), &sources)
         };
         let (alone, two) = (of(clear(index)), of(slab(1e-9, 0.0, 1.0, index)));
         for source in 0..sources.len() {
@@ -194,9 +194,8 @@ fn single_scatterer_equals_composed_operators() {
 #[test]
 fn ledger_sums_to_one() {
     for base in [mirror(0.6), lambertian(0.4)] {
-        let Stack::Layered(mut layered) = mixed() else { return };
-        layered.base = Base { inactive_absorptance: one(0.1), ..base };
-        let found = estimate(0, &Stack::Layered(layered), view(30.0), &[Source::Diffuse]);
+        let stack = mixed().with_base(Base { inactive_absorptance: one(0.1), ..base });
+        let found = estimate(0, &stack, view(30.0), &[Source::Diffuse]);
         let l = &found.ledger;
         let shares = [l.returned[0], l.front[0], l.diffuser[0], l.glass[0], l.pixel[0], l.inactive[0]];
         assert_close("sum", shares.iter().sum(), 1.0, 1e-12);
@@ -280,7 +279,7 @@ fn wavelengths_and_states_are_independent() {
             reflector: Reflector::Specular(table),
             inactive_absorptance: vec![0.0; bins.len()].into(),
         };
-        Stack::Layered(Layered { layers, base })
+        Stack::general(layers, base)
     };
     let sources = [Source::Diffuse, beam(-30.0, 20.0)];
     let together = estimate(0, &coloured(&[0, 1, 2]), view(15.0), &sources);

@@ -11,8 +11,8 @@ use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::Sampler;
 use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{
-    AngularTable, Base, Cone, CosinePanels, Diffuser, Estimate, Front, Interface, Layer, Layered, Medium,
-    Nodes, Panel, Reflector, Source, Stack, Top,
+    AngularTable, Base, Cone, CosinePanels, Diffuser, Estimate, Interface, Layer, Medium, Nodes, Reflector,
+    Source, Stack, Top,
 };
 
 fn lambertian_diffuser(regular_fraction: f64) -> Top {
@@ -20,7 +20,7 @@ fn lambertian_diffuser(regular_fraction: f64) -> Top {
 }
 
 fn solve(panel: &Panel, view: Cone, sources: &[Source], level: u32) -> Estimate {
-    let stack = Stack::Panel(panel.clone());
+    let stack = panel.stack();
     let mut kernel = Kernel::new(level);
     kernel.prepare(&stack, &[view], sources);
     kernel.estimate(&stack, 0)
@@ -161,7 +161,7 @@ fn bare_glass_equals_closed_forms() {
 /// Lossless layers return all light.
 #[test]
 fn lossless_layers_return_all_light() {
-    for front in [Front::none(1), front(&[(0.04, 0.0), (0.1, 0.0)], false), front(&[(0.6, 0.0)], false)] {
+    for front in [Front::none(), front(&[(0.04, 0.0), (0.1, 0.0)]), front(&[(0.6, 0.0)])] {
         for (name, top, base) in [
             ("fresnel, mirror", Top::Fresnel(one(1.5)), mirror(1.0)),
             ("fresnel, Lambertian", Top::Fresnel(one(1.5)), lambertian(1.0)),
@@ -183,7 +183,7 @@ fn lossless_layers_return_all_light() {
 fn recycled_light_equals_closed_form() {
     for r in [0.04, 0.3, 0.8] {
         let mut stack = panel(lambertian_diffuser(0.0), mirror(0.4));
-        stack.front = front(&[(r, 0.0)], false);
+        stack.front = front(&[(r, 0.0)]);
         let exact = r + (1.0 - r).powi(2) * 0.4 / (1.0 - r * 0.4);
         let found = rho(&solve(&stack, view(0.0), &[Source::Diffuse], 3), 0);
         assert!((found - exact).abs() < 1e-8, "{r}: {found} {exact}");
@@ -212,7 +212,7 @@ fn family() -> Vec<(String, Panel)> {
         for (j, (top_name, top)) in tops.iter().enumerate() {
             let mut stack = panel(top.clone(), base.clone());
             let r = [0.0, 0.005, 0.04, 0.3][(k + 2 * j) % 4];
-            stack.front = front(&[(r, 0.01)], false);
+            stack.front = front(&[(r, 0.01)]);
             all.push((format!("{top_name} over {base_name}, front {r}"), stack));
         }
     }
@@ -238,7 +238,7 @@ fn level_differences_estimate_errors_and_decrease() {
             for (level, most) in [(0, 1e-3), (1, 1e-4), (2, if angles { 3e-5 } else { 1e-5 })] {
                 assert!(error(level) < most, "{name}, source {source}: {values:?}");
             }
-            let times = error_over_difference(&Stack::Panel(stack.clone()), &lights());
+            let times = error_over_difference(&stack.stack(), &lights());
             let claimed = times * (values[0] - values[1]).abs() / values[3].abs().max(1e-12);
             assert!(error(1) < 0.3 * claimed + 3e-6, "{name}, source {source}: {values:?}");
         }
@@ -261,7 +261,7 @@ fn narrow_lobes_under_front_equal_closed_form() {
     ] {
         for straight in [0.0, 0.3] {
             let mut stack = panel(diffuser(width, 1.0, straight), mirror(0.8));
-            stack.front = front(&[(sent_back, 0.0)], false);
+            stack.front = front(&[(sent_back, 0.0)]);
             let found = rho(&solve(&stack, view(20.0), &[beam(light_deg, 0.0)], 0), 0);
             // Without rims, light scattered n times has one lobe of width nb.
             let (from, to) = (Beta::towards(20.0, 0.0, 1.0), Beta::from_source(light_deg, 0.0, 1.0));
@@ -323,11 +323,11 @@ fn reused_kernel_is_bit_identical_to_new_one() {
         let (mut kept, views) =
             (Kernel::new(sized(0, 1)), [view(8.0), view(20.0), Cone::new(40.0, 90.0, 0.5, 1.0)]);
         let mut other = panel.clone();
-        other.front = front(&[(0.02, 0.0)], false);
-        kept.prepare(&Stack::Panel(panel.clone()), &views[..2], &[beam(50.0, 0.0), Source::Diffuse]);
-        kept.prepare(&Stack::Panel(other), &views[1..], &lights());
-        kept.prepare(&Stack::Panel(panel.clone()), &views[1..], &lights()[..2]);
-        let stack = Stack::Panel(panel);
+        other.front = front(&[(0.02, 0.0)]);
+        kept.prepare(&panel.stack(), &views[..2], &[beam(50.0, 0.0), Source::Diffuse]);
+        kept.prepare(&other.stack(), &views[1..], &lights());
+        kept.prepare(&panel.stack(), &views[1..], &lights()[..2]);
+        let stack = panel.stack();
         kept.prepare(&stack, &views, &lights());
         let mut fresh = Kernel::new(sized(0, 1));
         fresh.prepare(&stack, &views, &lights());
@@ -342,12 +342,12 @@ fn reused_kernel_is_bit_identical_to_new_one() {
 #[test]
 fn kernel_under_stronger_front_than_prepared_is_correct() {
     let mut faint = panel(diffuser(0.08, 0.9, 0.1), fringes(Nodes::Cosines(33)));
-    faint.front = front(&[(0.005, 0.0)], false);
+    faint.front = front(&[(0.005, 0.0)]);
     let mut strong = faint.clone();
-    strong.front = front(&[(0.3, 0.0)], false);
+    strong.front = front(&[(0.3, 0.0)]);
     let mut kernel = Kernel::new(0);
-    kernel.prepare(&Stack::Panel(faint), &[view(8.0)], &lights());
-    let found = kernel.estimate(&Stack::Panel(strong.clone()), 0);
+    kernel.prepare(&faint.stack(), &[view(8.0)], &lights());
+    let found = kernel.estimate(&strong.stack(), 0);
     assert_eq!(found, solve(&strong, view(8.0), &lights(), 0));
 }
 
@@ -357,11 +357,11 @@ fn dispersive_glass_equals_glass_of_each_index() {
     let indices: Vec<f64> = (0..30).map(|k| 1.5 + 0.001 * f64::from(k)).collect();
     for base in [fringes(Nodes::Cosines(33)), lambertian(0.7)] {
         let mut stack = panel(diffuser(0.08, 0.9, 0.2), base.clone());
-        stack.front = front(&[(0.02, 0.0)], false);
+        stack.front = front(&[(0.02, 0.0)]);
         let bins = indices.len();
         let mut many = stack.clone();
         let all = |value: f64| vec![value; bins];
-        many.front = Front::exact(bins, [(&all(0.02)[..], &all(0.0)[..])]);
+        many.front = Front::of([(&all(0.02)[..], &all(0.0)[..])]);
         many.top = Top::Diffuser(Diffuser {
             lobe: Lobe::KCorrelation { width: 0.08 },
             transmittance: all(0.9).into(),
@@ -443,7 +443,7 @@ fn view_over_fringes_equals_quadrature() {
         assert!((found - mean).abs() < 1e-6, "level {level}: {found} against {mean}");
         // The same display as general layers.
         let layers = vec![Layer { interface: Interface::IdealAr, medium: stack.medium.clone() }];
-        let layered = Stack::Layered(Layered { layers, base: stack.base.clone() });
+        let layered = Stack::general(layers, stack.base.clone());
         let mut kernel = Kernel::new(level);
         kernel.prepare(&layered, &[eye], &[Source::Diffuse]);
         assert!(kernel.serves(&layered));

@@ -8,8 +8,7 @@ use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::specular_image;
 use papilio_transport::walk::Walk;
 use papilio_transport::{
-    AngularTable, Base, Cone, CosinePanels, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack,
-    Top,
+    AngularTable, Base, Cone, CosinePanels, Diffuser, Front, Medium, Nodes, Reflector, Source, Top,
 };
 
 /// Compares `rho` under the last source, over seeds, with the expected value.
@@ -56,7 +55,7 @@ fn double_pass_with_regular_fraction_equals_closed_form() {
     let scattered = 2.0 * s * (1.0 - s) * density(width) + (1.0 - s).powi(2) * density(2.0 * width);
     let truth = std::f64::consts::PI * t * t * 0.7 * scattered;
     check("straight-through", &stack, view(8.0), &[Source::Beam(beam)], 256, truth);
-    let image = specular_image(&Stack::Panel(stack.clone()), beam);
+    let image = specular_image(&stack.stack(), beam);
     assert!((image.base[0] - (s * t).powi(2) * 0.7).abs() < 1e-15 && image.front[0] == 0.0);
 }
 
@@ -170,21 +169,23 @@ fn gauss_legendre_12() -> Vec<(f64, f64)> {
 fn front_of_screen_exact_and_first_order() {
     let components = [(0.04, 0.01), (0.01, 0.005), (0.02, 0.0)];
     let reversed: Vec<(f64, f64)> = components.iter().rev().copied().collect();
-    let below = front(&reversed, false).reflectance_above[0];
+    let pairs = |components: &[(f64, f64)]| components.iter().map(|(r, a)| ([*r], [*a])).collect::<Vec<_>>();
+    let (reversed, pairs) = (pairs(&reversed), pairs(&components));
+    let below = Front::exact(1, reversed.iter().map(|(r, a)| (&r[..], &a[..]))).reflectance_above[0];
+    let exactly = Front::exact(1, pairs.iter().map(|(r, a)| (&r[..], &a[..])));
     let mut stack = panel(Top::IdealAr, mirror(0.4));
-    stack.front = front(&components, false);
+    stack.front = front(&components);
     let (t, r) = (0.918_299, 0.066_572);
-    let exact =
-        stack.front.reflectance_above[0] + stack.front.transmittance[0].powi(2) * 0.4 / (1.0 - below * 0.4);
+    let exact = exactly.reflectance_above[0] + exactly.transmittance[0].powi(2) * 0.4 / (1.0 - below * 0.4);
     assert!((exact - (r + t * t * 0.4 / (1.0 - below * 0.4))).abs() < 2e-6);
     check("front, exact", &stack, view(8.0), &[Source::Diffuse], 1024, exact);
-    stack.front = front(&components, true);
     stack.single_pass = true;
-    let first_order = stack.front.reflectance_above[0] + stack.front.transmittance[0].powi(2) * 0.4;
+    let once = Front::first_order(1, pairs.iter().map(|(r, a)| (&r[..], &a[..])));
+    let first_order = once.reflectance_above[0] + once.transmittance[0].powi(2) * 0.4;
     assert!((first_order - (0.066_538 + 0.917_035_f64.powi(2) * 0.4)).abs() < 2e-6);
     // Light that the front sends back down is not followed: the ledger contains it as unaccounted.
     let e = &replicates(&stack, view(8.0), &[Source::Diffuse], 0, 16, Sampler::Random)[0].ledger;
-    let sent_back = stack.front.transmittance[0] * 0.4 * stack.front.reflectance_below[0];
+    let sent_back = once.transmittance[0] * 0.4 * once.reflectance_below[0];
     assert!((e.unaccounted[0] - sent_back).abs() < 1e-12 && sent_back > 0.02);
     assert!((e.returned[0] + e.front[0] + e.pixel[0] + e.unaccounted[0] - 1.0).abs() < 1e-12);
     check("front, first order", &stack, view(8.0), &[Source::Diffuse], 16, first_order);
@@ -195,7 +196,7 @@ fn front_of_screen_exact_and_first_order() {
 #[test]
 fn recycled_light_equals_closed_form() {
     let mut stack = panel(diffuser_white(), mirror(0.4));
-    stack.front = front(&[(0.04, 0.0)], false);
+    stack.front = front(&[(0.04, 0.0)]);
     let exact = 0.04 + 0.96 * 0.96 * 0.4 / (1.0 - 0.04 * 0.4);
     check("recycling", &stack, view(0.0), &[Source::Diffuse], 1024, exact);
     assert!((1.0_f64 / (1.0 - 0.04 * 0.4) - 1.016).abs() < 5e-4);
@@ -209,7 +210,7 @@ fn diffuser_white() -> Top {
 /// Lossless layers return all light, whatever they do to directions.
 #[test]
 fn lossless_layers_return_all_light() {
-    let fronts = [Front::none(1), front(&[(0.04, 0.0), (0.1, 0.0)], false)];
+    let fronts = [front(&[]), front(&[(0.04, 0.0), (0.1, 0.0)])];
     for (k, front) in fronts.into_iter().enumerate() {
         for (name, top, base) in [
             ("fresnel, mirror", Top::Fresnel(one(1.5)), mirror(1.0)),
@@ -237,7 +238,7 @@ fn ledger_sums_to_one() {
         ("coated, mirror", Top::IdealAr, mirror(0.3)),
     ] {
         let mut stack = panel(top, base);
-        stack.front = front(&[(0.2, 0.05), (0.1, 0.02)], false);
+        stack.front = front(&[(0.2, 0.05), (0.1, 0.02)]);
         let unaccounted = |seed| {
             let estimates = replicates(&stack, view(30.0), &[Source::Diffuse], seed, 512, Sampler::Sobol);
             for e in &estimates {
@@ -262,7 +263,7 @@ fn exchanged_view_and_source_give_the_same_value() {
         ("fresnel, Lambertian", Top::Fresnel(one(1.5)), lambertian(0.9)),
     ] {
         let mut stack = panel(top, base);
-        stack.front = front(&[(0.3, 0.05)], false);
+        stack.front = front(&[(0.3, 0.05)]);
         let one_way = |reader: f64, lamp: f64, seed| {
             let beam = Source::Beam(Beta::from_source(lamp, 40.0, 1.0));
             let reader = Cone::new(reader, 0.0, 0.0, 1.0);
@@ -287,7 +288,7 @@ fn dispersive_medium_agrees_with_constant_one() {
         let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-15.0, 0.0, 1.0))];
         let constant = panel(diffuser(0.2, 0.9, regular_fraction), base.clone());
         let mut two_bins = constant.clone();
-        two_bins.front = Front::none(2);
+        two_bins.front = front(&[]);
         two_bins.medium = Medium::new(vec![1.5, 1.5 + 1e-9].into());
         let Top::Diffuser(d) = &mut two_bins.top else { unreachable!() };
         d.transmittance = vec![0.9; 2].into();
@@ -319,8 +320,8 @@ fn dispersive_medium_agrees_with_constant_one() {
 fn sums_of_split_calls_are_bit_identical() {
     for base in [mirror(0.8), in_panels()] {
         let mut stack = panel(diffuser(0.06, 0.9, 0.0), base);
-        stack.front = front(&[(0.1, 0.05)], false);
-        let stack = Stack::Panel(stack);
+        stack.front = front(&[(0.1, 0.05)]);
+        let stack = stack.stack();
         let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-15.0, 0.0, 1.0))];
         let walk = Walk::new(&stack, view(8.0), &sources);
         let numbers = SampleStream::new(Sampler::Sobol, 3, 0);

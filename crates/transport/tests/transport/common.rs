@@ -5,7 +5,8 @@ use papilio_spectra::Spectrum;
 pub(crate) use papilio_testing::{assert_unbiased, assert_unbiased_over, everyday, mean_and_error, sized};
 use papilio_transport::walk::Walk;
 use papilio_transport::{
-    AngularTable, Base, Cone, Estimate, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
+    AngularTable, Approximation, Base, Component, Cone, Estimate, Interface, Layer, Medium, Nodes, Reflector,
+    Source, Stack, Top,
 };
 
 pub(crate) const REPLICATES: u64 = 32;
@@ -29,15 +30,67 @@ pub(crate) fn lambertian(reflectance: f64) -> Base {
     Base { reflector: Reflector::Lambertian(vec![reflectance]), inactive_absorptance: one(0.0) }
 }
 
+/// An ordinary panel, which tests change part by part; [`Self::stack`] writes it as layers.
+#[derive(Debug, Clone)]
+pub(crate) struct Panel {
+    pub(crate) front: Front,
+    pub(crate) top: Top,
+    pub(crate) medium: Medium,
+    pub(crate) base: Base,
+    pub(crate) single_pass: bool,
+}
+
+/// Components of a front of screen, outermost first.
+#[derive(Debug, Clone)]
+pub(crate) struct Front(Vec<Component>);
+
+impl Front {
+    pub(crate) fn none() -> Self {
+        Self(Vec::new())
+    }
+
+    /// A front of components (R, A), by wavelength.
+    pub(crate) fn of<'a>(components: impl IntoIterator<Item = (&'a [f64], &'a [f64])>) -> Self {
+        let spectrum = |values: &[f64]| Spectrum::from(values.to_vec());
+        let component = |(reflectance, absorptance)| Component {
+            reflectance: spectrum(reflectance),
+            absorptance: spectrum(absorptance),
+        };
+        Self(components.into_iter().map(component).collect())
+    }
+}
+
+impl Panel {
+    /// The stack of its layers, which is an ordinary panel for both solvers.
+    pub(crate) fn stack(&self) -> Stack {
+        let air = Medium::new(vec![1.0; self.base.bins()].into());
+        let in_air =
+            |one: &Component| Layer { interface: Interface::Component(one.clone()), medium: air.clone() };
+        let interface = match &self.top {
+            Top::IdealAr => Interface::IdealAr,
+            Top::Fresnel(index) => {
+                assert_eq!(index, self.medium.index(), "the face is that of the medium");
+                Interface::Fresnel
+            }
+            Top::Diffuser(diffuser) => Interface::Diffuser(diffuser.clone()),
+        };
+        let mut layers: Vec<Layer> = self.front.0.iter().map(in_air).collect();
+        layers.push(Layer { interface, medium: self.medium.clone() });
+        let approximation = Approximation { single_pass: self.single_pass, unrefracted: false };
+        let stack = Stack::approximated(layers, self.base.clone(), approximation).unwrap();
+        assert!(stack.panel().is_some());
+        stack
+    }
+}
+
 /// A panel in glass of index 1.5 without front.
 pub(crate) fn panel(top: Top, base: Base) -> Panel {
-    Panel { front: Front::none(1), top, medium: Medium::new(one(1.5)), base, single_pass: false }
+    Panel { front: Front::none(), top, medium: Medium::new(one(1.5)), base, single_pass: false }
 }
 
 /// A front of screen from components (R, A).
-pub(crate) fn front(components: &[(f64, f64)], first_order: bool) -> Front {
-    let components = components.iter().map(|(r, a)| (std::slice::from_ref(r), std::slice::from_ref(a)));
-    if first_order { Front::first_order(1, components) } else { Front::exact(1, components) }
+pub(crate) fn front(components: &[(f64, f64)]) -> Front {
+    Front::of(components.iter().map(|(r, a)| (std::slice::from_ref(r), std::slice::from_ref(a))))
 }
 
 pub(crate) fn view(theta_deg: f64) -> Cone {
@@ -53,10 +106,10 @@ pub(crate) fn replicates(
     paths: u64,
     sampler: Sampler,
 ) -> Vec<Estimate> {
-    replicates_of(&Stack::Panel(stack.clone()), view, sources, seed, paths, sampler)
+    replicates_of(&stack.stack(), view, sources, seed, paths, sampler)
 }
 
-/// The same for a display in either form.
+/// The same for any stack.
 pub(crate) fn replicates_of(
     stack: &Stack,
     view: Cone,

@@ -1,12 +1,11 @@
 //! Panels by *adding* at one or two wavelengths: blocks of wavelengths that are not full.
 
+use crate::common::{Front, Panel};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_spectra::Spectrum;
 use papilio_transport::adding::Kernel;
-use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
-};
+use papilio_transport::{AngularTable, Base, Cone, Diffuser, Medium, Nodes, Reflector, Source, Stack, Top};
 
 /// A mirror of two states, with the same spectrum at all wavelengths, under a diffuser and a front.
 fn panel(bins: usize, front: f64, regular_fraction: f64) -> Stack {
@@ -16,13 +15,14 @@ fn panel(bins: usize, front: f64, regular_fraction: f64) -> Stack {
     let table =
         AngularTable { nodes: Nodes::Cosines(33), basis, mixture: vec![1.0, 0.3], common: vec![0.1; bins] };
     let lobe = Lobe::KCorrelation { width: 0.1 };
-    Stack::Panel(Panel {
-        front: Front::exact(bins, [(&*all(front), &*all(0.0))]),
+    Panel {
+        front: Front::of([(&*all(front), &*all(0.0))]),
         top: Top::Diffuser(Diffuser { lobe, transmittance: all(0.9), regular_fraction }),
         medium: Medium::new(all(1.5)),
         base: Base { reflector: Reflector::Specular(table), inactive_absorptance: all(0.02) },
         single_pass: false,
-    })
+    }
+    .stack()
 }
 
 /// Every wavelength equals its result alone; faint fronts use forms, strong ones are summed column by

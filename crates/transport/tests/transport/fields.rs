@@ -11,8 +11,8 @@ use papilio_optics::lobe::Lobe;
 use papilio_sampling::Sampler;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    AngularTable, Cone, Diffuser, Edge, Field, Interface, Nodes, Panel, Radiance, Reflector, Source, Stack,
-    Top, specular_image,
+    AngularTable, Cone, Diffuser, Edge, Field, Interface, Nodes, Radiance, Reflector, Source, Stack, Top,
+    specular_image,
 };
 
 fn source(field: Field) -> Source {
@@ -44,17 +44,17 @@ fn top(width: f64, regular_fraction: f64) -> Top {
 
 /// A panel with a front that sends light back.
 fn with_front(top: Top, base: papilio_transport::Base) -> Panel {
-    Panel { front: front(&[(0.04, 0.01)], false), ..panel(top, base) }
+    Panel { front: front(&[(0.04, 0.01)]), ..panel(top, base) }
 }
 
 fn stacks() -> Vec<(&'static str, Stack, f64)> {
     vec![
-        ("bare mirror", Stack::Panel(panel(Top::Fresnel(one(1.5)), mirror(0.5))), 1e-6),
-        ("bare Lambertian", Stack::Panel(with_front(Top::Fresnel(one(1.5)), lambertian(0.5))), 1e-6),
-        ("diffused", Stack::Panel(with_front(top(0.06, 0.0), mirror(0.5))), 1e-4),
-        ("narrow", Stack::Panel(panel(top(0.02, 0.0), mirror(0.5))), 1e-4),
-        ("straight-through", Stack::Panel(with_front(top(0.1, 0.2), mirror(0.5))), 1e-4),
-        ("diffused Lambertian", Stack::Panel(with_front(top(0.1, 0.2), lambertian(0.5))), 1e-5),
+        ("bare mirror", panel(Top::Fresnel(one(1.5)), mirror(0.5)).stack(), 1e-6),
+        ("bare Lambertian", with_front(Top::Fresnel(one(1.5)), lambertian(0.5)).stack(), 1e-6),
+        ("diffused", with_front(top(0.06, 0.0), mirror(0.5)).stack(), 1e-4),
+        ("narrow", panel(top(0.02, 0.0), mirror(0.5)).stack(), 1e-4),
+        ("straight-through", with_front(top(0.1, 0.2), mirror(0.5)).stack(), 1e-4),
+        ("diffused Lambertian", with_front(top(0.1, 0.2), lambertian(0.5)).stack(), 1e-5),
         (
             "layers",
             stack(
@@ -75,10 +75,10 @@ fn stacks() -> Vec<(&'static str, Stack, f64)> {
 #[test]
 fn views_prepared_together_equal_views_alone() {
     let stacks = [
-        (Stack::Panel(with_front(top(0.06, 0.0), mirror(0.5))), 2e-5),
-        (Stack::Panel(with_front(top(0.1, 0.2), mirror(0.5))), 1e-4),
-        (Stack::Panel(panel(top(0.02, 0.0), mirror(0.5))), 2e-5),
-        (Stack::Panel(with_front(top(0.1, 0.2), lambertian(0.5))), 1e-5),
+        (with_front(top(0.06, 0.0), mirror(0.5)).stack(), 2e-5),
+        (with_front(top(0.1, 0.2), mirror(0.5)).stack(), 1e-4),
+        (panel(top(0.02, 0.0), mirror(0.5)).stack(), 2e-5),
+        (with_front(top(0.1, 0.2), lambertian(0.5)).stack(), 1e-5),
     ];
     let sources = [
         Source::Diffuse,
@@ -152,11 +152,11 @@ fn lambertian_display_has_same_reflectance_under_every_field() {
     let seen: Vec<f64> = fields
         .iter()
         .map(|field| {
-            rho(&estimate(1, &Stack::Panel(air(lambertian(0.6))), view(8.0), std::slice::from_ref(field)), 0)
+            rho(&estimate(1, &air(lambertian(0.6)).stack(), view(8.0), std::slice::from_ref(field)), 0)
         })
         .collect();
     assert!(seen.iter().all(|rho| (rho - 0.6).abs() < 1e-9), "{seen:?}");
-    let over_mirror = Stack::Panel(panel(scatters, mirror(0.7)));
+    let over_mirror = panel(scatters, mirror(0.7)).stack();
     let mut sources = vec![Source::Diffuse];
     sources.extend(fields);
     let found = estimate(1, &over_mirror, view(25.0), &sources);
@@ -220,7 +220,7 @@ fn monte_carlo_agrees_with_adding() {
     for (name, stack, _) in stacks() {
         // The noise of the paths is larger than the error of level 1.
         let truth = estimate(sized(1, 2), &stack, eye, &sources);
-        let paths = if matches!(stack, Stack::Panel(_)) { sized(128, 256) } else { sized(32, 64) };
+        let paths = if stack.panel().is_some() { sized(128, 256) } else { sized(32, 64) };
         // Each seed is traced once.
         let runs = RefCell::new(HashMap::new());
         for i in 1..3 {
@@ -275,7 +275,7 @@ fn images_of_nonuniform_light_equal_means_over_view() {
     let Source::Field(field) = &slope else { unreachable!() };
     let disc = Cone::new(-40.0, 25.0, 7.0, 1.0);
     for (speed, tolerance) in [(5.0, 1e-9), (120.0, 2e-7)] {
-        let stack = Stack::Panel(panel(Top::IdealAr, fringes(speed)));
+        let stack = panel(Top::IdealAr, fringes(speed)).stack();
         for half in [0.5, 2.0, 5.0] {
             let (theta, phi) = (40.0, 25.0);
             let view = Cone::new(theta, phi, half, 1.0);

@@ -14,8 +14,8 @@ use papilio_spectra::Spectrum;
 use papilio_transport::adding::{self, LayeredSpread, NotCovered, Seen};
 use papilio_transport::walk::places::{KernelTally, PlacedWalk, What};
 use papilio_transport::{
-    AngularTable, Base, Component, Cone, Diffuser, Field, Interface, Layer, Layered, Medium, Nodes,
-    Reflector, ScatterFace, ScatterKernel, Scattering, Source, Stack,
+    AngularTable, Base, Component, Cone, Diffuser, Field, Interface, Layer, Medium, Nodes, Reflector,
+    ScatterFace, ScatterKernel, Scattering, Source, Stack,
 };
 
 use crate::common::{everyday, lambertian, mean_and_error, mirror, one, sized, view};
@@ -28,28 +28,28 @@ fn lobe(width: f64, regular_fraction: f64) -> Interface {
     Interface::Diffuser(Diffuser { lobe, transmittance: one(0.9), regular_fraction })
 }
 
-fn stack(layers: impl IntoIterator<Item = (Interface, f64)>, base: Base) -> Layered {
+fn stack(layers: impl IntoIterator<Item = (Interface, f64)>, base: Base) -> Stack {
     let layer = |(interface, index)| Layer { interface, medium: Medium::new(one(index)) };
-    Layered { layers: layers.into_iter().map(layer).collect(), base }
+    Stack::general(layers.into_iter().map(layer).collect(), base)
 }
 
 /// Transfer of each state relative to that at frequency 0; `[source][state][frequency]`.
 fn transfer(
-    stack: &Layered,
+    stack: &Stack,
     lengths_mm: &[f64],
     (view, sources): (Cone, &[Source]),
     frequencies: &[[f64; 2]],
     level: u32,
 ) -> Result<Vec<Vec<Vec<[f64; 2]>>>, NotCovered> {
     let spread = LayeredSpread::new(stack, lengths_mm, view, sources, level, &GO_ON)?;
-    let bins = stack.base.bins();
+    let bins = stack.base().bins();
     // Of a single wavelength the light without regard to places cancels.
     let via_pixel = if bins == 1 {
-        vec![vec![1.0; stack.base.states()]; sources.len()]
+        vec![vec![1.0; stack.base().states()]; sources.len()]
     } else {
-        let (mut kernel, whole) = (adding::Kernel::new(1), Stack::Layered(stack.clone()));
-        kernel.prepare(&whole, &[view], sources);
-        kernel.seen(&whole, 0).into_iter().map(|rho| rho.via_pixel).collect()
+        let mut kernel = adding::Kernel::new(1);
+        kernel.prepare(stack, &[view], sources);
+        kernel.seen(stack, 0).into_iter().map(|rho| rho.via_pixel).collect()
     };
     let seen = |source: usize| Seen { source, weights: &WEIGHTS[..bins], via_pixel: &via_pixel[source] };
     let mut all = vec![[0.0; 2]];
@@ -66,7 +66,7 @@ fn transfer(
 const WEIGHTS: [f64; 2] = [1.0, 0.6];
 
 /// A display, its lengths in mm and how many paths of each replicate are compared with.
-type Case = (&'static str, Layered, Vec<f64>, u64);
+type Case = (&'static str, Stack, Vec<f64>, u64);
 
 /// Compares transfer by adding, at levels 0 and 1, with that of 16 replicates of paths.
 fn compare(
@@ -77,7 +77,7 @@ fn compare(
 ) {
     let levels =
         [0, 1].map(|level| transfer(stack, lengths_mm, (seen, sources), frequencies, level).unwrap());
-    let (states, bins) = (stack.base.states(), stack.base.bins());
+    let (states, bins) = (stack.base().states(), stack.base().bins());
     let tally = KernelTally {
         frequencies_per_mm: [&[[0.0; 2]], frequencies].concat(),
         channels: vec![vec![WEIGHTS[..bins].to_vec()]; sources.len()],
@@ -156,7 +156,7 @@ fn two_narrow_lobes_along_the_normal_act_as_one() {
     let one = stack([(lobe(0.07, 0.0), 1.5)], mirror(0.8));
     let two = stack([(lobe(0.04, 0.0), 1.5), (lobe(0.03, 0.0), 1.5)], mirror(0.8));
     let (frequencies, sources) = ([[2.0, 0.0], [8.0, 0.0]], [Source::Diffuse]);
-    let of = |stack: &Layered, lengths: &[f64], level: u32| {
+    let of = |stack: &Stack, lengths: &[f64], level: u32| {
         transfer(stack, lengths, (view(0.0), &sources), &frequencies, level).unwrap()[0][0].clone()
     };
     let expected = of(&one, &[0.2], 1);
@@ -200,7 +200,7 @@ fn transfer_of_colours_and_fields_equals_that_of_paths() {
     let two = |value: f64| Spectrum::from(vec![value; 2]);
     let of_film = |layers: Vec<(Interface, f64)>| {
         let layer = |(interface, index)| Layer { interface, medium: Medium::new(two(index)) };
-        Layered { layers: layers.into_iter().map(layer).collect(), base: film() }
+        Stack::general(layers.into_iter().map(layer).collect(), film())
     };
     let diffuser = |width: f64| {
         let lobe = Lobe::KCorrelation { width };
@@ -252,13 +252,15 @@ fn ghosts_have_their_closed_form() {
 #[test]
 fn light_that_is_not_covered_is_refused() {
     let lengths = [0.1, 0.2, 0.2];
-    let refused = |stack: &Layered| {
+    let refused = |stack: &Stack| {
         let sources = [Source::Diffuse];
-        LayeredSpread::new(stack, &lengths[..stack.layers.len()], view(0.0), &sources, 0, &GO_ON).err()
+        LayeredSpread::new(stack, &lengths[..stack.layers().len()], view(0.0), &sources, 0, &GO_ON).err()
     };
-    let mut slab = stack([(Interface::Fresnel, 1.5)], lambertian(0.5));
+    let slab = stack([(Interface::Fresnel, 1.5)], lambertian(0.5));
     let scattering = Scattering { optical_thickness: 1.0, anisotropy: 0.5, albedo: one(1.0) };
-    slab.layers[0].medium = slab.layers[0].medium.clone().with_scattering(scattering);
+    let mut layers = slab.layers().to_vec();
+    layers[0].medium = layers[0].medium.clone().with_scattering(scattering);
+    let slab = Stack::general(layers, slab.base().clone());
     assert_eq!(refused(&slab), Some(NotCovered::Slab));
     // A matt diffuser between two mirrors that hardly transmit light.
     let foil = |reflectance: f64| {

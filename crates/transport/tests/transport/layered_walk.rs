@@ -12,12 +12,12 @@ use papilio_spectra::Spectrum;
 use papilio_transport::adding::Kernel;
 use papilio_transport::walk::Walk;
 use papilio_transport::{
-    AngularTable, Base, Component, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Panel,
-    Reflector, Scattering, Source, Stack, Top, specular_image,
+    AngularTable, Base, Component, Cone, Diffuser, Estimate, Interface, Layer, Medium, Nodes, Reflector,
+    Scattering, Source, Stack, Top, specular_image,
 };
 
 fn layered(layers: Vec<Layer>, base: Base) -> Stack {
-    Stack::Layered(Layered { layers, base })
+    Stack::general(layers, base)
 }
 
 fn layer(interface: Interface, medium: Medium) -> Layer {
@@ -90,7 +90,7 @@ fn beam(theta_deg: f64) -> Source {
 
 /// A panel and the same display as layers, with a front of these components.
 fn both_forms(mut panel: Panel, components: &[(f64, f64)]) -> (Stack, Stack) {
-    panel.front = front(components, false);
+    panel.front = front(components);
     let mut layers: Vec<Layer> = components.iter().map(|&(r, a)| layer(sheet(r, a), clear(1.0))).collect();
     let interface = match &panel.top {
         Top::IdealAr => Interface::IdealAr,
@@ -99,7 +99,7 @@ fn both_forms(mut panel: Panel, components: &[(f64, f64)]) -> (Stack, Stack) {
     };
     layers.push(layer(interface, panel.medium.clone()));
     let base = panel.base.clone();
-    (Stack::Panel(panel), layered(layers, base))
+    (panel.stack(), layered(layers, base))
 }
 
 /// Without scattering nothing is random: image, diffuse light and ledger in closed form.

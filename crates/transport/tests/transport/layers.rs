@@ -8,7 +8,7 @@ use papilio_optics::lobe::Lobe;
 use papilio_sampling::Sampler;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    Base, Component, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Scattering, Source, Stack,
+    Base, Component, Cone, Diffuser, Estimate, Interface, Layer, Medium, Scattering, Source, Stack,
 };
 
 use crate::common::{assert_unbiased, mean_and_error, one, replicates_of, sized};
@@ -24,7 +24,7 @@ pub(crate) fn slab(thickness: f64, anisotropy: f64, albedo: f64, index: f64) -> 
 
 pub(crate) fn stack<const N: usize>(layers: [(Interface, Medium); N], base: Base) -> Stack {
     let layers = layers.into_iter().map(|(interface, medium)| Layer { interface, medium }).collect();
-    Stack::Layered(Layered { layers, base })
+    Stack::general(layers, base)
 }
 
 pub(crate) fn diffuser(width: f64, transmittance: f64, regular_fraction: f64) -> Interface {

@@ -4,8 +4,8 @@
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::{Distribution, Rough};
 use papilio_transport::{
-    AngularTable, Base, Component, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Reflector,
-    Source, Stack,
+    AngularTable, Base, Component, Diffuser, Estimate, Interface, Layer, Medium, Nodes, Reflector, Source,
+    Stack,
 };
 
 use crate::common::{everyday, sized, view};
@@ -44,7 +44,7 @@ fn display(alpha: f64, air: bool, bins: &[usize], states: &[f64]) -> Stack {
     if air {
         layers.insert(0, Layer { interface: Interface::Open, medium: medium(1.0, bins) });
     }
-    Stack::Layered(Layered { layers, base: film(bins, states) })
+    Stack::general(layers, film(bins, states))
 }
 
 /// The film under a cover glass with a diffuser below it and a foil that reflects differently at each wavelength.
@@ -61,7 +61,7 @@ fn covered(bins: &[usize], states: &[f64]) -> Stack {
         layer(Interface::Diffuser(diffuser), 1.0),
         layer(Interface::Fresnel, 1.5),
     ];
-    Stack::Layered(Layered { layers, base: film(bins, states) })
+    Stack::general(layers, film(bins, states))
 }
 
 fn estimates(level: u32, stack: &Stack) -> Vec<Estimate> {

@@ -5,18 +5,17 @@
 use std::sync::Arc;
 
 use crate::common::{self, one};
+use crate::common::{Front, Panel};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::adding::{Kernel, error_over_difference};
-use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Field, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
-};
+use papilio_transport::{AngularTable, Base, Cone, Diffuser, Field, Medium, Nodes, Reflector, Source, Top};
 
 /// A panel, its view, and the fraction of diffuse light besides a beam.
 struct Case {
     name: String,
-    stack: Stack,
+    panel: Panel,
     view: Cone,
     beam: Source,
     diffuse: f64,
@@ -37,7 +36,7 @@ fn case(number: u64) -> Case {
     let (light_deg, phi_deg) = (between(4, 0.0, 75.0), between(5, 0.0, 360.0));
     let lobe = Lobe::KCorrelation { width };
     let panel = Panel {
-        front: Front::exact(1, std::iter::once((&[reflectance][..], &[0.0][..]))),
+        front: Front::of(std::iter::once((&[reflectance][..], &[0.0][..]))),
         top: Top::Diffuser(Diffuser { lobe, transmittance: one(0.95), regular_fraction }),
         medium: Medium::new(one(between(6, 1.3, 1.8))),
         base: mirror([between(7, 0.05, 0.5), between(8, 0.0, 0.4), between(9, 0.5, 6.0)]),
@@ -47,7 +46,7 @@ fn case(number: u64) -> Case {
         name: format!(
             "{number}: b {width:.4}, s {regular_fraction:.2}, r {reflectance:.3}, from {light_deg:.0} deg"
         ),
-        stack: Stack::Panel(panel),
+        panel,
         view: Cone::new(view_deg, 0.0, 0.0, 1.0),
         beam: Source::Beam(Beta::from_source(light_deg, phi_deg, 1.0)),
         diffuse: dice[10],
@@ -69,8 +68,9 @@ fn mirror([level, swing, speed]: [f64; 3]) -> Base {
 impl Case {
     fn seen(&self, level: u32) -> f64 {
         let mut kernel = Kernel::new(level);
-        kernel.prepare(&self.stack, &[self.view], &[Source::Diffuse, self.beam.clone()]);
-        let estimate = kernel.estimate(&self.stack, 0);
+        let stack = self.panel.stack();
+        kernel.prepare(&stack, &[self.view], &[Source::Diffuse, self.beam.clone()]);
+        let estimate = kernel.estimate(&stack, 0);
         let [diffuse, beam] = [0, 1].map(|source| common::rho(&estimate, source));
         self.diffuse * diffuse + (1.0 - self.diffuse) * beam
     }
@@ -80,7 +80,7 @@ impl Case {
 fn errors_do_not_exceed_claimed_errors() {
     for number in 0..common::sized(12, 24) {
         let case = case(number);
-        let times = error_over_difference(&case.stack, &[Source::Diffuse, case.beam.clone()]);
+        let times = error_over_difference(&case.panel.stack(), &[Source::Diffuse, case.beam.clone()]);
         assert!(times > 1.0, "{}", case.name);
         let [coarse, fine, truth] = [0, 1, 3].map(|level| case.seen(level));
         let claimed = times * (coarse / fine - 1.0).abs();
@@ -99,12 +99,12 @@ fn oblique_views_equal_monte_carlo_within_claimed_errors() {
         [(0, 30.0, -20.0, 0.05), (1, 60.0, -35.0, 0.3), (2, 78.0, 20.0, 0.15), (3, 70.0, -60.0, 0.02)]
     {
         let case = case(number);
-        let Stack::Panel(mut panel) = case.stack else { unreachable!("cases are panels") };
-        panel.front = common::front(&[(reflectance, 0.0)], false);
+        let mut panel = case.panel;
+        panel.front = common::front(&[(reflectance, 0.0)]);
         let (view, light) = (common::view(view_deg), Beta::from_source(light_deg, 25.0, 1.0));
         let sources = [Source::Diffuse, Source::Beam(light)];
         let walked = common::replicates(&panel, view, &sources, number, 4096, Sampler::Sobol);
-        let stack = Stack::Panel(panel);
+        let stack = panel.stack();
         let of_level = |level: u32| {
             let mut kernel = Kernel::new(level);
             kernel.prepare(&stack, &[view], &sources);
@@ -131,11 +131,11 @@ fn fields_equal_monte_carlo_within_claimed_errors() {
     let (field, _) = Field::new(&edges, 16, (0..12 * 16).map(radiance).collect()).expect("it is lit");
     let source = Source::Field(Arc::new(field));
     for (number, view_deg, reflectance) in [(0, 20.0, 0.3), (1, 65.0, 0.15), (2, 0.0, 0.02)] {
-        let Stack::Panel(mut panel) = case(number).stack else { unreachable!("cases are panels") };
-        panel.front = common::front(&[(reflectance, 0.0)], false);
+        let mut panel = case(number).panel;
+        panel.front = common::front(&[(reflectance, 0.0)]);
         let (view, sources) = (common::view(view_deg), [source.clone()]);
         let walked = common::replicates(&panel, view, &sources, number, 4096, Sampler::Sobol);
-        let stack = Stack::Panel(panel);
+        let stack = panel.stack();
         let [coarse, fine] = [0, 1].map(|level| {
             let mut kernel = Kernel::new(level);
             kernel.prepare(&stack, &[view], &sources);

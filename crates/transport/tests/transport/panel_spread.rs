@@ -4,13 +4,12 @@
 use std::sync::Arc;
 
 use super::common::{everyday, mirror, panel as one_bin, sized, view};
+use crate::common::{Front, Panel};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{Accuracy, PanelSpread};
-use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Field, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
-};
+use papilio_transport::{AngularTable, Base, Cone, Diffuser, Field, Medium, Nodes, Reflector, Source, Top};
 
 /// Two states, three wavelengths.
 const BINS: usize = 3;
@@ -63,11 +62,12 @@ fn worst_of(
     lengths: &[f64],
     accuracy: Accuracy,
 ) -> Vec<f64> {
-    let stack = Stack::Panel(panel.clone());
+    let stack = panel.stack();
     let mut kernel = Kernel::new(sized(2, 3));
     kernel.prepare(&stack, &[view], sources);
     let rho = kernel.seen(&stack, 0);
     let error = |(source, rho): (&Source, &papilio_transport::ReflectanceFactor)| {
+        let panel = stack.panel().unwrap();
         let spread = PanelSpread::new(panel, lengths, &view, source, accuracy).unwrap();
         let found = spread.transfer(panel, &[[0.0, 0.0]]);
         let most = rho.via_pixel.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -88,7 +88,7 @@ fn mean_of_bare_panels_is_todays_reflectance_in_all_orders() {
     let glass: Vec<f64> = vec![1.52, 1.5, 1.49];
     for top in [Top::IdealAr, Top::Fresnel(glass.clone().into())] {
         for base in [film(), paper()] {
-            for front in [Front::none(BINS), Front::exact(BINS, [(&[0.04, 0.05, 0.06][..], &[0.1; 3][..])])] {
+            for front in [Front::none(), Front::of([(&[0.04, 0.05, 0.06][..], &[0.1; 3][..])])] {
                 for view in [Cone::new(0.0, 0.0, 0.0, 1.0), Cone::new(12.0, 190.0, 2.0, 1.0)] {
                     let panel = Panel {
                         front: front.clone(),
@@ -114,7 +114,7 @@ fn mean_under_a_diffuser_is_todays_first_order() {
                 let is_slow = regular > 0.0 && base.is_specular();
                 for view in everyday(1, [Cone::new(30.0, 20.0, 1.5, 1.0), Cone::new(0.0, 0.0, 0.0, 1.0)]) {
                     let panel = Panel {
-                        front: Front::none(BINS),
+                        front: Front::none(),
                         top: diffuser(lobe, regular),
                         medium: Medium::new(glass.clone().into()),
                         base: base.clone(),
@@ -142,7 +142,7 @@ fn mean_under_a_diffuser_is_todays_first_order() {
 #[test]
 fn mean_under_a_narrow_lobe_is_todays_first_order() {
     let panel = Panel {
-        front: Front::none(BINS),
+        front: Front::none(),
         top: diffuser(Lobe::KCorrelation { width: 1e-3 }, 0.0),
         medium: Medium::new(vec![1.5; BINS].into()),
         base: film(),
@@ -159,7 +159,7 @@ fn mean_under_a_narrow_lobe_is_todays_first_order() {
 fn mean_of_paper_under_a_diffuser_and_a_front_is_todays_reflectance_in_all_orders() {
     for regular in [0.0, 0.3] {
         let panel = Panel {
-            front: Front::exact(BINS, [(&[0.04, 0.05, 0.06][..], &[0.1; 3][..])]),
+            front: Front::of([(&[0.04, 0.05, 0.06][..], &[0.1; 3][..])]),
             top: diffuser(Lobe::KCorrelation { width: 0.05667 }, regular),
             medium: Medium::new(vec![1.5; BINS].into()),
             base: paper(),
@@ -177,7 +177,7 @@ fn h78(width: f64) -> Top {
 
 fn spread(panel: &Panel, view: Cone, source: &Source, glass_mm: f64, digits: f64) -> PanelSpread {
     let accuracy = Accuracy { digits, most_per_mm: 10.0 };
-    PanelSpread::new(panel, &[glass_mm], &view, source, accuracy).unwrap()
+    PanelSpread::new(panel.stack().panel().unwrap(), &[glass_mm], &view, source, accuracy).unwrap()
 }
 
 /// H78 (b = 0.05667) over 0.5 mm of glass of index 1.5: the integral by another program.
@@ -193,7 +193,7 @@ fn modulation_of_a_lobe_is_known() {
         for axis in 0..2 {
             let frequencies =
                 [0.0, 1.0, 2.0, 5.0, 5.9055, 10.0].map(|f| if axis == 0 { [f, 0.0] } else { [0.0, f] });
-            let found = spread.transfer(&panel, &frequencies);
+            let found = spread.transfer(panel.stack().panel().unwrap(), &frequencies);
             for (value, expected) in found.iter().zip(expected) {
                 assert!((value / found[0] - expected).norm() < 1e-5, "{value} {expected}");
             }
@@ -237,18 +237,20 @@ fn paper_under_glass_has_known_transfer() {
 }
 
 fn found(spread: &PanelSpread, panel: &Panel, f: f64) -> num_complex::Complex64 {
-    spread.transfer(panel, &[[f, 0.0]])[0]
+    spread.transfer(panel.stack().panel().unwrap(), &[[f, 0.0]])[0]
 }
 
 /// A front at a distance adds halos; close to the face it is part of it.
 #[test]
 fn gap_of_the_front_moves_its_halo() {
     let panel = Panel {
-        front: super::common::front(&[(0.1, 0.0)], false),
+        front: super::common::front(&[(0.1, 0.0)]),
         ..one_bin(Top::Fresnel(vec![1.5].into()), super::common::lambertian(0.6))
     };
     let accuracy = Accuracy { digits: 14.0, most_per_mm: 3.0 };
-    let new = |gap| PanelSpread::new(&panel, &[gap, 1.0], &view(0.0), &Source::Diffuse, accuracy).unwrap();
+    let stack = panel.stack();
+    let panel = stack.panel().unwrap();
+    let new = |gap| PanelSpread::new(panel, &[gap, 1.0], &view(0.0), &Source::Diffuse, accuracy).unwrap();
     let (none, small, wide) = (new(0.0), new(1e-6), new(2.0));
     for f in [0.0, 0.05, 0.3, 1.0] {
         let [none, small, wide] = [&none, &small, &wide].map(|spread| spread.returned(f)[0]);

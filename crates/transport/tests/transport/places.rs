@@ -17,8 +17,7 @@ use papilio_transport::walk::places::{
     What,
 };
 use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Interface, Layer, Layered, Medium, Nodes, Reflector, Scattering,
-    Source,
+    AngularTable, Base, Cone, Diffuser, Interface, Layer, Medium, Nodes, Reflector, Scattering, Source, Stack,
 };
 
 use crate::common::{REPLICATES, assert_unbiased, everyday, mean_and_error, one, replicates_of, sized, view};
@@ -55,8 +54,8 @@ fn clear(index: f64) -> Medium {
     Medium::new(one(index))
 }
 
-fn over(interface: Interface, base: Base) -> Layered {
-    Layered { layers: vec![Layer { interface, medium: clear(1.5) }], base }
+fn over(interface: Interface, base: Base) -> Stack {
+    Stack::general(vec![Layer { interface, medium: clear(1.5) }], base)
 }
 
 /// States of one wavelength.
@@ -277,12 +276,11 @@ fn uniform_states_equal_the_uniform_walk() {
         ("rough over a mirror", vec![rough], mirrors(&[0.6, 0.2])),
     ];
     for (name, layers, base) in everyday(3, cases) {
-        let stack = Layered { layers, base };
-        let (lengths, pattern) = (vec![0.3; stack.layers.len()], Uniform { states: 2 });
+        let stack = Stack::general(layers, base);
+        let (lengths, pattern) = (vec![0.3; stack.layers().len()], Uniform { states: 2 });
         let seen = view(10.0);
         let what = What::Pattern(&pattern);
         let walk = PlacedWalk::new(&stack, &lengths, seen, &sources, what).unwrap();
-        let uniform = papilio_transport::Stack::Layered(stack.clone());
         let cache = RefCell::new(HashMap::new());
         for (source, image) in [(0, 0), (0, 1), (1, 0), (2, 0)] {
             assert_unbiased(&format!("{name}, source {source}, state {image}"), 1.0, 0.3, |seed| {
@@ -290,7 +288,7 @@ fn uniform_states_equal_the_uniform_walk() {
                 let (placed, today) = cache.entry(seed).or_insert_with(|| {
                     let placed = replicates(&walk, 2 * seed, sized(128, 256));
                     let today =
-                        replicates_of(&uniform, seen, &sources, 2 * seed + 1, sized(32, 64), Sampler::Sobol);
+                        replicates_of(&stack, seen, &sources, 2 * seed + 1, sized(32, 64), Sampler::Sobol);
                     (placed, today)
                 });
                 let of = |rho: &papilio_transport::ReflectanceFactor| rho.via_pixel[image] + rho.front[0];
@@ -324,8 +322,8 @@ fn bad_lengths_are_refused() {
 fn paths_in_groups_equal_single_paths() {
     let lobe = |medium| Layer { interface: Interface::Diffuser(diffuser()), medium };
     let open = Layer { interface: Interface::Open, medium: clear(1.0) };
-    let together = Layered { layers: vec![lobe(clear(1.5))], base: mirrors(&[0.9, 0.1]) };
-    let single = Layered { layers: vec![open, lobe(clear(1.5))], base: together.base.clone() };
+    let together = Stack::general(vec![lobe(clear(1.5))], mirrors(&[0.9, 0.1]));
+    let single = Stack::general(vec![open, lobe(clear(1.5))], together.base().clone());
     let sources = [Source::Diffuse, Source::Beam(Beta { x: 0.21, y: 0.05 })];
     let kernel = KernelTally {
         frequencies_per_mm: vec![[0.0; 2], [2.0, 0.0], [4.0, 0.0], [0.0, 3.0]],
@@ -350,7 +348,7 @@ fn paths_in_groups_equal_single_paths() {
         let [a, b] = [(&together, vec![0.5]), (&single, vec![0.0, 0.5])].map(|(stack, lengths)| {
             let what = if k < 2 { What::Pattern(&stripes) } else { What::Kernel(kernel.clone()) };
             let walk = PlacedWalk::new(stack, &lengths, seen, &sources, what).unwrap();
-            let paths = if stack.layers.len() == 1 { 4096 } else { 1024 };
+            let paths = if stack.layers().len() == 1 { 4096 } else { 1024 };
             mean_and_error(replicates(&walk, 11, paths).iter().map(number))
         });
         let error = a.1.hypot(b.1);

@@ -9,7 +9,7 @@ use papilio_sampling::{SampleStream, Sampler};
 use papilio_testing::Dice;
 use papilio_transport::walk::Plain;
 use papilio_transport::{
-    Base, Cone, Interface, Layer, Layered, Medium, Reflector, ScatterFace, ScatterKernel, Source, Stack,
+    Base, Cone, Interface, Layer, Medium, Reflector, ScatterFace, ScatterKernel, Source, Stack,
 };
 
 use crate::common::{
@@ -27,8 +27,7 @@ fn sources() -> [Source; 3] {
 /// Both solvers scatter about the reference, for one wavelength and state, under each source.
 fn assert_solvers_agree(name: &str, stack: &Stack, [bin, state]: [usize; 2]) {
     let (sources, from) = (sources(), view(12.0));
-    let Stack::Layered(layers) = stack else { panic!("{name}: general layers") };
-    let (plain, bins) = (Plain::new(layers, from, &sources, [bin, state]), layers.base.bins());
+    let (plain, bins) = (Plain::new(stack, from, &sources, [bin, state]), stack.base().bins());
     let (by_plain, by_walk) = (RefCell::new(HashMap::new()), RefCell::new(HashMap::new()));
     let total = |e: &papilio_transport::Estimate, k: usize| {
         e.rho[k].via_pixel[state * bins + bin] + e.rho[k].front[bin]
@@ -72,7 +71,7 @@ fn solvers_agree_with_reference_through_all_kinds_of_layers() {
         ("coloured layers over a mirror", coloured(&[0, 1, 2], false), [2, 1]),
         ("everything over a mirror", everything(1.0, mirror(0.8)), [0, 0]),
         ("coloured layers over paper", coloured(&[0, 1, 2], true), [0, 1]),
-        ("slab under glass over a mirror", Stack::Layered(Layered { layers, base: mirror(0.9) }), [0, 0]),
+        ("slab under glass over a mirror", Stack::general(layers, mirror(0.9)), [0, 0]),
     ];
     for (name, stack, at) in everyday(1, cases) {
         assert_solvers_agree(name, &stack, at);
@@ -122,7 +121,7 @@ fn random_display(dice: &mut Dice) -> Stack {
             Base { reflector: Reflector::scattering(kernels), inactive_absorptance: one(0.0) }
         }
     };
-    Stack::Layered(Layered { layers, base })
+    Stack::general(layers, base)
 }
 
 /// Random layers over random pixels.

@@ -10,7 +10,7 @@ use papilio_optics::scatter::{Normalisation, Ward};
 use papilio_sampling::Sampler;
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, LobeReflection, Medium, ReflectedLobe,
+    Base, Cone, Diffuser, Estimate, Interface, Layer, LobeReflection, Medium, ReflectedLobe,
     ReflectingDiffuser, Reflector, Source, Stack, specular_image,
 };
 
@@ -185,7 +185,7 @@ fn lambertian_lobe_fills_the_disc_of_each_wavelength() {
     let diffuser = reflecting(transmission, [side.clone(), side]);
     let base = Base { reflector: Reflector::Lambertian(vec![paint; 2]), inactive_absorptance: all(0.0) };
     let layers = vec![Layer { interface: diffuser, medium: Medium::new(indices.to_vec().into()) }];
-    let display = Stack::Layered(Layered { layers, base });
+    let display = Stack::general(layers, base);
     let sources = [Source::Diffuse];
     let exact = estimate(2, &display, view(10.0), &sources);
     // Each seed is traced once.

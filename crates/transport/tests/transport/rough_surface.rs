@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use papilio_optics::rough::{Distribution, Rough};
 use papilio_sampling::Sampler;
-use papilio_transport::{Base, Cone, Interface, Layer, Layered, Source, Stack};
+use papilio_transport::{Base, Cone, Interface, Layer, Source, Stack};
 
 use crate::common::*;
 use crate::layers::*;
@@ -16,9 +16,9 @@ fn surface(distribution: Distribution, alpha: f64, base: Base) -> Stack {
 
 /// The same display with a gap of air on top, which the solver does not recognise as one with a rough surface.
 fn below_air(stack: &Stack) -> Stack {
-    let Stack::Layered(mut layered) = stack.clone() else { return stack.clone() };
-    layered.layers.insert(0, Layer { interface: Interface::Open, medium: clear(1.0) });
-    Stack::Layered(Layered { ..layered })
+    let mut layers = stack.layers().to_vec();
+    layers.insert(0, Layer { interface: Interface::Open, medium: clear(1.0) });
+    Stack::general(layers, stack.base().clone())
 }
 
 /// Normal and oblique views, one of them in the mirror direction of the beam.

@@ -114,9 +114,7 @@ fn reused_kernel_is_bit_identical_to_new_one() {
         theta.iter().map(|theta| beam(*theta, 0.0)).chain([Source::Diffuse]).collect()
     };
     for (name, whole) in displays() {
-        let Stack::Layered(mut other) = whole.clone() else { continue };
-        other.base = mirror(0.2);
-        let other = Stack::Layered(other);
+        let other = whole.with_base(mirror(0.2));
         let mut kept = Kernel::new(0);
         kept.prepare(&whole, &all, &lamps(&[50.0]));
         // More views than lamps, fewer, another base.

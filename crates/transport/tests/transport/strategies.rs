@@ -1,5 +1,6 @@
 //! All strategies for directions, with all kinds of random numbers: the same mean as adding, honest standard
 //! errors, and the gain of the guide.
+use crate::common::Panel;
 use crate::common::{self, REPLICATES, everyday, front, lambertian, mirror, one, panel, rho, sized};
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
@@ -7,9 +8,7 @@ use papilio_sampling::{SampleStream, Sampler};
 use papilio_testing::assert_student;
 use papilio_transport::adding::Kernel;
 use papilio_transport::walk::{Strategy, Walk};
-use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Estimate, Nodes, Panel, Reflector, Source, Stack, Top,
-};
+use papilio_transport::{AngularTable, Base, Cone, Diffuser, Estimate, Nodes, Reflector, Source, Stack, Top};
 
 /// A mirror that is brighter at some angles than at others.
 fn coloured() -> Base {
@@ -28,7 +27,7 @@ fn coloured() -> Base {
 fn display(width: f64, regular_fraction: f64, base: Base) -> Panel {
     let lobe = Lobe::KCorrelation { width };
     let mut stack = panel(Top::Diffuser(Diffuser { lobe, transmittance: one(0.95), regular_fraction }), base);
-    stack.front = front(&[(0.08, 0.01)], false);
+    stack.front = front(&[(0.08, 0.01)]);
     stack
 }
 
@@ -107,7 +106,7 @@ fn strategies_and_samplers_agree_with_adding() {
     for strategy in Strategy::ALL {
         let (mut all, mut runs) = (Vec::new(), 0);
         for (k, panel) in displays.iter().enumerate() {
-            let stack = Stack::Panel(panel.clone());
+            let stack = panel.stack();
             let truth = adding(&stack, &sources);
             for (l, sampler) in everyday(2, samplers).enumerate() {
                 let paths = if strategy == Strategy::Guided { 256 } else { sized(1024, 4096) };
@@ -147,11 +146,8 @@ fn narrow_lobes_with_small_sources_equal_closed_form() {
         for seed in (0..24_u32).filter(|seed| sized(seed % 4 < 2, true)) {
             let width = [0.004, 0.007, 0.011][seed as usize % 3];
             let straight = if seed.is_multiple_of(2) { 0.0 } else { 0.3 };
-            let stack = Stack::Panel(display(
-                width,
-                straight,
-                Base { inactive_absorptance: one(0.0), ..mirror(0.8) },
-            ));
+            let stack =
+                display(width, straight, Base { inactive_absorptance: one(0.0), ..mirror(0.8) }).stack();
             let turn = 15.0 * f64::from(seed);
             let radius = [0.1, 0.25, 0.7, 2.0][seed as usize / 6];
             let disc = Cone::new(40.0, turn, radius, 1.0);
@@ -180,9 +176,9 @@ fn narrow_lobes_with_small_sources_equal_closed_form() {
 #[test]
 fn guided_strategy_has_less_variance_than_kernel() {
     let mut weak = display(0.0567, 0.0, coloured());
-    weak.front = front(&[(0.002, 0.01)], false);
+    weak.front = front(&[(0.002, 0.01)]);
     for (sampler, panel) in [(Sampler::Random, display(0.0567, 0.0, coloured())), (Sampler::Sobol, weak)] {
-        let stack = Stack::Panel(panel);
+        let stack = panel.stack();
         let sources = [Source::Beam(Beta::from_source(-20.0, 0.0, 1.0))];
         let variance = |strategy| {
             let seeds = (0..4).map(|seed| estimates(&stack, &sources, strategy, (sampler, seed), 512));
@@ -216,8 +212,8 @@ fn slope(stack: &Stack, sources: &[Source], strategy: Strategy, paths: &[u64]) -
 #[test]
 fn sobol_error_decreases_faster_than_square_root() {
     let mut smooth = display(0.05, 0.0, coloured());
-    smooth.front = front(&[(0.0, 0.01)], false);
-    let stack = Stack::Panel(smooth);
+    smooth.front = front(&[(0.0, 0.01)]);
+    let stack = smooth.stack();
     let beam = Source::Beam(Beta::from_source(-20.0, 0.0, 1.0));
     let cases = [
         ("diffuse", Source::Diffuse, Strategy::Kernel, vec![64, 256, 1024, 4096, 16_384]),

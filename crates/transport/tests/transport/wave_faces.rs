@@ -7,7 +7,7 @@ use papilio_optics::lobe::{BalancedLobe, FaceLight, FaceLobe, Gaussian, KCorrela
 use papilio_sampling::Sampler;
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    Base, Estimate, Interface, Layer, Layered, Medium, Reflector, Source, Stack, WaveFace, WaveLight,
+    Base, Estimate, Interface, Layer, Medium, Reflector, Source, Stack, WaveFace, WaveLight,
 };
 
 use crate::common::{assert_unbiased, everyday, mean_and_error, mirror, replicates_of, sized, view};
@@ -40,7 +40,7 @@ fn face(shape: Shape, widths: [f64; 2], fractions: [[f64; BINS]; 2]) -> Interfac
 
 fn display(interface: Interface, base: Base) -> Stack {
     let medium = Medium::new(vec![GLASS; BINS].into());
-    Stack::Layered(Layered { layers: vec![Layer { interface, medium }], base })
+    Stack::general(vec![Layer { interface, medium }], base)
 }
 
 fn paper(reflectance: f64) -> Base {

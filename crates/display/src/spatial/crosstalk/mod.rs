@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_imaging::text::Bitmap;
 use papilio_transport::spatial::{Accuracy, PanelSpread};
-use papilio_transport::{Panel, Reflector, Source, Stack, Top};
+use papilio_transport::{Panel, Reflector, Source, Top};
 
 use self::flat::{Irradiance, Pixels};
 use self::found::{Measured, assembled};
@@ -179,7 +179,7 @@ impl<'a> Frame<'a> {
         setup.refracts()?;
         let lengths_mm = scene.display.lengths_mm()?;
         scene.display.spreads_over_few_pixels(&lengths_mm)?;
-        let Stack::Panel(panel) = &setup.stack else { return Err(Refused::Layers.into()) };
+        let Some(panel) = setup.stack.panel() else { return Err(Refused::Layers.into()) };
         if scene.display.pixel_spread().is_some() && matches!(panel.top, Top::Diffuser(_)) {
             return Err(Refused::SpreadBelowLobe.into());
         }

@@ -20,7 +20,7 @@ use super::matrix::Matrix;
 use super::once::Once;
 use super::precision::Precision;
 use super::prepare::Group;
-use crate::{Base, Estimate, Layered, Ledger, ReflectanceFactor};
+use crate::{Base, Estimate, Ledger, ReflectanceFactor, Stack};
 
 /// Light that the views see over one base.
 #[derive(Debug)]
@@ -107,11 +107,11 @@ impl Again {
 
 impl BeamResponse {
     /// Returns an empty response.
-    pub(super) fn new(stack: &Layered, directions: &Directions) -> Self {
-        let (states, bins) = (stack.base.states(), stack.base.bins());
+    pub(super) fn new(stack: &Stack, directions: &Directions) -> Self {
+        let (states, bins) = (stack.base().states(), stack.base().bins());
         let zeros = || ReflectanceFactor { via_pixel: vec![0.0; states * bins], front: vec![0.0; bins] };
         let beams = directions.views.iter().map(|_| directions.sources.iter().map(|_| zeros()).collect());
-        Self { base: stack.base.clone(), beams: beams.collect(), families: Vec::new(), known: Vec::new() }
+        Self { base: stack.base().clone(), beams: beams.collect(), families: Vec::new(), known: Vec::new() }
     }
 
     /// Takes over what `before`, a response of the same layers, knows of this base: diffuse light and ledgers depend on
@@ -127,7 +127,7 @@ impl BeamResponse {
     #[allow(clippy::too_many_arguments, reason = "the data of an order, and when to stop")]
     pub(super) fn add(
         &mut self,
-        stack: &Layered,
+        stack: &Stack,
         directions: &Directions,
         order: usize,
         groups: &[&Group],
@@ -207,7 +207,7 @@ impl BeamResponse {
 }
 
 impl Followed {
-    fn new(stack: &Layered, directions: &Directions, groups: &[&Group], known: Seen) -> Self {
+    fn new(stack: &Stack, directions: &Directions, groups: &[&Group], known: Seen) -> Self {
         let views = extras(&directions.views);
         let beta = views.iter().map(|extra| directions.beta[*extra]).collect();
         let bins: Vec<Vec<usize>> = groups.iter().map(|group| group.bins.clone()).collect();

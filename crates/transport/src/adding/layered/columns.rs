@@ -3,7 +3,7 @@
 use super::matrix::Matrix;
 use super::prepare::Group;
 use crate::front::Flat;
-use crate::{Layered, Reflector};
+use crate::{Reflector, Stack};
 
 /// The base at a group's wavelengths: each column is a state and a wavelength.
 #[derive(Debug)]
@@ -28,22 +28,22 @@ pub(super) enum BaseColumns {
 
 impl Columns {
     /// Computes the columns of the groups of one family.
-    pub(super) fn new(stack: &Layered, groups: &[&Group]) -> Vec<Self> {
-        let known = match (&stack.base.reflector, groups.first()) {
+    pub(super) fn new(stack: &Stack, groups: &[&Group]) -> Vec<Self> {
+        let known = match (&stack.base().reflector, groups.first()) {
             (Reflector::Specular(_), Some(group)) => Some(specular(stack, group)),
             _ => None,
         };
         groups.iter().map(|group| Self::of_group(stack, group, known.as_ref())).collect()
     }
 
-    fn of_group(stack: &Layered, group: &Group, known: Option<&Matrix>) -> Self {
-        let (states, bins) = (stack.base.states(), stack.base.bins());
+    fn of_group(stack: &Stack, group: &Group, known: Option<&Matrix>) -> Self {
+        let (states, bins) = (stack.base().states(), stack.base().bins());
         let place: Vec<usize> =
             (0..states).flat_map(|state| group.bins.iter().map(move |bin| state * bins + bin)).collect();
-        let inactive = place.iter().map(|at| stack.base.inactive_absorptance[at % bins]).collect();
+        let inactive = place.iter().map(|at| stack.base().inactive_absorptance[at % bins]).collect();
         let flats = &group.lower.flats;
         let black = |i: usize| flats[i].above;
-        let (base, below) = match &stack.base.reflector {
+        let (base, below) = match &stack.base().reflector {
             Reflector::Specular(_) => {
                 let base = Matrix::from_fn(group.beta.len(), place.len(), |i, c| {
                     known.map_or(0.0, |all| all[(place[c], i)])
@@ -81,14 +81,14 @@ impl Columns {
 }
 
 /// Returns the reflectance of the base at every node that its medium carries: `[place, node]`.
-fn specular(stack: &Layered, group: &Group) -> Matrix {
-    let mut all = Matrix::zeros(stack.base.states() * stack.base.bins(), group.beta.len());
-    let air = crate::Medium::new(vec![1.0; stack.base.bins()].into());
+fn specular(stack: &Stack, group: &Group) -> Matrix {
+    let mut all = Matrix::zeros(stack.base().states() * stack.base().bins(), group.beta.len());
+    let air = crate::Medium::new(vec![1.0; stack.base().bins()].into());
     let medium = stack.layers.last().map_or(&air, |layer| &layer.medium);
     for (beta, (_, column)) in
         group.beta.iter().zip(all.columns_mut()).filter(|(beta, _)| **beta < group.index)
     {
-        stack.base.reflectance(beta * beta, medium, column);
+        stack.base().reflectance(beta * beta, medium, column);
     }
     all
 }

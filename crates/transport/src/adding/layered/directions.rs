@@ -7,7 +7,7 @@ use crate::adding::Narrowness;
 use crate::layers::LayerKind;
 use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
 use crate::light::rings::{Peaks, Ring, rings};
-use crate::{Cone, Layered, Source};
+use crate::{Cone, Source, Stack};
 
 /// Direction of a view or a source: the number of its extra node, its azimuth, its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,12 +36,12 @@ pub(super) struct Directions {
 impl Directions {
     /// Returns whether these are also the directions of the views over this base: as many of its fringes lie
     /// across them.
-    pub(super) fn serve(&self, stack: &Layered, views: &[Cone]) -> bool {
+    pub(super) fn serve(&self, stack: &Stack, views: &[Cone]) -> bool {
         let now = views.iter().map(|view| nodes_of(stack, view, 0.0).more());
         now.eq(self.more.iter().copied())
     }
 
-    pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
+    pub(super) fn new(stack: &Stack, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
         let (scale, digits) = (smoothness(stack), precision.digits);
         // Other effects of a rough interface converge so early that a single direction would be the largest
         // error.
@@ -108,14 +108,14 @@ impl Directions {
 /// Returns the nodes that a field of view needs because it sees the fringes of the base by regular light.
 /// Each direction takes time, most where layers scatter: beyond these numbers the difference of two levels
 /// gives the remaining error.
-fn nodes_of(stack: &Layered, view: &Cone, digits: f64) -> Nodes {
+fn nodes_of(stack: &Stack, view: &Cone, digits: f64) -> Nodes {
     const MOST: f64 = 256.0;
     const MOST_WHERE_LIGHT_SCATTERS: f64 = 32.0;
     let Some(last) = stack.layers.last() else { return Nodes::default() };
-    if !stack.base.is_specular() || !stack.elements().all(|(kind, _)| kind.passes_regularly()) {
+    if !stack.base().is_specular() || !stack.elements().all(|(kind, _)| kind.passes_regularly()) {
         return Nodes::default();
     }
-    let across = stack.base.nodes_across(view, &last.medium);
+    let across = stack.base().nodes_across(view, &last.medium);
     if stack.elements().any(|(kind, _)| kind.scatters()) {
         return Nodes { rings: 0, across: across.min(MOST_WHERE_LIGHT_SCATTERS) };
     }
@@ -134,7 +134,7 @@ const SMOOTH: f64 = 0.3;
 const MORE_DIGITS_OF_CONES: [f64; 2] = [6.0, 2.0];
 
 /// Returns the distance in direction cosines over which the reflected light changes.
-fn smoothness(stack: &Layered) -> f64 {
+fn smoothness(stack: &Stack) -> f64 {
     let widths = stack.elements().filter_map(|(kind, _)| kind.narrowness()).map(|one| one.smoothness());
     widths.fold(SMOOTH, f64::min)
 }

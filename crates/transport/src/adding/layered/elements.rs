@@ -18,7 +18,7 @@ use super::scatter::ScatterOrders;
 use super::scatterers::{Scattered, Scatterers};
 use super::single::{Face, Single};
 use super::slab::Model;
-use crate::Layered;
+use crate::Stack;
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::layers::{Action, Incidence, LayerKind, Preparation};
@@ -116,7 +116,7 @@ pub(super) struct Element<'a> {
 /// azimuthal orders beyond the first only if there are lights with an azimuth, given the largest `|beta|` of
 /// views and of those. Incomplete if `stop` is set during the computation.
 pub(super) fn elements<'a>(
-    stack: &'a Layered,
+    stack: &'a Stack,
     bin: usize,
     (grid, precision): (&Grid, &Precision),
     beyond_first: Option<[f64; 2]>,
@@ -135,7 +135,7 @@ pub(super) fn elements<'a>(
 
 /// Returns the effect of each element of the stack in the same way; `surface`: a rough surface scatters light once only.
 pub(super) fn actions<'a>(
-    stack: &'a Layered,
+    stack: &'a Stack,
     bin: usize,
     (grid, precision): (&Grid, &Precision),
     (beyond_first, surface): (Option<[f64; 2]>, bool),
@@ -170,7 +170,7 @@ pub(super) fn indices(media: [Option<&crate::Medium>; 2], bin: usize) -> [f64; 2
 
 /// Returns whether light can meet the scatterers of the stack more than once at wavelength number `bin`: there are
 /// several of them, one scatters in its volume, or flat layers reflect.
-pub(super) fn scatters_again(stack: &Layered, bin: usize, grid: &Grid) -> bool {
+pub(super) fn scatters_again(stack: &Stack, bin: usize, grid: &Grid) -> bool {
     let mut faces = 0;
     let mut again = |(kind, media): (&dyn LayerKind, [Option<&crate::Medium>; 2])| {
         if kind.scatters() {

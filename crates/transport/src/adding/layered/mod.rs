@@ -69,7 +69,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::Narrowest;
 use crate::light::images::{ImagePoints, Mirror, image_points};
 use crate::specular::layered_image;
-use crate::{Base, Cone, Estimate, Interface, Layer, Layered, Reflector, Source};
+use crate::{Base, Cone, Estimate, Interface, Layer, Reflector, Source, Stack};
 use beam_response::BeamResponse;
 use directions::Directions;
 use pixels::Pixels;
@@ -78,18 +78,18 @@ use prepare::Prepared;
 pub use spread::{LayeredSpread, NotCovered, Seen};
 
 /// Returns the number of radial nodes that a level takes, besides the directions of views and sources.
-pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {
-    let needed = |stack: &Layered| prepare::nodes_needed(stack, &Precision::new(f64::from(level)));
+pub(super) fn nodes_needed(stack: &Stack, level: u32) -> usize {
+    let needed = |stack: &Stack| prepare::nodes_needed(stack, &Precision::new(f64::from(level)));
     pixels::each_as_layers(stack)
         .map_or_else(|| needed(stack), |all| all.iter().map(needed).max().unwrap_or(0))
 }
 
 /// Returns the scatterer that needs most of them.
-pub(super) fn narrowest(stack: &Layered) -> Option<Narrowest> {
+pub(super) fn narrowest(stack: &Stack) -> Option<Narrowest> {
     let precision = Precision::new(0.0);
-    let narrowest = |stack: &Layered| precision::narrowest(stack, &splits::splits(stack, 0), &precision);
+    let narrowest = |stack: &Stack| precision::narrowest(stack, &splits::splits(stack, 0), &precision);
     let worst =
-        |all: Vec<Layered>| all.into_iter().max_by_key(|stack| prepare::nodes_needed(stack, &precision));
+        |all: Vec<Stack>| all.into_iter().max_by_key(|stack| prepare::nodes_needed(stack, &precision));
     match pixels::each_as_layers(stack) {
         Some(all) => worst(all).as_ref().and_then(narrowest),
         None => narrowest(stack),
@@ -150,7 +150,7 @@ impl Kernel {
     }
 
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
-    pub(super) fn prepare(&mut self, stack: &Layered, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
+    pub(super) fn prepare(&mut self, stack: &Stack, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         let digits = self.precision.digits;
         // The previous data may be large: they are freed first, but for kernels that other directions share.
         let known = std::mem::take(&mut self.prepared).into_known();
@@ -159,7 +159,7 @@ impl Kernel {
         self.layers.clone_from(&stack.layers);
         self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
-        if let Reflector::Scattering(_) = stack.base.reflector {
+        if let Reflector::Scattering(_) = stack.base().reflector {
             self.pixels = Mutex::new(Some(Arc::new(Pixels::new(
                 stack,
                 (self.level, self.ledger),
@@ -182,8 +182,8 @@ impl Kernel {
     }
 
     /// Returns whether its directions are also right over this base.
-    pub(super) fn serves(&self, stack: &Layered) -> bool {
-        !stack.base.is_specular()
+    pub(super) fn serves(&self, stack: &Stack) -> bool {
+        !stack.base().is_specular()
             || (self.directions.serve(stack, &self.asked.0)
                 && self.prepared.wavelengths == wavelengths::computed(stack, self.precision.wavelengths))
     }
@@ -195,8 +195,8 @@ impl Kernel {
     }
 
     /// Returns the estimate of a view; invalid if `stop` was set during the computation.
-    pub(super) fn estimate(&self, stack: &Layered, view: usize, stop: &AtomicBool) -> Estimate {
-        if let Reflector::Scattering(_) = stack.base.reflector {
+    pub(super) fn estimate(&self, stack: &Stack, view: usize, stop: &AtomicBool) -> Estimate {
+        if let Reflector::Scattering(_) = stack.base().reflector {
             return self.pixels(stack, stop).estimate(view, stop);
         }
         let over = self.over(stack, stop);
@@ -210,9 +210,9 @@ impl Kernel {
     }
 
     /// Returns the kernels over this base, which scatters by kernels of its own.
-    fn pixels(&self, stack: &Layered, stop: &AtomicBool) -> Arc<Pixels> {
+    fn pixels(&self, stack: &Stack, stop: &AtomicBool) -> Arc<Pixels> {
         let mut last = self.pixels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = last.as_ref().filter(|known| known.serves(&stack.base)) {
+        if let Some(known) = last.as_ref().filter(|known| known.serves(stack.base())) {
             return Arc::clone(known);
         }
         let pixels =
@@ -222,9 +222,9 @@ impl Kernel {
     }
 
     /// Returns the response over this base.
-    fn over(&self, stack: &Layered, stop: &AtomicBool) -> Arc<BeamResponse> {
+    fn over(&self, stack: &Stack, stop: &AtomicBool) -> Arc<BeamResponse> {
         let mut last = self.last();
-        if let Some(known) = last.as_ref().filter(|known| is_same(&known.base, &stack.base)) {
+        if let Some(known) = last.as_ref().filter(|known| is_same(&known.base, stack.base())) {
             return Arc::clone(known);
         }
         let stack = self.coarser(stack);
@@ -234,7 +234,7 @@ impl Kernel {
     }
 
     /// Returns the stack with tables of rough interfaces that are as coarse as the level.
-    fn coarser<'a>(&self, stack: &'a Layered) -> Cow<'a, Layered> {
+    fn coarser<'a>(&self, stack: &'a Stack) -> Cow<'a, Stack> {
         let coarseness = self.precision.coarseness;
         let is_rough = |layer: &Layer| matches!(layer.interface, Interface::Rough(_));
         if coarseness == 0 || !stack.layers.iter().any(is_rough) {
@@ -253,7 +253,7 @@ impl Kernel {
         self.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn add_images(&self, stack: &Layered, view: usize, estimate: &mut Estimate) {
+    fn add_images(&self, stack: &Stack, view: usize, estimate: &mut Estimate) {
         for image in &self.images[view] {
             let rho = &mut estimate.rho[image.source];
             for point in &image.points {

@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 
 use super::Kernel;
 use crate::{
-    AngularTable, Base, Cone, Estimate, Interface, Layer, Layered, Ledger, Medium, Nodes, ReflectanceFactor,
-    Reflector, ScatterFace, ScatterKernel, Source,
+    AngularTable, Base, Cone, Estimate, Interface, Layer, Ledger, Medium, Nodes, ReflectanceFactor,
+    Reflector, ScatterFace, ScatterKernel, Source, Stack,
 };
 
 /// Prepared kernels of all states.
@@ -15,20 +15,20 @@ pub(super) struct Pixels {
     /// Base for which they were prepared.
     base: Base,
     /// The layers alone over black, then with the pixel of each state below.
-    stacks: Vec<(Layered, Kernel)>,
+    stacks: Vec<(Stack, Kernel)>,
 }
 
 impl Pixels {
     /// Prepares the kernels; incomplete if `stop` is set during the computation.
     pub(super) fn new(
-        stack: &Layered,
+        stack: &Stack,
         (level, ledger): (f64, bool),
         views: &[Cone],
         sources: &[Source],
         stop: &AtomicBool,
     ) -> Self {
-        let Reflector::Scattering(states) = &stack.base.reflector else {
-            return Self { base: stack.base.clone(), stacks: Vec::new() };
+        let Reflector::Scattering(states) = &stack.base().reflector else {
+            return Self { base: stack.base().clone(), stacks: Vec::new() };
         };
         let alone = std::iter::once(None).chain(states.iter().map(Some));
         let prepared = alone.map(|pixel| {
@@ -37,7 +37,7 @@ impl Pixels {
             kernel.prepare(&stack, views, sources, stop);
             (stack, kernel)
         });
-        Self { base: stack.base.clone(), stacks: prepared.collect() }
+        Self { base: stack.base().clone(), stacks: prepared.collect() }
     }
 
     /// Returns whether they were prepared for this base.
@@ -76,14 +76,14 @@ impl Pixels {
 
 /// Returns the layers with the pixel of each state as the last of them, over black; `None` if the base does
 /// not scatter by kernels.
-pub(super) fn each_as_layers(stack: &Layered) -> Option<Vec<Layered>> {
-    let Reflector::Scattering(states) = &stack.base.reflector else { return None };
+pub(super) fn each_as_layers(stack: &Stack) -> Option<Vec<Stack>> {
+    let Reflector::Scattering(states) = &stack.base().reflector else { return None };
     Some(states.iter().map(|pixel| over_black(stack, Some(pixel))).collect())
 }
 
 /// Returns the layers, and the pixel of a state as the last of them, over black.
-fn over_black(stack: &Layered, pixel: Option<&ScatterKernel>) -> Layered {
-    let bins = stack.base.bins();
+fn over_black(stack: &Stack, pixel: Option<&ScatterKernel>) -> Stack {
+    let bins = stack.base().bins();
     let table = AngularTable {
         nodes: Nodes::Constant,
         basis: vec![0.0; bins].into(),
@@ -98,5 +98,5 @@ fn over_black(stack: &Layered, pixel: Option<&ScatterKernel>) -> Layered {
         let face = ScatterFace::pixel(pixel.clone(), &index);
         layers.push(Layer { interface: Interface::Scatter(Box::new(face)), medium: Medium::new(index) });
     }
-    Layered { layers, base }
+    Stack::general(layers, base)
 }

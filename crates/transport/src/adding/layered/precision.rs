@@ -9,7 +9,7 @@ use super::rough::inside_width;
 use super::splits::Splits;
 use crate::adding::{FIRST_STEP, Narrowest, Narrowness};
 use crate::layers::LayerKind;
-use crate::{Interface, Layered, Medium, Reflector};
+use crate::{Interface, Medium, Reflector, Stack};
 
 /// Density of nodes for interpolation between them over that for integration, which is exact for polynomials of twice
 /// the degree.
@@ -85,7 +85,7 @@ impl Precision {
 }
 
 /// Returns the required density of the nodes of a stack at a wavelength.
-pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
+pub(super) fn density(stack: &Stack, bin: usize, precision: &Precision) -> Density {
     let mut density = precision.least();
     if let Some(face) = rough_surface(stack) {
         precision.resolve_surface(face, &mut density);
@@ -98,7 +98,7 @@ pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Den
 }
 
 /// Returns the density of nodes between which light is interpolated, whatever the surface is.
-pub(super) fn density_between(stack: &Layered, bin: usize, precision: &Precision) -> Density {
+pub(super) fn density_between(stack: &Stack, bin: usize, precision: &Precision) -> Density {
     let mut density = precision.least();
     for (scatterer, medium) in scatterers(stack, false) {
         precision.resolve(scatterer, medium.index()[bin], &mut density);
@@ -109,9 +109,9 @@ pub(super) fn density_between(stack: &Layered, bin: usize, precision: &Precision
 
 /// Returns the rough interface between air and the first medium, if nothing else scatters and the medium is the denser
 /// one: light that is reflected inside then needs fewer nodes than the light that it refracts.
-pub(super) fn rough_surface(stack: &Layered) -> Option<&Rough> {
+pub(super) fn rough_surface(stack: &Stack) -> Option<&Rough> {
     let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
-    let scattering_base = matches!(stack.base.reflector, Reflector::Scattering(_));
+    let scattering_base = matches!(stack.base().reflector, Reflector::Scattering(_));
     match &stack.layers.first()?.interface {
         Interface::Rough(face) if alone && !scattering_base && face.index(Side::Below) > 1.0 => Some(face),
         _ => None,
@@ -120,7 +120,7 @@ pub(super) fn rough_surface(stack: &Layered) -> Option<&Rough> {
 
 /// Returns the scatterers, each with its medium or the medium below it; without those that nodes between their kinks resolve, if there are such
 /// nodes.
-fn scatterers(stack: &Layered, between_kinks: bool) -> impl Iterator<Item = (Narrowness, &Medium)> {
+fn scatterers(stack: &Stack, between_kinks: bool) -> impl Iterator<Item = (Narrowness, &Medium)> {
     let narrow = move |(kind, [_, below]): (&dyn LayerKind, [Option<_>; 2])| {
         kind.narrowness().filter(|_| !between_kinks || kind.kinks().is_empty()).zip(below)
     };
@@ -128,7 +128,7 @@ fn scatterers(stack: &Layered, between_kinks: bool) -> impl Iterator<Item = (Nar
 }
 
 /// Returns the scatterer that requires the most nodes at the first wavelength, whose indices are `splits`.
-pub(super) fn narrowest(stack: &Layered, splits: &Splits, precision: &Precision) -> Option<Narrowest> {
+pub(super) fn narrowest(stack: &Stack, splits: &Splits, precision: &Precision) -> Option<Narrowest> {
     let nodes = |(number, (scatterer, medium)): (usize, (Narrowness, &Medium))| {
         let mut density = precision.least();
         precision.resolve(scatterer, medium.index()[0], &mut density);

@@ -17,7 +17,7 @@ use super::scatterers::{Scattered, Scatterers};
 use super::splits::splits;
 use super::wavelengths;
 use crate::front::Flat;
-use crate::{Layered, Reflector};
+use crate::{Reflector, Stack};
 
 /// Wavelengths at which the layers above the base are equal, and the operators of these layers.
 #[derive(Debug, Clone)]
@@ -146,7 +146,7 @@ impl Prepared {
     /// Prepares a stack, with the kernels of the preparation before, and the response `before` if it is that of the
     /// same layers; incomplete if `stop` is set during the computation.
     pub(super) fn new(
-        stack: &Layered,
+        stack: &Stack,
         directions: &Directions,
         precision: &Precision,
         known: &Known,
@@ -207,7 +207,7 @@ impl Prepared {
     /// computation.
     pub(super) fn over(
         &self,
-        stack: &Layered,
+        stack: &Stack,
         directions: &Directions,
         precision: &Precision,
         stop: &AtomicBool,
@@ -234,7 +234,7 @@ impl Prepared {
 }
 
 /// Groups some wavelengths by family and group.
-fn families(stack: &Layered, wavelengths: &[usize]) -> Vec<Vec<Vec<usize>>> {
+fn families(stack: &Stack, wavelengths: &[usize]) -> Vec<Vec<Vec<usize>>> {
     let mut kinds: Vec<(Vec<u64>, Vec<usize>)> = Vec::new();
     for &bin in wavelengths {
         let key = optics(stack, bin);
@@ -255,21 +255,21 @@ fn families(stack: &Layered, wavelengths: &[usize]) -> Vec<Vec<Vec<usize>>> {
 }
 
 /// Returns the indices of all media at a wavelength, air first.
-pub(super) fn indices(stack: &Layered, bin: usize) -> Vec<f64> {
+pub(super) fn indices(stack: &Stack, bin: usize) -> Vec<f64> {
     std::iter::once(1.0).chain(stack.layers.iter().map(|layer| layer.medium.index()[bin])).collect()
 }
 
 /// Returns all data on which the layers above the base depend at a wavelength.
-pub(super) fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
+pub(super) fn optics(stack: &Stack, bin: usize) -> Vec<u64> {
     let mut key = Vec::new();
     stack.elements().for_each(|(kind, _)| kind.spectral_key(bin, &mut key));
     key
 }
 
 /// Returns the largest number of nodes with weight that the stack takes, over its wavelengths.
-pub(super) fn nodes_needed(stack: &Layered, precision: &Precision) -> usize {
+pub(super) fn nodes_needed(stack: &Stack, precision: &Precision) -> usize {
     let at = |bin| density(stack, bin, precision).total(&splits(stack, bin));
-    (0..stack.base.bins()).map(at).max().unwrap_or(0)
+    (0..stack.base().bins()).map(at).max().unwrap_or(0)
 }
 
 /// Receives the operators of an order, for each group that has it.
@@ -277,7 +277,7 @@ type AddOrder<'f> = dyn FnMut(usize, &mut [Growing<'_>], Vec<Option<Above>>) + '
 
 /// A stack in preparation.
 struct Context<'a> {
-    stack: &'a Layered,
+    stack: &'a Stack,
     directions: &'a Directions,
     precision: &'a Precision,
     /// Kernels of the preparation before.
@@ -295,7 +295,7 @@ impl Context<'_> {
     /// Returns the light that layers below a rough surface reflect once, if any do.
     fn first_bounce(&self, groups: &[&Group], grid: &Grid) -> Option<FirstBounce> {
         let face = rough_surface(self.stack)?;
-        let specular = matches!(self.stack.base.reflector, Reflector::Specular(_));
+        let specular = matches!(self.stack.base().reflector, Reflector::Specular(_));
         let reflects = |group: &&Group| group.lower.flats.iter().any(|flat| flat.above != 0.0);
         let any = specular || groups.iter().any(reflects);
         any.then(|| FirstBounce::new(face, self.directions, grid, self.precision.digits + 4.0, self.stop))
@@ -320,7 +320,7 @@ fn prepare(
     let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
     let farthest = |extras: &[usize]| extras.iter().map(|extra| directions.beta[*extra]).fold(0.0, f64::max);
     let turned_extras: Vec<usize> = turned.iter().map(|light| lights[*light]).collect();
-    let lambertian = matches!(stack.base.reflector, Reflector::Lambertian(_));
+    let lambertian = matches!(stack.base().reflector, Reflector::Lambertian(_));
     let first_apart = rough_surface(stack).is_some();
     // Light that a Lambertian base returns has no azimuth.
     let again = || !lambertian || family.iter().any(|bins| scatters_again(stack, bins[0], &grid));

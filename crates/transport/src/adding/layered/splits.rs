@@ -2,10 +2,10 @@
 
 use super::grid::Density;
 use super::prepare::indices;
-use crate::Layered;
+use crate::Stack;
 
 /// Returns the directions at which the nodes of a wavelength are split.
-pub(super) fn splits(stack: &Layered, bin: usize) -> Splits {
+pub(super) fn splits(stack: &Stack, bin: usize) -> Splits {
     let mut kinks: Vec<f64> = stack.elements().flat_map(|(kind, _)| kind.kinks()).collect();
     kinks.sort_by(f64::total_cmp);
     kinks.dedup();
@@ -13,7 +13,7 @@ pub(super) fn splits(stack: &Layered, bin: usize) -> Splits {
 }
 
 /// The same for light that is smooth at kinks, or smoothed.
-pub(super) fn smooth_splits(stack: &Layered, bin: usize) -> Splits {
+pub(super) fn smooth_splits(stack: &Stack, bin: usize) -> Splits {
     let mut splits = indices(stack, bin);
     splits.extend(stack.elements().flat_map(|(kind, _)| kind.edges(bin)));
     splits.sort_by(f64::total_cmp);

@@ -9,20 +9,20 @@
 //! coarser level of a first answer has half as many wavelengths: the difference contains this error.
 
 use super::prepare::optics;
-use crate::{Estimate, Layered, Reflector};
+use crate::{Estimate, Reflector, Stack};
 
 /// Largest error of the film alone, relative to its mean, with which wavelengths are left out.
 const FRINGES: f64 = 0.05;
 
 /// Returns the wavelengths to compute, ascending: at most `most`, unless fewer would save nothing or would miss fringes of the
 /// film.
-pub(super) fn computed(stack: &Layered, most: usize) -> Vec<usize> {
-    let bins = stack.base.bins();
+pub(super) fn computed(stack: &Stack, most: usize) -> Vec<usize> {
+    let bins = stack.base().bins();
     let all = || (0..bins).collect();
     if bins <= most {
         return all();
     }
-    if let Reflector::Lambertian(_) = stack.base.reflector {
+    if let Reflector::Lambertian(_) = stack.base().reflector {
         let first = optics(stack, 0);
         if (1..bins).all(|bin| optics(stack, bin) == first) {
             return all();
@@ -45,8 +45,8 @@ fn misses(rows: &[f64], bins: usize, known: &[usize]) -> f64 {
 }
 
 /// Interpolates an estimate to the wavelengths that are not among `known`.
-pub(super) fn interpolate(stack: &Layered, known: &[usize], estimate: &mut Estimate) {
-    let bins = stack.base.bins();
+pub(super) fn interpolate(stack: &Stack, known: &[usize], estimate: &mut Estimate) {
+    let bins = stack.base().bins();
     if known.len() == bins {
         return;
     }
@@ -75,11 +75,11 @@ pub(super) fn interpolate(stack: &Layered, known: &[usize], estimate: &mut Estim
 }
 
 /// Returns the light that the base returns along the normal through absorbing media alone, `[state][wavelength]`.
-fn film_alone(stack: &Layered) -> Vec<f64> {
-    let bins = stack.base.bins();
-    let mut all = vec![0.0; stack.base.states() * bins];
+fn film_alone(stack: &Stack) -> Vec<f64> {
+    let bins = stack.base().bins();
+    let mut all = vec![0.0; stack.base().states() * bins];
     if let Some(last) = stack.layers.last() {
-        stack.base.reflectance(0.0, &last.medium, &mut all);
+        stack.base().reflectance(0.0, &last.medium, &mut all);
     }
     let media = stack.layers.iter().filter_map(|layer| layer.medium.transmittance());
     for transmittance in media {

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use super::light::Light;
 use crate::angular::Nodes;
-use crate::{AngularTable, Base, Layered, Reflector};
+use crate::{AngularTable, Base, Reflector, Stack};
 
 /// Relative error of interpolated results.
 const ERROR: f64 = 1e-9;
@@ -34,8 +34,8 @@ pub(super) struct Columns {
 
 impl Columns {
     /// Builds the columns of a display; `None` if they would not save time.
-    pub(super) fn new(stack: &Layered) -> Option<Self> {
-        let base = &stack.base;
+    pub(super) fn new(stack: &Stack) -> Option<Self> {
+        let base = stack.base();
         let reflectance = match &base.reflector {
             Reflector::Lambertian(reflectance) => reflectance.clone(),
             Reflector::Specular(AngularTable { nodes: Nodes::Constant, .. }) => {
@@ -60,7 +60,7 @@ impl Columns {
             }),
         };
         let base = Base { reflector, inactive_absorptance: vec![0.0].into() };
-        Some(Self { base, weights, bins: stack.base.bins() })
+        Some(Self { base, weights, bins: stack.base().bins() })
     }
 
     /// Returns light of all states and wavelengths.

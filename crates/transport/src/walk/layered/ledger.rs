@@ -199,7 +199,7 @@ impl Layered<'_> {
             }
             sum.add_share(light, share, &field.rising, 1.0);
         }
-        if !self.stack.base.is_specular() {
+        if !self.stack.base().is_specular() {
             return;
         }
         let base = Ray { plane: skeleton.elements(), going: Propagation::Down };
@@ -245,7 +245,7 @@ impl Layered<'_> {
     }
 
     fn ledger(&self, sums: &Sums, scale: f64) -> Ledger {
-        let inactive = &self.stack.base.inactive_absorptance;
+        let inactive = &self.stack.base().inactive_absorptance;
         let bins = inactive.len();
         let all = |light: &Light| -> Vec<f64> {
             let Light { fresh, met } = self.mean(light, scale);

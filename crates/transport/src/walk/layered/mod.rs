@@ -78,7 +78,7 @@ const FREE_EVENTS: u32 = 256;
 
 #[derive(Debug)]
 pub(super) struct Layered<'a> {
-    stack: &'a crate::Layered,
+    stack: &'a crate::Stack,
     /// The spectra that paths carry instead of those of the base.
     columns: Option<Columns>,
     view: Cone,
@@ -146,14 +146,14 @@ fn most_survival(generation: u32) -> f64 {
 
 impl<'a> Layered<'a> {
     /// Prepares a walk.
-    pub(super) fn new(stack: &'a crate::Layered, view: Cone, sources: &'a [Source]) -> Self {
+    pub(super) fn new(stack: &'a crate::Stack, view: Cone, sources: &'a [Source]) -> Self {
         let discs = sources.iter().any(Source::has_radiance);
         let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
         let largest_index = stack.layers.iter().map(|layer| layer.medium.largest_index()).fold(1.0, f64::max);
         let columns = Columns::new(stack);
         let mut events = events(stack);
         events.iter_mut().for_each(|event| event.aim_half_way(view, sources));
-        let base = columns.as_ref().map_or(&stack.base, |columns| &columns.base);
+        let base = columns.as_ref().map_or(stack.base(), |columns| &columns.base);
         // Light of two branches, and light and fields of what each source sends on.
         let interfaces = events.iter().filter(|event| matches!(event.kind, Kind::Interface(..))).count();
         let directed = sources.iter().filter(|source| **source != Source::Diffuse).count();
@@ -197,7 +197,7 @@ impl<'a> Layered<'a> {
 
     /// The base, with the spectra that paths carry.
     fn base(&self) -> &Base {
-        self.columns.as_ref().map_or(&self.stack.base, |columns| &columns.base)
+        self.columns.as_ref().map_or(self.stack.base(), |columns| &columns.base)
     }
 
     /// True if there are events that [`controls`] describes.

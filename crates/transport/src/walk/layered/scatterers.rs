@@ -14,7 +14,7 @@ use super::{BRIGHT_SIDE, OutgoingRay, sources};
 use crate::layers::{Arrival, Channel, Colours, Departure, Scattered, ScatteringInterface};
 use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::walk::{base_density, base_direction};
-use crate::{Cone, Layered, Medium, Reflector, ScatterKernel, Source};
+use crate::{Cone, Medium, Reflector, ScatterKernel, Source, Stack};
 
 /// A scatterer, and the way in which light arrives at it.
 #[derive(Debug, Clone)]
@@ -226,7 +226,7 @@ impl<F: Fn(Beta) -> Colours> ColoursAt<F> {
 }
 
 /// All scattering events that a stack has.
-pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
+pub(super) fn events(stack: &Stack) -> Vec<ScatterEvent<'_>> {
     const BOTH_WAYS: [Propagation; 2] = [Propagation::Down, Propagation::Up];
     let mut events = Vec::new();
     for (element, (layer, media)) in stack.elements().enumerate() {
@@ -248,7 +248,7 @@ pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
     // From the top: numbers of random decisions depend on the order.
     events.sort_by_key(|event| event.element);
     let upper = stack.layers.last().map(|layer| &layer.medium);
-    let base = match &stack.base.reflector {
+    let base = match &stack.base().reflector {
         Reflector::Specular(_) => None,
         Reflector::Lambertian(_) => Some(Kind::Base(upper)),
         Reflector::Scattering(kernels) => Some(Kind::Pixel(kernels, upper)),

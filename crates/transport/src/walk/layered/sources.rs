@@ -129,7 +129,7 @@ impl SourceLights {
         let media =
             media.filter_map(|event| if let Kind::Bulk(bulk) = &event.kind { Some(bulk) } else { None });
         lamp.orders.clear();
-        lamp.orders.extend(media.map(|bulk| Orders::new(bulk, target, walk.stack.base.is_specular())));
+        lamp.orders.extend(media.map(|bulk| Orders::new(bulk, target, walk.stack.base().is_specular())));
         self.ordered |= lamp.orders.iter().any(Option::is_some);
         let mut share = Share::zeros(lamp.before.fresh.len());
         for scattered in self.scattered.iter_mut().filter(|scattered| scattered.of == of) {

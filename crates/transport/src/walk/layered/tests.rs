@@ -83,7 +83,7 @@ fn columns_have_the_means_of_full_spectra() {
     for (name, layer, is_mirror) in
         [("rough glass over paper", rough_glass(BINS), false), ("slab over a mirror", slab(BINS, 1.5), true)]
     {
-        let stack = crate::Layered { layers: vec![layer], base: base(coloured(), BINS, is_mirror) };
+        let stack = crate::Stack::general(vec![layer], base(coloured(), BINS, is_mirror));
         let few = Layered::new(&stack, view, &[Source::Diffuse]);
         assert!(few.columns.as_ref().is_some_and(|columns| columns.base.states() < 32));
         let all = Layered::new(&stack, view, &[Source::Diffuse]).with_full_spectra();
@@ -112,7 +112,7 @@ fn columns_have_the_means_of_full_spectra() {
 fn control_variates_reduce_variance_and_keep_the_mean() {
     for index in [1.0, 1.5] {
         let base = base(vec![0.8, 0.1], 1, true);
-        let stack = crate::Layered { layers: vec![slab(1, index)], base };
+        let stack = crate::Stack::general(vec![slab(1, index)], base);
         let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &[Source::Diffuse]);
         let paths = 1024;
         let tallies = replicates(&walk, 5, paths);
@@ -161,7 +161,7 @@ fn orders_of_beams_keep_the_mean() {
         ("less thin", slab_of(1, 1.5, 0.5, 1.0), true),
     ];
     for (name, layer, is_mirror) in everyday(1, cases) {
-        let stack = crate::Layered { layers: vec![layer], base: base(vec![0.8, 0.1], 1, is_mirror) };
+        let stack = crate::Stack::general(vec![layer], base(vec![0.8, 0.1], 1, is_mirror));
         let beam = Cone::new(-20.0, 0.0, 0.0, 1.0).axis_towards();
         let sources = [Source::Beam(-beam)];
         let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &sources);
@@ -187,7 +187,7 @@ fn orders_of_beams_reduce_variance() {
         [(1.0, 2.0, -20.0, 100.0), (1.5, 2.0, 60.0, 6.0), (1.5, 1.0, -20.0, 30.0), (1.5, 2.0, -20.0, 30.0)];
     for (index, thickness, source_deg, least) in everyday(2, cases) {
         let layer = slab_of(1, index, thickness, 1.0);
-        let stack = crate::Layered { layers: vec![layer], base: base(vec![0.8, 0.1], 1, true) };
+        let stack = crate::Stack::general(vec![layer], base(vec![0.8, 0.1], 1, true));
         let sources = [Source::Beam(-Cone::new(source_deg, 0.0, 0.0, 1.0).axis_towards())];
         let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &sources);
         let [with, without] = with_and_without_orders(&walk, 5, 256);
@@ -209,7 +209,7 @@ fn directions_half_way_are_sampled() {
     let face = ScatterFace::new(vec![0.0].into()).with_transmission(kernel);
     let interface = Interface::Scatter(Box::new(face));
     let layers = vec![Layer { interface, medium: Medium::new(vec![1.0].into()) }];
-    let stack = crate::Layered { layers, base: base(vec![0.8], 1, true) };
+    let stack = crate::Stack::general(layers, base(vec![0.8], 1, true));
     let view = Cone::new(-10.0, 0.0, 0.0, 1.0);
     let beam = -Cone::new(-45.0, 20.0, 0.0, 1.0).axis_towards();
 

@@ -105,7 +105,7 @@ impl Tracer<'_> {
             match path.going {
                 Propagation::Up if path.plane == 0 => return record.receives(source, path, 1.0),
                 Propagation::Down if path.plane == 2 * self.stack.layers.len() => {
-                    if !self.stack.base.is_specular() {
+                    if !self.stack.base().is_specular() {
                         return;
                     }
                     self.reflect_at_once(path, pixel, record);

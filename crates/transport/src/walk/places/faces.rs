@@ -4,7 +4,7 @@ use papilio_optics::Beta;
 
 use crate::layers::{Arrival, Channel, Colours, Departure, Scattered, ScatteringInterface};
 use crate::skeleton::Propagation;
-use crate::{Layered, Medium};
+use crate::{Medium, Stack};
 
 /// Light that arrives at an interface in this sense and is scattered on a channel.
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +18,7 @@ pub(super) struct Face<'a> {
 
 impl<'a> Face<'a> {
     /// The channels of each interface of a stack, for light that goes down and up.
-    pub(super) fn of(stack: &'a Layered) -> Vec<[Vec<Self>; 2]> {
+    pub(super) fn of(stack: &'a Stack) -> Vec<[Vec<Self>; 2]> {
         let interfaces = stack.elements().step_by(2);
         let of_interface = |(kind, media): (&'a dyn crate::layers::LayerKind, [Option<&'a Medium>; 2])| {
             [Propagation::Down, Propagation::Up].map(|going| {

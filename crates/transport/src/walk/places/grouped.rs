@@ -95,21 +95,21 @@ fn lobe<'a>(tracer: &Tracer<'a>) -> Option<(&'a Diffuser, f64, f64)> {
     let clear = layer.medium.transmittance().is_none() && layer.medium.scattering().is_none();
     let plain = tracer.sources.iter().all(|source| matches!(source, Source::Diffuse | Source::Beam(_)));
     let is_uniform = clear && plain && tracer.bands == 1 && diffuser.regular_fraction == 0.0;
-    (is_uniform && tracer.stack.base.is_specular()).then_some((diffuser, width, index))
+    (is_uniform && tracer.stack.base().is_specular()).then_some((diffuser, width, index))
 }
 
 impl<'a> Grouped<'a> {
     /// `leaving` is the table of [`leaving`].
     pub(super) fn new(tracer: &'a Tracer<'a>, leaving: &'a Escape) -> Option<Self> {
         let (diffuser, width, index) = lobe(tracer)?;
-        let Reflector::Specular(table) = &tracer.stack.base.reflector else { return None };
+        let Reflector::Specular(table) = &tracer.stack.base().reflector else { return None };
         let diffuse = tracer.sources.iter().enumerate().filter(|(_, source)| **source == Source::Diffuse);
         Some(Self {
             tracer,
             width,
             index,
             thickness_mm: tracer.lengths_mm[0],
-            states: tracer.stack.base.states(),
+            states: tracer.stack.base().states(),
             through: diffuser.transmittance[0].powi(2),
             nodes: &table.nodes,
             leaving,

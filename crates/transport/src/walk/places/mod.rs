@@ -53,7 +53,7 @@ use papilio_sampling::SampleStream;
 
 use super::PathNumbers;
 use super::diffused::Escape;
-use crate::{Cone, Layered, PixelSpread, ReflectanceFactor, Reflector, Source};
+use crate::{Cone, PixelSpread, ReflectanceFactor, Reflector, Source, Stack};
 pub use bins::CellGrid;
 pub use filter::FilterPlane;
 use grouped::Grouped;
@@ -178,7 +178,7 @@ impl<'a> PlacedWalk<'a> {
     /// # Errors
     /// If the lengths do not match the layers or are negative, or channels do not match the sources and wavelengths.
     pub fn new(
-        stack: &'a Layered,
+        stack: &'a Stack,
         lengths_mm: &[f64],
         view: Cone,
         sources: &'a [Source],
@@ -194,7 +194,7 @@ impl<'a> PlacedWalk<'a> {
     /// filter.
     pub fn filtered(
         filter: FilterPlane,
-        stack: &'a Layered,
+        stack: &'a Stack,
         lengths_mm: &[f64],
         (view, sources): (Cone, &'a [Source]),
         what: What<'a>,
@@ -202,7 +202,7 @@ impl<'a> PlacedWalk<'a> {
         let (Some(lowest), Some(thickness)) = (stack.layers.last(), lengths_mm.last()) else {
             return Err(PlaceError::Filter);
         };
-        let bins = stack.base.bins();
+        let bins = stack.base().bins();
         let fits = filter.transmittance.len() == filter.windows.len()
             && filter.transmittance.iter().all(|one| one.len() == bins)
             && (0.0..=*thickness).contains(&filter.height_mm);
@@ -214,7 +214,7 @@ impl<'a> PlacedWalk<'a> {
 
     fn below(
         filter: Option<FilterPlane>,
-        stack: &'a Layered,
+        stack: &'a Stack,
         lengths_mm: &[f64],
         (view, sources): (Cone, &'a [Source]),
         what: What<'a>,
@@ -235,14 +235,14 @@ impl<'a> PlacedWalk<'a> {
         };
         let fits = |kernel: &KernelTally| {
             let mut channels = kernel.channels.iter().flatten();
-            kernel.channels.len() == sources.len() && channels.all(|one| one.len() == stack.base.bins())
+            kernel.channels.len() == sources.len() && channels.all(|one| one.len() == stack.base().bins())
         };
         if !kernel.as_ref().is_none_or(fits) {
             return Err(PlaceError::Channels);
         }
         let is_clear = filter.is_none();
         let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), shows, filter);
-        let plan = Plan::new(&stack.base, tracer.images(), kernel, EXTENT * lengths_mm.iter().sum::<f64>());
+        let plan = Plan::new(stack.base(), tracer.images(), kernel, EXTENT * lengths_mm.iter().sum::<f64>());
         // Groups do not cross the filter.
         let leaving = is_clear.then(|| grouped::leaving(&tracer)).flatten();
         Ok(Self { tracer, plan, leaving })
@@ -252,7 +252,7 @@ impl<'a> PlacedWalk<'a> {
     #[must_use]
     pub fn with_spread(mut self, spread: Option<PixelSpread>) -> Self {
         self.tracer.spread =
-            spread.filter(|_| matches!(self.tracer.stack.base.reflector, Reflector::Lambertian(_)));
+            spread.filter(|_| matches!(self.tracer.stack.base().reflector, Reflector::Lambertian(_)));
         self
     }
 

@@ -22,15 +22,15 @@ impl Tracer<'_> {
             let meeting = path.meeting(0);
             let shown = path.light.meet(squared, self.look_up(squared));
             if let Shows::Pattern(pattern) = self.shows {
-                shown.set(pattern, &meeting, self.stack.base.states());
+                shown.set(pattern, &meeting, self.stack.base().states());
             }
             return record.meets(path);
         }
         if let Some(first) = path.light.looked_up() {
-            self.stack.base.reflectance(first.beta_squared, self.lowest(), &mut work.reflectance);
+            self.stack.base().reflectance(first.beta_squared, self.lowest(), &mut work.reflectance);
             path.light.expand(&work.reflectance);
         }
-        self.stack.base.reflectance(squared, self.lowest(), &mut work.reflectance);
+        self.stack.base().reflectance(squared, self.lowest(), &mut work.reflectance);
         self.reflect(path, work, record);
     }
 
@@ -85,7 +85,7 @@ impl Tracer<'_> {
             }
             return;
         };
-        self.stack.base.reflectance(path.beta.squared(), self.lowest(), &mut work.reflectance);
+        self.stack.base().reflectance(path.beta.squared(), self.lowest(), &mut work.reflectance);
         let PixelWork { reflectance, mixed, entered } = work;
         self.mix(pattern, path, reflectance, mixed);
         if leaves {
@@ -102,7 +102,7 @@ impl Tracer<'_> {
 
     /// Weights on the nodes of the pixel's angular table.
     fn look_up(&self, beta_squared: f64) -> Stencil {
-        match (&self.stack.base.reflector, self.lowest().constant_index()) {
+        match (&self.stack.base().reflector, self.lowest().constant_index()) {
             (Reflector::Specular(table), Some(index)) => table.nodes.stencil(beta_squared, index),
             _ => Stencil::ONLY_NODE,
         }
@@ -120,7 +120,7 @@ impl Tracer<'_> {
         work: &mut Workspace,
         record: &mut impl Record,
     ) -> bool {
-        match &self.stack.base.reflector {
+        match &self.stack.base().reflector {
             Reflector::Specular(_) => {
                 self.reflect_at_once(&mut work.path, &mut work.pixel, record);
                 work.path.going = Propagation::Up;

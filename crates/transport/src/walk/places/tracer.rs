@@ -11,7 +11,7 @@ use super::tally::Record;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
 use crate::walk::{PathNumbers, Target};
-use crate::{Cone, Layered, Medium, PixelSpread, Reflector, Source};
+use crate::{Cone, Medium, PixelSpread, Reflector, Source, Stack};
 use papilio_optics::Beta;
 
 /// Light below this fraction of that at the first meeting with the pixel continues by roulette.
@@ -26,7 +26,7 @@ const OFTEN: u32 = 16;
 
 /// A stack with lengths, its sources, and what is seen of its pixel.
 pub(super) struct Tracer<'a> {
-    pub(super) stack: &'a Layered,
+    pub(super) stack: &'a Stack,
     pub(super) lengths_mm: Vec<f64>,
     pub(super) view: Cone,
     pub(super) sources: &'a [Source],
@@ -94,13 +94,13 @@ pub(super) struct PixelWork {
 
 impl<'a> Tracer<'a> {
     pub(super) fn new(
-        stack: &'a Layered,
+        stack: &'a Stack,
         lengths_mm: Vec<f64>,
         (view, sources): (Cone, &'a [Source]),
         shows: Shows<'a>,
         filter: Option<FilterPlane>,
     ) -> Self {
-        let bins = stack.base.bins();
+        let bins = stack.base().bins();
         let constant = stack.layers.iter().all(|layer| layer.medium.constant_index().is_some());
         let about = sources.iter().filter_map(|source| match source {
             Source::Beam(beta) => Some(*beta),
@@ -115,7 +115,7 @@ impl<'a> Tracer<'a> {
             shows,
             air: Medium::new(vec![1.0; bins].into()),
             faces: Face::of(stack),
-            about: about.filter(|_| stack.base.is_specular()).collect(),
+            about: about.filter(|_| stack.base().is_specular()).collect(),
             has_points: sources.iter().any(Source::has_radiance),
             places: if constant { 1 } else { bins },
             bands: if stack.is_grey() && filter.is_none() { 1 } else { bins },
@@ -125,13 +125,13 @@ impl<'a> Tracer<'a> {
     }
 
     pub(super) fn bins(&self) -> usize {
-        self.stack.base.bins()
+        self.stack.base().bins()
     }
 
     /// Number of images.
     pub(super) fn images(&self) -> usize {
         match self.shows {
-            Shows::EachState => self.stack.base.states(),
+            Shows::EachState => self.stack.base().states(),
             Shows::Pattern(pattern) => pattern.images(),
         }
     }
@@ -146,10 +146,10 @@ impl<'a> Tracer<'a> {
 
     /// Memory for paths, whose light has spectra from the start if they are wanted.
     pub(super) fn workspace(&self, spectra: bool) -> Workspace {
-        let (bins, states, images) = (self.bins(), self.stack.base.states(), self.images());
+        let (bins, states, images) = (self.bins(), self.stack.base().states(), self.images());
         // The light of two places of a pattern is no sum of lights of states.
         let meets_two = self.spread.is_some() && matches!(self.shows, Shows::Pattern(_));
-        let looks_up = !matches!(self.stack.base.reflector, Reflector::Scattering(_)) && !meets_two;
+        let looks_up = !matches!(self.stack.base().reflector, Reflector::Scattering(_)) && !meets_two;
         let shown = match self.shows {
             Shows::EachState => Shown::EachState,
             Shows::Pattern(_) => Shown::Covered(Vec::new()),

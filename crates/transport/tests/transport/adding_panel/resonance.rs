@@ -82,7 +82,7 @@ fn recycled_light_over_resonance_equals_closed_form() {
         {
             let top = Top::Diffuser(Diffuser { lobe, transmittance: one(1.0), regular_fraction: 0.0 });
             let mut stack = panel(top, base.clone());
-            stack.front = front(&[(r, 0.0)], false);
+            stack.front = front(&[(r, 0.0)]);
             let values =
                 [0, 1, 2, 3].map(|level| rho(&solve(&stack, view(8.0), &[beam(-20.0, 40.0)], level), 0));
             let exact = (1.0_f64 - r).powi(2) * mean / (1.0 - r * mean);

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::walk::places::{PlacedWalk, Uniform, What};
-use papilio_transport::{Base, Interface, Layer, Layered, Medium, Reflector, Scattering};
+use papilio_transport::{Base, Interface, Layer, Medium, Reflector, Scattering, Stack};
 
 use super::{clear, paper};
 use crate::common::{REPLICATES, assert_unbiased, mean_and_error, one, view};
@@ -16,7 +16,7 @@ fn exits_of_slabs_are_known() {
         let scattering = Scattering { optical_thickness: thickness, anisotropy: g, albedo: one(albedo) };
         let interface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
         let medium = clear(index).with_scattering(scattering);
-        Layered { layers: vec![Layer { interface, medium }], base: paper(&[0.0]) }
+        Stack::general(vec![Layer { interface, medium }], paper(&[0.0]))
     };
     let pattern = Uniform { states: 1 };
     for (stack, below, expected) in [
@@ -49,7 +49,7 @@ fn pencil_beams_spread_as_is_known() {
         let scattering = Scattering { optical_thickness: thickness, anisotropy: 0.0, albedo: one(albedo) };
         let interface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
         let medium = clear(index).with_scattering(scattering);
-        Layered { layers: vec![Layer { interface, medium }], base: paper(&[0.0]) }
+        Stack::general(vec![Layer { interface, medium }], paper(&[0.0]))
     };
     let pattern = Uniform { states: 1 };
     for (index, thickness, albedo, half, most) in
@@ -141,7 +141,7 @@ fn single_scattering_has_a_closed_form() {
     let medium = Medium::new(vec![1.0, 1.0].into()).with_scattering(scattering);
     let base =
         Base { reflector: Reflector::Lambertian(vec![0.0; 2]), inactive_absorptance: vec![0.0; 2].into() };
-    let stack = Layered { layers: vec![Layer { interface: Interface::Open, medium }], base };
+    let stack = Stack::general(vec![Layer { interface: Interface::Open, medium }], base);
     let pattern = Uniform { states: 1 };
     let walk = PlacedWalk::new(&stack, &[30.0], view(0.0), &[], What::Pattern(&pattern)).unwrap();
     let replicate = |stream| {

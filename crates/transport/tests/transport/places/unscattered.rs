@@ -1,7 +1,7 @@
 //! Light before it is scattered: with points of low discrepancy, replicates may agree by chance where paths choose.
 
 use papilio_transport::walk::places::{PlacedWalk, Uniform, What};
-use papilio_transport::{Base, Component, Interface, Layer, Layered, Medium, Scattering, Source};
+use papilio_transport::{Base, Component, Interface, Layer, Medium, Scattering, Source, Stack};
 
 use super::{clear, mirrors, paper, replicates};
 use crate::common::{REPLICATES, mean_and_error, one, view};
@@ -32,7 +32,7 @@ fn round_trips(front: f64, transmittance: f64, below: f64, mirror: f64) -> f64 {
 #[test]
 fn replicates_do_not_agree_by_chance_on_light_that_is_not_scattered() {
     let paths = 1024.0;
-    let of = |layers: Vec<Layer>, base: Base| Layered { layers, base };
+    let of = |layers: Vec<Layer>, base: Base| Stack::general(layers, base);
     let coated = || layer(Interface::IdealAr, clear(1.5));
     let face = || layer(Interface::Fresnel, clear(1.5));
     let two =

@@ -6,7 +6,7 @@
 use num_complex::Complex64;
 
 use super::super::elements::{indices, regular};
-use crate::Layered;
+use crate::Stack;
 use crate::front::Flat;
 use crate::skeleton::{Propagation, Ray};
 
@@ -32,7 +32,7 @@ pub(super) struct Cavities {
 }
 
 impl Chain {
-    pub(super) fn new(stack: &Layered, lengths_mm: &[f64], bin: usize, beta: f64) -> Self {
+    pub(super) fn new(stack: &Stack, lengths_mm: &[f64], bin: usize, beta: f64) -> Self {
         let mut flats = Vec::with_capacity(2 * stack.layers.len());
         let mut moves_mm = Vec::with_capacity(flats.capacity());
         for (number, (kind, media)) in stack.elements().enumerate() {

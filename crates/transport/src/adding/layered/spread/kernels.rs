@@ -14,7 +14,7 @@ use super::super::precision::Precision;
 use super::super::scatterers::{Scattered, Scatterers};
 use super::NotCovered;
 use super::orders::Orders;
-use crate::Layered;
+use crate::Stack;
 use crate::layers::Action;
 
 /// Light at each site: two for each scatterer. Of light that arrives from above and from below, or that it emits upwards and
@@ -79,7 +79,7 @@ pub(super) struct Kernels {
 
 impl Kernels {
     pub(super) fn new(
-        stack: &Layered,
+        stack: &Stack,
         bin: usize,
         grid: &Grid,
         precision: &Precision,

@@ -45,7 +45,7 @@ use super::precision::{Precision, density_between};
 use super::prepare::optics;
 use super::splits::smooth_splits;
 use crate::light::images::{ImagePoints, Mirror, image_points};
-use crate::{Cone, Layered, PixelSpread, Reflector, Source};
+use crate::{Cone, PixelSpread, Reflector, Source, Stack};
 use crossing::Needed;
 use kernels::{Kernels, Light};
 use returned::Returned;
@@ -128,7 +128,7 @@ pub struct Seen<'a> {
 /// Spread of light in general layers, for one view.
 #[derive(Debug)]
 pub struct LayeredSpread<'a> {
-    stack: &'a Layered,
+    stack: &'a Stack,
     lengths_mm: &'a [f64],
     stop: &'a AtomicBool,
     precision: Precision,
@@ -198,19 +198,19 @@ impl<'a> LayeredSpread<'a> {
     /// # Errors
     /// If its layers, its pixel or its number of directions are not covered, or `stop` was set.
     pub fn new(
-        stack: &'a Layered,
+        stack: &'a Stack,
         lengths_mm: &'a [f64],
         view: Cone,
         sources: &[Source],
         level: u32,
         stop: &'a AtomicBool,
     ) -> Result<Self, NotCovered> {
-        if let Reflector::Scattering(_) = stack.base.reflector {
+        if let Reflector::Scattering(_) = stack.base().reflector {
             return Err(NotCovered::Pixel);
         }
         let precision = Precision::new(f64::from(level));
         // Only the directions of light on a mirror-like pixel matter.
-        let sources = if stack.base.is_specular() { sources } else { &[] };
+        let sources = if stack.base().is_specular() { sources } else { &[] };
         let directions = Directions::new(stack, &[view], sources, &precision);
         if directions.beta.len() > MOST_BEAMS {
             return Err(NotCovered::TooMany);
@@ -264,7 +264,7 @@ impl<'a> LayeredSpread<'a> {
         let tolerance = 0.02 * (-self.precision.digits).exp();
         let mut set =
             Set { bin, index, grid, interpolation, kernels, tolerance, lit: Vec::new(), returned: None };
-        if self.stack.base.is_specular() && !set.kernels.elements.is_empty() {
+        if self.stack.base().is_specular() && !set.kernels.elements.is_empty() {
             let wave = self.wave(&set, [0.0; 2]);
             let between = self.between(&set);
             let light = between.solve(&wave, &[Start::Pixel])?;
@@ -311,7 +311,7 @@ impl<'a> LayeredSpread<'a> {
         seen: &[Seen<'_>],
         frequencies_per_mm: &[[f64; 2]],
     ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
-        let (states, bins) = (self.stack.base.states(), self.stack.base.bins());
+        let (states, bins) = (self.stack.base().states(), self.stack.base().bins());
         let mut light = vec![vec![vec![Complex64::ZERO; frequencies_per_mm.len()]; states]; seen.len()];
         // Light without regard to places is the first one.
         let mut all = vec![[0.0; 2]];
@@ -335,7 +335,7 @@ impl<'a> LayeredSpread<'a> {
                     known.map(|wave| Wave { turn: y.atan2(*x), rings: Rc::clone(&wave.rings), ..*wave });
                 waves.push(known.unwrap_or_else(|| self.wave(set, [*x, *y])));
             }
-            let relative = match &self.stack.base.reflector {
+            let relative = match &self.stack.base().reflector {
                 Reflector::Specular(_) if set.kernels.elements.is_empty() => {
                     self.ghosts(set, &waves, &members)
                 }
@@ -374,8 +374,8 @@ impl From<&Ray> for Beam {
 }
 
 /// Returns wavelengths that represent all, and those that represent each, with factors.
-fn representatives(stack: &Layered, most: usize) -> (Vec<usize>, Vec<Vec<(usize, f64)>>) {
-    let bins = stack.base.bins();
+fn representatives(stack: &Stack, most: usize) -> (Vec<usize>, Vec<Vec<(usize, f64)>>) {
+    let bins = stack.base().bins();
     let mut sets: Vec<(Vec<u64>, usize)> = Vec::new();
     let mut of_bins = Vec::with_capacity(bins);
     for bin in 0..bins {

@@ -37,7 +37,7 @@ impl LayeredSpread<'_> {
         seen: &[Seen<'_>],
         members: &[f64],
     ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
-        let (states, bins) = (self.stack.base.states(), self.stack.base.bins());
+        let (states, bins) = (self.stack.base().states(), self.stack.base().bins());
         let between = self.between(set);
         let view = Start::Beams(&self.view);
         let mut light = vec![vec![vec![Complex64::ZERO; waves.len()]; states * bins]; self.sources.len()];
@@ -147,7 +147,7 @@ impl LayeredSpread<'_> {
 
     /// Reflectance of each state and wavelength on the rings; `[ring][state * wavelength]`.
     pub(super) fn on_rings(&self, wave: &Wave) -> Vec<f64> {
-        let numbers = self.stack.base.states() * self.stack.base.bins();
+        let numbers = self.stack.base().states() * self.stack.base().bins();
         let mut all = vec![0.0; wave.rings.len() * numbers];
         for (ring, out) in wave.rings.iter().zip(all.chunks_exact_mut(numbers)) {
             self.reflectances(ring.beta * ring.beta, out);
@@ -157,7 +157,7 @@ impl LayeredSpread<'_> {
 
     pub(super) fn reflectances(&self, beta_squared: f64, out: &mut [f64]) {
         if let Some(layer) = self.stack.layers.last() {
-            self.stack.base.reflectance(beta_squared, &layer.medium, out);
+            self.stack.base().reflectance(beta_squared, &layer.medium, out);
         }
     }
 
@@ -203,11 +203,11 @@ impl LayeredSpread<'_> {
 
     /// The same below flat layers.
     pub(super) fn ghosts(&self, set: &Set, waves: &[Wave], members: &[f64]) -> Vec<Vec<Vec<Complex64>>> {
-        let (states, bins) = (self.stack.base.states(), self.stack.base.bins());
+        let (states, bins) = (self.stack.base().states(), self.stack.base().bins());
         let mut reflectance = vec![0.0; states * bins];
         let [beta, turn] = self.axis;
         if let Some(layer) = self.stack.layers.last() {
-            self.stack.base.reflectance(beta * beta, &layer.medium, &mut reflectance);
+            self.stack.base().reflectance(beta * beta, &layer.medium, &mut reflectance);
         }
         let chain = Chain::new(self.stack, self.lengths_mm, set.bin, beta);
         let onto_pixel = self.between(set).onto_pixel();

@@ -205,7 +205,7 @@ impl LayeredSpread<'_> {
     /// Returns the number of another reflectance that is nearly as large as the first one, or that of the first one, 0.
     fn another_bright(&self, some: &[usize], index: f64) -> usize {
         let mut means = vec![0.0; some.len()];
-        let mut all = vec![0.0; self.stack.base.states() * self.stack.base.bins()];
+        let mut all = vec![0.0; self.stack.base().states() * self.stack.base().bins()];
         for k in 0..DIRECTIONS {
             let cosine = (k as f64 + 0.5) / DIRECTIONS as f64;
             self.reflectances(index * index * (1.0 - cosine * cosine), &mut all);
@@ -216,7 +216,7 @@ impl LayeredSpread<'_> {
 
     /// Returns reflectances of which all others are sums, nearly, and their factors.
     fn some_reflectances(&self, index: f64) -> (Vec<usize>, Vec<Vec<f64>>) {
-        let numbers = self.stack.base.states() * self.stack.base.bins();
+        let numbers = self.stack.base().states() * self.stack.base().bins();
         let mut rows = vec![vec![0.0; DIRECTIONS]; numbers];
         let mut all = vec![0.0; numbers];
         for k in 0..DIRECTIONS {

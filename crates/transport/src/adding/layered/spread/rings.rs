@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use super::super::grid::{Grid, Interpolation, NEAREST};
 use super::chain::{Chain, moved_mm};
-use crate::Layered;
+use crate::Stack;
 use crate::numerics::quadrature::gauss;
 
 /// Points of a panel of rings, and the radians of the phase that they integrate.
@@ -32,7 +32,7 @@ pub(super) struct Ring {
 
 /// What rings are made for.
 pub(super) struct Resolution<'a> {
-    pub(super) stack: &'a Layered,
+    pub(super) stack: &'a Stack,
     pub(super) lengths_mm: &'a [f64],
     pub(super) bin: usize,
     pub(super) grid: &'a Grid,

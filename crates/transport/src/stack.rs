@@ -1,0 +1,150 @@
+//! The stack: any layers in any order, as interfaces and media in turn, over a pixel.
+//!
+//! Top to bottom: air, then for each layer its interface and the medium below it, then the base under the last
+//! medium. Light is followed through all orders of inter-reflection, including light trapped by total internal
+//! reflection. Every interface is an operator on direction cosines; light with `|beta| >= n` does not enter a medium
+//! of index n.
+//!
+//! Both solvers have methods of their own for the ordinary panel ([`Panel`]). [`Stack::new`] recognises it among any layers, here and
+//! nowhere else.
+
+use crate::layers::{LayerKind, least_edge};
+use crate::{Approximation, Base, Interface, Medium, Panel, PanelParts, Reflector};
+
+/// Layers over a pixel.
+#[derive(Debug, Clone)]
+pub struct Stack {
+    /// Top to bottom.
+    pub(crate) layers: Vec<Layer>,
+    form: Form,
+}
+
+/// What the solvers see, each with the pixel.
+#[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant, reason = "there is one stack, not many")]
+enum Form {
+    /// The ordinary panel that the layers are.
+    Panel(Panel),
+    /// Any layers.
+    General(Base),
+}
+
+/// An interface and the medium below it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    /// Between the medium above (air over the first layer) and `medium`.
+    pub interface: Interface,
+    /// Below the interface.
+    pub medium: Medium,
+}
+
+/// An approximation for panels was requested of other layers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NotAPanel;
+
+impl Stack {
+    /// Returns the stack of these layers over a pixel.
+    pub fn new(layers: Vec<Layer>, base: Base) -> Self {
+        Self::recognised(layers, base, Approximation::default())
+    }
+
+    /// Returns the stack of an ordinary panel, with approximations.
+    ///
+    /// # Errors
+    /// [`NotAPanel`] if an approximation is requested of layers that are no panel.
+    pub fn approximated(
+        layers: Vec<Layer>,
+        base: Base,
+        approximation: Approximation,
+    ) -> Result<Self, NotAPanel> {
+        let stack = Self::recognised(layers, base, approximation);
+        if approximation.is_none() || stack.panel().is_some() { Ok(stack) } else { Err(NotAPanel) }
+    }
+
+    /// Returns the stack of these layers for the methods of general layers, even if they are an ordinary panel: both have the same results.
+    pub fn general(layers: Vec<Layer>, base: Base) -> Self {
+        Self { layers, form: Form::General(base) }
+    }
+
+    fn recognised(layers: Vec<Layer>, base: Base, approximation: Approximation) -> Self {
+        let described = layers.iter().map(|Layer { interface, medium }| {
+            let is_clear = medium.transmittance().is_none() && medium.scattering().is_none();
+            (Some(interface), medium.index(), is_clear)
+        });
+        let scatters = matches!(base.reflector, Reflector::Scattering(_));
+        let parts = PanelParts::recognised(described).filter(|_| !scatters);
+        let form = match (parts, layers.last()) {
+            (Some(parts), Some(glass)) => Form::Panel(Panel::new(&parts, &glass.medium, base, approximation)),
+            _ => Form::General(base),
+        };
+        Self { layers, form }
+    }
+
+    /// The layers, top to bottom.
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
+    /// The ordinary panel, if the layers are one.
+    pub fn panel(&self) -> Option<&Panel> {
+        match &self.form {
+            Form::Panel(panel) => Some(panel),
+            Form::General(_) => None,
+        }
+    }
+
+    /// The pixel, under the last layer's medium.
+    pub fn base(&self) -> &Base {
+        match &self.form {
+            Form::Panel(panel) => &panel.base,
+            Form::General(base) => base,
+        }
+    }
+
+    /// Returns the pixel for modification; whether it scatters must not change.
+    pub fn base_mut(&mut self) -> &mut Base {
+        match &mut self.form {
+            Form::Panel(panel) => &mut panel.base,
+            Form::General(base) => base,
+        }
+    }
+
+    /// The same layers over another pixel; whether it scatters must not change.
+    pub fn with_base(&self, base: Base) -> Self {
+        let mut other = self.clone();
+        *other.base_mut() = base;
+        other
+    }
+
+    /// The `|beta|` beyond which the appearance from above is unknown: where the table of the first scatterer ends. `None`
+    /// if it extends to the horizon.
+    pub fn known_within(&self) -> Option<f64> {
+        if let Some(first) = self.elements().map(|(kind, _)| kind).find(|kind| kind.scatters()) {
+            return first.known_within();
+        }
+        let Reflector::Scattering(states) = &self.base().reflector else { return None };
+        let index = self.layers.last().map_or(1.0, |layer| layer.medium.index().min());
+        least_edge(states).map(|edge| index * edge)
+    }
+
+    /// Returns interfaces and media in turn, top to bottom, each with the media above and below it. A medium
+    /// has itself on both sides; the first interface has `None`, air, above.
+    pub(crate) fn elements(&self) -> impl Iterator<Item = (&dyn LayerKind, [Option<&Medium>; 2])> {
+        let above = std::iter::once(None).chain(self.layers.iter().map(|layer| Some(&layer.medium)));
+        self.layers.iter().zip(above).flat_map(|(Layer { interface, medium }, above)| {
+            let medium_itself: &dyn LayerKind = medium;
+            [(interface.kind(), [above, Some(medium)]), (medium_itself, [Some(medium); 2])]
+        })
+    }
+
+    /// True if all layers are the same at every wavelength; the pixel may have colour.
+    pub(crate) fn is_grey(&self) -> bool {
+        let key = |bin: usize| {
+            let mut key = Vec::new();
+            self.elements().for_each(|(kind, _)| kind.spectral_key(bin, &mut key));
+            key
+        };
+        let first = key(0);
+        (1..self.base().bins()).all(|bin| key(bin) == first)
+    }
+}
