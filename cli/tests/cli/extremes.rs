@@ -505,6 +505,35 @@ fn places_above_air_are_computed() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// The narrowest lobe above the thinnest glass.
+#[test]
+fn narrow_lobes_above_thin_glass_survive() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = picture_in(folder.path());
+    let mut wrong = Vec::new();
+    for (name, text) in [("front", FRONT), ("mirrors", MIRRORS)] {
+        let file = folder.path().join(format!("{name}.toml"));
+        fs::write(&file, text).unwrap();
+        for command in ["mtf", "crosstalk", "image"] {
+            if sized(name != "front" || command != "crosstalk", false) {
+                continue;
+            }
+            let mut arguments = vec![command, file.to_str().unwrap()];
+            if command == "image" {
+                arguments.push(&picture);
+            }
+            for set in ["display.diffuser.width=1e-6", "display.glass.thickness_mm=1e-6"] {
+                arguments.extend(["--set", set]);
+            }
+            let results = tempfile::tempdir().unwrap();
+            if let End::Wrong(what) = watch(&arguments, results.path(), true) {
+                wrong.push(format!("{name} {arguments:?}: {what}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// Lengths and resolutions of commands with places: a few each day, all of them in full.
 #[test]
 fn places_survive_every_length() {

@@ -346,7 +346,8 @@ fn every_scenario_agrees() {
     let paths = if has_time() { 65_536 } else { 8192 };
     names.retain(|name| has_time() || !ONLY_IN_FULL.contains(&name.as_str()));
     for name in names {
-        // A coarse grid that divides the ranges of all examples, 380 to 780 nm, and 380 to 730 nm of a file of a lamp: what is compared is transport, wavelength by wavelength.
+        // A coarse grid that divides the ranges of all examples, 380 to 780 nm, and 380 to 730 nm of a file of a lamp: what is compared is
+        // transport, wavelength by wavelength.
         let step = if has_time() { "spectrum.step_nm=25" } else { "spectrum.step_nm=50" };
         let mut scene = scenario(&name, &["solver.method=adding", step]).unwrap().scene;
         // Of many views every day only some: neighbours have much in common.
@@ -417,6 +418,44 @@ fn monte_carlo_stopped_at_a_target_has_honest_errors_of_light_that_a_thin_slab_t
         for ((name, exact), (_, found)) in exact.views[0].states.iter().zip(found.views[0].states.iter()) {
             let z = (found.value.Y - exact.value.Y) / found.standard_error.Y;
             assert!(z.abs() < 4.5, "{name}, seed {seed}: z {z}");
+        }
+    }
+}
+
+/// Rough faces of the narrowest lobes that adding accepts, of 300 to 450 directions: at and about the mirror image of a beam, and far from it.
+/// 24 numbers each: 5.5 of Student's 31 degrees of freedom happens to one of 200 000.
+#[test]
+fn faces_of_the_narrowest_lobes_agree() {
+    for alpha in everyday(1, [0.01, 0.012, 0.0135]) {
+        let text = format!(
+            "[display]\nlayers = [{{ kind = \"rough\", alpha = {alpha} }}, {{ kind = \"medium\", index = 1.5 }}]\n[display.pixel]\n\
+             model = \"uniform\"\nkind = \"lambertian\"\nreflectance = {{ white = 0.6, black = 0.03 }}\n[spectrum]\nstep_nm = 200\n\
+             [lighting]\ndiffuse = 0.6\n[[lighting.directed]]\ntheta_deg = -30\nshare = 0.4\n[viewer]\ntheta_deg = [0, 25, 28, 45]\n\
+             field_deg = 0\n"
+        );
+        let by = |set: &str| {
+            let folder = std::path::Path::new("");
+            let scenario =
+                papilio_scenario::Scenario::from_text(&text, "rough.toml", folder, &[set.to_owned()]);
+            run(&scenario.unwrap().resolve().unwrap().scene).unwrap()
+        };
+        let exact = by("solver.method=adding");
+        let nodes = exact.solver.nodes.unwrap();
+        assert!((300..=450).contains(&nodes), "alpha {alpha}: {nodes}");
+        let noisy = by("solver={method=\"monte-carlo\",paths=16384}");
+        for (exact, noisy) in exact.views.iter().zip(&noisy.views) {
+            for ((name, exact), (_, noisy)) in exact.states.iter().zip(noisy.states.iter()) {
+                let (value, found, error) = (&exact.value, &noisy.value, &noisy.standard_error);
+                for (value, found, error) in
+                    [(value.X, found.X, error.X), (value.Y, found.Y, error.Y), (value.Z, found.Z, error.Z)]
+                {
+                    let error = error.hypot(2e-6 * value);
+                    assert!(
+                        (found - value).abs() < 5.5 * error,
+                        "{alpha} {name}: {found} +- {error}, {value}"
+                    );
+                }
+            }
         }
     }
 }

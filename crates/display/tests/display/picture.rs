@@ -109,6 +109,38 @@ fn columns_have_the_contrast_of_stripes() {
     assert!(off < 1e-3 && off < 3.0 * fast.error + 1e-5, "{off} {}", fast.error);
 }
 
+/// A front light. What is seen of grey states is linear in their light: uniform pages determine the line, and pages are those of paths.
+#[test]
+fn front_light_brightens_pictures_as_pages() {
+    let view = "[viewer]\ntheta_deg = 8\nfield_deg = 0\n";
+    let guide = "[lighting.front_light]\nilluminance_lx = 700\nspectrum = \"LED-B5\"\nupward_leak = 0.1\n";
+    let [without, with] = ["", guide].map(|guide| resolved(&[GLASS, MATRIX, PAPER, LIGHT, guide, view]));
+    let seen = |display: &Resolved, states: Vec<u8>| -> Vec<f64> {
+        let page = Picture { count: [12, 10], states };
+        let found = computed(display, &page, Precision::FINE).unwrap();
+        found.views[0].iter().map(|colour| f64::from(colour[1])).collect()
+    };
+    let page = |display: &Resolved, state: u8| seen(display, vec![state; 120])[0];
+    let paths = "[solver]\nmethod = \"monte-carlo\"\npaths = 4096\n";
+    let text = [GLASS, MATRIX, PAPER, LIGHT, guide, view].concat();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let by_paths =
+        Scenario::from_text(&format!("[spectrum]\nstep_nm = 40\n{text}{paths}"), "p.toml", &folder, &[]);
+    let run = common::run(&by_paths.unwrap().resolve().unwrap().scene).unwrap();
+    for state in 0..3_u8 {
+        let (_, of_paths) = run.views[0].states.iter().nth(usize::from(state)).unwrap();
+        let error = of_paths.standard_error.Y;
+        near("page by paths", page(&with, state), of_paths.value.Y, 5.0 * error + 1e-4);
+    }
+    let [white, black] = [0, 2].map(|state| [page(&without, state), page(&with, state)]);
+    let slope = (white[1] - black[1]) / (white[0] - black[0]);
+    assert!(slope > 1.5, "{slope}");
+    let mixed: Vec<u8> = (0..120).map(|k| (k * k % 7 % 3) as u8).collect();
+    for (without, with) in seen(&without, mixed.clone()).into_iter().zip(seen(&with, mixed)) {
+        near("pixel", with, black[1] + slope * (without - black[0]), 1e-4);
+    }
+}
+
 #[test]
 fn pictures_that_are_not_computed_are_refused() {
     let page = Picture { count: [2, 2], states: vec![0, 1, 2, 0] };

@@ -146,6 +146,15 @@ fn crosstalk_agrees_with_paths() {
         let ((expected, _), (value, error)) = (found(&adding), found(&walked));
         near("contrast ratio", value, expected, 5.0 * error + 0.01 * expected);
     }
+    // A picture of every second column black, by cells that are the pixels.
+    let display = resolved(&[GLASS, MATRIX, &paper(60.0), DIFFUSE, VIEW]);
+    let control = Control { threads: Some(2), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let page = Picture { count: [8, 6], states: (0..48).map(|k| k % 2).collect() };
+    let seen = picture(&display.scene, &page, Precision::FINE, &control).unwrap();
+    let ratio = f64::from(seen.views[0][8][1]) / f64::from(seen.views[0][9][1]);
+    let stripe = walked.views[0].patterns.iter().find(|one| one.name == Figure::Stripe).unwrap();
+    let (value, error) = (stripe.values.contrast_ratio.unwrap(), stripe.error.contrast_ratio.unwrap());
+    near("contrast ratio of a picture", ratio, value, 5.0 * error + 0.01 * value);
 }
 
 /// A picture of columns has the mean of stripes, and uniform pictures the colours of pages.
@@ -192,6 +201,37 @@ fn inks_below_the_face_give_the_measured_values_back() {
                 // An instrument that excludes the specular component does not see the image of the room in the face.
                 let tolerance = if solver.is_empty() { 2e-5 } else { 5.0 * state.standard_error.Y + 1e-5 };
                 near(name, state.value.Y - front, measured, tolerance);
+            }
+        }
+    }
+}
+
+/// The same with L*, a*, b* of a palette: the lightness and the colour that were measured are seen.
+#[test]
+fn palettes_below_the_face_give_the_measured_colours_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let measured = [("white", [72.0, -2.0, 4.0]), ("red", [48.0, 30.0, 18.0]), ("black", [32.0, 1.0, -3.0])];
+    let rows = measured.map(|(name, [l, a, b])| format!("{name},{l},{a},{b}\n"));
+    std::fs::write(folder.path().join("palette.csv"), format!("state,L,a,b\n{}", rows.concat())).unwrap();
+    for (specular, front) in [("included", 0.0), ("excluded", 0.040_002)] {
+        let text = format!(
+            "{GLASS}[display.pixel]\nmodel = \"palette\"\nfile = \"palette.csv\"\nilluminant = \"D50\"\n\
+             measured_through = {{ index = 1.5, specular = \"{specular}\" }}\n\
+             [lighting]\nilluminance_lx = 500\nspectrum = \"D50\"\ndiffuse = 1.0\n[viewer]\ntheta_deg = 8\nfield_deg = 0\n"
+        );
+        let display =
+            Scenario::from_text(&text, "palette.toml", folder.path(), &[]).unwrap().resolve().unwrap();
+        let run = common::run(&display.scene).unwrap();
+        for (name, [l, a, b]) in measured {
+            let value = &run.views[0].states.get(name).unwrap().value;
+            // CIE 15: Y of L*.
+            near(name, value.Y - front, ((l + 16.0) / 116.0_f64).powi(3), 2e-4);
+            if front == 0.0 {
+                for (found, expected) in
+                    [(value.L_star.unwrap(), l), (value.a_star.unwrap(), a), (value.b_star.unwrap(), b)]
+                {
+                    near(name, found, expected, 0.1);
+                }
             }
         }
     }

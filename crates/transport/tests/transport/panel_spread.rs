@@ -8,7 +8,7 @@ use crate::common::{Front, Panel};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::Kernel;
-use papilio_transport::spatial::{Accuracy, PanelSpread};
+use papilio_transport::spatial::{Accuracy, PanelSpread, closed};
 use papilio_transport::{AngularTable, Base, Cone, Diffuser, Field, Medium, Nodes, Reflector, Source, Top};
 
 /// Two states, three wavelengths.
@@ -275,5 +275,75 @@ fn ghosts_of_a_mirror_have_a_closed_form() {
         let turns = num_complex::Complex64::cis(-4.0 * std::f64::consts::PI * f * spread.own_mm()[0]);
         let expected = (1.0 - face).powi(2) * rho / (1.0 - face * rho * turns);
         assert!((found(&spread, &panel, f) - expected).norm() < 1e-12);
+    }
+}
+
+/// Light of each cell between these borders over all light, for a pixel of this reflectance as a function of `|beta|^2`.
+fn fractions_of_cells(spread: &PanelSpread, borders: [&[f64]; 2], rho: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut cells = vec![0.0; (borders[0].len() - 1) * (borders[1].len() - 1)];
+    let mut all = 0.0;
+    for part in spread.parts() {
+        let sums = spread.point_spread(part).cells(borders[0], borders[1]).sums(&rho);
+        cells.iter_mut().zip(sums).for_each(|(sum, more)| *sum += part.through[0] * more);
+        let samples = part.samples.iter().map(|sample| sample.weight * rho(sample.beta.squared()));
+        all += part.through[0] * samples.sum::<f64>();
+    }
+    cells.into_iter().map(|cell| cell / all).collect()
+}
+
+/// Borders of so many cells about the view's own ray.
+fn borders(count: usize, cell_mm: f64) -> Vec<f64> {
+    (0..=count).map(|k| (k as f64 - 0.5 * count as f64) * cell_mm).collect()
+}
+
+/// A narrow lobe has the closed forms of small angles.
+#[test]
+fn cells_of_a_narrow_lobe_have_closed_forms() {
+    let b = 2e-3;
+    let panel = one_bin(h78(b), mirror(1.0));
+    let spread = spread(&panel, view(0.0), &Source::Diffuse, 0.5, 14.0);
+    let c = b * 0.5 / 1.5;
+    for cell_mm in [0.4 * c, 40.0 * c] {
+        let [x, y] = [borders(6, cell_mm), borders(5, cell_mm)];
+        for (k, found) in fractions_of_cells(&spread, [&x, &y], |_| 1.0).into_iter().enumerate() {
+            let [column, row] = [k % 6, k / 6];
+            let expected = closed::lobe_from_rectangle([x[column], x[column + 1]], [y[row], y[row + 1]], c);
+            // The edge of the hemisphere and the tangent change tails by about b.
+            assert!((found - expected).abs() < 2.0 * b * expected + 3e-6, "{k}: {found} {expected}");
+        }
+    }
+}
+
+/// The light of a square does not depend on how many cells it has, nor on the accuracy.
+#[test]
+fn squares_do_not_depend_on_their_cells() {
+    let beam = Source::Beam(Beta { x: 0.2, y: -0.1 });
+    let film = |beta_squared: f64| 0.5 + 0.3 * (5.0 * (1.0 - beta_squared / 2.25).sqrt()).sin();
+    for (source, theta) in [(Source::Diffuse, 0.0), (Source::Diffuse, 50.0), (beam, 15.0)] {
+        let panel = one_bin(h78(0.05667), mirror(1.0));
+        let [coarse, fine] = [10.0, 15.0].map(|digits| spread(&panel, view(theta), &source, 0.5, digits));
+        let [many, one] = [borders(16, 0.02), borders(1, 0.32)];
+        let sum: f64 = fractions_of_cells(&coarse, [&many, &many], film).iter().sum();
+        let [single] = fractions_of_cells(&fine, [&one, &one], film)[..] else { panic!() };
+        assert!((sum - single).abs() < 1e-5, "{theta}: {sum} {single}");
+    }
+}
+
+/// A view of 5 deg through a lobe that is much narrower: the transform of a disc, 2 J1(x)/x, by values of Abramowitz and Stegun's table 9.1, with few
+/// samples.
+#[test]
+fn lobes_much_narrower_than_the_view_are_a_disc() {
+    let panel = one_bin(h78(1e-6), super::common::lambertian(0.6));
+    let radius = 5.0_f64.to_radians().sin();
+    let spread = spread(&panel, Cone::new(0.0, 0.0, 5.0, 1.0), &Source::Diffuse, 0.5, 6.0);
+    let count: usize = spread.parts().iter().map(|part| part.samples.len()).sum();
+    assert!(count < 10_000_000, "{count}");
+    let whole = found(&spread, &panel, 0.0);
+    for (x, j1) in [(0.5, 0.242_268_46), (1.0, 0.440_050_59), (2.0, 0.576_724_81)] {
+        let f = x / (std::f64::consts::TAU * 0.5 * radius / 1.5);
+        // Light that returns below a lobe without a front: none.
+        let expected = 2.0 * j1 / x;
+        let ratio = found(&spread, &panel, f) / whole;
+        assert!((ratio - expected).norm() < 5e-3, "{x}: {ratio} {expected}");
     }
 }

@@ -10,6 +10,10 @@ use super::{Accuracy, Bundle, Gap, Incoming, Sample};
 use crate::Diffuser;
 use crate::light::cone_points::Point;
 
+/// Largest radius of the directions of a view or a source in widths of the lobe: a narrower lobe is taken as so wide, which blurs the edge of the
+/// directions by a thousandth of their radius. The number of samples is proportional to this ratio.
+const MOST_WIDTHS: f64 = 1000.0;
+
 /// What determines a spread.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::spatial) struct Pair {
@@ -37,7 +41,16 @@ impl Pair {
         light: Incoming,
         accuracy: Accuracy,
     ) -> Self {
-        Self { lobe: diffuser.lobe, straight: diffuser.regular_fraction, gap, view, light, accuracy }
+        let of_light = match &light {
+            Incoming::Peak(light) => light.radius,
+            Incoming::Diffuse | Incoming::Field(_) | Incoming::Pixel => 0.0,
+        };
+        let least = view.radius.max(of_light) / MOST_WIDTHS;
+        let lobe = match diffuser.lobe {
+            Lobe::KCorrelation { width } => Lobe::KCorrelation { width: width.max(least) },
+            Lobe::Lambertian => Lobe::Lambertian,
+        };
+        Self { lobe, straight: diffuser.regular_fraction, gap, view, light, accuracy }
     }
 
     /// The scattered light as a density over places, relative to this one.
