@@ -67,7 +67,9 @@ pub(super) fn reference(mut program: Command) -> String {
             let _ = write!(text, "\n{}", table("argument", special));
         }
         if !common.is_empty() {
-            let names: Vec<String> = common.iter().map(|(name, _)| format!("`{name}`")).collect();
+            // Without the values of options, which the table of common options has.
+            let short = |name: &str| format!("`{}`", name.split(" <").next().unwrap_or(name));
+            let names: Vec<String> = common.iter().map(|(name, _)| short(name)).collect();
             let _ = writeln!(text, "\n[Common options](#common-options): {}.", names.join(", "));
         }
         text += &after_help(command);
