@@ -34,6 +34,18 @@ const BRIEF: [(&str, &str); 14] = [
     ("a string", "string"),
 ];
 
+/// Endings of keys that state a unit, and the unit in the column `value`, which does not repeat it.
+const UNITS: [(&str, &str); 8] = [
+    ("_nm", " (nm)"),
+    ("_um", " (um)"),
+    ("_mm", " (mm)"),
+    ("_m", " (m)"),
+    ("_deg", " (degrees)"),
+    ("_lx", " (lx)"),
+    ("_K", " (K)"),
+    ("_years", " (years)"),
+];
+
 /// Every table of keys, by its name in the page.
 #[rustfmt::skip]
 pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
@@ -148,7 +160,8 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
             keys => format!("\nAs above: `{}`.\n", keys.join("`, `")),
         };
         seen.push(of);
-        made += &format!("{before}{BEGIN}{name} -->\n{HEAD}{}{same}\n{END}", own.concat());
+        let head = if own.is_empty() { "" } else { HEAD };
+        made += &format!("{before}{BEGIN}{name} -->\n{head}{}{same}\n{END}", own.concat());
         rest = after;
     }
     match tables.iter().find(|(name, _)| !seen.contains(name)) {
@@ -171,6 +184,11 @@ fn line(row: &Row) -> String {
         Default::Words(words) => words.clone(),
     };
     let value = BRIEF.iter().fold((row.on_page)(), |text, (long, brief)| text.replace(long, brief));
+    let unit = UNITS.iter().find(|(ending, _)| row.key.ends_with(ending));
+    let value = match unit {
+        Some((_, unit)) => value.replace(unit, ""),
+        None => value,
+    };
     // A bar would begin the next cell.
     let value = if default == "none" { value } else { format!("{value}; {default}") };
     let [doc, value] = [&row.doc, &value].map(|text| text.replace('|', "\\|"));

@@ -59,23 +59,31 @@ pub(super) fn reference(mut program: Command) -> String {
         if command.has_subcommands() && !has_arguments(command) {
             let about = command.get_about().map(ToString::to_string).unwrap_or_default();
             let _ = write!(text, "\n{}.\n", about.trim_end_matches('.'));
-        } else {
-            let mut command = (*command).clone();
-            let usage = command.render_usage().to_string();
-            let usages = usage.trim_start_matches("Usage:").lines().map(|line| format!("`{}`", line.trim()));
-            let _ = write!(text, "\nUsage: {}\n", usages.collect::<Vec<_>>().join(" or "));
+        } else if let Some(usage) = usage((*command).clone()) {
+            let _ = write!(text, "\nUsage: {usage}\n");
         }
         let (common, special): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| is_common(row));
         if !special.is_empty() {
             let _ = write!(text, "\n{}", table("argument", special));
         }
         if !common.is_empty() {
-            let names: Vec<String> = common.iter().map(|(name, _)| format!("`{name}`")).collect();
+            // Without the values of options, which the table of common options has.
+            let short = |name: &str| format!("`{}`", name.split(" <").next().unwrap_or(name));
+            let names: Vec<String> = common.iter().map(|(name, _)| short(name)).collect();
             let _ = writeln!(text, "\n[Common options](#common-options): {}.", names.join(", "));
         }
         text += &after_help(command);
     }
     text
+}
+
+/// How the arguments of a command follow each other, where its list of them does not say it.
+fn usage(mut command: Command) -> Option<String> {
+    let is_plain = command.get_positionals().count() <= 1;
+    let usage = command.render_usage().to_string();
+    let usages: Vec<String> =
+        usage.trim_start_matches("Usage:").lines().map(|line| format!("`{}`", line.trim())).collect();
+    (usages.len() > 1 || !is_plain).then(|| usages.join(" or "))
 }
 
 fn has_arguments(command: &Command) -> bool {
