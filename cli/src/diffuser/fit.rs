@@ -5,7 +5,7 @@ use std::io::Write;
 use papilio_figures::{ScatterCurve, Scattering, scattering};
 use papilio_formats::{FitFile, write_json};
 use papilio_goniometry::{
-    FitOptions, Geometry, Kind, MeasuredPart, Measurement, Ranked, SpecularGrid, fitted,
+    FitOptions, Geometry, Kind, MeasuredPart, Measurement, RankedFit, SpecularGrid, fitted,
 };
 use papilio_optics::Beta;
 
@@ -45,7 +45,7 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
 }
 
 /// Figure of the data and the best lobes in the plane of incidence.
-fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: &[Ranked]) -> String {
+fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: &[RankedFit]) -> String {
     let quantity = if part.way.is_transmission() { "BTDF (1/sr)" } else { "BRDF (1/sr)" };
     let mut curves = Vec::new();
     for from in shown_incidences(part) {
