@@ -23,7 +23,7 @@ pub(crate) fn read<T>(
     file: &DataFile,
     reader: impl FnOnce(&DataFile) -> Result<T, FormatError>,
 ) -> Result<T, FormatError> {
-    decoded(|| reader(file)).unwrap_or_else(|Panicked| {
+    decoded(|| reader(file)).unwrap_or_else(|DecoderPanic| {
         let named = picture_format(&file.bytes).map_or("file".to_owned(), |format| format!("{format} file"));
         let wrong = Diagnostic::new(format!(
             "this {named} cannot be read: its contents contradict each other, so that the decoder failed"
@@ -35,10 +35,10 @@ pub(crate) fn read<T>(
 
 /// A decoder has panicked.
 #[derive(Debug, PartialEq, Eq)]
-struct Panicked;
+struct DecoderPanic;
 
 /// Calls a decoder, and does not print its panic.
-fn decoded<T>(decode: impl FnOnce() -> T) -> Result<T, Panicked> {
+fn decoded<T>(decode: impl FnOnce() -> T) -> Result<T, DecoderPanic> {
     static QUIET: Once = Once::new();
     QUIET.call_once(|| {
         let before = take_hook();
@@ -52,7 +52,7 @@ fn decoded<T>(decode: impl FnOnce() -> T) -> Result<T, Panicked> {
     // The decoder's state is dropped with the panic; nothing of it is used afterwards.
     let decoded = catch_unwind(AssertUnwindSafe(decode));
     DECODES.set(outer);
-    decoded.map_err(|_| Panicked)
+    decoded.map_err(|_| DecoderPanic)
 }
 
 #[cfg(test)]
