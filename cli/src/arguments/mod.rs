@@ -8,14 +8,14 @@ mod studies;
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use papilio_scenario::ExampleDisplay;
 
 pub(crate) use self::brdf::{ALL_STATES, Brdf, BrdfFormat};
-pub(crate) use self::diffuser::{
-    Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, PartName, Steps,
-};
+pub(crate) use self::diffuser::{Calibrate, Convert, Diffuser, FitArguments, Inspect, Measure, Steps};
 pub(crate) use self::spatial::{
-    Gonio, ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, Space, SpatialCommand,
+    Gonio, ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, SpatialCommand,
 };
 pub(crate) use self::studies::{
     Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
@@ -153,43 +153,29 @@ pub(crate) struct New {
     #[arg(value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
     /// Display of the scenario [default: imod]
-    #[arg(long, value_enum, value_name = "KIND")]
-    pub(crate) display: Option<NewDisplay>,
+    #[arg(long, value_name = "KIND", value_parser = example_display())]
+    pub(crate) display: Option<ExampleDisplay>,
     /// Preset of the light
     #[arg(long, value_name = "PRESET")]
     pub(crate) light: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum NewDisplay {
-    /// Interferometric pixels under a diffuser
-    Imod,
-    /// Electronic paper below a bare glass surface
-    Epaper,
-    /// A pixel tabulated by another tool, under a diffuser; also writes an example of the table
-    Table,
-    /// Electronic paper with black, white, red and yellow inks; also writes synthetic spectra
-    Bwry,
-    /// Electronic paper with six inks; also writes synthetic spectra
-    SixInk,
-    /// Electronic paper with seven inks; also writes synthetic spectra
-    SevenInk,
-    /// Electronic paper below a printed colour filter; also writes synthetic transmittances
-    PrintedFilter,
+fn example_display() -> impl TypedValueParser<Value = ExampleDisplay> {
+    one_of(ExampleDisplay::ALL.map(|display| (display.name, display.about, display)))
 }
 
-impl NewDisplay {
-    pub(crate) fn example(self) -> papilio_scenario::ExampleDisplay {
-        match self {
-            Self::Imod => papilio_scenario::ExampleDisplay::Imod,
-            Self::Epaper => papilio_scenario::ExampleDisplay::Epaper,
-            Self::Table => papilio_scenario::ExampleDisplay::Table,
-            Self::Bwry => papilio_scenario::ExampleDisplay::Bwry,
-            Self::SixInk => papilio_scenario::ExampleDisplay::SixInk,
-            Self::SevenInk => papilio_scenario::ExampleDisplay::SevenInk,
-            Self::PrintedFilter => papilio_scenario::ExampleDisplay::PrintedFilter,
-        }
-    }
+/// A parser of values by their names; the help lists them with what they are.
+fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
+    values: [(&'static str, &'static str, T); N],
+) -> impl TypedValueParser<Value = T> {
+    let names = values.map(|(name, about, _)| match about {
+        "" => PossibleValue::new(name),
+        about => PossibleValue::new(name).help(about),
+    });
+    PossibleValuesParser::new(names).try_map(move |name| {
+        let found = values.iter().find(|(known, ..)| *known == name);
+        found.map(|(.., value)| *value).ok_or("this name is unknown")
+    })
 }
 
 #[derive(Debug, Args)]

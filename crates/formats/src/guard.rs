@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::sync::Once;
 
-use papilio_diagnostics::{Diagnostic, Place};
+use papilio_diagnostics::{Diagnostic};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -29,7 +29,7 @@ pub(crate) fn read<T>(
             "this {named} cannot be read: its contents contradict each other, so that the decoder failed"
         ));
         let hint = "is it damaged or cut off? Save it again, if possible in another format";
-        Err(FormatError { place: Place::whole(&file.name), problem: wrong.hint(hint).into() })
+        Err(FormatError::whole(&file.name, wrong.hint(hint)))
     })
 }
 
