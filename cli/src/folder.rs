@@ -11,23 +11,10 @@ use papilio_formats::{write_file, write_json};
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::ScenarioArguments;
-use crate::{Failure, output, print_message};
+use crate::{Failure, RESULTS, output, print_message};
 
 /// File that `pixel`, `brdf` and `study` write next to their tables, which do not contain the hash of the scenario.
 pub(crate) const ABOUT: &str = "about.json";
-
-/// Files that contain the hash of their scenario.
-const WITH_HASH: [&str; 9] = [
-    "result.json",
-    "cone.json",
-    "mtf.json",
-    "crosstalk.json",
-    "sparkle.json",
-    "palette.json",
-    "image.json",
-    "audit.json",
-    ABOUT,
-];
 
 /// Files that do not contain the hash of their scenario.
 const WITHOUT_HASH: [&str; 5] =
@@ -63,13 +50,13 @@ enum Content {
 
 /// A folder for a result.
 #[derive(Debug)]
-pub(crate) struct Chosen {
+pub(crate) struct ResultFolder {
     path: PathBuf,
     /// Why it is not the folder of the scenario's name.
     note: Option<String>,
 }
 
-impl std::ops::Deref for Chosen {
+impl std::ops::Deref for ResultFolder {
     type Target = Path;
 
     fn deref(&self) -> &Path {
@@ -77,7 +64,7 @@ impl std::ops::Deref for Chosen {
     }
 }
 
-impl Chosen {
+impl ResultFolder {
     /// Prints the names of the written files on standard error, and why they are in this folder.
     pub(crate) fn print_written(&self, names: &[String]) {
         self.note.iter().for_each(|note| print_message(note));
@@ -86,10 +73,10 @@ impl Chosen {
 }
 
 /// Returns the folder for a result with this hash, after checking that it can be written.
-pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<Chosen, Failure> {
+pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<ResultFolder, Failure> {
     if let Some(folder) = &arguments.out {
         output::check(folder)?;
-        return Ok(Chosen { path: folder.clone(), note: None });
+        return Ok(ResultFolder { path: folder.clone(), note: None });
     }
     let own = arguments.default_out();
     let content = content(&own, hash);
@@ -99,7 +86,7 @@ pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<Chosen
     };
     output::check(&folder)?;
     let hash_of_other = match content {
-        Content::Free => return Ok(Chosen { path: folder, note: None }),
+        Content::Free => return Ok(ResultFolder { path: folder, note: None }),
         Content::Other(other) => format!(" (hash {})", other.chars().take(DIGITS).collect::<String>()),
         Content::Unknown => String::new(),
     };
@@ -109,7 +96,7 @@ pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<Chosen
         own.display(),
         folder.display()
     );
-    Ok(Chosen { path: folder, note: Some(note) })
+    Ok(ResultFolder { path: folder, note: Some(note) })
 }
 
 /// Creates a folder for the files of a scenario that `about.json` identifies. Those of another scenario, which is written there with `--out`,
@@ -154,7 +141,7 @@ fn hash_folder(own: &Path, hash: &str) -> PathBuf {
 /// Returns whether a folder contains a result with another hash.
 fn content(folder: &Path, hash: &str) -> Content {
     let mut is_ours = false;
-    for name in WITH_HASH {
+    for name in RESULTS.iter().map(|file| file.name).chain([ABOUT]) {
         let Ok(bytes) = fs::read(folder.join(name)) else { continue };
         match serde_json::from_slice::<Hash>(&bytes) {
             Ok(found) if found.hash == hash => is_ours = true,

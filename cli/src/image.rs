@@ -16,7 +16,7 @@ use papilio_imaging::text::{Font, Setting};
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
-use crate::arguments::{ImageCommand, RelativeTo, Space};
+use crate::arguments::{ImageCommand, RelativeTo};
 use crate::numbers::measured;
 use crate::palette::room;
 use crate::spatial::{SpatialOutput, show};
@@ -37,11 +37,7 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
         RelativeTo::White => ScreenWhite::Perfect,
         RelativeTo::Display => ScreenWhite::Display,
     };
-    let space = match arguments.space {
-        Space::Srgb => ScreenSpace::Srgb,
-        Space::DisplayP3 => ScreenSpace::DisplayP3,
-    };
-    let screen = Screen { white, space };
+    let screen = Screen { white, space: arguments.space };
     crate::palette::check_rooms(&arguments.rooms)?;
     let rooms = arguments.rooms.iter().map(|name| Ok((name, room(&arguments.command, &resolved, name)?)));
     let rooms = rooms.collect::<Result<Vec<(&String, Resolved)>, Failure>>()?;

@@ -19,6 +19,7 @@ mod compare;
 mod completions;
 mod crosstalk;
 mod diffuser;
+mod failure;
 mod folder;
 mod gonio;
 mod image;
@@ -37,6 +38,7 @@ mod pixel;
 mod progress;
 mod report;
 mod run;
+mod schema;
 mod serve;
 mod sparkle;
 mod spatial;
@@ -49,101 +51,187 @@ mod validate;
 use std::borrow::Cow;
 use std::ffi::OsString;
 
-use clap::Parser;
+use clap::FromArgMatches;
 
-use arguments::{Arguments, Command, Study, SweepCommand};
+use arguments::Arguments;
+use failure::Failure;
 use papilio_formats::report::numbers;
 use papilio_formats::words::visible;
 use terminal::{print_message, print_notes};
 
-/// Why a command failed.
-#[derive(Debug, thiserror::Error)]
-enum Failure {
-    /// The scenario is invalid.
-    #[error(transparent)]
-    Scenario(#[from] papilio_scenario::ScenarioErrors),
-    /// Another input is invalid: an argument, a file or a combination of them.
-    #[error("error: {0}")]
-    Input(String),
-    /// A data file is invalid.
-    #[error(transparent)]
-    Data(papilio_formats::FormatError),
-    /// A file could not be written.
-    #[error(transparent)]
-    Write(papilio_formats::FormatError),
-    /// A figure could not be converted to PNG.
-    #[error("error: {0}")]
-    Png(#[from] papilio_figures::PngError),
-    /// The scene could not be computed.
-    #[error("error: {0}")]
-    Display(#[from] papilio_display::DisplayError),
-    /// A design could not be evaluated.
-    #[error("error: {0}")]
-    Design(papilio_design::DesignError),
-    /// The reproduction report could not be computed.
-    #[error("error: {0}")]
-    Report(#[from] papilio_reproduction::ReproductionError),
-    /// The web app could not be served.
-    #[error("error: {0}")]
-    Serve(#[from] papilio_web::ServeError),
-    /// Standard output could not be written.
-    #[error("error: standard output cannot be written: {0}")]
-    Io(#[from] std::io::Error),
-    /// A search ended without a design that satisfies all constraints.
-    #[error("error: {0}")]
-    Infeasible(&'static str),
-    /// The user pressed Ctrl-C; finished work is saved.
-    #[error("interrupted: {0}")]
-    Interrupted(&'static str),
+/// Declares the commands: what `papilio --help` says of each, its arguments and the function that runs it.
+macro_rules! commands {
+    ($( $(#[$about:meta])* $name:ident($arguments:ty) => $run:path ),* $(,)?) => {
+        #[derive(Debug, clap::Subcommand)]
+        enum Command { $( $(#[$about])* $name($arguments), )* }
+
+        impl Command {
+            fn run(&self) -> Result<(), Failure> {
+                match self { $( Self::$name(arguments) => $run(arguments), )* }
+            }
+        }
+    };
 }
 
-impl Failure {
-    /// Failure of a computation, with its place in the scenario if a key caused it.
-    fn from_display(resolved: &papilio_scenario::Resolved, error: papilio_display::DisplayError) -> Self {
-        resolved.located(&error).map_or(Self::Display(error), Self::Scenario)
-    }
-
-    /// Failure of one of many designs or points, which `note` identifies.
-    fn of_one(error: impl Into<papilio_design::DesignError>, note: &str) -> Self {
-        match error.into() {
-            papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors.with_note(note)),
-            other => Self::Input(format!("{other}\n  = note: {note}")),
-        }
-    }
-
-    fn exit_code(&self) -> u8 {
-        match self {
-            Self::Scenario(_)
-            | Self::Input(_)
-            | Self::Data(_)
-            | Self::Display(_)
-            | Self::Design(_)
-            | Self::Serve(_) => 2,
-            Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) => 1,
-            Self::Infeasible(_) => 3,
-            Self::Interrupted(_) => 130,
-        }
-    }
+commands! {
+    /// Compute colours, gamut, contrast and reflectance of a scenario, with errors and figures
+    #[command(after_help = "Example: papilio run scenarios/indoor.toml --set viewer.theta_deg=20")]
+    Run(arguments::Run) => run::run,
+    /// Compute the reflectance of the pixel alone from 0 to 90 deg: pixel.csv and a figure
+    #[command(
+        after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --absorption --out out/pixel\n\n\
+                      For a table of a pixel under a diffuser, use --angles glass: the diffuser sends light to the pixel at \
+                      all angles in the glass."
+    )]
+    Pixel(arguments::Pixel) => pixel::pixel,
+    /// Export the spectral BRDF of the whole display, for each state
+    #[command(after_help = "Examples:\n  papilio brdf scenarios/indoor.toml --out out/brdf\n  \
+                      papilio brdf scenarios/indoor.toml --format rgl --states white,black --out out/mitsuba\n\n\
+                      docs/brdf.md describes the files: display-bsdf.npz for NumPy; CSV; RGL tensor files and a scene for the \
+                      renderer Mitsuba.")]
+    Brdf(arguments::Brdf) => brdf::brdf,
+    /// Compute the sparkle of an antiglare face over the pixels: random brightness of equal pixels
+    #[command(
+        after_help = "Example: papilio sparkle scenarios/antiglare.toml --set sparkle.correlation_um=[5,10,20,40]\n\n\
+                      The scenario needs [display.matrix] and [sparkle]. docs/sparkle.md describes them."
+    )]
+    Sparkle(arguments::SpatialCommand) => sparkle::sparkle,
+    /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine lines
+    #[command(after_help = "Examples:\n  \
+                      papilio mtf scenarios/matrix.toml\n  \
+                      papilio mtf scenarios/matrix.toml --solver monte-carlo\n\n\
+                      It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
+    Mtf(arguments::SolvedSpatially) => mtf::mtf,
+    /// Compute which sub-pixel lights which, and the gamut and contrast of stripes, lines and text
+    #[command(after_help = "Examples:\n  \
+                      papilio crosstalk scenarios/matrix.toml\n  \
+                      papilio crosstalk scenarios/matrix.toml --solver monte-carlo\n\n\
+                      The scenario needs [display.matrix] and the thickness of the layers above the pixels. docs/crosstalk.md describes \
+                      the results.")]
+    Crosstalk(arguments::SolvedSpatially) => crosstalk::crosstalk,
+    /// Show a picture on the display: what the reader sees in this light, and what to send to the panel
+    #[command(after_help = "Examples:\n  \
+                      papilio image scenarios/six-ink.toml photograph.jpg\n  \
+                      papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n  \
+                      papilio image scenarios/page.toml --rooms FL11,D65\n\n\
+                      It writes seen.png and seen.exr, what the reader sees; states.png, the state of each pixel; and image.json. \
+                      docs/image.md describes them.")]
+    Image(arguments::ImageCommand) => image::command,
+    /// Compute the palette of a display: the colours of all states in this light and in other rooms, for other programs too
+    #[command(after_help = "Examples:\n  \
+                      papilio palette scenarios/six-ink.toml\n  \
+                      papilio palette scenarios/six-ink.toml --rooms D65,FL11 --relative-to display\n\n\
+                      It writes palette.json, and the colours as .gpl, .css, .ase, .act and for dithering tools. docs/palette.md \
+                      describes them.")]
+    Palette(arguments::PaletteCommand) => palette::palette,
+    /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light; can be resumed
+    #[command(after_help = "Examples:\n  \
+                      papilio gonio surfaces/hemispheres.toml\n  \
+                      papilio gonio surfaces/etched.toml --preview --set microgeometry.rms_nm=400\n\n\
+                      It writes totals.csv, audit.json and the kernel of both sides, face.npz. docs/gonio.md describes them. \
+                      Each finished part is saved: to resume an interrupted measurement, run the same command again.")]
+    Gonio(arguments::Gonio) => gonio::gonio,
+    /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
+    #[command(after_help = "Example:\n  \
+                      papilio run scenarios/overcast.toml\n  \
+                      papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
+                      MEASURED needs the columns state, optionally theta_deg and phi_deg, and either wavelength_nm \
+                      and reflectance_factor, or X, Y and Z, or L, a and b; files of instruments are read too. \
+                      docs/compare.md describes them.")]
+    Compare(arguments::Compare) => compare::run,
+    /// Write a commented scenario to start from: a display in the light of a preset
+    #[command(
+        override_usage = "papilio new PRESET [FILE]\n       papilio new --display KIND --light PRESET [FILE]"
+    )]
+    #[command(after_help = "Examples:\n  \
+                      papilio new office office.toml && papilio run office.toml\n  \
+                      papilio new --display epaper --light living-room reader.toml\n\n\
+                      Presets are rooms, daylight, and measuring geometries of standards. docs/light.md describes them.\n\
+                      The error for an unknown preset lists all names.")]
+    New(arguments::New) => new::run,
+    /// List the named materials, or show one: source, n and k, a figure
+    #[command(
+        after_help = "Examples: papilio materials\n          papilio materials TiO2\n          papilio materials oxide\n\n\
+                      Any other n and k can be given as a number, { n, k } or a file. docs/films.md describes them."
+    )]
+    Materials(arguments::Catalogue) => catalogue::list_materials,
+    /// List the CIE illuminants, or show one: colour, colour temperature, Ra, spectrum, a figure
+    #[command(after_help = "Examples: papilio illuminants\n          papilio illuminants FL11\n\n\
+                      Daylight and black bodies of any temperature, LEDs and files are spectra, too. docs/light.md describes \
+                      them.")]
+    Illuminants(arguments::Catalogue) => catalogue::list_illuminants,
+    /// Replace old names of keys and values in a scenario file
+    #[command(after_help = "Example: papilio migrate old.toml\n\n\
+                      Every command accepts old names; this command replaces them in the file. Comments, order and layout \
+                      do not change.")]
+    Migrate(arguments::Migrate) => migrate::run,
+    /// Inspect, convert and fit files of measured scattering (BSDF)
+    #[command(subcommand)]
+    Diffuser(arguments::Diffuser) => diffuser::diffuser,
+    /// Compute a scenario over a grid of values (`[sweep]`): sweep.csv and figures; can be resumed
+    #[command(after_help = "Examples: papilio sweep scenarios/sweep.toml\n          \
+                      papilio sweep scenarios/indoor.toml --axis display.diffuser.haze=0.3:0.8:0.1 --axis viewer.theta_deg=0,30\n\n\
+                      Each finished point is saved. To resume an interrupted sweep, run the same command again. If the \
+                      sweep has changed, only new points are computed.")]
+    Sweep(arguments::Sweep) => sweep::sweep,
+    /// Search for better designs (`[optimize]`): best.toml or a Pareto front; can be resumed
+    #[command(after_help = "Example: papilio optimize scenarios/optimize.toml\n\n\
+                      Finished work is saved. To resume an interrupted search, run the same command again: the final files \
+                      are the same as without the interruption.")]
+    Optimize(arguments::Optimize) => optimize::run,
+    /// Run a tolerance analysis (`[tolerance]`): percentiles, yield, sensitivities; can be resumed
+    #[command(after_help = "Example: papilio tolerance scenarios/tolerance.toml\n\n\
+                      Each finished sample is saved. To resume an interrupted analysis, run the same command again. If the \
+                      number of samples is increased, only the additional ones are computed.")]
+    Tolerance(arguments::Tolerance) => tolerance::run,
+    /// Study the numerical methods on a scenario
+    #[command(subcommand)]
+    Study(arguments::Study) => study::sampling,
+    /// Reproduce the tables and figures of Feng (2012), and write them next to Papilio's results as HTML
+    #[command(after_help = "Example: papilio validate --out out/validate\n\n\
+                      Then open out/validate/report.html in a browser. Feng (2012) is the dissertation that Papilio follows.")]
+    Validate(arguments::Validate) => validate::validate,
+    /// Start the web app: edit a display and see its result in the browser (local access only)
+    #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\
+                      A program built with cargo alone does not contain the page; `cargo xtask serve` builds both.")]
+    Serve(arguments::Serve) => serve::run,
+    /// Print a completion script for a shell
+    #[command(after_help = "Examples:\n  \
+                      papilio completions bash > ~/.local/share/bash-completion/completions/papilio\n  \
+                      papilio completions zsh > \"${fpath[1]}/_papilio\"\n  \
+                      papilio completions fish > ~/.config/fish/completions/papilio.fish\n  \
+                      papilio completions powershell >> $PROFILE")]
+    Completions(arguments::Completions) => completions::run,
+    /// Write manual pages into a folder: papilio.1, and one for each command
+    #[command(after_help = "Example: papilio man --out ~/.local/share/man/man1\n\n\
+                      Then, for example, `man papilio-run` shows the page of `papilio run`.")]
+    Man(arguments::Man) => man::run,
+    /// Print the JSON Schema of a scenario, for editors
+    Schema(schema::Schema) => schema::schema,
 }
 
-impl From<papilio_design::DesignError> for Failure {
-    /// An invalid scenario is reported as such, with its place.
-    fn from(error: papilio_design::DesignError) -> Self {
-        match error {
-            papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors),
-            other => Self::Design(other),
-        }
-    }
-}
+/// The JSON files of results, which contain the hash of their scenario.
+const RESULTS: [ResultFile; 8] = [
+    ResultFile { name: "result.json", of: "", schema: Some(papilio_formats::result_schema) },
+    ResultFile { name: "mtf.json", of: "", schema: Some(papilio_formats::mtf_schema) },
+    ResultFile { name: "crosstalk.json", of: "", schema: Some(papilio_formats::crosstalk_schema) },
+    ResultFile { name: "sparkle.json", of: "", schema: Some(papilio_formats::sparkle_schema) },
+    ResultFile { name: "palette.json", of: "", schema: Some(papilio_formats::palette_schema) },
+    ResultFile { name: "image.json", of: "", schema: Some(papilio_formats::image_schema) },
+    ResultFile {
+        name: "audit.json",
+        of: " of a surface",
+        schema: Some(papilio_formats::surface_audit_schema),
+    },
+    ResultFile { name: "cone.json", of: "", schema: None },
+];
 
-impl From<papilio_formats::FormatError> for Failure {
-    /// A file that cannot be written is an internal error; any other problem of a file is invalid input.
-    fn from(error: papilio_formats::FormatError) -> Self {
-        match error.problem {
-            papilio_formats::Problem::Unwritable { .. } => Self::Write(error),
-            _ => Self::Data(error),
-        }
-    }
+/// A JSON file of a result.
+struct ResultFile {
+    name: &'static str,
+    /// What it is of, for the help of `papilio schema`.
+    of: &'static str,
+    schema: Option<fn() -> serde_json::Value>,
 }
 
 /// Prints the error of the arguments, and returns the exit code.
@@ -166,27 +254,15 @@ fn report_invalid_arguments(arguments: &[OsString], error: &clap::Error) -> u8 {
 }
 
 /// Error message if the options request a format that this program was built without.
-fn missing_feature(command: &Command) -> Option<String> {
-    let (png, parquet) = match command {
-        Command::Run(run) => (run.png, false),
-        Command::Optimize(optimize) => (optimize.png, false),
-        Command::Tolerance(tolerance) => (tolerance.png, false),
-        Command::Mtf(of_place) | Command::Crosstalk(of_place) => (of_place.spatial.png, false),
-        Command::Sparkle(of_place) => (of_place.png, false),
-        Command::Gonio(gonio) => (gonio.png, false),
-        Command::Compare(compare) => (compare.png, false),
-        Command::Sweep(sweep) => {
-            let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| &merge.outputs);
-            let outputs = merge.unwrap_or(&sweep.outputs);
-            (outputs.png, outputs.parquet)
-        }
-        _ => (false, false),
-    };
-    match (png, parquet) {
-        (true, _) if !papilio_figures::HAS_PNG => Some(papilio_figures::PngError::NotBuilt.to_string()),
-        (_, true) if !papilio_formats::HAS_PARQUET => Some(papilio_formats::NO_PARQUET.to_owned()),
-        _ => None,
+fn missing_format(arguments: &clap::ArgMatches) -> Option<String> {
+    let is_set = |flag| arguments.try_get_one::<bool>(flag).is_ok_and(|value| value == Some(&true));
+    if is_set("png") && !papilio_figures::HAS_PNG {
+        return Some(papilio_figures::PngError::NotBuilt.to_string());
     }
+    if is_set("parquet") && !papilio_formats::HAS_PARQUET {
+        return Some(papilio_formats::NO_PARQUET.to_owned());
+    }
+    arguments.subcommand().and_then(|(_, arguments)| missing_format(arguments))
 }
 
 /// Returns the definition of the command line: all commands with their arguments, options, defaults and help. The tests make
@@ -214,44 +290,22 @@ fn caught(command: impl FnOnce() -> u8 + std::panic::UnwindSafe) -> u8 {
 }
 
 fn run_command(arguments: &[OsString]) -> u8 {
-    let arguments = match Arguments::try_parse_from(arguments) {
-        Ok(arguments) => arguments,
+    let matches = match command().try_get_matches_from(arguments) {
+        Ok(matches) => matches,
         Err(error) => return report_invalid_arguments(arguments, &error),
     };
-    if arguments.quiet {
+    let parsed = match Arguments::from_arg_matches(&matches) {
+        Ok(parsed) => parsed,
+        Err(error) => return report_invalid_arguments(arguments, &error.format(&mut command())),
+    };
+    if parsed.quiet {
         terminal::be_quiet();
     }
-    if let Some(message) = missing_feature(&arguments.command) {
+    if let Some(message) = missing_format(&matches) {
         print_message(&format!("error: {message}"));
         return 2;
     }
-    let result = match arguments.command {
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Brdf(arguments) => brdf::brdf(&arguments),
-        Command::Compare(arguments) => compare::run(&arguments),
-        Command::Crosstalk(arguments) => crosstalk::crosstalk(&arguments),
-        Command::Diffuser(command) => diffuser::diffuser(&command),
-        Command::Illuminants(arguments) => catalogue::list_illuminants(&arguments),
-        Command::Materials(arguments) => catalogue::list_materials(&arguments),
-        Command::Completions(arguments) => completions::run(&arguments),
-        Command::Man(arguments) => man::run(&arguments),
-        Command::New(arguments) => new::run(&arguments),
-        Command::Migrate(arguments) => migrate::run(&arguments),
-        Command::Gonio(arguments) => gonio::gonio(&arguments),
-        Command::Mtf(arguments) => mtf::mtf(&arguments),
-        Command::Optimize(arguments) => optimize::run(&arguments),
-        Command::Pixel(arguments) => pixel::pixel(&arguments),
-        Command::Serve(arguments) => serve::run(&arguments),
-        Command::Validate(arguments) => validate::validate(&arguments),
-        Command::Sparkle(arguments) => sparkle::sparkle(&arguments),
-        Command::Image(arguments) => image::command(&arguments),
-        Command::Palette(arguments) => palette::palette(&arguments),
-        Command::Sweep(command) => sweep::sweep(&command),
-        Command::Tolerance(arguments) => tolerance::run(&arguments),
-        Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),
-        Command::Schema(of) => output::schema(&of),
-    };
-    match result {
+    match parsed.command.run() {
         Ok(()) => 0,
         // The reader closed the pipe (`papilio run ... | head`): this is not an error.
         Err(Failure::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,

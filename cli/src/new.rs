@@ -12,29 +12,29 @@ use crate::{Failure, input, print_message};
 pub(crate) fn run(arguments: &New) -> Result<(), Failure> {
     let (light, file) = light_and_file(arguments)?;
     let text = match arguments.display {
-        Some(display) => new_scenario_of(display.example(), &light),
+        Some(display) => new_scenario_of(display, &light),
         None => new_scenario(&light),
     };
     let text = text.ok_or_else(|| {
         let known = preset_names().collect::<Vec<_>>().join(", ");
         Failure::Input(format!("unknown preset `{light}`\n  = help: the presets are {known}"))
     })?;
-    let example = arguments.display.map_or(ExampleDisplay::Imod, |display| display.example());
+    let example = arguments.display.unwrap_or(ExampleDisplay::IMOD);
     let Some(file) = file else {
         let mut stdout = crate::terminal::stdout();
         stdout.write_all(text.as_bytes())?;
         stdout.flush()?;
-        for (name, _) in example.files() {
+        for (name, _) in example.files {
             print_message(&format!(
                 "note: the scenario names the file {name}, which is written only together with it: papilio new --display {} \
                  --light {light} FILE",
-                example.name()
+                example.name
             ));
         }
         return Ok(());
     };
     let folder = input::folder(&file);
-    let texts = example.files().iter().map(|(name, content)| (folder.join(name), *content));
+    let texts = example.files.iter().map(|(name, content)| (folder.join(name), *content));
     // An example file that is already there, as it was written, is used.
     let is_same =
         |path: &Path, content: &str| std::fs::read(path).is_ok_and(|found| found == content.as_bytes());

@@ -11,25 +11,6 @@ use papilio_formats::{
 };
 
 use crate::Failure;
-use crate::arguments::Schema;
-
-/// Prints the JSON Schema of a scenario, or of the result of a command.
-pub(crate) fn schema(of: &Schema) -> Result<(), Failure> {
-    let schema = match of {
-        Schema { result: true, .. } => papilio_formats::result_schema(),
-        Schema { mtf: true, .. } => papilio_formats::mtf_schema(),
-        Schema { crosstalk: true, .. } => papilio_formats::crosstalk_schema(),
-        Schema { sparkle: true, .. } => papilio_formats::sparkle_schema(),
-        Schema { image: true, .. } => papilio_formats::image_schema(),
-        Schema { audit: true, .. } => papilio_formats::surface_audit_schema(),
-        Schema { palette: true, .. } => papilio_formats::palette_schema(),
-        _ => papilio_scenario::schema(),
-    };
-    let mut out = crate::terminal::stdout();
-    serde_json::to_writer_pretty(&mut out, &schema).map_err(std::io::Error::from)?;
-    writeln!(out)?;
-    Ok(out.flush()?)
-}
 
 /// Fails if results cannot be written to `folder`; creates nothing.
 pub(crate) fn check(folder: &Path) -> Result<(), Failure> {

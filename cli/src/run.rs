@@ -10,7 +10,7 @@ use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
-use crate::folder::Chosen;
+use crate::folder::ResultFolder;
 use crate::progress::{Computation, with_progress};
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
@@ -129,7 +129,7 @@ fn duration(seconds: f64) -> String {
 }
 
 /// Folder for the files, if any are written.
-fn out_folder(arguments: &Run, hash: &str) -> Result<Option<Chosen>, Failure> {
+fn out_folder(arguments: &Run, hash: &str) -> Result<Option<ResultFolder>, Failure> {
     if arguments.scenario.out.is_some() || !arguments.json {
         return folder::choose(&arguments.scenario, hash).map(Some);
     }
@@ -141,7 +141,7 @@ fn out_folder(arguments: &Run, hash: &str) -> Result<Option<Chosen>, Failure> {
 }
 
 /// Prints the messages of a run on standard error.
-fn print_messages(folder: Option<&Chosen>, written: Option<Vec<String>>, result: &RunResult) {
+fn print_messages(folder: Option<&ResultFolder>, written: Option<Vec<String>>, result: &RunResult) {
     if let (Some(folder), Some(names)) = (folder, written) {
         folder.print_written(&names);
     }

@@ -9,7 +9,7 @@ use papilio_scenario::{Resolved, Scenario};
 use serde::Serialize;
 
 use crate::arguments::SpatialCommand;
-use crate::folder::Chosen;
+use crate::folder::ResultFolder;
 use crate::progress::with_progress;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report, terminal};
 
@@ -110,7 +110,7 @@ impl SpatialCommand {
     }
 
     /// Returns the folder for files; `None` if only JSON is printed.
-    fn folder(&self, hash: &str) -> Result<Option<Chosen>, Failure> {
+    fn folder(&self, hash: &str) -> Result<Option<ResultFolder>, Failure> {
         match (&self.scenario.out, self.json) {
             (None, true) => Ok(None),
             _ => folder::choose(&self.scenario, hash).map(Some),

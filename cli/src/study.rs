@@ -11,7 +11,7 @@ use papilio_formats::{write_file, write_study};
 use papilio_sampling::table_4_1::Estimator;
 use papilio_scenario::Scenario;
 
-use crate::arguments::StudySampling;
+use crate::arguments::Study;
 use crate::progress::with_progress;
 use crate::{Failure, folder, input, interrupt, numbers, output, print_message, print_notes, report};
 
@@ -21,7 +21,7 @@ const FIRST: u64 = 512;
 /// Points of each set in the figure of point sets.
 const POINTS: u64 = 256;
 
-pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
+pub(crate) fn sampling(Study::Sampling(arguments): &Study) -> Result<(), Failure> {
     let resolved =
         input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     print_notes(&resolved.notes);

@@ -8,14 +8,14 @@ mod studies;
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use papilio_scenario::ExampleDisplay;
 
 pub(crate) use self::brdf::{ALL_STATES, Brdf, BrdfFormat};
-pub(crate) use self::diffuser::{
-    Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, PartName, Steps,
-};
+pub(crate) use self::diffuser::{Calibrate, Convert, Diffuser, FitArguments, Inspect, Measure, Steps};
 pub(crate) use self::spatial::{
-    Gonio, ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, Space, SpatialCommand,
+    Gonio, ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, SpatialCommand,
 };
 pub(crate) use self::studies::{
     Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
@@ -37,173 +37,10 @@ pub(crate) use self::studies::{
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
-    pub(crate) command: Command,
+    pub(crate) command: crate::Command,
     /// Print warnings and errors only: no report, notes or progress (JSON is printed)
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
-}
-
-#[derive(Debug, Subcommand)]
-pub(crate) enum Command {
-    /// Compute colours, gamut, contrast and reflectance of a scenario, with errors and figures
-    #[command(after_help = "Example: papilio run scenarios/indoor.toml --set viewer.theta_deg=20")]
-    Run(Run),
-    /// Compute the reflectance of the pixel alone from 0 to 90 deg: pixel.csv and a figure
-    #[command(
-        after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --absorption --out out/pixel\n\n\
-                      For a table of a pixel under a diffuser, use --angles glass: the diffuser sends light to the pixel at \
-                      all angles in the glass."
-    )]
-    Pixel(Pixel),
-    /// Export the spectral BRDF of the whole display, for each state
-    #[command(after_help = "Examples:\n  papilio brdf scenarios/indoor.toml --out out/brdf\n  \
-                      papilio brdf scenarios/indoor.toml --format rgl --states white,black --out out/mitsuba\n\n\
-                      docs/brdf.md describes the files: display-bsdf.npz for NumPy; CSV; RGL tensor files and a scene for the \
-                      renderer Mitsuba.")]
-    Brdf(Brdf),
-    /// Compute the sparkle of an antiglare face over the pixels: random brightness of equal pixels
-    #[command(
-        after_help = "Example: papilio sparkle scenarios/antiglare.toml --set sparkle.correlation_um=[5,10,20,40]\n\n\
-                      The scenario needs [display.matrix] and [sparkle]. docs/sparkle.md describes them."
-    )]
-    Sparkle(SpatialCommand),
-    /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine lines
-    #[command(after_help = "Examples:\n  \
-                      papilio mtf scenarios/matrix.toml\n  \
-                      papilio mtf scenarios/matrix.toml --solver monte-carlo\n\n\
-                      It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
-    Mtf(SolvedSpatially),
-    /// Compute which sub-pixel lights which, and the gamut and contrast of stripes, lines and text
-    #[command(after_help = "Examples:\n  \
-                      papilio crosstalk scenarios/matrix.toml\n  \
-                      papilio crosstalk scenarios/matrix.toml --solver monte-carlo\n\n\
-                      The scenario needs [display.matrix] and the thickness of the layers above the pixels. docs/crosstalk.md describes \
-                      the results.")]
-    Crosstalk(SolvedSpatially),
-    /// Show a picture on the display: what the reader sees in this light, and what to send to the panel
-    #[command(after_help = "Examples:\n  \
-                      papilio image scenarios/six-ink.toml photograph.jpg\n  \
-                      papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n  \
-                      papilio image scenarios/page.toml --rooms FL11,D65\n\n\
-                      It writes seen.png and seen.exr, what the reader sees; states.png, the state of each pixel; and image.json. \
-                      docs/image.md describes them.")]
-    Image(ImageCommand),
-    /// Compute the palette of a display: the colours of all states in this light and in other rooms, for other programs too
-    #[command(after_help = "Examples:\n  \
-                      papilio palette scenarios/six-ink.toml\n  \
-                      papilio palette scenarios/six-ink.toml --rooms D65,FL11 --relative-to display\n\n\
-                      It writes palette.json, and the colours as .gpl, .css, .ase, .act and for dithering tools. docs/palette.md \
-                      describes them.")]
-    Palette(PaletteCommand),
-    /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light; can be resumed
-    #[command(after_help = "Examples:\n  \
-                      papilio gonio surfaces/hemispheres.toml\n  \
-                      papilio gonio surfaces/etched.toml --preview --set microgeometry.rms_nm=400\n\n\
-                      It writes totals.csv, audit.json and the kernel of both sides, face.npz. docs/gonio.md describes them. \
-                      Each finished part is saved: to resume an interrupted measurement, run the same command again.")]
-    Gonio(Gonio),
-    /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
-    #[command(after_help = "Example:\n  \
-                      papilio run scenarios/overcast.toml\n  \
-                      papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
-                      MEASURED needs the columns state, optionally theta_deg and phi_deg, and either wavelength_nm \
-                      and reflectance_factor, or X, Y and Z, or L, a and b; files of instruments are read too. \
-                      docs/compare.md describes them.")]
-    Compare(Compare),
-    /// Write a commented scenario to start from: a display in the light of a preset
-    #[command(
-        override_usage = "papilio new PRESET [FILE]\n       papilio new --display KIND --light PRESET [FILE]"
-    )]
-    #[command(after_help = "Examples:\n  \
-                      papilio new office office.toml && papilio run office.toml\n  \
-                      papilio new --display epaper --light living-room reader.toml\n\n\
-                      Presets are rooms, daylight, and measuring geometries of standards. docs/light.md describes them.\n\
-                      The error for an unknown preset lists all names.")]
-    New(New),
-    /// List the named materials, or show one: source, n and k, a figure
-    #[command(
-        after_help = "Examples: papilio materials\n          papilio materials TiO2\n          papilio materials oxide\n\n\
-                      Any other n and k can be given as a number, { n, k } or a file. docs/films.md describes them."
-    )]
-    Materials(Catalogue),
-    /// List the CIE illuminants, or show one: colour, colour temperature, Ra, spectrum, a figure
-    #[command(after_help = "Examples: papilio illuminants\n          papilio illuminants FL11\n\n\
-                      Daylight and black bodies of any temperature, LEDs and files are spectra, too. docs/light.md describes \
-                      them.")]
-    Illuminants(Catalogue),
-    /// Replace old names of keys and values in a scenario file
-    #[command(after_help = "Example: papilio migrate old.toml\n\n\
-                      Every command accepts old names; this command replaces them in the file. Comments, order and layout \
-                      do not change.")]
-    Migrate(Migrate),
-    /// Inspect, convert and fit files of measured scattering (BSDF)
-    #[command(subcommand)]
-    Diffuser(Diffuser),
-    /// Compute a scenario over a grid of values (`[sweep]`): sweep.csv and figures; can be resumed
-    #[command(after_help = "Examples: papilio sweep scenarios/sweep.toml\n          \
-                      papilio sweep scenarios/indoor.toml --axis display.diffuser.haze=0.3:0.8:0.1 --axis viewer.theta_deg=0,30\n\n\
-                      Each finished point is saved. To resume an interrupted sweep, run the same command again. If the \
-                      sweep has changed, only new points are computed.")]
-    Sweep(Sweep),
-    /// Search for better designs (`[optimize]`): best.toml or a Pareto front; can be resumed
-    #[command(after_help = "Example: papilio optimize scenarios/optimize.toml\n\n\
-                      Finished work is saved. To resume an interrupted search, run the same command again: the final files \
-                      are the same as without the interruption.")]
-    Optimize(Optimize),
-    /// Run a tolerance analysis (`[tolerance]`): percentiles, yield, sensitivities; can be resumed
-    #[command(after_help = "Example: papilio tolerance scenarios/tolerance.toml\n\n\
-                      Each finished sample is saved. To resume an interrupted analysis, run the same command again. If the \
-                      number of samples is increased, only the additional ones are computed.")]
-    Tolerance(Tolerance),
-    /// Study the numerical methods on a scenario
-    #[command(subcommand)]
-    Study(Study),
-    /// Reproduce the tables and figures of Feng (2012), and write them next to Papilio's results as HTML
-    #[command(after_help = "Example: papilio validate --out out/validate\n\n\
-                      Then open out/validate/report.html in a browser. Feng (2012) is the dissertation that Papilio follows.")]
-    Validate(Validate),
-    /// Start the web app: edit a display and see its result in the browser (local access only)
-    #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\
-                      A program built with cargo alone does not contain the page; `cargo xtask serve` builds both.")]
-    Serve(Serve),
-    /// Print a completion script for a shell
-    #[command(after_help = "Examples:\n  \
-                      papilio completions bash > ~/.local/share/bash-completion/completions/papilio\n  \
-                      papilio completions zsh > \"${fpath[1]}/_papilio\"\n  \
-                      papilio completions fish > ~/.config/fish/completions/papilio.fish\n  \
-                      papilio completions powershell >> $PROFILE")]
-    Completions(Completions),
-    /// Write manual pages into a folder: papilio.1, and one for each command
-    #[command(after_help = "Example: papilio man --out ~/.local/share/man/man1\n\n\
-                      Then, for example, `man papilio-run` shows the page of `papilio run`.")]
-    Man(Man),
-    /// Print the JSON Schema of a scenario, for editors
-    Schema(Schema),
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Schema {
-    /// Print the JSON Schema of result.json instead
-    #[arg(long, group = "of")]
-    pub(crate) result: bool,
-    /// Print the JSON Schema of mtf.json instead
-    #[arg(long, group = "of")]
-    pub(crate) mtf: bool,
-    /// Print the JSON Schema of crosstalk.json instead
-    #[arg(long, group = "of")]
-    pub(crate) crosstalk: bool,
-    /// Print the JSON Schema of sparkle.json instead
-    #[arg(long, group = "of")]
-    pub(crate) sparkle: bool,
-    /// Print the JSON Schema of palette.json instead
-    #[arg(long, group = "of")]
-    pub(crate) palette: bool,
-    /// Print the JSON Schema of image.json instead
-    #[arg(long, group = "of")]
-    pub(crate) image: bool,
-    /// Print the JSON Schema of audit.json of a surface instead
-    #[arg(long, group = "of")]
-    pub(crate) audit: bool,
 }
 
 #[derive(Debug, Args)]
@@ -316,43 +153,29 @@ pub(crate) struct New {
     #[arg(value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
     /// Display of the scenario [default: imod]
-    #[arg(long, value_enum, value_name = "KIND")]
-    pub(crate) display: Option<NewDisplay>,
+    #[arg(long, value_name = "KIND", value_parser = example_display())]
+    pub(crate) display: Option<ExampleDisplay>,
     /// Preset of the light
     #[arg(long, value_name = "PRESET")]
     pub(crate) light: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum NewDisplay {
-    /// Interferometric pixels under a diffuser
-    Imod,
-    /// Electronic paper below a bare glass surface
-    Epaper,
-    /// A pixel tabulated by another tool, under a diffuser; also writes an example of the table
-    Table,
-    /// Electronic paper with black, white, red and yellow inks; also writes synthetic spectra
-    Bwry,
-    /// Electronic paper with six inks; also writes synthetic spectra
-    SixInk,
-    /// Electronic paper with seven inks; also writes synthetic spectra
-    SevenInk,
-    /// Electronic paper below a printed colour filter; also writes synthetic transmittances
-    PrintedFilter,
+fn example_display() -> impl TypedValueParser<Value = ExampleDisplay> {
+    one_of(ExampleDisplay::ALL.map(|display| (display.name, display.about, display)))
 }
 
-impl NewDisplay {
-    pub(crate) fn example(self) -> papilio_scenario::ExampleDisplay {
-        match self {
-            Self::Imod => papilio_scenario::ExampleDisplay::Imod,
-            Self::Epaper => papilio_scenario::ExampleDisplay::Epaper,
-            Self::Table => papilio_scenario::ExampleDisplay::Table,
-            Self::Bwry => papilio_scenario::ExampleDisplay::Bwry,
-            Self::SixInk => papilio_scenario::ExampleDisplay::SixInk,
-            Self::SevenInk => papilio_scenario::ExampleDisplay::SevenInk,
-            Self::PrintedFilter => papilio_scenario::ExampleDisplay::PrintedFilter,
-        }
-    }
+/// A parser of values by their names; the help lists them with what they are.
+fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
+    values: [(&'static str, &'static str, T); N],
+) -> impl TypedValueParser<Value = T> {
+    let names = values.map(|(name, about, _)| match about {
+        "" => PossibleValue::new(name),
+        about => PossibleValue::new(name).help(about),
+    });
+    PossibleValuesParser::new(names).try_map(move |name| {
+        let found = values.iter().find(|(known, ..)| *known == name);
+        found.map(|(.., value)| *value).ok_or("this name is unknown")
+    })
 }
 
 #[derive(Debug, Args)]

@@ -1,8 +1,9 @@
 //! Commands that depend on the places of pixels: sharpness, crosstalk, sparkle, pictures and palettes.
 
 use clap::Args;
+use papilio_display::image::ScreenSpace;
 
-use super::{ScenarioArguments, Solver, Workers};
+use super::{ScenarioArguments, Solver, Workers, one_of};
 
 /// A command that depends on the places of pixels.
 #[derive(Debug, Args)]
@@ -57,8 +58,8 @@ pub(crate) struct ImageCommand {
     #[arg(long, value_enum, value_name = "WHITE", default_value = "white")]
     pub(crate) relative_to: RelativeTo,
     /// Colour space of seen.png, which states it
-    #[arg(long, value_enum, value_name = "SPACE", default_value = "srgb")]
-    pub(crate) space: Space,
+    #[arg(long, value_parser = one_of(SPACES), value_name = "SPACE", default_value = "srgb")]
+    pub(crate) space: ScreenSpace,
     /// Also show what the panel holds in the light of these presets, or with the spectra of these CIE illuminants; the view remains
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) rooms: Vec<String>,
@@ -97,14 +98,11 @@ pub(crate) enum RelativeTo {
     Display,
 }
 
-/// Colour space of a picture for a screen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Space {
-    /// sRGB
-    Srgb,
-    /// Display P3, for screens with a wide gamut
-    DisplayP3,
-}
+/// Colour spaces of a picture for a screen.
+const SPACES: [(&str, &str, ScreenSpace); 2] = [
+    ("srgb", "sRGB", ScreenSpace::Srgb),
+    ("display-p3", "Display P3, for screens with a wide gamut", ScreenSpace::DisplayP3),
+];
 
 /// A command that depends on the places of pixels, with two solvers.
 #[derive(Debug, Args)]

@@ -14,9 +14,9 @@ use std::path::Path;
 use papilio_formats::{
     BsdfFormat, DataFile, LARGEST_BSDF_FILE, WriteError, read_bsdf_file, write_file, write_measurement,
 };
-use papilio_goniometry::Measurement;
+use papilio_goniometry::{Measurement, ScatterMode};
 
-use crate::arguments::{Diffuser, Format, PartName};
+use crate::arguments::Diffuser;
 use crate::{Failure, print_message};
 
 pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
@@ -31,11 +31,10 @@ pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
 }
 
 /// Reads a file in any format, or one part of it, and prints its notes and warnings.
-fn read(path: &Path, part: Option<PartName>) -> Result<Measurement, Failure> {
+fn read(path: &Path, part: Option<ScatterMode>) -> Result<Measurement, Failure> {
     let name = path.display().to_string();
     let file = DataFile::open_within(path, &name, LARGEST_BSDF_FILE).map_err(Failure::Data)?;
-    let way = part.map(PartName::way);
-    let mut read = read_bsdf_file(&file, way).map_err(Failure::Data)?;
+    let mut read = read_bsdf_file(&file, part).map_err(Failure::Data)?;
     if !read.states_part {
         read.notes.push(
             "the file does not state whether its values are a reflection or a transmission; they are read as front reflection\n  \
@@ -43,8 +42,8 @@ fn read(path: &Path, part: Option<PartName>) -> Result<Measurement, Failure> {
                 .to_owned(),
         );
     }
-    if let Some(way) = way {
-        read = read.only(way, &name).map_err(Failure::Data)?;
+    if let Some(part) = part {
+        read = read.only(part, &name).map_err(Failure::Data)?;
     }
     read.notes.iter().for_each(|note| print_message(&format!("note: {name}: {note}")));
     read.warnings.iter().for_each(|warning| print_message(&format!("warning: {name}: {warning}")));
@@ -89,19 +88,16 @@ fn write(input: &Path, measurement: &Measurement, format: BsdfFormat, output: &P
 }
 
 /// Format of the output: from `--format`, or from the extension of its name.
-fn output_format(format: Option<Format>, output: &Path) -> Result<BsdfFormat, Failure> {
+fn output_format(format: Option<BsdfFormat>, output: &Path) -> Result<BsdfFormat, Failure> {
     let by_extension = match output.extension().and_then(|end| end.to_str()) {
-        Some("bsdf") => Some(Format::Radiant),
-        Some("csv") => Some(Format::Csv),
-        Some("xml") => Some(Format::Klems),
-        Some("npz") => Some(Format::Papilio),
+        Some("bsdf") => Some(BsdfFormat::Radiant),
+        Some("csv") => Some(BsdfFormat::Csv),
+        Some("xml") => Some(BsdfFormat::Klems),
+        Some("npz") => Some(BsdfFormat::Papilio),
         _ => None,
     };
     match format.or(by_extension) {
-        Some(Format::Radiant) => Ok(BsdfFormat::Radiant),
-        Some(Format::Csv) => Ok(BsdfFormat::Csv),
-        Some(Format::Klems) => Ok(BsdfFormat::Klems),
-        Some(Format::Papilio) => Ok(BsdfFormat::Papilio),
+        Some(format) => Ok(format),
         None => Err(Failure::Input(format!(
             "the format of the output cannot be detected from the name {}\n  = help: use the extension .bsdf (Radiant/Zemax), .csv, \
              .xml (Klems) or .npz (Papilio), or specify --format",

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use papilio_figures::Transmission;
 use papilio_formats::words::{channel, percent, span, table};
-use papilio_goniometry::{MeasuredPart, Parameter, Ranked};
+use papilio_goniometry::{MeasuredPart, Parameter, RankedFit};
 
 /// Report of transmission spectra.
 pub(super) fn spectra(spectra: &[Transmission]) -> String {
@@ -25,13 +25,13 @@ pub(super) fn spectra(spectra: &[Transmission]) -> String {
 }
 
 /// Report of `papilio diffuser fit`.
-pub(super) fn fit(name: &str, part: &MeasuredPart, fits: &[Ranked]) -> String {
+pub(super) fn fit(name: &str, part: &MeasuredPart, fits: &[RankedFit]) -> String {
     let cells = fits.first().map_or(0, |ranked| ranked.fit.cells);
     let channel = part.channels.get(part.luminous()).map(channel).unwrap_or_default();
     let mut text = format!("{name}: {}, {channel}, {cells} cells\n\n", part.way.name());
     let mut rows = vec![["lobe", "display", "residual", "total"].map(str::to_owned).to_vec()];
     let mut parameters = String::new();
-    for Ranked { fit, score } in fits {
+    for RankedFit { fit, score } in fits {
         let name = fit.model.kind().name();
         rows.push(vec![
             name.to_owned(),

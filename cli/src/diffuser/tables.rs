@@ -2,19 +2,19 @@
 
 use std::fmt::Write;
 
-use papilio_goniometry::{Fit, MeasuredPart, Model, Normalisation, Ranked, ScatterMode};
+use papilio_goniometry::{Fit, MeasuredPart, Model, Normalisation, RankedFit, ScatterMode};
 
 use super::report::short;
 
 /// `[display.diffuser]` for each lobe that scenarios support, in the order of the fits, and for the file itself. Empty for a
 /// measurement in reflection, because a diffuser needs the transmission.
-pub(super) fn scenario_tables(file: &str, part: &MeasuredPart, fits: &[Ranked]) -> String {
+pub(super) fn scenario_tables(file: &str, part: &MeasuredPart, fits: &[RankedFit]) -> String {
     if !part.way.is_transmission() {
         return String::new();
     }
     let mut text = "\ntables for a scenario\n".to_owned();
     let mut unsupported = Vec::new();
-    for Ranked { fit, score } in fits {
+    for RankedFit { fit, score } in fits {
         let name = fit.model.kind().name();
         match keys(fit) {
             Some(Ok(keys)) => {

@@ -1,6 +1,6 @@
 //! JSON output of `papilio diffuser inspect` and `papilio diffuser fit` (`--json`).
 
-use papilio_goniometry::{Audit, MeasuredPart, Measurement, Ranked, WavelengthLevels};
+use papilio_goniometry::{Audit, MeasuredPart, Measurement, RankedFit, WavelengthLevels};
 use serde::Serialize;
 
 /// A measurement and its audit: angles in degrees, values in 1/sr, fractions from 0 to 1.
@@ -185,8 +185,8 @@ struct OneParameter {
 
 impl FitFile {
     /// Creates the output for the fits of one channel of a part.
-    pub fn new(part: &MeasuredPart, channel: usize, fits: &[Ranked]) -> Self {
-        let one = |Ranked { fit, score }: &Ranked| OneFit {
+    pub fn new(part: &MeasuredPart, channel: usize, fits: &[RankedFit]) -> Self {
+        let one = |RankedFit { fit, score }: &RankedFit| OneFit {
             model: fit.model.kind().name(),
             parameters: fit
                 .parameters

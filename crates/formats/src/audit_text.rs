@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use papilio_goniometry::{
-    Audit, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry, Unblur,
+    Audit, DeblurOptions, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry,
     WavelengthLevels, deblurred, may_be_relative,
 };
 
@@ -126,7 +126,7 @@ fn haze_without(part: &MeasuredPart, width: f64) -> Option<f64> {
         values: part.channel(channel).get(..cells)?.to_vec(),
         tis: Vec::new(),
     };
-    part.values = deblurred(&part, 0, &Unblur::of_width(width)).ok()?.values;
+    part.values = deblurred(&part, 0, &DeblurOptions::of_width(width)).ok()?.values;
     Audit::of(&part, 0)?.haze
 }
 

@@ -19,6 +19,13 @@ pub struct FormatError {
     pub problem: Problem,
 }
 
+impl FormatError {
+    /// An error of a whole file, given by its name.
+    pub fn whole(name: &str, problem: impl Into<Problem>) -> Self {
+        Self { place: Place::whole(name), problem: problem.into() }
+    }
+}
+
 /// The errors of a data file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Problem {

@@ -1,6 +1,6 @@
 //! Reader of `face.npz`, the kernel of a surface that `papilio gonio` measured.
 
-use papilio_diagnostics::{Diagnostic, Place};
+use papilio_diagnostics::{Diagnostic};
 use papilio_microgeometry::{FaceTable, Side};
 
 use crate::DataFile;
@@ -80,5 +80,5 @@ fn of_archive(file: &DataFile) -> Result<(FaceTable, Option<usize>), FormatError
 fn wrong_kind(file: &DataFile) -> FormatError {
     let wrong = Diagnostic::new("this is not the kernel of a face");
     let wrong = wrong.expected("face.npz, which `papilio gonio` writes");
-    FormatError { place: Place::whole(&file.name), problem: wrong.into() }
+    FormatError::whole(&file.name, wrong)
 }

@@ -35,7 +35,7 @@ impl DataFile {
     /// # Errors
     /// If the file cannot be read or is larger than `limit`.
     pub fn open_within(path: &Path, name: &str, limit: u64) -> Result<Self, FormatError> {
-        let error = |problem| FormatError { place: Place::whole(name), problem };
+        let error = |problem| FormatError::whole(name, problem);
         let unreadable = |e: io::Error| error(Problem::Unreadable { reason: io_message(&e) });
         // The type is checked before the file is opened, because opening a pipe waits for its other end.
         let kind = fs::metadata(path).map_err(unreadable)?;
@@ -81,7 +81,7 @@ pub fn write_file(
 /// The error of a file, or of a folder, that the system cannot write.
 pub fn unwritable(path: &Path, error: &io::Error) -> FormatError {
     let problem = Problem::Unwritable { reason: io_message(error) };
-    FormatError { place: Place::whole(&path.display().to_string()), problem }
+    FormatError::whole(&path.display().to_string(), problem)
 }
 
 fn write_and_rename(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::sync::Once;
 
-use papilio_diagnostics::{Diagnostic, Place};
+use papilio_diagnostics::{Diagnostic};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -23,22 +23,22 @@ pub(crate) fn read<T>(
     file: &DataFile,
     reader: impl FnOnce(&DataFile) -> Result<T, FormatError>,
 ) -> Result<T, FormatError> {
-    decoded(|| reader(file)).unwrap_or_else(|Panicked| {
+    decoded(|| reader(file)).unwrap_or_else(|DecoderPanic| {
         let named = picture_format(&file.bytes).map_or("file".to_owned(), |format| format!("{format} file"));
         let wrong = Diagnostic::new(format!(
             "this {named} cannot be read: its contents contradict each other, so that the decoder failed"
         ));
         let hint = "is it damaged or cut off? Save it again, if possible in another format";
-        Err(FormatError { place: Place::whole(&file.name), problem: wrong.hint(hint).into() })
+        Err(FormatError::whole(&file.name, wrong.hint(hint)))
     })
 }
 
 /// A decoder has panicked.
 #[derive(Debug, PartialEq, Eq)]
-struct Panicked;
+struct DecoderPanic;
 
 /// Calls a decoder, and does not print its panic.
-fn decoded<T>(decode: impl FnOnce() -> T) -> Result<T, Panicked> {
+fn decoded<T>(decode: impl FnOnce() -> T) -> Result<T, DecoderPanic> {
     static QUIET: Once = Once::new();
     QUIET.call_once(|| {
         let before = take_hook();
@@ -52,7 +52,7 @@ fn decoded<T>(decode: impl FnOnce() -> T) -> Result<T, Panicked> {
     // The decoder's state is dropped with the panic; nothing of it is used afterwards.
     let decoded = catch_unwind(AssertUnwindSafe(decode));
     DECODES.set(outer);
-    decoded.map_err(|_| Panicked)
+    decoded.map_err(|_| DecoderPanic)
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use std::io::{Cursor, Read};
 
-use papilio_diagnostics::Place;
 use zip::CompressionMethod;
 use zip::read::ZipArchive;
 use zip::result::ZipError;
@@ -39,7 +38,7 @@ pub(crate) fn is_npz(file: &DataFile) -> bool {
 impl<'a> Npz<'a> {
     pub(crate) fn new(file: &'a DataFile) -> Result<Self, FormatError> {
         let error =
-            |problem: BsdfProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };
+            |problem: BsdfProblem| FormatError::whole(&file.name, problem);
         let archive = ZipArchive::new(Cursor::new(file.bytes.as_slice())).map_err(|problem| {
             error(BsdfProblem::Damaged { what: "archive", message: problem.to_string() })
         })?;
@@ -50,7 +49,7 @@ impl<'a> Npz<'a> {
     }
 
     pub(crate) fn error(&self, problem: impl Into<Problem>) -> FormatError {
-        FormatError { place: Place::whole(self.name), problem: problem.into() }
+        FormatError::whole(self.name, problem)
     }
 
     /// Returns an error about the content of an array.

@@ -85,7 +85,7 @@ fn of_json(file: &DataFile) -> Result<ReadResult, FormatError> {
         FormatError { place, problem: not_a_result(&parser_message(&error)) }
     })?;
     simulated(read)
-        .map_err(|message| FormatError { place: Place::whole(&file.name), problem: not_a_result(message) })
+        .map_err(|message| FormatError::whole(&file.name, not_a_result(message)))
 }
 
 fn not_a_result(message: &str) -> Problem {

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use papilio_diagnostics::{Diagnostic, Place, Warned};
+use papilio_diagnostics::{Diagnostic, Warned};
 use papilio_spectra::Tabulated;
 
 use crate::error::{FormatError, Problem};
@@ -93,7 +93,7 @@ pub fn read_light_with_notes(file: &DataFile) -> Result<Warned<Tabulated>, Forma
         value: largest,
         expected: "a largest value between 1e-30 and 1e30",
     };
-    Err(FormatError { place: Place::whole(&file.name), problem })
+    Err(FormatError::whole(&file.name, problem))
 }
 
 /// A point of a spectrum.
@@ -207,7 +207,7 @@ impl Points<'_> {
                 Kind::Unstated => "another quantity",
             };
             let wrong = Diagnostic::new(format!("this file holds {found}")).expected(expected);
-            return Err(FormatError { place: Place::whole(&self.file.name), problem: wrong.into() });
+            return Err(FormatError::whole(&self.file.name, wrong));
         }
         Ok(())
     }
@@ -248,7 +248,7 @@ impl Points<'_> {
 
     /// Returns an error at the wavelength (0) or the value (1) of a row; without a table, about the file.
     fn error(&self, row: usize, column: usize, problem: Problem) -> FormatError {
-        let whole = |problem| FormatError { place: Place::whole(&self.file.name), problem };
+        let whole = |problem| FormatError::whole(&self.file.name, problem);
         let Some(columns) = self.columns else { return whole(problem) };
         let Ok(text) = TableText::new(self.file) else { return whole(problem) };
         let accepted = [columns[0].quantity, columns[1].quantity];
@@ -264,7 +264,7 @@ impl Points<'_> {
         for point in &self.all {
             columns.add(point.nm, [point.value]).map_err(|problem| self.error(point.row, 0, problem))?;
         }
-        let whole = |problem| FormatError { place: Place::whole(&self.file.name), problem };
+        let whole = |problem| FormatError::whole(&self.file.name, problem);
         let [value] = columns.finish().map_err(whole)?;
         Ok(Warned { value, warnings: self.notes })
     }

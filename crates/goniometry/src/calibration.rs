@@ -31,7 +31,7 @@ const ROUGH: f64 = 0.05;
 
 /// Calibrated sample, with the corrections.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Calibrated {
+pub struct CalibratedSample {
     /// The corrected sample.
     pub measurement: Measurement,
     /// Corrections of each part and channel, in their order.
@@ -67,13 +67,13 @@ pub fn calibrated(
     sample: &Measurement,
     reference: &Measurement,
     reflectance_factor: f64,
-) -> Result<Calibrated, GoniometryError> {
+) -> Result<CalibratedSample, GoniometryError> {
     if !(reflectance_factor > 0.0 && reflectance_factor.is_finite()) {
         let what = "the reflectance factor of the reference";
         return Err(GoniometryError::OutOfRange { what, value: reflectance_factor, expected: "above 0" });
     }
     let known = reflectance_factor / PI;
-    let mut calibrated = Calibrated { measurement: sample.clone(), calibrations: Vec::new() };
+    let mut calibrated = CalibratedSample { measurement: sample.clone(), calibrations: Vec::new() };
     for part in &mut calibrated.measurement.parts {
         let white = reference_part(reference, part.way)?;
         same_cells(&part.geometry, &white.geometry)?;

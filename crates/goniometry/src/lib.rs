@@ -53,18 +53,19 @@ mod two_instruments;
 pub use audit::{Audit, Channels, Incidence, Rotation};
 pub use backing::Backing;
 pub use by_wavelength::WavelengthLevels;
-pub use calibration::{Calibrated, Calibration, calibrated};
+pub use calibration::{CalibratedSample, Calibration, calibrated};
 pub use direction::Direction;
 pub use double_pass::double_pass_error;
 pub use error::GoniometryError;
-pub use fit::{Data, Fit, FitOptions, Parameter, Ranked, Straight, Weights, fitted, ranked};
+pub use fit::{Data, Fit, FitOptions, Parameter, RankedFit, RegularLight, Weights, fitted, ranked};
 pub use geometry::{
     Geometry, HalfAngleGrid, KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Overlap, PartOfCircle, Ring,
     SpecularGrid, SphericalGrid, Symmetry, TensorTree, TreeNode, WarpFields, WarpedGrid, patch_count,
     patch_of, projected_solid_angle,
 };
 pub use instrument::{
-    Deblurred, Instrument, Noise, SyntheticSample, Unblur, Unblurred, View, deblurred, tristimulus_factors,
+    DeblurOptions, DeblurResult, DeblurStatistics, Instrument, Noise, SyntheticSample, View, deblurred,
+    tristimulus_factors,
 };
 pub use kernel::{Changes, Lamination, Preparation, kernel};
 pub use measurement::{

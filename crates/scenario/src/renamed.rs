@@ -18,7 +18,7 @@ pub(crate) const FORMAT: u64 = 2;
 
 /// A key or a value with its old and its new name.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Renamed {
+pub(crate) enum NamePair {
     /// A key of these tables; `*` stands for any index.
     Key { tables: &'static [&'static str], old: &'static str, new: &'static str },
     /// A value of the keys at these paths of present names.
@@ -32,11 +32,11 @@ pub(crate) enum NewValue {
     Flag(bool),
 }
 
+use NamePair::{Key, Value as Choice};
 use NewValue::{Flag, Word};
-use Renamed::{Key, Value as Choice};
 
 /// Every key and value that has been renamed.
-pub(crate) const RENAMED: &[Renamed] = &[
+pub(crate) const RENAMED: &[NamePair] = &[
     Choice { keys: &["solver.method"], old: "walk", new: Word("monte-carlo") },
     Key { tables: &["solver"], old: "every_bin", new: "per_wavelength" },
     Key { tables: DIFFUSERS, old: "straight_through", new: "regular_fraction" },

@@ -19,7 +19,7 @@ use crate::mistake::{self, Mistake};
 use crate::path::KeyPath;
 use crate::preset::UsedPreset;
 use crate::read::{Read, Spanned};
-use crate::resolve::{self, Found, ImageRequest, LayerSurface, Pictured, VirtualMeasurement};
+use crate::resolve::{self, Found, ImageRequest, LayerSurface, PictureChoice, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::Node;
@@ -34,7 +34,7 @@ const LONGEST_TEXT: usize = 1 << 20;
 pub struct Scenario {
     file: File,
     library: Library,
-    written: Arc<Written>,
+    written: Arc<ScenarioTree>,
     /// Warnings from the reading.
     warnings: Vec<String>,
     /// Notes from the reading.
@@ -43,7 +43,7 @@ pub struct Scenario {
 
 /// The tree of the scenario, and its texts.
 #[derive(Debug)]
-struct Written {
+struct ScenarioTree {
     root: Node,
     sources: Sources,
 }
@@ -72,7 +72,7 @@ pub struct Resolved {
     pub canonical: Value,
     /// SHA-256 of `canonical` as compact JSON, in hexadecimal digits.
     pub hash: String,
-    written: Arc<Written>,
+    written: Arc<ScenarioTree>,
 }
 
 impl Scenario {
@@ -108,7 +108,7 @@ impl Scenario {
 
     /// Reads a scenario from its complete tree.
     pub(crate) fn read(
-        assembled: Assembled,
+        assembled: CompleteTree,
         library: Library,
         sources: Sources,
     ) -> Result<Self, ScenarioErrors> {
@@ -116,8 +116,8 @@ impl Scenario {
         let file = File::read(&assembled.root, &mut errors);
         let mut file = errors.finish(file, &sources)?;
         file.complete();
-        let Assembled { root, warnings, notes } = assembled;
-        Ok(Self { file, library, written: Arc::new(Written { root, sources }), warnings, notes })
+        let CompleteTree { root, warnings, notes } = assembled;
+        Ok(Self { file, library, written: Arc::new(ScenarioTree { root, sources }), warnings, notes })
     }
 
     /// Returns the scenario with every default filled in, in the order of the grammar and the text.
@@ -151,7 +151,7 @@ impl Scenario {
     /// # Errors
     /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(Pictured::No, true)
+        self.resolved(PictureChoice::No, true)
     }
 
     /// As [`resolve`](Self::resolve) for what does not depend on the light: where spectra of lights do not cover the wavelengths, they are
@@ -160,7 +160,7 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), except for lights that do not cover the wavelengths.
     pub fn resolve_without_light(&self) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(Pictured::No, false)
+        self.resolved(PictureChoice::No, false)
     }
 
     /// As [`resolve`](Self::resolve), and reads the picture of `[image]`, for `papilio image`.
@@ -168,7 +168,7 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), and if there is no picture, or it cannot be read.
     pub fn resolve_with_picture(&self) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(Pictured::Described, true)
+        self.resolved(PictureChoice::Described, true)
     }
 
     /// As [`resolve_with_picture`](Self::resolve_with_picture), with a picture in memory of any size instead of `image.file`.
@@ -176,10 +176,10 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), and if `[image]` has a test pattern.
     pub fn resolve_with(&self, picture: &SourceImage) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(Pictured::Given(picture), true)
+        self.resolved(PictureChoice::Given(picture), true)
     }
 
-    fn resolved(&self, pictured: Pictured<'_>, needs_light: bool) -> Result<Resolved, ScenarioErrors> {
+    fn resolved(&self, pictured: PictureChoice<'_>, needs_light: bool) -> Result<Resolved, ScenarioErrors> {
         let Found { scene, patterns, sparkle, image, surfaces, warnings, notes, inputs } =
             resolve::resolve(&self.file, &self.library, &self.written.sources, (pictured, needs_light))?;
         let image = image.map(|image| self.prepared(image, &scene)).transpose()?;
@@ -394,7 +394,7 @@ pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Sour
 }
 
 /// A complete tree: with preset, `--set` and other changes.
-pub(crate) struct Assembled {
+pub(crate) struct CompleteTree {
     pub(crate) root: Node,
     /// Warnings, for example of a preset without effect.
     pub(crate) warnings: Vec<String>,
@@ -403,7 +403,7 @@ pub(crate) struct Assembled {
 }
 
 /// Builds the tree with its preset, each `--set`, and other changes.
-pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assembled, ScenarioErrors> {
+pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<CompleteTree, ScenarioErrors> {
     let mut root = sources.document().clone();
     let mut errors = Errors::default();
     let mut old = Vec::new();
@@ -426,7 +426,7 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assemble
     let warnings = warnings.into_iter().collect();
     let mut notes = renamed::notes(&old);
     notes.extend(replaced_rectangles(sources.document(), &root));
-    Ok(Assembled { root, warnings, notes })
+    Ok(CompleteTree { root, warnings, notes })
 }
 
 /// Note that a layout of `--set` replaces the rectangles of the file, which are described by no other key.

@@ -21,7 +21,7 @@ use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, MemoryFile, Missing, sha256};
 use crate::origin::Origin;
 use crate::read::{Read as _, Spanned};
-use crate::scenario::{Assembled, assemble, parse, sorted};
+use crate::scenario::{CompleteTree, assemble, parse, sorted};
 use crate::source::Sources;
 use crate::tree::Node;
 
@@ -120,7 +120,7 @@ impl SurfaceScenario {
     }
 
     fn read(sources: Sources, library: Library) -> Result<Self, ScenarioErrors> {
-        let Assembled { root, notes, .. } = assemble(&sources, &[])?;
+        let CompleteTree { root, notes, .. } = assemble(&sources, &[])?;
         let mut errors = Errors::default();
         if root.get("microgeometry").is_none() && root.get("display").is_some() {
             let wrong = Diagnostic::new("this is the scenario of a display, not a surface")

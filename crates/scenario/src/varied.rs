@@ -12,7 +12,7 @@ use crate::mistake::{self, Mistake, MistakeKind};
 use crate::origin::Origin;
 use crate::path::KeyPath;
 use crate::renamed;
-use crate::scenario::{Assembled, Scenario, assemble, parse};
+use crate::scenario::{CompleteTree, Scenario, assemble, parse};
 use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::{Entry, Node, Value};
@@ -57,7 +57,7 @@ impl ParsedScenario {
 
     /// Returns one note for each old name, those in the tables of studies included.
     pub(crate) fn notes(&self) -> Result<Vec<String>, ScenarioErrors> {
-        let Assembled { root, mut notes, .. } = assemble(&self.sources, &[])?;
+        let CompleteTree { root, mut notes, .. } = assemble(&self.sources, &[])?;
         let of_studies = renamed::notes(&renamed::in_studies(&root));
         notes.extend(of_studies.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
         Ok(notes)
@@ -80,9 +80,9 @@ impl ParsedScenario {
 
     /// Reads the scenario with changes; a change of the preset is made first.
     pub(crate) fn scenario(&self, changes: &[Change]) -> Result<Scenario, ScenarioErrors> {
-        let Assembled { mut root, warnings, notes } = assemble(&self.sources, changes)?;
+        let CompleteTree { mut root, warnings, notes } = assemble(&self.sources, changes)?;
         STUDY_TABLES.iter().for_each(|table| root.remove(table));
-        Scenario::read(Assembled { root, warnings, notes }, self.library.clone(), self.sources.clone())
+        Scenario::read(CompleteTree { root, warnings, notes }, self.library.clone(), self.sources.clone())
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) fn descend(
     let outcome =
         Executor::new(problem, solver, SelectedFirstOrderState::new(start)).max_iter(ITERATIONS).run();
     match outcome {
-        Err(ConstraintSolveError::Evaluation(Stopped::Failed(error))) => Err(error),
+        Err(ConstraintSolveError::Evaluation(StopReason::Failed(error))) => Err(error),
         // The best evaluated design is the result, even without convergence.
         _ => Ok(()),
     }
@@ -40,7 +40,7 @@ pub(super) fn descend(
 
 /// Reason why a point is not evaluated.
 #[derive(Debug, thiserror::Error)]
-enum Stopped {
+enum StopReason {
     #[error("the task has used up its evaluations")]
     UsedUp,
     #[error(transparent)]
@@ -57,8 +57,8 @@ struct Descent<'a, 'b, 'stop> {
 
 impl<'b, 'stop> Descent<'_, 'b, 'stop> {
     /// Returns the task if it has evaluations left.
-    fn scalar(&self) -> Result<&DescentTask<'b, 'stop>, Stopped> {
-        (self.scalar.evaluations() < self.evaluations).then_some(self.scalar).ok_or(Stopped::UsedUp)
+    fn scalar(&self) -> Result<&DescentTask<'b, 'stop>, StopReason> {
+        (self.scalar.evaluations() < self.evaluations).then_some(self.scalar).ok_or(StopReason::UsedUp)
     }
 }
 
@@ -79,9 +79,9 @@ impl Constraints for Descent<'_, '_, '_> {
 impl CostFunction for Descent<'_, '_, '_> {
     type Param = Vec<f64>;
     type Output = f64;
-    type Error = Stopped;
+    type Error = StopReason;
 
-    fn cost(&self, point: &Vec<f64>) -> Result<f64, Stopped> {
+    fn cost(&self, point: &Vec<f64>) -> Result<f64, StopReason> {
         Ok(self.scalar()?.value(point)?.0)
     }
 }
@@ -89,7 +89,7 @@ impl CostFunction for Descent<'_, '_, '_> {
 impl Gradient for Descent<'_, '_, '_> {
     type Gradient = Vec<f64>;
 
-    fn gradient(&self, point: &Vec<f64>) -> Result<Vec<f64>, Stopped> {
+    fn gradient(&self, point: &Vec<f64>) -> Result<Vec<f64>, StopReason> {
         Ok(self.scalar()?.slopes(point)?.0)
     }
 }
@@ -97,9 +97,9 @@ impl Gradient for Descent<'_, '_, '_> {
 impl NonlinearInequalityValues for Descent<'_, '_, '_> {
     type Param = Vec<f64>;
     type Values = Vec<f64>;
-    type Error = Stopped;
+    type Error = StopReason;
 
-    fn nonlinear_inequalities(&self, point: &Vec<f64>) -> Result<Vec<f64>, ConstraintSolveError<Stopped>> {
+    fn nonlinear_inequalities(&self, point: &Vec<f64>) -> Result<Vec<f64>, ConstraintSolveError<StopReason>> {
         let value = self.scalar().and_then(|scalar| Ok(scalar.value(point)?));
         Ok(value.map_err(ConstraintSolveError::Evaluation)?.1)
     }
@@ -108,9 +108,9 @@ impl NonlinearInequalityValues for Descent<'_, '_, '_> {
 impl ConstraintJacobian for Descent<'_, '_, '_> {
     type Param = Vec<f64>;
     type Jacobian = DenseMatrix;
-    type Error = Stopped;
+    type Error = StopReason;
 
-    fn constraint_jacobian(&self, point: &Vec<f64>) -> Result<DenseMatrix, ConstraintSolveError<Stopped>> {
+    fn constraint_jacobian(&self, point: &Vec<f64>) -> Result<DenseMatrix, ConstraintSolveError<StopReason>> {
         let value = self.scalar().and_then(|scalar| Ok(scalar.slopes(point)?));
         let slopes = value.map_err(ConstraintSolveError::Evaluation)?.1;
         Ok(DenseMatrix::from_row_slice(self.limits, self.lower.len(), &slopes))

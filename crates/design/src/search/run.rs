@@ -17,7 +17,7 @@ use crate::{DesignError, Evaluator};
 pub type OnRecord<'a, E> = dyn FnMut(&Record, SearchProgress) -> Result<(), E> + 'a;
 
 /// State that the threads share.
-struct Shared<'a> {
+struct SharedState<'a> {
     search: &'a Search,
     schedule: Mutex<&'a mut SearchSchedule>,
     /// Notified when a result was added or the search is to stop.
@@ -45,7 +45,7 @@ impl SearchSchedule {
         let search = self.search();
         let (sender, receiver) = mpsc::channel::<Message>();
         drop(sender.send(Ok((self.take_records(), self.progress()))));
-        let shared = Shared {
+        let shared = SharedState {
             search: &search,
             schedule: Mutex::new(self),
             changed: Condvar::new(),
@@ -73,7 +73,7 @@ impl SearchSchedule {
     }
 }
 
-impl<'a> Shared<'a> {
+impl<'a> SharedState<'a> {
     /// Computes work items until there are none left.
     fn work(&self, evaluator: &mut Evaluator<'_>, sender: &mpsc::Sender<Message>) {
         // A panic of this thread also ends the threads that wait.
@@ -124,7 +124,7 @@ impl<'a> Shared<'a> {
 }
 
 /// Stops all threads if its own thread panics.
-struct StopOnPanic<'a, 'b>(&'b Shared<'a>);
+struct StopOnPanic<'a, 'b>(&'b SharedState<'a>);
 
 impl Drop for StopOnPanic<'_, '_> {
     fn drop(&mut self) {

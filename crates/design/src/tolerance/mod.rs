@@ -3,7 +3,7 @@
 //! - [`Plan`]: the displays of a production, as scrambled Sobol points in sixteen independent replicates. A
 //!   display is determined by its row number. Shards can therefore be computed separately, and a longer plan
 //!   begins with the same displays.
-//! - [`Spread`]: mean, standard deviation and percentiles of a metric.
+//! - [`MetricDistribution`]: mean, standard deviation and percentiles of a metric.
 //! - [`Verdict`]: yield, how often each limit fails, and the displays that miss a limit most.
 //! - [`Sensitivities`]: first-order and total-order Sobol [`Indices`], from a polynomial fit and its
 //!   residuals.
@@ -30,5 +30,5 @@ pub use indices::{Indices, Samples, Sensitivities, Surrogate};
 pub use plan::{Draw, Plan, REPLICATES};
 pub use production::Production;
 pub use report::{LimitReport, MetricReport, Report, WorstDisplay};
-pub use spread::{PERCENTILES, Spread};
+pub use spread::{MetricDistribution, PERCENTILES};
 pub use verdict::{Failing, Limit, Miss, Verdict};

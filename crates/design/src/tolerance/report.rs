@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::indices::{Indices, Samples, Sensitivities, Surrogate};
 use super::production::Production;
-use super::spread::Spread;
+use super::spread::MetricDistribution;
 use super::verdict::{Limit, Verdict};
 
 /// Number of worst displays in a report.
@@ -37,7 +37,7 @@ pub struct MetricReport {
     /// Name of the metric.
     pub name: String,
     /// Distribution; null if the metric is undefined everywhere.
-    pub spread: Option<Spread>,
+    pub spread: Option<MetricDistribution>,
     /// Sobol indices of each group of keys; null if the metric does not vary or no sensitivities were
     /// requested.
     pub indices: Vec<Option<Indices>>,
@@ -93,7 +93,7 @@ impl Report {
         let metrics: Vec<MetricReport> = (columns.iter().zip(sensitivities).zip(&tolerance.metrics))
             .map(|((column, sensitivities), metric)| MetricReport {
                 name: metric.name.clone(),
-                spread: Spread::of(column),
+                spread: MetricDistribution::of(column),
                 indices: sensitivities.indices,
                 surrogate: sensitivities.surrogate,
             })

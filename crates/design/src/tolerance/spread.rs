@@ -10,7 +10,7 @@ pub const PERCENTILES: [f64; 7] = [1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0];
 
 /// Distribution of a metric over the displays for which it is defined.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Spread {
+pub struct MetricDistribution {
     /// Number of displays for which it is undefined.
     pub undefined: usize,
     /// Mean.
@@ -23,7 +23,7 @@ pub struct Spread {
     pub percentiles: [Estimate; PERCENTILES.len()],
 }
 
-impl Spread {
+impl MetricDistribution {
     /// Computes the distribution of a metric from its values for all displays, NaN where undefined; `None` if
     /// it is undefined everywhere.
     pub fn of(values: &[f64]) -> Option<Self> {
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn percentiles_of_equidistant_values_are_exact() {
         let values: Vec<f64> = (0..=4000).rev().map(f64::from).collect();
-        let spread = Spread::of(&values).unwrap();
+        let spread = MetricDistribution::of(&values).unwrap();
         let values = spread.percentiles.map(|one| one.value);
         assert_eq!(values, PERCENTILES.map(|percent| 40.0 * percent));
         assert_eq!((spread.range, spread.mean.value, spread.undefined), ([0.0, 4000.0], 2000.0, 0));
@@ -104,8 +104,8 @@ mod tests {
     fn undefined_values_are_counted_and_excluded() {
         let mut values = vec![1e9 + 1.0; 100];
         values[3] = f64::NAN;
-        let spread = Spread::of(&values).unwrap();
+        let spread = MetricDistribution::of(&values).unwrap();
         assert_eq!((spread.undefined, spread.mean.value, spread.deviation.value), (1, 1e9 + 1.0, 0.0));
-        assert!(Spread::of(&[f64::NAN; 50]).is_none());
+        assert!(MetricDistribution::of(&[f64::NAN; 50]).is_none());
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use papilio_design::tolerance::{
-    Draw, Estimate, Indices, Limit, PERCENTILES, Plan, Samples, Sensitivities, Spread, Verdict,
+    Draw, Estimate, Indices, Limit, MetricDistribution, PERCENTILES, Plan, Samples, Sensitivities, Verdict,
 };
 use papilio_sampling::{Coefficient, Correlation, Distribution};
 
@@ -75,7 +75,7 @@ fn linear_metric_has_the_yield_and_percentiles_of_its_closed_form() {
         let correlation = Correlation::new(3, &[Coefficient { between: [0, 1], value: r }]).unwrap();
         let plan = Plan::new(vec![normal(1.0, 0.3), normal(-2.0, 0.4), normal(3.0, 0.5)], correlation, seed);
         let sum = column(&plan, 2048, Draw::Own, |x| a * x[0] + b * x[1] + c * x[2]);
-        let spread = Spread::of(&sum).unwrap();
+        let spread = MetricDistribution::of(&sum).unwrap();
         let (verdict, _) = Verdict::of(&[sum], &[limit], &[spread.deviation.value], 1);
         let found = verdict.yield_share;
         let of_random = (wanted * (1.0 - wanted) / 2048.0).sqrt();
@@ -114,7 +114,7 @@ fn percentile_deviations_agree_with_standard_errors() {
     for (name, f) in [("skewed", &skewed as &dyn Fn(&[f64]) -> f64), ("modes", &modes)] {
         let of_seed = |seed| {
             let plan = independent(vec![normal(0.0, 1.0); 3], seed);
-            Spread::of(&column(&plan, 1024, Draw::Own, f)).unwrap().percentiles
+            MetricDistribution::of(&column(&plan, 1024, Draw::Own, f)).unwrap().percentiles
         };
         let found: Vec<_> = (0..SEEDS).map(of_seed).collect();
         for (k, percent) in PERCENTILES.iter().enumerate() {

@@ -18,8 +18,8 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
     if !measurement.provenance.remarks.is_empty() {
         lost.push("the remarks were not written".to_owned());
     }
-    let parts: Vec<Averaged<'_>> =
-        measurement.parts.iter().map(|part| Averaged::of(part, &mut lost)).collect::<Result<_, _>>()?;
+    let parts: Vec<PatchMeans<'_>> =
+        measurement.parts.iter().map(|part| PatchMeans::of(part, &mut lost)).collect::<Result<_, _>>()?;
     head(out, measurement, &parts)?;
     for (name, channel) in CHANNELS {
         let blocks: Vec<_> = parts.iter().filter_map(|part| Some((part, part.values(channel)?))).collect();
@@ -35,7 +35,7 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
 }
 
 /// A part as the file will hold it: `[channel][in][out]`.
-struct Averaged<'a> {
+struct PatchMeans<'a> {
     part: &'a MeasuredPart,
     /// Channels in the file.
     channels: Vec<Channel>,
@@ -44,7 +44,7 @@ struct Averaged<'a> {
     values: Vec<Vec<f64>>,
 }
 
-impl<'a> Averaged<'a> {
+impl<'a> PatchMeans<'a> {
     fn of(part: &'a MeasuredPart, lost: &mut Vec<String>) -> Result<Self, WriteError> {
         let (channels, numbers) = choose_channels(part, lost)?;
         if !part.tis.is_empty() {
@@ -277,7 +277,7 @@ fn basis_name(rings: &[Ring], is_incoming: bool) -> &'static str {
     known.map_or(if is_incoming { "Incoming" } else { "Outgoing" }, |(name, _)| name)
 }
 
-fn head(out: &mut dyn Write, measurement: &Measurement, parts: &[Averaged<'_>]) -> Result<(), WriteError> {
+fn head(out: &mut dyn Write, measurement: &Measurement, parts: &[PatchMeans<'_>]) -> Result<(), WriteError> {
     writeln!(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>")?;
     writeln!(out, "<WindowElement>\n<WindowElementType>System</WindowElementType>\n<Optical>\n<Layer>")?;
     let provenance = &measurement.provenance;
@@ -319,7 +319,7 @@ fn basis(out: &mut dyn Write, name: &str, rings: &[Ring]) -> Result<(), WriteErr
     Ok(writeln!(out, "</AngleBasis>")?)
 }
 
-fn block(out: &mut dyn Write, part: &Averaged<'_>, values: &[f64]) -> Result<(), WriteError> {
+fn block(out: &mut dyn Write, part: &PatchMeans<'_>, values: &[f64]) -> Result<(), WriteError> {
     let direction = WAYS.iter().find(|(_, way)| *way == part.part.way).map_or("", |(name, _)| name);
     let kind = if part.part.way.is_transmission() { "BTDF" } else { "BRDF" };
     writeln!(out, "<WavelengthDataBlock>\n<WavelengthDataDirection>{direction}</WavelengthDataDirection>")?;

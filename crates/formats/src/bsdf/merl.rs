@@ -1,6 +1,5 @@
 //! Reader of the BRDFs of the MERL database: three numbers of cells, then planes of red, green and blue.
 
-use papilio_diagnostics::Place;
 use papilio_goniometry::{
     Channel, Geometry, HalfAngleGrid, MeasuredPart, Measurement, Provenance, ScatterMode,
 };
@@ -21,7 +20,7 @@ pub(super) fn is_merl(file: &DataFile) -> bool {
 }
 
 pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
-    let error = |problem: Problem| FormatError { place: Place::whole(&file.name), problem };
+    let error = |problem: Problem| FormatError::whole(&file.name, problem);
     let cells = HalfAngleGrid.cells();
     let data = &file.bytes[HEADER.min(file.bytes.len())..];
     if data.len() < 3 * cells * 8 {

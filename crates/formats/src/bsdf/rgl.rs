@@ -3,7 +3,6 @@
 //! The file begins with `tensor_file`, a zero byte and two bytes of version. For each field follow its name, type, offset in
 //! the file and shape; all numbers are little-endian.
 
-use papilio_diagnostics::Place;
 use papilio_goniometry::{
     Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, WarpFields, WarpedGrid,
 };
@@ -221,7 +220,7 @@ impl<'a> Tensors<'a> {
 }
 
 fn tensors_error(file: &DataFile, problem: impl Into<Problem>) -> FormatError {
-    FormatError { place: Place::whole(&file.name), problem: problem.into() }
+    FormatError::whole(&file.name, problem)
 }
 
 /// The unread rest of the header.

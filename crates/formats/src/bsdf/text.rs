@@ -46,7 +46,7 @@ impl<'a> Text<'a> {
 
     /// Returns an error about the file as a whole.
     pub(super) fn whole(&self, problem: impl Into<Problem>) -> FormatError {
-        FormatError { place: Place::whole(self.name), problem: problem.into() }
+        FormatError::whole(self.name, problem)
     }
 
     /// Returns an error about the end of the file.

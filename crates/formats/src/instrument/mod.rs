@@ -16,7 +16,7 @@ mod ocean;
 mod tm27;
 mod wide;
 
-use papilio_diagnostics::{Diagnostic, Place};
+use papilio_diagnostics::{Diagnostic};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -99,7 +99,7 @@ fn xml(name: &str, text: &str) -> Result<Option<SpectralFile>, FormatError> {
 pub(crate) fn error(name: &str, line: usize, format: &'static str, what: String) -> FormatError {
     let what = if line == 0 { what } else { format!("line {line}: {what}") };
     let wrong = Diagnostic::new(format!("this {format} file cannot be used: {what}"));
-    FormatError { place: Place::whole(name), problem: wrong.into() }
+    FormatError::whole(name, wrong)
 }
 
 impl SpectralFile {

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use papilio_diagnostics::{Diagnostic, Place};
+use papilio_diagnostics::{Diagnostic};
 use serde::de::DeserializeOwned;
 
 use super::{Journal, LARGEST_JOURNAL, Lines, read_journal};
@@ -40,7 +40,7 @@ pub fn read_journals<H: DeserializeOwned, L: DeserializeOwned>(
 pub fn journal_paths(folder: &Path, stem: &str) -> Result<Vec<PathBuf>, FormatError> {
     let unreadable = |error: io::Error| {
         let problem = Problem::Unreadable { reason: error.to_string() };
-        FormatError { place: Place::whole(&folder.display().to_string()), problem }
+        FormatError::whole(&folder.display().to_string(), problem)
     };
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
@@ -72,7 +72,7 @@ pub fn foreign_journal_error(path: &Path) -> FormatError {
         "this journal belongs to a different scenario, different input files or a different version of Papilio",
     );
     let hint = "compute all shards from the same scenario file with the same --set options";
-    FormatError { place: Place::whole(&path.display().to_string()), problem: wrong.hint(hint).into() }
+    FormatError::whole(&path.display().to_string(), wrong.hint(hint))
 }
 
 /// Passes each line of a journal to `take` if the journal has this head. Returns the bytes of its complete lines, head included, or 0

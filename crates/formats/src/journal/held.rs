@@ -8,7 +8,6 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use papilio_diagnostics::Place;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -191,7 +190,7 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 }
 
 fn busy(path: &Path) -> FormatError {
-    FormatError { place: Place::whole(&path.display().to_string()), problem: Problem::Busy }
+    FormatError::whole(&path.display().to_string(), Problem::Busy)
 }
 
 #[cfg(test)]

@@ -64,7 +64,7 @@ impl<'a> Lines<'a> {
     }
 
     fn place(&self, line: usize) -> Result<Range<usize>, FormatError> {
-        let missing = || FormatError { place: Place::whole(self.name), problem: cut() };
+        let missing = || FormatError::whole(self.name, cut());
         self.places.get(line - 1).cloned().ok_or_else(missing)
     }
 
@@ -206,12 +206,9 @@ fn stored(name: &str, planes: &[f64], symmetry: f64) -> Result<Vec<f64>, FormatE
         4 => from_to(0.0, 90.0),
         _ => None,
     };
-    found.ok_or_else(|| FormatError {
-        place: Place::whole(name),
-        problem: problem(
+    found.ok_or_else(|| FormatError::whole(name, problem(
             "the symmetry needs planes C that the file does not list: 0; 0 to 180; 270 to 90; or 0 to 90 deg",
-        ),
-    })
+        )))
 }
 
 /// Returns the planes in ascending order, as the symmetries of type C need them, and their intensities.

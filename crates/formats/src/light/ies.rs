@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use papilio_diagnostics::{Diagnostic, Place};
+use papilio_diagnostics::{Diagnostic};
 
 use super::luminaire::{Luminaire, Photometry};
 use super::numbers::Numbers;
@@ -33,7 +33,7 @@ pub(super) fn is_ies(text: &str) -> bool {
 
 /// Reads an IES LM-63 file.
 pub(super) fn read(name: &str, text: &str) -> Result<Luminaire, FormatError> {
-    let whole = |what| FormatError { place: Place::whole(name), problem: problem(what) };
+    let whole = |what| FormatError::whole(name, problem(what));
     let (tilt, after) = tilt_line(text).ok_or_else(|| whole("there is no line `TILT=NONE`"))?;
     let (edition, mut notes) = header(&text[..tilt.start]);
     let mut numbers = Numbers { name, text, at: after, comma_separates: true, cut };
@@ -216,7 +216,7 @@ fn angles(
             return Ok((vertical, horizontal));
         }
         let what = "the horizontal angles have none of the symmetries of types A and B; expected angles from 0 or -90 to 90 deg";
-        return Err(FormatError { place: Place::whole(numbers.name), problem: problem(what) });
+        return Err(FormatError::whole(numbers.name, problem(what)));
     }
     let expected = "ascending angles, from 0 to 180 deg (vertical) or 0 to 360 deg (horizontal)";
     let vertical = numbers.angles(rows, "the vertical angle", (0.0, 180.0), expected)?;
@@ -232,5 +232,5 @@ fn angles(
     }
     let what = "the horizontal angles have none of the symmetries of type C; expected one angle of 0, or angles from 0 to 90, \
                 0 to 180, 0 to 360 or 90 to 270 deg";
-    Err(FormatError { place: Place::whole(numbers.name), problem: problem(what) })
+    Err(FormatError::whole(numbers.name, problem(what)))
 }

@@ -1,6 +1,6 @@
 //! Light maps: radiance by direction, as an image of the whole sphere in equirectangular projection.
 
-use papilio_diagnostics::{Diagnostic, Place};
+use papilio_diagnostics::{Diagnostic};
 
 use super::{openexr, primaries, radiance};
 use crate::error::FormatError;
@@ -73,7 +73,7 @@ fn of_any_format(file: &DataFile) -> Result<LightMap, FormatError> {
         }
         Ok(map)
     });
-    converted.map_err(|problem| FormatError { place: Place::whole(&file.name), problem: problem.into() })
+    converted.map_err(|problem| FormatError::whole(&file.name, problem))
 }
 
 pub(super) fn not_a_map() -> Diagnostic {

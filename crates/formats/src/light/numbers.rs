@@ -45,7 +45,7 @@ impl Numbers<'_> {
         let (word, place) = self.word();
         let word = word.to_owned();
         if word.is_empty() {
-            return Err(FormatError { place: Place::whole(self.name), problem: (self.cut)() });
+            return Err(FormatError::whole(self.name, (self.cut)()));
         }
         let number = if comma_separates { word.parse() } else { word.replace(',', ".").parse::<f64>() };
         match number {

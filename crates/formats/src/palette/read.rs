@@ -1,7 +1,7 @@
 //! A measured palette: spectra, or L\*, a\*, b\*, of the states of a panel.
 
 use papilio_colour::Lab;
-use papilio_diagnostics::{Diagnostic, Place, Warned};
+use papilio_diagnostics::{Diagnostic, Warned};
 use papilio_spectra::Tabulated;
 
 use crate::error::{FormatError, Problem, too_few};
@@ -55,7 +55,7 @@ fn of_table(file: &DataFile) -> Result<Warned<PaletteTable>, FormatError> {
     let (mut spectra, mut colours) = (Vec::new(), Vec::new());
     let mut names: Vec<String> = Vec::new();
     for state in read.states {
-        let whole = |problem| FormatError { place: Place::whole(&file.name), problem };
+        let whole = |problem| FormatError::whole(&file.name, problem);
         if names.contains(&state.name) {
             return Err(whole(two_values(&state.name, state.theta_deg, None)));
         }

@@ -21,7 +21,7 @@ pub use source::SourcePicture;
 pub use transfer::Transfer;
 pub use write::{write_indexed_png, write_rgb_png, write_scene_exr};
 
-use papilio_diagnostics::{Diagnostic, Place, Warned};
+use papilio_diagnostics::{Diagnostic, Warned};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -60,7 +60,7 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
                 .hint("save the picture as PNG in the program that created it"),
         })
     };
-    picture.map_err(|problem| FormatError { place: Place::whole(&file.name), problem: problem.into() })
+    picture.map_err(|problem| FormatError::whole(&file.name, problem))
 }
 
 /// Fails unless a picture has a permitted size.

@@ -26,6 +26,9 @@ pub(super) struct Archive<'a> {
     pub(super) format: &'static str,
 }
 
+/// First bytes of zip archives, and of those of Keyence.
+pub(super) const MAGICS: [&[u8]; 3] = [b"PK\x03\x04", keyence::PACKED[0], keyence::PACKED[1]];
+
 /// Reads a map.
 pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let zip =

@@ -29,7 +29,7 @@ mod zygo;
 
 use std::io::Cursor;
 
-use papilio_diagnostics::{Diagnostic, Place};
+use papilio_diagnostics::{Diagnostic};
 
 use crate::DataFile;
 use crate::error::FormatError;
@@ -81,7 +81,7 @@ pub fn read_heights(file: &DataFile) -> Result<HeightFile, FormatError> {
 
 fn of_any_format(file: &DataFile) -> Result<HeightFile, FormatError> {
     let error =
-        |problem: Diagnostic| FormatError { place: Place::whole(&file.name), problem: problem.into() };
+        |problem: Diagnostic| FormatError::whole(&file.name, problem);
     let mut map = match binary(&file.bytes) {
         Some(map) => map.map_err(error)?,
         None => table::read(file)?,
@@ -93,38 +93,47 @@ fn of_any_format(file: &DataFile) -> Result<HeightFile, FormatError> {
     Ok(map)
 }
 
+/// A format that is no text of numbers.
+struct Format {
+    /// First bytes, one of them.
+    magics: &'static [&'static [u8]],
+    /// Whether only maps of heights begin with them, and not pictures, which may be something else as well.
+    only_heights: bool,
+    read: fn(&[u8]) -> Result<HeightFile, Diagnostic>,
+}
+
+/// The formats that first bytes identify.
+const FORMATS: [Format; 9] = [
+    Format { magics: &[array::MAGIC], only_heights: true, read: |bytes| array::read(bytes, ".npy") },
+    Format { magics: &[b"\x89PNG"], only_heights: false, read: of_png },
+    Format { magics: &tiff::MAGICS, only_heights: true, read: tiff::read },
+    Format { magics: &[&openexr::MAGIC], only_heights: false, read: openexr::read },
+    Format { magics: &archive::MAGICS, only_heights: true, read: archive::read },
+    Format { magics: &[gsf::MAGIC], only_heights: true, read: gsf::read },
+    Format { magics: &sur::MAGICS, only_heights: true, read: sur::read },
+    Format { magics: &[opd::MAGIC], only_heights: true, read: opd::read },
+    Format { magics: &keyence::MAGICS, only_heights: true, read: keyence::read },
+];
+
+fn format(bytes: &[u8]) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| format.magics.iter().any(|magic| bytes.starts_with(magic)))
+}
+
 /// Whether the first bytes are those of a format of height maps: not of texts and pictures, which may be something else as well.
 pub fn is_height_file(bytes: &[u8]) -> bool {
-    let magics: [&[&[u8]]; 8] = [
-        &[array::MAGIC],
-        &tiff::MAGICS,
-        &[b"PK\x03\x04"],
-        &keyence::PACKED,
-        &keyence::MAGICS,
-        &[gsf::MAGIC],
-        &sur::MAGICS,
-        &[opd::MAGIC],
-    ];
-    let texts: [&[u8]; 2] = [zygo::WORDS.as_bytes(), wyko::WORDS.as_bytes()];
-    sdf::is_sdf(bytes) || magics.into_iter().flatten().chain(&texts).any(|magic| bytes.starts_with(magic))
+    let is_text = [zygo::WORDS, wyko::WORDS].iter().any(|words| bytes.starts_with(words.as_bytes()));
+    is_text || sdf::is_sdf(bytes) || format(bytes).is_some_and(|format| format.only_heights)
 }
 
 /// Reads a file that is no text of numbers; `None` if it may be one.
 fn binary(bytes: &[u8]) -> Option<Result<HeightFile, Diagnostic>> {
-    let begins = |magics: &[&[u8]]| magics.iter().any(|magic| bytes.starts_with(magic));
-    Some(match bytes {
-        _ if begins(&[array::MAGIC]) => array::read(bytes, ".npy"),
-        _ if begins(&[b"\x89PNG"]) => of_png(bytes),
-        _ if begins(&tiff::MAGICS) => tiff::read(bytes),
-        _ if begins(&[&openexr::MAGIC]) => openexr::read(bytes),
-        _ if begins(&[b"PK\x03\x04"]) || begins(&keyence::PACKED) => archive::read(bytes),
-        _ if sdf::is_sdf(bytes) => sdf::read(bytes),
-        _ if begins(&[gsf::MAGIC]) => gsf::read(bytes),
-        _ if begins(&sur::MAGICS) => sur::read(bytes),
-        _ if begins(&[opd::MAGIC]) => opd::read(bytes),
-        _ if begins(&keyence::MAGICS) => keyence::read(bytes),
-        _ => Err(foreign::recognised(bytes)?),
-    })
+    if sdf::is_sdf(bytes) {
+        return Some(sdf::read(bytes));
+    }
+    match format(bytes) {
+        Some(format) => Some((format.read)(bytes)),
+        None => foreign::recognised(bytes).map(Err),
+    }
 }
 
 /// Fails for sizes that are not supported.

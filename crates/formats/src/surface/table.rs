@@ -28,7 +28,7 @@ impl Source<'_> {
     }
 
     pub(super) fn whole(&self, problem: impl Into<Problem>) -> FormatError {
-        FormatError { place: Place::whole(self.name), problem: problem.into() }
+        FormatError::whole(self.name, problem)
     }
 
     /// Lines, each with its first byte.
@@ -57,7 +57,7 @@ impl Rows {
 /// Reads a map.
 pub(super) fn read(file: &DataFile) -> Result<HeightFile, FormatError> {
     let whole =
-        |problem: Diagnostic| FormatError { place: Place::whole(&file.name), problem: problem.into() };
+        |problem: Diagnostic| FormatError::whole(&file.name, problem);
     let source = Source { name: &file.name, text: decoded(&file.bytes).map_err(whole)? };
     if zygo::is_zygo(&source.text) {
         return zygo::read(&source);

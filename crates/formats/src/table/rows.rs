@@ -24,7 +24,7 @@ impl<'a> TableText<'a> {
     /// Decodes a file in any of the supported encodings and finds its separator and decimal mark.
     pub(crate) fn new(file: &'a DataFile) -> Result<Self, FormatError> {
         let text = encoding::decode(&file.bytes)
-            .ok_or_else(|| FormatError { place: Place::whole(&file.name), problem: Problem::NotText })?;
+            .ok_or_else(|| FormatError::whole(&file.name, Problem::NotText))?;
         let dialect = Dialect::of(&text);
         Ok(Self { name: &file.name, text, dialect })
     }
@@ -93,7 +93,7 @@ impl<'a> Table<'a> {
 
     /// Returns an error about the whole file.
     pub(crate) fn error(&self, problem: Problem) -> FormatError {
-        FormatError { place: Place::whole(self.name), problem }
+        FormatError::whole(self.name, problem)
     }
 
     /// Returns an error about a range of bytes.

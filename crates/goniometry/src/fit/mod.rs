@@ -36,7 +36,7 @@ use crate::models::{Kind, Model, Pair};
 use problem::Problem;
 
 pub use data::Data;
-pub use ranking::{Ranked, fitted, ranked};
+pub use ranking::{RankedFit, fitted, ranked};
 
 /// Number of cells that a fit needs in addition to the number of its parameters.
 pub(crate) const SPARE_CELLS: usize = 5;
@@ -63,14 +63,14 @@ pub struct FitOptions {
 
 /// Unscattered light, blurred by an instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Straight {
+pub struct RegularLight {
     /// Fraction of the incident light that is regularly transmitted or reflected.
     pub share: f64,
     /// Width of the blur: a k-correlation lobe of exponent 3, direction cosines.
     pub width: f64,
 }
 
-impl Straight {
+impl RegularLight {
     fn lobe(width: f64) -> Model {
         Model::KCorrelation { transmittance: 1.0, width, exponent: 3.0 }
     }
@@ -97,7 +97,7 @@ pub struct Fit {
     /// The lobe.
     pub model: Model,
     /// Regular transmission, if it was fitted.
-    pub straight: Option<Straight>,
+    pub straight: Option<RegularLight>,
     /// Fitted parameters, in the order of [`Kind::parameters`], then the regular fraction.
     pub parameters: Vec<Parameter>,
     /// Covariance of the parameters, row by row.
@@ -143,7 +143,7 @@ impl Fit {
 
     fn at(&self, pair: &Pair) -> f64 {
         let straight =
-            self.straight.map_or(0.0, |s| s.share * Straight::lobe(s.width).value_and_slopes(pair)[0]);
+            self.straight.map_or(0.0, |s| s.share * RegularLight::lobe(s.width).value_and_slopes(pair)[0]);
         self.model.value_and_slopes(pair)[0] + straight
     }
 }

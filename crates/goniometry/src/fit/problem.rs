@@ -1,7 +1,7 @@
 //! Least-squares problem of one kind of lobe, and the statistics of its solution.
 
 use super::data::{Cell, Data};
-use super::{Fit, FitOptions, Parameter, SPARE_CELLS, Straight, Weights, linear, search};
+use super::{Fit, FitOptions, Parameter, RegularLight, SPARE_CELLS, Weights, linear, search};
 use crate::GoniometryError;
 use crate::models::{Kind, Meaning, Pair};
 
@@ -118,7 +118,7 @@ impl<'a> Problem<'a> {
         let still = free.all(|(slope, _)| dot(slope, residuals).abs() <= ORTHOGONAL * lengths(slope));
         let mut fit = Fit {
             model: self.kind.model(&end.values),
-            straight: self.straight_width.map(|width| Straight { share: end.values[count - 1], width }),
+            straight: self.straight_width.map(|width| RegularLight { share: end.values[count - 1], width }),
             parameters,
             covariance,
             rms: (2.0 * end.cost / self.weight).sqrt() * self.scale,
@@ -180,7 +180,7 @@ impl<'a> Problem<'a> {
         let [f, a, b, c] = self.kind.model(values).value_and_slopes(pair);
         let mut all = [f, a, b, c, 0.0];
         if let Some(width) = self.straight_width {
-            let unit = Straight::lobe(width).value_and_slopes(pair)[0];
+            let unit = RegularLight::lobe(width).value_and_slopes(pair)[0];
             let last = self.meanings.len();
             all[0] += values[last - 1] * unit;
             all[last] = unit;

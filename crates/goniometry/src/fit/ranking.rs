@@ -10,7 +10,7 @@ use papilio_optics::Scatterer;
 
 /// Fit with its score.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ranked {
+pub struct RankedFit {
     /// The fit.
     pub fit: Fit,
     /// Score from the caller, smaller is better; `None` if there is none.
@@ -20,10 +20,10 @@ pub struct Ranked {
 /// Ranks fits by a score from the caller, the smallest first; for instance, the change of a display's metrics
 /// when the lobe replaces the measurement. Equal scores, and fits without one (at the end), are ordered
 /// by their residual.
-pub fn ranked(fits: Vec<Fit>, mut score: impl FnMut(&Fit) -> Option<f64>) -> Vec<Ranked> {
-    let score = |fit: Fit| Ranked { score: score(&fit).filter(|score| !score.is_nan()), fit };
-    let mut all: Vec<Ranked> = fits.into_iter().map(score).collect();
-    let key = |ranked: &Ranked| ranked.score.unwrap_or(f64::INFINITY);
+pub fn ranked(fits: Vec<Fit>, mut score: impl FnMut(&Fit) -> Option<f64>) -> Vec<RankedFit> {
+    let score = |fit: Fit| RankedFit { score: score(&fit).filter(|score| !score.is_nan()), fit };
+    let mut all: Vec<RankedFit> = fits.into_iter().map(score).collect();
+    let key = |ranked: &RankedFit| ranked.score.unwrap_or(f64::INFINITY);
     all.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.fit.rms.total_cmp(&b.fit.rms)));
     all
 }
@@ -40,7 +40,7 @@ pub fn fitted(
     channel: usize,
     kind: Option<Kind>,
     options: &FitOptions,
-) -> Result<Vec<Ranked>, GoniometryError> {
+) -> Result<Vec<RankedFit>, GoniometryError> {
     let data = Data::of_part(part, channel);
     let fits = match kind {
         None => Fit::all(&data, options)?,

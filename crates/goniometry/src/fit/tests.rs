@@ -105,7 +105,7 @@ fn confidence_intervals_contain_truth_at_nominal_rate() {
 fn regular_transmission_is_separated_from_lobe() {
     for kind in Kind::ALL {
         let model = kind.model(&truth(kind));
-        let straight = Straight::lobe(0.02);
+        let straight = RegularLight::lobe(0.02);
         let data = data(|from, to| model.value(from, to) + 0.06 * straight.value(from, to));
         let options = FitOptions { straight_width: Some(0.02), ..FitOptions::default() };
         let fit = Fit::new(&data, kind, &options).unwrap();

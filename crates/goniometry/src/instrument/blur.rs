@@ -17,7 +17,7 @@ pub(super) const HALF: f64 = 0.766_420_937;
 /// side, in polar coordinates about its centre, graded by its width. If they are close, the coordinates of
 /// the narrower lobe are used for the whole plane. The relative error is below 1e-4. For lobes that vanish at
 /// the horizon like the square root of the cosine, it is below 5e-4 of the nearby values.
-pub(super) struct Blurred<'a> {
+pub(super) struct BlurredLobe<'a> {
     pub(super) rule: &'a Rule,
     pub(super) f: &'a dyn Fn(Beta, Beta) -> f64,
     pub(super) from: Beta,
@@ -28,7 +28,7 @@ pub(super) struct Blurred<'a> {
     straight: f64,
 }
 
-impl<'a> Blurred<'a> {
+impl<'a> BlurredLobe<'a> {
     pub(super) fn new(rule: &'a Rule, f: &'a dyn Fn(Beta, Beta) -> f64, from: Beta, blur: f64) -> Self {
         Self { rule, f, from, blur, width: width(f, from), straight: 0.0 }
     }
@@ -107,7 +107,7 @@ mod tests {
             let sum = Lobe::KCorrelation { width: width + blur };
             for theta in [0.0_f64, 30.0, 75.0] {
                 let from = Beta { x: theta.to_radians().sin(), y: 0.0 };
-                let blurred = Blurred::new(&rule, &f, from, blur);
+                let blurred = BlurredLobe::new(&rule, &f, from, blur);
                 for r in [0.0, 0.01, 0.03, 0.06, 0.07, 0.1, 0.2, 0.5, 1.0] {
                     for (cos, sin) in [(1.0, 0.0), (-0.6, 0.8), (-1.0, 0.0)] {
                         let to = from + Beta { x: r * cos, y: r * sin };
@@ -139,7 +139,7 @@ mod tests {
             let from = Beta { x, y: 0.0 };
             for to in [(0.0, 0.0), (0.5, 0.5), (0.9, 0.1), (0.98, -0.1), (-0.9, 0.0)] {
                 let to = Beta { x: to.0, y: to.1 };
-                let [coarse, fine] = [0, 1].map(|k| Blurred::new(&rules[k], &f, from, 0.0483).value(to));
+                let [coarse, fine] = [0, 1].map(|k| BlurredLobe::new(&rules[k], &f, from, 0.0483).value(to));
                 assert!((coarse - fine).abs() < 5e-4 * fine.max(3e-3), "{x} {to:?}: {coarse} {fine}");
             }
         }

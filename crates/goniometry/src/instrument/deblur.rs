@@ -11,13 +11,13 @@
 //! 2. The Richardson-Lucy iteration `p <- p A(d/A p)` (Richardson 1972; Lucy 1974) keeps p positive and
 //!    conserves its light. It starts from d times a ratio of two k-correlation lobes: one with the half width
 //!    of d minus the blur, over one with the half width of d. It ends when `A p` is within the given noise of
-//!    d, when the misfit no longer decreases, or at a limit: [`Unblurred::iterations`].
+//!    d, when the misfit no longer decreases, or at a limit: [`DeblurStatistics::iterations`].
 //! 3. Each cell is multiplied by `p/(A p)` at its |delta|. The noise of single cells is thus not amplified,
 //!    only that of the mean. The asymmetry of the lobe remains as measured, and is not sharpened. The
 //!    integral over the hemisphere is conserved.
 //!
 //! The result is blurred again with the quadrature of the virtual instrument and compared with the values:
-//! [`Unblurred::misfit`] is the difference that the method cannot explain.
+//! [`DeblurStatistics::misfit`] is the difference that the method cannot explain.
 //!
 //! **Limits.** Details finer than about half the blur or than the grid's step are not recovered; there the
 //! start determines the result. K-correlation lobes are recovered to 0.5 %. A Gaussian as wide as the blur is
@@ -29,7 +29,7 @@ use std::f64::consts::PI;
 use papilio_optics::Beta;
 use papilio_sampling::{SampleStream, Sampler};
 
-use super::blur::Blurred;
+use super::blur::BlurredLobe;
 use super::quadrature::Rule;
 use super::rings::Rings;
 use crate::{Fill, Geometry, GoniometryError, MeasuredPart, Shape, SpecularGrid};
@@ -42,7 +42,7 @@ const FAINT: f64 = 1e-2;
 
 /// Options of the removal of a blur.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unblur {
+pub struct DeblurOptions {
     /// Width of the instrument's kernel, direction cosines, 0.0001 to 1: that of a k-correlation lobe,
     /// the image of a collimated beam.
     pub width: f64,
@@ -52,7 +52,7 @@ pub struct Unblur {
     pub iterations: usize,
 }
 
-impl Unblur {
+impl DeblurOptions {
     /// Options for an instrument with this width, with a noise of 1e-3 and at most 500 iterations.
     pub fn of_width(width: f64) -> Self {
         Self { width, noise: 1e-3, iterations: 500 }
@@ -61,11 +61,11 @@ impl Unblur {
 
 /// Result of the removal of a blur from one channel of a part.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Deblurred {
+pub struct DeblurResult {
     /// Values without blur, in the grid's order.
     pub values: Vec<f64>,
     /// Statistics of each incidence.
-    pub incidences: Vec<Unblurred>,
+    pub incidences: Vec<DeblurStatistics>,
     /// Relative noise of the result over that of the values, from trials: root mean square over cells
     /// above 1 % of the peak, and at the peak.
     pub noise_amplification: [f64; 2],
@@ -73,7 +73,7 @@ pub struct Deblurred {
 
 /// Statistics of the removal of a blur at one incidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unblurred {
+pub struct DeblurStatistics {
     /// Inclination of the light, degrees.
     pub theta_deg: f64,
     /// Number of iterations.
@@ -91,7 +91,11 @@ pub struct Unblurred {
 ///
 /// # Errors
 /// If the part is not on a specular-centred grid, or the width is out of range.
-pub fn deblurred(part: &MeasuredPart, channel: usize, how: &Unblur) -> Result<Deblurred, GoniometryError> {
+pub fn deblurred(
+    part: &MeasuredPart,
+    channel: usize,
+    how: &DeblurOptions,
+) -> Result<DeblurResult, GoniometryError> {
     let Geometry::Specular(grid) = &part.geometry else {
         return Err(GoniometryError::NotSpecular("deblurred"));
     };
@@ -100,13 +104,17 @@ pub fn deblurred(part: &MeasuredPart, channel: usize, how: &Unblur) -> Result<De
         return Err(GoniometryError::OutOfRange { what, value: how.width, expected: "0.0001 to 1" });
     }
     if grid.cells() == 0 {
-        return Ok(Deblurred { values: Vec::new(), incidences: Vec::new(), noise_amplification: [1.0; 2] });
+        return Ok(DeblurResult {
+            values: Vec::new(),
+            incidences: Vec::new(),
+            noise_amplification: [1.0; 2],
+        });
     }
     let (rings, values) = (Rings::new(how.width), part.channel(channel));
     let (clean, steps) = unblurred(grid, values, &rings, how, None);
     let incidences = statistics(grid, values, &clean, &steps, how.width);
     let noise_amplification = amplification(grid, values, &clean, &rings, how, &steps);
-    Ok(Deblurred { values: clean, incidences, noise_amplification })
+    Ok(DeblurResult { values: clean, incidences, noise_amplification })
 }
 
 /// Number of iterations and scale of each incidence.
@@ -117,7 +125,7 @@ fn unblurred(
     grid: &SpecularGrid,
     values: &[f64],
     rings: &Rings,
-    how: &Unblur,
+    how: &DeblurOptions,
     fixed: Option<&Steps>,
 ) -> (Vec<f64>, Steps) {
     let before = Shape::of_grid(grid, values, Fill::Tail);
@@ -161,14 +169,14 @@ fn statistics(
     clean: &[f64],
     steps: &Steps,
     blur: f64,
-) -> Vec<Unblurred> {
+) -> Vec<DeblurStatistics> {
     let [before, after] = [values, clean].map(|values| Shape::of_grid(grid, values, Fill::Tail));
     let rule = Rule::new();
     let one = |(k, (iterations, scale)): (usize, &(usize, f64))| {
         let theta_deg = grid.incidences_deg[k];
         let from = Beta { x: theta_deg.to_radians().sin(), y: 0.0 };
         let lobe = |from: Beta, to: Beta| after.value(k, to - from);
-        let reblurred = Blurred::new(&rule, &lobe, from, blur);
+        let reblurred = BlurredLobe::new(&rule, &lobe, from, blur);
         let peak = [&before, &after].map(|shape| shape.value(k, Beta::default()));
         let (mut squares, mut count) = (0.0, 0.0);
         for azimuth in [0.0, 90.0, 180.0] {
@@ -182,18 +190,18 @@ fn statistics(
             }
         }
         let misfit = if count > 0.0 { f64::sqrt(squares / count) } else { 0.0 };
-        Unblurred { theta_deg, iterations: *iterations, peak, scale: *scale, misfit }
+        DeblurStatistics { theta_deg, iterations: *iterations, peak, scale: *scale, misfit }
     };
     steps.iter().enumerate().map(one).collect()
 }
 
-/// Computes [`Deblurred::noise_amplification`].
+/// Computes [`DeblurResult::noise_amplification`].
 fn amplification(
     grid: &SpecularGrid,
     values: &[f64],
     clean: &[f64],
     rings: &Rings,
-    how: &Unblur,
+    how: &DeblurOptions,
     steps: &Steps,
 ) -> [f64; 2] {
     let largest = values.iter().copied().fold(0.0, f64::max);
@@ -256,7 +264,7 @@ mod tests {
             let instrument = Instrument { dark_beyond_deg, ..instrument(0.0) };
             let sample = SyntheticSample::new(haze).unwrap();
             let part = sample.measured(&instrument, &[1.0]).unwrap().parts.remove(0);
-            let result = deblurred(&part, 0, &Unblur::of_width(0.0483)).unwrap();
+            let result = deblurred(&part, 0, &DeblurOptions::of_width(0.0483)).unwrap();
             let truth = |from: Beta, to: Beta| sample.btdf(from, to);
             for k in 0..4 {
                 for r in [0, 1, 2, 3, 5, 8, 12, 20, 30] {
@@ -283,7 +291,7 @@ mod tests {
         for noise in [0.0, 0.003] {
             let instrument = instrument(noise);
             let part = instrument.measure("", &[view]).unwrap().parts.remove(0);
-            let how = Unblur { noise: noise / 4.0, ..Unblur::of_width(0.0483) };
+            let how = DeblurOptions { noise: noise / 4.0, ..DeblurOptions::of_width(0.0483) };
             let result = deblurred(&part, 0, &how).unwrap();
             let before = ratio_to_truth(&gaussian, &instrument.grid, &part.values, 0, 0);
             assert!(before < 0.4, "{before}");
@@ -303,19 +311,23 @@ mod tests {
         let flat = |_: Beta, _: Beta| 0.3;
         let view = View { way: ScatterMode::FrontReflection, f: &flat, straight: 0.0, factors: &[1.0] };
         let mut part = Instrument { blur: 0.0, ..instrument }.measure("", &[view]).unwrap().parts.remove(0);
-        let error = deblurred(&part, 0, &Unblur::of_width(-1.0)).unwrap_err();
+        let error = deblurred(&part, 0, &DeblurOptions::of_width(-1.0)).unwrap_err();
         assert!(matches!(error, GoniometryError::OutOfRange { .. }));
         // A flat lobe has no half width to sharpen.
-        let same = deblurred(&part, 0, &Unblur::of_width(0.05)).unwrap();
+        let same = deblurred(&part, 0, &DeblurOptions::of_width(0.05)).unwrap();
         for (after, before) in same.values.iter().zip(&part.values) {
             assert!((after - before).abs() < 1e-12, "{after} {before}");
         }
         part.values.iter_mut().for_each(|value| *value = 0.0);
-        assert!(deblurred(&part, 0, &Unblur::of_width(0.05)).unwrap().values.iter().all(|f| *f == 0.0));
+        assert!(
+            deblurred(&part, 0, &DeblurOptions::of_width(0.05)).unwrap().values.iter().all(|f| *f == 0.0)
+        );
         part.values.iter_mut().for_each(|value| *value = f64::NAN);
-        assert!(deblurred(&part, 0, &Unblur::of_width(0.05)).unwrap().values.iter().all(|f| f.is_nan()));
+        assert!(
+            deblurred(&part, 0, &DeblurOptions::of_width(0.05)).unwrap().values.iter().all(|f| f.is_nan())
+        );
         part.geometry = Geometry::Pairs(Vec::new());
-        let error = deblurred(&part, 0, &Unblur::of_width(0.05)).unwrap_err();
+        let error = deblurred(&part, 0, &DeblurOptions::of_width(0.05)).unwrap_err();
         assert_eq!(error, GoniometryError::NotSpecular("deblurred"));
     }
 }

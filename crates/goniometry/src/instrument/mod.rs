@@ -31,10 +31,10 @@ use crate::{
     Channel, Geometry, GoniometryError, MeasuredPart, Measurement, Provenance, ScatterMode, SpecularGrid,
     Symmetry,
 };
-use blur::Blurred;
+use blur::BlurredLobe;
 use quadrature::Rule;
 
-pub use deblur::{Deblurred, Unblur, Unblurred, deblurred};
+pub use deblur::{DeblurOptions, DeblurResult, DeblurStatistics, deblurred};
 pub use synthetic::{SyntheticSample, tristimulus_factors};
 
 /// Virtual imaging sphere.
@@ -160,7 +160,7 @@ impl Instrument {
             for incidence in &self.grid.incidences_deg {
                 // The sample rotates; the instrument does not.
                 let from = Beta::from_source(*incidence, 180.0 - rotation, 1.0);
-                let lobe = Blurred::new(&rule, view.f, from, self.blur).with_straight(view.straight);
+                let lobe = BlurredLobe::new(&rule, view.f, from, self.blur).with_straight(view.straight);
                 let total = lobe.total();
                 let scale = if self.renormalise && total > 0.0 { total / lobe.measured_total() } else { 1.0 };
                 let cells = clean.len()..clean.len() + per_incidence;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
-use super::Unblur;
+use super::DeblurOptions;
 use super::blur::HALF;
 use crate::Shape;
 
@@ -98,7 +98,12 @@ impl Rings {
     }
 
     /// Returns the factors that remove the blur from a profile, and the number of iterations.
-    pub(super) fn sharpened(&self, d: &[f64], how: &Unblur, fixed: Option<usize>) -> (Vec<f64>, usize) {
+    pub(super) fn sharpened(
+        &self,
+        d: &[f64],
+        how: &DeblurOptions,
+        fixed: Option<usize>,
+    ) -> (Vec<f64>, usize) {
         let flat = || (vec![1.0; d.len()], 0);
         let below_half = d.iter().position(|value| *value < 0.5 * d[0]).filter(|k| *k > 0);
         let Some(k) = below_half else { return flat() };

@@ -38,12 +38,12 @@ impl Cells {
 
 /// Sums of a root mean square difference.
 #[derive(Default)]
-pub(super) struct Spread {
+pub(super) struct DifferenceSums {
     differences: f64,
     values: f64,
 }
 
-impl Spread {
+impl DifferenceSums {
     /// Adds values with their weights.
     fn add(&mut self, values: &[(f64, f64)], mean: f64) {
         self.differences += values.iter().map(|(value, weight)| weight * (value - mean).powi(2)).sum::<f64>();
@@ -61,7 +61,7 @@ pub(super) fn folded(
     grid: &SpecularGrid,
     values: &[f64],
     (incidence, horizon): (usize, f64),
-    asymmetry: &mut Spread,
+    asymmetry: &mut DifferenceSums,
 ) -> Cells {
     let (azimuths, radials) = (grid.azimuths_deg.len(), grid.radials_deg.len());
     // Azimuth from the plane of incidence; its two sides are equal by symmetry.

@@ -26,7 +26,7 @@ mod spherical;
 use papilio_optics::Beta;
 
 use crate::{MeasuredPart, SpecularGrid};
-use cells::{Cells, Spread, best_width, folded, without_tail_zeros, without_unmeasured_tails};
+use cells::{Cells, DifferenceSums, best_width, folded, without_tail_zeros, without_unmeasured_tails};
 use incidence::Incidence;
 use line::Line;
 pub use resample::on_specular_grid;
@@ -79,7 +79,7 @@ impl Shape {
         fill: Fill,
         (horizon, width): (f64, Option<f64>),
     ) -> Self {
-        let mut asymmetry = Spread::default();
+        let mut asymmetry = DifferenceSums::default();
         let mut filled = [0.0; 2];
         let cells: Vec<Cells> = (0..grid.incidences_deg.len())
             .map(|number| folded(grid, values, (number, horizon), &mut asymmetry))

@@ -1,3 +1,5 @@
+//! Tests of edits of a scenario's text.
+
 use serde_json::json;
 
 use super::*;

@@ -40,75 +40,74 @@ presets!(
 
 /// A display of new scenarios, to start from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ExampleDisplay {
-    /// An interferometric panel under a diffuser.
-    Imod,
-    /// Electronic paper below a bare glass surface.
-    Epaper,
-    /// A pixel tabulated by another tool, under a diffuser.
-    Table,
-    /// Electronic paper with black, white, red and yellow inks.
-    Bwry,
-    /// Electronic paper with six inks.
-    SixInk,
-    /// Electronic paper with seven inks.
-    SevenInk,
-    /// Electronic paper below a printed colour filter.
-    PrintedFilter,
+pub struct ExampleDisplay {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Keys of the display as TOML, with comments.
+    text: &'static str,
+    /// Names and contents of the files that the scenario names; they belong into its folder.
+    pub files: &'static [(&'static str, &'static str)],
 }
 
 impl ExampleDisplay {
+    /// An interferometric panel under a diffuser, the display of [`new_scenario`].
+    pub const IMOD: Self = Self {
+        name: "imod",
+        about: "Interferometric pixels under a diffuser",
+        text: include_str!("imod.toml"),
+        files: &[],
+    };
+
     /// All displays.
     pub const ALL: [Self; 7] = [
-        Self::Imod,
-        Self::Epaper,
-        Self::Table,
-        Self::Bwry,
-        Self::SixInk,
-        Self::SevenInk,
-        Self::PrintedFilter,
-    ];
-
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Imod => "imod",
-            Self::Epaper => "epaper",
-            Self::Table => "table",
-            Self::Bwry => "bwry",
-            Self::SixInk => "six-ink",
-            Self::SevenInk => "seven-ink",
-            Self::PrintedFilter => "printed-filter",
-        }
-    }
-
-    /// Returns the keys of the display as TOML, with comments.
-    fn text(self) -> &'static str {
-        match self {
-            Self::Imod => include_str!("imod.toml"),
-            Self::Epaper => include_str!("epaper.toml"),
-            Self::Table => include_str!("table.toml"),
-            Self::Bwry => include_str!("bwry.toml"),
-            Self::SixInk => include_str!("six-ink.toml"),
-            Self::SevenInk => include_str!("seven-ink.toml"),
-            Self::PrintedFilter => include_str!("printed-filter.toml"),
-        }
-    }
-
-    /// Returns names and contents of the files that the scenario names; they belong into its folder.
-    pub fn files(self) -> &'static [(&'static str, &'static str)] {
-        match self {
-            Self::Imod | Self::Epaper => &[],
-            Self::Table => &[("example-pixel.csv", include_str!("example-pixel.csv"))],
-            Self::Bwry => &[("four-inks.csv", include_str!("four-inks.csv"))],
-            Self::SixInk => &[("six-inks.csv", include_str!("six-inks.csv"))],
-            Self::SevenInk => &[("seven-inks.csv", include_str!("seven-inks.csv"))],
-            Self::PrintedFilter => &[
+        Self::IMOD,
+        Self {
+            name: "epaper",
+            about: "Electronic paper below a bare glass surface",
+            text: include_str!("epaper.toml"),
+            files: &[],
+        },
+        Self {
+            name: "table",
+            about: "A pixel tabulated by another tool, under a diffuser; also writes an example of the table",
+            text: include_str!("table.toml"),
+            files: &[("example-pixel.csv", include_str!("example-pixel.csv"))],
+        },
+        Self {
+            name: "bwry",
+            about: "Electronic paper with black, white, red and yellow inks; also writes synthetic spectra",
+            text: include_str!("bwry.toml"),
+            files: &[("four-inks.csv", include_str!("four-inks.csv"))],
+        },
+        Self {
+            name: "six-ink",
+            about: "Electronic paper with six inks; also writes synthetic spectra",
+            text: include_str!("six-ink.toml"),
+            files: &[("six-inks.csv", include_str!("six-inks.csv"))],
+        },
+        Self {
+            name: "seven-ink",
+            about: "Electronic paper with seven inks; also writes synthetic spectra",
+            text: include_str!("seven-ink.toml"),
+            files: &[("seven-inks.csv", include_str!("seven-inks.csv"))],
+        },
+        Self {
+            name: "printed-filter",
+            about: "Electronic paper below a printed colour filter; also writes synthetic transmittances",
+            text: include_str!("printed-filter.toml"),
+            files: &[
                 ("filter-red.csv", include_str!("filter-red.csv")),
                 ("filter-green.csv", include_str!("filter-green.csv")),
                 ("filter-blue.csv", include_str!("filter-blue.csv")),
             ],
-        }
+        },
+    ];
+
+    /// Returns the display of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|display| display.name == name)
     }
 }
 
@@ -122,7 +121,7 @@ pub fn preset_names() -> impl Iterator<Item = &'static str> {
 pub fn new_scenario(name: &str) -> Option<String> {
     let light = text(name)?;
     let (about, keys) = light.split_once("\n\n")?;
-    Some(format!("{about}\n\ntitle = \"{name}\"\n\n{keys}\n{}", ExampleDisplay::Imod.text()))
+    Some(format!("{about}\n\ntitle = \"{name}\"\n\n{keys}\n{}", ExampleDisplay::IMOD.text))
 }
 
 /// Returns a complete, commented scenario of a display with the light and viewer of a preset; `None` if there is no such preset. The
@@ -130,14 +129,15 @@ pub fn new_scenario(name: &str) -> Option<String> {
 ///
 /// ```
 /// use papilio_scenario::{ExampleDisplay, new_scenario_of};
-/// assert!(new_scenario_of(ExampleDisplay::Epaper, "office").unwrap().contains("lambertian"));
+/// let epaper = ExampleDisplay::named("epaper").unwrap();
+/// assert!(new_scenario_of(epaper, "office").unwrap().contains("lambertian"));
 /// ```
 pub fn new_scenario_of(display: ExampleDisplay, light: &str) -> Option<String> {
-    if display == ExampleDisplay::Imod {
+    if display == ExampleDisplay::IMOD {
         return new_scenario(light);
     }
     let (about, keys) = text(light)?.split_once("\n\n")?;
-    Some(format!("{about}\n\ntitle = \"{}, {light}\"\n\n{keys}\n{}", display.name(), display.text()))
+    Some(format!("{about}\n\ntitle = \"{}, {light}\"\n\n{keys}\n{}", display.name, display.text))
 }
 
 /// Returns the keys of a preset as TOML.
@@ -222,7 +222,7 @@ mod tests {
     fn new_scenario_equals_the_same_display_with_the_preset() {
         for name in preset_names() {
             let written = new_scenario(name).unwrap();
-            let display = ExampleDisplay::Imod.text();
+            let display = ExampleDisplay::IMOD.text;
             let preset = format!("title = \"{name}\"\nlighting.preset = \"{name}\"\n{display}");
             let [written, preset] = [written, preset]
                 .map(|text| Scenario::from_text(&text, name, Path::new(""), &[]).unwrap().resolve().unwrap());
@@ -238,14 +238,14 @@ mod tests {
     fn every_pair_of_display_and_light_is_a_scenario() {
         for display in ExampleDisplay::ALL {
             let folder = tempfile::tempdir().unwrap();
-            for (name, content) in display.files() {
+            for (name, content) in display.files {
                 std::fs::write(folder.path().join(name), content).unwrap();
             }
             for light in preset_names() {
                 let text = new_scenario_of(display, light).unwrap();
                 let scenario = Scenario::from_text(&text, light, folder.path(), &[]).unwrap();
-                let resolved = scenario.resolve().unwrap_or_else(|e| panic!("{display:?} {light}: {e}"));
-                assert!(resolved.warnings.is_empty(), "{display:?} {light}: {:?}", resolved.warnings);
+                let resolved = scenario.resolve().unwrap_or_else(|e| panic!("{} {light}: {e}", display.name));
+                assert!(resolved.warnings.is_empty(), "{} {light}: {:?}", display.name, resolved.warnings);
             }
             assert_eq!(new_scenario_of(display, "nowhere"), None);
         }
@@ -255,20 +255,21 @@ mod tests {
     #[test]
     fn files_of_the_examples_are_the_same() {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/data");
-        let same = |display: ExampleDisplay, name: &str, example: &str| {
-            let (_, content) = display.files().iter().find(|(known, _)| *known == name).unwrap();
+        let same = |display: &str, name: &str, example: &str| {
+            let display = ExampleDisplay::named(display).unwrap();
+            let (_, content) = display.files.iter().find(|(known, _)| *known == name).unwrap();
             assert_eq!(std::fs::read_to_string(data.join(example)).unwrap(), *content, "{name}");
         };
-        same(ExampleDisplay::SixInk, "six-inks.csv", "synthetic-inks-6.csv");
+        same("six-ink", "six-inks.csv", "synthetic-inks-6.csv");
         for colour in ["red", "green", "blue"] {
             let (name, example) = (format!("filter-{colour}.csv"), format!("synthetic-filter-{colour}.csv"));
-            same(ExampleDisplay::PrintedFilter, &name, &example);
+            same("printed-filter", &name, &example);
         }
     }
 
     #[test]
     fn preset_of_a_scenario_is_found_and_its_changes_are_noticed() {
-        let display = ExampleDisplay::Imod.text();
+        let display = ExampleDisplay::IMOD.text;
         let used = |text: &str| Scenario::from_text(text, "x", Path::new(""), &[]).unwrap().preset();
         for name in preset_names() {
             let text = format!("lighting.preset = \"{name}\"\n{display}");

@@ -8,7 +8,7 @@ use papilio_spectra::Spectrum;
 
 use super::Resolver;
 use super::layers::{Neighbours, Part};
-use super::unbounded::Unbounded;
+use super::unbounded::UnboundedLobe;
 use crate::describe::diffuser::{Btdf, KCorrelation, Lambertian, Ward};
 use crate::describe::display::ShareSpectrum;
 use crate::describe::numbers::{NARROWEST_LOBE, Share};
@@ -55,7 +55,7 @@ impl Resolver<'_> {
     pub(super) fn ward(&mut self, path: &str, ward: &Spanned<Ward>) -> Option<ScatterFace> {
         let (scatter, transmittance) = self.ward_lobe(ward)?;
         if ward.normalisation.0 == Normalisation::Duer {
-            let lobe = Unbounded {
+            let lobe = UnboundedLobe {
                 path: path.to_owned(),
                 scatter: scatter.clone(),
                 alpha: ward.alpha.value.0,

@@ -104,7 +104,7 @@ struct Resolver<'a> {
     /// Light of the maps on the display.
     maps: Vec<maps::MapLight>,
     /// Lobes that may scatter more light than they receive.
-    unbounded: Vec<unbounded::Unbounded>,
+    unbounded: Vec<unbounded::UnboundedLobe>,
     /// Whether a diffuser that loses light has no described reflection.
     reflects_nothing: bool,
     /// Surfaces that are layers of the display.
@@ -138,7 +138,7 @@ enum FaceHeights {
 
 /// Which picture is requested.
 #[derive(Clone, Copy)]
-pub(crate) enum Pictured<'a> {
+pub(crate) enum PictureChoice<'a> {
     /// None.
     No,
     /// That of `[image]`.
@@ -153,16 +153,16 @@ pub(crate) fn resolve(
     file: &File,
     library: &Library,
     sources: &Sources,
-    (pictured, needs_light): (Pictured<'_>, bool),
+    (pictured, needs_light): (PictureChoice<'_>, bool),
 ) -> Result<Found, ScenarioErrors> {
     let mut resolver = Resolver { needs_light, ..Resolver::new(file, library, sources)? };
     let scene = resolver.scene(file);
     let patterns = scene.as_ref().map(|scene| resolver.patterns(file, scene)).unwrap_or_default();
     let sparkle = scene.as_ref().and_then(|scene| resolver.sparkle(file, scene));
     let image = scene.as_ref().and_then(|scene| match pictured {
-        Pictured::No => None,
-        Pictured::Described => resolver.image(file, scene, None),
-        Pictured::Given(source) => resolver.image(file, scene, Some(source)),
+        PictureChoice::No => None,
+        PictureChoice::Described => resolver.image(file, scene, None),
+        PictureChoice::Given(source) => resolver.image(file, scene, Some(source)),
     });
     let Resolver { errors, surfaces, warnings, notes, inputs, .. } = resolver;
     let scene = errors.finish(scene, sources)?;

@@ -12,7 +12,7 @@ const ABOVE_ONE: f64 = 1e-3;
 const TOWARDS_HORIZON: f64 = 1e-4;
 
 /// A lobe whose albedo has no bound at grazing angles.
-pub(super) struct Unbounded {
+pub(super) struct UnboundedLobe {
     /// Path of its key.
     pub(super) path: String,
     pub(super) scatter: Scatter,
@@ -23,7 +23,7 @@ pub(super) struct Unbounded {
     pub(super) regular_fraction: f64,
 }
 
-impl Unbounded {
+impl UnboundedLobe {
     /// Total transmittance of light at this inclination (degrees, air).
     fn total(&self, theta_deg: f64) -> f64 {
         let lobe = self.scatter.albedo_at(theta_deg.to_radians().sin());

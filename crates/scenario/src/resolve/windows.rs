@@ -32,7 +32,7 @@ pub(super) struct SubPixels {
 }
 
 /// A rectangle, the number of its sub-pixel, and its place in the text.
-struct Placed {
+struct SubPixelRectangle {
     sub_pixel: usize,
     rectangle: Rectangle,
     origin: Origin,
@@ -159,7 +159,7 @@ impl Resolver<'_> {
         &mut self,
         named: &Named<Vec<Spanned<Vec<Spanned<Fraction>>>>>,
         sub_pixels: &SubPixels,
-    ) -> Option<Vec<Placed>> {
+    ) -> Option<Vec<SubPixelRectangle>> {
         let mut placed = Vec::new();
         let mut wrong = false;
         for item in &named.0 {
@@ -171,7 +171,12 @@ impl Resolver<'_> {
             for corners in &item.value.value {
                 match self.rectangle(corners) {
                     Some(rectangle) => {
-                        placed.push(Placed { sub_pixel, rectangle, origin: corners.origin, file: None });
+                        placed.push(SubPixelRectangle {
+                            sub_pixel,
+                            rectangle,
+                            origin: corners.origin,
+                            file: None,
+                        });
                     }
                     None => wrong = true,
                 }
@@ -200,7 +205,7 @@ impl Resolver<'_> {
         name: &str,
         origin: Origin,
         sub_pixels: &SubPixels,
-    ) -> Option<Vec<Placed>> {
+    ) -> Option<Vec<SubPixelRectangle>> {
         let rows = self.data(name, origin, read_windows)?;
         let mut unknown_names: Vec<&str> = Vec::new();
         let mut placed = Vec::new();
@@ -208,7 +213,12 @@ impl Resolver<'_> {
             match sub_pixels.number(name) {
                 Some(sub_pixel) => {
                     let rectangle = Rectangle { x: [*x0, *x1], y: [*y0, *y1] };
-                    placed.push(Placed { sub_pixel, rectangle, origin, file: Some(place.clone()) });
+                    placed.push(SubPixelRectangle {
+                        sub_pixel,
+                        rectangle,
+                        origin,
+                        file: Some(place.clone()),
+                    });
                 }
                 None if !unknown_names.contains(&name.as_str()) => {
                     unknown_names.push(name);
@@ -221,7 +231,7 @@ impl Resolver<'_> {
     }
 
     /// Refuses rectangles that overlap.
-    fn check_rectangles(&mut self, placed: &[Placed], at: Origin) -> Option<()> {
+    fn check_rectangles(&mut self, placed: &[SubPixelRectangle], at: Origin) -> Option<()> {
         if placed.len() > MOST_RECTANGLES {
             self.errors.push(at, mistake::too_many("rectangles", placed.len() as f64, MOST_RECTANGLES));
             return None;

@@ -1,3 +1,5 @@
+//! Tests of the visibility of details.
+
 use super::*;
 
 /// Time of a fixation, s.

@@ -1,7 +1,7 @@
 //! Removal of the instrument's blur from a measurement.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_goniometry::{self as goniometry, GoniometryError, Unblur, Unblurred, deblurred};
+use papilio_goniometry::{self as goniometry, DeblurOptions, DeblurStatistics, GoniometryError, deblurred};
 
 use super::file::Source;
 use crate::describe::numbers::Blur;
@@ -29,7 +29,7 @@ impl Resolver<'_> {
         let Some(blur) = source.blur.filter(|blur| blur.value.0 > 0.0) else { return Some(None) };
         let Blur(width) = blur.value;
         let channel = part.luminous();
-        let sharp = match deblurred(part, channel, &Unblur::of_width(width)) {
+        let sharp = match deblurred(part, channel, &DeblurOptions::of_width(width)) {
             Ok(sharp) => sharp,
             Err(error) => {
                 self.errors.push(blur.origin, unblurred(&error));
@@ -42,7 +42,7 @@ impl Resolver<'_> {
             self.errors.push(blur.origin, unblurred(&GoniometryError::Blur { width, misfit }));
             return None;
         }
-        if let Some(Unblurred { theta_deg, peak: [before, after], .. }) = sharp.incidences.first() {
+        if let Some(DeblurStatistics { theta_deg, peak: [before, after], .. }) = sharp.incidences.first() {
             self.notes.push(format!(
                 "{path}: {way}: without the instrument's blur of {width} the peak at {theta_deg} deg is {after:.1} instead of \
                  {before:.1} per sr; relative noise is {spread:.1} times as large; blurred again, values differ from the file's \

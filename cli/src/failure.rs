@@ -1,0 +1,94 @@
+//! Why a command failed, and the exit code.
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The scenario is invalid.
+    #[error(transparent)]
+    Scenario(#[from] papilio_scenario::ScenarioErrors),
+    /// Another input is invalid: an argument, a file or a combination of them.
+    #[error("error: {0}")]
+    Input(String),
+    /// A data file is invalid.
+    #[error(transparent)]
+    Data(papilio_formats::FormatError),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(papilio_formats::FormatError),
+    /// A figure could not be converted to PNG.
+    #[error("error: {0}")]
+    Png(#[from] papilio_figures::PngError),
+    /// The scene could not be computed.
+    #[error("error: {0}")]
+    Display(#[from] papilio_display::DisplayError),
+    /// A design could not be evaluated.
+    #[error("error: {0}")]
+    Design(papilio_design::DesignError),
+    /// The reproduction report could not be computed.
+    #[error("error: {0}")]
+    Report(#[from] papilio_reproduction::ReproductionError),
+    /// The web app could not be served.
+    #[error("error: {0}")]
+    Serve(#[from] papilio_web::ServeError),
+    /// Standard output could not be written.
+    #[error("error: standard output cannot be written: {0}")]
+    Io(#[from] std::io::Error),
+    /// A search ended without a design that satisfies all constraints.
+    #[error("error: {0}")]
+    Infeasible(&'static str),
+    /// The user pressed Ctrl-C; finished work is saved.
+    #[error("interrupted: {0}")]
+    Interrupted(&'static str),
+}
+
+impl Failure {
+    /// Failure of a computation, with its place in the scenario if a key caused it.
+    pub(crate) fn from_display(
+        resolved: &papilio_scenario::Resolved,
+        error: papilio_display::DisplayError,
+    ) -> Self {
+        resolved.located(&error).map_or(Self::Display(error), Self::Scenario)
+    }
+
+    /// Failure of one of many designs or points, which `note` identifies.
+    pub(crate) fn of_one(error: impl Into<papilio_design::DesignError>, note: &str) -> Self {
+        match error.into() {
+            papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors.with_note(note)),
+            other => Self::Input(format!("{other}\n  = note: {note}")),
+        }
+    }
+
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
+            Self::Scenario(_)
+            | Self::Input(_)
+            | Self::Data(_)
+            | Self::Display(_)
+            | Self::Design(_)
+            | Self::Serve(_) => 2,
+            Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) => 1,
+            Self::Infeasible(_) => 3,
+            Self::Interrupted(_) => 130,
+        }
+    }
+}
+
+impl From<papilio_design::DesignError> for Failure {
+    /// An invalid scenario is reported as such, with its place.
+    fn from(error: papilio_design::DesignError) -> Self {
+        match error {
+            papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors),
+            other => Self::Design(other),
+        }
+    }
+}
+
+impl From<papilio_formats::FormatError> for Failure {
+    /// A file that cannot be written is an internal error; any other problem of a file is invalid input.
+    fn from(error: papilio_formats::FormatError) -> Self {
+        match error.problem {
+            papilio_formats::Problem::Unwritable { .. } => Self::Write(error),
+            _ => Self::Data(error),
+        }
+    }
+}
