@@ -363,9 +363,10 @@ impl Approach {
         Self { middle, rate, largest: 1.0 / (1.0 - range[1] * most).max(f64::EPSILON) }
     }
 
-    /// Error that is left after a repetition that changed the irradiance so much, at least that change; relative to the largest irradiance.
+    /// Error that is left after a repetition that changed the irradiance so much, at least that change, and with a margin of two; relative to the
+    /// largest irradiance.
     fn left(&self, change: f64) -> f64 {
-        change * (self.rate / (1.0 - self.rate).max(f64::EPSILON)).max(1.0) / self.largest
+        2.0 * change * (self.rate / (1.0 - self.rate).max(f64::EPSILON)).max(1.0) / self.largest
     }
 }
 
