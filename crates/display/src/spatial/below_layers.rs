@@ -38,6 +38,9 @@ const PERIOD_OF_RINGS: f64 = 128.0;
 /// Width of the sharpest feature in periods of the frequency at which half of the light is left.
 const HALF: f64 = 0.15;
 
+/// Layers that have no height are taken as so high, mm.
+const LEAST_HEIGHT_MM: f64 = 1e-9;
+
 /// Sharp images fainter than this do not count.
 const FAINTEST: f64 = 1e-6;
 
@@ -59,7 +62,7 @@ pub(super) fn responses(
         return Err(Refused::Layers.into());
     }
     let lengths_mm = setup.scene.display.lengths_mm()?;
-    let height_mm: f64 = lengths_mm.iter().sum();
+    let height_mm = lengths_mm.iter().sum::<f64>().max(LEAST_HEIGHT_MM);
     let (meter, number) = (Meter::new(setup), level.of_layers());
     let factors = setup.seen(view, number, control)?;
     let spread = LayeredSpread::new(stack, &lengths_mm, view.field, &setup.sources, number, control.stop);
