@@ -1,7 +1,8 @@
-//! Sharpness below general layers by adding: modulation transfer at chosen frequencies.
+//! Sharpness of mirror-like pixels below general layers, and of pixels inside which light spreads: modulation transfer at chosen
+//! frequencies.
 //!
 //! Light by place (spreads, kernels, lines, text, patterns) would take the transform at many frequencies in the plane; it is left to
-//! Monte Carlo.
+//! Monte Carlo. Other Lambertian pixels are those of `below_layers.rs`.
 
 use num_complex::Complex64;
 use papilio_transport::adding::{self, LayeredSpread};
@@ -42,7 +43,7 @@ pub(super) fn frequencies(highest: f64) -> Vec<f64> {
 }
 
 /// Makes the difference of the levels as large as the error of the finer one may be.
-fn widen(coarse: &mut Measured, fine: &Measured, factor: f64) {
+pub(super) fn widen(coarse: &mut Measured, fine: &Measured, factor: f64) {
     let lights = coarse.lights.iter_mut().flatten().zip(fine.lights.iter().flatten());
     for (coarse, fine) in lights {
         for (coarse, fine) in coarse.transfer.iter_mut().zip(&fine.transfer) {

@@ -8,8 +8,9 @@
 //! | a lobe over pixels | `lobe.rs`; over mirror-like ones with light that a front returns, `returned.rs` |
 //! | Lambertian pixels under a flat face, or under a diffuser and a front | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
+//! | Lambertian pixels below general layers | `below_layers.rs` |
 //!
-//! `layered.rs` computes the same by frequency below general layers.
+//! `layered.rs` computes mirror-like pixels below general layers, by frequency alone.
 //!
 //! [`crosstalk`] computes which sub-pixel lights which.
 //!
@@ -23,6 +24,7 @@
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
+mod below_layers;
 mod blur;
 mod blur_walk;
 mod bounds;

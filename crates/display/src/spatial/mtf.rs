@@ -6,7 +6,9 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use num_complex::Complex64;
+use papilio_transport::adding;
 
+use super::below_layers;
 use super::layered;
 use super::measured::{Light, Measured};
 use super::mtf_walk;
@@ -19,7 +21,7 @@ use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Patterns, Refus
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::result::Named;
-use crate::run::{Control, Progress, Workers, each, refine_or_fail};
+use crate::run::{Control, Progress, Workers, each, finest, refine_or_fail};
 use crate::scene::{Method, Scene};
 use crate::setup::{Setup, ViewPoint};
 
@@ -73,7 +75,9 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         }
         let view = match &placed {
             Some(placed) => mtf_walk::view(&frame, placed, *number, control)?,
-            None if setup.stack.panel().is_some() => frame.view(&setup.views[*number])?,
+            None if setup.stack.panel().is_some() || below_layers::covers(&setup) => {
+                frame.view(&setup.views[*number])?
+            }
             None => frame.layered_view(&setup.stack, &setup.views[*number])?,
         };
         (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
@@ -173,7 +177,8 @@ impl<'a> Frame<'a> {
         let mut frequencies = vec![0.0, highest];
         frequencies.extend(nyquist_per_mm.into_iter().flatten());
         let general = setup.stack.panel().is_none() && scene.solver.method != Method::MonteCarlo;
-        frequencies.extend(if general {
+        let below_layers = general.then(|| below_layers::covers(setup));
+        frequencies.extend(if below_layers == Some(false) {
             layered::frequencies(highest)
         } else {
             uniform_and_preferred(highest)
@@ -185,7 +190,10 @@ impl<'a> Frame<'a> {
             setup,
             control,
             patterns,
-            thickness_mm: lengths.last().copied().unwrap_or_default(),
+            thickness_mm: match below_layers {
+                Some(true) => lengths.iter().sum(),
+                Some(false) | None => lengths.last().copied().unwrap_or_default(),
+            },
             pitch_mm,
             nyquist_per_mm,
             mm_per_degree,
@@ -199,7 +207,8 @@ impl<'a> Frame<'a> {
         self.frequencies.last().copied().unwrap_or_default()
     }
 
-    fn view(&self, view: &ViewPoint) -> Result<MtfView, DisplayError> {
+    /// Highest frequency at which the sharpest feature of a view has contrast.
+    fn reach(&self, view: &ViewPoint) -> Result<f64, DisplayError> {
         // As far as the sharpest feature has contrast.
         let draft = Level { digits: 4.0, most_per_mm: LOWEST_PER_MM, is_fine: false, finer: 0 };
         let (seen, _) = responses(self.setup, view, draft, self.control)?;
@@ -208,8 +217,13 @@ impl<'a> Frame<'a> {
         // Half of the modulation is lost between 0.11 (diffuse light) and 0.4 cycles (the mirror image of a beam) in a width.
         let [first, last] = [0.1, 0.45].map(|cycles| cycles / sharpest);
         let searched = SEARCHED * self.highest();
-        let most_per_mm =
-            if first > searched { self.highest() } else { last.clamp(self.highest(), searched) };
+        Ok(if first > searched { self.highest() } else { last.clamp(self.highest(), searched) })
+    }
+
+    fn view(&self, view: &ViewPoint) -> Result<MtfView, DisplayError> {
+        // The tables of general layers serve all frequencies.
+        let is_panel = self.setup.stack.panel().is_some();
+        let most_per_mm = if is_panel { self.reach(view)? } else { SEARCHED * self.highest() };
         let digits = |level: usize| match level {
             0 => DIGITS[0],
             further => DIGITS[1] + MORE_DIGITS * (further - 1) as f64,
@@ -226,13 +240,25 @@ impl<'a> Frame<'a> {
             let states = self.setup.states.iter().enumerate();
             states.map(|(state, name)| (name.clone(), self.state(state, coarse, fine))).collect()
         };
+        let (factor, finest) = match is_panel {
+            true => (1.0, MOST_LEVEL),
+            false => {
+                let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
+                (factor, finest(self.setup)?.min(MOST_LEVEL))
+            }
+        };
         let error = |[finer, coarser]: [&Levelled; 2], _: Option<&Levelled>| {
-            largest_error(states(finer.coarse(coarser), &finer.fine).iter().map(|(_, state)| state))
+            let states = states(finer.coarse(coarser), &finer.fine);
+            factor * largest_error(states.iter().map(|(_, state)| state))
         };
         let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
-        let found = refine_or_fail(target, MOST_LEVEL, pair, error, |_, _| {})?;
+        let mut found = refine_or_fail(target, finest, pair, error, |_, _| {})?;
         if !found.finished {
             return Err(DisplayError::Interrupted);
+        }
+        if factor != 1.0 {
+            let coarse = found.finer.coarse.as_mut().unwrap_or(&mut found.coarser.fine);
+            layered::widen(coarse, &found.finer.fine, factor);
         }
         let (digits, fine) = (digits(found.level), &found.finer.fine);
         let coarse = found.finer.coarse(&found.coarser);

@@ -21,8 +21,8 @@ use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Peak, PixelS
 use papilio_transport::{Source, Top};
 
 use super::bounds::{cells_across, cells_along, parts_of_pixels};
-use super::irradiance::images;
-use super::lobe::{self, LobeResponse};
+use super::irradiance::{PlacedImage, images};
+use super::lobe;
 use super::patterns::{Pattern, PatternKind, Text};
 use super::response::{Lit, lengths_of_one_front};
 use super::series::{Series, add};
@@ -33,7 +33,7 @@ use crate::DisplayError;
 const PERIOD: f64 = 400.0;
 
 /// Highest frequency of the series times the thickness. |A| decreases to 1e-5 there.
-const HIGHEST: f64 = 16.0;
+pub(super) const HIGHEST: f64 = 16.0;
 
 /// Below this fraction, what a lobe leaves of the series is neglected.
 const FAINTEST: f64 = 1e-5;
@@ -48,24 +48,24 @@ const LINE_PERIOD: f64 = 64.0;
 const TOLERANCE: f64 = 1e-9;
 
 pub(super) struct Paper {
-    /// A diffuser above the pixels.
-    lobe: Option<Lobe>,
-    thickness_mm: f64,
+    /// Layers above the pixels that scatter.
+    pub(super) lobe: Option<Lobe>,
+    pub(super) thickness_mm: f64,
     /// How far light spreads that is returned: the thickness, or a part of a large distance to the front.
-    reach_mm: f64,
-    faces: Vec<LambertianReturn>,
-    /// Spread inside the pixels; not below a diffuser.
-    spread: Option<PixelSpread>,
+    pub(super) reach_mm: f64,
+    pub(super) faces: Vec<LambertianReturn>,
+    /// Spread inside the pixels; not below layers that scatter.
+    pub(super) spread: Option<PixelSpread>,
     /// Reflectance of the paper, and light by wavelength, `[state][wavelength]`.
-    reflectance: Vec<f64>,
-    light: Vec<f64>,
-    bins: usize,
+    pub(super) reflectance: Vec<f64>,
+    pub(super) light: Vec<f64>,
+    pub(super) bins: usize,
     images: Vec<Image>,
 }
 
-/// What a view sees through a diffuser of light that meets the pixels once.
-struct Lobe {
-    once: LobeResponse,
+/// What a view sees through layers that scatter of light that meets the pixels once.
+pub(super) struct Lobe {
+    once: Box<dyn Response>,
     /// Y, `[state]`.
     y: Vec<f64>,
 }
@@ -83,10 +83,10 @@ struct Image {
 }
 
 /// Light of the wavelengths at which a state has the same reflectance under the same face.
-struct Shade {
-    face: usize,
-    reflectance: f64,
-    light: f64,
+pub(super) struct Shade {
+    pub(super) face: usize,
+    pub(super) reflectance: f64,
+    pub(super) light: f64,
 }
 
 pub(super) fn response(
@@ -101,7 +101,8 @@ pub(super) fn response(
     panel.base.reflectance(0.0, &panel.medium, &mut reflectance);
     let light: Vec<f64> = (0..states * bins).map(|at| weights[at % bins] * via_pixel[at]).collect();
     let is_diffused = matches!(panel.top, Top::Diffuser(_));
-    let lobe = is_diffused.then(|| Lobe::new(lit, source, weights)).transpose()?;
+    let lobe = is_diffused.then(|| lobe::response(lit, source, weights)).transpose()?;
+    let lobe = lobe.map(|once| Lobe::new(Box::new(once)));
     let lengths_mm = lengths_of_one_front(panel, lit.lengths_mm, level);
     let air_mm = Lit { lengths_mm: &lengths_mm, ..lit }.air_mm()?;
     let thickness_mm = lit.thickness_mm();
@@ -113,52 +114,77 @@ pub(super) fn response(
         None => LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?,
     };
     *known = Some(faces.clone());
-    let step_per_mm = 1.0 / (PERIOD * reach_mm);
     let spread = lit.spread;
-    let mut paper =
+    let paper =
         Paper { lobe, thickness_mm, reach_mm, faces, spread, reflectance, light, bins, images: Vec::new() };
-    // A(0) and A(f) of each face.
-    let count = (HIGHEST / thickness_mm / step_per_mm).min(MOST_FREQUENCIES) as usize;
-    let returned: Vec<Vec<[f64; 2]>> = (0..count).map(|k| paper.returned(k as f64 * step_per_mm)).collect();
-    for (at_mm, fraction) in images(lit)? {
-        let shades: Vec<_> = (0..states).map(|state| paper.shades_of(state, &fraction)).collect();
-        // What does not change beyond the highest frequency is sharp.
-        let alone = match (count as f64) < MOST_FREQUENCIES {
-            true => sum(&shades, &paper.returned(0.0), |rho, zero, _| 1.0 - rho * zero),
-            false => sum(&shades, &paper.returned(count as f64 * step_per_mm), |rho, zero, returned| {
-                (1.0 - rho * zero) / (1.0 - rho * returned)
-            }),
-        };
-        let all = |(k, returned): (usize, &Vec<[f64; 2]>)| {
-            sum(&shades, returned, orders(spread, k as f64 * step_per_mm))
-        };
-        let all: Vec<Vec<f64>> = returned.iter().enumerate().map(all).collect();
-        // What returns to the pixel; the rest of the light is known by place.
-        let direct = |k: usize| spread.map_or(1.0, |spread| spread.of_state(k as f64 * step_per_mm));
-        let rest = |state: usize| {
-            all.iter().enumerate().map(|(k, one)| one[state] - direct(k) * alone[state]).collect()
-        };
-        let rest = (0..states).map(rest).collect();
-        let half = || alone.iter().map(|light| 0.5 * light).collect::<Vec<f64>>();
-        let (sharp, inside) = match spread {
-            None => (alone, None),
-            Some(spread) => (half(), Some((spread, half()))),
-        };
-        let rest = Series { step_per_mm, sharp: sharp.clone(), rest, at_mm, inside };
-        let series = match &paper.lobe {
-            Some(lobe) => lobe.spread(&rest).to_vec(),
-            None => vec![rest],
-        };
-        paper.images.push(Image { fraction, shades, sharp, series });
+    Ok(paper.with_images(images(lit)?))
+}
+
+impl Paper {
+    /// The same pixels, seen at some places with some fractions of the light at each wavelength.
+    pub(super) fn with_images(mut self, images: Vec<PlacedImage>) -> Self {
+        let Self { thickness_mm, reach_mm, spread, .. } = self;
+        let states = self.reflectance.len() / self.bins;
+        let step_per_mm = 1.0 / (PERIOD * reach_mm);
+        // A(0) and A(f) of each face.
+        let count = (HIGHEST / thickness_mm / step_per_mm).min(MOST_FREQUENCIES) as usize;
+        let returned: Vec<Vec<[f64; 2]>> =
+            (0..count).map(|k| self.returned(k as f64 * step_per_mm)).collect();
+        for (at_mm, fraction) in images {
+            let shades: Vec<_> = (0..states).map(|state| self.shades_of(state, &fraction)).collect();
+            // What does not change beyond the highest frequency is sharp.
+            let alone = match (count as f64) < MOST_FREQUENCIES {
+                true => sum(&shades, &self.returned(0.0), |rho, zero, _| 1.0 - rho * zero),
+                false => sum(&shades, &self.returned(count as f64 * step_per_mm), |rho, zero, returned| {
+                    (1.0 - rho * zero) / (1.0 - rho * returned)
+                }),
+            };
+            let all = |(k, returned): (usize, &Vec<[f64; 2]>)| {
+                sum(&shades, returned, orders(spread, k as f64 * step_per_mm))
+            };
+            let all: Vec<Vec<f64>> = returned.iter().enumerate().map(all).collect();
+            // What returns to the pixel; the rest of the light is known by place.
+            let direct = |k: usize| spread.map_or(1.0, |spread| spread.of_state(k as f64 * step_per_mm));
+            let rest = |state: usize| {
+                all.iter().enumerate().map(|(k, one)| one[state] - direct(k) * alone[state]).collect()
+            };
+            let rest = (0..states).map(rest).collect();
+            let half = || alone.iter().map(|light| 0.5 * light).collect::<Vec<f64>>();
+            let (sharp, inside) = match spread {
+                None => (alone, None),
+                Some(spread) => (half(), Some((spread, half()))),
+            };
+            let rest = Series { step_per_mm, sharp: sharp.clone(), rest, at_mm, inside };
+            let series = match &self.lobe {
+                Some(lobe) => lobe.spread(&rest).to_vec(),
+                None => vec![rest],
+            };
+            self.images.push(Image { fraction, shades, sharp, series });
+        }
+        self
     }
-    Ok(paper)
+
+    /// The same pixels below layers through which they are seen like this.
+    pub(super) fn below(self, once: Box<dyn Response>) -> Self {
+        Self { lobe: Some(Lobe::new(once)), ..self }
+    }
+
+    /// Lambertian pixels, of which nothing is seen yet.
+    pub(super) fn new(
+        faces: Vec<LambertianReturn>,
+        [thickness_mm, reach_mm]: [f64; 2],
+        [reflectance, light]: [Vec<f64>; 2],
+        bins: usize,
+    ) -> Self {
+        let (lobe, spread, images) = (None, None, Vec::new());
+        Self { lobe, thickness_mm, reach_mm, faces, spread, reflectance, light, bins, images }
+    }
 }
 
 impl Lobe {
-    fn new(lit: Lit<'_>, source: &Source, weights: &[f64]) -> Result<Self, DisplayError> {
-        let once = lobe::response(lit, source, weights)?;
+    fn new(once: Box<dyn Response>) -> Self {
         let y = once.transfer(0, 0.0).iter().map(|y| y.re).collect();
-        Ok(Self { once, y })
+        Self { once, y }
     }
 
     /// What is left of a modulation along an axis, `[state]`.
@@ -231,7 +257,7 @@ fn sum(shades: &[Vec<Shade>], returned: &[[f64; 2]], of: impl Fn(f64, f64, f64) 
 }
 
 impl Paper {
-    fn shades_of(&self, state: usize, fraction: &[f64]) -> Vec<Shade> {
+    pub(super) fn shades_of(&self, state: usize, fraction: &[f64]) -> Vec<Shade> {
         let mut shades: Vec<Shade> = Vec::new();
         for (face, LambertianReturn { bins, .. }) in self.faces.iter().enumerate() {
             for (bin, at) in bins.iter().map(|bin| (*bin, state * self.bins + bin)) {
@@ -247,7 +273,7 @@ impl Paper {
     }
 
     /// A(0) and A(f) of each face.
-    fn returned(&self, frequency_per_mm: f64) -> Vec<[f64; 2]> {
+    pub(super) fn returned(&self, frequency_per_mm: f64) -> Vec<[f64; 2]> {
         self.faces.iter().map(|face| [face.at(0.0), face.at(frequency_per_mm)]).collect()
     }
 
@@ -329,13 +355,13 @@ impl Paper {
         &self,
         number: usize,
         of_series: impl Fn(&Series) -> Vec<Vec<f64>>,
-        of_lobe: impl Fn(&LobeResponse) -> Vec<Vec<f64>>,
+        of_lobe: impl Fn(&dyn Response) -> Vec<Vec<f64>>,
     ) -> Vec<Vec<f64>> {
         let mut sums = Vec::new();
         for Image { series, sharp, .. } in &self.images {
             add(&mut sums, of_series(&series[number.min(series.len() - 1)]));
             let Some(lobe) = &self.lobe else { continue };
-            let mut once = of_lobe(&lobe.once);
+            let mut once = of_lobe(&*lobe.once);
             for ((bins, sharp), y) in once.iter_mut().zip(sharp).zip(&lobe.y) {
                 let factor = if *y > 0.0 { sharp / y } else { 0.0 };
                 bins.iter_mut().for_each(|light| *light *= factor);
@@ -385,11 +411,12 @@ impl Response for Paper {
     }
 
     fn line(&self, states: [usize; 2], axis: usize, width_mm: f64, level: Level) -> Option<f64> {
-        let parts = match (self.spread, level.is_fine) {
-            (None, true) => 5,
-            (None, false) => 3,
-            (Some(_), true) => 15,
-            (Some(_), false) => 9,
+        // Where edges are soft, the middle is seen with what is beside it.
+        let parts = match (self.spread.is_some() || self.lobe.is_some(), level.is_fine) {
+            (false, true) => 5,
+            (false, false) => 3,
+            (true, true) => 15,
+            (true, false) => 9,
         };
         let cell = width_mm / parts as f64;
         let count = cells_along((LINE_PERIOD * self.reach_mm / cell).max(16.0 * parts as f64), level);

@@ -10,9 +10,10 @@ use crate::scene::SPREAD_KEY;
 /// Layers, pixels and lights whose places adding does not compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Refused {
-    /// Light by place below general layers would take the transform at many frequencies in the plane: seconds each.
+    /// Places of light below general layers are known of Lambertian pixels in `mtf` alone: those of mirror-like pixels would take the
+    /// transform at many frequencies and azimuths, seconds each.
     Layers,
-    /// The same for the means of patterns.
+    /// The same for the means of patterns of mirror-like pixels.
     PatternsBelowLayers,
     /// What frequencies below general layers do not cover.
     Layered(NotCovered),
@@ -60,7 +61,9 @@ impl From<Refused> for DisplayError {
                 return Self::PlacesByPaths { what: error.to_string(), key: "display.front".to_owned() };
             }
             Refused::Layers => ("general layers ([[display.layers]])", "display.layers"),
-            Refused::PatternsBelowLayers => ("patterns below general layers ([[display.layers]])", "pattern"),
+            Refused::PatternsBelowLayers => {
+                ("patterns of these pixels below general layers ([[display.layers]])", "pattern")
+            }
             Refused::SubPixelsBelowFaces => (
                 "mirror-like sub-pixels of different colours below a face, or a front, that reflects",
                 "display.glass.surface",

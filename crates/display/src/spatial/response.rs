@@ -5,11 +5,15 @@ use papilio_transport::spatial::{Peak, PixelSpread, air_below_front_mm};
 use papilio_transport::{Panel, Source, Top};
 
 use super::patterns::{Pattern, Text};
-use super::{Refused, ghosts, lobe, paper, returned};
+use super::{Refused, below_layers, ghosts, lobe, paper, returned};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::run::Control;
 use crate::setup::{Setup, ViewPoint};
+
+/// Natural digits of level 0 of general layers, and how many more each further one has.
+const DIGITS_OF_LAYERS: f64 = 9.0;
+const MORE_DIGITS_OF_LAYERS: f64 = 4.0;
 
 /// Accuracy of a response. The difference of two levels is the error of the coarser one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +33,12 @@ impl Level {
     /// Level of adding of the light of pages.
     pub(super) fn of_pages(self) -> u32 {
         if self.is_fine { 4 } else { 3 }
+    }
+
+    /// Level of adding of general layers, of light with and without regard to places.
+    pub(super) fn of_layers(self) -> u32 {
+        let digits = (self.digits - DIGITS_OF_LAYERS) / MORE_DIGITS_OF_LAYERS;
+        digits.round().max(0.0) as u32
     }
 }
 
@@ -84,11 +94,11 @@ pub(crate) fn responses(
     control: &Control<'_>,
 ) -> Result<(Vec<Seen>, f64), DisplayError> {
     setup.refracts()?;
+    let Some(panel) = setup.stack.panel() else {
+        return below_layers::responses(setup, view, level, control);
+    };
     let lengths = setup.scene.display.lengths_mm()?;
     let meter = Meter::new(setup);
-    let Some(panel) = setup.stack.panel() else {
-        return Err(Refused::Layers.into());
-    };
     let factors = setup.seen(view, level.of_pages(), control)?;
     let spread = setup.scene.display.pixel_spread();
     if spread.is_some() && matches!(panel.top, Top::Diffuser(_)) {

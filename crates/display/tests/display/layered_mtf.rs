@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use papilio_display::spatial::{MtfResult, mtf};
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario};
+use papilio_testing::everyday;
 
 const MIRROR: &str =
     "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.1 }\n";
@@ -80,6 +81,57 @@ fn flat_layers_have_known_return() {
         let expected = (1.0 - 0.45 * 0.596_35) / (1.0 - 0.45 * returned);
         let ([[re, _], _], found) = at(&result, f);
         assert!((found - f).abs() < 1e-9 && (re - expected).abs() < 1e-4, "{f}: {re} {expected}");
+    }
+}
+
+/// Numbers of a view with their errors: of white, and of figures.
+fn numbers(result: &MtfResult) -> Vec<(String, f64, f64)> {
+    let view = &result.views[0];
+    let white = view.states.get("white").unwrap();
+    let scalars = white.scalars.named().zip(white.error.named());
+    let lines = view.line_contrast.named().zip(view.line_contrast_error.named());
+    let known = scalars.chain(lines).filter_map(|((name, value), (_, error))| {
+        value.map(|value| (name.to_owned(), value, error.unwrap_or(0.0)))
+    });
+    let text = view.text_contrast_median.zip(view.text_contrast_error);
+    let text = text.map(|(median, [_, error])| ("text".to_owned(), median, error));
+    let patterns = result.patterns.iter().enumerate();
+    let patterns = patterns.map(|(k, mean)| (format!("pattern {k}"), mean.mean_Y, mean.error));
+    let n = view.yule_nielsen_n.map(|n| ("n".to_owned(), n, 1e-4));
+    known.chain(text).chain(patterns).chain(n).collect()
+}
+
+/// Places, lines, text and patterns of paper below layers are those of the ordinary panel, which another method computes.
+#[test]
+fn paper_below_layers_has_numbers_of_panel() {
+    let pattern = "[pattern]\ntext = \"it\"\nkind = [\"stripes\", \"checkerboard\"]\non = \"white\"\noff = \"black\"\nperiod_mm = [0.5, 4.0]\n";
+    let oblique = "[viewer]\ntheta_deg = 30\nphi_deg = 20\nfield_deg = 0\n";
+    let of_lobe = "model = \"k-correlation\"\nwidth = 0.3\ntransmittance = 0.95\n";
+    let panel =
+        |top: &str, face: &str| format!("{top}[display.glass]\nindex = 1.5\nthickness_mm = 0.5\n{face}");
+    let flat = [interface("fresnel"), glass([0.2, 0.3])].concat();
+    let lobe = [lobe(0.3, 0.0), glass([0.2, 0.3])].concat();
+    let of_lobe = panel(&format!("[display.diffuser]\n{of_lobe}"), "");
+    let cases = [
+        (flat, panel("", "surface = \"fresnel\"\n"), NORMAL),
+        (lobe.clone(), of_lobe.clone(), NORMAL),
+        (lobe, of_lobe, oblique),
+    ];
+    for (layers, panel, view) in everyday(2, cases) {
+        let rest = [PAPER, MATRIX, DIFFUSE, view, pattern];
+        let of = |display: &str| {
+            let parts: Vec<&str> = [display].into_iter().chain(rest).collect();
+            numbers(&computed(&resolved(&parts)).unwrap())
+        };
+        let (found, expected) = (of(&layers), of(&panel));
+        assert!(found.len() == expected.len() && found.len() > 25, "{found:?} {expected:?}");
+        for ((name, found, error), (_, expected, of_panel)) in found.iter().zip(&expected) {
+            let allowed = 2.0 * (error + of_panel) + 3e-3 * expected.abs();
+            assert!(
+                (found - expected).abs() <= allowed,
+                "{name}: {found} +- {error}, {expected} +- {of_panel}"
+            );
+        }
     }
 }
 

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use crate::layers::Narrowness;
 use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
-pub use layered::{LayeredSpread, NotCovered, Seen};
+pub use layered::{LayeredSpread, NotCovered, PaperLight, Seen};
 pub use panel::ViewSums;
 pub(crate) use panel::first_pass;
 pub(crate) use panel::{Shares, diffuse_shares, smooth_points};

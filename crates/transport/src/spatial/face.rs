@@ -167,10 +167,19 @@ pub(super) fn clenshaw([first, others @ ..]: &[f64; POINTS_OF_TABLE], t: f64) ->
 }
 
 /// Chebyshev coefficients of the polynomial through the values of a function on an interval.
-pub(super) fn chebyshev([from, to]: [f64; 2], of: impl Fn(f64) -> f64) -> [f64; POINTS_OF_TABLE] {
+pub(super) fn chebyshev(ends: [f64; 2], of: impl Fn(f64) -> f64) -> [f64; POINTS_OF_TABLE] {
+    chebyshev_of(&chebyshev_points(ends).map(of))
+}
+
+/// Returns the points between two ends at which a function is needed.
+pub(super) fn chebyshev_points([from, to]: [f64; 2]) -> [f64; POINTS_OF_TABLE] {
     let angle = |k: usize| PI * (k as f64 + 0.5) / POINTS_OF_TABLE as f64;
-    let values: [f64; POINTS_OF_TABLE] =
-        std::array::from_fn(|k| of(0.5 * (from + to) + 0.5 * (to - from) * angle(k).cos()));
+    std::array::from_fn(|k| 0.5 * (from + to) + 0.5 * (to - from) * angle(k).cos())
+}
+
+/// Returns the coefficients of the polynomial through values at these points.
+pub(super) fn chebyshev_of(values: &[f64; POINTS_OF_TABLE]) -> [f64; POINTS_OF_TABLE] {
+    let angle = |k: usize| PI * (k as f64 + 0.5) / POINTS_OF_TABLE as f64;
     std::array::from_fn(|order| {
         let sum: f64 =
             values.iter().enumerate().map(|(k, value)| value * (order as f64 * angle(k)).cos()).sum();

@@ -7,6 +7,7 @@
 //!
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
 //! - [`LambertianReturn`]: the same with a front of screen above an air gap or a diffuser, for many frequencies.
+//! - [`LayeredPaper`]: what a view sees of Lambertian pixels below general layers, and what returns to them.
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`PointSpread`]: the same by place: strips, rings and cells.
 //! - [`LineSpread`]: its light along one axis, with exact transforms.
@@ -26,6 +27,7 @@
 mod blur;
 pub mod closed;
 mod face;
+mod layered_paper;
 mod layout;
 mod line;
 mod page;
@@ -40,6 +42,7 @@ pub use crate::pixel_spread::PixelSpread;
 pub use crate::window::{Rectangle, Window, shares_by_transfer};
 pub use blur::{PixelSquare, Shapes};
 pub use face::FaceReturn;
+pub use layered_paper::{LayeredPaper, turned};
 pub use layout::{rows, stripes};
 pub use line::LineSpread;
 pub use page::{LitPage, Page, PageLight, Precision};

@@ -75,7 +75,7 @@ use directions::Directions;
 use pixels::Pixels;
 use precision::Precision;
 use prepare::Prepared;
-pub use spread::{LayeredSpread, NotCovered, Seen};
+pub use spread::{LayeredSpread, NotCovered, PaperLight, Seen};
 
 /// Returns the number of radial nodes that a level takes, besides the directions of views and sources.
 pub(super) fn nodes_needed(stack: &Stack, level: u32) -> usize {

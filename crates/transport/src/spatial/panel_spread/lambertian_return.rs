@@ -96,6 +96,11 @@ impl LambertianReturn {
         Ok(all)
     }
 
+    /// The return of other layers, at the wavelengths `bins`: a sum of tables, each with its factor.
+    pub(in crate::spatial) fn of_tables(bins: Vec<usize>, tables: Vec<(f64, Arc<[Tabulated]>)>) -> Self {
+        Self { bins, index: 1.0, front: 1.0, face: None, orders: tables }
+    }
+
     /// Fraction that comes back of the light from the pixels that is modulated at this frequency (cycles per mm), with its sign.
     pub fn at(&self, frequency_per_mm: f64) -> f64 {
         let by_face = self.face.as_ref().map_or(0.0, |face| face.at(frequency_per_mm));
@@ -156,10 +161,10 @@ fn through_lobe(diffuser: &Diffuser, index: f64, heights: Heights, digits: f64) 
 }
 
 /// A function of the frequency on panels.
-#[derive(Debug, Clone)]
-struct Tabulated {
+#[derive(Debug, Clone, Default)]
+pub(in crate::spatial) struct Tabulated {
     /// Ends of the panels, cycles per mm, and the coefficients of each.
-    panels: Vec<([f64; 2], [f64; POINTS_OF_TABLE])>,
+    pub(in crate::spatial) panels: Vec<([f64; 2], [f64; POINTS_OF_TABLE])>,
 }
 
 impl Tabulated {
@@ -176,7 +181,12 @@ impl Tabulated {
         Self { panels }
     }
 
-    fn at(&self, frequency_per_mm: f64) -> f64 {
+    /// Highest frequency, cycles per mm; `None` of an empty table.
+    pub(in crate::spatial) fn end(&self) -> Option<f64> {
+        self.panels.last().map(|(ends, _)| ends[1])
+    }
+
+    pub(in crate::spatial) fn at(&self, frequency_per_mm: f64) -> f64 {
         let f = frequency_per_mm.abs();
         let panel = self.panels.partition_point(|(ends, _)| ends[1] < f);
         let Some(([from, to], coefficients)) = self.panels.get(panel) else { return 0.0 };

@@ -28,6 +28,7 @@ mod transfer;
 
 pub use error::SpreadError;
 pub use lambertian_return::LambertianReturn;
+pub(in crate::spatial) use lambertian_return::Tabulated;
 
 use papilio_optics::Beta;
 

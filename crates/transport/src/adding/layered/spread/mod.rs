@@ -48,6 +48,7 @@ use crate::light::images::{ImagePoints, Mirror, image_points};
 use crate::{Cone, PixelSpread, Reflector, Source, Stack};
 use crossing::Needed;
 use kernels::{Kernels, Light};
+pub use pixels::PaperLight;
 use returned::Returned;
 use rings::Resolution;
 use waves::{Beam, Between, Leaving, Start, Wave};

@@ -231,22 +231,13 @@ impl LayeredSpread<'_> {
         reflectance: &[f64],
         members: &[f64],
     ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
-        let between = self.between(set);
-        let area = PI * set.index * set.index;
         let (mut totals, mut returned) = (Vec::new(), Vec::new());
         for (k, wave) in waves.iter().enumerate() {
             // Light that returns is the same at all azimuths of the frequency.
             let known = waves[..k].iter().position(|other| other.per_mm == wave.per_mm);
-            let starts = [Start::Beams(&self.view), Start::Pixel];
-            let starts = &starts[..if known.is_some() { 1 } else { 2 }];
-            let solved = between.solve(wave, starts)?;
-            let mut sums = starts.iter().zip(&solved).map(|(start, light)| {
-                let leaving = between.leaving((wave, *start), light, Needed::Mean);
-                set.mean(wave, &leaving) + leaving.beams.iter().sum::<Complex64>()
-            });
-            totals.extend(sums.next());
-            let first = sums.next().map(|sum| sum / area);
-            returned.push(first.or(known.map(|known| returned[known])).unwrap_or_default());
+            let found = self.paper_at(set, wave, known.is_none())?;
+            totals.push(found.seen);
+            returned.push(known.map_or(found.returned, |known| returned[known]));
         }
         if let Some(inside) = &self.inside {
             for ((total, returned), wave) in totals.iter_mut().zip(&mut returned).zip(waves) {
@@ -257,6 +248,75 @@ impl LayeredSpread<'_> {
         }
         Ok(vec![all_orders(&relative_to_first(totals), &returned, reflectance, members)])
     }
+
+    /// What a view sees of a Lambertian pixel at a wave, in any unit, and what returns to it, if that is wanted.
+    fn paper_at(&self, set: &Set, wave: &Wave, with_return: bool) -> Result<PaperLight, NotCovered> {
+        let between = self.between(set);
+        let starts = [Start::Beams(&self.view), Start::Pixel];
+        let starts = &starts[..if with_return { 2 } else { 1 }];
+        let solved = between.solve(wave, starts)?;
+        let mut sums = starts.iter().zip(&solved).map(|(start, light)| {
+            let leaving = between.leaving((wave, *start), light, Needed::Mean);
+            let straight = leaving.beams.iter().sum::<Complex64>();
+            [set.mean(wave, &leaving) + straight, straight]
+        });
+        let [seen, straight] = sums.next().unwrap_or_default();
+        let area = PI * set.index * set.index;
+        Ok(PaperLight {
+            seen,
+            straight,
+            returned: sums.next().map_or(Complex64::ZERO, |[sum, _]| sum / area),
+        })
+    }
+
+    /// Returns what the view sees of a Lambertian pixel of the wavelengths of a set at a frequency along some azimuths (radians), and what
+    /// of its light returns to it there; in any unit.
+    ///
+    /// # Errors
+    /// Those of [`light`](Self::light).
+    pub fn paper(
+        &self,
+        set: usize,
+        frequency_per_mm: f64,
+        azimuths: &[f64],
+    ) -> Result<Vec<PaperLight>, NotCovered> {
+        let set = &self.sets[set];
+        let first = self.wave(set, [frequency_per_mm, 0.0]);
+        let at = |(k, turn): (usize, &f64)| {
+            let wave = Wave { per_mm: first.per_mm, turn: *turn, rings: Rc::clone(&first.rings) };
+            self.paper_at(set, &wave, k == 0)
+        };
+        azimuths.iter().enumerate().map(at).collect()
+    }
+
+    /// Returns the unscattered part of what the view sees of a Lambertian pixel of the wavelengths of a set, in the unit of
+    /// [`paper`](Self::paper).
+    pub fn straight(&self, set: usize, frequencies_per_mm: &[[f64; 2]]) -> Vec<Complex64> {
+        let set = &self.sets[set];
+        let still = self.wave(set, [0.0; 2]);
+        let between = self.between(set);
+        let at = |[x, y]: &[f64; 2]| {
+            let wave = Wave { per_mm: TAU * x.hypot(*y), turn: y.atan2(*x), rings: Rc::clone(&still.rings) };
+            between.straight(&wave, &self.view)
+        };
+        frequencies_per_mm.iter().map(at).collect()
+    }
+
+    /// Number of sets of wavelengths that are computed, and by wavelength those that represent it, with their factors.
+    pub fn sets(&self) -> (usize, &[Vec<(usize, f64)>]) {
+        (self.sets.len(), &self.of_bins)
+    }
+}
+
+/// Light of a Lambertian pixel at a frequency, in any unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PaperLight {
+    /// What the view sees.
+    pub seen: Complex64,
+    /// The part of it that no layer scattered.
+    pub straight: Complex64,
+    /// Fraction that returns to the pixel; 0 but along the first azimuth.
+    pub returned: Complex64,
 }
 
 /// Returns a Fourier series, from the most negative order on, at an azimuth.

@@ -229,6 +229,12 @@ impl Between<'_> {
         links
     }
 
+    /// Returns the light of some beams that leaves the pixel without scattering.
+    pub(super) fn straight(&self, wave: &Wave, beams: &[Beam]) -> Complex64 {
+        let pixel = [self.leaving_pixel()];
+        beams.iter().map(|beam| self.of_beam(wave, beam, &pixel)[0]).sum()
+    }
+
     /// Returns the light of each of some rays along a beam that arrives as another without scattering.
     fn links_of_beam(&self, wave: &Wave, beam: &Beam, emitters: &[Ray], to: Ray) -> Vec<Complex64> {
         let along = wave.per_mm * (beam.turn - wave.turn).cos();
