@@ -147,7 +147,11 @@ const FORMATS: [(&str, &str, BsdfFormat); 4] = [
     ("radiant", "Radiant/Zemax tabular BSDF (.bsdf)", BsdfFormat::Radiant),
     ("csv", "Table of theta_i, phi_i, theta_o, phi_o, wavelength, value (.csv)", BsdfFormat::Csv),
     ("klems", "Klems matrix of WINDOW and Radiance, 145 patches: coarse (.xml)", BsdfFormat::Klems),
-    ("papilio", "Papilio's own format, which stores every measurement without loss (.npz)", BsdfFormat::Papilio),
+    (
+        "papilio",
+        "Papilio's own format, which stores every measurement without loss (.npz)",
+        BsdfFormat::Papilio,
+    ),
 ];
 
 #[derive(Debug, Args)]

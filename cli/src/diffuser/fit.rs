@@ -4,9 +4,7 @@ use std::io::Write;
 
 use papilio_figures::{ScatterCurve, Scattering, scattering};
 use papilio_formats::{FitFile, write_json};
-use papilio_goniometry::{
-    FitOptions, Geometry, MeasuredPart, Measurement, RankedFit, SpecularGrid, fitted,
-};
+use papilio_goniometry::{FitOptions, Geometry, MeasuredPart, Measurement, RankedFit, SpecularGrid, fitted};
 use papilio_optics::Beta;
 
 use super::{read, report, tables};

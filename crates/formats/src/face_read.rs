@@ -1,6 +1,6 @@
 //! Reader of `face.npz`, the kernel of a surface that `papilio gonio` measured.
 
-use papilio_diagnostics::{Diagnostic};
+use papilio_diagnostics::Diagnostic;
 use papilio_microgeometry::{FaceTable, Side};
 
 use crate::DataFile;

@@ -37,8 +37,7 @@ pub(crate) fn is_npz(file: &DataFile) -> bool {
 
 impl<'a> Npz<'a> {
     pub(crate) fn new(file: &'a DataFile) -> Result<Self, FormatError> {
-        let error =
-            |problem: BsdfProblem| FormatError::whole(&file.name, problem);
+        let error = |problem: BsdfProblem| FormatError::whole(&file.name, problem);
         let archive = ZipArchive::new(Cursor::new(file.bytes.as_slice())).map_err(|problem| {
             error(BsdfProblem::Damaged { what: "archive", message: problem.to_string() })
         })?;

@@ -84,8 +84,7 @@ fn of_json(file: &DataFile) -> Result<ReadResult, FormatError> {
         let place = Place::in_text(&file.name, text, at..at + 1);
         FormatError { place, problem: not_a_result(&parser_message(&error)) }
     })?;
-    simulated(read)
-        .map_err(|message| FormatError::whole(&file.name, not_a_result(message)))
+    simulated(read).map_err(|message| FormatError::whole(&file.name, not_a_result(message)))
 }
 
 fn not_a_result(message: &str) -> Problem {

@@ -16,7 +16,7 @@ mod ocean;
 mod tm27;
 mod wide;
 
-use papilio_diagnostics::{Diagnostic};
+use papilio_diagnostics::Diagnostic;
 
 use crate::error::FormatError;
 use crate::file::DataFile;

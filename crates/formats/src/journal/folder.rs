@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use papilio_diagnostics::{Diagnostic};
+use papilio_diagnostics::Diagnostic;
 use serde::de::DeserializeOwned;
 
 use super::{Journal, LARGEST_JOURNAL, Lines, read_journal};

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use papilio_diagnostics::{Diagnostic};
+use papilio_diagnostics::Diagnostic;
 
 use super::luminaire::{Luminaire, Photometry};
 use super::numbers::Numbers;

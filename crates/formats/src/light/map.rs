@@ -1,6 +1,6 @@
 //! Light maps: radiance by direction, as an image of the whole sphere in equirectangular projection.
 
-use papilio_diagnostics::{Diagnostic};
+use papilio_diagnostics::Diagnostic;
 
 use super::{openexr, primaries, radiance};
 use crate::error::FormatError;

@@ -41,8 +41,7 @@ fn not_a_mesh(what: &str) -> Diagnostic {
 
 fn of_any_format(file: &DataFile) -> Result<MeshFile, FormatError> {
     let bytes = file.bytes.as_slice();
-    let whole =
-        |problem: Diagnostic| FormatError::whole(&file.name, problem);
+    let whole = |problem: Diagnostic| FormatError::whole(&file.name, problem);
     // A text may begin with 80 bytes and a number as well, but its length is then another one.
     let count =
         bytes.get(80..HEAD).map(|four| four.iter().rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte)));

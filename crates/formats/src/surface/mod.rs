@@ -29,7 +29,7 @@ mod zygo;
 
 use std::io::Cursor;
 
-use papilio_diagnostics::{Diagnostic};
+use papilio_diagnostics::Diagnostic;
 
 use crate::DataFile;
 use crate::error::FormatError;
@@ -80,8 +80,7 @@ pub fn read_heights(file: &DataFile) -> Result<HeightFile, FormatError> {
 }
 
 fn of_any_format(file: &DataFile) -> Result<HeightFile, FormatError> {
-    let error =
-        |problem: Diagnostic| FormatError::whole(&file.name, problem);
+    let error = |problem: Diagnostic| FormatError::whole(&file.name, problem);
     let mut map = match binary(&file.bytes) {
         Some(map) => map.map_err(error)?,
         None => table::read(file)?,

@@ -56,8 +56,7 @@ impl Rows {
 
 /// Reads a map.
 pub(super) fn read(file: &DataFile) -> Result<HeightFile, FormatError> {
-    let whole =
-        |problem: Diagnostic| FormatError::whole(&file.name, problem);
+    let whole = |problem: Diagnostic| FormatError::whole(&file.name, problem);
     let source = Source { name: &file.name, text: decoded(&file.bytes).map_err(whole)? };
     if zygo::is_zygo(&source.text) {
         return zygo::read(&source);

@@ -313,9 +313,7 @@ fn is_plausible(quantity: &Quantity, name: &ColumnName) -> bool {
 
 /// Returns the unit of a column, if it fits the quantity. Photon energies and frequencies must state theirs; wavenumbers are in 1/cm.
 fn unit_of(name: &ColumnName, quantity: &Quantity) -> Result<Option<Unit>, Problem> {
-    let wrong = |unit: &str| {
-        wrong_unit(&clip(&name.raw), &clip(unit), quantity.dimension.units())
-    };
+    let wrong = |unit: &str| wrong_unit(&clip(&name.raw), &clip(unit), quantity.dimension.units());
     let unit = match &name.unit {
         Some(Ok(unit)) if unit.fits(quantity.dimension) => Some(*unit),
         Some(Ok(Unit::Fraction(1.0))) | None => None,

@@ -23,8 +23,8 @@ pub(crate) struct TableText<'a> {
 impl<'a> TableText<'a> {
     /// Decodes a file in any of the supported encodings and finds its separator and decimal mark.
     pub(crate) fn new(file: &'a DataFile) -> Result<Self, FormatError> {
-        let text = encoding::decode(&file.bytes)
-            .ok_or_else(|| FormatError::whole(&file.name, Problem::NotText))?;
+        let text =
+            encoding::decode(&file.bytes).ok_or_else(|| FormatError::whole(&file.name, Problem::NotText))?;
         let dialect = Dialect::of(&text);
         Ok(Self { name: &file.name, text, dialect })
     }
