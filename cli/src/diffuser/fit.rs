@@ -58,7 +58,7 @@ fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: 
             let values =
                 (-178..=178).map(|k| 0.5 * f64::from(k)).map(|to| (to, ranked.fit.value(ray(from), ray(to))));
             curves.push(ScatterCurve {
-                name: Some(ranked.fit.model.kind().name().to_owned()),
+                name: Some(ranked.fit.model.kind.name().to_owned()),
                 incidence_deg: from,
                 points: false,
                 values: values.collect(),

@@ -32,7 +32,7 @@ pub(super) fn fit(name: &str, part: &MeasuredPart, fits: &[RankedFit]) -> String
     let mut rows = vec![["lobe", "display", "residual", "total"].map(str::to_owned).to_vec()];
     let mut parameters = String::new();
     for RankedFit { fit, score } in fits {
-        let name = fit.model.kind().name();
+        let name = fit.model.kind.name();
         rows.push(vec![
             name.to_owned(),
             score.map_or("-".to_owned(), percent),

@@ -187,7 +187,7 @@ impl FitFile {
     /// Creates the output for the fits of one channel of a part.
     pub fn new(part: &MeasuredPart, channel: usize, fits: &[RankedFit]) -> Self {
         let one = |RankedFit { fit, score }: &RankedFit| OneFit {
-            model: fit.model.kind().name(),
+            model: fit.model.kind.name(),
             parameters: fit
                 .parameters
                 .iter()

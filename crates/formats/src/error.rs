@@ -6,7 +6,6 @@ use papilio_diagnostics::{Diagnostic, Place};
 use papilio_spectra::SpectraError;
 
 use crate::bsdf::BsdfProblem;
-use crate::table::ColumnProblem;
 
 /// Error of a data file: what is wrong, and where.
 ///
@@ -52,8 +51,6 @@ pub enum Problem {
     NotUtf8,
     /// The bytes are no text in any supported encoding.
     NotText,
-    /// A column whose name or unit cannot be used.
-    Column(Box<ColumnProblem>),
     /// A header without a required column.
     MissingColumn {
         /// The required columns.
@@ -126,12 +123,6 @@ impl From<SpectraError> for Problem {
     }
 }
 
-impl From<ColumnProblem> for Problem {
-    fn from(problem: ColumnProblem) -> Self {
-        Self::Column(Box::new(problem))
-    }
-}
-
 impl From<Diagnostic> for Problem {
     fn from(stated: Diagnostic) -> Self {
         Self::Stated(Box::new(stated))
@@ -181,7 +172,6 @@ impl Problem {
             Self::NotText => Diagnostic::new("this file is not text")
                 .expected("text in UTF-8, UTF-16 or Latin-1")
                 .hint("save it as plain text, such as CSV"),
-            Self::Column(problem) => problem.diagnostic(),
             Self::MissingColumn { missing } => {
                 Diagnostic::new("a required column is missing").expected(missing)
             }

@@ -1,7 +1,8 @@
 //! Headers of tables: which column holds which quantity, in which unit.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::names::ColumnName;
-use super::problem::ColumnProblem;
 use super::quantities::{ERROR, KNOWN, Quantity, REMARK};
 use super::rounding::{self, Digits};
 use super::rows::{Row, Table, clip};
@@ -69,8 +70,10 @@ impl Header {
             if let Some(other) = header.columns.iter().find(|column| std::ptr::eq(column.quantity, quantity))
             {
                 let other = row.cells[other.cell].text.to_string();
-                let problem = ColumnProblem::Twice { what: quantity.what, found: clip(text), other };
-                return Err(row.cell_error(cell, problem.into()));
+                let wrong = format!("`{other}` and `{}` both name {}", clip(text), quantity.what);
+                let wrong = Diagnostic::new(wrong).expected("one column for each quantity");
+                let hint = "remove one of the two columns, or rename it";
+                return Err(row.cell_error(cell, wrong.hint(hint).into()));
             }
             let unit = unit_of(&name, quantity).map_err(|problem| row.cell_error(cell, problem))?;
             header.columns.push(Column { quantity, cell, unit, step: None });
@@ -310,10 +313,7 @@ fn is_plausible(quantity: &Quantity, name: &ColumnName) -> bool {
 
 /// Returns the unit of a column, if it fits the quantity. Photon energies and frequencies must state theirs; wavenumbers are in 1/cm.
 fn unit_of(name: &ColumnName, quantity: &Quantity) -> Result<Option<Unit>, Problem> {
-    let wrong = |unit: &str| {
-        let (column, unit) = (clip(&name.raw), clip(unit));
-        Problem::from(ColumnProblem::UnknownUnit { column, unit, expected: quantity.dimension.units() })
-    };
+    let wrong = |unit: &str| wrong_unit(&clip(&name.raw), &clip(unit), quantity.dimension.units());
     let unit = match &name.unit {
         Some(Ok(unit)) if unit.fits(quantity.dimension) => Some(*unit),
         Some(Ok(Unit::Fraction(1.0))) | None => None,
@@ -337,6 +337,25 @@ fn unit_of(name: &ColumnName, quantity: &Quantity) -> Result<Option<Unit>, Probl
     Ok(unit)
 }
 
+/// The error of a column whose unit, or `none`, is not understood, or is that of another quantity.
+fn wrong_unit(column: &str, unit: &str, expected: &str) -> Problem {
+    let wrong = match unit {
+        "none" => format!("the column `{column}` states no unit"),
+        unit if unit == column => format!("the column `{column}` has the unit of another quantity"),
+        unit => format!("the unit `{unit}` of the column `{column}` is not understood"),
+    };
+    let hint = match unit {
+        "none" => "write the unit in brackets behind the name, or as in `wavelength_nm`".to_owned(),
+        _ if expected == "no unit" => {
+            "remove what is in brackets, or behind the name, if the values have no unit".to_owned()
+        }
+        _ => format!(
+            "the accepted units are {expected}: convert the values, or correct the unit if it is written in another way"
+        ),
+    };
+    Diagnostic::new(wrong).expected(expected).hint(hint).into()
+}
+
 /// Returns the error about a column that is not understood.
 pub(crate) fn unknown(name: &ColumnName, accepted: &[&'static Quantity]) -> Problem {
     let known = quantity_of(name, &KNOWN).map(|quantity| quantity.what);
@@ -345,7 +364,11 @@ pub(crate) fn unknown(name: &ColumnName, accepted: &[&'static Quantity]) -> Prob
         format!("{names} ({})", one.dimension.units())
     };
     let accepted = accepted.iter().map(in_words).collect::<Vec<_>>().join("; ");
-    ColumnProblem::Unknown { found: clip(&name.raw), known, accepted }.into()
+    let holds = known.map_or(String::new(), |known| format!(": it names {known}"));
+    Diagnostic::new(format!("the column `{}` is not understood{holds}", clip(&name.raw)))
+        .expected("a name of a column that this file may have")
+        .hint(format!("rename the column, or remove it; the columns are {accepted}"))
+        .into()
 }
 
 /// Returns whether no row of the table has anything in this column: lines that end with a separator.

@@ -72,14 +72,14 @@ pub struct RegularLight {
 
 impl RegularLight {
     fn lobe(width: f64) -> Model {
-        Model::KCorrelation { transmittance: 1.0, width, exponent: 3.0 }
+        Kind::KCorrelation.model(&[1.0, width, 3.0])
     }
 }
 
 /// Fitted parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
-    /// Name as in [`Model`]; `straight_through` for the regular fraction.
+    /// Name as in [`Kind::parameters`]; `straight_through` for the regular fraction.
     pub name: &'static str,
     /// Unit.
     pub unit: &'static str,

@@ -124,15 +124,15 @@ fn regular_transmission_is_separated_from_lobe() {
 fn right_formula_fits_best_and_score_determines_rank() {
     let data = exact(Kind::Ggx);
     let fits = Fit::all(&data, &FitOptions::default()).unwrap();
-    assert_eq!(fits[0].model.kind(), Kind::Ggx);
+    assert_eq!(fits[0].model.kind, Kind::Ggx);
     assert!(fits.windows(2).all(|two| two[0].rms <= two[1].rms) && fits.len() == 7);
-    let by_total = ranked(fits.clone(), |fit| match fit.model.kind() {
+    let by_total = ranked(fits.clone(), |fit| match fit.model.kind {
         Kind::Ggx => None,
         Kind::PseudoVoigt => Some(0.5),
         Kind::KCorrelation => Some(f64::NAN),
         Kind::KCorrelation3 | Kind::Ward(_) => Some(1.0),
     });
-    let kinds: Vec<Kind> = by_total.iter().map(|ranked| ranked.fit.model.kind()).collect();
+    let kinds: Vec<Kind> = by_total.iter().map(|ranked| ranked.fit.model.kind).collect();
     assert_eq!(kinds[0], Kind::PseudoVoigt);
     assert_eq!(kinds[5], Kind::Ggx);
     assert_eq!(by_total[6].score, None);
