@@ -73,6 +73,7 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     let tests = || {
         let mut tests = cargo(TESTS);
         tests
+            .arg(features(page::ALL))
             .env(SEEDS_VARIABLE, seeds.to_string())
             .env(STACKS_VARIABLE, stacks.to_string())
             .env(SCENARIOS_VARIABLE, SCENARIOS)
