@@ -62,7 +62,7 @@ const LONGEST: [&str; 2] = ["cli", "transport"];
 pub(crate) fn test() -> Outcome {
     let tests = || {
         let mut tests = cargo(TESTS);
-        tests.args(features(page::EVERYDAY));
+        tests.arg(features(page::EVERYDAY));
         tests
     };
     all_checks(tests, page::EVERYDAY)
@@ -73,6 +73,7 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     let tests = || {
         let mut tests = cargo(TESTS);
         tests
+            .arg(features(page::ALL))
             .env(SEEDS_VARIABLE, seeds.to_string())
             .env(STACKS_VARIABLE, stacks.to_string())
             .env(SCENARIOS_VARIABLE, SCENARIOS)
@@ -87,8 +88,8 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
 
 /// Returns the feature flags. `cargo xtask test` does not compile Parquet and PNG, and their tests check the messages
 /// about the missing features; `cargo xtask full` compiles them.
-fn features(of_page: &str) -> Option<&'static str> {
-    (of_page == page::EVERYDAY).then_some("--no-default-features")
+fn features(of_page: &str) -> &'static str {
+    if of_page == page::EVERYDAY { "--no-default-features" } else { "--all-features" }
 }
 
 const TESTS: [&str; 4] = ["test", "--workspace", "--no-fail-fast", "--quiet"];
@@ -127,9 +128,9 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
         others.push(Job::tests("  page, in a browser", page::end_to_end(of_page, browser)));
     }
     let mut lints = cargo(["clippy", "--workspace", "--all-targets"]);
-    lints.args(features(of_page)).args(["--", "-D", "warnings"]);
+    lints.arg(features(of_page)).args(["--", "-D", "warnings"]);
     let mut docs = cargo(["doc", "--workspace", "--no-deps"]);
-    docs.args(features(of_page))
+    docs.arg(features(of_page))
         .env("RUSTDOCFLAGS", "-D warnings")
         .envs(shell::checked_by_clippy("-D warnings"));
     let texts = [Job::check("  lints", lints), Job::check("  documentation", docs)];

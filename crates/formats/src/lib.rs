@@ -165,9 +165,9 @@ pub use temporary::remove_abandoned;
 pub use tolerance::{SearchHead, ToleranceHead, write_table};
 pub use windows::{NamedRectangle, read_windows};
 
-/// Whether this build can write tables as Parquet: the feature `parquet`, which is on by default in builds of the program.
+/// Whether this build can write tables as Parquet: the feature `parquet`, which released programs have.
 pub const HAS_PARQUET: bool = cfg!(feature = "parquet");
 
 /// Message of a build without Parquet.
 pub const NO_PARQUET: &str = "this papilio was built without Parquet; \
-    build it with the feature `parquet`: `cargo build --release --package papilio`";
+    build it with the feature `parquet`: `cargo build --release --package papilio --features parquet`";
