@@ -77,7 +77,7 @@ def test_saved_azimuths_are_those_that_the_program_reads(program, scenarios, tmp
             found.save(tmp_path / "folder")
         # The reader agrees.
         path.write_bytes(found._content)
-    end = subprocess.run([program, "diffuser", path, "--json"], capture_output=True, text=True)
+    end = subprocess.run([program, "diffuser", "inspect", path, "--json"], capture_output=True, text=True)
     assert ("half a circle" not in end.stderr) == reads, end.stderr
 
 

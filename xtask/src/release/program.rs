@@ -68,7 +68,8 @@ fn musl(host: &str) -> Option<String> {
 }
 
 fn build(target: &str, host: &str) -> Result<PathBuf, String> {
-    let mut build = cargo(["rustc", "--profile", "dist", "--package", "papilio", "--all-features", "--bin", "papilio"]);
+    let mut build =
+        cargo(["rustc", "--profile", "dist", "--package", "papilio", "--all-features", "--bin", "papilio"]);
     let mut out = shell::target();
     if target != host {
         build.args(["--target", target]);

@@ -48,10 +48,17 @@ const AZIMUTHS: usize = 4;
 #[derive(Debug, Clone)]
 pub struct LayeredPaper {
     sets: Vec<Set>,
-    /// Wavelengths that have the same light: their numbers, and the sets that represent them, with factors.
-    groups: Vec<(Vec<usize>, Vec<(usize, f64)>)>,
+    groups: Vec<Group>,
     azimuths: usize,
     end_per_mm: f64,
+}
+
+/// Wavelengths that have the same light.
+#[derive(Debug, Clone)]
+struct Group {
+    bins: Vec<usize>,
+    /// The sets that represent them, with factors.
+    sets: Vec<(usize, f64)>,
 }
 
 /// Wavelengths at which the layers are the same.
@@ -82,11 +89,11 @@ impl LayeredPaper {
     ) -> Result<Self, NotCovered> {
         let (count, of_bins) = spread.sets();
         let azimuths = if is_round { 1 } else { AZIMUTHS };
-        let mut groups: Vec<(Vec<usize>, Vec<(usize, f64)>)> = Vec::new();
+        let mut groups: Vec<Group> = Vec::new();
         for (bin, sets) in of_bins.iter().enumerate() {
-            match groups.iter_mut().find(|(_, known)| known == sets) {
-                Some((bins, _)) => bins.push(bin),
-                None => groups.push((vec![bin], sets.clone())),
+            match groups.iter_mut().find(|group| group.sets == *sets) {
+                Some(group) => group.bins.push(bin),
+                None => groups.push(Group { bins: vec![bin], sets: sets.clone() }),
             }
         }
         let sets: Vec<Set> = (0..count)
@@ -99,9 +106,10 @@ impl LayeredPaper {
 
     /// What returns to the pixels, by group of wavelengths.
     pub fn returns(&self) -> Vec<LambertianReturn> {
-        let of_group = |(bins, sets): &(Vec<usize>, Vec<(usize, f64)>)| {
-            let tables = sets.iter().map(|(set, factor)| (*factor, Arc::clone(&self.sets[*set].returned)));
-            LambertianReturn::of_tables(bins.clone(), tables.collect())
+        let of_group = |group: &Group| {
+            let tables =
+                group.sets.iter().map(|(set, factor)| (*factor, Arc::clone(&self.sets[*set].returned)));
+            LambertianReturn::of_tables(group.bins.clone(), tables.collect())
         };
         self.groups.iter().map(of_group).collect()
     }
@@ -118,18 +126,18 @@ impl LayeredPaper {
 
     /// Numbers of the wavelengths of a group.
     pub fn bins(&self, group: usize) -> &[usize] {
-        &self.groups[group].0
+        &self.groups[group].bins
     }
 
     /// Sharp image of a group of wavelengths, as a fraction of what is seen without regard to places.
     pub fn sharp(&self, group: usize) -> f64 {
-        self.groups[group].1.iter().map(|(set, factor)| factor * self.sets[*set].sharp).sum()
+        self.groups[group].sets.iter().map(|(set, factor)| factor * self.sets[*set].sharp).sum()
     }
 
     /// All other light at a frequency, cycles per mm, along the azimuths of the table: from 0 on, in equal steps over half a circle.
     pub fn others(&self, group: usize, frequency_per_mm: f64) -> Vec<Complex64> {
         let mut sums = vec![Complex64::ZERO; self.azimuths];
-        for (set, factor) in &self.groups[group].1 {
+        for (set, factor) in &self.groups[group].sets {
             self.sets[*set].add_to(&mut sums, frequency_per_mm, *factor);
         }
         sums

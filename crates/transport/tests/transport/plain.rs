@@ -39,18 +39,18 @@ fn assert_solvers_agree(name: &str, stack: &Stack, [bin, state]: [usize; 2]) {
             let runs = known.entry(seed).or_insert_with(|| {
                 let run = |stream| {
                     let numbers = SampleStream::new(Sampler::Random, seed, stream);
-                    plain.reflectance_factors(&numbers, sized(128, 512))
+                    plain.reflectance_factors(&numbers, sized(64, 512))
                 };
                 (0..REPLICATES).map(run).collect::<Vec<_>>()
             });
             mean_and_error(runs.iter().map(|rho| rho[source]))
         };
         let truth = total(&adding, source);
-        assert_unbiased(&format!("{name}, source {source}, adding"), truth, 0.1, reference);
-        assert_unbiased(&format!("{name}, source {source}, Monte Carlo"), 1.0, 0.1, |seed| {
+        assert_unbiased(&format!("{name}, source {source}, adding"), truth, 0.2, reference);
+        assert_unbiased(&format!("{name}, source {source}, Monte Carlo"), 1.0, 0.2, |seed| {
             let mut known = by_walk.borrow_mut();
             let estimates = known.entry(seed).or_insert_with(|| {
-                replicates_of(stack, from, &sources, 1000 + seed, sized(128, 512), Sampler::Sobol)
+                replicates_of(stack, from, &sources, 1000 + seed, sized(64, 512), Sampler::Sobol)
             });
             let (x, error_x) = mean_and_error(estimates.iter().map(|e| total(e, source)));
             let (y, error_y) = reference(seed);

@@ -23,7 +23,7 @@ use self::numbers::{Number, Numbers, of_crosstalk, of_sharpness};
 use crate::random_scenarios::{each, range};
 
 /// Number of displays every day, of the fast ones, and in the full run; and paths of each.
-const DISPLAYS: [usize; 2] = [8, 200];
+const DISPLAYS: [usize; 2] = [4, 200];
 const PATHS: [u64; 2] = [1 << 12, 1 << 14];
 
 /// Longest time of one command for one display, seconds.
