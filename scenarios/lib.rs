@@ -1,7 +1,8 @@
 //! The example scenarios of Papilio, their data and surfaces, as files in memory.
 //!
-//! The web app offers them, and the reproduction of Feng 2012 runs some of them. They are the folders `scenarios` and `surfaces`
-//! at the top of the repository, so that users find them there; this crate is therefore the package at the top.
+//! The web app offers them, and the reproduction of Feng 2012 runs some of them. They are the folders
+//! `scenarios` and `surfaces` at the top of the repository, so that users find them there; this crate is
+//! therefore the package at the top.
 //!
 //! - [`paths`]: the path of each file, from the top of the repository;
 //! - [`file()`]: the content of a file.

@@ -196,7 +196,8 @@ fn compute(
     found.ok_or(Failure::Interrupted(NOTHING))
 }
 
-/// Computes a table at viewers that move with the light, with what depends on the light alone, and the inclinations of the light.
+/// Computes a table at viewers that move with the light, with what depends on the light alone, and the
+/// inclinations of the light.
 fn with_beams<G: ViewerGrid>(
     scene: &Scene,
     grid: G,
@@ -222,7 +223,8 @@ fn at_viewers<G: ViewerGrid>(
     table.allowing(allowed)
 }
 
-/// Writes the files of a table, and returns their names. Files of other states from an earlier command are removed.
+/// Writes the files of a table, and returns their names. Files of other states from an earlier command are
+/// removed.
 fn write_table(
     folder: &Path,
     source: &BsdfSource<'_>,

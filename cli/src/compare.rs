@@ -115,7 +115,8 @@ fn write(folder: &Path, all: &Comparison, title: &str, png: bool) -> Result<Vec<
     Ok(names)
 }
 
-/// Lines that identify the two sides: the folder may contain the result of another scenario than the user expects.
+/// Lines that identify the two sides: the folder may contain the result of another scenario than the user
+/// expects.
 fn heading(title: &str, hash: Option<&str>, result: &Path, measured: &Path) -> String {
     let hash =
         hash.map_or(String::new(), |hash| format!(" (hash {})", hash.chars().take(12).collect::<String>()));

@@ -1,8 +1,8 @@
 //! Folder for results if `--out` is not given.
 //!
-//! The folder is `out/NAME`, unless it contains a result with another hash (other keys, or the file before an edit). Then it is
-//! `out/NAME-` followed by the first digits of the new hash, so that a result only replaces itself. Commands with a journal
-//! always use `out/NAME`; the journal identifies its scenario.
+//! The folder is `out/NAME`, unless it contains a result with another hash (other keys, or the file before an
+//! edit). Then it is `out/NAME-` followed by the first digits of the new hash, so that a result only replaces
+//! itself. Commands with a journal always use `out/NAME`; the journal identifies its scenario.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 use crate::arguments::ScenarioArguments;
 use crate::{Failure, RESULTS, output, print_message};
 
-/// File that `pixel`, `brdf` and `study` write next to their tables, which do not contain the hash of the scenario.
+/// File that `pixel`, `brdf` and `study` write next to their tables, which do not contain the hash of the
+/// scenario.
 pub(crate) const ABOUT: &str = "about.json";
 
 /// Files that do not contain the hash of their scenario.
@@ -99,8 +100,8 @@ pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<Result
     Ok(ResultFolder { path: folder, note: Some(note) })
 }
 
-/// Creates a folder for the files of a scenario that `about.json` identifies. Those of another scenario, which is written there with `--out`,
-/// are removed: they would be mistaken for files of this one.
+/// Creates a folder for the files of a scenario that `about.json` identifies. Those of another scenario,
+/// which is written there with `--out`, are removed: they would be mistaken for files of this one.
 pub(crate) fn make(folder: &Path, hash: &str) -> Result<(), Failure> {
     output::make_folder(folder)?;
     let about = fs::read(folder.join(ABOUT)).ok();

@@ -108,7 +108,8 @@ fn measure(
     Err(Failure::Interrupted("run the same command again to resume"))
 }
 
-/// Computes the parts of a measurement that its journal does not contain, and saves them there. Ends early if interrupted.
+/// Computes the parts of a measurement that its journal does not contain, and saves them there. Ends early if
+/// interrupted.
 fn compute(
     measurement: &Measurement,
     journal: &mut Option<JournalRows<GonioHead>>,

@@ -79,7 +79,8 @@ struct ImageOutput {
 const BETWEEN: usize = 12;
 
 impl ImageOutput {
-    /// The pictures of all rooms side by side on white, each below its name: number of columns, and the pixels.
+    /// The pictures of all rooms side by side on white, each below its name: number of columns, and the
+    /// pixels.
     fn side_by_side(&self) -> Result<(usize, Vec<[u8; 3]>), Failure> {
         let here = std::iter::once(("this light", &self.here));
         let all: Vec<(&str, &ImageResult)> =

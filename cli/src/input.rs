@@ -27,7 +27,8 @@ pub(crate) fn folder(file: &Path) -> PathBuf {
     file.parent().unwrap_or(Path::new("")).to_owned()
 }
 
-/// Returns a path as an argument that a user can paste into a shell: in quotes if it contains a character with a meaning there.
+/// Returns a path as an argument that a user can paste into a shell: in quotes if it contains a character
+/// with a meaning there.
 pub(crate) fn as_argument(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain = |c: char| c.is_alphanumeric() || "/\\._-+:@%,=".contains(c);

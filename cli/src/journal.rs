@@ -9,7 +9,8 @@ use serde::de::DeserializeOwned;
 
 use crate::{Failure, print_message};
 
-/// Reads all journals in a folder whose names begin with `stem`. Journals whose head is not `wanted` have no lines.
+/// Reads all journals in a folder whose names begin with `stem`. Journals whose head is not `wanted` have no
+/// lines.
 pub(crate) fn read_all<H: DeserializeOwned, L: DeserializeOwned>(
     folder: &Path,
     stem: &str,

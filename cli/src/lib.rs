@@ -9,8 +9,9 @@
 //! papilio --help                                     # the other commands: searches, tolerances, pictures, the web app
 //! ```
 //!
-//! Exit codes: 0 success; 1 internal error, or a full disk; 2 invalid input; 3 a search without a feasible design; 130 interrupted, with
-//! finished work saved. Results are printed on standard output, all messages on standard error.
+//! Exit codes: 0 success; 1 internal error, or a full disk; 2 invalid input; 3 a search without a feasible
+//! design; 130 interrupted, with finished work saved. Results are printed on standard output, all messages on
+//! standard error.
 
 mod arguments;
 mod brdf;
@@ -96,7 +97,8 @@ commands! {
                       The scenario needs [display.matrix] and [sparkle]. docs/sparkle.md describes them."
     )]
     Sparkle(arguments::SpatialCommand) => sparkle::sparkle,
-    /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine lines
+    /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine
+    /// lines
     #[command(after_help = "Examples:\n  \
                       papilio mtf scenarios/matrix.toml\n  \
                       papilio mtf scenarios/matrix.toml --solver monte-carlo\n\n\
@@ -117,14 +119,16 @@ commands! {
                       It writes seen.png and seen.exr, what the reader sees; states.png, the state of each pixel; and image.json. \
                       docs/image.md describes them.")]
     Image(arguments::ImageCommand) => image::command,
-    /// Compute the palette of a display: the colours of all states in this light and in other rooms, for other programs too
+    /// Compute the palette of a display: the colours of all states in this light and in other rooms, for
+    /// other programs too
     #[command(after_help = "Examples:\n  \
                       papilio palette scenarios/six-ink.toml\n  \
                       papilio palette scenarios/six-ink.toml --rooms D65,FL11 --relative-to display\n\n\
                       It writes palette.json, and the colours as .gpl, .css, .ase, .act and for dithering tools. docs/palette.md \
                       describes them.")]
     Palette(arguments::PaletteCommand) => palette::palette,
-    /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light; can be resumed
+    /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light; can
+    /// be resumed
     #[command(after_help = "Examples:\n  \
                       papilio gonio surfaces/hemispheres.toml\n  \
                       papilio gonio surfaces/etched.toml --preview --set microgeometry.rms_nm=400\n\n\
@@ -236,8 +240,8 @@ struct ResultFile {
 
 /// Prints the error of the arguments, and returns the exit code.
 ///
-/// Clap quotes arguments unchanged. An argument with control characters, which a terminal would execute, is therefore
-/// reported as the error itself.
+/// Clap quotes arguments unchanged. An argument with control characters, which a terminal would execute, is
+/// therefore reported as the error itself.
 fn report_invalid_arguments(arguments: &[OsString], error: &clap::Error) -> u8 {
     let mut arguments = arguments.iter().map(|argument| argument.to_string_lossy().into_owned());
     let unsafe_argument = arguments.find(|argument| matches!(visible(argument), Cow::Owned(_)));
@@ -265,8 +269,8 @@ fn missing_format(arguments: &clap::ArgMatches) -> Option<String> {
     arguments.subcommand().and_then(|(_, arguments)| missing_format(arguments))
 }
 
-/// Returns the definition of the command line: all commands with their arguments, options, defaults and help. The tests make
-/// docs/cli.md from it.
+/// Returns the definition of the command line: all commands with their arguments, options, defaults and help.
+/// The tests make docs/cli.md from it.
 pub fn command() -> clap::Command {
     <Arguments as clap::CommandFactory>::command()
 }

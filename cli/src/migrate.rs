@@ -1,4 +1,5 @@
-//! `papilio migrate`: replaces old names of keys and values in a scenario file, and names the mistakes that remain.
+//! `papilio migrate`: replaces old names of keys and values in a scenario file, and names the mistakes that
+//! remain.
 
 use std::io::Write;
 use std::path::Path;

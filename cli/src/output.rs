@@ -60,7 +60,8 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(failure)
 }
 
-/// Creates the folder for a run, and removes the figures of an earlier run, which could be mistaken for new ones.
+/// Creates the folder for a run, and removes the figures of an earlier run, which could be mistaken for new
+/// ones.
 fn prepare_folder(folder: &Path) -> Result<(), Failure> {
     make_folder(folder)?;
     remove(folder, is_figure_or_cone)
@@ -197,7 +198,8 @@ pub(crate) fn write_figures(
     Ok(names)
 }
 
-/// Prints the names of the written files on standard error; of more than four figures only their number. Pictures are no figures.
+/// Prints the names of the written files on standard error; of more than four figures only their number.
+/// Pictures are no figures.
 pub(crate) fn print_written(folder: &Path, names: &[String]) {
     let drawn = |stem: &str| names.iter().any(|name| name.strip_suffix(".svg") == Some(stem));
     let is_figure = |name: &&str| name.ends_with(".svg") || name.strip_suffix(".png").is_some_and(drawn);

@@ -1,4 +1,5 @@
-//! `papilio palette`: the colours of all states in one light and view, in other rooms, and as files for other programs.
+//! `papilio palette`: the colours of all states in one light and view, in other rooms, and as files for other
+//! programs.
 
 use std::path::Path;
 
@@ -41,7 +42,8 @@ pub(crate) fn check_rooms(rooms: &[String]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The scenario in the light of a preset, or in its own light with the spectrum of a CIE illuminant; in the same view.
+/// The scenario in the light of a preset, or in its own light with the spectrum of a CIE illuminant; in the
+/// same view.
 pub(crate) fn room(command: &SpatialCommand, resolved: &Resolved, name: &str) -> Result<Resolved, Failure> {
     let light = match (preset_names().any(|known| known == name), illuminant_sheet(name)) {
         (true, _) => format!("lighting={{ preset = \"{name}\" }}"),
@@ -131,7 +133,8 @@ impl PaletteOutput {
         format!("seen from {theta} deg{azimuth}, in light of {illuminance_lx} lx{temperature}")
     }
 
-    /// A line for each room whose colours are those of an earlier one: presets of rooms have the same spectrum.
+    /// A line for each room whose colours are those of an earlier one: presets of rooms have the same
+    /// spectrum.
     fn equal_rooms(&self) -> String {
         let rooms = &self.result.rooms.0;
         let hexes = |at: usize| rooms[at].1.iter().map(|(_, there)| &there.colour.hex).collect::<Vec<_>>();

@@ -8,9 +8,9 @@ use crate::{Failure, interrupt};
 
 /// Computes work items in parallel until all are done or the program is interrupted.
 ///
-/// Each thread has its own worker. `worker` creates it for the number of threads that it may use itself; a worker returns
-/// `None` if it was interrupted. `store` receives the results in any order, and returns whether the result was computed now
-/// (true) or was known before (false).
+/// Each thread has its own worker. `worker` creates it for the number of threads that it may use itself; a
+/// worker returns `None` if it was interrupted. `store` receives the results in any order, and returns
+/// whether the result was computed now (true) or was known before (false).
 ///
 /// # Errors
 /// The first failure of a worker or of `store`. After a failure no item is started.

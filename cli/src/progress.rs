@@ -19,7 +19,8 @@ const BETWEEN_LINES: Duration = Duration::from_secs(20);
 /// Environment variable: seconds between two lines in a log.
 const BETWEEN_LINES_VARIABLE: &str = "PAPILIO_PROGRESS_SECONDS";
 
-/// Time between two frames of a computation's bar: it appears after the first, and its time goes on while a level is computed.
+/// Time between two frames of a computation's bar: it appears after the first, and its time goes on while a
+/// level is computed.
 const BETWEEN_FRAMES: Duration = Duration::from_secs(1);
 
 /// Positions of a bar that shows a fraction.
@@ -213,7 +214,8 @@ fn bar(items: usize, unit: &str) -> ProgressBar {
     bar
 }
 
-/// Prints the state of a bar as a line every 20 s (or [`BETWEEN_LINES_VARIABLE`]), if standard error is not a terminal, until the result is dropped.
+/// Prints the state of a bar as a line every 20 s (or [`BETWEEN_LINES_VARIABLE`]), if standard error is not a
+/// terminal, until the result is dropped.
 fn in_log(bar: &ProgressBar, line: impl Fn(&ProgressBar) -> String + Send + 'static) -> Option<Heartbeat> {
     let bar = bar.clone();
     (!stderr().is_terminal()).then(|| Heartbeat::every(between_lines(), move || print_message(&line(&bar))))

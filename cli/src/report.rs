@@ -180,7 +180,8 @@ pub(crate) fn pixel(title: &str, medium: &str, peaks: &Peaks) -> String {
 /// Wavelength of the absorptances on the terminal; the nearest one of the grid is used.
 const ABSORBED_NM: f64 = 550.0;
 
-/// Additional report of `papilio pixel --absorption`: the absorptances of each distinct sub-pixel at the smallest angle.
+/// Additional report of `papilio pixel --absorption`: the absorptances of each distinct sub-pixel at the
+/// smallest angle.
 pub(crate) fn absorption(all: &PixelAbsorption, medium: &str) -> String {
     let bins = all.wavelength_nm.len();
     let distance = |bin: &usize| (all.wavelength_nm[*bin] - ABSORBED_NM).abs();

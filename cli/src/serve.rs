@@ -36,7 +36,8 @@ pub(crate) fn run(arguments: &Serve) -> Result<(), Failure> {
     })
 }
 
-/// A scenario and the files that it names. An invalid scenario is opened too, so that it can be corrected in the page.
+/// A scenario and the files that it names. An invalid scenario is opened too, so that it can be corrected in
+/// the page.
 fn start(path: &Path) -> Result<Start, Failure> {
     let name = path.display().to_string();
     let file = DataFile::open(path, &name).map_err(Failure::Data)?;

@@ -1,4 +1,5 @@
-//! What `papilio mtf`, `crosstalk`, `sparkle`, `palette` and `image` share: compute, print, write files and figures.
+//! What `papilio mtf`, `crosstalk`, `sparkle`, `palette` and `image` share: compute, print, write files and
+//! figures.
 
 use std::io::Write;
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! Standard output and standard error. Everything that the program prints passes through this module.
 //!
-//! Printed text quotes names of files, keys and cells of tables, which may contain control characters. These are escaped, so
-//! that a terminal does not execute them. In JSON the escape sequence means the same character.
+//! Printed text quotes names of files, keys and cells of tables, which may contain control characters. These
+//! are escaped, so that a terminal does not execute them. In JSON the escape sequence means the same
+//! character.
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,16 +31,17 @@ pub(crate) fn stdout() -> impl Write {
     output(true)
 }
 
-/// Standard output of a command that prints JSON (`json`), or a report, which `--quiet` suppresses. It is written in large pieces:
-/// the caller calls `flush` after the last one, to learn whether all could be written.
+/// Standard output of a command that prints JSON (`json`), or a report, which `--quiet` suppresses. It is
+/// written in large pieces: the caller calls `flush` after the last one, to learn whether all could be
+/// written.
 pub(crate) fn output(json: bool) -> impl Write {
     let to: Box<dyn Write> =
         if json || !is_quiet() { Box::new(io::stdout().lock()) } else { Box::new(io::sink()) };
     EscapingWriter { to, waiting: Vec::new() }
 }
 
-/// Prints a message on standard error; with `--quiet` only errors and warnings. Errors of the stream are ignored: standard error may be
-/// closed.
+/// Prints a message on standard error; with `--quiet` only errors and warnings. Errors of the stream are
+/// ignored: standard error may be closed.
 pub(crate) fn print_message(text: &dyn std::fmt::Display) {
     let text = short_numbers(&text.to_string()).into_owned();
     if !is_quiet() || IMPORTANT.iter().any(|word| text.starts_with(word)) {
@@ -63,7 +65,8 @@ struct EscapingWriter<W: Write> {
 const PIECE: usize = 1 << 16;
 
 impl<W: Write> EscapingWriter<W> {
-    /// Writes what is waiting. A character at its end that is not complete continues to wait, unless this is the last piece.
+    /// Writes what is waiting. A character at its end that is not complete continues to wait, unless this is
+    /// the last piece.
     fn send(&mut self, is_last: bool) -> io::Result<()> {
         let mut text = std::mem::take(&mut self.waiting);
         let complete = match std::str::from_utf8(&text) {

@@ -9,7 +9,8 @@ pub(crate) struct Anchors {
 }
 
 impl Anchors {
-    /// Returns the anchor of the next heading, whose text is without markup. An anchor that the page already has gets a number.
+    /// Returns the anchor of the next heading, whose text is without markup. An anchor that the page already
+    /// has gets a number.
     pub(crate) fn next(&mut self, heading: &str) -> String {
         let plain = slug(heading);
         let count = self.used.entry(plain.clone()).or_default();

@@ -1,4 +1,5 @@
-//! All that the site shows: the pages of the summary, and everything that they link to, read from the repository and checked.
+//! All that the site shows: the pages of the summary, and everything that they link to, read from the
+//! repository and checked.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -101,7 +101,8 @@ impl Document {
     }
 }
 
-/// True for pages of the documentation, which need a title and sections below it; other texts of the repository are shown as they are.
+/// True for pages of the documentation, which need a title and sections below it; other texts of the
+/// repository are shown as they are.
 fn has_outline(source: &str) -> bool {
     source.starts_with("docs/")
 }

@@ -1,7 +1,7 @@
 //! Colours of code blocks: comments, strings, numbers, keys, commands and keywords as spans with a class.
 //!
-//! The few languages of the pages need no grammar: what a token is depends on its first characters, and on where the line begins.
-//! Text of an unknown language is only escaped.
+//! The few languages of the pages need no grammar: what a token is depends on its first characters, and on
+//! where the line begins. Text of an unknown language is only escaped.
 
 use crate::html::escape;
 

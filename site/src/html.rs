@@ -120,7 +120,8 @@ impl<'a> Renderer<'a> {
         self.html(format!("{}</{level}>\n", if is_link { "</a>" } else { "" }));
     }
 
-    /// A paragraph that is only a picture becomes a figure, one that is only an equation becomes a block that scrolls.
+    /// A paragraph that is only a picture becomes a figure, one that is only an equation becomes a block that
+    /// scrolls.
     fn paragraph(&mut self, rest: Rest<'_, 'a>) {
         let inner = until(rest, |end| matches!(end, TagEnd::Paragraph));
         let pictures = inner.iter().filter(|event| matches!(event, Event::Start(Tag::Image { .. }))).count();

@@ -1,14 +1,18 @@
-//! Generator of the documentation site: the pages of `docs/` and what they link to, as HTML that needs no network.
+//! Generator of the documentation site: the pages of `docs/` and what they link to, as HTML that needs no
+//! network.
 //!
-//! - [`Sources`]: the repository, and where the references of the programming interfaces are, if they have been made.
-//! - [`build`] reads everything, checks every link, anchor and equation, and returns the [`Site`] or all [`Problem`]s.
+//! - [`Sources`]: the repository, and where the references of the programming interfaces are, if they have
+//!   been made.
+//! - [`build`] reads everything, checks every link, anchor and equation, and returns the [`Site`] or all
+//!   [`Problem`]s.
 //! - [`Site::write`] writes it.
 //!
-//! `docs/SUMMARY.md` lists the pages by parts; a page without an entry there is a problem, and so is an entry without a page.
-//! Links to files elsewhere in the repository become pages or files of the site. Links into the web are listed, not requested.
+//! `docs/SUMMARY.md` lists the pages by parts; a page without an entry there is a problem, and so is an entry
+//! without a page. Links to files elsewhere in the repository become pages or files of the site. Links into
+//! the web are listed, not requested.
 //!
-//! The look is in `assets/`: a template, style sheets and scripts. Equations are MathML, and code has its colours already: without
-//! scripts, everything but the search and the choice of colours works.
+//! The look is in `assets/`: a template, style sheets and scripts. Equations are MathML, and code has its
+//! colours already: without scripts, everything but the search and the choice of colours works.
 //!
 //! **Out of scope**: other Markdown than GitHub's, more than one site.
 

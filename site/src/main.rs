@@ -1,4 +1,5 @@
-//! The generator as a program: `papilio-site OUT [--python FOLDER] [--rust FOLDER]`, run at the top of the repository by `cargo xtask site`.
+//! The generator as a program: `papilio-site OUT [--python FOLDER] [--rust FOLDER]`, run at the top of the
+//! repository by `cargo xtask site`.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
 

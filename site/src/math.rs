@@ -36,7 +36,8 @@ const BARS: [&str; 2] = [
     "<mo symmetric=\"false\" stretchy=\"false\">‖</mo>",
 ];
 
-/// States for each bar of `\lvert` and `\rvert` on which side it stands. Otherwise, a browser sets it as an operator, with blanks.
+/// States for each bar of `\lvert` and `\rvert` on which side it stands. Otherwise, a browser sets it as an
+/// operator, with blanks.
 fn with_sides(mathml: &str, latex: &str) -> String {
     let mut written = String::with_capacity(mathml.len());
     let mut rest = mathml;

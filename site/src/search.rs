@@ -1,7 +1,7 @@
 //! The index of the search: title, heading, address and text of every section of the pages.
 //!
-//! The page's script ranks them (`assets/search.js`). The index is a script, too: browsers do not let a page that was opened from
-//! a disk read files.
+//! The page's script ranks them (`assets/search.js`). The index is a script, too: browsers do not let a page
+//! that was opened from a disk read files.
 
 use serde_json::json;
 

@@ -1,7 +1,7 @@
 //! `docs/SUMMARY.md`: the order of the pages and their parts, in the form of mdBook.
 //!
-//! `# Part` begins a part, `- [Title](file)` is a page of it; an indented entry belongs to the entry above it. A link before the
-//! first part stands alone, above all parts.
+//! `# Part` begins a part, `- [Title](file)` is a page of it; an indented entry belongs to the entry above
+//! it. A link before the first part stands alone, above all parts.
 
 use std::ops::Range;
 

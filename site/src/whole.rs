@@ -1,4 +1,5 @@
-//! All pages as one, to print or to search with the browser: each page is a section, and its links lead to other sections.
+//! All pages as one, to print or to search with the browser: each page is a section, and its links lead to
+//! other sections.
 
 use std::fmt::Write as _;
 

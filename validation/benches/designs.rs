@@ -1,9 +1,10 @@
 //! Designs with a stored kernel, on one core: `cargo bench -p papilio-validation --bench designs`.
 //!
-//! The indoor scenario (8 states, 81 wavelengths) at its own target; items are designs. `thicknesses` and `gaps` change only
-//! these, `all` both; they compute X, Y, Z, L*, a*, b* of all states, gamut and contrast. `run` is the same with
-//! `Prepared::run`: two levels and all metrics with their errors. `gradient`: gamut, contrast and Y of white with
-//! derivatives by 4 thicknesses, 4 gaps, 3 areas and the fill factor; `gradient_of_one`: only the gamut.
+//! The indoor scenario (8 states, 81 wavelengths) at its own target; items are designs. `thicknesses` and
+//! `gaps` change only these, `all` both; they compute X, Y, Z, L*, a*, b* of all states, gamut and contrast.
+//! `run` is the same with `Prepared::run`: two levels and all metrics with their errors. `gradient`: gamut,
+//! contrast and Y of white with derivatives by 4 thicknesses, 4 gaps, 3 areas and the fill factor;
+//! `gradient_of_one`: only the gamut.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
@@ -47,7 +48,8 @@ fn many(film: &FilmPixel) -> Vec<Quantity> {
     all
 }
 
-/// Returns design number `times`. All designs are different, and close to the first, so that the nodes remain the same.
+/// Returns design number `times`. All designs are different, and close to the first, so that the nodes remain
+/// the same.
 fn changed(film: &FilmPixel, times: f64, thicknesses: bool, gaps: bool) -> FilmPixel {
     let mut film = film.clone();
     for layer in film.layers.iter_mut().filter(|_| thicknesses) {

@@ -1,8 +1,8 @@
 //! Pictures, end to end: `cargo bench -p papilio-validation --bench pictures`.
 //!
-//! `whole` decides the states of a picture and computes what is seen of it, with all differences, without reading or writing files, on one core.
-//! `held_...` is a picture that the panel holds while light or view change, as the server of the page computes it, without its response, on one
-//! and two cores.
+//! `whole` decides the states of a picture and computes what is seen of it, with all differences, without
+//! reading or writing files, on one core. `held_...` is a picture that the panel holds while light or view
+//! change, as the server of the page computes it, without its response, on one and two cores.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 

@@ -1,7 +1,8 @@
 //! Places of light, end to end, on one core: `cargo bench -p papilio-validation --bench spatial`.
 //!
-//! `mtf` and `crosstalk` are all numbers of the commands from a resolved scene, at two levels; `picture` is X, Y and Z of each of 1404 x
-//! 1872 pixels of electronic paper under its cover, with the error; compare the kernels alone: `cargo bench -p papilio-transport`.
+//! `mtf` and `crosstalk` are all numbers of the commands from a resolved scene, at two levels; `picture` is
+//! X, Y and Z of each of 1404 x 1872 pixels of electronic paper under its cover, with the error; compare the
+//! kernels alone: `cargo bench -p papilio-transport`.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 

@@ -1,9 +1,11 @@
-//! Transport time of the Monte Carlo solver on one core: `cargo bench -p papilio-validation --bench transport`.
+//! Transport time of the Monte Carlo solver on one core:
+//! `cargo bench -p papilio-validation --bench transport`.
 //!
-//! The output has a line for each scenario: CPU time, median of 21 runs, to 0.1 % in every bin of every state, and to
-//! 0.1 % in Y of only one state; then long runs. Transport consists of the paths and the spectra from them; the tables of
-//! the pixel's reflectance and the preparation before the first path have their own columns. The last lines are lower
-//! bounds of the time of a path under diffuse light on this machine.
+//! The output has a line for each scenario: CPU time, median of 21 runs, to 0.1 % in every bin of every
+//! state, and to 0.1 % in Y of only one state; then long runs. Transport consists of the paths and the
+//! spectra from them; the tables of the pixel's reflectance and the preparation before the first path have
+//! their own columns. The last lines are lower bounds of the time of a path under diffuse light on this
+//! machine.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, reason = "a benchmark")]
 
@@ -49,11 +51,12 @@ fn main() {
     );
 }
 
-/// Minimum work of a path. Its first pass has random numbers (field, direction); multiplications and additions, counted in
-/// the source; roots (field, direction, cosine) and a division; the bytes in which its look-up is stored, and its
-/// fraction of those of the sums of a panel and of the table of the fraction that leaves. One of `GOES_ON` paths
-/// continues (measured with `overcast`). It has two look-ups of 16 nodes with four spectra of 81 wavelengths, mixtures of
-/// them for eight states, and four sums and six products of all states.
+/// Minimum work of a path. Its first pass has random numbers (field, direction); multiplications and
+/// additions, counted in the source; roots (field, direction, cosine) and a division; the bytes in which its
+/// look-up is stored, and its fraction of those of the sums of a panel and of the table of the fraction that
+/// leaves. One of `GOES_ON` paths continues (measured with `overcast`). It has two look-ups of 16 nodes with
+/// four spectra of 81 wavelengths, mixtures of them for eight states, and four sums and six products of all
+/// states.
 const NUMBERS: usize = 4;
 const ROOTS: usize = 3;
 const GOES_ON: f64 = 220.0;
@@ -62,7 +65,8 @@ const LOOK_UP: f64 = 16.0 * 4.0 * 81.0;
 const OPERATIONS: f64 = 219.0 + (2.0 * (2.0 * LOOK_UP + 8.0 * ALL_STATES) + 14.0 * ALL_STATES) / GOES_ON;
 const BYTES: f64 = 8.0 * (4.0 + 8.0 + 4.0) + 8.0 * (2.0 * LOOK_UP + 8.0 * ALL_STATES) / GOES_ON;
 
-/// Prints the lower bounds of the time of a path, each as if nothing else took any time, and returns the largest, ns.
+/// Prints the lower bounds of the time of a path, each as if nothing else took any time, and returns the
+/// largest, ns.
 fn bounds() -> f64 {
     let numbers = best(|| Arch::new().dispatch(Draws)) / DRAWS as f64;
     let multiply_adds = best(|| Arch::new().dispatch(MultiplyAdds)) / Arch::new().dispatch(Lanes);

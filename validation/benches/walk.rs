@@ -2,10 +2,11 @@
 //!
 //! `paths` counts paths (items) per second, including all spectra; `to_0_1_percent` is the
 //! CPU time from a resolved scenario to a complete result with 0.1 % in Y of every state, and
-//! in every wavelength bin of every state; `layers_to_0_1_percent` is the same for general layers: white paint under rough glass
-//! (one state) and a conservative slab over two mirrors, with and without a surface, in diffuse light, and the slab of
-//! `scenarios/slab.toml` with an optical thickness of 2 under its lamp; `paths_with_places` counts paths per second over a pattern of
-//! stripes, or with a transfer function at 64 frequencies (compare `paths` of the same scenario); `resolve` is the time from the file to the scene.
+//! in every wavelength bin of every state; `layers_to_0_1_percent` is the same for general layers: white
+//! paint under rough glass (one state) and a conservative slab over two mirrors, with and without a surface,
+//! in diffuse light, and the slab of `scenarios/slab.toml` with an optical thickness of 2 under its lamp;
+//! `paths_with_places` counts paths per second over a pattern of stripes, or with a transfer function at 64
+//! frequencies (compare `paths` of the same scenario); `resolve` is the time from the file to the scene.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 

@@ -1,13 +1,13 @@
 //! Accuracy against cost of both solvers, as a figure and a table:
 //! `cargo run --release -p papilio-validation --example accuracy -- FILE.svg`.
 //!
-//! Three displays at one wavelength, with the reflectance factor of one view each. The reference is the finest level of
-//! adding; a published value confirms that of the slab. *adding*: the error of each coarser level, with the time of
-//! kernel and estimate. *Monte Carlo*: the root mean square of the error over 32 seeds, after 64, 128, ... paths, with
-//! the time of the fastest seed.
+//! Three displays at one wavelength, with the reflectance factor of one view each. The reference is the
+//! finest level of adding; a published value confirms that of the slab. *adding*: the error of each coarser
+//! level, with the time of kernel and estimate. *Monte Carlo*: the root mean square of the error over 32
+//! seeds, after 64, 128, ... paths, with the time of the fastest seed.
 //!
-//! The last panel shows the quadrature rule alone, without a solver: light inside glass that is reflected by its
-//! interface with air, integrated with nodes split at |beta| = 1, as in adding, and without the split.
+//! The last panel shows the quadrature rule alone, without a solver: light inside glass that is reflected by
+//! its interface with air, integrated with nodes split at |beta| = 1, as in adding, and without the split.
 
 #![allow(clippy::print_stdout, reason = "a program for the terminal")]
 
@@ -50,7 +50,8 @@ impl Case {
         rho.zip(&self.shares).map(|(rho, share)| rho * share).sum()
     }
 
-    /// Returns the value of a level of adding, its number of nodes, and its time in seconds (the smallest of nine).
+    /// Returns the value of a level of adding, its number of nodes, and its time in seconds (the smallest of
+    /// nine).
     fn level(&self, level: u32) -> (f64, f64, f64) {
         let once = || {
             let start = Instant::now();
@@ -159,8 +160,8 @@ fn one_slab() -> Case {
     }
 }
 
-/// Returns a slab under an interface, with a lobe between slab and glass: both scatter, and both media have total
-/// internal reflection.
+/// Returns a slab under an interface, with a lobe between slab and glass: both scatter, and both media have
+/// total internal reflection.
 fn layers() -> Case {
     let list = [
         (Interface::Fresnel, slab(0.5, 0.5, 1.6)),
@@ -177,8 +178,8 @@ fn layers() -> Case {
     }
 }
 
-/// Returns the reflectance of a bare interface for isotropic light in glass of index 1.5, by the Gauss-Legendre rule in
-/// angles t with beta^2 = a^2 + (b^2 - a^2) sin^2(t) between a and b.
+/// Returns the reflectance of a bare interface for isotropic light in glass of index 1.5, by the
+/// Gauss-Legendre rule in angles t with beta^2 = a^2 + (b^2 - a^2) sin^2(t) between a and b.
 fn internal_reflectance(edges: &[f64], points: usize) -> f64 {
     let between = |a: f64, b: f64| -> f64 {
         let node = |(x, weight): (f64, f64)| {
@@ -222,8 +223,8 @@ fn rule_errors(group: usize) -> Vec<ErrorCurve> {
     vec![curve("split", false, &[0.0, 1.0, 1.5]), curve("not split", true, &[0.0, 1.5])]
 }
 
-/// Returns the curves of a case: adding against seconds and against nodes (over those of the coarsest level), Monte Carlo
-/// against seconds.
+/// Returns the curves of a case: adding against seconds and against nodes (over those of the coarsest level),
+/// Monte Carlo against seconds.
 fn curves(group: usize, case: &Case) -> Result<[ErrorCurve; 3], Box<dyn Error>> {
     let (truth, ..) = case.level(FINEST);
     println!("{}: {truth:.12}", case.name);

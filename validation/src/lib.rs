@@ -48,7 +48,8 @@ pub fn run(scene: &Scene) -> Result<RunResult, DisplayError> {
     run_on(scene, None)
 }
 
-/// Returns a function that clones a scene with a larger change each time: by 1, 2, 3, ... For benchmarks, in which nothing may be known already.
+/// Returns a function that clones a scene with a larger change each time: by 1, 2, 3, ... For benchmarks, in
+/// which nothing may be known already.
 pub fn more_and_more(scene: &Scene, change: impl Fn(&mut Scene, f64)) -> impl FnMut() -> Scene {
     let mut times = 0.0;
     move || {

@@ -1,8 +1,9 @@
 //! A family of random displays for the comparison of the two solvers: all kinds of layers, in any order,
 //! all kinds of light and view, thin and thick. A number identifies a member permanently.
 //!
-//! **Excluded**: lobes narrower than 0.004 (0.07 between general layers, or with regular transmittance) and rough
-//! interfaces below alpha 0.2, for which adding takes minutes. A first version of the family contained them.
+//! **Excluded**: lobes narrower than 0.004 (0.07 between general layers, or with regular transmittance) and
+//! rough interfaces below alpha 0.2, for which adding takes minutes. A first version of the family contained
+//! them.
 
 use num_complex::Complex64;
 use papilio_optics::Beta;
@@ -44,9 +45,9 @@ pub fn member(number: u64) -> Member {
     lit(dice, name, stack, |dice| if dice.one_in(2) { 0.05 } else { dice.between(0.0, 5.0) }, [75.0, 70.0])
 }
 
-/// Returns a member of a second family by its number. In this family, some of the light depends on events that are
-/// improbable for a path: faint fronts, improbable scattering together with regular transmittance, thin slabs, dense
-/// glass, strongly absorbing media.
+/// Returns a member of a second family by its number. In this family, some of the light depends on events
+/// that are improbable for a path: faint fronts, improbable scattering together with regular transmittance,
+/// thin slabs, dense glass, strongly absorbing media.
 pub fn rare_member(number: u64) -> Member {
     let mut dice = Dice::new(RARE_FAMILY, number);
     let (name, stack) = match dice.below(5) {
@@ -58,8 +59,8 @@ pub fn rare_member(number: u64) -> Member {
     lit(dice, name, stack, |_| 0.05, [70.0, 60.0])
 }
 
-/// Returns a member of a third family by its number: diffusers that reflect, in any layers, under components and over
-/// other scatterers.
+/// Returns a member of a third family by its number: diffusers that reflect, in any layers, under components
+/// and over other scatterers.
 pub fn reflecting_member(number: u64) -> Member {
     let mut dice = Dice::new(REFLECTING_FAMILY, number);
     let (name, stack) = reflecting(&mut dice);
@@ -123,8 +124,8 @@ fn reflecting(dice: &mut Dice) -> (String, Stack) {
     (names.join(", "), Stack::general(layers, base))
 }
 
-/// Returns a reflection of one side; with the transmittance of [`diffuser`], up to 1 where that is at its largest, it may
-/// return more light than arrives, which is no matter for the comparison.
+/// Returns a reflection of one side; with the transmittance of [`diffuser`], up to 1 where that is at its
+/// largest, it may return more light than arrives, which is no matter for the comparison.
 fn lobe_reflection(dice: &mut Dice) -> (String, LobeReflection) {
     let mirror = if dice.one_in(2) { 0.0 } else { dice.between(0.0, 1.0) };
     let reflectance = spectrum(dice, 0.0, 0.3);
@@ -244,11 +245,12 @@ fn base(dice: &mut Dice) -> Base {
     Base { reflector: Reflector::Specular(table), inactive_absorptance }
 }
 
-/// Returns a diffuser whose lobe is not narrower than `narrowest`: between general layers, adding takes minutes for
-/// narrow lobes that it resolves in milliseconds in a panel.
+/// Returns a diffuser whose lobe is not narrower than `narrowest`: between general layers, adding takes
+/// minutes for narrow lobes that it resolves in milliseconds in a panel.
 fn diffuser(dice: &mut Dice, narrowest: f64) -> (String, Diffuser) {
     let regular_fraction = if dice.one_in(2) { 0.0 } else { dice.between(0.0, 0.6) };
-    // With regular transmittance, each point of a field or disc is a separate direction: minutes, if the lobe is narrow.
+    // With regular transmittance, each point of a field or disc is a separate direction: minutes, if the lobe
+    // is narrow.
     let narrowest = if regular_fraction > 0.0 { narrowest.max(0.07) } else { narrowest };
     let lobe = if dice.one_in(5) {
         Lobe::Lambertian

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use papilio_display::image::{HeldPicture, KnownLights};
 
-/// Maximum number of pictures; the least recently used are removed first. A picture has a byte for each pixel.
+/// Maximum number of pictures; the least recently used are removed first. A picture has a byte for each
+/// pixel.
 const MOST: usize = 32;
 
 /// Pictures by their keys, in the order of their last use.

@@ -3,8 +3,8 @@
 //! The server is a thin layer over `scenario`, `display`, `formats` and `figures`; it contains no physics.
 //! The browser holds the text of the scenario, which is the only thing that is edited, and sends all of it
 //! with each request. The server stores only data that may be lost at any time: prepared displays (so that
-//! moving a slider takes milliseconds), states of pictures, files that were dropped onto the page (identified by their SHA-256,
-//! and sent again when they are no longer stored), and running computations.
+//! moving a slider takes milliseconds), states of pictures, files that were dropped onto the page (identified
+//! by their SHA-256, and sent again when they are no longer stored), and running computations.
 //!
 //! - [`Site::bind`] binds a port of this machine, [`Site::serve`] serves requests on it.
 //! - `api` has a row for each endpoint; the OpenAPI description is generated from the same rows and types

@@ -1,4 +1,5 @@
-//! A panic while a request is handled becomes one error response. Computations have threads of their own, see `work` and `api::events`.
+//! A panic while a request is handled becomes one error response. Computations have threads of their own, see
+//! `work` and `api::events`.
 
 use std::future::{Future, poll_fn};
 use std::panic::{AssertUnwindSafe, catch_unwind};

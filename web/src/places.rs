@@ -3,9 +3,9 @@
 //!
 //! A connection is *active* from the header of a request to the end of its response, *blocked* while a
 //! response cannot be written because the client does not read, and *late* while the body of its request
-//! arrives at less than [`BODY_RATE`]. If all places are in use, a new connection replaces the one that has been
-//! idle, blocked or late for the longest time; a connection that is neither is never closed. A connection
-//! whose client reads nothing for [`Limits::unread`] is always closed.
+//! arrives at less than [`BODY_RATE`]. If all places are in use, a new connection replaces the one that has
+//! been idle, blocked or late for the longest time; a connection that is neither is never closed. A
+//! connection whose client reads nothing for [`Limits::unread`] is always closed.
 //!
 //! Bodies are held in memory while they arrive and are processed: 1 MiB of each, and what exceeds it up to
 //! [`Limits::body_bytes`] of all connections together ([`BodyMemory`]).
@@ -150,8 +150,8 @@ impl Places {
         open.iter().filter(|one| is_unread(one)).for_each(|one| one.close());
     }
 
-    /// Reserves a unit of memory for a body as soon as there is one. Meanwhile, bodies that are late are given up.
-    /// Returns `None` if there is none within [`Limits::patience`].
+    /// Reserves a unit of memory for a body as soon as there is one. Meanwhile, bodies that are late are
+    /// given up. Returns `None` if there is none within [`Limits::patience`].
     async fn reserve(&self) -> Option<OwnedSemaphorePermit> {
         let since = Instant::now();
         loop {
@@ -284,7 +284,8 @@ pub(crate) struct ArrivingBody {
 pub(crate) struct BodyMemory(Option<OwnedSemaphorePermit>);
 
 impl ArrivingBody {
-    /// Records that bytes of the body have arrived, and reserves their memory; `None` if there is none in time.
+    /// Records that bytes of the body have arrived, and reserves their memory; `None` if there is none in
+    /// time.
     pub(crate) async fn record(&mut self, bytes: usize) -> Option<()> {
         self.bytes += bytes;
         while self.bytes > UNIT * (1 + self.memory.0.as_ref().map_or(0, OwnedSemaphorePermit::num_permits)) {
@@ -319,7 +320,8 @@ impl Drop for ArrivingBody {
 pub(crate) struct MonitoredStream {
     stream: TcpStream,
     connection: Arc<Connection>,
-    /// The end of the time for which what still arrives is read and discarded; set when the stream is shut down.
+    /// The end of the time for which what still arrives is read and discarded; set when the stream is shut
+    /// down.
     linger: Option<Pin<Box<Sleep>>>,
 }
 

@@ -39,8 +39,8 @@ fn text(folder: &str, name: &str) -> Option<String> {
     String::from_utf8(file(&format!("{folder}{name}.toml"))?.into_owned()).ok()
 }
 
-/// Data files under the names that scenarios may use: `data/H65.bsdf`, as in the examples, and `H65.bsdf`; and surfaces, as
-/// `../surfaces/etched.toml`, with the meshes beside them, as `corner-cubes.obj`.
+/// Data files under the names that scenarios may use: `data/H65.bsdf`, as in the examples, and `H65.bsdf`;
+/// and surfaces, as `../surfaces/etched.toml`, with the meshes beside them, as `corner-cubes.obj`.
 pub(crate) static DATA: LazyLock<BTreeMap<String, MemoryFile>> = LazyLock::new(|| {
     let named = |path: &str| {
         let (long, short) = match (path.strip_prefix("scenarios/data/"), path.strip_prefix("surfaces/")) {

@@ -146,8 +146,8 @@ impl Count {
         }
     }
 
-    /// Builds the page and returns the browser to test it in. The page and its tests need additional tools; if one is
-    /// missing, both are skipped, which the output states.
+    /// Builds the page and returns the browser to test it in. The page and its tests need additional tools;
+    /// if one is missing, both are skipped, which the output states.
     pub(crate) fn page(&mut self) -> Option<PathBuf> {
         let browser = match page::browser() {
             Ok(browser) => browser,
@@ -197,7 +197,8 @@ fn counts(line: &str) -> Option<(u64, u64)> {
     summary(line).or_else(|| summary_of_node(line)).or_else(|| summary_of_pytest(line))
 }
 
-/// Returns the numbers of passed and failed tests from a line like `test result: ok. 5 passed; 0 failed; 0 ignored; ...`.
+/// Returns the numbers of passed and failed tests from a line like
+/// `test result: ok. 5 passed; 0 failed; 0 ignored; ...`.
 fn summary(line: &str) -> Option<(u64, u64)> {
     let (_, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
     let of = |what: &str| {
@@ -214,7 +215,8 @@ fn summary_of_node(line: &str) -> Option<(u64, u64)> {
     of("pass ").map(|passed| (passed, 0)).or_else(|| of("fail ").map(|failed| (0, failed)))
 }
 
-/// Returns the numbers of passed and failed tests from the last line of pytest like `1 failed, 12 passed, 1 error in 1.33s`.
+/// Returns the numbers of passed and failed tests from the last line of pytest like
+/// `1 failed, 12 passed, 1 error in 1.33s`.
 fn summary_of_pytest(line: &str) -> Option<(u64, u64)> {
     let (counts, _) = line.trim_matches(['=', ' ']).split_once(" in ")?;
     let of = |what: &[&str]| {

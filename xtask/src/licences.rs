@@ -1,8 +1,9 @@
-//! `cargo xtask licences`: release/THIRD-PARTY.md, the licences of everything that is distributed with Papilio.
+//! `cargo xtask licences`: release/THIRD-PARTY.md, the licences of everything that is distributed with
+//! Papilio.
 //!
-//! The lists come from `cargo tree`, `cargo metadata` and the lock file of the page, the texts from the packages themselves. Of a
-//! package that may be used under Apache 2.0, this licence is taken: its text is in the repository. A test
-//! (`xtask/tests/xtask/project.rs`) compares the lists with both lock files.
+//! The lists come from `cargo tree`, `cargo metadata` and the lock file of the page, the texts from the
+//! packages themselves. Of a package that may be used under Apache 2.0, this licence is taken: its text is in
+//! the repository. A test (`xtask/tests/xtask/project.rs`) compares the lists with both lock files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -173,7 +174,8 @@ fn texts<'a>(
     Ok(found)
 }
 
-/// The texts that must go with a package: those of its licence if it is not used under Apache 2.0, and its notices.
+/// The texts that must go with a package: those of its licence if it is not used under Apache 2.0, and its
+/// notices.
 fn texts_of(package: &Package, about: &About) -> Result<Vec<String>, String> {
     let name = &package.name;
     let offers_apache = about.licence.contains("Apache-2.0") && !about.licence.contains(" AND ");

@@ -1,7 +1,7 @@
 //! Tasks of the project: `cargo xtask TASK`. Without a task, it lists all tasks.
 //!
-//! Each task runs the tools that it needs as processes. If a tool is missing, the message names it and the command that
-//! installs it.
+//! Each task runs the tools that it needs as processes. If a tool is missing, the message names it and the
+//! command that installs it.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
 
@@ -142,7 +142,8 @@ fn full() -> Outcome {
     deny()
 }
 
-/// Runs all commands of the documentation, those that take long too, with the release program, which the package was compared with.
+/// Runs all commands of the documentation, those that take long too, with the release program, which the
+/// package was compared with.
 fn blocks() -> Outcome {
     let mut blocks = cargo(["test", "--package", "papilio", "--test", "cli", "docs_blocks"]);
     blocks.env("PAPILIO_DOCS_ALL", "1").env("PAPILIO_DOCS_PROGRAM", shell::papilio());
@@ -182,7 +183,8 @@ fn deny() -> Outcome {
 mod tests {
     use super::*;
 
-    /// Every `cargo xtask TASK` of the documentation is a task. The commands are not run there: they run the tests.
+    /// Every `cargo xtask TASK` of the documentation is a task. The commands are not run there: they run the
+    /// tests.
     #[test]
     fn tasks_named_in_the_documentation_exist() {
         let mut folders = vec![shell::root().join("docs")];

@@ -1,4 +1,5 @@
-//! The Python package (`python`): maturin builds its wheel, which is installed and tested in a separate environment.
+//! The Python package (`python`): maturin builds its wheel, which is installed and tested in a separate
+//! environment.
 
 use std::path::PathBuf;
 use std::process::Command;

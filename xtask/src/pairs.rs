@@ -1,7 +1,7 @@
 //! `cargo xtask bench-pairs OLD NEW`: processor time of two programs, in turn.
 //!
-//! Each case is a scenario with changes, run on one thread by both programs, one after the other, several times. The fastest
-//! times are compared: other programs on the machine make some runs slower, none faster.
+//! Each case is a scenario with changes, run on one thread by both programs, one after the other, several
+//! times. The fastest times are compared: other programs on the machine make some runs slower, none faster.
 
 use std::path::Path;
 use std::process::{Command, Stdio};

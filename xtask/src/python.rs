@@ -11,8 +11,8 @@ pub(crate) struct Environment {
 }
 
 impl Environment {
-    /// Creates the environment in the target folder, or installs its missing packages. Does nothing if the same list of
-    /// packages was installed there last.
+    /// Creates the environment in the target folder, or installs its missing packages. Does nothing if the
+    /// same list of packages was installed there last.
     pub(crate) fn new(name: &str, packages: &[&str]) -> Result<Self, String> {
         let environment = Self { folder: shell::target().join(name) };
         let installed = fs::read_to_string(environment.list()).unwrap_or_default();
@@ -36,7 +36,8 @@ impl Environment {
         let create = ["-m", "venv"].into_iter().chain(options.iter().copied());
         shell::run(command("python3", create.chain([&*folder.to_string_lossy()])))?;
         let environment = Self { folder };
-        // Compiling all modules of all packages would take longer than installing them; Python compiles those that it imports.
+        // Compiling all modules of all packages would take longer than installing them; Python compiles those
+        // that it imports.
         let install = ["-m", "pip", "install", "--quiet", "--no-compile"];
         let install = install.into_iter().chain(packages.iter().copied());
         shell::run(command(environment.python(), install))?;

@@ -54,8 +54,8 @@ pub(crate) fn command(
     command
 }
 
-/// A command that runs cargo (the one that runs this task). Cargo includes the latest page of the web app in the program, and
-/// compiles it again if the page has changed.
+/// A command that runs cargo (the one that runs this task). Cargo includes the latest page of the web app in
+/// the program, and compiles it again if the page has changed.
 pub(crate) fn cargo(arguments: impl IntoIterator<Item = impl AsRef<str>>) -> Command {
     let cargo = std::env::var_os("CARGO").map_or_else(|| "cargo".into(), PathBuf::from);
     let mut cargo = command(cargo, arguments);
@@ -144,10 +144,11 @@ fn shown(command: &Command) -> String {
     words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
 }
 
-/// Variables with which cargo takes the crates that `cargo clippy -- FLAGS` has checked for checked, where a command needs them: without
-/// them, `cargo doc` checks all of them again.
+/// Variables with which cargo takes the crates that `cargo clippy -- FLAGS` has checked for checked, where a
+/// command needs them: without them, `cargo doc` checks all of them again.
 ///
-/// They are those that `cargo clippy` sets itself. If another version sets others, the crates are checked once more.
+/// They are those that `cargo clippy` sets itself. If another version sets others, the crates are checked
+/// once more.
 pub(crate) fn checked_by_clippy(flags: &str) -> Vec<(&'static str, String)> {
     let sysroot = command("rustc", ["--print", "sysroot"]).output().ok();
     let sysroot = sysroot.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());

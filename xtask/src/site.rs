@@ -12,7 +12,8 @@ fn folder() -> PathBuf {
     shell::target().join("site")
 }
 
-/// Builds the site. With the argument `--api`, it contains the documentation of the crates; with `--check`, it is tested in a browser.
+/// Builds the site. With the argument `--api`, it contains the documentation of the crates; with `--check`,
+/// it is tested in a browser.
 pub(crate) fn site(arguments: &[String]) -> Outcome {
     let known = ["--api", "--check"];
     if arguments.iter().any(|argument| !known.contains(&argument.as_str())) {
@@ -39,7 +40,8 @@ fn build(out: &Path, with_crates: bool) -> Outcome {
     shell::run(generator)
 }
 
-/// Writes the reference of the Python package, and returns its folder. Without Python, the site shows the sources of its modules.
+/// Writes the reference of the Python package, and returns its folder. Without Python, the site shows the
+/// sources of its modules.
 fn python_reference() -> Result<Option<PathBuf>, String> {
     let python = Needs {
         tool: &["python3"],
@@ -56,7 +58,8 @@ fn python_reference() -> Result<Option<PathBuf>, String> {
     Ok(Some(pages))
 }
 
-/// Builds the site and tests it in a browser, with the packages of the web app's page: axe-core and playwright-core.
+/// Builds the site and tests it in a browser, with the packages of the web app's page: axe-core and
+/// playwright-core.
 pub(crate) fn check() -> Outcome {
     let browser = page::browser()?;
     page::install()?;

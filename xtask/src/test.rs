@@ -16,7 +16,8 @@ use crate::site;
 /// Number of seeds of the statistical tests in `cargo xtask full`; 8 in `cargo xtask test`.
 pub(crate) const SEEDS: u64 = 480;
 
-/// Number of seeds, read by the statistical tests of `crates/transport` and the test of sensitivities in `crates/design`.
+/// Number of seeds, read by the statistical tests of `crates/transport` and the test of sensitivities in
+/// `crates/design`.
 const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
 
 /// Number of random displays, read by validation's comparison of the two solvers.
@@ -28,8 +29,8 @@ const SCENARIOS_VARIABLE: &str = "PAPILIO_SCENARIOS";
 /// With this number, the mean square of the z-scores is known to 10 %.
 const SCENARIOS: &str = "300";
 
-/// Duration for each format, read by the mutation tests of BSDF files and of pictures in `crates/formats`. If it is set, the mutation
-/// tests of scenarios use 25 times as many mutations.
+/// Duration for each format, read by the mutation tests of BSDF files and of pictures in `crates/formats`. If
+/// it is set, the mutation tests of scenarios use 25 times as many mutations.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 
 /// Enough for some hundred thousand files of each format.
@@ -50,12 +51,12 @@ const POINTS: &str = "100000";
 /// Duration of the requests.
 const LOAD_SECONDS: &str = "60";
 
-/// Example scenarios that the program runs in `cargo xtask test`; together they have all kinds of figures. The tests
-/// compute all example scenarios in-process, with both solvers.
+/// Example scenarios that the program runs in `cargo xtask test`; together they have all kinds of figures.
+/// The tests compute all example scenarios in-process, with both solvers.
 const EXAMPLES: [&str; 3] = ["map", "table-pixel", "two-diffusers"];
 
-/// The integration tests that take longest. In `cargo xtask test` they run at the same time as the others, so that no core
-/// waits for the last test of a program.
+/// The integration tests that take longest. In `cargo xtask test` they run at the same time as the others, so
+/// that no core waits for the last test of a program.
 const LONGEST: [&str; 2] = ["cli", "transport"];
 
 /// Runs `cargo xtask test`.
@@ -86,8 +87,8 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     all_checks(tests, page::ALL)
 }
 
-/// Returns the feature flags. `cargo xtask test` does not compile Parquet and PNG, and their tests check the messages
-/// about the missing features; `cargo xtask full` compiles them.
+/// Returns the feature flags. `cargo xtask test` does not compile Parquet and PNG, and their tests check the
+/// messages about the missing features; `cargo xtask full` compiles them.
 fn features(of_page: &str) -> &'static str {
     if of_page == page::EVERYDAY { "--no-default-features" } else { "--all-features" }
 }
@@ -103,8 +104,8 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     let environment = thread::spawn(package::environment);
     // The page is built first; otherwise the program would be compiled again once there is a page.
     let browser = count.step("page, built", Count::page);
-    // Compiled separately, so that the time of the tests does not include it. If it fails, the tests fail again below,
-    // and the failure is counted there.
+    // Compiled separately, so that the time of the tests does not include it. If it fails, the tests fail
+    // again below, and the failure is counted there.
     let mut compile = tests();
     compile.arg("--no-run");
     if of_page == page::EVERYDAY {
@@ -143,8 +144,8 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
             tests.args(["--test", &name]);
         }
         let longest = vec![Job::tests("  cargo, longest", longest)];
-        // Lints and documentation use the time in which tests wait. While they are compiled, cargo builds nothing else:
-        // they come last.
+        // Lints and documentation use the time in which tests wait. While they are compiled, cargo builds
+        // nothing else: they come last.
         others.push(Job::tests("  cargo, examples", examples));
         others.extend(texts);
         count.step("tests and lints", |count| count.together(rest, [python, longest, others]));
@@ -191,8 +192,8 @@ fn scenarios() -> Result<Vec<PathBuf>, String> {
 
 fn run_scenario(scenario: &Path) -> Outcome {
     let out = shell::target().join("examples").join(scenario.file_stem().unwrap_or_default());
-    // Not through cargo: for this program alone it would compile nearly everything again, with other features of the
-    // dependencies.
+    // Not through cargo: for this program alone it would compile nearly everything again, with other features
+    // of the dependencies.
     let mut papilio = command(shell::papilio_for_tests(), ["run"]);
     papilio.arg(scenario).arg("--out").arg(out);
     shell::run(papilio)

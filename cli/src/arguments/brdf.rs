@@ -15,8 +15,8 @@ pub(crate) struct Brdf {
     /// States to write, separated by commas, or all of them
     #[arg(long, value_name = "all|NAME,...", value_delimiter = ',', default_value = ALL_STATES)]
     pub(crate) states: Vec<String>,
-    /// Step of inclination and azimuth in degrees, a divisor of 90; with --format rgl and radiant, of the inclination of the light to 30
-    /// deg, half of it to 70 deg and a quarter of it beyond
+    /// Step of inclination and azimuth in degrees, a divisor of 90; with --format rgl and radiant, of the
+    /// inclination of the light to 30 deg, half of it to 70 deg and a quarter of it beyond
     #[arg(long, value_name = "DEG", default_value_t = 5.0, allow_negative_numbers = true, value_parser = angle_step)]
     pub(crate) step: f64,
     /// Number of half vectors along each axis, from 8 to 256, only with --format rgl [default: 64]
@@ -42,7 +42,8 @@ pub(crate) enum BrdfFormat {
     Rgl,
     /// Tabular BSDFs of Radiant and Zemax for X, Y and Z, one per state (display-STATE.bsdf)
     Radiant,
-    /// Luminous Klems matrices of WINDOW and Radiance, one file per state: 145 patches, coarse (display-STATE.xml)
+    /// Luminous Klems matrices of WINDOW and Radiance, one file per state: 145 patches, coarse
+    /// (display-STATE.xml)
     Klems,
 }
 

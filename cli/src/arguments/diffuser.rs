@@ -156,7 +156,8 @@ const FORMATS: [(&str, &str, BsdfFormat); 4] = [
 
 #[derive(Debug, Args)]
 pub(crate) struct Measure {
-    /// Scenario file (TOML) with a `[display.diffuser]`, and the instrument in `[measure]`; - reads standard input
+    /// Scenario file (TOML) with a `[display.diffuser]`, and the instrument in `[measure]`; - reads standard
+    /// input
     #[arg(value_name = "SCENARIO")]
     pub(crate) scenario: PathBuf,
     /// File to write

@@ -50,7 +50,8 @@ pub(crate) struct Serve {
     /// Port; 0 selects a free one [default: 7417]
     #[arg(long)]
     pub(crate) port: Option<u16>,
-    /// Address to listen on, for access from other machines; every request then needs a token [default: 127.0.0.1]
+    /// Address to listen on, for access from other machines; every request then needs a token [default:
+    /// 127.0.0.1]
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) listen: Option<IpAddr>,
     /// Open the page in the browser
@@ -68,13 +69,16 @@ pub(crate) struct Run {
     /// Solver; sets solver.method
     #[arg(long, value_enum)]
     pub(crate) solver: Option<Solver>,
-    /// Also compute maps over all viewing directions: cone.csv, cone.npy, cone.json, cone.svg, cone_differences.svg
+    /// Also compute maps over all viewing directions: cone.csv, cone.npy, cone.json, cone.svg,
+    /// cone_differences.svg
     #[arg(long)]
     pub(crate) cone: bool,
-    /// With --cone: direction with which the colours of the others are compared, in degrees [default: 0,0, the normal]
+    /// With --cone: direction with which the colours of the others are compared, in degrees [default: 0,0,
+    /// the normal]
     #[arg(long, value_name = "THETA[,PHI]", requires = "cone", allow_negative_numbers = true, value_parser = direction)]
     pub(crate) cone_reference: Option<[f64; 2]>,
-    /// With --cone: accept relative errors up to X, and write them in a column `error` [default: the scenario's target]
+    /// With --cone: accept relative errors up to X, and write them in a column `error` [default: the
+    /// scenario's target]
     #[arg(long, value_name = "X", requires = "cone", allow_negative_numbers = true, value_parser = relative_error)]
     pub(crate) allow_error: Option<f64>,
     /// Write each figure as PNG too
@@ -102,7 +106,8 @@ pub(crate) struct Validate {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Study {
-    /// Monte Carlo standard errors against paths and CPU time, for each sampler and strategy (Feng 2012, ch. 4)
+    /// Monte Carlo standard errors against paths and CPU time, for each sampler and strategy (Feng 2012, ch.
+    /// 4)
     #[command(after_help = "Example: papilio study sampling scenarios/sampling.toml --out out/study")]
     Sampling(StudySampling),
 }
@@ -119,7 +124,8 @@ pub(crate) struct StudySampling {
 
 #[derive(Debug, Args)]
 pub(crate) struct Catalogue {
-    /// One name, with its numbers and a figure; or a word, to list all whose descriptions contain it [default: list all]
+    /// One name, with its numbers and a figure; or a word, to list all whose descriptions contain it
+    /// [default: list all]
     pub(crate) name: Option<String>,
     /// Print JSON on standard output; write files only if --out is given
     #[arg(long)]
@@ -280,8 +286,8 @@ pub(crate) struct ScenarioArguments {
     /// Folder for the results [default: out/NAME for NAME.toml]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated; paths of files are
-    /// relative to the current folder
+    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated; paths
+    /// of files are relative to the current folder
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
 }

@@ -60,10 +60,12 @@ pub(crate) struct ImageCommand {
     /// Colour space of seen.png, which states it
     #[arg(long, value_parser = one_of(SPACES), value_name = "SPACE", default_value = "srgb")]
     pub(crate) space: ScreenSpace,
-    /// Also show what the panel holds in the light of these presets, or with the spectra of these CIE illuminants; the view remains
+    /// Also show what the panel holds in the light of these presets, or with the spectra of these CIE
+    /// illuminants; the view remains
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) rooms: Vec<String>,
-    /// Give states.png the usual codes of states, #000000 for black and #ff0000 for red, instead of the colours that are seen
+    /// Give states.png the usual codes of states, #000000 for black and #ff0000 for red, instead of the
+    /// colours that are seen
     #[arg(long)]
     pub(crate) device_colours: bool,
 }
@@ -81,7 +83,8 @@ impl ImageCommand {
 pub(crate) struct PaletteCommand {
     #[command(flatten)]
     pub(crate) command: SpatialCommand,
-    /// Also compute the colours in the light of these presets, or with the spectra of these CIE illuminants; the view remains
+    /// Also compute the colours in the light of these presets, or with the spectra of these CIE illuminants;
+    /// the view remains
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) rooms: Vec<String>,
     /// What is white in the files for other programs

@@ -26,22 +26,24 @@ pub(crate) enum SweepCommand {
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepRun {
-    // The options of `ScenarioArguments` and `Workers`, repeated: clap would not find them next to a subcommand if
-    // they were flattened twice.
+    // The options of `ScenarioArguments` and `Workers`, repeated: clap would not find them next to a
+    // subcommand if they were flattened twice.
     /// Scenario file (TOML), with a `[sweep]` table unless --axis is given; - reads standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Folder for the results [default: out/NAME for NAME.toml]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Sweep a key over FROM:TO:STEP, or over values with commas between them: `--axis viewer.theta_deg=0:60:10`; can be repeated, for all
-    /// combinations. The axes of the file are not used then
+    /// Sweep a key over FROM:TO:STEP, or over values with commas between them:
+    /// `--axis viewer.theta_deg=0:60:10`; can be repeated, for all combinations. The axes of the file are not
+    /// used then
     #[arg(long, value_name = "KEY=VALUES")]
     pub(crate) axis: Vec<String>,
     /// Change a key of the scenario before the values of the sweep are applied; can be repeated
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Store only these metrics of every point (a compact sweep, for many points): `--metrics contrast_ratio,white.Y`; sets sweep.metrics and sweep.figures
+    /// Store only these metrics of every point (a compact sweep, for many points):
+    /// `--metrics contrast_ratio,white.Y`; sets sweep.metrics and sweep.figures
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) metrics: Vec<String>,
     /// Compute only shard K of N (every N-th point), to divide a sweep among machines
@@ -95,8 +97,9 @@ pub(crate) struct Tolerance {
 /// Outputs of a finished sweep in addition to `sweep.csv` and its figures as SVG.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SweepOutputs {
-    /// Write only these columns of sweep.csv: those of states.csv (`Y,L_star,Y_se`), or metrics of a view and of one state
-    /// (`contrast_ratio,white.Y`); the terminal and the figures follow `sweep.figures` [default: all]
+    /// Write only these columns of sweep.csv: those of states.csv (`Y,L_star,Y_se`), or metrics of a view and
+    /// of one state (`contrast_ratio,white.Y`); the terminal and the figures follow `sweep.figures` [default:
+    /// all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
     /// Print all points as JSON on standard output, and write the files as usual

@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-/// Every evaluation of a prepared display allocates many small vectors: with the system's allocator it takes 5 to 8 %
-/// longer.
+/// Every evaluation of a prepared display allocates many small vectors: with the system's allocator it takes
+/// 5 to 8 % longer.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -6,8 +6,8 @@ use papilio_goniometry::{Fit, Kind, MeasuredPart, Normalisation, RankedFit, Scat
 
 use super::report::short;
 
-/// `[display.diffuser]` for each lobe that scenarios support, in the order of the fits, and for the file itself. Empty for a
-/// measurement in reflection, because a diffuser needs the transmission.
+/// `[display.diffuser]` for each lobe that scenarios support, in the order of the fits, and for the file
+/// itself. Empty for a measurement in reflection, because a diffuser needs the transmission.
 pub(super) fn scenario_tables(file: &str, part: &MeasuredPart, fits: &[RankedFit]) -> String {
     if !part.way.is_transmission() {
         return String::new();
@@ -41,7 +41,8 @@ pub(super) fn scenario_tables(file: &str, part: &MeasuredPart, fits: &[RankedFit
     text
 }
 
-/// Keys of the diffuser, or the reason why the fit is not valid in a scenario; `None` if scenarios do not support the lobe.
+/// Keys of the diffuser, or the reason why the fit is not valid in a scenario; `None` if scenarios do not
+/// support the lobe.
 fn keys(fit: &Fit) -> Option<Result<String, &'static str>> {
     let [lobe, width, _] = fit.model.values;
     let (mut keys, widths) = match fit.model.kind {

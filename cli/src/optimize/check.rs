@@ -1,4 +1,5 @@
-//! The selected designs computed by the Monte Carlo solver too, which shares no integration with adding, to the scenario's own target.
+//! The selected designs computed by the Monte Carlo solver too, which shares no integration with adding, to
+//! the scenario's own target.
 
 use papilio_design::search::{Search, SelectedDesign};
 use papilio_design::{NamedQuantity, Study};
@@ -79,8 +80,8 @@ fn note_dark_states(results: &[RunResult]) {
     }
 }
 
-/// Computes the selected designs by the Monte Carlo solver under every condition, to the target of the scenario; `None` if interrupted.
-/// What that solver does not cover is named in a note.
+/// Computes the selected designs by the Monte Carlo solver under every condition, to the target of the
+/// scenario; `None` if interrupted. What that solver does not cover is named in a note.
 pub(super) fn check(
     search: &Search,
     chosen: &[SelectedDesign],
@@ -139,7 +140,8 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    /// Compares a design under a condition. Returns the result of a run, if the solver covers it; `None` if interrupted.
+    /// Compares a design under a condition. Returns the result of a run, if the solver covers it; `None` if
+    /// interrupted.
     fn design(
         &mut self,
         number: usize,

@@ -1,4 +1,5 @@
-//! The journal of a search, `optimize.jsonl`: a head that identifies the search, then its records in order of arrival.
+//! The journal of a search, `optimize.jsonl`: a head that identifies the search, then its records in order of
+//! arrival.
 
 use std::path::{Path, PathBuf};
 
@@ -15,8 +16,8 @@ const STEM: &str = "optimize";
 
 /// Opens or creates the journal of a search (or of shard K of N) in a folder.
 ///
-/// Also returns the records of this search: those in the journal, in other journals of the folder, and in the folders
-/// `others`.
+/// Also returns the records of this search: those in the journal, in other journals of the folder, and in the
+/// folders `others`.
 pub(super) fn open(
     folder: &Path,
     shard: Option<(usize, usize)>,

@@ -1,7 +1,7 @@
 //! `papilio optimize`: a search for better designs, which can be interrupted and resumed.
 //!
-//! The result of a task depends only on the scenario and the task, and is saved in the journal immediately. A resumed search
-//! therefore writes the same files as an uninterrupted one, for any number of threads.
+//! The result of a task depends only on the scenario and the task, and is saved in the journal immediately. A
+//! resumed search therefore writes the same files as an uninterrupted one, for any number of threads.
 
 mod check;
 mod journal;

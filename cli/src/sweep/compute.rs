@@ -21,7 +21,8 @@ pub(super) struct FinishedPoint {
 /// Number and hash of a point, and its result unless that is known.
 type PointResult = (usize, String, Option<SweepPoint>);
 
-/// Computes the missing points and saves them. Returns the finished points by number; ends early if interrupted.
+/// Computes the missing points and saves them. Returns the finished points by number; ends early if
+/// interrupted.
 pub(super) fn compute(
     sweep: &Sweep,
     head: &SweepHead,
@@ -39,7 +40,8 @@ pub(super) fn compute(
     Ok(done)
 }
 
-/// Computes a point unless it is known; `None` if interrupted. `prepared` is the display of the worker's previous point.
+/// Computes a point unless it is known; `None` if interrupted. `prepared` is the display of the worker's
+/// previous point.
 fn compute_point(
     sweep: &Sweep,
     head: &SweepHead,
@@ -80,7 +82,8 @@ pub(super) fn failed_at(head: &SweepHead, point: usize, error: impl Into<DesignE
     Failure::of_one(error, &format!("at {}", swept.collect::<Vec<_>>().join(", ")))
 }
 
-/// Saves a result; returns whether it was computed now. The first point also shows whether the requested figures exist.
+/// Saves a result; returns whether it was computed now. The first point also shows whether the requested
+/// figures exist.
 fn store(
     (point, hash, result): PointResult,
     sweep: &Sweep,

@@ -29,8 +29,8 @@ fn read(path: &Path) -> Result<SweepJournal, Failure> {
 }
 
 impl Journal {
-    /// Opens or creates the journal of a sweep in a folder. The points of other journals there, and of earlier forms of the
-    /// sweep, are known too.
+    /// Opens or creates the journal of a sweep in a folder. The points of other journals there, and of
+    /// earlier forms of the sweep, are known too.
     pub(super) fn open(folder: &Path, name: &str, head: SweepHead) -> Result<Self, Failure> {
         let mut journal = LockedJournal::hold(folder.join(name))?;
         remove_abandoned(folder);
@@ -43,7 +43,8 @@ impl Journal {
         if mine.head.as_ref() == Some(&head) {
             journal.cut(mine.whole)?;
         } else {
-            // An earlier form of the sweep, or a new journal. Points stay, but their numbers are no longer valid.
+            // An earlier form of the sweep, or a new journal. Points stay, but their numbers are no longer
+            // valid.
             let points = mine.lines.into_iter().map(|point| SweepPoint { point: None, ..point });
             journal.put(&head, points)?;
         }

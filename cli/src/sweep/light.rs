@@ -1,4 +1,5 @@
-//! Compact sweeps: they store only a few metrics of each point, about 80 bytes, for sweeps of 100 000 points and more.
+//! Compact sweeps: they store only a few metrics of each point, about 80 bytes, for sweeps of 100 000 points
+//! and more.
 
 use std::collections::BTreeMap;
 use std::io::Write;

@@ -1,8 +1,8 @@
 //! `papilio sweep`: a scenario at every point of its `[sweep]`, which can be interrupted and resumed.
 //!
-//! Points are computed in parallel, each on one thread and as by `papilio run`. The numbers of a point therefore do not
-//! depend on other points, and a resumed sweep writes the same bytes as an uninterrupted one. Each finished point is saved
-//! in the journal immediately.
+//! Points are computed in parallel, each on one thread and as by `papilio run`. The numbers of a point
+//! therefore do not depend on other points, and a resumed sweep writes the same bytes as an uninterrupted
+//! one. Each finished point is saved in the journal immediately.
 
 mod compute;
 mod journal;
@@ -110,7 +110,8 @@ fn note_size(sweep: &Sweep) {
     }
 }
 
-/// True for names of the files that an earlier sweep has written, except its journal: they would be mistaken for those of this one.
+/// True for names of the files that an earlier sweep has written, except its journal: they would be mistaken
+/// for those of this one.
 fn is_of_a_sweep(name: &str) -> bool {
     ["sweep.csv", "sweep.parquet"].contains(&name) || output::is_figure_of(&["sweep_"], name)
 }

@@ -9,7 +9,8 @@ use crate::report;
 /// Most rows that are printed.
 pub(super) const MOST_ROWS: usize = 40;
 
-/// A row for each point and view: the swept values and the metrics of the figures. `points` are the first of `total` points.
+/// A row for each point and view: the swept values and the metrics of the figures. `points` are the first of
+/// `total` points.
 pub(super) fn sweep_table(head: &SweepHead, points: &[&SweepPoint], total: usize) -> String {
     let views: Vec<Vec<[&str; 2]>> = points.iter().map(|point| point.views()).collect();
     let several = views.iter().any(|views| views.len() > 1);

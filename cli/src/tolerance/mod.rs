@@ -1,8 +1,8 @@
-//! `papilio tolerance`: the distribution of metrics in production, the yield, and sensitivities; can be interrupted and
-//! resumed.
+//! `papilio tolerance`: the distribution of metrics in production, the yield, and sensitivities; can be
+//! interrupted and resumed.
 //!
-//! A sample depends only on its number. Shards can therefore be computed anywhere, and a larger number of samples begins with
-//! those of a smaller one.
+//! A sample depends only on its number. Shards can therefore be computed anywhere, and a larger number of
+//! samples begins with those of a smaller one.
 
 mod report;
 

@@ -113,8 +113,8 @@ fn sensitivities(found: &Report) -> Vec<Vec<String>> {
     rows
 }
 
-/// Both indices in %, each with its standard error in units of the last digit. They have the same number of decimals, so that
-/// rounding does not make the first-order index larger than the total-order index.
+/// Both indices in %, each with its standard error in units of the last digit. They have the same number of
+/// decimals, so that rounding does not make the first-order index larger than the total-order index.
 fn rounded_indices(one: &Indices) -> [String; 2] {
     let errors = [one.first, one.total].map(|one| 100.0 * one.standard_error);
     let decimals = usize::from(errors[0].max(errors[1]) < 5.0);

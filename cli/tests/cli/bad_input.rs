@@ -139,7 +139,8 @@ fn state_names_are_not_formulas_in_csv_files() {
     }
 }
 
-/// Where no folder is named, the result of another hash stays, whatever command made it; the same result goes to its own folder.
+/// Where no folder is named, the result of another hash stays, whatever command made it; the same result goes
+/// to its own folder.
 #[test]
 fn result_of_another_hash_is_not_replaced() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Formats of `papilio brdf`: CSV, RGL tensor files with their scene, Klems matrices; mistakes in its options.
+//! Formats of `papilio brdf`: CSV, RGL tensor files with their scene, Klems matrices; mistakes in its
+//! options.
 
 use std::fs;
 use std::path::Path;
@@ -55,8 +56,8 @@ fn rgl_has_a_file_for_each_state_a_mirror_part_and_a_scene() {
         serde_json::from_slice(&fs::read(folder.path().join("display-mirror.json")).unwrap()).unwrap();
     assert_eq!(mirror["states"]["white"]["file"], "display-white.bsdf");
     assert_eq!(mirror["states"]["white"]["specular"][0].as_array().map(Vec::len), Some(9));
-    // Light from 0, 45, 67.5 and 89 deg; 9 wavelengths, the luminance, and 4 values of the density, for each of 8 x 8 half vectors; 4
-    // bytes each.
+    // Light from 0, 45, 67.5 and 89 deg; 9 wavelengths, the luminance, and 4 values of the density, for each
+    // of 8 x 8 half vectors; 4 bytes each.
     let bytes = fs::metadata(folder.path().join("display-white.bsdf")).unwrap().len();
     assert!((4 * 14 * 64 * 4..4 * 14 * 64 * 4 + 1000).contains(&bytes), "{bytes}");
     assert_inspected(folder.path());
@@ -77,8 +78,9 @@ fn klems_has_a_matrix_for_each_state() {
     assert_eq!(names(folder.path()), files);
 }
 
-/// A collimated lamp at 45 deg with the spectrum of D65, seen at the distance of 20 deg from the mirror direction, towards the normal:
-/// the file has X, Y and Z of `papilio run`, relative to those of a perfect white, and over pi. `diffuser inspect` reads it.
+/// A collimated lamp at 45 deg with the spectrum of D65, seen at the distance of 20 deg from the mirror
+/// direction, towards the normal: the file has X, Y and Z of `papilio run`, relative to those of a perfect
+/// white, and over pi. `diffuser inspect` reads it.
 #[test]
 fn radiant_has_the_colours_of_a_run_in_a_collimated_lamp() {
     let folder = tempfile::tempdir().unwrap();
@@ -99,7 +101,8 @@ fn radiant_has_the_colours_of_a_run_in_a_collimated_lamp() {
     let numbers = |line: &str| -> Vec<f64> { line.split('\t').map(|word| word.parse().unwrap()).collect() };
     let below = |word: &str| lines.iter().position(|line| line.starts_with(word)).unwrap() + 1;
     let column = numbers(lines[below("ScatterRadial")]).iter().position(|r| *r == 20.0).unwrap();
-    // Incidences of 0, 45, 67.5 and 89 deg, of a line TIS and 37 azimuths each, of which the first is towards the normal.
+    // Incidences of 0, 45, 67.5 and 89 deg, of a line TIS and 37 azimuths each, of which the first is towards
+    // the normal.
     let found = ["X", "Y", "Z"].map(|channel| {
         let second = below(&format!("Tristimulus{channel}")) + 1 + 38;
         assert!(lines[second].starts_with("TIS"), "{}", lines[second]);
@@ -126,7 +129,8 @@ fn chosen_states_of_the_archive_have_the_values_of_all() {
     assert!(brdf("indoor", all.path(), &[]).status.success());
     assert!(brdf("indoor", one.path(), &["--states", "white"]).status.success());
     let bytes = [&all, &one].map(|folder| fs::read(folder.path().join("display-bsdf.npz")).unwrap());
-    // The array of a single state is 2 x 2 x 5 x 9 numbers of 4 bytes after its header, which ends with a line break.
+    // The array of a single state is 2 x 2 x 5 x 9 numbers of 4 bytes after its header, which ends with a
+    // line break.
     let find = |bytes: &[u8], what: &[u8]| bytes.windows(what.len()).position(|window| window == what);
     let header = find(&bytes[1], b"(1, 2, 2, 5, 9,)").unwrap();
     let start = header + find(&bytes[1][header..], b"\n").unwrap() + 1;
@@ -158,13 +162,15 @@ fn mistakes_in_options_are_reported_before_anything_is_computed() {
     assert!(stderr(&output).contains("is not a folder"), "{}", stderr(&output));
 }
 
-/// A display without scattering has no haze: rounding of its mirror component is neither a negative haze nor a failure.
+/// A display without scattering has no haze: rounding of its mirror component is neither a negative haze nor
+/// a failure.
 #[test]
 fn a_display_without_scattering_has_no_haze() {
     let folder = tempfile::tempdir().unwrap();
     let mut command = papilio();
     command.arg("brdf").arg(scenario("antiglare")).arg("--out").arg(folder.path());
-    // With this grid of wavelengths, the sum of the light differs from the mirror component in the last digit.
+    // With this grid of wavelengths, the sum of the light differs from the mirror component in the last
+    // digit.
     let output = command.args(["--step", "15", "--set", "spectrum.step_nm=40"]).output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(!fs::read_to_string(folder.path().join("reflection.csv")).unwrap().contains('-'));

@@ -51,7 +51,8 @@ fn synthetic_panel_differs_by_its_stated_deviations() {
         serde_json::from_slice(&fs::read(out.join("comparison.json")).unwrap()).unwrap();
     assert_eq!(all["states"].as_array().unwrap().len(), 10);
     let red = all["states"].as_array().unwrap().iter().find(|one| one["state"] == "red").unwrap();
-    // A gap of 271.5 instead of 275.9 nm moves a peak near 690 nm in proportion, by 11 nm; noise adds a little.
+    // A gap of 271.5 instead of 275.9 nm moves a peak near 690 nm in proportion, by 11 nm; noise adds a
+    // little.
     let peaks = ["simulated", "measured"].map(|side| red[side]["peak_nm"].as_f64().unwrap());
     assert!((5.0..17.0).contains(&(peaks[0] - peaks[1])), "{peaks:?}");
     // 0.003 more front reflection in diffuse light adds 0.003 to all states, which matters most for black.
@@ -81,8 +82,9 @@ fn tables_of_a_run_compare_as_equal() {
     }
 }
 
-/// CIELAB and wide tables of the result itself, with capital names and without angles, have no difference: L\*, a\*, b\* of states.csv
-/// are relative to the same white, and a spectrum in per cent is the same spectrum.
+/// CIELAB and wide tables of the result itself, with capital names and without angles, have no difference:
+/// L\*, a\*, b\* of states.csv are relative to the same white, and a spectrum in per cent is the same
+/// spectrum.
 #[test]
 fn measurement_in_the_forms_of_instruments_is_compared() {
     let folder = tempfile::tempdir().unwrap();
@@ -160,8 +162,8 @@ fn wrong_input_is_refused_and_nothing_is_written() {
     assert!(!out.exists());
 }
 
-/// Percentages instead of fractions are the most frequent mistake, and neither contrast nor gamut shows it. Figures of an
-/// earlier comparison are removed.
+/// Percentages instead of fractions are the most frequent mistake, and neither contrast nor gamut shows it.
+/// Figures of an earlier comparison are removed.
 #[test]
 fn percentages_are_detected_and_old_figures_removed() {
     let folder = tempfile::tempdir().unwrap();

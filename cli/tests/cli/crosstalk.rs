@@ -59,8 +59,8 @@ fn missing_matrix_and_thickness_are_reported() {
     }
 }
 
-/// Metrics of crosstalk in a sweep: own shares and gamut against the height of a printed filter, each followed by its error; and what a
-/// run does not compute is named.
+/// Metrics of crosstalk in a sweep: own shares and gamut against the height of a printed filter, each
+/// followed by its error; and what a run does not compute is named.
 #[test]
 fn crosstalk_is_a_metric_of_sweeps() {
     let folder = tempfile::tempdir().unwrap();

@@ -48,7 +48,8 @@ impl Folder {
     }
 }
 
-/// The shipped files equal those that the program writes from the shipped scenario. H65 and H81 are as H78, with other numbers.
+/// The shipped files equal those that the program writes from the shipped scenario. H65 and H81 are as H78,
+/// with other numbers.
 #[test]
 fn shipped_samples_are_reproduced() {
     let folder = Folder::new();
@@ -237,7 +238,8 @@ fn steps_are_left_out_one_at_a_time() {
     assert!(folder.path("tails/step-extrapolate_tails.svg").is_file());
 }
 
-/// The output of `fit` is a table of a scenario: a display under the fitted lobe looks as under the file. Every day, two of the five lobes.
+/// The output of `fit` is a table of a scenario: a display under the fitted lobe looks as under the file.
+/// Every day, two of the five lobes.
 #[test]
 fn printed_fit_can_be_pasted_into_a_scenario() {
     let folder = Folder::new();

@@ -1,8 +1,9 @@
-//! Every numeric key of `run` and `gonio` at the extremes of numbers and of its range: the program ends or shows progress, soon and in
-//! limited memory, and never by a panic.
+//! Every numeric key of `run` and `gonio` at the extremes of numbers and of its range: the program ends or
+//! shows progress, soon and in limited memory, and never by a panic.
 //!
-//! **Keys.** The schema is followed along the tables of the examples: every number that a table may have, whether the example has it or not,
-//! the first elements of lists, and numbers by names. A key of the same table in several examples of `run` is tried in the first one.
+//! **Keys.** The schema is followed along the tables of the examples: every number that a table may have,
+//! whether the example has it or not, the first elements of lists, and numbers by names. A key of the same
+//! table in several examples of `run` is tried in the first one.
 //!
 //! **Values.** 0, 1e-300, 1e300, both ends of the range, and the nearest numbers below and above them.
 
@@ -22,8 +23,9 @@ use crate::common::papilio_command;
 /// Memory that the program may take, bytes.
 const MOST_MEMORY: u64 = 1_000_000_000;
 
-/// Time of a processor within which the program ends or shows progress, on each of [`THREADS`] threads, s: time on the clock depends on
-/// what else the machine does. It has its first line of progress after 20 s on the clock.
+/// Time of a processor within which the program ends or shows progress, on each of [`THREADS`] threads, s:
+/// time on the clock depends on what else the machine does. It has its first line of progress after 20 s on
+/// the clock.
 const MOST_SECONDS: f64 = 20.0;
 const THREADS: u32 = 2;
 
@@ -228,13 +230,15 @@ enum End {
     Wrong(String),
 }
 
-/// A program that waits for nothing, and so uses no time of a processor, ends after this: far beyond any other bound.
+/// A program that waits for nothing, and so uses no time of a processor, ends after this: far beyond any
+/// other bound.
 const LONGEST_WAIT: Duration = Duration::from_secs(900);
 
 /// How long a run is watched that shows progress, s of a processor on each thread.
 const MOST_SECONDS_IN_ALL: f64 = 60.0;
 
-/// Runs the program until it ends, shows progress, or takes too much. Memory is also watched further on, if asked.
+/// Runs the program until it ends, shows progress, or takes too much. Memory is also watched further on, if
+/// asked.
 fn watch(arguments: &[&str], folder: &Path, is_whole: bool) -> End {
     let [out, errors] = ["stdout", "stderr"].map(|name| folder.join(name));
     let into = |path: &Path| Stdio::from(fs::File::create(path).unwrap());

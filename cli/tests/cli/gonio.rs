@@ -59,8 +59,8 @@ fn a_surface_is_measured() {
     );
 }
 
-/// With azimuths, a measurement writes the same files and two more; a display uses the mean over azimuths and says so. Steps that are not
-/// possible are refused with their place.
+/// With azimuths, a measurement writes the same files and two more; a display uses the mean over azimuths and
+/// says so. Steps that are not possible are refused with their place.
 #[test]
 fn a_surface_is_measured_by_azimuth() {
     let surface = Path::new(env!("CARGO_MANIFEST_DIR")).join("../surfaces/prisms.toml");
@@ -139,7 +139,8 @@ fn a_surface_is_measured_by_azimuth() {
     }
 }
 
-/// A measurement that gets Ctrl-C keeps its finished parts, and ends in the same bytes as an uninterrupted one. A preview does not use them.
+/// A measurement that gets Ctrl-C keeps its finished parts, and ends in the same bytes as an uninterrupted
+/// one. A preview does not use them.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_measurement_is_resumed() {
@@ -202,7 +203,8 @@ fn a_measurement_that_fails_leaves_no_folder() {
     assert!(!out.exists());
 }
 
-/// A mesh of corner cubes with a grey mirror: rho^3 of the light along the normal returns, and all else is absorbed. Its kernel is no layer.
+/// A mesh of corner cubes with a grey mirror: rho^3 of the light along the normal returns, and all else is
+/// absorbed. Its kernel is no layer.
 #[test]
 fn coated_corner_cubes_return_the_cube_of_their_reflectance() {
     let surface = Path::new(env!("CARGO_MANIFEST_DIR")).join("../surfaces/corner-cubes.toml");
@@ -306,8 +308,9 @@ fn waves_and_layers_follow_from_a_surface() {
         );
     };
     near(1, "straight", 0.92167, "straight_error");
-    // The normal and 60 deg from above, then both from below, where 60 deg is beyond the critical angle; at 450 and 550 nm each. From above at 60 deg
-    // exp(-(2 pi (sqrt(1.5) - 0.5) 50/550)^2) passes, and exp(-(4 pi 0.5 50/550)^2) is reflected; from below exp(-(4 pi 0.75 50/550)^2).
+    // The normal and 60 deg from above, then both from below, where 60 deg is beyond the critical angle; at
+    // 450 and 550 nm each. From above at 60 deg exp(-(2 pi (sqrt(1.5) - 0.5) 50/550)^2) passes, and exp(-(4
+    // pi 0.5 50/550)^2) is reflected; from below exp(-(4 pi 0.75 50/550)^2).
     assert_eq!(rows.len(), 8);
     near(3, "straight", 0.84251, "straight_error");
     near(3, "mirror", 0.72161, "mirror_error");

@@ -1,4 +1,5 @@
-//! `papilio image`: files, colours of uniform pictures, gamut, light between neighbours, and answers to wrong input.
+//! `papilio image`: files, colours of uniform pictures, gamut, light between neighbours, and answers to wrong
+//! input.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -77,7 +78,8 @@ fn both_spaces_of_screens_have_the_same_colours() {
     pairs.for_each(|(one, other)| assert!((one - other).abs() < 0.01, "{one} {other}"));
 }
 
-/// The square-root integrals of image.json are those of `papilio mtf`; a display without blur has the larger ones.
+/// The square-root integrals of image.json are those of `papilio mtf`; a display without blur has the larger
+/// ones.
 #[test]
 fn sharpness_is_that_of_the_transfer() {
     let folder = tempfile::tempdir().unwrap();
@@ -96,7 +98,8 @@ fn sharpness_is_that_of_the_transfer() {
     assert!(without["sharpness"].is_null(), "{}", without["sharpness"]);
 }
 
-/// White is the white state, black the black one, with the colours of `papilio run`; a colour that is outside the gamut becomes one inside.
+/// White is the white state, black the black one, with the colours of `papilio run`; a colour that is outside
+/// the gamut becomes one inside.
 #[test]
 fn white_and_black_are_those_of_the_display() {
     let folder = tempfile::tempdir().unwrap();
@@ -127,7 +130,8 @@ fn white_and_black_are_those_of_the_display() {
     }
 }
 
-/// A halftone has the mean colour that was to be shown, apart from the errors that leave the picture at its borders.
+/// A halftone has the mean colour that was to be shown, apart from the errors that leave the picture at its
+/// borders.
 #[test]
 fn halftone_keeps_the_mean_colour() {
     let folder = tempfile::tempdir().unwrap();
@@ -141,8 +145,8 @@ fn halftone_keeps_the_mean_colour() {
         );
         [0, 1, 2].map(|k| found["mean_XYZ"][k].as_f64().unwrap())
     };
-    // Errors of half a white pixel, at most, leave at each of the 4 x 160 pixels of the border. 160 is a multiple of the sides of neither
-    // mask, whose levels are finer.
+    // Errors of half a white pixel, at most, leave at each of the 4 x 160 pixels of the border. 160 is a
+    // multiple of the sides of neither mask, whose levels are finer.
     let wanted = mean("none");
     for halftone in ["error-diffusion", "ordered", "void-and-cluster", "direct-binary-search"] {
         for ((shown, wanted), white) in mean(halftone).into_iter().zip(wanted).zip([0.43, 0.38, 0.13]) {
@@ -151,7 +155,8 @@ fn halftone_keeps_the_mean_colour() {
     }
 }
 
-/// Text is black on white, half of the area of stripes is black, and a page has a photograph besides; all on the pixels of the panel.
+/// Text is black on white, half of the area of stripes is black, and a page has a photograph besides; all on
+/// the pixels of the panel.
 #[test]
 fn texts_and_patterns_are_pictures() {
     let folder = tempfile::tempdir().unwrap();
@@ -200,7 +205,8 @@ fn texts_and_patterns_are_pictures() {
     assert!(stderr(&cut).contains("are left out"), "{}", stderr(&cut));
 }
 
-/// Below glass, pixels light each other: a uniform picture keeps its colour, the mean of white and black pixels is darker than that of pages.
+/// Below glass, pixels light each other: a uniform picture keeps its colour, the mean of white and black
+/// pixels is darker than that of pages.
 #[test]
 fn neighbours_light_each_other_below_glass() {
     let folder = tempfile::tempdir().unwrap();
@@ -274,8 +280,8 @@ fn wrong_input_is_answered() {
     assert!(stderr(&none).contains("papilio image SCENARIO PICTURE"), "{}", stderr(&none));
 }
 
-/// The panel holds its states: in other rooms they are the same, and each room has a picture of its own. States that are decided for another
-/// light are those of a display in that light.
+/// The panel holds its states: in other rooms they are the same, and each room has a picture of its own.
+/// States that are decided for another light are those of a display in that light.
 #[test]
 fn states_are_held_while_the_light_changes() {
     let folder = tempfile::tempdir().unwrap();
@@ -296,7 +302,8 @@ fn states_are_held_while_the_light_changes() {
     let there = &here["rooms"];
     assert_eq!((there[0]["room"].as_str(), &there[0]["coverage"]), (Some("D65"), &here["coverage"]));
     assert_ne!(there[0]["mean_XYZ"], here["mean_XYZ"]);
-    // In daylight, with states for the lamp: what the room says. With states for daylight: as if decided there.
+    // In daylight, with states for the lamp: what the room says. With states for daylight: as if decided
+    // there.
     let (held, of_lamp, _) =
         run("held", &["--set", "lighting.spectrum=D65", "--set", "image.prepared_for=LED-B1"]);
     assert_eq!(held["mean_XYZ"], there[0]["mean_XYZ"]);
@@ -349,8 +356,9 @@ fn sweeps_have_metrics_of_pictures() {
     assert!(error.contains("the key `file` is missing"), "{error}");
 }
 
-/// White, black and every neutral between them are in the gamut of a display that has them, with or without coloured inks. Against the
-/// photograph, white is right and black is wrong by the display's black: CIEDE2000 of two neutrals has a closed form.
+/// White, black and every neutral between them are in the gamut of a display that has them, with or without
+/// coloured inks. Against the photograph, white is right and black is wrong by the display's black: CIEDE2000
+/// of two neutrals has a closed form.
 #[test]
 fn neutrals_are_in_the_gamut_and_the_photograph_is_the_first_reference() {
     let folder = tempfile::tempdir().unwrap();
@@ -388,7 +396,8 @@ fn neutrals_are_in_the_gamut_and_the_photograph_is_the_first_reference() {
     let lightness = 116.0 * (luminance(15.0) / luminance(75.0)).cbrt() - 16.0;
     let from_50 = (lightness / 2.0 - 50.0).powi(2);
     let expected = lightness / (1.0 + 0.015 * from_50 / (20.0 + from_50).sqrt());
-    // States of a palette file are spectra made from four digits, and the white of pictures is D65 of four digits.
+    // States of a palette file are spectra made from four digits, and the white of pictures is D65 of four
+    // digits.
     assert!(of(&white) < 0.1, "{}", of(&white));
     assert!((of(&black) - expected).abs() < 0.1, "{} instead of {expected}", of(&black));
 }

@@ -60,8 +60,8 @@ fn luminance_factors(folder: &Path, diffuser: &str, solver: &str) -> [f64; 2] {
     ["white", "black"].map(|state| result["views"][0]["states"][state]["Y"].as_f64().unwrap())
 }
 
-/// A scan of a lobe that is shift-invariant gives the display of that lobe, in both solvers: two independent ways to the same
-/// numbers.
+/// A scan of a lobe that is shift-invariant gives the display of that lobe, in both solvers: two independent
+/// ways to the same numbers.
 #[test]
 fn scan_of_a_lobe_is_the_diffuser_of_that_lobe() {
     let folder = with_scan("theta_deg,btdf\n", 0.1);
@@ -143,7 +143,8 @@ fn scan_without_names_needs_the_part() {
     assert!(out.contains("scan at normal incidence"), "{out}");
 }
 
-/// A file of three wavelengths has the level of each: at these, the display is that of a file with this wavelength alone.
+/// A file of three wavelengths has the level of each: at these, the display is that of a file with this
+/// wavelength alone.
 #[test]
 fn wavelengths_of_a_file_have_their_own_level() {
     let folder = tempfile::tempdir().unwrap();
@@ -184,8 +185,8 @@ fn wavelengths_of_a_file_have_their_own_level() {
     assert!(err.contains("the level of each of the 3 wavelengths"), "{err}");
 }
 
-/// A constant BRDF of 0.3 per sr, measured to 80 deg in all directions, is reciprocal and reflects 0.3 pi at every inclination. The last
-/// lobe is used beyond 80 deg, which is said.
+/// A constant BRDF of 0.3 per sr, measured to 80 deg in all directions, is reciprocal and reflects 0.3 pi at
+/// every inclination. The last lobe is used beyond 80 deg, which is said.
 #[test]
 fn constant_brdf_that_ends_at_80_deg_is_reciprocal_and_whole() {
     let folder = tempfile::tempdir().unwrap();
@@ -213,7 +214,8 @@ fn constant_brdf_that_ends_at_80_deg_is_reciprocal_and_whole() {
     }
 }
 
-/// Paths in `--set` begin at the current folder, or else at the folder of the scenario; paths in the file at its folder.
+/// Paths in `--set` begin at the current folder, or else at the folder of the scenario; paths in the file at
+/// its folder.
 #[test]
 fn path_in_set_is_relative_to_the_current_folder() {
     let folder = tempfile::tempdir().unwrap();
@@ -242,7 +244,8 @@ fn path_in_set_is_relative_to_the_current_folder() {
     assert!((here - there).abs() < 1e-12, "{here} {there}");
     let says = refused(folder.path(), &["run", "designs/s.toml", "--set", &format!("{key}=mine/none.csv")]);
     assert!(says.contains("tried mine/none.csv and designs/mine/none.csv"), "{says}");
-    // In the file, the path begins at its folder; the message states the path that was tried, and the right one.
+    // In the file, the path begins at its folder; the message states the path that was tried, and the right
+    // one.
     let text = fs::read_to_string(designs.join("s.toml")).unwrap();
     fs::write(designs.join("s.toml"), text.replace("Cr:Johnson", "mine/Cr.csv")).unwrap();
     let says = refused(folder.path(), &["run", "designs/s.toml"]);

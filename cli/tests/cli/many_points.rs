@@ -1,5 +1,5 @@
-//! A compact sweep of many points, in two shards that are killed repeatedly, ends in the same bytes as an uninterrupted
-//! one.
+//! A compact sweep of many points, in two shards that are killed repeatedly, ends in the same bytes as an
+//! uninterrupted one.
 //!
 //! `PAPILIO_SWEEP_POINTS`: number of points, a multiple of 100 (default 600; 100 000 in `cargo xtask full`).
 

@@ -72,8 +72,8 @@ fn missing_thickness_is_reported_at_its_table() {
     assert!(stderr(&output).contains("red"), "{}", stderr(&output));
 }
 
-/// Half of the modulation at the Nyquist frequency of 300 pixels per inch below 0.537 mm, by a sweep and by a search; errors of the
-/// metrics' conditions are named.
+/// Half of the modulation at the Nyquist frequency of 300 pixels per inch below 0.537 mm, by a sweep and by a
+/// search; errors of the metrics' conditions are named.
 #[test]
 fn sharpness_is_a_metric_of_sweeps_and_searches() {
     let folder = tempfile::tempdir().unwrap();
@@ -116,7 +116,8 @@ fn sharpness_is_a_metric_of_sweeps_and_searches() {
     assert!(!output.status.success() && stderr(&output).contains("[sparkle]"), "{}", stderr(&output));
 }
 
-/// A face by waves has twenty lobes at each wavelength: sharpness below it is left to Monte Carlo, at once and with its hint.
+/// A face by waves has twenty lobes at each wavelength: sharpness below it is left to Monte Carlo, at once
+/// and with its hint.
 #[test]
 fn sharpness_below_a_face_by_waves_is_left_to_monte_carlo() {
     let mtf = |solver: &[&str]| {
@@ -131,8 +132,8 @@ fn sharpness_below_a_face_by_waves_is_left_to_monte_carlo() {
     assert!(computed.status.success(), "{}", stderr(&computed));
 }
 
-/// `solver.relative_error` is the target of transfers, too: a smaller one is met by finer levels, which agree within the errors, and one that
-/// cannot be met is a warning, in the JSON too.
+/// `solver.relative_error` is the target of transfers, too: a smaller one is met by finer levels, which agree
+/// within the errors, and one that cannot be met is a warning, in the JSON too.
 #[test]
 fn target_of_a_transfer_is_met_or_reported() {
     let at = |name: &str, target: &str, more: &[&str]| {

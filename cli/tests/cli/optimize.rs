@@ -60,7 +60,8 @@ fn search(file: &str, out: &str, more: &[&str]) -> Output {
     output
 }
 
-/// The best design is better than the scenario's, meets its limit, keeps the comments, and runs without changes.
+/// The best design is better than the scenario's, meets its limit, keeps the comments, and runs without
+/// changes.
 #[test]
 fn search_finds_and_writes_a_better_design() {
     let (_folder, file, out) = place(SCENARIO);
@@ -82,8 +83,8 @@ fn search_finds_and_writes_a_better_design() {
     assert_eq!(names, ["best.toml", "optimize.csv", "optimize.jsonl", "trace.svg"]);
 }
 
-/// The report of a front marks variables at an end of their range, and both solvers compute every design of it, to the target of the
-/// scenario: a tenth of the usual one would be met with a tenth of its error.
+/// The report of a front marks variables at an end of their range, and both solvers compute every design of
+/// it, to the target of the scenario: a tenth of the usual one would be met with a tenth of its error.
 #[test]
 fn front_marks_ends_of_ranges_and_is_checked_design_by_design() {
     // Both aims want less of the absorber than the range allows.
@@ -117,8 +118,8 @@ fn front_marks_ends_of_ranges_and_is_checked_design_by_design() {
     assert!(text.contains(&format!("the {} designs of the front by both solvers", designs.len())), "{text}");
 }
 
-/// Wherever a journal is cut off, and however many threads resume the search, the results of descents, fronts and
-/// populations are the same, byte for byte.
+/// Wherever a journal is cut off, and however many threads resume the search, the results of descents, fronts
+/// and populations are the same, byte for byte.
 #[test]
 fn resumed_search_ends_as_an_uninterrupted_one() {
     for (name, more) in [("descents", ""), ("front", SECOND_AIM), ("population", "")] {
@@ -149,8 +150,8 @@ fn resumed_search_ends_as_an_uninterrupted_one() {
     }
 }
 
-/// Shards in separate folders, then merged, give the same bytes as one run: descents, and a front whose shards have the
-/// first round in common.
+/// Shards in separate folders, then merged, give the same bytes as one run: descents, and a front whose
+/// shards have the first round in common.
 #[test]
 fn merged_shards_equal_one_search() {
     for more in ["", SECOND_AIM] {
@@ -330,7 +331,8 @@ fn limits_that_no_design_meets_are_reported() {
     assert_eq!(names, ["best.toml"]);
 }
 
-/// A changed digit in a line and a missing generation of a population are detected; the search is not resumed.
+/// A changed digit in a line and a missing generation of a population are detected; the search is not
+/// resumed.
 #[test]
 fn damaged_journal_is_refused() {
     let (_folder, file, out) = place(&SCENARIO.replace("[optimize]", "[optimize]\nmethod = \"both\""));

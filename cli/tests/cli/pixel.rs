@@ -130,8 +130,8 @@ fn pixel_scan_as_json_has_the_numbers_of_the_table_and_writes_no_file() {
     assert!((absorbed + number(&one["reflectance"][1][40]) - 1.0).abs() < 1e-9, "{absorbed}");
 }
 
-/// The pixel uses no light: its scan extends beyond the table of the scenario's lamp, and is the same there as in a light that does. A run refuses
-/// the lamp, and takes equal energy, which has no end.
+/// The pixel uses no light: its scan extends beyond the table of the scenario's lamp, and is the same there
+/// as in a light that does. A run refuses the lamp, and takes equal energy, which has no end.
 #[test]
 fn wavelengths_beyond_the_lamp_are_scanned() {
     let wide = ["--set", "spectrum.range_nm=[370,850]", "--set", "spectrum.step_nm=20"];

@@ -22,8 +22,8 @@ fn never_back(arguments: &[&str]) -> Vec<String> {
     lines
 }
 
-/// Runs of several views by both solvers, with and without maps; passes of a table of a layered display; the search of a front, and the check of each
-/// of its designs.
+/// Runs of several views by both solvers, with and without maps; passes of a table of a layered display; the
+/// search of a front, and the check of each of its designs.
 #[test]
 fn progress_never_goes_back() {
     let folder = tempfile::tempdir().unwrap();

@@ -41,7 +41,8 @@ fn run_writes_results_and_prints_a_table() {
     assert_eq!(rows.lines().count(), 9);
 }
 
-/// Temporary files of a killed run are deleted by the next one; files of other programs, and of one that still writes, are not.
+/// Temporary files of a killed run are deleted by the next one; files of other programs, and of one that
+/// still writes, are not.
 #[test]
 fn what_a_killed_run_has_left_is_deleted_by_the_next_one() {
     let folder = tempfile::tempdir().unwrap();
@@ -136,7 +137,8 @@ fn schema_option_prints_schemas() {
     }
 }
 
-/// Computing time of a process so far, s: on a busy machine more time passes. `None` where the system does not list processes.
+/// Computing time of a process so far, s: on a busy machine more time passes. `None` where the system does
+/// not list processes.
 #[cfg(unix)]
 fn cpu_seconds(process: u32) -> Option<f64> {
     let Ok(status) = fs::read_to_string(format!("/proc/{process}/stat")) else {

@@ -1,4 +1,5 @@
-//! `papilio serve` as a process: its address, the scenario that it opens, and what a kill loses (nothing that was saved).
+//! `papilio serve` as a process: its address, the scenario that it opens, and what a kill loses (nothing that
+//! was saved).
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -135,8 +136,8 @@ fn page_opens_surfaces_of_layers_and_their_files() {
     assert!(status == 200 && layers[0]["file"] == "surfaces/map.toml", "{layers}");
 }
 
-/// The design is stored in the browser: after kill -9 and a restart, the same request has the same answer once the page
-/// has sent its files again.
+/// The design is stored in the browser: after kill -9 and a restart, the same request has the same answer
+/// once the page has sent its files again.
 #[test]
 fn kill_loses_nothing_that_was_saved() {
     let server = Server::start(&["--port", "0"]);

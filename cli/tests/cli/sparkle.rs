@@ -57,8 +57,8 @@ const ONE_WINDOW: [&str; 6] = [
     "display.matrix={ pitch_um = 84, subpixel = { green = [[0.3452, 0.0476, 0.6548, 0.9524]] } }",
 ];
 
-/// A window of 26 x 76 um in pixels of 84 um below 0.2 mm of glass, seen through a pinhole in diffuse light: both methods, and the
-/// formula for small deflections, which gives 0.0181.
+/// A window of 26 x 76 um in pixels of 84 um below 0.2 mm of glass, seen through a pinhole in diffuse light:
+/// both methods, and the formula for small deflections, which gives 0.0181.
 #[test]
 fn rays_and_closed_form_agree() {
     let others = [
@@ -81,7 +81,8 @@ fn rays_and_closed_form_agree() {
     assert_eq!(number("ppd_lamp"), 0.0);
 }
 
-/// The deviation is proportional to the distance of the face, for small deflections, and a larger pupil lowers it.
+/// The deviation is proportional to the distance of the face, for small deflections, and a larger pupil
+/// lowers it.
 #[test]
 fn closed_form_is_linear_in_distance() {
     let few = "sparkle.replicates=2";
@@ -114,7 +115,8 @@ fn closed_form_is_linear_in_distance() {
     assert!(pupil[1] < 0.9 * pinhole[1], "{pupil:?} {pinhole:?}");
 }
 
-/// Below a surface with Gaussian heights, the face is that of the surface: slope sqrt(2) rms/l along an axis; as a table [sparkle] would describe it.
+/// Below a surface with Gaussian heights, the face is that of the surface: slope sqrt(2) rms/l along an axis;
+/// as a table [sparkle] would describe it.
 #[test]
 fn the_face_of_a_surface_is_its_antiglare_face() {
     let run = |more: &[&str]| -> serde_json::Value {
@@ -180,8 +182,8 @@ spectrum = "D65"
 diffuse = 1
 "#;
 
-/// A surface whose power spectral density is a table: that of Gaussian heights, S(f) = pi tau^2 s^2 exp(-(pi tau f)^2). Its heights are
-/// made by the surface, not by the closed form, which knows nothing of the table.
+/// A surface whose power spectral density is a table: that of Gaussian heights, S(f) = pi tau^2 s^2 exp(-(pi
+/// tau f)^2). Its heights are made by the surface, not by the closed form, which knows nothing of the table.
 #[test]
 fn heights_of_any_surface_have_their_sparkle() {
     use std::f64::consts::PI;

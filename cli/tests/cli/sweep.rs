@@ -132,7 +132,8 @@ fn views_are_an_axis_of_the_figures() {
     }
 }
 
-/// `--columns` chooses the columns of the table, and rows of views where no column is of a state. The journal has all results.
+/// `--columns` chooses the columns of the table, and rows of views where no column is of a state. The journal
+/// has all results.
 #[test]
 fn columns_of_the_table_can_be_chosen() {
     let (_folder, file, out) = place(SCENARIO);
@@ -205,8 +206,8 @@ fn killed_sweep_is_resumed() {
     panic!("it was killed amid its work {amid} times only");
 }
 
-/// Starts a sweep repeatedly and kills it some milliseconds after its first progress, until it is complete. Returns how
-/// often it was killed with some, but not all, points done.
+/// Starts a sweep repeatedly and kills it some milliseconds after its first progress, until it is complete.
+/// Returns how often it was killed with some, but not all, points done.
 fn kills_until_done(arguments: &[&str], journal: &Path, patience: &mut impl Iterator<Item = u64>) -> usize {
     let lines = || {
         let bytes = fs::read(journal).unwrap_or_default();
@@ -253,7 +254,8 @@ fn point_of_an_incomplete_line_is_computed_again() {
     same(&files(Path::new(&out)), &expected);
 }
 
-/// A changed digit in a line that is still JSON is detected, in full and in compact sweeps; nothing is written then.
+/// A changed digit in a line that is still JSON is detected, in full and in compact sweeps; nothing is
+/// written then.
 #[test]
 fn damaged_line_is_detected() {
     let light = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
@@ -386,7 +388,8 @@ fn parquet_option_writes_the_table_or_is_refused() {
     assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
 }
 
-/// A compact sweep of a few metrics has the numbers of a full one, to the last digit, also in shards and after kills.
+/// A compact sweep of a few metrics has the numbers of a full one, to the last digit, also in shards and
+/// after kills.
 #[test]
 fn compact_sweep_has_the_numbers_of_a_full_one() {
     let text = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
@@ -465,8 +468,8 @@ fn compact_sweep_has_the_numbers_of_a_full_one() {
     }
 }
 
-/// `--axis` replaces the axes of the file, or makes a sweep of any scenario: the table is that of the same axes as TOML, byte for byte. A range
-/// may also be a text.
+/// `--axis` replaces the axes of the file, or makes a sweep of any scenario: the table is that of the same
+/// axes as TOML, byte for byte. A range may also be a text.
 #[test]
 fn axes_of_the_command_line_are_those_of_a_file() {
     let key = "display.pixel.film.1.thickness_nm";
@@ -525,7 +528,8 @@ fn wrong_axes_of_the_command_line_are_named() {
     }
 }
 
-/// Table and figures of another sweep in the same folder are replaced, also by a compact one; other files stay.
+/// Table and figures of another sweep in the same folder are replaced, also by a compact one; other files
+/// stay.
 #[test]
 fn files_of_an_earlier_sweep_are_removed() {
     let (_folder, file, out) = place(SCENARIO);

@@ -102,7 +102,8 @@ fn report_agrees_with_its_displays() {
     assert!(output.status.success(), "{}", stderr(&output));
     let run: Value = serde_json::from_slice(&output.stdout).unwrap();
     let (run, row) = (run["views"][0]["contrast_ratio"].as_f64().unwrap(), row[at("contrast_ratio")]);
-    // Designs of colours take as many angles of the film as an error of 1e-5 of Y needs (docs/designs.md); here, 6e-8.
+    // Designs of colours take as many angles of the film as an error of 1e-5 of Y needs (docs/designs.md);
+    // here, 6e-8.
     assert!((run - row.parse::<f64>().unwrap()).abs() < 1e-6 * run, "{run} {row}");
 }
 
@@ -196,7 +197,8 @@ fn known_samples_are_not_computed_again() {
     assert_eq!(computed(&["tolerance.seed=1", "tolerance.samples=64"]), 64);
 }
 
-/// Another distribution keeps the journal of the previous one; when the change is undone, nothing is computed.
+/// Another distribution keeps the journal of the previous one; when the change is undone, nothing is
+/// computed.
 #[test]
 fn changed_distribution_sets_the_journal_aside() {
     let (_folder, file, out) = place(SCENARIO);
@@ -293,8 +295,8 @@ fn mistakes_are_reported_with_their_place() {
     assert!(stderr(&output).contains("the scenario has no `[tolerance]`"), "{}", stderr(&output));
 }
 
-/// docs/tolerance.md states the results of the shipped example. Every day, a smaller production agrees with it within errors: a yield that
-/// is wrong by 8 % is detected.
+/// docs/tolerance.md states the results of the shipped example. Every day, a smaller production agrees with
+/// it within errors: a yield that is wrong by 8 % is detected.
 #[test]
 fn numbers_in_docs_equal_those_of_the_example() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -319,7 +321,8 @@ fn numbers_in_docs_equal_those_of_the_example() {
     }
 }
 
-/// A changed digit in a line that is still JSON is detected; when the line is removed, its sample is computed again.
+/// A changed digit in a line that is still JSON is detected; when the line is removed, its sample is computed
+/// again.
 #[test]
 fn damaged_journal_is_refused() {
     let (_folder, file, out) = place(SCENARIO);
@@ -352,7 +355,8 @@ fn damaged_journal_is_refused() {
     same(&files(Path::new(&out)), &done);
 }
 
-/// No first-order index exceeds its total index, each has its error, and both are computed from the displays of the table.
+/// No first-order index exceeds its total index, each has its error, and both are computed from the displays
+/// of the table.
 #[test]
 fn first_order_indices_do_not_exceed_total_indices() {
     let (_folder, file, out) = place(SCENARIO);

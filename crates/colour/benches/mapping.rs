@@ -1,5 +1,5 @@
-//! Gamut mapping and coverages, on one core: `cargo bench -p papilio-colour --bench mapping`. `picture` and `coverages` compute
-//! 1404 x 1872 pixels.
+//! Gamut mapping and coverages, on one core: `cargo bench -p papilio-colour --bench mapping`. `picture` and
+//! `coverages` compute 1404 x 1872 pixels.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 

@@ -1,5 +1,6 @@
-//! Differences of pictures of 1404 x 1872 pixels, on one core: `cargo bench -p papilio-colour --bench pictures`. Each compares one picture
-//! with two others, as `papilio image` does.
+//! Differences of pictures of 1404 x 1872 pixels, on one core:
+//! `cargo bench -p papilio-colour --bench pictures`. Each compares one picture with two others, as
+//! `papilio image` does.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 

@@ -1,15 +1,16 @@
 //! Chromatic adaptation: which colour in one light looks as a colour in another light does.
 //!
-//! **What.** The eye is completely adapted to the white of each light (degree of adaptation D = 1): the cone responses of a
-//! colour, divided by those of its white, are the same in both lights (von Kries). Whites have a luminance, too: the one
-//! white becomes the other exactly.
+//! **What.** The eye is completely adapted to the white of each light (degree of adaptation D = 1): the cone
+//! responses of a colour, divided by those of its white, are the same in both lights (von Kries). Whites have
+//! a luminance, too: the one white becomes the other exactly.
 //!
 //! **Parameters.** Both whites, each on the scale of its colours.
 //!
 //! **Range.** Whites with positive cone responses. Colours may have any values, as of noise.
 //!
-//! **Source.** The sharpened cone responses of CAT16: Li, Li, Wang, Zu, Luo, Cui, Melgosa, Brill, Pointer, *Comprehensive color
-//! solutions: CAM16, CAT16, and CAM16-UCS*, Color Res. Appl. 42, 703 (2017); also those of CIECAM16 (CIE 248:2022).
+//! **Source.** The sharpened cone responses of CAT16: Li, Li, Wang, Zu, Luo, Cui, Melgosa, Brill, Pointer,
+//! *Comprehensive color solutions: CAM16, CAT16, and CAM16-UCS*, Color Res. Appl. 42, 703 (2017); also those
+//! of CIECAM16 (CIE 248:2022).
 
 use crate::matrix::{Matrix, inverse, times};
 use crate::{D65_WHITE, Xyz};
@@ -27,7 +28,8 @@ pub struct Adaptation {
 }
 
 impl Adaptation {
-    /// Computes the adaptation from one white to another; `None` unless all cone responses of both are positive.
+    /// Computes the adaptation from one white to another; `None` unless all cone responses of both are
+    /// positive.
     pub fn between(from: Xyz, to: Xyz) -> Option<Self> {
         let [from, to] = [from, to].map(|white| times(&TO_CONES, white.to_array()));
         let usable = |cones: [f64; 3]| cones.iter().all(|cone| *cone > 0.0 && cone.is_finite());
@@ -52,7 +54,8 @@ impl Adaptation {
 impl Xyz {
     /// Computes the corresponding colour of a surface under D65, relative to [`D65_WHITE`].
     ///
-    /// `self` and `white` must be on the same scale. Returns `None` unless all cone responses of the white are positive.
+    /// `self` and `white` must be on the same scale. Returns `None` unless all cone responses of the white
+    /// are positive.
     pub fn adapted_to_d65(self, white: Self) -> Option<Self> {
         Some(Adaptation::between(white, D65_WHITE)?.apply(self))
     }
@@ -69,7 +72,8 @@ mod tests {
         assert!(ours.iter().zip(theirs).all(|(o, t)| (o - t).abs() < tolerance), "{ours:?} {theirs:?}");
     }
 
-    /// colour-science 0.4.7, `chromatic_adaptation_VonKries([0.2, 0.12, 0.05], A, D65_WHITE, transform="CAT16")`.
+    /// colour-science 0.4.7,
+    /// `chromatic_adaptation_VonKries([0.2, 0.12, 0.05], A, D65_WHITE, transform="CAT16")`.
     #[test]
     fn adapted_colour_agrees_with_colour_science() {
         let seen = Xyz { x: 0.2, y: 0.12, z: 0.05 }.adapted_to_d65(A).unwrap();

@@ -1,8 +1,8 @@
 //! Colour appearance model CIECAM16.
 //!
 //! **What.** The lightness J and chroma C of CIECAM16 (CIE 248:2022: CAM16 of Li et al., Color Res.
-//! Appl. 42, 703 (2017), with linear extensions near black and above white) and the uniform coordinates J', a', b' of
-//! CAM16-UCS (same paper), in which the Euclidean distance is a colour difference. The hue angle is
+//! Appl. 42, 703 (2017), with linear extensions near black and above white) and the uniform coordinates J',
+//! a', b' of CAM16-UCS (same paper), in which the Euclidean distance is a colour difference. The hue angle is
 //! that of (a', b').
 //!
 //! **Parameters.** The adapting luminance, cd/m2 (usually a fifth of that of white: a grey

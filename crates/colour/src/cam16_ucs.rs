@@ -1,17 +1,17 @@
 //! CAM16-UCS: uniform coordinates J', a', b' of CIECAM16, and the colour that has them.
 //!
-//! **What.** `J' = 1.7 J/(1 + 0.007 J)`, `M' = ln(1 + 0.0228 M)/0.0228`, `a' = M' cos h`, `b' = M' sin h`, from lightness J,
-//! colourfulness M and hue h of CIECAM16. The Euclidean distance is a colour difference. The inverse solves the equations of
-//! the model backwards, in closed form.
+//! **What.** `J' = 1.7 J/(1 + 0.007 J)`, `M' = ln(1 + 0.0228 M)/0.0228`, `a' = M' cos h`, `b' = M' sin h`,
+//! from lightness J, colourfulness M and hue h of CIECAM16. The Euclidean distance is a colour difference.
+//! The inverse solves the equations of the model backwards, in closed form.
 //!
 //! **Parameters.** The white, on the scale of the colours, and the [viewing conditions](Viewing).
 //!
-//! **Range.** Real colours. Some coordinates of large M' belong to no real colour; the inverse then returns a colour with
-//! negative values, or none where the chroma of the model has no colour at all.
+//! **Range.** Real colours. Some coordinates of large M' belong to no real colour; the inverse then returns a
+//! colour with negative values, or none where the chroma of the model has no colour at all.
 //!
-//! **Source.** Luo, Cui, Li, *Uniform colour spaces based on CIECAM02 colour appearance model*, Color Res. Appl. 31, 320
-//! (2006); Li et al., Color Res. Appl. 42, 703 (2017), whose appendix has the inverse; with the linear extensions of CIE
-//! 248:2022.
+//! **Source.** Luo, Cui, Li, *Uniform colour spaces based on CIECAM02 colour appearance model*, Color Res.
+//! Appl. 31, 320 (2006); Li et al., Color Res. Appl. 42, 703 (2017), whose appendix has the inverse; with the
+//! linear extensions of CIE 248:2022.
 
 use crate::adaptation::FROM_CONES;
 use crate::appearance::Eye;
@@ -57,7 +57,8 @@ impl Cam16Ucs {
 }
 
 impl Eye {
-    /// Cone responses, before adaptation, of a lightness J above 0, a colourfulness M and the cosine and sine of a hue.
+    /// Cone responses, before adaptation, of a lightness J above 0, a colourfulness M and the cosine and sine
+    /// of a hue.
     fn cones(&self, lightness: f64, colourfulness: f64, [cos, sin]: [f64; 2]) -> Option<[f64; 3]> {
         let chroma = colourfulness / self.f_l.powf(0.25);
         let root = (lightness / 100.0).sqrt() * (1.64 - 0.29_f64.powf(self.n)).powf(0.73);

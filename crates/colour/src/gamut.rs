@@ -5,8 +5,8 @@
 //! the reference triangle that the triangle of the primaries covers, in percent (IDMS 1.1, section
 //! 5.18; there in x, y or u', v'). The type of the primaries selects the diagram ([`Chromaticity`]).
 //! **Limits.** Neither quantity describes lightness. The triangle may be displaced from the
-//! reference: an area of 100 % does not imply a coverage of 100 %. The two diagrams weight colours differently,
-//! green more in xy and blue more in u'v': percentages of the two are not comparable.
+//! reference: an area of 100 % does not imply a coverage of 100 %. The two diagrams weight colours
+//! differently, green more in xy and blue more in u'v': percentages of the two are not comparable.
 
 use crate::{UvPrime, Xy};
 
@@ -109,7 +109,8 @@ pub fn gamut_percent<C: Chromaticity>(primaries: [C; 3], reference: GamutReferen
     100.0 * triangle_area(primaries) / triangle_area(C::primaries_of(reference))
 }
 
-/// Gamut coverage: fraction of the reference triangle that the triangle of the primaries covers in their diagram, %.
+/// Gamut coverage: fraction of the reference triangle that the triangle of the primaries covers in their
+/// diagram, %.
 pub fn coverage_percent<C: Chromaticity>(primaries: [C; 3], reference: GamutReference) -> f64 {
     let of_reference = C::primaries_of(reference);
     let common = common_area(primaries.map(C::coordinates), of_reference.map(C::coordinates));
@@ -131,7 +132,8 @@ fn common_area(one: [Point; 3], other: [Point; 3]) -> f64 {
     0.5 * fan.sum::<f64>().abs()
 }
 
-/// Clips a polygon to the left of the line `from` - `to` (Sutherland, Hodgman 1974); returns its corners and their number.
+/// Clips a polygon to the left of the line `from` - `to` (Sutherland, Hodgman 1974); returns its corners and
+/// their number.
 fn cut(shape: &[Point], from: Point, to: Point) -> ([Point; 6], usize) {
     let (mut kept, mut count) = ([from; 6], 0);
     let mut keep = |corner: Point| {
@@ -175,7 +177,8 @@ mod tests {
         }
     }
 
-    /// Areas in xy by hand; data sheets take 0.1582 for NTSC, and state sRGB as "72 % NTSC" (from its 0.1121).
+    /// Areas in xy by hand; data sheets take 0.1582 for NTSC, and state sRGB as "72 % NTSC" (from its
+    /// 0.1121).
     #[test]
     fn areas_in_xy_equal_those_of_the_standards() {
         for (reference, area, percent_ntsc) in [
@@ -204,7 +207,8 @@ mod tests {
         [u, v]
     }
 
-    /// A right triangle and a copy rotated by 180 degrees and moved: the intersection is empty, a square, a hexagon.
+    /// A right triangle and a copy rotated by 180 degrees and moved: the intersection is empty, a square, a
+    /// hexagon.
     #[test]
     fn intersections_of_triangles_equal_areas_computed_by_hand() {
         let one = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)];
@@ -216,7 +220,8 @@ mod tests {
         assert_eq!(common_area(one, one.map(|p| at(p[0] + 2.0, p[1]))), 0.0);
     }
 
-    /// The area of an intersection is symmetric, at most that of either triangle, and equal to that of a contained one.
+    /// The area of an intersection is symmetric, at most that of either triangle, and equal to that of a
+    /// contained one.
     #[test]
     fn intersection_of_triangles_is_symmetric_and_bounded() {
         let triangle = |dice: &mut Dice| [(); 3].map(|()| at(dice.throw(), dice.throw()));

@@ -58,7 +58,8 @@ impl Xyz {
 }
 
 impl Lab {
-    /// Computes the tristimulus values of this colour relative to `white`, on the scale of `white` (CIE 15:2018, annex D).
+    /// Computes the tristimulus values of this colour relative to `white`, on the scale of `white` (CIE
+    /// 15:2018, annex D).
     pub fn xyz(self, white: Xyz) -> Xyz {
         let y = (self.l + 16.0) / 116.0;
         let (x, z) = (y + self.a / 500.0, y - self.b / 200.0);
@@ -165,7 +166,8 @@ mod tests {
         assert_eq!(D65_WHITE.lab(Xyz { x: 1.0, y: f64::NAN, z: 1.0 }), None);
     }
 
-    /// Sharma, Wu, Dalal, Color Res. Appl. 30, 21 (2005), table 1, all 34 pairs: L*, a*, b* twice, and the difference.
+    /// Sharma, Wu, Dalal, Color Res. Appl. 30, 21 (2005), table 1, all 34 pairs: L*, a*, b* twice, and the
+    /// difference.
     #[test]
     fn delta_e_2000_equals_the_published_table() {
         for [l1, a1, b1, l2, a2, b2, expected] in SHARMA {

@@ -2,22 +2,24 @@
 //!
 //! The main types:
 //!
-//! - [`Observer`]: the CIE 1931 standard observer (2 degrees), or that of 1964 (10 degrees), on a wavelength grid. It
-//!   converts spectra to [`Xyz`] and to luminance in cd/m2, and scales light to an illuminance in lx.
-//!   [`spectral_locus`] draws chromaticity diagrams.
+//! - [`Observer`]: the CIE 1931 standard observer (2 degrees), or that of 1964 (10 degrees), on a wavelength
+//!   grid. It converts spectra to [`Xyz`] and to luminance in cd/m2, and scales light to an illuminance in
+//!   lx. [`spectral_locus`] draws chromaticity diagrams.
 //! - [`Xyz`]: tristimulus values, from which [`Xy`], [`UvPrime`], [`Lab`] and sRGB colours are computed.
-//! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the triangle of three primaries in u'v' or xy, relative
-//!   to sRGB, EBU, NTSC and DCI-P3.
+//! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the triangle of three primaries in u'v' or
+//!   xy, relative to sRGB, EBU, NTSC and DCI-P3.
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
 //! - [`Adaptation`]: complete chromatic adaptation from one white to another (CAT16).
 //! - [`Oklab`]: lightness, chroma and hue of pictures, in which lines of constant hue are straight.
-//! - [`mapping`]: gamut mapping, from a source picture's colours to those of a display, exactly or by a table.
+//! - [`mapping`]: gamut mapping, from a source picture's colours to those of a display, exactly or by a
+//!   table.
 //! - [`states`]: which colours mixtures of a display's states have, and with which coverages.
 //! - [`Observer::smoothest`]: the smoothest reflectance spectrum of a colour.
-//! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16; [`Cam16Ucs`]: its uniform coordinates, and
-//!   the colours that have them.
+//! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16; [`Cam16Ucs`]: its uniform
+//!   coordinates, and the colours that have them.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
-//! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
+//! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye,
+//!   age.
 //! - [`pictures`]: how much two pictures differ for a reader at a distance: S-CIELAB, FLIP.
 //! - [`peak_nm`]: the wavelength at which a reflectance spectrum is largest.
 //!
@@ -49,8 +51,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! **Limits.** The observers are tabulated from 380 to 780 nm; wavelengths of a grid outside this range are ignored.
-//! **Out of scope.** Metrics of displays and their states, such as contrast: see `papilio-display`.
+//! **Limits.** The observers are tabulated from 380 to 780 nm; wavelengths of a grid outside this range are
+//! ignored. **Out of scope.** Metrics of displays and their states, such as contrast: see `papilio-display`.
 
 mod adaptation;
 mod appearance;

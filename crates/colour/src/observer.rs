@@ -128,8 +128,9 @@ impl Observer {
         }
     }
 
-    /// Computes the weights with which reflectances at the wavelengths of `grid` contribute to X, Y and Z of the light that
-    /// they reflect. This observer is that of `lines.grid`. The unit is that of the light times nm.
+    /// Computes the weights with which reflectances at the wavelengths of `grid` contribute to X, Y and Z of
+    /// the light that they reflect. This observer is that of `lines.grid`. The unit is that of the light
+    /// times nm.
     pub fn of_light(&self, lines: &LineSpectrum, grid: &Grid, between: Between) -> [Vec<f64>; 3] {
         debug_assert_eq!(self.weight[0].len(), lines.means.len());
         let mut weights = [(); 3].map(|()| vec![0.0; grid.len()]);
@@ -154,7 +155,8 @@ impl Observer {
 pub enum Between {
     /// Linear, between two neighbours.
     Linear,
-    /// Cubic, through four neighbours (Lagrange). The difference from linear interpolation estimates the error of the latter.
+    /// Cubic, through four neighbours (Lagrange). The difference from linear interpolation estimates the
+    /// error of the latter.
     Cubic,
 }
 
@@ -182,7 +184,8 @@ pub fn spectral_locus() -> impl Iterator<Item = (f64, Xyz)> {
     matching_functions(Standard::Cie1931).take_while(|(nm, _)| *nm < 700.0)
 }
 
-/// Wavelength in nm and xbar, ybar, zbar of 1931 and of 1964: the table of the CIE at 1 nm (source: `spectra/data/README.md`).
+/// Wavelength in nm and xbar, ybar, zbar of 1931 and of 1964: the table of the CIE at 1 nm (source:
+/// `spectra/data/README.md`).
 static TABLE: LazyLock<Vec<[f64; 7]>> = LazyLock::new(|| {
     let rows = include_str!("../data/observers.csv").lines().skip(1);
     let numbers = |row: &str| row.split(',').filter_map(|cell| cell.parse().ok()).collect::<Vec<f64>>();
@@ -284,8 +287,8 @@ mod tests {
         }
     }
 
-    /// Under a light of a few lines, X, Y and Z of a reflectance that is linear (cubic) over the grid are exactly those of the
-    /// sum over 1 nm.
+    /// Under a light of a few lines, X, Y and Z of a reflectance that is linear (cubic) over the grid are
+    /// exactly those of the sum over 1 nm.
     #[test]
     fn weights_of_a_light_with_lines_equal_summation_at_1_nm() {
         let (coarse, fine) = (grid(380.0, 780.0, 5.0), grid(380.0, 780.0, 1.0));

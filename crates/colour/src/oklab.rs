@@ -1,17 +1,17 @@
 //! Oklab: a colour space of surfaces in which lines of constant hue are straight, blue included.
 //!
-//! **What.** Lightness L (1 for white), and a, b: from green to red and from blue to yellow. Hue is the angle, chroma the
-//! distance from the grey axis. A step of 0.02 is about one just noticeable difference.
+//! **What.** Lightness L (1 for white), and a, b: from green to red and from blue to yellow. Hue is the
+//! angle, chroma the distance from the grey axis. A step of 0.02 is about one just noticeable difference.
 //!
-//! **Parameters.** None: the colour must be relative to D65, with Y = 1 for white. A colour in another light is first
-//! adapted ([`Xyz::adapted_to_d65`]).
+//! **Parameters.** None: the colour must be relative to D65, with Y = 1 for white. A colour in another light
+//! is first adapted ([`Xyz::adapted_to_d65`]).
 //!
 //! **Range.** Any real colours; negative cone responses, as of noise, have negative roots.
-//! **Limits.** No viewing conditions: lightness and chroma do not depend on luminance or surround, as those of CIECAM16 do.
-//! The rounded matrices leave a chroma of 4e-5 to [`D65_WHITE`](crate::D65_WHITE).
+//! **Limits.** No viewing conditions: lightness and chroma do not depend on luminance or surround, as those
+//! of CIECAM16 do. The rounded matrices leave a chroma of 4e-5 to [`D65_WHITE`](crate::D65_WHITE).
 //!
-//! **Source.** B. Ottosson, *A perceptual color space for image processing* (2020), bottosson.github.io/posts/oklab, with
-//! its matrices of January 2021.
+//! **Source.** B. Ottosson, *A perceptual color space for image processing* (2020),
+//! bottosson.github.io/posts/oklab, with its matrices of January 2021.
 
 use crate::Xyz;
 use crate::matrix::{Matrix, inverse, times};

@@ -24,7 +24,8 @@ pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
     Some(grid.wavelength_nm(top) + shift * grid.step_nm())
 }
 
-/// Derivatives of [`peak_nm`] with respect to the three values that it depends on, and the index of the first.
+/// Derivatives of [`peak_nm`] with respect to the three values that it depends on, and the index of the
+/// first.
 pub fn peak_slopes(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
     let (top, [left, centre, right]) = around_the_peak(grid, values)?;
     let curvature = left - 2.0 * centre + right;
@@ -35,7 +36,8 @@ pub fn peak_slopes(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
     Some((top - 1, [scale * (1.0 - lean), scale * 2.0 * lean, -scale * (1.0 + lean)]))
 }
 
-/// Index of the largest value, with the values before, at and after it; `None` at an edge or for a flat spectrum.
+/// Index of the largest value, with the values before, at and after it; `None` at an edge or for a flat
+/// spectrum.
 fn around_the_peak(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
     let searched = |i: &usize| {
         let nm = grid.wavelength_nm(*i);

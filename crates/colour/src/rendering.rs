@@ -1,12 +1,14 @@
 //! Correlated colour temperature and general colour rendering index of a light.
 //!
-//! **What.** The correlated colour temperature is that of the black body nearest in the CIE 1960 (u, v) diagram (CIE 15:2018;
-//! defined up to a distance of 0.05). The general colour rendering index Ra compares eight test colours under the light with
-//! those under a black body (below 5000 K) or daylight of the same temperature (CIE 13.3-1995): 100 if all are the same.
+//! **What.** The correlated colour temperature is that of the black body nearest in the CIE 1960 (u, v)
+//! diagram (CIE 15:2018; defined up to a distance of 0.05). The general colour rendering index Ra compares
+//! eight test colours under the light with those under a black body (below 5000 K) or daylight of the same
+//! temperature (CIE 13.3-1995): 100 if all are the same.
 //!
 //! **Range.** 1000 to 100 000 K; from 4000 to 25 000 K where daylight is the reference.
 //!
-//! **Source.** CIE 13.3-1995; reflectances of the test colours at 5 nm by colour-science (`spectra/data/README.md`).
+//! **Source.** CIE 13.3-1995; reflectances of the test colours at 5 nm by colour-science
+//! (`spectra/data/README.md`).
 
 use std::sync::LazyLock;
 
@@ -30,7 +32,8 @@ pub struct ColourTemperature {
     pub duv: f64,
 }
 
-/// Returns the correlated colour temperature of a light at 1 nm on `grid`; `None` farther than 0.05 from all black bodies.
+/// Returns the correlated colour temperature of a light at 1 nm on `grid`; `None` farther than 0.05 from all
+/// black bodies.
 pub fn colour_temperature(light: &Spectrum, grid: &Grid) -> Option<ColourTemperature> {
     let observer = Observer::new(grid).ok()?;
     let uv = uv_1960(observer.xyz(light))?;
@@ -52,7 +55,8 @@ pub fn colour_temperature(light: &Spectrum, grid: &Grid) -> Option<ColourTempera
     (nearest < FARTHEST_UV).then_some(ColourTemperature { cct_k: 1e6 / mired, duv: nearest.copysign(above) })
 }
 
-/// Returns the general colour rendering index Ra of a light at 1 nm on `grid`; `None` without a correlated colour temperature.
+/// Returns the general colour rendering index Ra of a light at 1 nm on `grid`; `None` without a correlated
+/// colour temperature.
 pub fn rendering_index(light: &Spectrum, grid: &Grid) -> Option<f64> {
     let ColourTemperature { cct_k, .. } = colour_temperature(light, grid)?;
     let reference = if cct_k < DAYLIGHT_FROM_K { planck(cct_k, grid) } else { daylight(cct_k, grid) }.ok()?;
@@ -140,7 +144,8 @@ mod tests {
         }
     }
 
-    /// CIE 15:2004, table T.7: correlated colour temperature and Ra of fluorescent lamps, rounded to integers.
+    /// CIE 15:2004, table T.7: correlated colour temperature and Ra of fluorescent lamps, rounded to
+    /// integers.
     #[test]
     fn fluorescent_lamps_have_their_published_values() {
         let grid = every_nm();

@@ -1,12 +1,14 @@
 //! The smoothest reflectance spectrum of a colour.
 //!
-//! **What.** Many spectra have the same colour. Among those with reflectances between 0 and 1, this is the one for which the sum of
-//! squared differences of z between neighbouring wavelengths is smallest, with the reflectance (tanh z + 1)/2: "least hyperbolic tangent
-//! slope squared" of S. A. Burns, Color Res. Appl. 45, 8 (2020). Newton's method solves for z and three Lagrange multipliers.
+//! **What.** Many spectra have the same colour. Among those with reflectances between 0 and 1, this is the
+//! one for which the sum of squared differences of z between neighbouring wavelengths is smallest, with the
+//! reflectance (tanh z + 1)/2: "least hyperbolic tangent slope squared" of S. A. Burns, Color Res. Appl. 45,
+//! 8 (2020). Newton's method solves for z and three Lagrange multipliers.
 //!
-//! **Use.** A display of which only L\*, a\*, b\* under one light are known is given such spectra, so that its colours in other lights can
-//! be estimated. **Validity.** The colour is exact in the light of the measurement. In another light it is an estimate, good for pigments
-//! with broad bands, and poor where the measured surface is metameric to them.
+//! **Use.** A display of which only L\*, a\*, b\* under one light are known is given such spectra, so that
+//! its colours in other lights can be estimated. **Validity.** The colour is exact in the light of the
+//! measurement. In another light it is an estimate, good for pigments with broad bands, and poor where the
+//! measured surface is metameric to them.
 
 use papilio_spectra::Spectrum;
 
@@ -25,9 +27,11 @@ const LONGEST_STEP: f64 = 2.0;
 const BLACK: f64 = 1e-9;
 
 impl Observer {
-    /// Computes the smoothest reflectance spectrum, between 0 and 1, that has tristimulus values `xyz` (Y = 1 of a perfect white) in `light`.
+    /// Computes the smoothest reflectance spectrum, between 0 and 1, that has tristimulus values `xyz` (Y = 1
+    /// of a perfect white) in `light`.
     ///
-    /// `None` if no surface has this colour in this light, or it is so close to the limits of surface colours that no spectrum is found.
+    /// `None` if no surface has this colour in this light, or it is so close to the limits of surface colours
+    /// that no spectrum is found.
     ///
     /// ```
     /// use papilio_colour::{Observer, Xyz};
@@ -104,7 +108,8 @@ fn system(
     (matrix, right)
 }
 
-/// Solves a system of linear equations by elimination with pivots; the solution replaces `right`. `None` if it is singular.
+/// Solves a system of linear equations by elimination with pivots; the solution replaces `right`. `None` if
+/// it is singular.
 fn solve(matrix: &mut [Vec<f64>], right: &mut [f64]) -> Option<()> {
     let count = right.len();
     for column in 0..count {

@@ -2,13 +2,13 @@
 //!
 //! **What.** A display that mixes its colours by area or in time shows all colours between its eight corners
 //! (black, red, green, blue, cyan, magenta, yellow, white), which are linear interpolations of X, Y, Z
-//! (Neugebauer). The surface of that solid is sampled in ten steps of each drive (uniform at a gamma of 2.2), which
-//! are 602 colours. They are converted to CIELAB, and triangles between them enclose the volume (IDMS 1.1, CIELAB
-//! gamut volume).
+//! (Neugebauer). The surface of that solid is sampled in ten steps of each drive (uniform at a gamma of 2.2),
+//! which are 602 colours. They are converted to CIELAB, and triangles between them enclose the volume (IDMS
+//! 1.1, CIELAB gamut volume).
 //!
-//! **Gamut rings** (Masaoka, Jiang, Fairchild, Heckaman, J. SID 28, 273 (2020); IDMS 1.1) show the solid in the plane:
-//! for each hue, the area within the ring of lightness L* equals the volume below that lightness. The area
-//! within the last ring is the whole volume.
+//! **Gamut rings** (Masaoka, Jiang, Fairchild, Heckaman, J. SID 28, 273 (2020); IDMS 1.1) show the solid in
+//! the plane: for each hue, the area within the ring of lightness L* equals the volume below that lightness.
+//! The area within the last ring is the whole volume.
 //!
 //! **Range.** Any eight colours. If the surface intersects itself, the folds contribute with their sign.
 //! **Limits.** Lightness and chroma are those of CIELAB relative to one white: surface colours.
@@ -34,15 +34,16 @@ pub const HUES: usize = 360;
 /// Tristimulus values of the eight corners of a display's gamut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corners {
-    /// Indexed by the sum of the primaries that are on, red (1), green (2) and blue (4): black, red, green, yellow,
-    /// blue, magenta, cyan, white.
+    /// Indexed by the sum of the primaries that are on, red (1), green (2) and blue (4): black, red, green,
+    /// yellow, blue, magenta, cyan, white.
     pub xyz: [Xyz; 8],
 }
 
 /// Names of the corners, in order.
 pub const CORNERS: [&str; 8] = ["black", "red", "green", "yellow", "blue", "magenta", "cyan", "white"];
 
-/// Surface of a colour gamut in CIELAB: triangles that are anticlockwise seen from outside the cube of drives.
+/// Surface of a colour gamut in CIELAB: triangles that are anticlockwise seen from outside the cube of
+/// drives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GamutSolid {
     triangles: Vec<[[f64; 3]; 3]>,
@@ -102,8 +103,9 @@ impl GamutSolid {
         six.abs() / 6.0
     }
 
-    /// Radius of each gamut ring in each hue sector, which start at 0 degrees; shape `[ring][hue]`. The area within a
-    /// ring is the volume of all lightness below it. The radius is 0 where that volume is negative (folds).
+    /// Radius of each gamut ring in each hue sector, which start at 0 degrees; shape `[ring][hue]`. The area
+    /// within a ring is the volume of all lightness below it. The radius is 0 where that volume is negative
+    /// (folds).
     pub fn rings(&self) -> Vec<Vec<f64>> {
         let step = 100.0 / (RINGS * LEVELS_IN_A_RING) as f64;
         let mut below = vec![0.0; HUES];
@@ -213,7 +215,8 @@ mod tests {
         let areas: Vec<f64> = rings.iter().map(|ring| area(ring)).collect();
         assert!((areas[RINGS - 1] / solid.volume() - 1.0).abs() < 2e-3, "{areas:?} {}", solid.volume());
         assert!(areas.windows(2).all(|pair| pair[0] <= pair[1]));
-        // Blue is dark and yellow is bright: most of blue's volume is below L* = 60, and less than half of yellow's.
+        // Blue is dark and yellow is bright: most of blue's volume is below L* = 60, and less than half of
+        // yellow's.
         let below_60 = |hue: usize| (rings[5][hue] / rings[9][hue]).powi(2);
         assert!(below_60(300) > 0.8 && below_60(100) < 0.5, "{} {}", below_60(300), below_60(100));
     }

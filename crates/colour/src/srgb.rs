@@ -1,8 +1,9 @@
 //! sRGB and Display P3 colours for figures on a screen.
 //!
-//! **What.** The linear sRGB matrix and the sRGB transfer function (IEC 61966-2-1 with its amendment 1), clipped to the sRGB gamut. If the
-//! scene's light is not D65, the colour of a surface is first [adapted to D65](Xyz::adapted_to_d65), so that paper is shown as white.
-//! Display P3 has the primaries of SMPTE RP 431-2, and the white and transfer function of sRGB.
+//! **What.** The linear sRGB matrix and the sRGB transfer function (IEC 61966-2-1 with its amendment 1),
+//! clipped to the sRGB gamut. If the scene's light is not D65, the colour of a surface is first [adapted to
+//! D65](Xyz::adapted_to_d65), so that paper is shown as white. Display P3 has the primaries of SMPTE RP
+//! 431-2, and the white and transfer function of sRGB.
 
 use std::sync::LazyLock;
 
@@ -52,7 +53,8 @@ pub enum ScreenSpace {
 }
 
 impl ScreenSpace {
-    /// Converts relative values under D65 to linear red, green and blue; components outside 0 to 1 are out of gamut.
+    /// Converts relative values under D65 to linear red, green and blue; components outside 0 to 1 are out of
+    /// gamut.
     pub fn linear(self, colour: Xyz) -> [f64; 3] {
         match self {
             Self::Srgb => colour.linear_srgb(),
@@ -183,8 +185,8 @@ mod tests {
         assert!(table.of_cell.windows(2).all(|pair| pair[1] - pair[0] <= 1));
     }
 
-    /// The matrix of W3C's CSS Color 4, whose white has four digits: x = 0.3127, y = 0.3290. Its Z is larger than ours by 2.1e-4, and rows of the
-    /// matrix have as large a part of their elements, of up to 2.5.
+    /// The matrix of W3C's CSS Color 4, whose white has four digits: x = 0.3127, y = 0.3290. Its Z is larger
+    /// than ours by 2.1e-4, and rows of the matrix have as large a part of their elements, of up to 2.5.
     #[test]
     fn display_p3_has_its_published_matrix() {
         let css = [

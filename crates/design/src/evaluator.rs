@@ -124,8 +124,9 @@ impl<'a> Evaluator<'a> {
         Ok(first(self.evaluate_with_errors(design)?))
     }
 
-    /// Computes value and error of each quantity of a design; `None` where one is undefined. Errors are those of sharpness, crosstalk
-    /// and sparkle: what computes the values of colours without a run has no error of its own.
+    /// Computes value and error of each quantity of a design; `None` where one is undefined. Errors are those
+    /// of sharpness, crosstalk and sparkle: what computes the values of colours without a run has no error of
+    /// its own.
     ///
     /// # Errors
     /// Those of [`evaluate`](Self::evaluate).
@@ -135,7 +136,8 @@ impl<'a> Evaluator<'a> {
         self.computed_under_all(design, &Part::BOTH)
     }
 
-    /// Computes sharpness, crosstalk, sparkle and pictures of a design, which no run computes: `None` for all other quantities.
+    /// Computes sharpness, crosstalk, sparkle and pictures of a design, which no run computes: `None` for all
+    /// other quantities.
     ///
     /// # Errors
     /// Those of [`evaluate`](Self::evaluate).

@@ -32,8 +32,8 @@ pub(crate) struct FilmFastPath {
 struct BasePixel {
     /// Index of the choice, for each variable that is a choice.
     choices: Vec<usize>,
-    /// The scene for which displays are prepared: with the scenario's own film if it has the same states, so that the level of
-    /// adding and the angles of the film do not depend on which choices come first.
+    /// The scene for which displays are prepared: with the scenario's own film if it has the same states, so
+    /// that the level of adding and the angles of the film do not depend on which choices come first.
     scene: Arc<Scene>,
     film: FilmPixel,
     /// All keys of the variables that are numbers.

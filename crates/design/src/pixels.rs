@@ -11,7 +11,8 @@ use crate::DesignError;
 /// Computes value and error of each quantity of a display.
 ///
 /// # Errors
-/// Those of [`mtf`], [`crosstalk`], [`sparkle`] and [`image`], for a display or a light that they do not cover; metrics of sparkle without an antiglare face.
+/// Those of [`mtf`], [`crosstalk`], [`sparkle`] and [`image`], for a display or a light that they do not
+/// cover; metrics of sparkle without an antiglare face.
 pub(crate) fn quantities(
     resolved: &Resolved,
     quantities: &[&Quantity],

@@ -82,8 +82,8 @@ impl Diagnostic {
         self
     }
 
-    /// Returns the diagnostic with its place. It prints as a compiler's message: with the line of the text and a caret below it, and
-    /// without a final newline.
+    /// Returns the diagnostic with its place. It prints as a compiler's message: with the line of the text
+    /// and a caret below it, and without a final newline.
     pub fn at<'a>(&'a self, place: &'a Place) -> Placed<'a> {
         Placed { diagnostic: self, place }
     }

@@ -3,15 +3,16 @@
 /// Largest number of names in one suggestion.
 const MOST_PROPOSED: usize = 8;
 
-/// Returns a suggestion for an unknown name, or else the list of all known names: "did you mean `haze`?", "the keys are haze,
-/// width". `what` is the plural noun for the names: "keys".
+/// Returns a suggestion for an unknown name, or else the list of all known names: "did you mean `haze`?",
+/// "the keys are haze, width". `what` is the plural noun for the names: "keys".
 pub fn suggestion<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, what: &str) -> String {
     let known: Vec<&str> = known.into_iter().collect();
     did_you_mean(wrong, known.iter().copied())
         .unwrap_or_else(|| format!("the {what} are {}", known.join(", ")))
 }
 
-/// Returns a question that suggests the `names` closest to `wrong`, all that are equally close, or `None` if none is close.
+/// Returns a question that suggests the `names` closest to `wrong`, all that are equally close, or `None` if
+/// none is close.
 pub fn did_you_mean<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let names = all_nearest(wrong, names);
     let names: Vec<String> = names.iter().take(MOST_PROPOSED).map(|name| format!("`{name}`")).collect();
@@ -48,8 +49,8 @@ fn all_nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Vec
     close.iter().filter(|(distance, _)| Some(*distance) == least).map(|(_, name)| *name).collect()
 }
 
-/// Least number of insertions, deletions, substitutions and swaps of neighbouring characters that turn `a` into `b`
-/// (Damerau-Levenshtein distance).
+/// Least number of insertions, deletions, substitutions and swaps of neighbouring characters that turn `a`
+/// into `b` (Damerau-Levenshtein distance).
 fn distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];

@@ -6,11 +6,12 @@ use std::borrow::Cow;
 const LARGE: f64 = 1e6;
 /// Smaller numbers are written with an exponent.
 const SMALL: f64 = 1e-4;
-/// Longest number, in characters, that is left as it is: those that Rust prints with all digits of a double have at most 20.
+/// Longest number, in characters, that is left as it is: those that Rust prints with all digits of a double
+/// have at most 20.
 const LONGEST: usize = 21;
 
-/// Writes a number with at most twelve significant digits and without zeros at the end; with an exponent below 0.0001, and from a
-/// million on where that is shorter.
+/// Writes a number with at most twelve significant digits and without zeros at the end; with an exponent
+/// below 0.0001, and from a million on where that is shorter.
 ///
 /// ```
 /// use papilio_diagnostics::number;
@@ -28,7 +29,8 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// Returns a message in which numbers of hundreds of digits, as in a text made with `{value}`, are written as [`number`] does.
+/// Returns a message in which numbers of hundreds of digits, as in a text made with `{value}`, are written as
+/// [`number`] does.
 ///
 /// ```
 /// let text = format!("{} nm is not {} nm", 1e-30, 550);

@@ -36,7 +36,8 @@ impl Place {
         Self { name: name.to_owned(), spot: None }
     }
 
-    /// Returns the place of the bytes `range` of `text`. A range that extends beyond the line of its start is shortened.
+    /// Returns the place of the bytes `range` of `text`. A range that extends beyond the line of its start is
+    /// shortened.
     pub fn in_text(name: &str, text: &str, range: Range<usize>) -> Self {
         let start = char_start(text, range.start);
         let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);

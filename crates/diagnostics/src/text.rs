@@ -3,20 +3,20 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Returns whether a character controls a terminal or the direction of the text after it: a control character other than a newline
-/// or tab, or one of Unicode's embeddings, overrides and isolates.
+/// Returns whether a character controls a terminal or the direction of the text after it: a control character
+/// other than a newline or tab, or one of Unicode's embeddings, overrides and isolates.
 fn is_control(c: char) -> bool {
     (c.is_control() && c != '\n' && c != '\t') || is_override(c)
 }
 
-/// Returns whether a character changes the direction of the text after it (Unicode, UAX #9), so that the displayed order differs from
-/// the stored one.
+/// Returns whether a character changes the direction of the text after it (Unicode, UAX #9), so that the
+/// displayed order differs from the stored one.
 pub fn is_override(c: char) -> bool {
     matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// Returns whether these bytes are printable ASCII, newlines and tabs, as in almost all long texts. Without an early exit, this is
-/// tested for many bytes at once.
+/// Returns whether these bytes are printable ASCII, newlines and tabs, as in almost all long texts. Without
+/// an early exit, this is tested for many bytes at once.
 fn is_plain(bytes: &[u8]) -> bool {
     bytes.iter().fold(true, |all, byte| all & (matches!(byte, b' '..=b'~') | matches!(byte, b'\n' | b'\t')))
 }
@@ -24,7 +24,8 @@ fn is_plain(bytes: &[u8]) -> bool {
 /// Number of bytes that are tested together.
 const AT_ONCE: usize = 256;
 
-/// Returns a text that is safe to print on a terminal: each control character is replaced by its escape as in JSON, such as `\u001b`.
+/// Returns a text that is safe to print on a terminal: each control character is replaced by its escape as in
+/// JSON, such as `\u001b`.
 pub fn visible(text: &str) -> Cow<'_, str> {
     if text.as_bytes().chunks(AT_ONCE).all(is_plain) || !text.chars().any(is_control) {
         return Cow::Borrowed(text);

@@ -40,7 +40,8 @@ pub struct AmbientSource {
     pub illuminance_lx: f64,
 }
 
-/// Computes the ambient light by direction; `None` if it is uniform or comes from a single direction, which a figure need not show.
+/// Computes the ambient light by direction; `None` if it is uniform or comes from a single direction, which a
+/// figure need not show.
 ///
 /// # Errors
 /// As [`ambient_light`].
@@ -64,7 +65,8 @@ pub fn ambient_light(scene: &Scene) -> Result<AmbientLight, DisplayError> {
         let beta = Beta::from_source(theta, phi, 1.0);
         parts().map(|part| part.share * part.field.radiance(beta)).sum::<f64>()
     };
-    // Edges of sources are often at integer degrees: the mean over both sides avoids a dependence on rounding.
+    // Edges of sources are often at integer degrees: the mean over both sides avoids a dependence on
+    // rounding.
     let luminance = |theta: f64, phi: f64| {
         let beside = [-1.0, 1.0].map(|side| (theta + 0.3 * side).clamp(0.05, 89.95));
         let all = beside.into_iter().flat_map(|theta| [-0.6, 0.6].map(|turn| around(theta, phi + turn)));

@@ -21,7 +21,8 @@ impl BrdfGrid {
     /// Largest number of values of a table, which take 400 MB.
     pub const MOST_NUMBERS: usize = 100_000_000;
 
-    /// Uniform grid with steps of `step_deg` degrees, a divisor of 180: inclinations from 0 to below 90, azimuths from 0 to 180.
+    /// Uniform grid with steps of `step_deg` degrees, a divisor of 180: inclinations from 0 to below 90,
+    /// azimuths from 0 to 180.
     pub fn even(step_deg: f64) -> Self {
         let every = |end: f64| -> Vec<f64> {
             (0..=(end / step_deg).round() as u32).map(|k| step_deg * f64::from(k)).collect()
@@ -78,7 +79,8 @@ impl BrdfTable {
         self
     }
 
-    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.
+    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is
+    /// given.
     ///
     /// # Errors
     /// If a row exceeds the limit; the message names the worst rows.
@@ -100,10 +102,10 @@ impl BrdfTable {
         Ok(self)
     }
 
-    /// Computes the difference between the sum over the table's directions and the directional-hemispherical reflectance:
-    /// the largest over states and inclinations of the light, relative to the largest reflectance of the
-    /// state; spectra are averaged. It shows whether the directions are dense enough
-    /// to resolve the lobes of the display.
+    /// Computes the difference between the sum over the table's directions and the directional-hemispherical
+    /// reflectance: the largest over states and inclinations of the light, relative to the largest
+    /// reflectance of the state; spectra are averaged. It shows whether the directions are dense enough to
+    /// resolve the lobes of the display.
     pub fn missed(&self) -> f64 {
         let bins = self.wavelength_nm.len().max(1) as f64;
         let weights = self.weights();
@@ -126,7 +128,8 @@ impl BrdfTable {
         states.fold(0.0, f64::max)
     }
 
-    /// Projected solid angle of each direction of the viewer, for both sides of the plane of incidence, [theta_o][dphi].
+    /// Projected solid angle of each direction of the viewer, for both sides of the plane of incidence,
+    /// [theta_o][dphi].
     fn weights(&self) -> Vec<f64> {
         let theta: Vec<f64> = self.grid.theta_o_deg.iter().map(|theta| theta.to_radians()).collect();
         let phi: Vec<f64> = self.grid.dphi_deg.iter().map(|phi| phi.to_radians()).collect();

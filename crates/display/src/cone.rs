@@ -10,8 +10,8 @@ use crate::{DisplayError, RowErrors};
 /// Directions of a conoscopic map: all combinations of `theta_deg` and `phi_deg`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConeGrid {
-    /// Inclination and azimuth of the direction with which the colour of each state is compared, degrees; (0, 0) is the
-    /// normal.
+    /// Inclination and azimuth of the direction with which the colour of each state is compared, degrees; (0,
+    /// 0) is the normal.
     pub reference_deg: [f64; 2],
     /// Inclinations, ascending, 0 to less than 90 degrees.
     pub theta_deg: Vec<f64>,
@@ -67,8 +67,8 @@ pub struct ConeResult {
     pub nodes: u64,
     /// Largest relative discretisation error of Y over states and directions.
     pub discretisation_error: f64,
-    /// Errors of Y of each state in each direction, `[direction][state]`, with directions as in `views`; 0 where the
-    /// diffuser was not measured.
+    /// Errors of Y of each state in each direction, `[direction][state]`, with directions as in `views`; 0
+    /// where the diffuser was not measured.
     pub row_errors: RowErrors,
     /// Warnings for the user.
     pub warnings: Vec<String>,
@@ -90,7 +90,8 @@ pub struct ConeView {
 /// Drive state viewed from one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConeState {
-    /// Luminous reflectance factor (1: a perfect white in the same light); NaN where the diffuser was not measured.
+    /// Luminous reflectance factor (1: a perfect white in the same light); NaN where the diffuser was not
+    /// measured.
     pub reflectance_factor_y: f64,
     /// Luminance, cd/m2; NaN where the diffuser was not measured.
     pub luminance_cd_m2: f64,
@@ -142,7 +143,8 @@ impl ConeView {
 }
 
 impl ConeResult {
-    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.
+    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is
+    /// given.
     ///
     /// # Errors
     /// If a row exceeds the limit; the message names the worst rows.

@@ -220,7 +220,8 @@ pub enum DisplayError {
         /// Number of the layer, from 1.
         number: usize,
     },
-    /// An angle scan of a scattering pixel, whose reflectance is not a function of angle and wavelength alone.
+    /// An angle scan of a scattering pixel, whose reflectance is not a function of angle and wavelength
+    /// alone.
     #[error(
         "a pixel given by its BRDF scatters light into all directions: it has no table of reflectance by angle; \
          `papilio diffuser inspect` shows its file, and `papilio brdf` computes the BRDF of the whole display"

@@ -1,6 +1,8 @@
-//! Displays with a colour filter at a height above Lambertian pixels: what is seen of a period, through all orders.
+//! Displays with a colour filter at a height above Lambertian pixels: what is seen of a period, through all
+//! orders.
 //!
-//! The places at which light passes the filter are those of [`TwoPlanes`]; how much light there is comes from the same panel without filter.
+//! The places at which light passes the filter are those of [`TwoPlanes`]; how much light there is comes from
+//! the same panel without filter.
 
 use std::ops::Range;
 
@@ -49,8 +51,8 @@ pub(crate) struct Lit {
 
 /// Digits and fineness of levels.
 const DIGITS: [f64; 3] = [7.0, 9.0, 11.0];
-/// Distance of lines in thicknesses, and the least and largest number of pixels between lines, at the first level; twice as many at each
-/// further one.
+/// Distance of lines in thicknesses, and the least and largest number of pixels between lines, at the first
+/// level; twice as many at each further one.
 const LINE_REACH: f64 = 6.0;
 const LINE_PIXELS: [usize; 2] = [4, 12];
 /// Graded cells of each window at the first level.
@@ -58,8 +60,8 @@ pub(crate) const CELLS: usize = 8;
 /// Reflectance of the page that tells how much light there is.
 const PAGE: f64 = 0.5;
 
-/// Estimate of reflectance factors, the first of which is that in diffuse light: by reciprocity, it is what returns of a beam from the view.
-/// What is absorbed where is not known.
+/// Estimate of reflectance factors, the first of which is that in diffuse light: by reciprocity, it is what
+/// returns of a beam from the view. What is absorbed where is not known.
 pub(crate) fn by_reciprocity(rho: Vec<ReflectanceFactor>) -> Estimate {
     let ReflectanceFactor { via_pixel, front } = &rho[0];
     let returned: Vec<f64> =
@@ -71,7 +73,8 @@ pub(crate) fn by_reciprocity(rho: Vec<ReflectanceFactor>) -> Estimate {
 }
 
 impl Lit {
-    /// Number of nodes: directions, for how much light there is, and cells of a period, for where it passes the filter.
+    /// Number of nodes: directions, for how much light there is, and cells of a period, for where it passes
+    /// the filter.
     pub(crate) fn nodes(&self) -> u64 {
         (self.kernel.nodes() + self.planes.cells().count()) as u64
     }
@@ -128,7 +131,8 @@ impl<'a> Filtered<'a> {
         self.matrix.sub_pixels.iter().all(|one| one.window.rectangles.iter().all(spans))
     }
 
-    /// Number of pixels in a period of which one is a line: light of the line returns to its own column, hardly to the next line.
+    /// Number of pixels in a period of which one is a line: light of the line returns to its own column,
+    /// hardly to the next line.
     pub(crate) fn pixels_of_line(&self, level: usize) -> usize {
         let reach = LINE_REACH * f64::from(1_u32 << level) * self.thickness_mm / self.matrix.pitch_mm[0];
         (reach.ceil() as usize).clamp(LINE_PIXELS[0] << level, LINE_PIXELS[1] << level)
@@ -214,7 +218,8 @@ impl<'a> Filtered<'a> {
         Ok(lit.planes.leaving(&self.seen(&view.field, level)?))
     }
 
-    /// What a view sees of all sources without the filter: light of the first order for a reflectance of 1, and that of faces.
+    /// What a view sees of all sources without the filter: light of the first order for a reflectance of 1,
+    /// and that of faces.
     pub(crate) fn unfiltered(&self, lit: &Lit, view: usize) -> Vec<ReflectanceFactor> {
         let base = Base {
             reflector: Reflector::Lambertian(vec![PAGE; self.setup.scene.grid.len()]),
@@ -246,7 +251,8 @@ impl<'a> Filtered<'a> {
         by_reciprocity(rho)
     }
 
-    /// Mean over a period of what is seen, relative to a page of 1 without filter and further orders, for each wavelength.
+    /// Mean over a period of what is seen, relative to a page of 1 without filter and further orders, for
+    /// each wavelength.
     pub(crate) fn mean(
         &self,
         lit: &Lit,
@@ -258,7 +264,8 @@ impl<'a> Filtered<'a> {
         self.through(lit, leaving, irradiance, reflectance, 0..windows + 1)
     }
 
-    /// The part of it that passes some of the windows of the filter; that after the last one is the area between them.
+    /// The part of it that passes some of the windows of the filter; that after the last one is the area
+    /// between them.
     pub(crate) fn through(
         &self,
         lit: &Lit,

@@ -1,14 +1,16 @@
 //! BSDF of a whole display on a grid of half vectors, for renderers.
 //!
-//! A lobe lies around the mirror direction and moves with the light. The half vector `m` of light and viewer is near the normal
-//! there, wherever the light is: values on a grid of half vectors can be interpolated between directions of the light, which values
-//! at fixed directions of the viewer cannot (their peaks would be doubled).
+//! A lobe lies around the mirror direction and moves with the light. The half vector `m` of light and viewer
+//! is near the normal there, wherever the light is: values on a grid of half vectors can be interpolated
+//! between directions of the light, which values at fixed directions of the viewer cannot (their peaks would
+//! be doubled).
 //!
-//! The grid is that of the RGL tensor files (Dupuy & Jakob 2018, ACM Trans. Graph. 37(6)). Rows have equal steps of azimuth, `v = (phi_m -
-//! phi_i + pi) / (2 pi)`. Along a row, `u = sqrt(theta_m / (pi/2))` follows a density, which the files call the distribution of visible
-//! normals: more nodes within the lobe of the display, none below the horizon ([`NodeDensity`]). Readers interpolate linearly between
-//! nodes, and between directions of the light at equal places on the grid; towards grazing light, where a lobe changes fastest on
-//! half vectors, its inclinations are closer.
+//! The grid is that of the RGL tensor files (Dupuy & Jakob 2018, ACM Trans. Graph. 37(6)). Rows have equal
+//! steps of azimuth, `v = (phi_m - phi_i + pi) / (2 pi)`. Along a row, `u = sqrt(theta_m / (pi/2))` follows a
+//! density, which the files call the distribution of visible normals: more nodes within the lobe of the
+//! display, none below the horizon ([`NodeDensity`]). Readers interpolate linearly between nodes, and between
+//! directions of the light at equal places on the grid; towards grazing light, where a lobe changes fastest
+//! on half vectors, its inclinations are closer.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -26,7 +28,8 @@ pub struct HalfVectorGrid {
     pub theta_i_deg: Vec<f64>,
     /// Number of nodes along u and along v, at least 2.
     pub size: usize,
-    /// Inclination of the half vector within which the lobe falls by half, for each inclination of the light, degrees.
+    /// Inclination of the half vector within which the lobe falls by half, for each inclination of the light,
+    /// degrees.
     pub width_deg: Vec<f64>,
 }
 
@@ -40,7 +43,8 @@ impl HalfVectorGrid {
     /// Number of nodes along an axis that suits most displays.
     pub const USUAL: usize = 64;
 
-    /// Largest inclination of the light of [`lights_deg`](Self::lights_deg), degrees: renderers hold its values up to 90 degrees.
+    /// Largest inclination of the light of [`lights_deg`](Self::lights_deg), degrees: renderers hold its
+    /// values up to 90 degrees.
     pub const LAST_THETA_DEG: f64 = 89.0;
 
     /// Grid for a lobe of these widths, with [`lights_deg`](Self::lights_deg).
@@ -50,8 +54,9 @@ impl HalfVectorGrid {
         Self { theta_i_deg, size, width_deg }
     }
 
-    /// Returns inclinations of the light in steps of `step_deg` degrees, a divisor of 90, to 30 degrees, of half of it to 70 degrees, and
-    /// of a quarter of it beyond; the last one is [`LAST_THETA_DEG`](Self::LAST_THETA_DEG).
+    /// Returns inclinations of the light in steps of `step_deg` degrees, a divisor of 90, to 30 degrees, of
+    /// half of it to 70 degrees, and of a quarter of it beyond; the last one is
+    /// [`LAST_THETA_DEG`](Self::LAST_THETA_DEG).
     pub fn lights_deg(step_deg: f64) -> Vec<f64> {
         let mut lights = Vec::new();
         let mut quarters = 0_u32;
@@ -88,8 +93,8 @@ impl HalfVectorGrid {
         fractions.iter().enumerate().flat_map(row).collect()
     }
 
-    /// Returns the half vector of a point (u, v) of the square, relative to the azimuth of the light: inclination and azimuth,
-    /// radians.
+    /// Returns the half vector of a point (u, v) of the square, relative to the azimuth of the light:
+    /// inclination and azimuth, radians.
     pub fn half_vector([u, v]: [f64; 2]) -> [f64; 2] {
         [FRAC_PI_2 * u * u, TAU * v - PI]
     }
@@ -105,16 +110,18 @@ impl HalfVectorGrid {
         Viewer::of_vector(o)
     }
 
-    /// Returns the factor by which density over (u, v) exceeds density over directions of the viewer, 1/sr, apart from the constant
-    /// `8 pi^2`: `u sin(theta_m) cos(theta_d)`, with the angle theta_d between light and half vector.
+    /// Returns the factor by which density over (u, v) exceeds density over directions of the viewer, 1/sr,
+    /// apart from the constant `8 pi^2`: `u sin(theta_m) cos(theta_d)`, with the angle theta_d between light
+    /// and half vector.
     pub fn jacobian(theta_i_deg: f64, at: [f64; 2]) -> f64 {
         let [theta_m, phi_m] = Self::half_vector(at);
         let (sin_i, cos_i) = theta_i_deg.to_radians().sin_cos();
         at[0] * theta_m.sin() * (theta_m.sin() * phi_m.cos() * sin_i + theta_m.cos() * cos_i).max(0.0)
     }
 
-    /// Returns the different viewers of one direction of the light, number `light`, and for each node, `[row][column]`, the number
-    /// of its viewer; `None` below the horizon. Nodes that are mirror images in the plane of incidence have the same viewer.
+    /// Returns the different viewers of one direction of the light, number `light`, and for each node,
+    /// `[row][column]`, the number of its viewer; `None` below the horizon. Nodes that are mirror images in
+    /// the plane of incidence have the same viewer.
     pub fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>) {
         let theta_i = self.theta_i_deg[light];
         let nodes = self.nodes(light);
@@ -122,7 +129,8 @@ impl HalfVectorGrid {
         let mut numbers: Vec<Option<usize>> = vec![None; self.size * self.size];
         for row in 0..self.size {
             for column in 0..self.size {
-                // The azimuth of light along the normal is arbitrary, and so is that of a half vector along it.
+                // The azimuth of light along the normal is arbitrary, and so is that of a half vector along
+                // it.
                 let first_row = if theta_i == 0.0 || column == 0 { 0 } else { row.min(self.size - 1 - row) };
                 numbers[row * self.size + column] = if first_row < row {
                     numbers[first_row * self.size + column]
@@ -137,7 +145,8 @@ impl HalfVectorGrid {
         (viewers, numbers)
     }
 
-    /// Returns the number of values of a file of each of `states` states, all together, for a [`new`](Self::new) grid.
+    /// Returns the number of values of a file of each of `states` states, all together, for a
+    /// [`new`](Self::new) grid.
     pub fn numbers(step_deg: f64, size: usize, states: usize, wavelengths: usize) -> usize {
         [Self::lights_deg(step_deg).len(), size, size, wavelengths]
             .iter()
@@ -196,7 +205,8 @@ mod tests {
         }
     }
 
-    /// The density of viewers over (u, v): the solid angle of the hemisphere is the integral of 8 pi^2 times the Jacobian.
+    /// The density of viewers over (u, v): the solid angle of the hemisphere is the integral of 8 pi^2 times
+    /// the Jacobian.
     #[test]
     fn jacobian_integrates_to_the_solid_angle_of_the_hemisphere() {
         let steps = 400;

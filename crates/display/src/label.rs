@@ -1,7 +1,7 @@
 //! Labels: the names of quantities in words, with their units, for figures, tables, the page and Python.
 //!
-//! The labels of metrics stand in the table of metrics (`metrics/mod.rs`), those of the other numbers of a result in this file.
-//! The labels of keys of a scenario come from its grammar, in `papilio_scenario::label`.
+//! The labels of metrics stand in the table of metrics (`metrics/mod.rs`), those of the other numbers of a
+//! result in this file. The labels of keys of a scenario come from its grammar, in `papilio_scenario::label`.
 
 use std::fmt;
 
@@ -51,8 +51,8 @@ impl Label {
         Self { quantity: quantity.into(), unit: unit.into() }
     }
 
-    /// Returns the label of this quantity of something: `Luminance of white`. The name follows the noun, before what
-    /// specifies it further: `Colour difference CIEDE2000 of red from the perfect white`.
+    /// Returns the label of this quantity of something: `Luminance of white`. The name follows the noun,
+    /// before what specifies it further: `Colour difference CIEDE2000 of red from the perfect white`.
     #[must_use]
     pub fn of(&self, name: &str) -> Self {
         const FURTHER: [&str; 8] =
@@ -144,7 +144,8 @@ const UNITS: [(&str, &str); 13] = [
     ("_ppi", "ppi"),
 ];
 
-/// Splits a name into its words and the unit that its ending states: `("thickness", "nm")` for `thickness_nm`.
+/// Splits a name into its words and the unit that its ending states: `("thickness", "nm")` for
+/// `thickness_nm`.
 pub fn split_unit(name: &str) -> (&str, &'static str) {
     let found = UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)));
     found.filter(|(words, _)| !words.is_empty()).unwrap_or((name, ""))
@@ -156,8 +157,8 @@ pub fn label_from_name(name: &str) -> Label {
     Label::new(capitalised(&words.replace('_', " ")), unit)
 }
 
-/// Returns the label of a number of a result: a metric (`contrast_ratio`, `white.Y`), another column of its tables
-/// (`wavelength_nm`), or the error of one (`Y_se`, `white.Y_de`). `None` if there is no such number.
+/// Returns the label of a number of a result: a metric (`contrast_ratio`, `white.Y`), another column of its
+/// tables (`wavelength_nm`), or the error of one (`Y_se`, `white.Y_de`). `None` if there is no such number.
 pub fn metric_label(name: &str) -> Option<Label> {
     if let Some((state, number)) = name.rsplit_once('.') {
         let of_view = metrics_of_views().any(|known| known.name == number)
@@ -221,7 +222,8 @@ pub fn capitalised(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Returns a label for the middle of a sentence: the first letter is small, unless the first word is a symbol or an abbreviation.
+/// Returns a label for the middle of a sentence: the first letter is small, unless the first word is a symbol
+/// or an abbreviation.
 pub fn uncapitalised(text: &str) -> String {
     let mut letters = text.chars();
     match (letters.next(), letters.next()) {

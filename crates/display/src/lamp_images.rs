@@ -1,7 +1,7 @@
 //! Mirror images of round lamps in the faces of a display and in its pixels, in X, Y and Z.
 //!
-//! A lamp with `radius_deg` has an image with sharp borders. Pictures draw it at its place, and compute all other light, which
-//! changes slowly with the direction, in few directions.
+//! A lamp with `radius_deg` has an image with sharp borders. Pictures draw it at its place, and compute all
+//! other light, which changes slowly with the direction, in few directions.
 
 use papilio_spectra::sum_of_products;
 use papilio_transport::{Cone, Image, Source, disc_image, specular_image};
@@ -27,7 +27,8 @@ pub(crate) fn in_view(setup: &Setup) -> Vec<LampXyz> {
     images.filter(|(_, image)| seen(image)).map(|(light, image)| xyz(setup, light, &image)).collect()
 }
 
-/// Images of the lamps for a view that sees nothing else than the image of one; where nothing mirrors, all are 0.
+/// Images of the lamps for a view that sees nothing else than the image of one; where nothing mirrors, all
+/// are 0.
 pub(crate) fn whole(setup: &Setup) -> Vec<LampXyz> {
     let of_disc = |(light, disc): (usize, &Cone)| {
         let mut image = specular_image(&setup.stack, -disc.axis_towards());

@@ -1,4 +1,5 @@
-//! Width of a display's lobe about the mirror direction, which decides where the nodes of its exported BSDF are needed.
+//! Width of a display's lobe about the mirror direction, which decides where the nodes of its exported BSDF
+//! are needed.
 
 use crate::scene::{Scene, Stop};
 use crate::viewers::{Viewer, ViewerGrid};
@@ -7,7 +8,8 @@ use crate::{Control, DisplayError, HalfVectorGrid, brdf_at_viewers};
 /// Inclinations of the light at which the width is determined, degrees.
 const LIGHTS_DEG: [f64; 7] = [0.0, 20.0, 40.0, 55.0, 70.0, 80.0, 88.0];
 
-/// Inclinations of the half vector: the first one after 0, degrees, the factor to the next one, and their number.
+/// Inclinations of the half vector: the first one after 0, degrees, the factor to the next one, and their
+/// number.
 const FIRST_DEG: f64 = 0.01;
 const FACTOR: f64 = 1.35;
 const COUNT: i32 = 29;
@@ -18,8 +20,9 @@ const SUFFICIENT: f64 = 0.02;
 /// Width of a lobe that hardly falls, degrees.
 const BROAD_DEG: f64 = 30.0;
 
-/// Inclination of the half vector, out of the plane of incidence, at which the lobe has fallen half-way from its mirror direction to
-/// its smallest value, for each inclination of the light. It is about half the distance from the mirror direction.
+/// Inclination of the half vector, out of the plane of incidence, at which the lobe has fallen half-way from
+/// its mirror direction to its smallest value, for each inclination of the light. It is about half the
+/// distance from the mirror direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LobeWidths {
     theta_i_deg: Vec<f64>,
@@ -27,7 +30,8 @@ pub struct LobeWidths {
 }
 
 impl LobeWidths {
-    /// The same width in direction cosines for all inclinations of the light: that of a half vector increases as 1/cos(theta_i).
+    /// The same width in direction cosines for all inclinations of the light: that of a half vector increases
+    /// as 1/cos(theta_i).
     pub fn constant(width_deg: f64) -> Self {
         Self { theta_i_deg: vec![0.0], width_deg: vec![width_deg] }
     }

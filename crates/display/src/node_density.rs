@@ -1,12 +1,13 @@
 //! Density with which the half vectors of an exported BSDF are placed, on rows of equal azimuth.
 //!
 //! On each row, the density over `u` (`theta_m = 90 deg u^2`) is proportional to `d theta_m / du` times
-//! `a / (w + theta_m) / ln(1 + T / w) + (1 - a) / T`, with the inclination w at which the lobe has fallen by half and the inclination T
-//! beyond which viewers are below the horizon: the distances between nodes are equal within the lobe, and proportional to theta_m in its
-//! tails, which fall as powers of theta_m. It ends in the tabulated cell of T, so that only the last node of a row is below the horizon.
+//! `a / (w + theta_m) / ln(1 + T / w) + (1 - a) / T`, with the inclination w at which the lobe has fallen by
+//! half and the inclination T beyond which viewers are below the horizon: the distances between nodes are
+//! equal within the lobe, and proportional to theta_m in its tails, which fall as powers of theta_m. It ends
+//! in the tabulated cell of T, so that only the last node of a row is below the horizon.
 //!
-//! The tensor files of the RGL database hold such a density (`vndf`), tabulated in equal steps of u and linear between. Its cumulative
-//! sums along a row are piecewise quadratic, and exact here.
+//! The tensor files of the RGL database hold such a density (`vndf`), tabulated in equal steps of u and
+//! linear between. Its cumulative sums along a row are piecewise quadratic, and exact here.
 
 use std::cmp::Ordering;
 use std::f64::consts::FRAC_PI_2;
@@ -31,7 +32,8 @@ pub struct NodeDensity {
 }
 
 impl NodeDensity {
-    /// Density for light from `theta_i_deg` and a lobe that falls by half within `width_deg` of half vectors, on `rows` rows.
+    /// Density for light from `theta_i_deg` and a lobe that falls by half within `width_deg` of half vectors,
+    /// on `rows` rows.
     pub(crate) fn new(theta_i_deg: f64, width_deg: f64, rows: usize) -> Self {
         let columns = (PER_NODE * rows).min(MOST_COLUMNS);
         let mut values = Vec::with_capacity(rows * columns);
@@ -54,8 +56,9 @@ impl NodeDensity {
         let above = (1..columns).take_while(|column| is_above(u(*column))).count().max(1);
         let end = FRAC_PI_2 * u((above + 1).min(columns - 1)).powi(2);
         let scale = ON_LOBE / (end / width).ln_1p();
-        // The part of the last cell that is above the horizon: its square as a factor at the cell's beginning leaves at most 1/32 of a cell's
-        // nodes below the horizon, and the density ends at the horizon if that is at a tabulated place.
+        // The part of the last cell that is above the horizon: its square as a factor at the cell's beginning
+        // leaves at most 1/32 of a cell's nodes below the horizon, and the density ends at the horizon if
+        // that is at a tabulated place.
         let last =
             if above + 1 < columns { part_above(is_above, [u(above), u(above + 1)]).powi(2) } else { 1.0 };
         let density = |column: usize| {
@@ -136,7 +139,8 @@ fn part_above(is_above: impl Fn(f64) -> bool, [from, to]: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Fractions of the density below the places, summed by the trapezoidal rule, which is exact between tabulated values.
+    /// Fractions of the density below the places, summed by the trapezoidal rule, which is exact between
+    /// tabulated values.
     #[test]
     fn places_have_the_given_fractions_of_the_density_below_them() {
         for (theta_i, width) in [(0.0, 0.05), (40.0, 3.0), (89.0, 20.0)] {

@@ -9,9 +9,9 @@ use crate::setup::Setup;
 /// Prepared display with its light and views, for sweeps, optimisations and interactive programs.
 ///
 /// [`run`](Self::run) accepts any scene and recomputes only the parts that have changed since the
-/// previous one: the angular kernels of *adding* are reused as long as layers, views and sources stay the same, and the
-/// film's reflectances as long as its layers and gaps stay the same. Results are bit-identical to those of
-/// [`run`](crate::run()).
+/// previous one: the angular kernels of *adding* are reused as long as layers, views and sources stay the
+/// same, and the film's reflectances as long as its layers and gaps stay the same. Results are bit-identical
+/// to those of [`run`](crate::run()).
 #[derive(Debug)]
 pub struct Prepared {
     /// `None` after an invalid scene.
@@ -42,12 +42,12 @@ impl Prepared {
         self.answer(scene, Accuracy::Exact, control)
     }
 
-    /// Computes a first answer by adding: from two or three coarse levels of discretisation, with the difference of the last two as
-    /// its error, whatever the target of the scene (`is_final` of its solver is false). A following [`run`](Self::run) of
-    /// the same scene has the same result as without it.
+    /// Computes a first answer by adding: from two or three coarse levels of discretisation, with the
+    /// difference of the last two as its error, whatever the target of the scene (`is_final` of its solver is
+    /// false). A following [`run`](Self::run) of the same scene has the same result as without it.
     ///
-    /// Where the exact answer takes little work (estimated from counts), and for scenes that are not solved by adding to a
-    /// relative error, it is the exact one.
+    /// Where the exact answer takes little work (estimated from counts), and for scenes that are not solved
+    /// by adding to a relative error, it is the exact one.
     ///
     /// # Errors
     /// As for [`run`](Self::run).

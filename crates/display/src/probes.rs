@@ -1,4 +1,5 @@
-//! Pairs of directions between the nodes of an exported BSDF, at which what a reader interpolates is compared with the display.
+//! Pairs of directions between the nodes of an exported BSDF, at which what a reader interpolates is compared
+//! with the display.
 
 use crate::lobe_width::LobeWidths;
 use crate::rings::RingGrid;
@@ -7,7 +8,8 @@ use crate::viewers::{Viewer, ViewerGrid};
 /// Inclinations next to which light is tested, degrees.
 const LIGHTS_DEG: [f64; 6] = [2.0, 12.0, 30.0, 47.0, 61.0, 72.0];
 
-/// Largest inclination of viewers, degrees: readers differ in what they do between the last node and the horizon.
+/// Largest inclination of viewers, degrees: readers differ in what they do between the last node and the
+/// horizon.
 const LAST_DEG: f64 = 80.0;
 
 /// Distances from the mirror direction in units of the lobe's width.
@@ -24,8 +26,9 @@ pub struct ProbeGrid {
 }
 
 impl ProbeGrid {
-    /// Pairs for an export with these inclinations of the light: light half-way between some of them, where interpolation is least
-    /// accurate, and along one; viewers at distances from the mirror direction that scale with the lobe.
+    /// Pairs for an export with these inclinations of the light: light half-way between some of them, where
+    /// interpolation is least accurate, and along one; viewers at distances from the mirror direction that
+    /// scale with the lobe.
     pub fn between(nodes_deg: &[f64], widths: &LobeWidths) -> Self {
         let middles: Vec<f64> = nodes_deg.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let nearest = |wanted: &f64| {

@@ -1,29 +1,29 @@
 //! Readability of black text on white.
 //!
-//! **What.** The mean luminance of text, `0.75 K_w + 0.25 K_k` (Feng 2012, eq. 5-13, after Kelley, Lindfors, Penczek,
-//! J. SID 14 (2006)), and three numbers for a [`Reader`]:
+//! **What.** The mean luminance of text, `0.75 K_w + 0.25 K_k` (Feng 2012, eq. 5-13, after Kelley, Lindfors,
+//! Penczek, J. SID 14 (2006)), and three numbers for a [`Reader`]:
 //!
-//! - the *visibility level*, `|K_w - K_k|` over the luminance difference at which a detail of the text is just visible
-//!   ([`papilio_colour::reader::VisibilityTask`], Adrian 1989): the detail is a fifth of the height of the lower-case x, seen
-//!   for 0.2 s, the background has the mean luminance of text;
-//! - the *contrast margin*, `(K_w - K_k)/(K_w + K_k)` over the contrast at which a grating of 2.5 cycles per height of
-//!   the x is just visible ([`papilio_colour::reader::contrast_sensitivity`], Barten 1999, in a field of 10 deg), with the same
-//!   age factor;
-//! - the *reading performance*, a surrogate for Feng 2012, table 5.3, with the contrast `(K_w - K_k)/(K_w + K_k/3)`
-//!   (eq. 5-14).
+//! - the *visibility level*, `|K_w - K_k|` over the luminance difference at which a detail of the text is
+//!   just visible ([`papilio_colour::reader::VisibilityTask`], Adrian 1989): the detail is a fifth of the
+//!   height of the lower-case x, seen for 0.2 s, the background has the mean luminance of text;
+//! - the *contrast margin*, `(K_w - K_k)/(K_w + K_k)` over the contrast at which a grating of 2.5 cycles per
+//!   height of the x is just visible ([`papilio_colour::reader::contrast_sensitivity`], Barten 1999, in a
+//!   field of 10 deg), with the same age factor;
+//! - the *reading performance*, a surrogate for Feng 2012, table 5.3, with the contrast
+//!   `(K_w - K_k)/(K_w + K_k/3)` (eq. 5-14).
 //!
 //! The first two are 1 for text that is just visible.
 //!
 //! **Surrogate.** Feng 2012, table 5.3, contains relative visual performance read from charts
 //! of CIE 145:2002 for details of 1.5 minutes of arc (small print at 400 mm). The formula of the charts
-//! is not available. The expression `P = p0 + p1 ln(C/0.35) + p2 ln(L/1000 cd/m2)`, limited to 0 ... 1 and calibrated
-//! on that table, reproduces its values. It is *a surrogate, not the model of the CIE*: twelve values
-//! from a chart, for readers of 20, 50 and 75 years. For age 20 only one value is below 1; its slopes are
-//! those of age 50. Between these ages p0, p1 and p2 are interpolated linearly, which is not based on charts.
-//! Its range: L from 1000 to 5200 cd/m2, C from 0.35 to 0.9, 20 to 75 years; not defined outside.
+//! is not available. The expression `P = p0 + p1 ln(C/0.35) + p2 ln(L/1000 cd/m2)`, limited to 0 ... 1 and
+//! calibrated on that table, reproduces its values. It is *a surrogate, not the model of the CIE*: twelve
+//! values from a chart, for readers of 20, 50 and 75 years. For age 20 only one value is below 1; its slopes
+//! are those of age 50. Between these ages p0, p1 and p2 are interpolated linearly, which is not based on
+//! charts. Its range: L from 1000 to 5200 cd/m2, C from 0.35 to 0.9, 20 to 75 years; not defined outside.
 //!
-//! **Range** of visibility level and contrast margin: 0.1 to 1e4 cd/m2, 23 to 75 years; outside, they are reported with
-//! `in_range = false`.
+//! **Range** of visibility level and contrast margin: 0.1 to 1e4 cd/m2, 23 to 75 years; outside, they are
+//! reported with `in_range = false`.
 
 use papilio_colour::reader::{
     Polarity, VisibilityTask, age_factor, contrast_sensitivity, is_age_in_range, is_luminance_in_range,
@@ -72,20 +72,22 @@ impl Reader {
         60.0 * (self.text_height_mm / DETAILS_PER_HEIGHT / self.distance_mm).atan().to_degrees()
     }
 
-    /// Computes the spatial frequency of the strokes of the text, cycles per degree: a stroke and a gap are a cycle.
+    /// Computes the spatial frequency of the strokes of the text, cycles per degree: a stroke and a gap are a
+    /// cycle.
     pub fn cycles_per_degree(&self) -> f64 {
         0.5 * DETAILS_PER_HEIGHT / self.text_height_mm * self.distance_mm * 1_f64.to_radians().tan()
     }
 
-    /// Computes the visibility level of black text on white from the two luminances, cd/m2; `None` without light.
+    /// Computes the visibility level of black text on white from the two luminances, cd/m2; `None` without
+    /// light.
     pub fn visibility_level(&self, white_cd_m2: f64, black_cd_m2: f64) -> Option<f64> {
         let task = self.task(if white_cd_m2 >= black_cd_m2 { Polarity::Darker } else { Polarity::Brighter });
         let threshold = task.threshold_cd_m2(mean_luminance(white_cd_m2, black_cd_m2))?;
         Some((white_cd_m2 - black_cd_m2).abs() / threshold)
     }
 
-    /// Computes the contrast margin of black text on white from the two luminances, cd/m2; `None` without light. It is
-    /// negative if black is brighter than white.
+    /// Computes the contrast margin of black text on white from the two luminances, cd/m2; `None` without
+    /// light. It is negative if black is brighter than white.
     pub fn contrast_margin(&self, white_cd_m2: f64, black_cd_m2: f64) -> Option<f64> {
         let (difference, sum) = (white_cd_m2 - black_cd_m2, white_cd_m2 + black_cd_m2);
         let luminance = mean_luminance(white_cd_m2, black_cd_m2);
@@ -98,7 +100,8 @@ impl Reader {
         self.task(Polarity::Darker).in_range(luminance_cd_m2)
     }
 
-    /// Returns true if text of this mean luminance, cd/m2, is within the range of Barten's model and of the age factor.
+    /// Returns true if text of this mean luminance, cd/m2, is within the range of Barten's model and of the
+    /// age factor.
     pub fn is_margin_in_range(&self, luminance_cd_m2: f64) -> bool {
         is_luminance_in_range(luminance_cd_m2) && is_age_in_range(self.age_years)
     }
@@ -183,8 +186,9 @@ mod tests {
         assert!((AT_60.cycles_per_degree() - 13.636_769).abs() < 1e-6, "{}", AT_60.cycles_per_degree());
     }
 
-    /// Text of 10 and of 0.5 cd/m2 has 7.625 cd/m2. The expressions of Radiance and of colour-science give the threshold
-    /// of a dark detail of 2.200158', 4.29727340 cd/m2 for 60 years, and S = 105.01200880 at 13.636769 cycles per degree.
+    /// Text of 10 and of 0.5 cd/m2 has 7.625 cd/m2. The expressions of Radiance and of colour-science give
+    /// the threshold of a dark detail of 2.200158', 4.29727340 cd/m2 for 60 years, and S = 105.01200880 at
+    /// 13.636769 cycles per degree.
     #[test]
     fn readability_agrees_with_other_programs() {
         let level = AT_60.visibility_level(10.0, 0.5).unwrap();

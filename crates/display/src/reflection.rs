@@ -2,16 +2,17 @@
 //!
 //! **What.** The luminous fractions of a beam of the scene's light that are reflected
 //! - in the mirror direction (*mirror*),
-//! - like light from white paint: pi times the smallest BRDF over a set of directions within 60 deg of the normal
-//!   (*Lambertian*; a BRDF that decreases at larger angles does not limit it),
+//! - like light from white paint: pi times the smallest BRDF over a set of directions within 60 deg of the
+//!   normal (*Lambertian*; a BRDF that decreases at larger angles does not limit it),
 //! - and otherwise (*haze*).
 //!
-//! They sum to the directional-hemispherical reflectance (E. F. Kelley, "Display reflectance model based on the BRDF",
-//! Displays 19, 27 (1998); IDMS 1.1, section 11). *Beyond 2.5 deg* is the fraction of the reflected light at more than
-//! 2.5 deg from the mirror direction, the analogue for reflection of haze by ASTM D1003.
-//! **How.** By reciprocity, the directional-hemispherical reflectance of a beam is the reflectance factor viewed from its
-//! direction in diffuse light. In the same way, a disc of 2.5 deg radius gives the light within 2.5 deg, and a beam the light
-//! in its direction. One run by adding gives all of them.
+//! They sum to the directional-hemispherical reflectance (E. F. Kelley, "Display reflectance model based on
+//! the BRDF", Displays 19, 27 (1998); IDMS 1.1, section 11). *Beyond 2.5 deg* is the fraction of the
+//! reflected light at more than 2.5 deg from the mirror direction, the analogue for reflection of haze by
+//! ASTM D1003. **How.** By reciprocity, the directional-hemispherical reflectance of a beam is the
+//! reflectance factor viewed from its direction in diffuse light. In the same way, a disc of 2.5 deg radius
+//! gives the light within 2.5 deg, and a beam the light in its direction. One run by adding gives all of
+//! them.
 
 use papilio_spectra::Spectrum;
 
@@ -56,12 +57,13 @@ pub struct ReflectionState {
     pub haze: f64,
     /// Lambertian component.
     pub lambertian: f64,
-    /// Fraction of the reflected light at more than 2.5 deg from the mirror direction; `None` without reflected light.
+    /// Fraction of the reflected light at more than 2.5 deg from the mirror direction; `None` without
+    /// reflected light.
     pub beyond_straight: Option<f64>,
 }
 
-/// Computes the components of the reflection of beams from these inclinations (degrees in air, below 87), by adding
-/// independently of the scene's method.
+/// Computes the components of the reflection of beams from these inclinations (degrees in air, below 87), by
+/// adding independently of the scene's method.
 ///
 /// # Errors
 /// If the scene is invalid, or the computation was stopped.
@@ -90,7 +92,8 @@ fn ambient_spectrum(scene: &Scene, control: &Control<'_>) -> Result<Spectrum, Di
     Ok(if sum.max() > 0.0 { sum } else { Spectrum::constant(&scene.grid, 1.0) })
 }
 
-/// Scene of the display viewed from `theta_deg` in diffuse light, under a disc in the mirror direction, and under beams.
+/// Scene of the display viewed from `theta_deg` in diffuse light, under a disc in the mirror direction, and
+/// under beams.
 fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
     let mut lit = scene.clone();
     lit.viewer.theta_deg = vec![theta_deg];

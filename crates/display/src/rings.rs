@@ -1,7 +1,9 @@
-//! Rings of viewers about the mirror direction, as imaging spheres measure them and the tabular BSDF of Radiant and Zemax holds them.
+//! Rings of viewers about the mirror direction, as imaging spheres measure them and the tabular BSDF of
+//! Radiant and Zemax holds them.
 //!
-//! For light from the inclination a, the mirror direction is `s = (sin a, 0, cos a)`. The viewer at the distance r from it and at the
-//! azimuth A about it is in the direction `cos r s + sin r (cos A e0 + sin A e1)`, with `e0 = (-cos a, 0, sin a)`, towards the normal, and
+//! For light from the inclination a, the mirror direction is `s = (sin a, 0, cos a)`. The viewer at the
+//! distance r from it and at the azimuth A about it is in the direction
+//! `cos r s + sin r (cos A e0 + sin A e1)`, with `e0 = (-cos a, 0, sin a)`, towards the normal, and
 //! `e1 = (0, -1, 0)`.
 
 use crate::HalfVectorGrid;
@@ -16,15 +18,15 @@ pub type RingTable = ViewerTable<RingGrid>;
 pub struct RingGrid {
     /// Inclinations of the light, ascending, 0 to less than 90 degrees.
     pub theta_i_deg: Vec<f64>,
-    /// Azimuths about the mirror direction, ascending, 0 (towards the normal) to 180 degrees: the display is symmetric about the plane
-    /// of incidence.
+    /// Azimuths about the mirror direction, ascending, 0 (towards the normal) to 180 degrees: the display is
+    /// symmetric about the plane of incidence.
     pub azimuths_deg: Vec<f64>,
     /// Distances from the mirror direction, ascending, 0 to 180 degrees.
     pub radials_deg: Vec<f64>,
 }
 
-/// Largest step of the distances, as a fraction of the distance plus the width of the lobe: the chord of a lobe that falls as the third
-/// power is then 0.5 % above it.
+/// Largest step of the distances, as a fraction of the distance plus the width of the lobe: the chord of a
+/// lobe that falls as the third power is then 0.5 % above it.
 const STEP_ON_LOBE: f64 = 0.06;
 
 /// Number of distances for most lobes: 116 to 215.
@@ -37,8 +39,8 @@ impl RingGrid {
         Self::about_lights(HalfVectorGrid::lights_deg(step_deg), widths)
     }
 
-    /// Grid for these inclinations of the light; azimuths in steps of 5 deg; distances in steps of 0.5 deg to 10 deg, 1 deg to 30 deg and
-    /// 2 deg beyond, and between them as close as the lobe needs.
+    /// Grid for these inclinations of the light; azimuths in steps of 5 deg; distances in steps of 0.5 deg to
+    /// 10 deg, 1 deg to 30 deg and 2 deg beyond, and between them as close as the lobe needs.
     pub fn about_lights(theta_i_deg: Vec<f64>, widths: &LobeWidths) -> Self {
         let fine = (1..20).map(|k| 0.5 * f64::from(k));
         let medium = (10..30).map(f64::from);
@@ -93,8 +95,8 @@ impl ViewerGrid for RingGrid {
         &self.theta_i_deg
     }
 
-    /// Cells in the order azimuth, distance, the last fastest. All azimuths have the same viewers for light along the normal, and at
-    /// the distance 0.
+    /// Cells in the order azimuth, distance, the last fastest. All azimuths have the same viewers for light
+    /// along the normal, and at the distance 0.
     fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>) {
         let (theta_i, radials) = (self.theta_i_deg[light], self.radials_deg.len());
         let mut viewers = Vec::new();
@@ -133,7 +135,8 @@ mod tests {
         assert_eq!(RingGrid::viewer(75.0, 180.0, 20.0), None);
     }
 
-    /// Distances are at most 2 deg apart, and close within a lobe; those that users read in tables are among them.
+    /// Distances are at most 2 deg apart, and close within a lobe; those that users read in tables are among
+    /// them.
     #[test]
     fn distances_follow_the_lobe() {
         for width in [0.02, 0.5, 10.0] {

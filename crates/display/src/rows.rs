@@ -18,8 +18,8 @@ pub struct RowErrors {
 const NAMED: usize = 3;
 
 impl RowErrors {
-    /// Keeps the rows of some of `states` states, which have equal numbers of consecutive rows; returns the largest error that is
-    /// left.
+    /// Keeps the rows of some of `states` states, which have equal numbers of consecutive rows; returns the
+    /// largest error that is left.
     pub(crate) fn keep_states(&mut self, numbers: &[usize], states: usize) -> f64 {
         let rows = (self.relative.len() / states.max(1)).max(1);
         let of_states = self.relative.chunks(rows).enumerate().filter(|(k, _)| numbers.contains(k));

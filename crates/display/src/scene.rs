@@ -50,8 +50,8 @@ pub struct Scene {
 pub struct Metrics {
     /// Standard observer for X, Y, Z; luminances always use V(lambda) of CIE 1931.
     pub observer: Standard,
-    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume. If the front light is the only light, it is
-    /// always the display's.
+    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume. If the front light is the
+    /// only light, it is always the display's.
     pub white: ReferenceWhite,
     /// Name of the state with which the others are compared; without such a state there is no comparison.
     pub reference_state: String,
@@ -72,7 +72,8 @@ pub struct Metrics {
 pub struct Appearance {
     /// Adapting luminance, cd/m2; `None`: that of the background.
     pub adapting_luminance_cd_m2: Option<f64>,
-    /// Luminance of the background relative to a perfect white in the scene's light, greater than 0 and at most 1.
+    /// Luminance of the background relative to a perfect white in the scene's light, greater than 0 and at
+    /// most 1.
     pub background: f64,
     /// Surround of the display.
     pub surround: Surround,
@@ -231,7 +232,8 @@ pub struct FilmPixel {
     pub layers: Vec<FilmLayer>,
     /// Complex index n + ik of the opaque, semi-infinite substrate.
     pub substrate: Vec<Complex64>,
-    /// Names of the materials for reports: of each layer and, last, of the substrate. A missing name is reported as empty.
+    /// Names of the materials for reports: of each layer and, last, of the substrate. A missing name is
+    /// reported as empty.
     pub materials: Vec<String>,
     /// The sub-pixels, in the order of the scenario.
     pub sub_pixels: Vec<SubPixel>,
@@ -263,8 +265,8 @@ pub struct FilmState {
     pub name: String,
     /// One drive for each sub-pixel, in the order of `sub_pixels`.
     pub drives: Vec<Drive>,
-    /// Fractions of the whole area that the sub-pixels have in this state, in the same order; the rest is inactive. `None`: those of the
-    /// pixel, by `area` and `fill_factor`. A part of a pixel has others.
+    /// Fractions of the whole area that the sub-pixels have in this state, in the same order; the rest is
+    /// inactive. `None`: those of the pixel, by `area` and `fill_factor`. A part of a pixel has others.
     pub areas: Option<Vec<f64>>,
 }
 
@@ -313,7 +315,8 @@ pub struct UniformPixel {
     pub kind: UniformKind,
     /// Name and reflectance of each state.
     pub states: Vec<(String, Spectrum)>,
-    /// How far light spreads sideways within Lambertian pixels, mm: where the line spread has decreased to 1/e; 0: not at all.
+    /// How far light spreads sideways within Lambertian pixels, mm: where the line spread has decreased to
+    /// 1/e; 0: not at all.
     pub spread_mm: f64,
 }
 
@@ -354,12 +357,13 @@ pub struct Lighting {
 /// Front light: a clear light guide below the front of screen and above all other layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrontLight {
-    /// Downward illuminance on the layer below the front of screen, lx, in addition to the ambient illuminance.
+    /// Downward illuminance on the layer below the front of screen, lx, in addition to the ambient
+    /// illuminance.
     pub illuminance_lx: f64,
     /// Relative spectrum.
     pub spectrum: LightSpectrum,
-    /// Angular distribution of the downward light, as that of a sky; `None`: diffuse. Any other distribution needs an
-    /// ordinary panel with a diffuser.
+    /// Angular distribution of the downward light, as that of a sky; `None`: diffuse. Any other distribution
+    /// needs an ordinary panel with a diffuser.
     pub field: Option<Arc<Field>>,
     /// Ratio of the upward light, which is diffuse, to the downward light.
     pub upward_over_downward: f64,
@@ -462,8 +466,8 @@ pub enum Method {
 /// Stopping criterion of a solver.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stop {
-    /// Relative error of Y, the largest over states and views: the standard error of the Monte Carlo solver or the
-    /// discretisation error of adding.
+    /// Relative error of Y, the largest over states and views: the standard error of the Monte Carlo solver
+    /// or the discretisation error of adding.
     RelativeError {
         /// The relative error, for example 0.001.
         target: f64,
@@ -481,7 +485,8 @@ pub enum Stop {
 pub enum Approximation {
     /// None: all orders of reflection.
     None,
-    /// Single pass (Feng 2012, eq. 3-2, 3-3 and 3-5): front of screen to first order, one reflection by the pixel.
+    /// Single pass (Feng 2012, eq. 3-2, 3-3 and 3-5): front of screen to first order, one reflection by the
+    /// pixel.
     SinglePass,
 }
 

@@ -1,7 +1,7 @@
 //! Preparation of a scene for the transport: the stack, the sources and the views.
 //!
-//! **Versions.** A setup that is updated for another scene ([`Setup::renewed`]) counts its changes, so that results
-//! of the transport can be reused as long as they are valid:
+//! **Versions.** A setup that is updated for another scene ([`Setup::renewed`]) counts its changes, so that
+//! results of the transport can be reused as long as they are valid:
 //!
 //! | counter | incremented when | key of |
 //! |---|---|---|
@@ -38,8 +38,8 @@ pub(crate) struct Setup {
     /// Film to which the reflectances of the stack's base belong, if the pixel is a film pixel.
     film: Option<FilmKey>,
     pub(crate) stack: Stack,
-    /// The diffuse light, the directed sources in the scene's order, the parts of each environment, and the front
-    /// light.
+    /// The diffuse light, the directed sources in the scene's order, the parts of each environment, and the
+    /// front light.
     pub(crate) lights: Vec<Light>,
     pub(crate) sources: Vec<Source>,
     pub(crate) views: Vec<ViewPoint>,
@@ -63,8 +63,8 @@ pub(crate) struct Light {
     pub(crate) lines: Option<LineWeights>,
 }
 
-/// Weights with which reflectances at the wavelengths of the grid contribute to what is seen of a light with narrow lines,
-/// in the unit of its irradiance times nm.
+/// Weights with which reflectances at the wavelengths of the grid contribute to what is seen of a light with
+/// narrow lines, in the unit of its irradiance times nm.
 #[derive(Debug, Clone)]
 pub(crate) struct LineWeights {
     /// X, Y and Z of the reported colours, for reflectances that are linear between the wavelengths.
@@ -145,13 +145,13 @@ impl Setup {
         })
     }
 
-    /// Updates the setup for another scene. The result equals `new(scene)`, but parts that are still valid are reused,
-    /// and the version counters are incremented for the parts that changed.
+    /// Updates the setup for another scene. The result equals `new(scene)`, but parts that are still valid
+    /// are reused, and the version counters are incremented for the parts that changed.
     ///
-    /// Another grid, angle medium, approximation or observer invalidates everything. Otherwise the base depends on the
-    /// pixel and the index above it, the stack on the layers, the sources on the lighting and that index, and the
-    /// views on the viewer and that index. `version` is not incremented if new lighting has the same sources, that is,
-    /// differs only in spectra and illuminances.
+    /// Another grid, angle medium, approximation or observer invalidates everything. Otherwise the base
+    /// depends on the pixel and the index above it, the stack on the layers, the sources on the lighting and
+    /// that index, and the views on the viewer and that index. `version` is not incremented if new lighting
+    /// has the same sources, that is, differs only in spectra and illuminances.
     pub(crate) fn renewed(mut self, scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
@@ -222,8 +222,8 @@ impl Setup {
         self.other_observer.as_ref().unwrap_or(&self.observer)
     }
 
-    /// Computes the reflectance of each state of the pixel alone in the direction of a view, `[state][wavelength]`;
-    /// returns false if the pixel is not specular.
+    /// Computes the reflectance of each state of the pixel alone in the direction of a view,
+    /// `[state][wavelength]`; returns false if the pixel is not specular.
     pub(crate) fn pixel_alone(&self, base: &Base, at: &ViewPoint, out: &mut [f64]) -> bool {
         if base.is_specular() {
             let beta = at.field.axis_towards();
@@ -257,8 +257,9 @@ fn stack(
     Stack::approximated(layers, base, approximation).map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)
 }
 
-/// Returns layers that are no panel over an empty base, which suffices to estimate their cost. Coatings are bare interfaces, which
-/// do not scatter either, and surfaces are not measured: both take longer than a first answer.
+/// Returns layers that are no panel over an empty base, which suffices to estimate their cost. Coatings are
+/// bare interfaces, which do not scatter either, and surfaces are not measured: both take longer than a first
+/// answer.
 pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
     let inactive_absorptance = vec![0.0; scene.grid.len()].into();
     let base = Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance };

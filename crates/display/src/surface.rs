@@ -1,11 +1,13 @@
-//! Surfaces given by their geometry, as interfaces between media: measured when a scene is prepared, not before.
+//! Surfaces given by their geometry, as interfaces between media: measured when a scene is prepared, not
+//! before.
 //!
-//! **By rays.** A virtual goniometer follows the rays of all bands of directions. The kernel that it finds is the same at all wavelengths.
-//! **By waves.** A random face of small heights scatters into lobes that are known in closed form, and depend on the wavelength; they are balanced
-//! so that no light is lost.
+//! **By rays.** A virtual goniometer follows the rays of all bands of directions. The kernel that it finds is
+//! the same at all wavelengths. **By waves.** A random face of small heights scatters into lobes that are
+//! known in closed form, and depend on the wavelength; they are balanced so that no light is lost.
 //!
-//! Both take up to minutes, and depend on nothing but the surface. What was found is therefore kept for the process: all preparations of a
-//! command, designs of a sweep that have the surface, and requests to a server use it. Several threads that need one surface wait for the first.
+//! Both take up to minutes, and depend on nothing but the surface. What was found is therefore kept for the
+//! process: all preparations of a command, designs of a sweep that have the surface, and requests to a server
+//! use it. Several threads that need one surface wait for the first.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -93,8 +95,8 @@ impl SurfaceFace {
         }
     }
 
-    /// Returns an interface that scatters no light, but takes as many directions as this surface: its work can be estimated before it is
-    /// measured.
+    /// Returns an interface that scatters no light, but takes as many directions as this surface: its work
+    /// can be estimated before it is measured.
     pub(crate) fn estimated(&self, grid: &Grid) -> Result<Interface, DisplayError> {
         let SurfaceModel::Rays { goniometer, .. } = &self.model else {
             return self.by_waves(grid, |lobe, light, _| Ok(BalancedLobe::unbalanced(lobe, light)));
@@ -134,8 +136,8 @@ impl SurfaceFace {
             let now = Progress::of_views(done, REPLICATES as usize);
             (control.progress)(Progress { unit: "replicates of a surface", ..now }.within(PART));
         };
-        // On all processors, whatever the number of threads of this computation: it is often one of many workers, which wait for the surface.
-        // Totals at single inclinations are not needed.
+        // On all processors, whatever the number of threads of this computation: it is often one of many
+        // workers, which wait for the surface. Totals at single inclinations are not needed.
         let goniometer = Goniometer { incidence_deg: Vec::new(), azimuths: None, ..goniometer.clone() };
         let found = goniometer
             .replicates(surface, &|| control.stopped(), &finished)
@@ -147,7 +149,8 @@ impl SurfaceFace {
         Ok(kernels.insert(found).clone())
     }
 
-    /// A face by waves: lobes that differ by wavelength, each made by `balance`, which is told how many are made.
+    /// A face by waves: lobes that differ by wavelength, each made by `balance`, which is told how many are
+    /// made.
     fn by_waves(
         &self,
         grid: &Grid,

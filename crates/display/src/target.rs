@@ -24,8 +24,8 @@ pub enum Tolerance {
 }
 
 impl Target {
-    /// Returns the largest ratio of standard error to tolerance; the target is met at 1 or less. `None` if the
-    /// metric is not defined.
+    /// Returns the largest ratio of standard error to tolerance; the target is met at 1 or less. `None` if
+    /// the metric is not defined.
     pub(crate) fn missed_by(&self, view: &View) -> Option<f64> {
         let over = |[value, error]: [Option<f64>; 2]| {
             let tolerance = match self.tolerance {

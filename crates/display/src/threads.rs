@@ -1,6 +1,7 @@
 //! The same work for several items, on a few threads.
 
-/// Calls `work` with each item; neighbouring items share a thread. The results are in the order of the items, and do not depend on the threads.
+/// Calls `work` with each item; neighbouring items share a thread. The results are in the order of the items,
+/// and do not depend on the threads.
 pub(crate) fn each<T: Sync, R: Send>(items: &[T], threads: usize, work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     if threads < 2 || items.len() < 2 {
         return items.iter().map(work).collect();

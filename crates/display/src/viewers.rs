@@ -1,8 +1,10 @@
-//! BSDF of a whole display at viewers that move with the light: each direction of the light has viewers of its own.
+//! BSDF of a whole display at viewers that move with the light: each direction of the light has viewers of
+//! its own.
 //!
-//! A lobe lies around the mirror direction. Where the viewers lie about that direction, too, values can be interpolated between
-//! directions of the light, which values at fixed directions of the viewer cannot (their peaks would be doubled). Grids of such
-//! viewers are [`HalfVectorGrid`](crate::HalfVectorGrid) and [`RingGrid`](crate::RingGrid).
+//! A lobe lies around the mirror direction. Where the viewers lie about that direction, too, values can be
+//! interpolated between directions of the light, which values at fixed directions of the viewer cannot (their
+//! peaks would be doubled). Grids of such viewers are [`HalfVectorGrid`](crate::HalfVectorGrid) and
+//! [`RingGrid`](crate::RingGrid).
 
 use crate::brdf::{BrdfGrid, BrdfState, BrdfTable, kept};
 use crate::{DisplayError, RowErrors};
@@ -18,8 +20,8 @@ pub struct Viewer {
     pub dphi_deg: f64,
 }
 
-/// Cosine of the inclination below which a viewer (from 89.994 deg) is taken to be below the horizon. Such a direction receives at
-/// most this fraction of what leaves along the normal of a Lambertian display.
+/// Cosine of the inclination below which a viewer (from 89.994 deg) is taken to be below the horizon. Such a
+/// direction receives at most this fraction of what leaves along the normal of a Lambertian display.
 pub(crate) const HORIZON_COS: f64 = 1e-4;
 
 impl Viewer {
@@ -40,8 +42,8 @@ pub trait ViewerGrid {
     /// Inclinations of the light, ascending, 0 to less than 90 degrees.
     fn theta_i_deg(&self) -> &[f64];
 
-    /// Returns the different viewers of one direction of the light, number `light`, and for each node of the grid the number of its
-    /// viewer; `None` below the horizon.
+    /// Returns the different viewers of one direction of the light, number `light`, and for each node of the
+    /// grid the number of its viewer; `None` below the horizon.
     fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>);
 }
 
@@ -58,8 +60,8 @@ pub struct ViewerTable<G> {
     pub nodes: u64,
     /// Largest relative discretisation error.
     pub discretisation_error: f64,
-    /// Errors of the luminous BRDF (in an equal-energy light), `[state][theta_i][viewer]`, with the viewers of
-    /// [`ViewerGrid::viewers`].
+    /// Errors of the luminous BRDF (in an equal-energy light), `[state][theta_i][viewer]`, with the viewers
+    /// of [`ViewerGrid::viewers`].
     pub row_errors: RowErrors,
 }
 
@@ -68,8 +70,8 @@ pub struct ViewerTable<G> {
 pub struct ViewerState {
     /// Name of the state.
     pub name: String,
-    /// Scattered part, `dL_o/dE_i` in 1/sr, `[theta_i][viewer][wavelength]` (the last fastest), with the viewers of
-    /// [`ViewerGrid::viewers`].
+    /// Scattered part, `dL_o/dE_i` in 1/sr, `[theta_i][viewer][wavelength]` (the last fastest), with the
+    /// viewers of [`ViewerGrid::viewers`].
     pub brdf: Vec<f32>,
     /// Specular reflectance: fraction of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
     pub specular: Vec<f64>,
@@ -86,7 +88,8 @@ impl<G: ViewerGrid> ViewerTable<G> {
         self
     }
 
-    /// Returns what depends on the light alone, as a table without viewers: specular and directional-hemispherical reflectances.
+    /// Returns what depends on the light alone, as a table without viewers: specular and
+    /// directional-hemispherical reflectances.
     pub fn of_beams(&self) -> BrdfTable {
         let state = |state: &ViewerState| BrdfState {
             name: state.name.clone(),
@@ -108,7 +111,8 @@ impl<G: ViewerGrid> ViewerTable<G> {
         }
     }
 
-    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.
+    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is
+    /// given.
     ///
     /// # Errors
     /// If a row exceeds the limit; the message names the worst rows.

@@ -19,8 +19,8 @@ const SUBSTRATE: &str = "#bbbbbb";
 /// Smallest absorptance of a layer that is drawn.
 const LEAST: f64 = 1e-3;
 
-/// Draws the absorptance of each layer at the smallest angle, stacked from the substrate up; what is left to 1 is reflected. There
-/// is a panel for each distinct sub-pixel and drive.
+/// Draws the absorptance of each layer at the smallest angle, stacked from the substrate up; what is left to
+/// 1 is reflected. There is a panel for each distinct sub-pixel and drive.
 pub fn absorption(all: &PixelAbsorption, medium: &str, title: &str) -> String {
     let angle = (0..all.theta_deg.len()).min_by(|a, b| all.theta_deg[*a].total_cmp(&all.theta_deg[*b]));
     let angle = angle.unwrap_or(0);
@@ -50,7 +50,8 @@ pub fn absorption(all: &PixelAbsorption, medium: &str, title: &str) -> String {
     svg.finish()
 }
 
-/// Returns sub-pixels and states with different absorptances: a sub-pixel that is driven in the same way in several states is drawn once.
+/// Returns sub-pixels and states with different absorptances: a sub-pixel that is driven in the same way in
+/// several states is drawn once.
 fn distinct(all: &PixelAbsorption) -> Vec<&SubPixelAbsorption> {
     let mut parts: Vec<&SubPixelAbsorption> = Vec::new();
     for one in &all.sub_pixels {

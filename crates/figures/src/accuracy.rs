@@ -23,7 +23,8 @@ pub struct ErrorCurve {
 pub struct ErrorPanel {
     /// Title of the x axis (cost or resolution), with its unit.
     pub x: String,
-    /// Whether the x axis is logarithmic, so that a power law is a straight line. Otherwise an exponential is one.
+    /// Whether the x axis is logarithmic, so that a power law is a straight line. Otherwise an exponential is
+    /// one.
     pub powers: bool,
     /// The curves.
     pub curves: Vec<ErrorCurve>,

@@ -52,10 +52,11 @@ impl AngleMetric {
 
 /// Ratio of the largest to the smallest Y above which the axis is logarithmic.
 const WIDE: f64 = 30.0;
-/// Larger step of the peak wavelength between neighbouring angles (nm): a different peak has become the highest.
+/// Larger step of the peak wavelength between neighbouring angles (nm): a different peak has become the
+/// highest.
 const OTHER_ORDER_NM: f64 = 40.0;
-/// Smallest upper end of the axis of u'v' distances, which are hardly visible below it. A display of constant colour
-/// is then a flat line instead of rounding errors.
+/// Smallest upper end of the axis of u'v' distances, which are hardly visible below it. A display of constant
+/// colour is then a flat line instead of rounding errors.
 const UNSEEN_SHIFT: f64 = 0.005;
 
 /// A value and its standard error.
@@ -171,7 +172,8 @@ fn pieces<'a>(points: &'a [Point], values: &[f64], metric: AngleMetric) -> Vec<&
     cuts.windows(2).map(|cut| &points[cut[0]..cut[1]]).collect()
 }
 
-/// Returns the position of a curve's label (the end of its longest piece), and whether that is the last angle.
+/// Returns the position of a curve's label (the end of its longest piece), and whether that is the last
+/// angle.
 fn end_of(points: &[Point], pieces: &[&[Point]]) -> (Point, bool) {
     let longest = pieces.iter().max_by_key(|piece| piece.len());
     let drawn = longest.and_then(|piece| piece.iter().rev().find(|point| finite(**point)));
@@ -240,7 +242,8 @@ fn by_state(views: &[&View], value: fn(&State, &State) -> ValueAndError) -> Vec<
     smallest.states.iter().enumerate().map(curve).collect()
 }
 
-/// Returns the u'v' distance between a state at two angles. The error assumes that the two views are independent.
+/// Returns the u'v' distance between a state at two angles. The error assumes that the two views are
+/// independent.
 fn shift(state: &State, reference: &State) -> ValueAndError {
     let uv = |v: &StateValues| Some((v.u_prime?, v.v_prime?));
     let (Some(here), Some(there)) = (uv(&state.value), uv(&reference.value)) else { return (None, None) };

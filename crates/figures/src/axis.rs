@@ -3,8 +3,8 @@
 /// Smallest value on a logarithmic axis, relative to the largest.
 const LOGARITHMIC_REACH: f64 = 1e-6;
 
-/// Smallest and largest number that labels of a logarithmic axis write without an exponent; a tenth of the smallest where there
-/// are labels between the powers of ten.
+/// Smallest and largest number that labels of a logarithmic axis write without an exponent; a tenth of the
+/// smallest where there are labels between the powers of ten.
 const SHORT: [f64; 2] = [0.01, 10_000.0];
 
 /// Smallest space between two labels, px.
@@ -53,8 +53,8 @@ impl Axis {
         Self::decades(min.max(LOGARITHMIC_REACH * max), max, title)
     }
 
-    /// Returns a logarithmic axis that extends to the ticks around two positive values. Ticks are as above, or at every
-    /// second or third power of ten where all powers would be too many.
+    /// Returns a logarithmic axis that extends to the ticks around two positive values. Ticks are as above,
+    /// or at every second or third power of ten where all powers would be too many.
     pub(crate) fn decades(min: f64, max: f64, title: &str) -> Option<Self> {
         let decades = (min.log10().floor() as i32, max.log10().ceil() as i32);
         let apart = (decades.1 - decades.0).unsigned_abs().div_ceil(8).max(1) as i32;
@@ -117,9 +117,9 @@ impl Axis {
         &self.ticks
     }
 
-    /// Returns the ticks whose labels can be written side by side on an axis of this `length`, px; `extent` returns the extent of
-    /// a label along the axis. If there is no space for all, a logarithmic axis has those at powers of ten, and after that every
-    /// second one, every third one and so on.
+    /// Returns the ticks whose labels can be written side by side on an axis of this `length`, px; `extent`
+    /// returns the extent of a label along the axis. If there is no space for all, a logarithmic axis has
+    /// those at powers of ten, and after that every second one, every third one and so on.
     pub(crate) fn labelled(&self, length: f64, extent: impl Fn(&str) -> f64) -> Vec<(f64, &str)> {
         let all: Vec<(f64, &str)> = self.ticks.iter().map(|(tick, text)| (*tick, text.as_str())).collect();
         let fits = |chosen: &[(f64, &str)]| {

@@ -24,8 +24,8 @@ const COMPACT_LINE: f64 = 16.0;
 /// Width of the legend, px.
 const LEGEND: f64 = 185.0;
 
-/// Draws the states of a view in a chromaticity diagram. Each is a disc in its own colour, with a cross of one standard
-/// error where this is visible.
+/// Draws the states of a view in a chromaticity diagram. Each is a disc in its own colour, with a cross of
+/// one standard error where this is visible.
 ///
 /// Where the states are too close together for their marks and
 /// names, an enlarged part of the diagram shows the names.
@@ -36,7 +36,8 @@ pub fn chromaticity(result: &RunResult, view: &View, diagram: Diagram, title: &s
     svg.finish()
 }
 
-/// Draws the gamuts of several displays and of sRGB in one u'v' diagram, with percentages of sRGB in the legend.
+/// Draws the gamuts of several displays and of sRGB in one u'v' diagram, with percentages of sRGB in the
+/// legend.
 pub fn gamuts(displays: &[(&str, &View)], title: &str) -> String {
     let diagram = Diagram::Uv;
     let mut svg = Svg::new(WIDTH + 90.0, diagram.height(WIDTH) + 72.0).titled(title);
@@ -184,8 +185,8 @@ fn inset(
     marks.name(svg, &enlarged, &[display]);
 }
 
-/// Draws the legend of the triangles, with the gamut area of the display relative to each, from `top` down. A compact one has
-/// no line of its own for the name of the diagram.
+/// Draws the legend of the triangles, with the gamut area of the display relative to each, from `top` down. A
+/// compact one has no line of its own for the name of the diagram.
 fn legend(
     svg: &mut Svg,
     (left, top): Point,

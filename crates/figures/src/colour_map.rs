@@ -2,7 +2,8 @@
 //!
 //! Perceptually uniform, readable in grey and with all common deficiencies of colour vision
 //! (S. van der Walt, N. Smith and E. Firing, matplotlib 1.5, 2015; released as CC0). The
-//! table has every sixteenth entry of the original; linear interpolation between them is within 6 of 255 of it.
+//! table has every sixteenth entry of the original; linear interpolation between them is within 6 of 255 of
+//! it.
 
 use crate::svg::hex;
 

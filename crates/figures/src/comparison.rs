@@ -1,4 +1,5 @@
-//! Comparison of a simulated and a measured display: spectra as in Feng 2012, fig. 5.6, gamuts as in fig. 5.7.
+//! Comparison of a simulated and a measured display: spectra as in Feng 2012, fig. 5.6, gamuts as in fig.
+//! 5.7.
 
 use papilio_display::compare::{Colour, Comparison, SIDES, StateComparison, ViewComparison};
 
@@ -33,8 +34,8 @@ fn caption(title: &str, view: &ViewComparison) -> String {
     joined(&[title, &format!("viewed at {}{azimuth}", degrees(view.theta_deg))])
 }
 
-/// Draws the simulated and measured reflectance factors of a viewing direction. Returns `None` if no spectrum was
-/// measured there.
+/// Draws the simulated and measured reflectance factors of a viewing direction. Returns `None` if no spectrum
+/// was measured there.
 pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) -> Option<String> {
     let states = states_of(all, view);
     let spectra: Vec<_> =

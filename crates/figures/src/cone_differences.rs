@@ -1,4 +1,5 @@
-//! Colour differences over all viewing directions: of each state from its own colour in a reference direction.
+//! Colour differences over all viewing directions: of each state from its own colour in a reference
+//! direction.
 
 use papilio_display::{ConeResult, ConeState};
 
@@ -17,7 +18,8 @@ const IN_A_ROW: usize = 8;
 /// Fraction of the values up to which the scale extends: a narrow mirror image does not determine it.
 const MOST: f64 = 0.995;
 
-/// A difference: its title, the smallest end of its scale (smaller differences are hardly visible), and its value.
+/// A difference: its title, the smallest end of its scale (smaller differences are hardly visible), and its
+/// value.
 type Difference = (&'static str, f64, fn(&ConeState) -> Option<f64>);
 
 const DIFFERENCES: [Difference; 3] = [
@@ -26,8 +28,8 @@ const DIFFERENCES: [Difference; 3] = [
     ("Chromaticity difference \u{394}u\u{2032}v\u{2032}", 0.005, |state| state.uv_shift),
 ];
 
-/// Draws maps of the colour differences of every state from its own colour in the reference direction. Returns `None` if the
-/// directions do not span an area, or no difference is defined.
+/// Draws maps of the colour differences of every state from its own colour in the reference direction.
+/// Returns `None` if the directions do not span an area, or no difference is defined.
 pub fn cone_differences(result: &ConeResult, title: &str) -> Option<String> {
     let directions = Directions::new(&result.theta_deg, &result.phi_deg)?;
     let defined = |(.., value): &&Difference| values(result, *value).next().is_some();

@@ -26,8 +26,8 @@ pub(crate) struct Beyond {
 }
 
 impl Scale {
-    /// Returns the scale of `values`, of which each direction has `each`, in the order of the views; `axis` makes an axis of
-    /// those that it covers.
+    /// Returns the scale of `values`, of which each direction has `each`, in the order of the views; `axis`
+    /// makes an axis of those that it covers.
     pub(crate) fn of(
         result: &ConeResult,
         values: &[f64],

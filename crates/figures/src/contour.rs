@@ -34,7 +34,8 @@ struct Crossing {
 }
 
 impl PolarField {
-    /// Creates the field from the points and values of each column, innermost first. All columns have the same length.
+    /// Creates the field from the points and values of each column, innermost first. All columns have the
+    /// same length.
     pub(crate) fn new(columns: &[Vec<(Point, f64)>], periodic: bool) -> Self {
         let rows = columns.first().map_or(0, Vec::len);
         // The frame has one column before and one after the data, unless the field is periodic.

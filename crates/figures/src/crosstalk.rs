@@ -16,9 +16,9 @@ const HEAD: f64 = 92.0;
 /// Shares above this are printed in black on a light ground.
 const LIGHT: f64 = 0.6;
 
-/// Draws, for each view, the fractions of the light that is seen through each window by the sub-pixel that it left, and, with a filter, those of
-/// the light that reaches each sub-pixel by the window through which it entered. Returns names of files, without ending, and
-/// figures.
+/// Draws, for each view, the fractions of the light that is seen through each window by the sub-pixel that it
+/// left, and, with a filter, those of the light that reaches each sub-pixel by the window through which it
+/// entered. Returns names of files, without ending, and figures.
 pub fn crosstalk(result: &CrosstalkResult, title: &str) -> Vec<(String, String)> {
     let several = result.views.len() > 1;
     let one = |view: &CrosstalkView| {

@@ -47,8 +47,8 @@ pub(crate) fn end_labels(svg: &mut Svg, panel: &Panel, mut labels: Vec<EndLabel>
     }
 }
 
-/// Draws the labels of curves that end inside a panel next to these ends, in the colours of the curves and clear of
-/// all `lines`.
+/// Draws the labels of curves that end inside a panel next to these ends, in the colours of the curves and
+/// clear of all `lines`.
 pub(crate) fn labels_inside(svg: &mut Svg, panel: &Panel, labels: &[EndLabel], lines: &[&[Point]]) {
     let ends = labels.iter().map(|label| label.end);
     let mut places = Places::around(panel.origin, panel.size, ends);
@@ -60,7 +60,8 @@ pub(crate) fn labels_inside(svg: &mut Svg, panel: &Panel, labels: &[EndLabel], l
     }
 }
 
-/// Returns ascending heights at least `spacing` apart, close to those wanted, and between two bounds if they fit.
+/// Returns ascending heights at least `spacing` apart, close to those wanted, and between two bounds if they
+/// fit.
 fn spread(wanted: &[f64], spacing: f64, top: f64, bottom: f64) -> Vec<f64> {
     let mut heights: Vec<f64> = wanted.to_vec();
     for i in 1..heights.len() {

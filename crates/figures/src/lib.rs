@@ -31,14 +31,14 @@
 //! | [`histogram`], [`sensitivities`], [`pass_fail_scatter`] | a tolerance analysis: distribution, sensitivities, displays that pass and fail |
 //! | [`point_sets`] | points in the unit square |
 //!
-//! Each function takes the title of the scenario, which is printed above the figure (empty: no title). Figures of a
-//! view also state its direction. Error bars are one standard error; they are drawn where they are wider than a line.
-//! The output is well-formed XML for any data (NaN, missing states, unusual names). Values that cannot be drawn are
-//! omitted.
+//! Each function takes the title of the scenario, which is printed above the figure (empty: no title).
+//! Figures of a view also state its direction. Error bars are one standard error; they are drawn where they
+//! are wider than a line. The output is well-formed XML for any data (NaN, missing states, unusual names).
+//! Values that cannot be drawn are omitted.
 //!
-//! A small module of this crate writes the SVG. Most of the work is in the u'v' diagram, the labels at the ends of
-//! curves and the composed pages, which plotting crates do not offer. Text refers to generic fonts only, and no font
-//! is used to measure it. [`png`] rasterises any of the figures.
+//! A small module of this crate writes the SVG. Most of the work is in the u'v' diagram, the labels at the
+//! ends of curves and the composed pages, which plotting crates do not offer. Text refers to generic fonts
+//! only, and no font is used to measure it. [`png`] rasterises any of the figures.
 //!
 //! **Out of scope.** Writing files; the functions only propose file names.
 

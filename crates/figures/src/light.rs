@@ -1,5 +1,5 @@
-//! The lighting: luminance over the hemisphere above the display, directed sources, and the mirror directions of the
-//! views.
+//! The lighting: luminance over the hemisphere above the display, directed sources, and the mirror directions
+//! of the views.
 
 use papilio_display::AmbientLight;
 
@@ -22,8 +22,8 @@ const MAX_VIEWS: usize = 12;
 const LIST: Point = (566.0, 64.0);
 const NUMBERS: f64 = 218.0;
 
-/// Draws the luminance of each direction in false colours, directed sources as suns, the mirror directions of the views
-/// as rings, and a list of the illuminance of each source.
+/// Draws the luminance of each direction in false colours, directed sources as suns, the mirror directions of
+/// the views as rings, and a list of the illuminance of each source.
 pub fn light(room: &AmbientLight, title: &str) -> String {
     let mut svg = Svg::new(800.0, 510.0).titled(title);
     let Some(directions) = Directions::new(&room.theta_deg, &room.phi_deg) else { return svg.finish() };
@@ -62,7 +62,8 @@ fn mirrored(room: &AmbientLight) -> &[[f64; 2]] {
 /// Draws the list of the sources and their illuminances.
 fn list(svg: &mut Svg, room: &AmbientLight) {
     let diffuse = (room.diffuse_lx > 0.0).then(|| ("diffuse".to_owned(), room.diffuse_lx));
-    // These include luminaires and the suns of skies, so that their numbers differ from those in the scenario.
+    // These include luminaires and the suns of skies, so that their numbers differ from those in the
+    // scenario.
     let directed = room.directed.iter().map(|source| {
         let azimuth = if source.phi_deg == 0.0 {
             String::new()
@@ -94,7 +95,8 @@ fn list(svg: &mut Svg, room: &AmbientLight) {
     svg.text((x + NUMBERS, y + 6.0), &format!("{} lx", rounded(all)), number.strong());
 }
 
-/// Formats an illuminance with three significant digits, or with all digits before the decimal point if these are more.
+/// Formats an illuminance with three significant digits, or with all digits before the decimal point if these
+/// are more.
 fn rounded(lux: f64) -> String {
     let decimals = if lux > 0.0 { (2.0 - lux.log10().floor()).clamp(0.0, 8.0) as usize } else { 0 };
     format!("{lux:.decimals$}")

@@ -8,8 +8,8 @@ use crate::scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 /// Incidences of the polar maps, degrees. The nearest incidences of the file are drawn.
 const MAPS_DEG: [f64; 2] = [0.0, 45.0];
 
-/// Returns a file name and a figure for each part of a measurement that has an audit. The figure shows the luminous
-/// channel.
+/// Returns a file name and a figure for each part of a measurement that has an audit. The figure shows the
+/// luminous channel.
 pub fn lobes(measurement: &Measurement, audits: &[Option<Audit>]) -> Vec<(String, String)> {
     let one = |(part, audit): (&MeasuredPart, &Option<Audit>)| {
         let shape_with = |fill: Fill| Shape::of_part(part, part.luminous(), fill);
@@ -24,9 +24,9 @@ pub fn lobes(measurement: &Measurement, audits: &[Option<Audit>]) -> Vec<(String
     measurement.parts.iter().zip(audits).filter_map(one).collect()
 }
 
-/// A lobe within the inclinations at which light was measured. It extends to the last inclination with light. Without
-/// this limit, its edge would follow the outline of the cells, or decrease between the last cell with light and the
-/// first one without.
+/// A lobe within the inclinations at which light was measured. It extends to the last inclination with light.
+/// Without this limit, its edge would follow the outline of the cells, or decrease between the last cell with
+/// light and the first one without.
 struct MeasuredLobe {
     plain: Shape,
     filled: Shape,
@@ -34,7 +34,8 @@ struct MeasuredLobe {
 }
 
 impl MeasuredLobe {
-    /// Returns the value at an inclination and a difference of direction cosines; NaN where no light was measured.
+    /// Returns the value at an inclination and a difference of direction cosines; NaN where no light was
+    /// measured.
     fn value(&self, incidence: usize, theta_deg: f64, delta: Beta) -> f64 {
         let dark = theta_deg.abs() > self.last_deg + 1e-6 || self.plain.value(incidence, delta) <= 0.0;
         if dark { f64::NAN } else { self.filled.value(incidence, delta) }

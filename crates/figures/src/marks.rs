@@ -52,8 +52,8 @@ impl Marks {
         Self { states: states.collect(), light: Some(light).filter(inside) }
     }
 
-    /// Returns the window around the marks, or around those of the states alone, if they are close enough together to be
-    /// enlarged.
+    /// Returns the window around the marks, or around those of the states alone, if they are close enough
+    /// together to be enlarged.
     pub(crate) fn crowded(&self) -> Option<Window> {
         let states = || self.states.iter().map(|state| state.at);
         window(states().chain(self.light)).or_else(|| window(states()))
@@ -70,7 +70,8 @@ impl Marks {
         Self { states, light: self.light.filter(inside) }
     }
 
-    /// Draws discs and error crosses of the states, and above them the cross of the light, which a state would hide.
+    /// Draws discs and error crosses of the states, and above them the cross of the light, which a state
+    /// would hide.
     pub(crate) fn draw(&self, svg: &mut Svg, panel: &Panel) {
         let line = Stroke::solid(INK, 1.2);
         for State { at, error, fill, .. } in &self.states {

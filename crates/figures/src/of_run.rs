@@ -8,8 +8,8 @@ use crate::{
     patches, spectra,
 };
 
-/// Largest number of views that all have figures. With more views, only the view closest to the normal has them, and
-/// metrics are drawn against the angle.
+/// Largest number of views that all have figures. With more views, only the view closest to the normal has
+/// them, and metrics are drawn against the angle.
 const VIEWS_WITH_FIGURES: usize = 6;
 
 /// Returns the figures of `papilio run`: file names without extensions, and SVG texts.

@@ -1,5 +1,5 @@
-//! Spectra in one panel: reflectance of variants of a display, as in Feng 2012, fig. 3.12, and transmittance of
-//! diffusers, as in fig. 3.10.
+//! Spectra in one panel: reflectance of variants of a display, as in Feng 2012, fig. 3.12, and transmittance
+//! of diffusers, as in fig. 3.10.
 
 use papilio_display::result::{RunResult, View};
 
@@ -17,8 +17,8 @@ const DASHES: [&str; 4] = ["", "6 3", "1.5 2.5", "9 3 2 3"];
 const ORIGIN: Point = (70.0, 44.0);
 const SIZE: Point = (540.0, 350.0);
 
-/// Draws the reflectance factors of variants of a display: up to five states, in the first view of the first variant.
-/// The curves of the first variant are solid and labelled.
+/// Draws the reflectance factors of variants of a display: up to five states, in the first view of the first
+/// variant. The curves of the first variant are solid and labelled.
 pub fn spectra_over(variants: &[(&str, &RunResult)], title: &str) -> String {
     let first = variants.first().and_then(|(_, result)| result.views.first());
     let mut svg = Svg::new(760.0, 460.0).titled(&first.map_or(title.to_owned(), |view| caption(title, view)));

@@ -13,8 +13,8 @@ const COLOURLESS: f64 = 0.003;
 /// Largest variation of a spectrum that is called constant, relative to its mean.
 const CONSTANT: f64 = 0.01;
 
-/// Draws the overview of a view: main metrics, colours of the states, their spectra and the gamut. For a display without colour,
-/// a line of text replaces the diagram, and the spectra if they are constant.
+/// Draws the overview of a view: main metrics, colours of the states, their spectra and the gamut. For a
+/// display without colour, a line of text replaces the diagram, and the spectra if they are constant.
 pub fn overview(result: &RunResult, view: &View, title: &str) -> String {
     if let Some(distance) = colourless(view) {
         return grey_overview(result, view, distance, title);
@@ -33,7 +33,8 @@ pub fn overview(result: &RunResult, view: &View, title: &str) -> String {
     svg.finish()
 }
 
-/// Returns the largest u'v' distance of the states from the light, if none has a visible colour and there is no gamut.
+/// Returns the largest u'v' distance of the states from the light, if none has a visible colour and there is
+/// no gamut.
 fn colourless(view: &View) -> Option<f64> {
     let distances: Option<Vec<f64>> =
         view.states.iter().map(|(_, state)| state.value.distance_from_white_uv).collect();

@@ -12,9 +12,9 @@ const CLIPPED: f64 = 1.005;
 /// Conversion of the states of a view to screen colours.
 ///
 /// The white of the screen represents the perfect white diffuser, unless a state is brighter
-/// (near the mirror image of a source). Then the luminances of all states are divided by the same number; otherwise
-/// they would be clipped to white. If the front light is the only light, the white of the screen represents the white
-/// of the display.
+/// (near the mirror image of a source). Then the luminances of all states are divided by the same number;
+/// otherwise they would be clipped to white. If the front light is the only light, the white of the screen
+/// represents the white of the display.
 #[derive(Debug)]
 pub(crate) struct Paint {
     white: Option<Xyz>,

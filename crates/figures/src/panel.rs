@@ -120,7 +120,8 @@ impl Panel {
         svg.outline(&corners.map(|(x, y)| self.at(x, y)), stroke);
     }
 
-    /// Draws a band of one standard error. Returns false, and draws nothing, if it is not wider than a line anywhere.
+    /// Draws a band of one standard error. Returns false, and draws nothing, if it is not wider than a line
+    /// anywhere.
     pub(crate) fn error_band(
         &self,
         svg: &mut Svg,

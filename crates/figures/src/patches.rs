@@ -17,8 +17,8 @@ const CAPTIONS: f64 = 76.0;
 /// The white of the page is a perfect white diffuser in the same light (adapted to D65 by the
 /// CAT16), so that a patch is as dark relative to the page as the state is
 /// relative to white paper in the same light. If a state is brighter than the screen can show, all
-/// luminances are divided by the same number, which the figure states. If the front light is the only light, the white
-/// of the page is the white of the display. Colours outside the gamut of the screen are clipped.
+/// luminances are divided by the same number, which the figure states. If the front light is the only light,
+/// the white of the page is the white of the display. Colours outside the gamut of the screen are clipped.
 pub fn patches(result: &RunResult, view: &View, title: &str) -> String {
     let count = view.states.iter().count().max(1);
     let (width, side) = (40.0 + 104.0 * count.min(IN_A_ROW) as f64, 92.0);
@@ -50,7 +50,8 @@ pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point
     }
 }
 
-/// Writes the name, L* and Y. The error of Y has its own line, so that it does not touch the next patch's text.
+/// Writes the name, L* and Y. The error of Y has its own line, so that it does not touch the next patch's
+/// text.
 fn describe(svg: &mut Svg, name: &str, state: &State, (x, y): Point, side: f64) {
     let centred = |size, colour| Text::new(size, colour).anchor(Anchor::Middle);
     let (luminous, error) = percent(state.value.Y, state.standard_error.Y);

@@ -92,8 +92,8 @@ impl Places {
         }
     }
 
-    /// Occupies the place of a text and returns true if the place and a margin around it are free and it lies within
-    /// `reach` px of `centre`; otherwise returns false.
+    /// Occupies the place of a text and returns true if the place and a margin around it are free and it lies
+    /// within `reach` px of `centre`; otherwise returns false.
     pub(crate) fn take_in_disc(
         &mut self,
         at: Point,
@@ -145,8 +145,8 @@ impl Places {
 }
 
 impl Places {
-    /// Cost of a place that looks like that of another mark: a name without a leader line that is not closest to its own, or a line that begins
-    /// beyond another mark.
+    /// Cost of a place that looks like that of another mark: a name without a leader line that is not closest
+    /// to its own, or a line that begins beyond another mark.
     fn confusion(&self, mark: Point, place: &Place, wanted: &Box) -> f64 {
         /// Closer marks cannot be told apart.
         const SAME: f64 = 1.0;
@@ -224,7 +224,8 @@ mod tests {
         }
     }
 
-    /// Two marks closer together than a name is high: each name is next to its own mark, or has a line that ends there.
+    /// Two marks closer together than a name is high: each name is next to its own mark, or has a line that
+    /// ends there.
     #[test]
     fn names_of_close_marks_belong_to_their_own() {
         for (dx, dy) in [(1.0, 6.0), (6.0, 0.0), (-4.0, 4.0), (0.0, -9.0)] {

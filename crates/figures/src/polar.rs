@@ -13,8 +13,8 @@ use crate::place::Places;
 use crate::style::{INK, degrees};
 use crate::svg::{Anchor, Point, Stroke, Svg, Text, finite};
 
-/// Largest distance of columns, degrees. Between columns further apart, values are interpolated, because straight lines
-/// would cut into the circle.
+/// Largest distance of columns, degrees. Between columns further apart, values are interpolated, because
+/// straight lines would cut into the circle.
 const FINE_DEG: f64 = 5.0;
 /// Largest distance of columns between which values are interpolated, degrees.
 const GAP_DEG: f64 = 90.0;
@@ -66,7 +66,8 @@ impl<'a> Directions<'a> {
         spanned.then_some(Self { theta_deg, phi_deg, rim_deg, periodic })
     }
 
-    /// Returns a quantity over all directions, on the page. `value` takes indices into `theta_deg` and `phi_deg`.
+    /// Returns a quantity over all directions, on the page. `value` takes indices into `theta_deg` and
+    /// `phi_deg`.
     fn field(&self, map: &Map<'_>, value: impl Fn(usize, usize) -> f64) -> PolarField {
         let count = self.phi_deg.len();
         let mut columns = Vec::new();
@@ -82,7 +83,8 @@ impl<'a> Directions<'a> {
                     let at = self.at(map, self.theta_deg[i], self.phi_deg[j] + fraction * gap);
                     let here = value(i, j);
                     let between = if step == 0 { here } else { here + fraction * (value(i, next) - here) };
-                    // Directions without data are blank; values below a logarithmic scale have its lowest colour.
+                    // Directions without data are blank; values below a logarithmic scale have its lowest
+                    // colour.
                     let level = map.scale.fraction(between).clamp(-0.5, 1.5);
                     (at, if between.is_finite() { level } else { f64::NAN })
                 };
@@ -204,8 +206,8 @@ pub(crate) fn sun(svg: &mut Svg, (x, y): Point, size: f64) {
     }
 }
 
-/// Returns the lower end of each band of colour, as a position (0 to 1) on the scale, and its colour. The lowest band
-/// includes all data below it.
+/// Returns the lower end of each band of colour, as a position (0 to 1) on the scale, and its colour. The
+/// lowest band includes all data below it.
 fn bands(scale: &Axis, fine: bool) -> Vec<(f64, String)> {
     let ticks: Vec<f64> = scale.ticks().iter().map(|(tick, _)| scale.fraction(*tick)).collect();
     let parts = if fine { 4 } else { 2 };

@@ -16,8 +16,8 @@ const SIDE: f64 = 480.0;
 /// Difference of the areas of two rings that coincide, relative to the largest ring.
 const SAME: f64 = 0.004;
 
-/// Draws the gamut rings of a view whose gamut volume was requested. The area within each ring, in each hue, is the
-/// volume below the lightness of the ring. Returns `None` if the result has no volume.
+/// Draws the gamut rings of a view whose gamut volume was requested. The area within each ring, in each hue,
+/// is the volume below the lightness of the ring. Returns `None` if the result has no volume.
 pub fn gamut_rings(result: &RunResult, view: &View, title: &str) -> Option<String> {
     let volume = view.metrics.gamut_volume_cielab.filter(|volume| volume.is_finite())?;
     let white = match result.reference_white {

@@ -1,4 +1,5 @@
-//! A measured lobe against the angle in the plane of incidence, as in Feng 2012, fig. 3.8, and over the hemisphere.
+//! A measured lobe against the angle in the plane of incidence, as in Feng 2012, fig. 3.8, and over the
+//! hemisphere.
 
 use crate::axis::Axis;
 use crate::panel::{Panel, SMALL};
@@ -20,8 +21,8 @@ pub struct Scattering {
 /// Values in the plane of incidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterCurve {
-    /// Name in the legend: curves of one name have the same style, and their angle of incidence is written at their peak.
-    /// `None`: the legend has the angle of incidence.
+    /// Name in the legend: curves of one name have the same style, and their angle of incidence is written at
+    /// their peak. `None`: the legend has the angle of incidence.
     pub name: Option<String>,
     /// Inclination of the light, degrees.
     pub incidence_deg: f64,
@@ -111,8 +112,8 @@ pub fn scattering(figure: &Scattering, title: &str) -> String {
     svg.finish()
 }
 
-/// Returns the style of a curve that has none yet: colours from dark to light for angles of incidence; distinct colours and
-/// dashes for fits, which often coincide.
+/// Returns the style of a curve that has none yet: colours from dark to light for angles of incidence;
+/// distinct colours and dashes for fits, which often coincide.
 fn style(figure: &Scattering, curve: &ScatterCurve, number: usize) -> Stroke {
     const FITS: [(&str, f64, &str); 4] =
         [("#c8321f", 3.2, ""), ("#2b5fc7", 2.0, "7 4"), ("#2c9a57", 1.8, "2 3"), ("#8a6d1c", 1.6, "9 3 2 3")];

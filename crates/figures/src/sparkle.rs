@@ -1,4 +1,5 @@
-//! Sparkle: the pixels below a random face as grey squares, and pixel power deviation against the parameters of the face.
+//! Sparkle: the pixels below a random face as grey squares, and pixel power deviation against the parameters
+//! of the face.
 
 use papilio_display::spatial::{SparkleMap, SparkleResult, SparkleRow};
 
@@ -15,14 +16,16 @@ const SPACE: f64 = 28.0;
 /// Linear light of a pixel of mean light: a grey of CIE lightness 53 on the screen.
 const MEAN: f64 = 0.214;
 
-/// Returns all figures of `papilio sparkle` with their names: pixels below the faces, and the deviation against a parameter of the face.
+/// Returns all figures of `papilio sparkle` with their names: pixels below the faces, and the deviation
+/// against a parameter of the face.
 pub fn of_sparkle(result: &SparkleResult, title: &str) -> Vec<(String, String)> {
     let maps = ("sparkle".to_owned(), maps(result, title));
     [maps].into_iter().chain(curves(result, title).map(|svg| ("ppd".to_owned(), svg))).collect()
 }
 
-/// Draws pixels of equal state below random faces for up to four rows, which together have the smallest and the largest deviation; light is
-/// relative to the mean, without the blur of the eye. A scale bar has the length of ten pixels.
+/// Draws pixels of equal state below random faces for up to four rows, which together have the smallest and
+/// the largest deviation; light is relative to the mean, without the blur of the eye. A scale bar has the
+/// length of ten pixels.
 fn maps(result: &SparkleResult, title: &str) -> String {
     let shown = shown(result);
     let width = 40.0 + (SIZE + SPACE) * shown.len().max(2) as f64;
@@ -79,8 +82,8 @@ fn encoded(linear: f64) -> u8 {
     (255.0 * encoded).round() as u8
 }
 
-/// Draws the deviation against the correlation length, or against the gap if only that varies; `None` if there is nothing to compare.
-/// Circles are rays through random faces, lines the matrix term in closed form.
+/// Draws the deviation against the correlation length, or against the gap if only that varies; `None` if
+/// there is nothing to compare. Circles are rays through random faces, lines the matrix term in closed form.
 fn curves(result: &SparkleResult, title: &str) -> Option<String> {
     let by_length = varies(result, |row| row.correlation_um);
     if !by_length && !varies(result, |row| row.gap_mm) {

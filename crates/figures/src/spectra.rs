@@ -11,8 +11,8 @@ use crate::svg::{Point, Svg};
 /// Title of the axis of radiances.
 const RADIANCE: &str = "Radiance (mW/(m\u{b2} sr nm))";
 
-/// Draws the reflectance factors of all states of a view (or the radiances if there are none), with a band of one
-/// standard error where it is wider than a line.
+/// Draws the reflectance factors of all states of a view (or the radiances if there are none), with a band of
+/// one standard error where it is wider than a line.
 pub fn spectra(result: &RunResult, view: &View, title: &str) -> String {
     let mut svg = Svg::new(760.0, 440.0).titled(&caption(title, view));
     draw(&mut svg, result, view, (70.0, 24.0), (540.0, 350.0));

@@ -32,8 +32,8 @@ pub(crate) fn state_stroke(name: &str, index: usize) -> Stroke {
     Stroke::solid(colour, 2.0).dashed(dash)
 }
 
-/// Returns the colour at `t` (0 to 1) of a ramp from dark violet through green to yellow (viridis, with its end darkened
-/// to be visible on white).
+/// Returns the colour at `t` (0 to 1) of a ramp from dark violet through green to yellow (viridis, with its
+/// end darkened to be visible on white).
 pub(crate) fn ramp(t: f64) -> String {
     const STOPS: [[f64; 3]; 5] = [
         [68.0, 1.0, 84.0],

@@ -6,7 +6,8 @@ use papilio_microgeometry::{
 
 use crate::{Chart, ChartCurve, Hue, chart};
 
-/// All figures of a measurement, by name: `totals` and `azimuths` of rays, `psd` and `cutoff` of heights, `waves`, and `waves-oblique`.
+/// All figures of a measurement, by name: `totals` and `azimuths` of rays, `psd` and `cutoff` of heights,
+/// `waves`, and `waves-oblique`.
 pub fn of_surface(Findings { rays, waves, statistics }: &Findings, title: &str) -> Vec<(String, String)> {
     let totals = rays.as_ref().map(|rays| ("totals", totals_figure(title, &rays.totals)));
     let by_azimuth = rays.as_ref().and_then(|rays| rays.by_azimuth.as_ref());
@@ -99,7 +100,8 @@ fn waves_figure(title: &str, waves: &ByWaves) -> String {
     chart(&all, title)
 }
 
-/// The same against the inclination, at the wavelength in the middle; `None` without inclinations but the normal.
+/// The same against the inclination, at the wavelength in the middle; `None` without inclinations but the
+/// normal.
 fn oblique_figure(title: &str, waves: &ByWaves, rays: Option<&ByRays>) -> Option<String> {
     let wavelengths: Vec<f64> = waves.along_normal().map(|(one, _)| one.wavelength_nm).collect();
     let nm = *wavelengths.get(wavelengths.len() / 2)?;
@@ -165,7 +167,8 @@ fn totals_figure(title: &str, totals: &[Total]) -> String {
         curve(Side::Below, "T from below", 1, true, seen),
         curve(Side::Below, "absorbed from below", 3, true, absorbed),
     ];
-    // Nothing passes metals, few surfaces absorb, and light is trapped only in the medium with the larger index.
+    // Nothing passes metals, few surfaces absorb, and light is trapped only in the medium with the larger
+    // index.
     curves.retain(|curve| curve.points.iter().any(|(_, light)| *light > 0.0));
     let all = Chart {
         x: "inclination of the light in its medium (deg)".to_owned(),

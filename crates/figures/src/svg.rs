@@ -2,7 +2,8 @@
 //!
 //! Coordinates are in px from the top left. Marks with a coordinate that is not
 //! finite are omitted, lines are interrupted there, and text is escaped, so that the page
-//! is well-formed for any data. Text asks for Roboto, the font of the PNG images, and otherwise for fonts of similar width.
+//! is well-formed for any data. Text asks for Roboto, the font of the PNG images, and otherwise for fonts of
+//! similar width.
 
 use std::fmt::Write as _;
 
@@ -304,7 +305,8 @@ fn joined(points: &[Point]) -> String {
     points.join(" ")
 }
 
-/// Returns path data through points, in relative coordinates to a tenth of a px, because maps have many points.
+/// Returns path data through points, in relative coordinates to a tenth of a px, because maps have many
+/// points.
 fn path(points: &[Point]) -> String {
     let tenths = |(x, y): Point| ((x.clamp(-1e5, 1e5) * 10.0).round(), (y.clamp(-1e5, 1e5) * 10.0).round());
     let mut path = String::new();

@@ -7,8 +7,8 @@ use papilio_display::pixel::PixelAbsorption;
 /// Name of the substrate in the column `layer`.
 const SUBSTRATE: &str = "substrate";
 
-/// Writes `absorption.csv`: the absorptance of each layer, a fraction of the light that falls on the sub-pixel. A layer is named by its
-/// number in `display.pixel.film`, from 0, or `substrate`.
+/// Writes `absorption.csv`: the absorptance of each layer, a fraction of the light that falls on the
+/// sub-pixel. A layer is named by its number in `display.pixel.film`, from 0, or `substrate`.
 ///
 /// # Errors
 /// Those of `out`.
@@ -39,7 +39,8 @@ pub fn write_absorption(out: impl Write, all: &PixelAbsorption) -> io::Result<()
     csv.flush()
 }
 
-/// Writes `sub-pixels.csv`: the reflectance of each sub-pixel in each state, and its fraction of the panel's area.
+/// Writes `sub-pixels.csv`: the reflectance of each sub-pixel in each state, and its fraction of the panel's
+/// area.
 ///
 /// # Errors
 /// Those of `out`.

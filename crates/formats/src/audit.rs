@@ -65,7 +65,8 @@ struct IncidenceFile {
     theta_deg: f64,
     tis: Option<f64>,
     integral: f64,
-    /// Angle from the specular direction at which the measured cells end, if they end before the horizon: the smallest one, degrees.
+    /// Angle from the specular direction at which the measured cells end, if they end before the horizon: the
+    /// smallest one, degrees.
     measured_to_deg: Option<f64>,
     /// Integral including tails extrapolated beyond that angle.
     integral_beyond: f64,

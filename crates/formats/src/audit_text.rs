@@ -18,8 +18,8 @@ const MUCH_BEYOND: f64 = 0.005;
 /// Largest relative difference between integral and TIS, and largest grid error, without a warning.
 const TIS_TOLERANCE: f64 = 0.02;
 
-/// Returns a description of a measurement with the audit of the luminous channel of each part (`None`: its directions do not form a
-/// grid). `name` is the name of the file.
+/// Returns a description of a measurement with the audit of the luminous channel of each part (`None`: its
+/// directions do not form a grid). `name` is the name of the file.
 pub fn audit_text(name: &str, measurement: &Measurement, audits: &[Option<Audit>]) -> String {
     let provenance = &measurement.provenance;
     let mut text = format!("{name}: {}\n", provenance.format);
@@ -355,7 +355,8 @@ fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
     warnings
 }
 
-/// Returns a warning if measured cells end before the horizon and extrapolated tails would hold a significant fraction of the light.
+/// Returns a warning if measured cells end before the horizon and extrapolated tails would hold a significant
+/// fraction of the light.
 fn beyond(audit: &Audit) -> Option<String> {
     let open = || audit.incidences.iter().filter(|i| i.measured_to_deg.is_some());
     let worst = open().max_by(|a, b| a.beyond_share().total_cmp(&b.beyond_share()))?;

@@ -63,8 +63,8 @@ pub fn write_comparison(out: impl Write, all: &Comparison) -> io::Result<()> {
     csv.flush()
 }
 
-/// Writes `comparison-spectra.csv`: one row per state, direction and wavelength at which both a simulated and a
-/// measured value exist.
+/// Writes `comparison-spectra.csv`: one row per state, direction and wavelength at which both a simulated and
+/// a measured value exist.
 ///
 /// # Errors
 /// Those of `out`.

@@ -64,7 +64,8 @@ struct Solver<'a> {
 }
 
 impl<'a> ConeFile<'a> {
-    /// Creates the description of a conoscopic map. `papilio` is the version of the program, `hash` that of the scenario.
+    /// Creates the description of a conoscopic map. `papilio` is the version of the program, `hash` that of
+    /// the scenario.
     pub fn new(papilio: &'a str, hash: &'a str, cone: &'a ConeResult) -> Self {
         let directed = cone.lights.iter().map(|light| Light {
             theta_deg: light.theta_deg,
@@ -145,8 +146,8 @@ fn columns(cone: &ConeResult) -> Vec<&'static str> {
     CONE_QUANTITIES.into_iter().chain(error).collect()
 }
 
-/// Returns the relative error at given indices of theta, phi and state, if the user has permitted an error; NaN where the map has no
-/// value.
+/// Returns the relative error at given indices of theta, phi and state, if the user has permitted an error;
+/// NaN where the map has no value.
 fn error(cone: &ConeResult, [theta, phi, state]: [usize; 3]) -> Option<f64> {
     cone.row_errors.allowed?;
     let direction = phi * cone.theta_deg.len() + theta;

@@ -17,9 +17,10 @@ pub fn crosstalk_schema() -> serde_json::Value {
 /// Name of the area without sub-pixels in tables.
 const INACTIVE: &str = "inactive";
 
-/// Writes `crosstalk.csv`: one row per view, light, way (`in` or `out`), window and sub-pixel; `all` is all light. On the way out, shares of a
-/// window sum to 1; on the way in, shares of a sub-pixel. Light of the inactive area (`out`), and light that entered between
-/// the windows (`in`), have rows of their own: their shares are those of all light.
+/// Writes `crosstalk.csv`: one row per view, light, way (`in` or `out`), window and sub-pixel; `all` is all
+/// light. On the way out, shares of a window sum to 1; on the way in, shares of a sub-pixel. Light of the
+/// inactive area (`out`), and light that entered between the windows (`in`), have rows of their own: their
+/// shares are those of all light.
 ///
 /// # Errors
 /// Those of `out`.

@@ -19,8 +19,8 @@ pub(crate) const AZIMUTHS: &str = "phi_deg";
 /// Difference of the edges of bands that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Reads `face.npz`. Of a kernel by azimuth, this is the mean over all azimuths of the surface, which the file contains as well; then the number of
-/// azimuths is returned, too.
+/// Reads `face.npz`. Of a kernel by azimuth, this is the mean over all azimuths of the surface, which the
+/// file contains as well; then the number of azimuths is returned, too.
 ///
 /// # Errors
 /// Files that are no such archive, or whose arrays contradict each other.

@@ -66,11 +66,12 @@ impl DataFile {
     }
 }
 
-/// Writes a file completely or not at all: first under a temporary name in the same folder, which is then renamed. Temporary files that a
-/// killed program has left in the folder are deleted.
+/// Writes a file completely or not at all: first under a temporary name in the same folder, which is then
+/// renamed. Temporary files that a killed program has left in the folder are deleted.
 ///
 /// # Errors
-/// If the system or `write` reports an error. No partial file remains, and a previous file of this name is not changed.
+/// If the system or `write` reports an error. No partial file remains, and a previous file of this name is
+/// not changed.
 pub fn write_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -101,7 +102,8 @@ fn write_and_rename(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Resul
     }
 }
 
-/// A file that remembers its first error. What follows is accepted and lost, so that libraries end without messages of their own.
+/// A file that remembers its first error. What follows is accepted and lost, so that libraries end without
+/// messages of their own.
 struct System<'a> {
     file: BufWriter<&'a File>,
     error: Option<io::Error>,
@@ -169,8 +171,8 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
-    /// A device without space, as a disk that becomes full: the system's error is reported, whatever a library makes of it, also if it is
-    /// overlooked, and the archive library has no message of its own.
+    /// A device without space, as a disk that becomes full: the system's error is reported, whatever a
+    /// library makes of it, also if it is overlooked, and the archive library has no message of its own.
     #[cfg(target_os = "linux")]
     #[test]
     fn full_disk_is_reported_in_words() {

@@ -1,4 +1,5 @@
-//! Panics in libraries that decode files become errors of these files. All readers of formats of others pass through [`read`].
+//! Panics in libraries that decode files become errors of these files. All readers of formats of others pass
+//! through [`read`].
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};

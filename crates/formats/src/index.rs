@@ -13,15 +13,16 @@ use crate::table::{Column, Header, Quantity, Row, Table, TableText, Unit, body};
 
 /// Reads n + ik from a file. The format is detected from the content.
 ///
-/// - A table whose header names its columns, in any order and with their units: a wavelength (or wavenumber, photon energy,
-///   frequency), and n, k or the permittivity eps1, eps2 = (n + ik)². Without k, k = 0. Without a header: wavelength in nm, n, k.
+/// - A table whose header names its columns, in any order and with their units: a wavelength (or wavenumber,
+///   photon energy, frequency), and n, k or the permittivity eps1, eps2 = (n + ik)². Without k, k = 0.
+///   Without a header: wavelength in nm, n, k.
 /// - A refractiveindex.info page (YAML with a `DATA` list): tables and formulas 1
 ///   to 9, wavelengths in um; non-linear entries (n2) are ignored.
 /// - The CSV that refractiveindex.info offers for download: blocks `wl,n` and `wl,k`, wavelengths in um.
 ///
 /// # Errors
-/// With line and column: columns or units that are not understood, malformed tables, negative n or k, and invalid
-/// formulas.
+/// With line and column: columns or units that are not understood, malformed tables, negative n or k, and
+/// invalid formulas.
 ///
 /// ```
 /// # use papilio_formats::{DataFile, read_index};
@@ -34,9 +35,9 @@ pub fn read_index(file: &DataFile) -> Result<Dispersion, FormatError> {
     read(file, None).map(|read| read.value)
 }
 
-/// Reads n + ik for wavelengths from `wanted_nm.0` to `wanted_nm.1` as [`read_index`], but tolerates errors of a
-/// refractiveindex.info page that do not affect these wavelengths (a repeated or unsorted wavelength, a negative n or k, two entries
-/// for n or k). Such errors become warnings, and the data end before them.
+/// Reads n + ik for wavelengths from `wanted_nm.0` to `wanted_nm.1` as [`read_index`], but tolerates errors
+/// of a refractiveindex.info page that do not affect these wavelengths (a repeated or unsorted wavelength, a
+/// negative n or k, two entries for n or k). Such errors become warnings, and the data end before them.
 ///
 /// # Errors
 /// As [`read_index`], for errors that affect the wanted wavelengths.

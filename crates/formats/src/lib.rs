@@ -45,7 +45,8 @@
 //! [`write_file`] writes a file completely or not at all. Numbers are written such
 //! that reading them returns the same bits.
 //!
-//! **Out of scope**: the purpose of a file. Readers check its content; the caller checks, for example, whether a spectrum covers a grid.
+//! **Out of scope**: the purpose of a file. Readers check its content; the caller checks, for example,
+//! whether a spectrum covers a grid.
 //!
 //! ```
 //! use papilio_formats::{DataFile, read_index};

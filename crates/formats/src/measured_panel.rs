@@ -13,15 +13,16 @@ const LEAST: f64 = -0.05;
 
 /// Reads the measurements of a panel, in the order of their first rows, with notes on how the file was read.
 ///
-/// A table names its columns in its header, in any order and with their units: `state`; optionally `theta_deg` and `phi_deg`; and either
-/// `wavelength_nm` and `reflectance_factor`, with one row per wavelength, or `X`, `Y` and `Z` relative to a perfect white (Y = 1), or `L`, `a`
-/// and `b`, with one row per state and direction. Tables with a column for each state or for each wavelength, and
-/// the files of instruments (CGATS, CxF), are read too. Further columns are noted, so that
-/// `spectra.csv` and `states.csv` of a run can also be read as measurements. Lines that begin with `#` are comments.
+/// A table names its columns in its header, in any order and with their units: `state`; optionally
+/// `theta_deg` and `phi_deg`; and either `wavelength_nm` and `reflectance_factor`, with one row per
+/// wavelength, or `X`, `Y` and `Z` relative to a perfect white (Y = 1), or `L`, `a` and `b`, with one row per
+/// state and direction. Tables with a column for each state or for each wavelength, and the files of
+/// instruments (CGATS, CxF), are read too. Further columns are noted, so that `spectra.csv` and `states.csv`
+/// of a run can also be read as measurements. Lines that begin with `#` are comments.
 ///
 /// # Errors
-/// With line and column: a header without the required columns, cells that are not numbers or out of range, two
-/// rows for the same point, a spectrum with a single wavelength.
+/// With line and column: a header without the required columns, cells that are not numbers or out of range,
+/// two rows for the same point, a spectrum with a single wavelength.
 pub fn read_measured_panel(file: &DataFile) -> Result<Warned<Vec<Measured>>, FormatError> {
     let accept = Accept {
         factor: (LEAST, 1e4),

@@ -101,8 +101,8 @@ pub fn write_spread_csv(out: impl Write, result: &MtfResult) -> io::Result<()> {
     csv.flush()
 }
 
-/// Writes `kernel-STATE.npy`: the fraction of the light in each cell, float64, `[view][y][x]`, y upwards; the view's own ray is
-/// in the middle cell.
+/// Writes `kernel-STATE.npy`: the fraction of the light in each cell, float64, `[view][y][x]`, y upwards; the
+/// view's own ray is in the middle cell.
 ///
 /// # Errors
 /// Those of `out`, and if there is no such state.

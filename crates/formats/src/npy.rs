@@ -144,7 +144,8 @@ impl Header {
         })
     }
 
-    /// The numbers of an array, last index fastest; `None` if the items are no numbers, or not as many as the shape says.
+    /// The numbers of an array, last index fastest; `None` if the items are no numbers, or not as many as the
+    /// shape says.
     pub(crate) fn numbers(&self, data: &[u8]) -> Option<Vec<f64>> {
         let (size, number) = self.number()?;
         if self.count()?.checked_mul(size)? != data.len() {

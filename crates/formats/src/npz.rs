@@ -21,7 +21,8 @@ const MOST_ARRAYS: usize = 1000;
 pub(crate) struct Npz<'a> {
     name: &'a str,
     archive: ZipArchive<Cursor<&'a [u8]>>,
-    /// Number of bytes that may still be read: at first the size of the file. Overlapping entries cannot exceed it.
+    /// Number of bytes that may still be read: at first the size of the file. Overlapping entries cannot
+    /// exceed it.
     budget: usize,
 }
 

@@ -34,7 +34,8 @@ pub struct PixelTable {
 }
 
 impl PixelTable {
-    /// Returns the reflectance spectra of state number `state` on `grid`, one for each angle, interpolated linearly in wavelength.
+    /// Returns the reflectance spectra of state number `state` on `grid`, one for each angle, interpolated
+    /// linearly in wavelength.
     ///
     /// # Errors
     /// If the table does not cover the grid, or its lengths are inconsistent.
@@ -65,7 +66,8 @@ impl PixelTable {
     }
 }
 
-/// Reads a pixel table. Its first row holds the names of the columns, [`PIXEL_COLUMNS`] in any order and with their units.
+/// Reads a pixel table. Its first row holds the names of the columns, [`PIXEL_COLUMNS`] in any order and with
+/// their units.
 ///
 /// # Errors
 /// With line and column: cells that are not numbers, reflectances outside 0 to
@@ -109,15 +111,17 @@ impl PixelColumns {
     }
 }
 
-/// Returns whether a state or sub-pixel may have this name: 1 to 64 characters without control characters or characters that change
-/// the direction of a text, without blanks at the ends, and nothing that a spreadsheet would read as a formula.
+/// Returns whether a state or sub-pixel may have this name: 1 to 64 characters without control characters or
+/// characters that change the direction of a text, without blanks at the ends, and nothing that a spreadsheet
+/// would read as a formula.
 pub fn is_name(text: &str) -> bool {
     let length = text.chars().count();
     let is_forbidden = |c: char| c.is_control() || is_override(c);
     (1..=64).contains(&length) && text.trim() == text && !text.chars().any(is_forbidden) && !is_formula(text)
 }
 
-/// Returns whether a row is a comment. A state may be called `#1`: a row that begins with `#` is a comment unless it could be a point.
+/// Returns whether a row is a comment. A state may be called `#1`: a row that begins with `#` is a comment
+/// unless it could be a point.
 fn is_comment(row: &Row<'_>) -> bool {
     row.is_comment()
         && !(row.cells.len() >= PIXEL_COLUMNS.len() && (1..row.cells.len()).any(|cell| row.is_number(cell)))
@@ -205,8 +209,8 @@ impl Points {
         Ok(())
     }
 
-    /// Fails if a point is missing. The points are sorted and distinct: the first one that differs from the rectangular grid follows a
-    /// missing point.
+    /// Fails if a point is missing. The points are sorted and distinct: the first one that differs from the
+    /// rectangular grid follows a missing point.
     fn check_missing(
         &self,
         table: Table<'_>,

@@ -5,8 +5,8 @@
 //! by [`Dispersion::formula`]). n and k may come from two entries
 //! with separate ranges. Entries of n2, the non-linear index, are ignored.
 //!
-//! A caller that needs only some wavelengths can read a page whose errors (a repeated or unsorted wavelength, a
-//! negative n or k, two entries for n or k) do not affect them.
+//! A caller that needs only some wavelengths can read a page whose errors (a repeated or unsorted wavelength,
+//! a negative n or k, two entries for n or k) do not affect them.
 
 use std::ops::Range;
 
@@ -48,8 +48,8 @@ struct Quantities<'a> {
     k: Vec<Quantity<'a>>,
 }
 
-/// Reads a page. A fault that does not affect the wavelengths from `wanted_nm.0` to `wanted_nm.1` becomes a note; without a wanted range,
-/// every fault is an error.
+/// Reads a page. A fault that does not affect the wavelengths from `wanted_nm.0` to `wanted_nm.1` becomes a
+/// note; without a wanted range, every fault is an error.
 pub(crate) fn read(
     file: Table<'_>,
     wanted_nm: Option<(f64, f64)>,
@@ -114,7 +114,8 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// Returns the only entry that holds a quantity. Of several entries, returns the only one with wavelengths in the wanted range.
+    /// Returns the only entry that holds a quantity. Of several entries, returns the only one with
+    /// wavelengths in the wanted range.
     fn choose<'a>(
         &mut self,
         mut quantities: Vec<Quantity<'a>>,
@@ -141,7 +142,8 @@ impl Reading<'_> {
         }
     }
 
-    /// Returns the rows as a table: all of them or, if a fault does not affect the wanted wavelengths, those without the fault.
+    /// Returns the rows as a table: all of them or, if a fault does not affect the wanted wavelengths, those
+    /// without the fault.
     fn table(&mut self, rows: &Rows<'_>) -> Result<Tabulated, FormatError> {
         let fault = match rows.tabulated(0..rows.rows.len(), self.file) {
             Ok(table) => return Ok(table),
@@ -192,7 +194,8 @@ impl Rows<'_> {
         Ok(table)
     }
 
-    /// Returns consecutive rows without a fault that determine all values from `first` to `last`, or `None` if there are none.
+    /// Returns consecutive rows without a fault that determine all values from `first` to `last`, or `None`
+    /// if there are none.
     fn sound_within(&self, first: f64, last: f64) -> Option<Range<usize>> {
         let overlap = |rows: &Range<usize>| {
             let nm = || self.rows[rows.clone()].iter().map(|row| row.nm);
@@ -206,7 +209,8 @@ impl Rows<'_> {
         if overlap(&best) < 0.0 || !mine.iter().any(covers_first) || !mine.iter().any(covers_last) {
             return None;
         }
-        // From the nearest wavelength below the wanted range to the nearest one above: other rows in this range must have equal values.
+        // From the nearest wavelength below the wanted range to the nearest one above: other rows in this
+        // range must have equal values.
         let nm = || mine.iter().map(|row| row.nm);
         let from = nm().filter(|nm| *nm <= first).max_by(f64::total_cmp).unwrap_or(f64::NEG_INFINITY);
         let to = nm().filter(|nm| *nm >= last).min_by(f64::total_cmp).unwrap_or(f64::INFINITY);
@@ -217,7 +221,8 @@ impl Rows<'_> {
         sound.then_some(best)
     }
 
-    /// Returns the longest runs of rows whose wavelengths increase or decrease and whose values are not negative.
+    /// Returns the longest runs of rows whose wavelengths increase or decrease and whose values are not
+    /// negative.
     fn runs(&self) -> Vec<Range<usize>> {
         let mut runs: Vec<Range<usize>> = Vec::new();
         let mut start = 0;

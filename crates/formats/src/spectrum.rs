@@ -15,7 +15,8 @@ use crate::table::{Column, Header, Quantity, Row, TableText, Unit, body};
 /// the squares of the values must remain finite.
 const SOURCE_MAXIMUM: RangeInclusive<f64> = 1e-30..=1e30;
 
-/// Largest negative value that is taken for the noise of a dark signal, relative to the largest value (or to 1).
+/// Largest negative value that is taken for the noise of a dark signal, relative to the largest value (or to
+/// 1).
 const NOISE: f64 = 0.02;
 
 /// Wavelengths of the visible range, nm; the noise of an instrument at its ends has no meaning.
@@ -23,9 +24,10 @@ const VISIBLE_NM: RangeInclusive<f64> = 380.0..=780.0;
 
 /// Reads a spectrum: wavelength and value.
 ///
-/// A table has the columns that its header names, in any order and with their units (`wavelength_nm,value`), or without a header
-/// wavelength in nm, value. `#` comments are permitted. Columns are separated by commas, semicolons, tabs or blanks.
-/// Wavelengths increase or decrease. The [files of instruments](crate#) are read too.
+/// A table has the columns that its header names, in any order and with their units (`wavelength_nm,value`),
+/// or without a header wavelength in nm, value. `#` comments are permitted. Columns are separated by commas,
+/// semicolons, tabs or blanks. Wavelengths increase or decrease. The [files of instruments](crate#) are read
+/// too.
 ///
 /// # Errors
 /// With line and column: columns that are not understood, cells that are not finite numbers, rows without two
@@ -41,8 +43,8 @@ pub fn read_spectrum(file: &DataFile) -> Result<Tabulated, FormatError> {
     points(file, &[&FRACTION, &LIGHT])?.tabulated().map(|read| read.value)
 }
 
-/// Reads a spectrum of fractions, each from 0 to 1: a reflectance, an absorptance or a transmittance. Small negative values are noise,
-/// and are taken as 0 with a note.
+/// Reads a spectrum of fractions, each from 0 to 1: a reflectance, an absorptance or a transmittance. Small
+/// negative values are noise, and are taken as 0 with a note.
 ///
 /// # Errors
 /// As [`read_spectrum`], and for values out of range, with their line.
@@ -65,8 +67,8 @@ pub fn read_fractions_with_notes(file: &DataFile) -> Result<Warned<Tabulated>, F
     points.tabulated()
 }
 
-/// Reads the relative spectrum of a light source: values of 0 or more, the largest between 1e-30 and 1e30. Small negative values are
-/// noise, and are taken as 0.
+/// Reads the relative spectrum of a light source: values of 0 or more, the largest between 1e-30 and 1e30.
+/// Small negative values are noise, and are taken as 0.
 ///
 /// # Errors
 /// As [`read_spectrum`], and for values out of range, with their line.
@@ -115,7 +117,8 @@ struct Points<'a> {
     notes: Vec<String>,
 }
 
-/// Reads the points of a table, whose value is one of `values`, or of the only sample of a file of an instrument.
+/// Reads the points of a table, whose value is one of `values`, or of the only sample of a file of an
+/// instrument.
 fn points<'a>(file: &'a DataFile, values: &[&'static Quantity]) -> Result<Points<'a>, FormatError> {
     if let Some(mut read) = instrument::read(file)? {
         if read.kind == Kind::Unstated && !values.contains(&&LIGHT) {

@@ -1,8 +1,9 @@
 //! Measured states of a panel: spectra or colours, in the tables and files that instruments write.
 //!
-//! A table has one row for each state, direction and wavelength (`state,theta_deg,wavelength_nm,reflectance_factor`), one row for each
-//! state and direction with a colour (`state,theta_deg,X,Y,Z` or `state,L,a,b`), a column for each state (`wavelength_nm,white,black`), or
-//! a column for each wavelength. Columns may have any order.
+//! A table has one row for each state, direction and wavelength
+//! (`state,theta_deg,wavelength_nm,reflectance_factor`), one row for each state and direction with a colour
+//! (`state,theta_deg,X,Y,Z` or `state,L,a,b`), a column for each state (`wavelength_nm,white,black`), or a
+//! column for each wavelength. Columns may have any order.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -67,15 +68,16 @@ pub(crate) struct Accept {
 /// Values from here to 0 are the noise of a dark signal.
 const NOISE: f64 = -0.02;
 
-/// A panel that reflects like a mirror, or whose pixels gather light, has reflectance factors of up to about this: larger ones, without a unit, are
-/// in per cent. Smaller ones above [`instrument::LARGEST_FRACTION`] may be either.
+/// A panel that reflects like a mirror, or whose pixels gather light, has reflectance factors of up to about
+/// this: larger ones, without a unit, are in per cent. Smaller ones above [`instrument::LARGEST_FRACTION`]
+/// may be either.
 const LARGEST_GAIN: f64 = 10.0;
 
 /// Reads the states of a file.
 ///
 /// # Errors
-/// With line and column: columns that are not understood or missing, cells that are not numbers or out of range, two values for the
-/// same point, a spectrum with a single wavelength, names that are not permitted.
+/// With line and column: columns that are not understood or missing, cells that are not numbers or out of
+/// range, two values for the same point, a spectrum with a single wavelength, names that are not permitted.
 pub(crate) fn read_states(file: &DataFile, accept: &Accept) -> Result<States, FormatError> {
     let points = match instrument::read(file)? {
         Some(read) => Points::of_instrument(file, read)?,
@@ -310,7 +312,8 @@ impl Points {
         Ok(Self { all: read.samples.into_iter().map(point).collect(), notes: read.notes, is_table: false })
     }
 
-    /// Divides reflectances in per cent, or X, Y, Z of which white has Y = 100, by 100, with a note: columns that state no unit.
+    /// Divides reflectances in per cent, or X, Y, Z of which white has Y = 100, by 100, with a note: columns
+    /// that state no unit.
     fn divide_per_cent(&mut self, head: &Row<'_>, accept: &Accept) -> Result<(), FormatError> {
         let mut values: Vec<&mut f64> = Vec::new();
         for point in &mut self.all {
@@ -407,7 +410,8 @@ fn tabulated(
     Tabulated::new(nm, values).map_err(|problem| fault(&point.at, problem.into()))
 }
 
-/// The error of two values for a state, a direction (inclination in degrees, if it is stated) and, for a spectrum, a wavelength in nm.
+/// The error of two values for a state, a direction (inclination in degrees, if it is stated) and, for a
+/// spectrum, a wavelength in nm.
 pub(crate) fn two_values(state: &str, theta_deg: Option<f64>, nm: Option<f64>) -> Problem {
     let direction = theta_deg.map_or(String::new(), |theta| format!(" at {theta} deg"));
     let at = nm.map_or(String::new(), |nm| format!(" at {nm} nm"));

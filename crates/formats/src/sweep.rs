@@ -1,8 +1,8 @@
 //! Journal (`sweep.jsonl`) and table (`sweep.csv`) of a sweep.
 //!
-//! The journal holds one JSON value per line: first a description of the sweep ([`SweepHead`]), then each finished point
-//! ([`SweepPoint`]). A point is identified by the hash of its scenario and input files, so that the journal is also valid for
-//! a sweep that has been edited.
+//! The journal holds one JSON value per line: first a description of the sweep ([`SweepHead`]), then each
+//! finished point ([`SweepPoint`]). A point is identified by the hash of its scenario and input files, so
+//! that the journal is also valid for a sweep that has been edited.
 
 use std::io::{self, Write};
 
@@ -25,7 +25,8 @@ pub struct SweepHead {
     pub axes: Vec<SweepHeadAxis>,
     /// Metrics of the figures.
     pub figures: Vec<String>,
-    /// For a compact sweep, the quantities that it saves and the hash of its inputs; `None` for an ordinary sweep, which saves all.
+    /// For a compact sweep, the quantities that it saves and the hash of its inputs; `None` for an ordinary
+    /// sweep, which saves all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub light: Option<LightHead>,
 }
@@ -112,7 +113,8 @@ impl SweepPoint {
         }
     }
 
-    /// Returns the names of the point's metrics: each column of numbers, and each column of a state, such as `white.Y`.
+    /// Returns the names of the point's metrics: each column of numbers, and each column of a state, such as
+    /// `white.Y`.
     pub fn metrics(&self) -> Vec<String> {
         const PLACES: [&str; 3] = ["theta_deg", "phi_deg", "state"];
         let columns = || self.columns.iter().filter(|name| !PLACES.contains(&name.as_str()));
@@ -177,8 +179,9 @@ impl SweepPoint {
 /// Content of a sweep's journal.
 pub type SweepJournal = Journal<SweepHead, SweepPoint>;
 
-/// Writes `sweep.csv`: one row per point, view and state, with the swept keys followed by the columns of `states.csv`.
-/// `points` holds all points in order. Columns that a point does not have are empty in its rows.
+/// Writes `sweep.csv`: one row per point, view and state, with the swept keys followed by the columns of
+/// `states.csv`. `points` holds all points in order. Columns that a point does not have are empty in its
+/// rows.
 ///
 /// # Errors
 /// Those of `out`.

@@ -9,9 +9,9 @@ const PLACES: [&str; 3] = ["theta_deg", "phi_deg", "state"];
 
 /// Returns points whose rows have only these columns, after inclination and azimuth of the view.
 ///
-/// A column is one of `states.csv` (`Y`, `contrast_ratio`, `Y_se`), or that of one state (`white.Y`). If all are metrics of a
-/// view or of one state, there is one row for each view. Otherwise there is one for each view and state, which the column `state`
-/// names. Points that lack a column have empty cells.
+/// A column is one of `states.csv` (`Y`, `contrast_ratio`, `Y_se`), or that of one state (`white.Y`). If all
+/// are metrics of a view or of one state, there is one row for each view. Otherwise there is one for each
+/// view and state, which the column `state` names. Points that lack a column have empty cells.
 ///
 /// # Errors
 /// A column that no point has, or `Y` of all states next to `white.Y` of one: its name, and what is wrong.

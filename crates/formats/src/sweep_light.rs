@@ -10,8 +10,8 @@ use crate::sweep::{SweepHead, SweepPoint, sweep_value};
 use crate::tolerance::write_table;
 use crate::words::text_cell;
 
-/// Writes `sweep.csv` of a compact sweep: for each point the swept keys, then its metrics, empty where undefined.
-/// `rows` holds those of all points in order.
+/// Writes `sweep.csv` of a compact sweep: for each point the swept keys, then its metrics, empty where
+/// undefined. `rows` holds those of all points in order.
 ///
 /// # Errors
 /// Those of `out`.
@@ -31,8 +31,8 @@ fn cell(value: f64) -> String {
     if value.is_finite() { value.to_string() } else { String::new() }
 }
 
-/// Returns the points of a compact sweep as points of an ordinary one, for figures and the terminal: with one row per view, or a
-/// single row for the first view if the views differ between points.
+/// Returns the points of a compact sweep as points of an ordinary one, for figures and the terminal: with one
+/// row per view, or a single row for the first view if the views differ between points.
 pub fn light_points(head: &SweepHead, rows: &[&[f64]]) -> Vec<SweepPoint> {
     let Some(light) = &head.light else { return Vec::new() };
     let several = light.views.len() > 1;

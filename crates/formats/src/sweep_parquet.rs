@@ -1,8 +1,8 @@
 //! `sweep.parquet`: the content of `sweep.csv` in typed columns.
 //!
-//! Apache Parquet with one row group, not compressed. `point` is a 64-bit integer, `state` a string. A swept key is a
-//! double if all its values are numbers, otherwise a string. Every other column is a double, null where the CSV
-//! is empty.
+//! Apache Parquet with one row group, not compressed. `point` is a 64-bit integer, `state` a string. A swept
+//! key is a double if all its values are numbers, otherwise a string. Every other column is a double, null
+//! where the CSV is empty.
 
 use std::sync::Arc;
 

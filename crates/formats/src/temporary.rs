@@ -1,7 +1,8 @@
 //! Files that are being written, under temporary names.
 //!
-//! A writer holds the lock of its temporary file until it has the final name, or is deleted. A program that was killed holds no locks: the
-//! next one that writes in the folder locks, and deletes, what was left. On a file system without locks, nothing is deleted.
+//! A writer holds the lock of its temporary file until it has the final name, or is deleted. A program that
+//! was killed holds no locks: the next one that writes in the folder locks, and deletes, what was left. On a
+//! file system without locks, nothing is deleted.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -75,7 +76,8 @@ pub fn remove_abandoned(folder: &Path) {
         let path = entry.path();
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
         let Ok(file) = OpenOptions::new().append(true).open(&path) else { continue };
-        // The lock is held while the file is deleted: its writer, if it has just begun, sees that, and takes another name.
+        // The lock is held while the file is deleted: its writer, if it has just begun, sees that, and takes
+        // another name.
         if is_file && file.try_lock().is_ok() && has_name(&file, &path) {
             // A file that cannot be deleted does no harm.
             let _ = fs::remove_file(&path);
@@ -91,7 +93,8 @@ pub(crate) fn remove_abandoned_once(folder: &Path) {
     }
 }
 
-/// Returns whether a file is still the one with this name: another program may have replaced it before it was locked.
+/// Returns whether a file is still the one with this name: another program may have replaced it before it was
+/// locked.
 #[cfg(unix)]
 pub(crate) fn has_name(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -15,7 +15,8 @@ pub struct ToleranceHead {
     pub metrics: Vec<String>,
 }
 
-/// First line of the journal of a search, `optimize.jsonl`: identifies the search to which the records belong.
+/// First line of the journal of a search, `optimize.jsonl`: identifies the search to which the records
+/// belong.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SearchHead {
     /// Version of the program.

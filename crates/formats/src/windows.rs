@@ -22,7 +22,8 @@ pub struct NamedRectangle {
     pub place: Place,
 }
 
-/// Reads a table of rectangles in the order of its rows. Its first row holds the names of the columns, `name,x0,y0,x1,y1` in any order.
+/// Reads a table of rectangles in the order of its rows. Its first row holds the names of the columns,
+/// `name,x0,y0,x1,y1` in any order.
 ///
 /// # Errors
 /// With line and column: cells that are not numbers from 0 to 1, rectangles without area, names that are not

@@ -5,7 +5,8 @@ use std::fmt::Write;
 pub use papilio_diagnostics::{is_override, number, short_numbers, visible};
 use papilio_goniometry::Channel;
 
-/// Returns rows as an aligned table: the first column to the left, all others to the right; numbers of hundreds of digits are shortened.
+/// Returns rows as an aligned table: the first column to the left, all others to the right; numbers of
+/// hundreds of digits are shortened.
 pub fn table(rows: &[Vec<String>]) -> String {
     let short = |row: &Vec<String>| row.iter().map(|cell| short_numbers(cell).into_owned()).collect();
     let rows: Vec<Vec<String>> = rows.iter().map(short).collect();
@@ -32,7 +33,8 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// Writes an angle in degrees, or a wavelength in nm, with at most four decimals: what was in another unit has many.
+/// Writes an angle in degrees, or a wavelength in nm, with at most four decimals: what was in another unit
+/// has many.
 pub fn degrees(value: f64) -> String {
     let rounded = (value * 1e4).round() / 1e4;
     number(if rounded == 0.0 { value } else { rounded })
@@ -52,8 +54,9 @@ pub fn channel(channel: &Channel) -> String {
     if matches!(channel, Channel::Wavelength(_)) { format!("{channel} nm") } else { channel.to_string() }
 }
 
-/// Returns whether a spreadsheet would read a text as a formula: `=...` and `@...`, and `+...` and `-...` if more follows than letters,
-/// digits, blanks and the characters of names and numbers (a state may be called `-5 V`).
+/// Returns whether a spreadsheet would read a text as a formula: `=...` and `@...`, and `+...` and `-...` if
+/// more follows than letters, digits, blanks and the characters of names and numbers (a state may be called
+/// `-5 V`).
 pub fn is_formula(text: &str) -> bool {
     let harmless = |c: char| c.is_alphanumeric() || " ._-+%\u{b0}\u{b5}".contains(c);
     let mut rest = text.trim_start().chars();
@@ -64,7 +67,8 @@ pub fn is_formula(text: &str) -> bool {
     }
 }
 
-/// Returns a user's text as a cell of a table. An apostrophe precedes a text that a spreadsheet would read as a formula.
+/// Returns a user's text as a cell of a table. An apostrophe precedes a text that a spreadsheet would read as
+/// a formula.
 pub fn text_cell(text: String) -> String {
     if is_formula(&text) { format!("'{text}") } else { text }
 }

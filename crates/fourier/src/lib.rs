@@ -35,8 +35,8 @@ impl Plane {
         spectrum
     }
 
-    /// Returns `sum of bin exp(2 pi i f.x)` for each cell, for bins whose columns vary slowest. The sum is not divided by the
-    /// number of cells.
+    /// Returns `sum of bin exp(2 pi i f.x)` for each cell, for bins whose columns vary slowest. The sum is
+    /// not divided by the number of cells.
     pub fn inverse(&self, mut spectrum: Vec<Complex64>) -> Vec<Complex64> {
         self.along[1][1].process(&mut spectrum);
         let mut cells = transposed(&spectrum, self.count[1]);

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
-/// One term of a transfer function: the product of a function of the frequency along x and one of that along y.
+/// One term of a transfer function: the product of a function of the frequency along x and one of that along
+/// y.
 pub struct Separable {
     /// Its values at the frequencies of the columns: cycles per pixel of column k are k / (2 columns).
     pub along_x: Vec<f64>,
@@ -14,11 +15,11 @@ pub struct Separable {
     pub along_y: Vec<f64>,
 }
 
-/// Multiplies the spatial spectra of two planes with rows of `columns` each by a real transfer function, the sum of its terms. Beyond its
-/// borders a plane continues as its mirror image.
+/// Multiplies the spatial spectra of two planes with rows of `columns` each by a real transfer function, the
+/// sum of its terms. Beyond its borders a plane continues as its mirror image.
 ///
-/// The cosine transform of type II is the spectrum of such a plane, so that nothing wraps around. Both planes are the real and the imaginary
-/// part of one complex transform. An empty second plane is not filtered.
+/// The cosine transform of type II is the spectrum of such a plane, so that nothing wraps around. Both planes
+/// are the real and the imaginary part of one complex transform. An empty second plane is not filtered.
 pub fn filtered([one, other]: [&mut [f64]; 2], columns: usize, transfers: [&[Separable]; 2]) {
     let rows = one.len() / columns;
     let mut planner = FftPlanner::new();
@@ -69,8 +70,8 @@ pub fn filtered([one, other]: [&mut [f64]; 2], columns: usize, transfers: [&[Sep
     other.iter_mut().zip(&plane).for_each(|(other, value)| *other = value.im);
 }
 
-/// Cosine transform of type II of complex values, and its inverse, by a Fourier transform of the same length: Makhoul, *A fast cosine
-/// transform in one and two dimensions*, IEEE Trans. ASSP 28, 27 (1980).
+/// Cosine transform of type II of complex values, and its inverse, by a Fourier transform of the same length:
+/// Makhoul, *A fast cosine transform in one and two dimensions*, IEEE Trans. ASSP 28, 27 (1980).
 struct Cosines {
     forward: Arc<dyn Fft<f64>>,
     back: Arc<dyn Fft<f64>>,

@@ -1,15 +1,17 @@
 //! Convolution of a picture of states with a kernel for each state.
 //!
-//! **What.** Each pixel of a picture is in one of a few states. What is seen of a pixel in a quantity q is a sum over the pixels about it,
-//! `seen_q(x) = sum over offsets o of kernel_(q, s(x + o))(o)`. Kernels are given as mixtures of a few shapes, `kernel_(q, s)(o) =
-//! sum_r mixture_(q, s, r) shape_r(o)`. Spectra of the coverages belong to the picture, spectra of the shapes to the geometry of light and
-//! view, and the mixtures to the colours; each is kept while only the others change.
+//! **What.** Each pixel of a picture is in one of a few states. What is seen of a pixel in a quantity q is a
+//! sum over the pixels about it, `seen_q(x) = sum over offsets o of kernel_(q, s(x + o))(o)`. Kernels are
+//! given as mixtures of a few shapes, `kernel_(q, s)(o) = sum_r mixture_(q, s, r) shape_r(o)`. Spectra of the
+//! coverages belong to the picture, spectra of the shapes to the geometry of light and view, and the mixtures
+//! to the colours; each is kept while only the others change.
 //!
-//! **Borders.** The plane is periodic. A margin of pixels that are in no state, as wide as the reach of the kernels, keeps opposite borders
-//! apart.
+//! **Borders.** The plane is periodic. A margin of pixels that are in no state, as wide as the reach of the
+//! kernels, keeps opposite borders apart.
 //!
-//! **Memory.** Two real planes are the real and the imaginary part of one complex plane. Columns are transformed in blocks that fit into the
-//! cache, so that a plane is read and written once for each direction.
+//! **Memory.** Two real planes are the real and the imaginary part of one complex plane. Columns are
+//! transformed in blocks that fit into the cache, so that a plane is read and written once for each
+//! direction.
 
 use std::fmt;
 use std::ops::Range;
@@ -26,7 +28,8 @@ struct Transform {
     along: [[Arc<dyn Fft<f32>>; 2]; 2],
 }
 
-/// Spectrum of a real plane: the first half of the columns, each with all rows. The others are complex conjugates.
+/// Spectrum of a real plane: the first half of the columns, each with all rows. The others are complex
+/// conjugates.
 struct Spectrum {
     re: Vec<f32>,
     im: Vec<f32>,
@@ -60,7 +63,8 @@ impl Transform {
         if column == 0 { 0 } else { self.count[0] - column }
     }
 
-    /// Spectra of the real and of the imaginary part of a plane of which some rows are given, by their numbers; all others are 0.
+    /// Spectra of the real and of the imaginary part of a plane of which some rows are given, by their
+    /// numbers; all others are 0.
     fn forward(&self, numbers: &[usize], mut rows: Vec<Complex32>) -> [Spectrum; 2] {
         let [width, height] = self.count;
         self.along[0][0].process(&mut rows);
@@ -93,8 +97,9 @@ impl Transform {
         both
     }
 
-    /// Transforms the columns of planes, `[column][row]`, from the spectra of their real and imaginary parts, which `spectra` writes for some of
-    /// the frequencies of a half, those of the real part of each plane before those of the imaginary part.
+    /// Transforms the columns of planes, `[column][row]`, from the spectra of their real and imaginary parts,
+    /// which `spectra` writes for some of the frequencies of a half, those of the real part of each plane
+    /// before those of the imaginary part.
     fn columns_back(
         &self,
         planes: &mut [Vec<Complex32>],
@@ -159,7 +164,8 @@ impl Transform {
         }
     }
 
-    /// Transforms some rows of planes whose columns are transformed, and calls `found` with each row: its number, and its values in all planes.
+    /// Transforms some rows of planes whose columns are transformed, and calls `found` with each row: its
+    /// number, and its values in all planes.
     fn rows_back(
         &self,
         planes: &[Vec<Complex32>],
@@ -236,8 +242,9 @@ impl fmt::Debug for StatePicture {
 }
 
 impl StatePicture {
-    /// Transforms a picture of `states` states with rows of `columns`, from the top; `margin` is the number of columns and rows without a
-    /// state between its repetitions. `threads` is that of threads, here and below; the result does not depend on it.
+    /// Transforms a picture of `states` states with rows of `columns`, from the top; `margin` is the number
+    /// of columns and rows without a state between its repetitions. `threads` is that of threads, here and
+    /// below; the result does not depend on it.
     pub fn new(picture: &[u8], columns: usize, states: usize, margin: [usize; 2], threads: usize) -> Self {
         let size = [columns, picture.len() / columns];
         let count = [0, 1].map(|k| if margin[k] == 0 { size[k] } else { smooth(size[k] + margin[k]) });
@@ -271,8 +278,8 @@ impl StatePicture {
         self.transform.count
     }
 
-    /// Transforms shapes of kernels. `add` is called for each shape with a function that adds light of the pixel at an offset (to the right,
-    /// upwards) from the one that is seen.
+    /// Transforms shapes of kernels. `add` is called for each shape with a function that adds light of the
+    /// pixel at an offset (to the right, upwards) from the one that is seen.
     pub fn shapes(
         &self,
         count: usize,
@@ -285,7 +292,8 @@ impl StatePicture {
             let mut lines: Vec<Vec<Complex32>> = vec![Vec::new(); rows];
             for (shape, part) in [(first, Complex32::ONE), (first + 1, Complex32::I)] {
                 if shape < count {
-                    // Kernels are correlated with the picture: they are stored reversed; rows are counted from the top.
+                    // Kernels are correlated with the picture: they are stored reversed; rows are counted
+                    // from the top.
                     add(shape, &mut |[x, y], light| {
                         let line = &mut lines[y.rem_euclid(rows as i64) as usize];
                         if line.is_empty() {
@@ -301,9 +309,9 @@ impl StatePicture {
         KernelShapes { spectra: in_pairs(count, threads, of_pair) }
     }
 
-    /// Computes pictures of three quantities each, one after the other, and calls `found` with the number of each and its pixels. `mixtures` has
-    /// the weight of each shape in the kernel of each state for each picture, `[quantity][state][shape]`; `everywhere` is added to all
-    /// pixels of a picture.
+    /// Computes pictures of three quantities each, one after the other, and calls `found` with the number of
+    /// each and its pixels. `mixtures` has the weight of each shape in the kernel of each state for each
+    /// picture, `[quantity][state][shape]`; `everywhere` is added to all pixels of a picture.
     pub fn seen(
         &self,
         shapes: &KernelShapes,
@@ -377,8 +385,8 @@ fn in_pairs(count: usize, threads: usize, of_pair: impl Fn(usize) -> [Spectrum; 
 /// Pictures that are computed at once: two planes are transformed at once, and two pictures have three pairs.
 const PICTURES: usize = 2;
 
-/// Spectra of what is seen of some quantities, at some frequencies: for each state the mixture of the shapes, times the coverage. Compiled for
-/// the vectors of each processor.
+/// Spectra of what is seen of some quantities, at some frequencies: for each state the mixture of the shapes,
+/// times the coverage. Compiled for the vectors of each processor.
 struct Products<'a> {
     states: &'a [Spectrum],
     shapes: &'a [Spectrum],
@@ -400,7 +408,8 @@ impl pulp::NullaryFnOnce for Products<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { states, shapes, mixtures, frequencies, spectra } = self;
-        // Spectra begin at the same places of pages of memory, so that they would displace each other in the cache: blocks are copied.
+        // Spectra begin at the same places of pages of memory, so that they would displace each other in the
+        // cache: blocks are copied.
         let mut covered: Vec<Block> = vec![[[0.0; BLOCK]; 2]; states.len()];
         let mut shape = vec![[[0.0; BLOCK]; 2]; shapes.len()];
         for first in frequencies.clone().step_by(BLOCK) {

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-/// Calls `work` with each item, on a thread of its own if there are several. The results are in the order of the items.
+/// Calls `work` with each item, on a thread of its own if there are several. The results are in the order of
+/// the items.
 pub(crate) fn each<T: Send, R: Send>(items: Vec<T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     if items.len() <= 1 {
         return items.into_iter().map(work).collect();
@@ -17,7 +18,8 @@ pub(crate) fn each<T: Send, R: Send>(items: Vec<T>, work: impl Fn(T) -> R + Sync
     })
 }
 
-/// Divides the numbers from 0 to below `count` into at most `parts` ranges, each of whole steps except for the last.
+/// Divides the numbers from 0 to below `count` into at most `parts` ranges, each of whole steps except for
+/// the last.
 pub(crate) fn ranges(count: usize, step: usize, parts: usize) -> Vec<Range<usize>> {
     let length = step * count.div_ceil(step).div_ceil(parts.max(1));
     (0..count).step_by(length.max(1)).map(|first| first..(first + length).min(count)).collect()

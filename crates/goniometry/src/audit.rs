@@ -56,7 +56,8 @@ pub struct Audit {
     /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest
     /// value is used.
     pub held_azimuths_deg: Option<[f64; 2]>,
-    /// Largest inclination to which light was measured, degrees, if a grid of inclinations ends before the horizon.
+    /// Largest inclination to which light was measured, degrees, if a grid of inclinations ends before the
+    /// horizon.
     pub inclined_to_deg: Option<f64>,
     /// Quality by incidence.
     pub incidences: Vec<Incidence>,
@@ -105,7 +106,8 @@ pub struct Incidence {
 }
 
 impl Incidence {
-    /// Quality of an incidence whose values are constant over cells: the integral is their sum, without interpolation.
+    /// Quality of an incidence whose values are constant over cells: the integral is their sum, without
+    /// interpolation.
     fn of_cells(theta_deg: f64, integral: f64, peak: f64) -> Self {
         Self {
             theta_deg,
@@ -144,7 +146,8 @@ impl<'a> Channels<'a> {
             return Some(Self { part, channels, grid: None, width: None });
         }
         let (grid, values) = on_specular_grid(part, &channels)?;
-        // All are interpolated with the width of the luminous one, or of the first: lobes of a sample differ little in it.
+        // All are interpolated with the width of the luminous one, or of the first: lobes of a sample differ
+        // little in it.
         let luminous = channels.iter().position(|channel| *channel == part.luminous()).unwrap_or(0);
         let width = (channels.len() > 1).then(|| {
             Shape::of_grid(&grid, &values[luminous * grid.cells()..][..grid.cells()], Fill::None).width()
@@ -175,9 +178,9 @@ impl<'a> Channels<'a> {
 }
 
 impl Audit {
-    /// Audits one channel, given by its index. Patches and the cells of trees are summed directly. A part on another geometry is
-    /// first resampled on a specular-centred grid, and its cells are those of that grid. `None` for listed
-    /// pairs.
+    /// Audits one channel, given by its index. Patches and the cells of trees are summed directly. A part on
+    /// another geometry is first resampled on a specular-centred grid, and its cells are those of that grid.
+    /// `None` for listed pairs.
     pub fn of(part: &MeasuredPart, channel: usize) -> Option<Self> {
         Some(Channels::new(part, vec![channel])?.audit(0))
     }
@@ -338,8 +341,9 @@ fn has_dark_cells(grid: &SpecularGrid, values: &[f64]) -> bool {
         .any(|(cell, value)| (value.is_nan() || *value <= 0.0) && grid.directions(cell).is_some())
 }
 
-/// Standard deviation of a value from its four neighbours on its radial line, median over the faint half of the cells. A value is
-/// compared with the cubic of ln f through its neighbours, so that the lobe itself does not count as noise.
+/// Standard deviation of a value from its four neighbours on its radial line, median over the faint half of
+/// the cells. A value is compared with the cubic of ln f through its neighbours, so that the lobe itself does
+/// not count as noise.
 fn noise(grid: &SpecularGrid, values: &[f64]) -> f64 {
     let radials = &grid.radials_deg;
     // Weights of the neighbours, and the standard deviation of the difference for values with one of 1.

@@ -12,7 +12,8 @@ pub struct WavelengthLevels {
     pub wavelengths_nm: Vec<f64>,
     /// Totals at the smallest incidence, relative to that of the luminous channel.
     pub ratios: Vec<f64>,
-    /// Largest difference of the normalised lobes from the luminous one within its half-width, relative to its peak.
+    /// Largest difference of the normalised lobes from the luminous one within its half-width, relative to
+    /// its peak.
     pub shape_difference: f64,
 }
 

@@ -31,7 +31,8 @@ pub struct Preparation {
     pub fill: Fill,
     /// Normalise totals to the instrument's TIS.
     pub to_tis: bool,
-    /// Total at the smallest incidence: all values are multiplied by one factor. For values in relative units.
+    /// Total at the smallest incidence: all values are multiplied by one factor. For values in relative
+    /// units.
     pub level: Option<f64>,
     /// Extrapolate into a medium of this index (1: air). Beyond the largest incidence, the last lobe is used,
     /// shifted with the light. Tails are extrapolated beyond the last measured distance from the specular
@@ -86,13 +87,15 @@ pub struct Changes {
     pub held_azimuths_deg: Option<[f64; 2]>,
     /// True if the measurement has a single incidence, whose lobe is used at all others.
     pub held_single: bool,
-    /// Largest inclination to which light was measured, degrees, if a grid of inclinations ends before the horizon.
+    /// Largest inclination to which light was measured, degrees, if a grid of inclinations ends before the
+    /// horizon.
     pub inclined_to_deg: Option<f64>,
     /// Width of the rings over which light is spread, degrees, if the values are constant over cells (trees).
     pub rings_deg: Option<f64>,
     /// Largest incidence, degrees.
     pub last_deg: f64,
-    /// Fraction of diffuse light that comes from beyond the largest incidence, for which the last lobe is used.
+    /// Fraction of diffuse light that comes from beyond the largest incidence, for which the last lobe is
+    /// used.
     pub held: f64,
     /// Fraction of diffuse light that comes from beyond the largest incidence, and is lost.
     pub lost: f64,
@@ -188,7 +191,8 @@ pub fn kernel(
     Ok((scatter, changes))
 }
 
-/// Returns the kernel of a part on a tree: light between rings. Nothing is extrapolated, because a tree has values for all directions.
+/// Returns the kernel of a part on a tree: light between rings. Nothing is extrapolated, because a tree has
+/// values for all directions.
 fn of_tree(
     part: &MeasuredPart,
     tree: &TensorTree,

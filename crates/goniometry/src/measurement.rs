@@ -119,15 +119,16 @@ pub struct MeasuredPart {
 /// Total transmittance below which values may be in relative units: films for displays pass more.
 const FAINT: f64 = 0.05;
 
-/// Returns whether total integrated scatters (TIS) are in per cent: the largest is no fraction, with any error of a measurement, but a
-/// percentage.
+/// Returns whether total integrated scatters (TIS) are in per cent: the largest is no fraction, with any
+/// error of a measurement, but a percentage.
 pub fn tis_in_percent(tis: &[f64]) -> bool {
     let largest = tis.iter().copied().fold(0.0, f64::max);
     (1.5..=101.0).contains(&largest)
 }
 
-/// Returns whether the values of a transmission, 1/sr, may be in relative units, given the total at the smallest incidence, a fraction,
-/// and the largest value: hardly any light passes, or the values are normalised to 1 or 100.
+/// Returns whether the values of a transmission, 1/sr, may be in relative units, given the total at the
+/// smallest incidence, a fraction, and the largest value: hardly any light passes, or the values are
+/// normalised to 1 or 100.
 pub fn may_be_relative(total: f64, largest: f64) -> bool {
     total < FAINT || largest == 1.0 || largest == 100.0
 }

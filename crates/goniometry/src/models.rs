@@ -3,11 +3,11 @@
 //! Ward's lobe, the k-correlation lobe with s = 3 and the GGX distribution are those of `papilio_optics`.
 //! This module adds their free parameters and the derivatives that a fit needs.
 //!
-//! Each lobe gives f in 1/sr, referred to air, for light that arrives with direction cosines `from` and leaves
-//! with `to` (both of propagation), between air hemispheres, and 0 if one of them is outside the disc. In
-//! these cosines, reflection and transmission have the same formula: for transmitted light, the z of the outgoing
-//! direction is inverted before the half vector `h` is formed. Then `tan^2 h = |to - from|^2/(cos_i +
-//! cos_o)^2` for both, and h of unscattered light is the normal.
+//! Each lobe gives f in 1/sr, referred to air, for light that arrives with direction cosines `from` and
+//! leaves with `to` (both of propagation), between air hemispheres, and 0 if one of them is outside the disc.
+//! In these cosines, reflection and transmission have the same formula: for transmitted light, the z of the
+//! outgoing direction is inverted before the half vector `h` is formed. Then
+//! `tan^2 h = |to - from|^2/(cos_i + cos_o)^2` for both, and h of unscattered light is the normal.
 //!
 //! # Ward
 //! Gaussian distribution of facet slopes: `rho exp(-tan^2 h/alpha^2)/alpha^2` times a normalisation. `rho` is
@@ -47,23 +47,26 @@ use papilio_optics::{Beta, lobe};
 pub struct Model {
     /// Kind of the lobe.
     pub kind: Kind,
-    /// Values of its [parameters](Kind::parameters), in order; 0 behind the last one. The first is the total, the second the width.
+    /// Values of its [parameters](Kind::parameters), in order; 0 behind the last one. The first is the total,
+    /// the second the width.
     pub values: [f64; 3],
 }
 
 /// Kind of an analytic lobe, without its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Gaussian distribution of slopes: rho, the total at normal incidence for a narrow lobe, and alpha, its width in tan h.
+    /// Gaussian distribution of slopes: rho, the total at normal incidence for a narrow lobe, and alpha, its
+    /// width in tan h.
     Ward(Normalisation),
-    /// K-correlation lobe: T, the total over the whole plane of direction cosines, b in direction cosines, and the exponent s, above 2.
+    /// K-correlation lobe: T, the total over the whole plane of direction cosines, b in direction cosines,
+    /// and the exponent s, above 2.
     KCorrelation,
     /// K-correlation lobe with s = 3, the diffuser of scenarios: T and b.
     KCorrelation3,
     /// GGX distribution of slopes with masking: rho and alpha, as of Ward's lobe.
     Ggx,
-    /// Sum of a Gaussian and a k-correlation lobe of equal half width: T, the half width at half maximum of the line profile in direction
-    /// cosines, and the fraction of the k-correlation lobe.
+    /// Sum of a Gaussian and a k-correlation lobe of equal half width: T, the half width at half maximum of
+    /// the line profile in direction cosines, and the fraction of the k-correlation lobe.
     PseudoVoigt,
 }
 

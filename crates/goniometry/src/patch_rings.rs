@@ -1,9 +1,10 @@
 //! Means between patches of what an isotropic sample scatters on rings about the mirror direction.
 //!
-//! Both sides are averaged: light over the inclinations and azimuths of its patch, and viewers over theirs. A lobe may be much narrower
-//! than a patch, because the rings follow it. Light of a patch comes evenly from its projected solid angle, so that the means of a
-//! reciprocal sample are symmetric: what the rule of the rings leaves of an asymmetry is averaged, and factors close to 1 give each column
-//! the sum of the light that the sample scatters.
+//! Both sides are averaged: light over the inclinations and azimuths of its patch, and viewers over theirs. A
+//! lobe may be much narrower than a patch, because the rings follow it. Light of a patch comes evenly from
+//! its projected solid angle, so that the means of a reciprocal sample are symmetric: what the rule of the
+//! rings leaves of an asymmetry is averaged, and factors close to 1 give each column the sum of the light
+//! that the sample scatters.
 
 use crate::geometry::projected_solid_angle;
 use crate::{Ring, SpecularGrid, patch_count};
@@ -19,8 +20,8 @@ const GAUSS: [[f64; 2]; 4] = [
 /// Parts of a cell of the rings along each of its axes.
 const PARTS: usize = 3;
 
-/// Inclinations about each one of [`ring_patch_lights`], between which a lobe keeps its shape in direction cosines: a narrow lobe at the
-/// edge of a patch scatters into the next one.
+/// Inclinations about each one of [`ring_patch_lights`], between which a lobe keeps its shape in direction
+/// cosines: a narrow lobe at the edge of a patch scatters into the next one.
 const SHIFTS: usize = 10;
 
 /// Azimuths from 0 to 180 deg at which scattered light is collected.
@@ -29,7 +30,8 @@ const AZIMUTHS: usize = 361;
 /// Light that arrives in each ring, by azimuth from the mirror direction.
 type Arrived = Vec<[f64; AZIMUTHS]>;
 
-/// Returns the inclinations of the light that [`ring_patch_means`] needs, degrees, ascending: four for each ring of patches.
+/// Returns the inclinations of the light that [`ring_patch_means`] needs, degrees, ascending: four for each
+/// ring of patches.
 pub fn ring_patch_lights(rings: &[Ring]) -> Vec<f64> {
     let of_ring = |k: usize| {
         let [low, high] = squared_sines(rings, k);
@@ -44,8 +46,8 @@ fn squared_sines(rings: &[Ring], k: usize) -> [f64; 2] {
     edges.map(|theta| theta.to_radians().sin().powi(2))
 }
 
-/// Returns the mean of f between patches, `[in][out]`, 1/sr, for each channel: its values on `grid`, whose incidences are
-/// [`ring_patch_lights`], and the fraction of the light that each incidence scatters.
+/// Returns the mean of f between patches, `[in][out]`, 1/sr, for each channel: its values on `grid`, whose
+/// incidences are [`ring_patch_lights`], and the fraction of the light that each incidence scatters.
 ///
 /// `None` if the lengths do not match.
 pub fn ring_patch_means(
@@ -79,7 +81,8 @@ pub fn ring_patch_means(
     Some(arrived.iter().zip(&scattered).map(of_channel).collect())
 }
 
-/// Differences of the sine of inclination between light about an incidence, given by its index, and this incidence.
+/// Differences of the sine of inclination between light about an incidence, given by its index, and this
+/// incidence.
 fn shifts(rings: &[Ring], light: usize) -> [f64; SHIFTS] {
     let (ring, node) = (light / GAUSS.len(), light % GAUSS.len());
     let [low, high] = squared_sines(rings, ring);
@@ -89,7 +92,8 @@ fn shifts(rings: &[Ring], light: usize) -> [f64; SHIFTS] {
     std::array::from_fn(|k| sine(before + weight * (k as f64 + 0.5) / SHIFTS as f64) - sine(x))
 }
 
-/// Returns the light about one incidence, given by its index, that arrives in each ring, for each channel. It is not normalised.
+/// Returns the light about one incidence, given by its index, that arrives in each ring, for each channel. It
+/// is not normalised.
 fn collected(
     grid: &SpecularGrid,
     light: usize,
@@ -146,8 +150,9 @@ fn collected(
     found
 }
 
-/// Returns the ring of a direction, given by direction cosines, and its azimuth: the collecting azimuth below it, and the fraction of the
-/// distance to the next one. What is shifted out of the hemisphere is in the last ring.
+/// Returns the ring of a direction, given by direction cosines, and its azimuth: the collecting azimuth below
+/// it, and the fraction of the distance to the next one. What is shifted out of the hemisphere is in the last
+/// ring.
 fn place([x, y]: [f64; 2], rings: &[Ring]) -> (usize, usize, f64) {
     let theta_deg = x.hypot(y).min(1.0).asin().to_degrees();
     let ring = rings.partition_point(|ring| ring.from_deg <= theta_deg).saturating_sub(1);
@@ -181,7 +186,8 @@ fn between(arrived: &[Arrived], rings: &[Ring]) -> Vec<f64> {
     means
 }
 
-/// Returns the fraction of an arc of the first width that lies in an arc of the second width, whose middles are `apart` degrees apart.
+/// Returns the fraction of an arc of the first width that lies in an arc of the second width, whose middles
+/// are `apart` degrees apart.
 fn overlap(apart: f64, [width, other]: [f64; 2]) -> f64 {
     let off = (apart + 180.0).rem_euclid(360.0) - 180.0;
     let both = |off: f64| (0.5 * (width + other) - off.abs()).clamp(0.0, width.min(other));
@@ -192,7 +198,8 @@ fn overlap(apart: f64, [width, other]: [f64; 2]) -> f64 {
 /// Number of steps towards the totals, each of which halves what is missing, at least.
 const STEPS: usize = 60;
 
-/// Averages each pair of patches and its reverse, and multiplies them by factors of both patches so that each column has its total.
+/// Averages each pair of patches and its reverse, and multiplies them by factors of both patches so that each
+/// column has its total.
 fn symmetric(means: &[f64], scattered: &[f64], rings: &[Ring]) -> Vec<f64> {
     let (count, omega) = (patch_count(rings), projected_solid_angle(rings));
     let reverse = |pair: usize| pair % count * count + pair / count;
@@ -219,7 +226,8 @@ mod tests {
     use super::*;
     use crate::{KLEMS_FULL, Symmetry};
 
-    /// Means of a lobe f of the distance between viewer and mirror direction in direction cosines; `total` is what it scatters.
+    /// Means of a lobe f of the distance between viewer and mirror direction in direction cosines; `total` is
+    /// what it scatters.
     fn means(f: impl Fn(f64) -> f64, total: impl Fn(f64) -> f64) -> Vec<f64> {
         let radials_deg = (0..60).map(|k| 0.1 * f64::from(k)).chain((6..=180).map(f64::from)).collect();
         let grid = SpecularGrid {
@@ -246,7 +254,8 @@ mod tests {
         ring_patch_means(&grid, &[(&values, &totals)], &KLEMS_FULL).unwrap().remove(0)
     }
 
-    /// Fraction of exp(-(r / width)^2) about a point at the distance sin theta from the centre that lies in the unit disc.
+    /// Fraction of exp(-(r / width)^2) about a point at the distance sin theta from the centre that lies in
+    /// the unit disc.
     fn in_disc(theta_deg: f64, width: f64) -> f64 {
         let (n, sin) = (100, theta_deg.to_radians().sin());
         let is_inside = |k: &i32| {
@@ -280,9 +289,10 @@ mod tests {
         }
     }
 
-    /// A lobe of the same shape about the mirror direction in direction cosines, wide and narrow: columns have their totals, the matrix
-    /// is symmetric, and the patch about the normal is the same to all patches of a ring. The mean between the patch about the normal
-    /// and those of the next ring against a sum over pairs of points.
+    /// A lobe of the same shape about the mirror direction in direction cosines, wide and narrow: columns
+    /// have their totals, the matrix is symmetric, and the patch about the normal is the same to all patches
+    /// of a ring. The mean between the patch about the normal and those of the next ring against a sum over
+    /// pairs of points.
     #[test]
     fn lobe_has_its_totals_and_is_symmetric() {
         for width in [0.15, 0.03] {

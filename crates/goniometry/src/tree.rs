@@ -1,9 +1,10 @@
 //! Tensor trees in displays and as matrices of patches: sums over their cells.
 //!
-//! The values of a tree are constant over cells that do not move with the light, and jump between them. Interpolation about the
-//! specular direction would neither keep their light nor their peaks. A display therefore uses light between rings of directions
-//! ([`RingKernel`]), and a matrix of patches the light between patches: both are sums over the cells, and conserve the total of the tree
-//! for every direction of the light. Light that a cell sends or receives is widened to the rings or patches that it touches.
+//! The values of a tree are constant over cells that do not move with the light, and jump between them.
+//! Interpolation about the specular direction would neither keep their light nor their peaks. A display
+//! therefore uses light between rings of directions ([`RingKernel`]), and a matrix of patches the light
+//! between patches: both are sums over the cells, and conserve the total of the tree for every direction of
+//! the light. Light that a cell sends or receives is widened to the rings or patches that it touches.
 
 use std::f64::consts::PI;
 
@@ -21,7 +22,8 @@ const FINENESS: usize = 64;
 /// Rounds of balancing; the light of rings is then right to 1e-9.
 const ROUNDS: usize = 200;
 
-/// Returns the light between rings of a part on a tree. `factor` multiplies values, by `|beta|` of the scattered light.
+/// Returns the light between rings of a part on a tree. `factor` multiplies values, by `|beta|` of the
+/// scattered light.
 pub(crate) fn ring_kernel(
     part: &MeasuredPart,
     tree: &TensorTree,
@@ -102,8 +104,8 @@ fn ring_means(rings: &Rings, of: impl Fn(f64) -> f64) -> Vec<f64> {
 }
 
 impl TensorTree {
-    /// Integral of f cos over the hemisphere for light of this inclination, degrees: exactly the sum over the cells, and the mean over azimuths
-    /// of an anisotropic sample.
+    /// Integral of f cos over the hemisphere for light of this inclination, degrees: exactly the sum over the
+    /// cells, and the mean over azimuths of an anisotropic sample.
     pub fn mean_total(&self, values: &[f64], theta_deg: f64) -> f64 {
         let lights = self.lights(theta_deg);
         lights.iter().map(|light| self.total(values, *light)).sum::<f64>() / lights.len() as f64
@@ -140,7 +142,8 @@ fn lights(tree: &TensorTree, side: usize) -> Vec<Direction> {
     (0..count).map(place).map(|place| direction_of_square(place).specular()).collect()
 }
 
-/// Places within squares that cover all of them evenly (Roberts's sequence R2): the middles of squares would leave the horizon dark.
+/// Places within squares that cover all of them evenly (Roberts's sequence R2): the middles of squares would
+/// leave the horizon dark.
 #[derive(Default)]
 struct Shift {
     number: f64,
@@ -225,8 +228,9 @@ const POINTS: usize = 6;
 /// Number of parts of a side of the square, of which each lights one patch.
 const PARTS: usize = 128;
 
-/// Returns the mean of f between patches of a basis, `[in][out]`: light of a patch is the mean over its directions, and all of it
-/// arrives in some patch. The sum of value x projected solid angle of a column is thus the mean total of the tree over the incident patch.
+/// Returns the mean of f between patches of a basis, `[in][out]`: light of a patch is the mean over its
+/// directions, and all of it arrives in some patch. The sum of value x projected solid angle of a column is
+/// thus the mean total of the tree over the incident patch.
 pub fn patch_means(tree: &TensorTree, values: &[f64], rings: &[Ring]) -> Vec<f64> {
     let omega = projected_solid_angle(rings);
     let places = Places::new(PARTS);
@@ -266,7 +270,8 @@ mod tests {
     use super::*;
     use crate::{Audit, Channel, Geometry, KLEMS_FULL, ScatterMode, TreeNode};
 
-    /// A clear pane of rank 4 with 4 cells a side: all light of a cell leaves into the cell of the unscattered direction.
+    /// A clear pane of rank 4 with 4 cells a side: all light of a cell leaves into the cell of the
+    /// unscattered direction.
     fn clear() -> MeasuredPart {
         let cells = 16;
         let values = (0..cells * cells).map(|k| if k / cells == k % cells { 16.0 / PI } else { 0.0 });
@@ -286,7 +291,8 @@ mod tests {
 
     /// An isotropic tree whose light always leaves evenly into the quarter of the disc away from the light.
     fn isotropic() -> MeasuredPart {
-        // Sides: the light, then x and y of the viewer; 0.5 of the square in x is a half of the disc, and of that half y.
+        // Sides: the light, then x and y of the viewer; 0.5 of the square in x is a half of the disc, and of
+        // that half y.
         let value = |k: usize| if (k / 4) % 4 >= 2 && (k % 4).is_multiple_of(3) { 3.0 / PI } else { 0.0 };
         part(3, (0..64).map(value).collect())
     }
@@ -296,7 +302,8 @@ mod tests {
         tree
     }
 
-    /// Cells of Shirley and Chiu have equal projected solid angles: the total is exactly 1, the unscattered value 16/pi, at any incidence.
+    /// Cells of Shirley and Chiu have equal projected solid angles: the total is exactly 1, the unscattered
+    /// value 16/pi, at any incidence.
     #[test]
     fn clear_pane_has_total_one_and_its_peak_at_all_incidences() {
         let audit = Audit::of(&clear(), 0).unwrap();

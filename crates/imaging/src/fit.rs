@@ -1,7 +1,8 @@
 //! Pictures in another size, in linear light.
 //!
-//! Every pixel of the result is a mean of the source with the weights of a triangle, whose half width is a pixel of the result or of the source,
-//! whichever is larger: no detail is skipped, and enlarged pictures are interpolated linearly.
+//! Every pixel of the result is a mean of the source with the weights of a triangle, whose half width is a
+//! pixel of the result or of the source, whichever is larger: no detail is skipped, and enlarged pictures are
+//! interpolated linearly.
 
 use std::collections::VecDeque;
 
@@ -19,10 +20,12 @@ pub enum Fit {
     None,
 }
 
-/// Fits a picture of `from` = columns and rows, which `row` returns from the top, to `to`; `margin` is the colour beyond the picture.
+/// Fits a picture of `from` = columns and rows, which `row` returns from the top, to `to`; `margin` is the
+/// colour beyond the picture.
 ///
-/// Each row is requested once, in order, so that a large picture needs no more memory than the result and one of its rows times the rows
-/// that a row of the result is the mean of. Empty if one of the sizes is 0, or a row has another number of pixels.
+/// Each row is requested once, in order, so that a large picture needs no more memory than the result and one
+/// of its rows times the rows that a row of the result is the mean of. Empty if one of the sizes is 0, or a
+/// row has another number of pixels.
 pub fn fitted(
     from: [usize; 2],
     mut row: impl FnMut(usize) -> Vec<[f32; 3]>,
@@ -47,7 +50,8 @@ pub fn fitted(
     let weights =
         |k: usize| (0..to[k]).map(move |at| Weights::new(at, to[k], from[k], scale[k])).collect::<Vec<_>>();
     let [across, down] = [weights(0), weights(1)];
-    // Rows of the source with the columns of the result; those above the first that is still needed are dropped.
+    // Rows of the source with the columns of the result; those above the first that is still needed are
+    // dropped.
     let mut wide: VecDeque<Vec<[f32; 3]>> = VecDeque::new();
     let mut next = 0;
     let mut result = Vec::with_capacity(to[0] * to[1]);

@@ -3,8 +3,8 @@
 /// The largest number of 16 bits.
 const LARGEST: u16 = 0x7bff;
 
-/// Converts a number to the nearest one of 16 bits, of two equally near ones to the even one. Larger numbers become the largest one,
-/// and what is no number becomes 0.
+/// Converts a number to the nearest one of 16 bits, of two equally near ones to the even one. Larger numbers
+/// become the largest one, and what is no number becomes 0.
 ///
 /// ```
 /// assert_eq!(papilio_imaging::half_bits(1.0), 0x3c00);

@@ -1,7 +1,8 @@
 //! Pictures for a panel, on its pixels.
 //!
 //! - [`halftone`]: the state of each pixel of a picture, for a display with a few states.
-//! - [`text`]: text from the outlines of a font as black and white pixels, with the middles of its strokes and gaps, or in the lines of a page.
+//! - [`text`]: text from the outlines of a font as black and white pixels, with the middles of its strokes
+//!   and gaps, or in the lines of a page.
 //! - [`TestPattern`]: edges, stripes, squares and stars, with the fraction of each pixel that is black.
 //! - [`push_halves`]: colours as numbers of 16 bits.
 //!
@@ -15,7 +16,8 @@
 //! # Ok::<(), papilio_imaging::ImagingError>(())
 //! ```
 //!
-//! Bitmaps of text have their rows from the bottom, halftones from the top, as files of pictures; columns are from the left.
+//! Bitmaps of text have their rows from the bottom, halftones from the top, as files of pictures; columns are
+//! from the left.
 //!
 //! **Out of scope.** Shaping of complex scripts, kerning, hinting, fonts of the system.
 

@@ -1,6 +1,7 @@
 //! Test patterns of black and white, with the fraction of each pixel that is black.
 //!
-//! Edges need not lie between pixels: what a pixel shows is the area, so that patterns have no jagged edges of their own.
+//! Edges need not lie between pixels: what a pixel shows is the area, so that patterns have no jagged edges
+//! of their own.
 
 use std::f64::consts::{PI, TAU};
 
@@ -45,7 +46,8 @@ impl TestPattern {
         (PI * STAR * shorter(count, pitch_mm) / period_mm).round().max(1.0)
     }
 
-    /// Returns the fraction of each pixel that is black, by rows from the top, on `count` = columns and rows of pixels of `pitch_mm`.
+    /// Returns the fraction of each pixel that is black, by rows from the top, on `count` = columns and rows
+    /// of pixels of `pitch_mm`.
     ///
     /// `period_mm` is that of stripes and squares, and of the star at its rim; the edge has none.
     pub fn black(self, count: [usize; 2], pitch_mm: [f64; 2], period_mm: f64) -> Vec<f32> {

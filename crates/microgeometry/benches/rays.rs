@@ -1,4 +1,5 @@
-//! Rays through surfaces: a replicate of a measurement, at two inclinations from each side and in all bands of the kernel.
+//! Rays through surfaces: a replicate of a measurement, at two inclinations from each side and in all bands
+//! of the kernel.
 
 #![allow(missing_docs, reason = "a benchmark")]
 

@@ -1,8 +1,9 @@
 //! The kernel of a surface by azimuth: from each patch of directions to each other one, on both sides.
 //!
-//! **Laws.** As for bands ([`crate::kernel`]): as much light M goes from patch a to patch b, per étendue, as from the reverse of b to the reverse
-//! of a, and uniform light stays uniform. Patches have fewer rays than bands. The mean of both ways is weighted by the étendues of the patches
-//! at which the light ends, because as many rays come from a large patch as from a small one; weights by the variances that were found would
+//! **Laws.** As for bands ([`crate::kernel`]): as much light M goes from patch a to patch b, per étendue, as
+//! from the reverse of b to the reverse of a, and uniform light stays uniform. Patches have fewer rays than
+//! bands. The mean of both ways is weighted by the étendues of the patches at which the light ends, because
+//! as many rays come from a large patch as from a small one; weights by the variances that were found would
 //! favour whichever way has less light by chance.
 
 use crate::balance::{factors, scale};
@@ -17,8 +18,8 @@ use crate::{MicrogeometryError, REPLICATES};
 pub struct AzimuthKernel {
     /// Patches of directions on both sides.
     pub patches: Patches,
-    /// Fraction of the light of a patch, which fills its directions uniformly, that goes to each other one: `[from][to]`, by azimuths of
-    /// propagation. Regular light is not contained.
+    /// Fraction of the light of a patch, which fills its directions uniformly, that goes to each other one:
+    /// `[from][to]`, by azimuths of propagation. Regular light is not contained.
     pub scattered: Vec<f32>,
     /// Standard errors of `scattered`, before the laws are imposed.
     pub errors: Vec<f32>,
@@ -68,7 +69,8 @@ impl AzimuthKernel {
         Ok(kernel)
     }
 
-    /// Where nothing is scattered, the mean of both ways of regular transmission leaves the rest to the reflection.
+    /// Where nothing is scattered, the mean of both ways of regular transmission leaves the rest to the
+    /// reflection.
     fn close_dark_patches(&mut self) {
         for (patch, row) in self.scattered.chunks_exact(self.patches.count()).enumerate() {
             if row.iter().all(|light| *light == 0.0) {
@@ -89,8 +91,8 @@ fn both_ways(patches: &Patches, [reflected, transmitted]: [Vec<f64>; 2]) -> [Vec
     ]
 }
 
-/// Uniform light leaves each patch as it came: differences over standard errors, where these are small enough to tell. `one_ray` is the light of
-/// a ray of each patch ([`crate::kernel::one_ray`]).
+/// Uniform light leaves each patch as it came: differences over standard errors, where these are small enough
+/// to tell. `one_ray` is the light of a ray of each patch ([`crate::kernel::one_ray`]).
 fn energy_z(arriving: &[Vec<f64>], area: &[f64], one_ray: &[f64]) -> Vec<f64> {
     let one_ray = one_ray.iter().copied().fold(0.0, f64::max);
     let z = |(patch, area): (usize, &f64)| {

@@ -76,8 +76,9 @@ fn flat_faces_are_regular_at_every_azimuth() {
     }
 }
 
-/// Prisms of 90 deg along y, from within: light along the grooves meets facets at 45 deg or more, beyond the critical angle of 41.8 deg, and
-/// returns at every inclination. Of light at 30 deg across the grooves, (1 + tan 30 deg)/2 meets a facet at 15 deg, and leaves.
+/// Prisms of 90 deg along y, from within: light along the grooves meets facets at 45 deg or more, beyond the
+/// critical angle of 41.8 deg, and returns at every inclination. Of light at 30 deg across the grooves, (1 +
+/// tan 30 deg)/2 meets a facet at 15 deg, and leaves.
 #[test]
 fn prisms_return_light_along_their_grooves() {
     let prisms = Surface::Heights(HeightMap::new(2, [25.0; 2], vec![0.0, 25.0]).unwrap());
@@ -105,7 +106,8 @@ fn oblique_prisms() -> Surface {
     Surface::Heights(HeightMap::new(32, [1.0, 2.0], heights).unwrap())
 }
 
-/// Light of a patch that facets of one slope transmit, by Snell and Fresnel: fractions by patch. Directions fill the patch uniformly.
+/// Light of a patch that facets of one slope transmit, by Snell and Fresnel: fractions by patch. Directions
+/// fill the patch uniformly.
 fn transmitted_by_facets(patches: &Patches, from: usize, slopes: [f64; 2]) -> Vec<f64> {
     let (side, [least, most]) = patches.band(from);
     assert_eq!(side, Side::Above);
@@ -132,7 +134,8 @@ fn transmitted_by_facets(patches: &Patches, from: usize, slopes: [f64; 2]) -> Ve
     found
 }
 
-/// Largest deviation of transmitted light from the closed form, in standard errors and of patches with more than 1 % of the light.
+/// Largest deviation of transmitted light from the closed form, in standard errors and of patches with more
+/// than 1 % of the light.
 fn largest_deviation(found: &AzimuthKernel, expected: &[Vec<f64>], to: impl Fn(usize) -> usize) -> f64 {
     let patches = &found.patches;
     let mut largest = 0.0_f64;
@@ -166,7 +169,8 @@ fn oblique_prisms_have_the_closed_form_by_azimuth() {
     }
 }
 
-/// Scores of the light of a surface against the same turned by some patches, one of each group that a turn makes.
+/// Scores of the light of a surface against the same turned by some patches, one of each group that a turn
+/// makes.
 fn turned(found: &AzimuthMeans, by: usize) -> Vec<f64> {
     let (patches, count) = (&found.patches, found.patches.count());
     let azimuths = patches.azimuths();
@@ -188,15 +192,17 @@ fn mean_square(scores: &[f64]) -> f64 {
     scores.iter().map(|z| z * z).sum::<f64>() / scores.len() as f64
 }
 
-/// A lattice of squares looks the same after a quarter turn, one of triangles after a sixth; not the other way round.
+/// A lattice of squares looks the same after a quarter turn, one of triangles after a sixth; not the other
+/// way round.
 #[test]
 fn lattices_have_their_symmetries() {
     for (lattice, own, other) in everyday(1, [(Lattice::Square, 3, 2), (Lattice::Hexagonal, 2, 3)]) {
         let (_, sums) = measured(&goniometer(12, 200, 5), &caps(lattice, 2.25, 2.25));
         let found = sums.into_means();
         let scores = turned(&found, own);
-        // Cells of one patch share its rays, and few rays have skewed errors: a tenth of the scores counts as independent.
-        // by chance, so that scores are smaller than Student's: only their upper bound is a test.
+        // Cells of one patch share its rays, and few rays have skewed errors: a tenth of the scores counts as
+        // independent. by chance, so that scores are smaller than Student's: only their upper bound is a
+        // test.
         let bounds = mean_square_bounds(1.07, 2.6, 0.1 * scores.len() as f64);
         assert!(
             scores.len() > 1000 && mean_square(&scores) < *bounds.end(),
@@ -208,7 +214,8 @@ fn lattices_have_their_symmetries() {
     }
 }
 
-/// Turned about the normal, the kernel by azimuth is that of bands: of the same rays within rounding, and of others within the errors.
+/// Turned about the normal, the kernel by azimuth is that of bands: of the same rays within rounding, and of
+/// others within the errors.
 #[test]
 fn the_mean_over_azimuths_is_the_kernel_of_bands() {
     let surface = oblique_prisms();
@@ -254,8 +261,8 @@ fn the_mean_over_azimuths_is_the_kernel_of_bands() {
     }
 }
 
-/// Random height maps, and one with a mirror that absorbs, obey reciprocity and the conservation of energy within their errors; their kernels
-/// then do exactly.
+/// Random height maps, and one with a mirror that absorbs, obey reciprocity and the conservation of energy
+/// within their errors; their kernels then do exactly.
 #[test]
 fn random_maps_obey_the_laws_by_azimuth() {
     let mirror = Coating::Mirror { reflectance: 0.7 };
@@ -291,9 +298,9 @@ fn random_maps_obey_the_laws_by_azimuth() {
     }
 }
 
-/// Pyramids of 50 um, or a ridge along y, with few rays: their laws hold within the errors of the sample, also where it is too small for the spread of its
-/// replicates to be one, and no sample is refused for a law. The mean of z² over seeds is about 1, or less: a sum is not known better than to
-/// one ray.
+/// Pyramids of 50 um, or a ridge along y, with few rays: their laws hold within the errors of the sample,
+/// also where it is too small for the spread of its replicates to be one, and no sample is refused for a law.
+/// The mean of z² over seeds is about 1, or less: a sum is not known better than to one ray.
 #[test]
 fn few_rays_do_not_contradict_the_laws() {
     let pyramid = |height: f64| {
@@ -328,8 +335,9 @@ fn few_rays_do_not_contradict_the_laws() {
                 }
             }
             by_azimuth /= f64::from(balanced.max(1));
-            // Replicates of one and two rays by azimuth are skewed, which biases z (up to 2.6 in its square was seen): there, the law must not be
-            // refused, and the kernel may be too dark to balance. A sum of few replicates is not known better than to one ray, 2 of its errors.
+            // Replicates of one and two rays by azimuth are skewed, which biases z (up to 2.6 in its square
+            // was seen): there, the law must not be refused, and the kernel may be too dark to balance. A sum
+            // of few replicates is not known better than to one ray, 2 of its errors.
             let most = if rays < 5 { 4.0 } else { 1.5 };
             assert!(by_band < 1.5 && by_azimuth < most, "mesh {number}, {rays} rays: {by_band} {by_azimuth}");
             assert!(rays < 5 || balanced > 0, "mesh {number}, {rays} rays: no kernel by azimuth");

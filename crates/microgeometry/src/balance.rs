@@ -1,9 +1,11 @@
-//! Balancing: one factor for each band makes the symmetric light between bands add up to what each band is to have.
+//! Balancing: one factor for each band makes the symmetric light between bands add up to what each band is to
+//! have.
 //!
-//! With A the light between two bands and w the light that each is to have, the factors exp(u) solve sum_j A_ij exp(u_i + u_j) = w_i. That is
-//! the minimum of the convex function sum_ij A_ij exp(u_i + u_j) / 2 - sum_i w_i u_i (Marshall and Olkin 1968), which Newton's method finds in
-//! a few steps. Scaling by turns (Sinkhorn and Knopp 1967) has the same limit, but hardly moves where two groups of bands exchange almost all
-//! of their light, as the two sides of a face between similar media do.
+//! With A the light between two bands and w the light that each is to have, the factors exp(u) solve sum_j
+//! A_ij exp(u_i + u_j) = w_i. That is the minimum of the convex function sum_ij A_ij exp(u_i + u_j) / 2 -
+//! sum_i w_i u_i (Marshall and Olkin 1968), which Newton's method finds in a few steps. Scaling by turns
+//! (Sinkhorn and Knopp 1967) has the same limit, but hardly moves where two groups of bands exchange almost
+//! all of their light, as the two sides of a face between similar media do.
 
 use crate::bands::AZIMUTHS;
 
@@ -16,7 +18,8 @@ const PRECISION: f64 = 1e-13;
 /// The same for light by azimuth, which is kept with seven digits.
 const PRECISION_OF_FACTORS: f64 = 1e-9;
 
-/// Missing light, relative to that at the start of a step, up to which conjugate gradients solve it, and the most of their own steps.
+/// Missing light, relative to that at the start of a step, up to which conjugate gradients solve it, and the
+/// most of their own steps.
 const PRECISION_OF_STEP: f64 = 1e-3;
 const STEPS_OF_GRADIENTS: usize = 400;
 
@@ -26,8 +29,8 @@ const STEPS_WITHOUT_GAIN: u32 = 8;
 /// The largest change of the logarithm of a factor in one step.
 const LONGEST_STEP: f64 = 1.0;
 
-/// Scales symmetric light between bands, `[from][to][azimuth]`, by a factor for each band, until that of each band is what is wanted. A band
-/// without light stays as it is; one that is to have none loses its light.
+/// Scales symmetric light between bands, `[from][to][azimuth]`, by a factor for each band, until that of each
+/// band is what is wanted. A band without light stays as it is; one that is to have none loses its light.
 pub(crate) fn balance(light: &mut [f64], wanted: &[f64]) {
     let count = wanted.len();
     let mut between: Vec<f64> = light.chunks_exact(AZIMUTHS).map(|cells| cells.iter().sum()).collect();
@@ -62,8 +65,8 @@ pub(crate) fn balance(light: &mut [f64], wanted: &[f64]) {
     scale(light, &factors, AZIMUTHS);
 }
 
-/// The factors that [`balance`] finds, for light `[from][to]` between thousands of patches: the equations of each step are solved by conjugate
-/// gradients, which only multiply by the light.
+/// The factors that [`balance`] finds, for light `[from][to]` between thousands of patches: the equations of
+/// each step are solved by conjugate gradients, which only multiply by the light.
 ///
 /// # Errors
 /// The largest relative error of the light of a patch that remains, if no factors make it what is wanted.
@@ -107,7 +110,8 @@ fn times(light: &[f64], factors: &[f64], list: &[f64]) -> Vec<f64> {
     rows.map(|(row, factor)| factor * row.iter().zip(&scaled).map(|(a, b)| a * b).sum::<f64>()).collect()
 }
 
-/// Solves (sums + light) step = missing, with the light scaled by factors and `sums` on the diagonal, which is also the preconditioner.
+/// Solves (sums + light) step = missing, with the light scaled by factors and `sums` on the diagonal, which
+/// is also the preconditioner.
 fn conjugate_gradients(light: &[f64], factors: &[f64], sums: &[f64], mut missing: Vec<f64>) -> Vec<f64> {
     let scaled = |missing: &[f64]| -> Vec<f64> {
         missing.iter().zip(sums).map(|(missing, sum)| if *sum > 0.0 { missing / sum } else { 0.0 }).collect()
@@ -124,7 +128,8 @@ fn conjugate_gradients(light: &[f64], factors: &[f64], sums: &[f64], mut missing
         let mut turned = times(light, factors, &along);
         turned.iter_mut().zip(sums).zip(&along).for_each(|((turned, sum), along)| *turned += sum * along);
         let bend = product(&along, &turned);
-        // Two groups that exchange light only with each other can both be scaled, one up and one down, without any change.
+        // Two groups that exchange light only with each other can both be scaled, one up and one down,
+        // without any change.
         if bend <= f64::EPSILON * size {
             break;
         }
@@ -147,7 +152,8 @@ pub(crate) fn scale(light: &mut [f64], factors: &[f64], cells: usize) {
     }
 }
 
-/// Solves a symmetric positive definite system in place (Cholesky); a pivot that is only rounding moves nothing.
+/// Solves a symmetric positive definite system in place (Cholesky); a pivot that is only rounding moves
+/// nothing.
 fn solve(matrix: &mut [f64], right: &mut [f64]) {
     let size = right.len();
     for i in 0..size {
@@ -198,7 +204,8 @@ mod tests {
         light.chunks_exact(bands * AZIMUTHS).map(|row| row.iter().sum()).collect()
     }
 
-    /// Each band has what it is to have, also where both groups exchange almost all of their light, and the light stays symmetric.
+    /// Each band has what it is to have, also where both groups exchange almost all of their light, and the
+    /// light stays symmetric.
     #[test]
     fn light_adds_up_even_where_bands_of_a_side_hardly_exchange_any() {
         let bands = 12;
@@ -216,7 +223,8 @@ mod tests {
         }
     }
 
-    /// Conjugate gradients find the factors of Cholesky's steps; light that no factors can balance is refused with what is missing.
+    /// Conjugate gradients find the factors of Cholesky's steps; light that no factors can balance is refused
+    /// with what is missing.
     #[test]
     fn factors_of_many_patches_are_those_of_bands() {
         let bands = 12;
@@ -238,7 +246,8 @@ mod tests {
         assert!(factors(&star, &[3.0, 1.0, 1.0]).is_err_and(|missing| missing > 0.1));
     }
 
-    /// Dark bands stay dark, and a band that is to have nothing loses its light; the others are balanced all the same.
+    /// Dark bands stay dark, and a band that is to have nothing loses its light; the others are balanced all
+    /// the same.
     #[test]
     fn bands_without_light() {
         let bands = 8;

@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use crate::Side;
 
-/// Bands of |beta| = n sin θ. Those up to the lower index are the same on both sides; 1, the limit of directions in air, is an edge.
+/// Bands of |beta| = n sin θ. Those up to the lower index are the same on both sides; 1, the limit of
+/// directions in air, is an edge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bands {
     /// Edges of the bands above and below, from 0 to the index of the side.
@@ -21,7 +22,8 @@ pub(crate) const AZIMUTHS: usize = 36;
 impl Bands {
     /// Bands of about 2.5 deg: in air up to 1, in the rarer medium up to its index, in the denser one beyond.
     ///
-    /// Both sides have the same bands up to the lower index, so that regular light leaves a band for one band.
+    /// Both sides have the same bands up to the lower index, so that regular light leaves a band for one
+    /// band.
     pub(crate) fn new(index: [f64; 2]) -> Self {
         let mut limits = [1.0, index[0], index[1]];
         limits.sort_by(f64::total_cmp);

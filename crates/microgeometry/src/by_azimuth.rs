@@ -1,7 +1,7 @@
 //! Light by azimuth: what replicates of rays show between patches of directions, and their sums.
 //!
-//! The rays are those of the bands, sorted also by the azimuths at which they come and go. A replicate has most of its patches dark, and up to
-//! millions of them: it is packed, added to the sums, and forgotten.
+//! The rays are those of the bands, sorted also by the azimuths at which they come and go. A replicate has
+//! most of its patches dark, and up to millions of them: it is packed, added to the sums, and forgotten.
 
 use crate::goniometer::QUANTITIES;
 use crate::kernel::one_ray;
@@ -98,7 +98,8 @@ impl LightByAzimuth {
             .concat()
     }
 
-    /// The light with these [`numbers`](Self::numbers); `None` if they do not belong to these patches and rows.
+    /// The light with these [`numbers`](Self::numbers); `None` if they do not belong to these patches and
+    /// rows.
     pub(crate) fn of(patches: &Patches, rows: usize, numbers: &[f64]) -> Option<Self> {
         let count = patches.count();
         let (rows, rest) = numbers.split_at_checked(rows * QUANTITIES)?;
@@ -118,8 +119,8 @@ impl LightByAzimuth {
 
 /// Sums over replicates, which are added in the order of their numbers.
 ///
-/// Light goes from a patch to the reverse of another one, so that reciprocity is a symmetry: as much goes from a to the reverse of b as from b
-/// to the reverse of a, per étendue.
+/// Light goes from a patch to the reverse of another one, so that reciprocity is a symmetry: as much goes
+/// from a to the reverse of b as from b to the reverse of a, per étendue.
 #[derive(Debug, Clone)]
 pub(crate) struct AzimuthSums {
     pub(crate) patches: Patches,
@@ -134,7 +135,8 @@ pub(crate) struct AzimuthSums {
     /// Scattered light in rays, `[from][reverse of to]`, and the sum of its squares in the replicates.
     light: Vec<f64>,
     squares: Vec<f64>,
-    /// Of each replicate: what uniform light sends to the reverse of each patch, absorbed light included. It should be the étendue of the patch.
+    /// Of each replicate: what uniform light sends to the reverse of each patch, absorbed light included. It
+    /// should be the étendue of the patch.
     arriving: Vec<Vec<f64>>,
 }
 
@@ -142,7 +144,8 @@ pub(crate) struct AzimuthSums {
 #[derive(Debug, Clone)]
 pub(crate) struct AzimuthMeans {
     pub(crate) patches: Patches,
-    /// Scattered light `[from][reverse of to]`: the fraction of the light of `from`, times its étendue. And its standard error.
+    /// Scattered light `[from][reverse of to]`: the fraction of the light of `from`, times its étendue. And
+    /// its standard error.
     pub(crate) light: Vec<f64>,
     pub(crate) errors: Vec<f64>,
     /// Fractions of the light of each patch that are reflected and transmitted as by a flat face.

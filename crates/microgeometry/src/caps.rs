@@ -1,8 +1,8 @@
 //! Spherical caps on a flat face: bumps of the medium below, up to hemispheres.
 //!
-//! Each cap is the part of a ball above the face; the balls reach no higher than their middles below it. The medium below is what lies under
-//! the face or in a ball: caps that overlap form their union. Rays are followed through the squares of a grid, each of which knows the caps
-//! that overlap it.
+//! Each cap is the part of a ball above the face; the balls reach no higher than their middles below it. The
+//! medium below is what lies under the face or in a ball: caps that overlap form their union. Rays are
+//! followed through the squares of a grid, each of which knows the caps that overlap it.
 
 use std::f64::consts::PI;
 
@@ -76,7 +76,8 @@ impl Balls {
         Self::over(caps, replicate, 0.0)
     }
 
-    /// Places the caps; random ones over a period that is at least this long, um, as far as the largest number of caps allows.
+    /// Places the caps; random ones over a period that is at least this long, um, as far as the largest
+    /// number of caps allows.
     pub(crate) fn over(caps: &Caps, replicate: u64, least_um: f64) -> Result<Self, MicrogeometryError> {
         let Caps { pitch_um, radius_um, aperture_um, lattice } = *caps;
         for (what, value) in

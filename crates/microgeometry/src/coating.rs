@@ -1,9 +1,11 @@
 //! What lies on every facet of a surface: nothing, a mirror, a metal, or thin films.
 //!
-//! **Model.** A facet is flat for the light that meets it: its reflectance R, transmittance T and absorptance 1 - R - T are those of a flat face
-//! at the angle between the light and its normal, for unpolarised light of one wavelength.
+//! **Model.** A facet is flat for the light that meets it: its reflectance R, transmittance T and absorptance
+//! 1 - R - T are those of a flat face at the angle between the light and its normal, for unpolarised light of
+//! one wavelength.
 //!
-//! **Validity.** Layers that are thin beside the features of the surface and have the same thickness everywhere along its normal.
+//! **Validity.** Layers that are thin beside the features of the surface and have the same thickness
+//! everywhere along its normal.
 //!
 //! Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., sections 1.5.2, 1.6 and 14.2.
 
@@ -22,7 +24,8 @@ pub enum Coating {
     /// Nothing: Fresnel's reflectance between the two media.
     #[default]
     None,
-    /// A mirror with the same reflectance, 0 to 1, at all angles and from both sides. It absorbs all other light.
+    /// A mirror with the same reflectance, 0 to 1, at all angles and from both sides. It absorbs all other
+    /// light.
     Mirror {
         /// The reflectance.
         reflectance: f64,
@@ -48,10 +51,12 @@ pub(crate) struct Split {
 }
 
 impl Coating {
-    /// Coherent films, from top to bottom, between media of these indices above and below, for light of one wavelength.
+    /// Coherent films, from top to bottom, between media of these indices above and below, for light of one
+    /// wavelength.
     ///
     /// # Errors
-    /// Those of the films: indices, thicknesses or a wavelength out of range, and films too thick to be coherent.
+    /// Those of the films: indices, thicknesses or a wavelength out of range, and films too thick to be
+    /// coherent.
     pub fn films(index: [f64; 2], layers: &[Layer], wavelength_nm: f64) -> Result<Self, MicrogeometryError> {
         let layer = |layer: &Layer| SpectralLayer {
             index: vec![layer.index],
@@ -65,7 +70,8 @@ impl Coating {
             .map_err(|wrong| MicrogeometryError::Coating { wrong: wrong.to_string() })
     }
 
-    /// What a facet does with light from a side with `beta = n sin θ` between media of these indices, those of the light first.
+    /// What a facet does with light from a side with `beta = n sin θ` between media of these indices, those
+    /// of the light first.
     pub(crate) fn split(&self, [from, to]: [f64; 2], side: Side, beta: f64) -> Split {
         match self {
             Self::None => {
@@ -108,7 +114,8 @@ impl Coating {
     }
 }
 
-/// Reflectance of a metal in a medium of index n for unpolarised light, `beta = n sin θ` (Born and Wolf, section 14.2).
+/// Reflectance of a metal in a medium of index n for unpolarised light, `beta = n sin θ` (Born and Wolf,
+/// section 14.2).
 fn metal_reflectance(n: f64, metal: Complex64, beta: f64) -> f64 {
     let beta = beta.min(n);
     let inside = Complex64::from(((n - beta) * (n + beta)).sqrt());

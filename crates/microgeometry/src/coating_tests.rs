@@ -75,7 +75,8 @@ fn coated_flat_faces_have_the_closed_forms() {
     }
 }
 
-/// Grooves of 90 deg of a grey mirror: light along the normal meets two facets, and rho^2 of it returns, whatever the place.
+/// Grooves of 90 deg of a grey mirror: light along the normal meets two facets, and rho^2 of it returns,
+/// whatever the place.
 #[test]
 fn grooves_of_a_mirror_return_the_square_of_its_reflectance() {
     let grooves = Surface::Heights(HeightMap::new(2, [1.0; 2], vec![0.0, 1.0]).unwrap());
@@ -88,8 +89,8 @@ fn grooves_of_a_mirror_return_the_square_of_its_reflectance() {
     assert!((above.mean_facets.value - 1.8).abs() < 1e-12, "{above:?}");
 }
 
-/// Absorbing films on surfaces of many kinds: nothing is missing, and diffuse light goes down as it comes up. Paths are long enough, in
-/// pyramids and spikes, for weights below which light is absorbed by chance.
+/// Absorbing films on surfaces of many kinds: nothing is missing, and diffuse light goes down as it comes up.
+/// Paths are long enough, in pyramids and spikes, for weights below which light is absorbed by chance.
 #[test]
 fn absorbing_films_obey_the_laws() {
     let bands = Bands::new(INDEX);
@@ -108,7 +109,8 @@ fn absorbing_films_obey_the_laws() {
     assert_student("diffuse transmittance of absorbing films", &scores, scores.len() as f64);
 }
 
-/// The kernel of a face with an absorbing film: its rows sum to 1 - absorptance, and its audit knows what is absorbed.
+/// The kernel of a face with an absorbing film: its rows sum to 1 - absorptance, and its audit knows what is
+/// absorbed.
 #[test]
 fn kernels_of_absorbing_films_keep_what_is_absorbed() {
     let caps = Caps { pitch_um: 4.5, radius_um: 2.25, aperture_um: 2.25, lattice: Lattice::Square };
@@ -127,8 +129,9 @@ fn kernels_of_absorbing_films_keep_what_is_absorbed() {
     assert!((0.8..1.2).contains(&z), "{:?}", kernel.audit);
 }
 
-/// Gaussian faces from both sides: reflectances of explicit heights by a separate program (three realisations of 256 x 256, with their standard errors), and those of
-/// Heitz's walk over microfacets, whose heights are not correlated and whose reflectances are right to about 2 % of the light that meets several facets, or of
+/// Gaussian faces from both sides: reflectances of explicit heights by a separate program (three realisations
+/// of 256 x 256, with their standard errors), and those of Heitz's walk over microfacets, whose heights are
+/// not correlated and whose reflectances are right to about 2 % of the light that meets several facets, or of
 /// R. Fewer rays every day; all in `cargo xtask full`.
 #[test]
 fn gaussian_heights_reflect_as_smiths_walk_to_two_percent() {
@@ -169,8 +172,8 @@ fn gaussian_heights_reflect_as_smiths_walk_to_two_percent() {
     }
 }
 
-/// A Gaussian face of a white metal with alpha 0.5: at 60 deg the share 0.8756(11) meets one facet, by a separate program with three
-/// realisations of 256 x 256 heights; Smith's uncorrelated heights have 0.8683.
+/// A Gaussian face of a white metal with alpha 0.5: at 60 deg the share 0.8756(11) meets one facet, by a
+/// separate program with three realisations of 256 x 256 heights; Smith's uncorrelated heights have 0.8683.
 #[test]
 fn light_on_a_white_metal_meets_one_facet_as_often_as_published() {
     let spectrum = Spectrum::Gaussian { rms_um: 2.5, correlation_um: 10.0 };

@@ -1,7 +1,8 @@
 //! The kernel of a surface as a layer: continuous kernels between rings of directions, for both solvers.
 //!
-//! Light between bands becomes light between the hats of [`Rings`], whose étendues differ a little, and is balanced once more: the layer
-//! loses nothing and is reciprocal. Features narrower than a band are widened to it.
+//! Light between bands becomes light between the hats of [`Rings`], whose étendues differ a little, and is
+//! balanced once more: the layer loses nothing and is reciprocal. Features narrower than a band are widened
+//! to it.
 
 use papilio_optics::scatter::{RingKernel, Rings, Scatter};
 
@@ -51,7 +52,8 @@ impl FaceTable {
         }
     }
 
-    /// A surface that reflects all light as a flat one does: the bands of any surface between these indices, without light in them.
+    /// A surface that reflects all light as a flat one does: the bands of any surface between these indices,
+    /// without light in them.
     pub fn mirror(index: [f64; 2]) -> Self {
         let count = Bands::new(index).count();
         Self {
@@ -70,8 +72,8 @@ impl FaceTable {
     /// The surface as kernels between rings.
     ///
     /// # Errors
-    /// A number of values that is not that of the bands; values that are not finite or negative; a kernel that loses light or is not
-    /// reciprocal.
+    /// A number of values that is not that of the bands; values that are not finite or negative; a kernel
+    /// that loses light or is not reciprocal.
     pub fn kernels(&self) -> Result<FaceKernels, MicrogeometryError> {
         let bands = Bands::new(self.index);
         let count = bands.count();

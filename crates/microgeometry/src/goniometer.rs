@@ -1,13 +1,15 @@
 //! The virtual goniometer: where a surface sends the light of an inclination, from either side.
 //!
-//! **Estimate.** Rays start uniformly over a period of the surface, with all azimuths: the result is that of the surface turned about its normal,
-//! as for a lamp or a scan of all azimuths. Starts are Owen-scrambled Sobol points.
+//! **Estimate.** Rays start uniformly over a period of the surface, with all azimuths: the result is that of
+//! the surface turned about its normal, as for a lamp or a scan of all azimuths. Starts are Owen-scrambled
+//! Sobol points.
 //!
-//! **Errors.** All numbers are means over [`REPLICATES`] independent replicates, and their standard errors follow from the differences of
-//! these. A random surface has another realisation in each replicate, so that its own variation is a part of the error.
+//! **Errors.** All numbers are means over [`REPLICATES`] independent replicates, and their standard errors
+//! follow from the differences of these. A random surface has another realisation in each replicate, so that
+//! its own variation is a part of the error.
 //!
-//! **Threads.** Replicates are independent: [`Goniometer::replicate`] may be called in any order on any thread, and
-//! [`Goniometer::totals`] combines them. [`Measurement`](crate::Measurement) does so.
+//! **Threads.** Replicates are independent: [`Goniometer::replicate`] may be called in any order on any
+//! thread, and [`Goniometer::totals`] combines them. [`Measurement`](crate::Measurement) does so.
 
 use std::f64::consts::PI;
 
@@ -39,7 +41,8 @@ pub struct Goniometer {
     pub coating: Coating,
     /// Inclinations of the light in its own medium, degrees, 0 to below 90.
     pub incidence_deg: Vec<f64>,
-    /// Number of azimuths in a turn, even, by which light is measured as well; `None`: the surface is turned about its normal.
+    /// Number of azimuths in a turn, even, by which light is measured as well; `None`: the surface is turned
+    /// about its normal.
     pub azimuths: Option<usize>,
     /// Rays of each replicate for each inclination and side, and for each band of the kernel.
     pub rays: u64,
@@ -74,11 +77,14 @@ pub struct Total {
     pub mean_facets: Measured,
     /// Fraction that is transmitted within |beta| sin 2.5 deg of the normal; a part of `transmitted`.
     pub transmitted_near: Measured,
-    /// Haze in air: of the transmitted light with |beta| up to 1, the fraction that is not `transmitted_near`.
+    /// Haze in air: of the transmitted light with |beta| up to 1, the fraction that is not
+    /// `transmitted_near`.
     pub haze: Measured,
-    /// Fraction that is transmitted within |beta| sin 2.5 deg of the direction behind a flat face, with |beta| up to 1; a part of `transmitted`.
+    /// Fraction that is transmitted within |beta| sin 2.5 deg of the direction behind a flat face, with
+    /// |beta| up to 1; a part of `transmitted`.
     pub straight_near: Measured,
-    /// Fraction that is reflected within |beta| sin 2.5 deg of the direction as from a flat face; a part of `reflected`.
+    /// Fraction that is reflected within |beta| sin 2.5 deg of the direction as from a flat face; a part of
+    /// `reflected`.
     pub mirror_near: Measured,
     /// Of the transmitted light with |beta| up to 1, the fraction that is not `straight_near`.
     pub straight_haze: Measured,
@@ -183,7 +189,8 @@ impl Replicate {
 }
 
 impl Goniometer {
-    /// Follows the rays of a replicate, `number` from 0 to [`REPLICATES`]. `stop` is called often; true interrupts.
+    /// Follows the rays of a replicate, `number` from 0 to [`REPLICATES`]. `stop` is called often; true
+    /// interrupts.
     ///
     /// # Errors
     /// Surfaces that cannot be made; [`MicrogeometryError::Interrupted`].
@@ -424,7 +431,8 @@ impl Goniometer {
     /// The kernel of the surface: light from all directions to all directions, on both sides.
     ///
     /// # Errors
-    /// If rays were lost, or contradict reciprocity or the conservation of energy by more than three standard errors.
+    /// If rays were lost, or contradict reciprocity or the conservation of energy by more than three standard
+    /// errors.
     pub fn kernel(&self, replicates: &[Replicate]) -> Result<Kernel, MicrogeometryError> {
         Kernel::new(&self.bands(), replicates, self.rays)
     }

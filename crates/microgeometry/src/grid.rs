@@ -1,7 +1,8 @@
 //! Things in a periodic layer, sorted into the cells of a grid, and the walk of a ray from cell to cell.
 //!
-//! The layer repeats along x and y, and ends at its lowest and highest height. A thing is known by its number and by the period in which it
-//! stands, in whole periods, so that the same place has the same coordinates in all cells, without rounding.
+//! The layer repeats along x and y, and ends at its lowest and highest height. A thing is known by its number
+//! and by the period in which it stands, in whole periods, so that the same place has the same coordinates in
+//! all cells, without rounding.
 
 use crate::ray::Ray;
 
@@ -116,8 +117,8 @@ impl Grid {
         (self.starts, self.entries) = (counts, entries);
     }
 
-    /// Follows a ray from cell to cell. `visit` is given the entries of a cell, the period of the cell, and the way to its end; it returns
-    /// what the ray meets before that end.
+    /// Follows a ray from cell to cell. `visit` is given the entries of a cell, the period of the cell, and
+    /// the way to its end; it returns what the ray meets before that end.
     pub(crate) fn walk<T>(
         &self,
         ray: &Ray,

@@ -1,20 +1,26 @@
-//! The generalised Harvey-Shack form: what a random face of small slopes scatters at oblique angles, in closed form.
+//! The generalised Harvey-Shack form: what a random face of small slopes scatters at oblique angles, in
+//! closed form.
 //!
-//! **Model.** Heights are Gaussian, with the rms s and a known correlation. Light from gamma₁ to gamma₂ (see [`wave_way`](crate::wave_way)) has
-//! the rms phase g^(1/2) = 2π s |gamma₂ ± gamma₁|/λ, which depends on both directions. The fraction A = exp(-g) keeps the regular direction, with g
-//! of this direction. The density of the scattered light per unit of beta² is the sum over m of exp(-g) g^m/m! times the lobe of the order m about the regular
-//! direction, with g of the scattered direction. Lobes for the correlation exp(-r²/τ²): `(π τ²/(m λ²)) exp(-(π τ beta/λ)²/m)`; for exp(-r/τ):
-//! `m b₁/(2π (m² b₁² + beta²)^(3/2))`, b₁ = λ/(2π τ).
+//! **Model.** Heights are Gaussian, with the rms s and a known correlation. Light from gamma₁ to gamma₂ (see
+//! [`wave_way`](crate::wave_way)) has the rms phase g^(1/2) = 2π s |gamma₂ ± gamma₁|/λ, which depends on both
+//! directions. The fraction A = exp(-g) keeps the regular direction, with g of this direction. The density of
+//! the scattered light per unit of beta² is the sum over m of exp(-g) g^m/m! times the lobe of the order m
+//! about the regular direction, with g of the scattered direction. Lobes for the correlation exp(-r²/τ²):
+//! `(π τ²/(m λ²)) exp(-(π τ beta/λ)²/m)`; for exp(-r/τ): `m b₁/(2π (m² b₁² + beta²)^(3/2))`, b₁ = λ/(2π τ).
 //!
-//! **Renormalisation.** Scattered light that propagates is multiplied by K, so that it is 1 - A: the light of directions that do not exist goes to those
-//! that do. The form before K is symmetric in both directions, hence reciprocal; K, which depends on the incident light alone, is not.
+//! **Renormalisation.** Scattered light that propagates is multiplied by K, so that it is 1 - A: the light of
+//! directions that do not exist goes to those that do. The form before K is symmetric in both directions,
+//! hence reciprocal; K, which depends on the incident light alone, is not.
 //!
-//! **One angle.** With g of the regular direction for all scattered ones, the sum is that of a phase screen that is tilted with the light
-//! (the "modified" Harvey-Shack form): regular, scattered and evanescent light add up to 1.
+//! **One angle.** With g of the regular direction for all scattered ones, the sum is that of a phase screen
+//! that is tilted with the light (the "modified" Harvey-Shack form): regular, scattered and evanescent light
+//! add up to 1.
 //!
-//! **Validity.** Rms slopes below about 0.3, one pass, no shadows. Unpolarised light, Fresnel's fractions of the mean face.
+//! **Validity.** Rms slopes below about 0.3, one pass, no shadows. Unpolarised light, Fresnel's fractions of
+//! the mean face.
 //!
-//! Sources: A. Krywonos, J. E. Harvey, N. Choi, J. Opt. Soc. Am. A 28, 1121 (2011); J. E. Harvey et al., Opt. Eng. 51, 013402 (2012).
+//! Sources: A. Krywonos, J. E. Harvey, N. Choi, J. Opt. Soc. Am. A 28, 1121 (2011); J. E. Harvey et al., Opt.
+//! Eng. 51, 013402 (2012).
 
 use std::f64::consts::PI;
 
@@ -26,7 +32,8 @@ use crate::waves::poisson;
 /// What the closed forms give for a way of light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HarveyShack {
-    /// Haze with the phases of both directions: of the light that is seen, the fraction beyond |beta| = sin 2.5 deg from the regular direction.
+    /// Haze with the phases of both directions: of the light that is seen, the fraction beyond |beta| = sin
+    /// 2.5 deg from the regular direction.
     pub haze: f64,
     /// K, by which scattered light is multiplied so that none is lost.
     pub renormalisation: f64,
@@ -64,7 +71,8 @@ pub(crate) struct Scattered {
 }
 
 impl Lobes {
-    /// Those of a face at a wavelength; `None` for spectra without closed form. `most_path`: the largest path of all ways.
+    /// Those of a face at a wavelength; `None` for spectra without closed form. `most_path`: the largest path
+    /// of all ways.
     pub(crate) fn new(spectrum: &Spectrum, wavelength_um: f64, most_path: f64) -> Option<Self> {
         let (shape, rms_um) = match *spectrum {
             Spectrum::Gaussian { rms_um, correlation_um } => {
@@ -139,7 +147,8 @@ impl Lobes {
         }
     }
 
-    /// Haze of light along the normal with the rms phase g^(1/2): of the light with |beta| up to 1, the fraction beyond sin 2.5 deg.
+    /// Haze of light along the normal with the rms phase g^(1/2): of the light with |beta| up to 1, the
+    /// fraction beyond sin 2.5 deg.
     pub(crate) fn normal_haze(&self, g: f64) -> f64 {
         let beyond = |beta: f64| -> f64 {
             let term = |m: f64| match self.shape {
@@ -184,7 +193,8 @@ impl Lobes {
         if way.beta == 0.0 { (to - from) * at(0) } else { step * (0..AZIMUTHS).map(at).sum::<f64>() }
     }
 
-    /// Distances from the regular direction with their weights, 2π distance times the step: products with the density are shares of the light.
+    /// Distances from the regular direction with their weights, 2π distance times the step: products with the
+    /// density are shares of the light.
     fn distances(&self, way: &Way) -> Vec<(f64, f64)> {
         let width = match self.shape {
             Shape::Gaussian { width } | Shape::Exponential { width } => width,

@@ -2,8 +2,8 @@
 
 use crate::MicrogeometryError;
 
-/// Largest difference of heights, in distances between them. A ray that comes in at 85 deg crosses eleven times as many cells before it can
-/// meet the lowest height.
+/// Largest difference of heights, in distances between them. A ray that comes in at 85 deg crosses eleven
+/// times as many cells before it can meet the lowest height.
 const MOST_RELIEF: f64 = 10_000.0;
 
 /// Heights over a rectangle that repeats in x and y.
@@ -15,10 +15,12 @@ pub struct HeightMap {
 }
 
 impl HeightMap {
-    /// Heights by rows; the first row is at y = 0, the first column at x = 0. `pitch_um`: distance between heights along x and y.
+    /// Heights by rows; the first row is at y = 0, the first column at x = 0. `pitch_um`: distance between
+    /// heights along x and y.
     ///
     /// # Errors
-    /// A number of heights that is not a positive multiple of the columns, a height that is not finite, a distance that is not positive.
+    /// A number of heights that is not a positive multiple of the columns, a height that is not finite, a
+    /// distance that is not positive.
     pub fn new(columns: usize, pitch_um: [f64; 2], heights_um: Vec<f64>) -> Result<Self, MicrogeometryError> {
         let rows = heights_um.len().checked_div(columns).unwrap_or(0);
         if rows == 0 || rows * columns != heights_um.len() {
@@ -43,7 +45,8 @@ impl HeightMap {
         Ok(Self { columns, pitch_um, heights_um })
     }
 
-    /// Fails for heights that differ so much that rays would cross cells without an end before they meet the surface.
+    /// Fails for heights that differ so much that rays would cross cells without an end before they meet the
+    /// surface.
     ///
     /// # Errors
     /// A difference of more than 10,000 distances between heights.
@@ -64,7 +67,8 @@ impl HeightMap {
         Ok(())
     }
 
-    /// Root mean square slopes along x and y between neighbours within the map; 0 along an axis of a single height.
+    /// Root mean square slopes along x and y between neighbours within the map; 0 along an axis of a single
+    /// height.
     pub fn inner_slopes(&self) -> [f64; 2] {
         let squares = |axis: usize| {
             let next = [1, self.columns][axis];
@@ -155,7 +159,8 @@ impl HeightMap {
         Self { columns: 2 * self.columns, pitch_um: self.pitch_um, heights_um }
     }
 
-    /// A part of this many columns and rows, from a column and row on; beyond its edges the map repeats. None of the numbers may be 0.
+    /// A part of this many columns and rows, from a column and row on; beyond its edges the map repeats. None
+    /// of the numbers may be 0.
     #[must_use]
     pub fn part(&self, first: [usize; 2], count: [usize; 2]) -> Self {
         let row = |row: usize| {

@@ -1,10 +1,11 @@
 //! Rays and height maps: each cell between four heights is two triangles.
 //!
-//! **Walk.** In units of cells, the edges of all triangles are the lines of integer x, integer y and integer x + y. Between two of them the
-//! height of a ray above the surface is a linear function of the way. The surface is met where this height changes its sign, so that no ray
-//! can slip through an edge.
+//! **Walk.** In units of cells, the edges of all triangles are the lines of integer x, integer y and integer
+//! x + y. Between two of them the height of a ray above the surface is a linear function of the way. The
+//! surface is met where this height changes its sign, so that no ray can slip through an edge.
 //!
-//! **Blocks.** Where a ray is above (or below) all heights of a block of cells, it crosses the block in one step, or comes in one step to where it is not.
+//! **Blocks.** Where a ray is above (or below) all heights of a block of cells, it crosses the block in one
+//! step, or comes in one step to where it is not.
 
 use crate::HeightMap;
 use crate::ray::{Face, Met, Ray, Side, moved, normalised};
@@ -194,7 +195,8 @@ impl Face for Triangles<'_> {
                 match self.clearance(ray, side, block, &edges, way) {
                     Clearance::Leaves(exit) if leaves && exit >= end => return Met::Nothing,
                     Clearance::Leaves(exit) => {
-                        // The block is left through one side; the places along the other are those of the ray.
+                        // The block is left through one side; the places along the other are those of the
+                        // ray.
                         let exits = [0, 1].map(|k| edges[k].block_exit(block[k]));
                         let axis = usize::from(exits[1] < exits[0]);
                         let mut next = within(block, from, along, exit);
@@ -278,7 +280,8 @@ impl Triangles<'_> {
     }
 }
 
-/// The integer below a number: without the call that `f64::floor` is where the processor is not known to have SSE 4.1.
+/// The integer below a number: without the call that `f64::floor` is where the processor is not known to have
+/// SSE 4.1.
 #[inline]
 fn floor(x: f64) -> i64 {
     let towards_zero = x as i64;

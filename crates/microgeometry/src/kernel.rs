@@ -1,19 +1,21 @@
 //! The kernel of a surface: from each band of directions to each other one, on both sides, by azimuth.
 //!
-//! **Laws.** Light of a band fills its directions uniformly, so that the light M that goes from band a to band b, per étendue, is that which goes
-//! from b to a (reciprocity, at each difference of azimuths), and uniform light stays uniform (conservation of energy). Rays know neither law:
-//! how well they obey is the test of the tracer. Then the mean of both ways, weighted by their variances, makes the kernel reciprocal, and a
-//! factor for each band balances the light ([`crate::balance`]).
+//! **Laws.** Light of a band fills its directions uniformly, so that the light M that goes from band a to
+//! band b, per étendue, is that which goes from b to a (reciprocity, at each difference of azimuths), and
+//! uniform light stays uniform (conservation of energy). Rays know neither law: how well they obey is the
+//! test of the tracer. Then the mean of both ways, weighted by their variances, makes the kernel reciprocal,
+//! and a factor for each band balances the light ([`crate::balance`]).
 
 use crate::balance::balance;
 use crate::bands::{AZIMUTHS, Bands};
 use crate::goniometer::{Measured, Replicate};
 use crate::{MicrogeometryError, REPLICATES};
 
-/// Light that one ray of each part of the directions, of these étendues, adds to the mean over all replicates; each part has `rays` in a replicate.
+/// Light that one ray of each part of the directions, of these étendues, adds to the mean over all
+/// replicates; each part has `rays` in a replicate.
 ///
-/// The spread of few rays says little about rare ones that none of the replicates has: a sum of light is not known better than to one ray, as a
-/// count of k events is known to the root of k + 1.
+/// The spread of few rays says little about rare ones that none of the replicates has: a sum of light is not
+/// known better than to one ray, as a count of k events is known to the root of k + 1.
 pub(crate) fn one_ray(area: &[f64], rays: f64) -> Vec<f64> {
     area.iter().map(|area| area / (rays * REPLICATES as f64)).collect()
 }
@@ -32,8 +34,8 @@ const MOST_OF_LIGHT: f64 = 0.99;
 pub struct Kernel {
     /// Bands of |beta| on both sides.
     pub bands: Bands,
-    /// Fraction of the light of a band that goes to each other one, by the difference of the azimuths of propagation, 0 to 180 deg in equal
-    /// steps: `[from][to][azimuth]`. Regular light is not contained.
+    /// Fraction of the light of a band that goes to each other one, by the difference of the azimuths of
+    /// propagation, 0 to 180 deg in equal steps: `[from][to][azimuth]`. Regular light is not contained.
     pub scattered: Vec<f64>,
     /// Standard errors of `scattered`, before the laws are imposed.
     pub errors: Vec<f64>,
@@ -216,7 +218,8 @@ impl Kernel {
             })
             .collect();
         balance(&mut self.scattered, &wanted);
-        // Where nothing is scattered, the mean of both ways of regular transmission leaves the rest to the reflection.
+        // Where nothing is scattered, the mean of both ways of regular transmission leaves the rest to the
+        // reflection.
         for (band, row) in self.scattered.chunks_exact(count * AZIMUTHS).enumerate() {
             if row.iter().all(|light| *light == 0.0) {
                 self.regular_reflected[band] = 1.0 - self.absorbed[band] - self.regular_transmitted[band];
@@ -227,7 +230,8 @@ impl Kernel {
         self.audit.moved_by_balance = if all > 0.0 { moved / all } else { 0.0 };
     }
 
-    /// The |beta| within which half of the light along the normal from above is transmitted, of all that goes to |beta| up to 1.
+    /// The |beta| within which half of the light along the normal from above is transmitted, of all that goes
+    /// to |beta| up to 1.
     pub fn median_beta(&self) -> f64 {
         let above = &self.scattered[..self.bands.count() * AZIMUTHS];
         let share = |band: usize| above[band * AZIMUTHS..][..AZIMUTHS].iter().sum::<f64>();
@@ -251,7 +255,8 @@ impl Kernel {
     }
 }
 
-/// Uniform light on all bands of both sides leaves each band as it came, but for what is absorbed: differences over standard errors.
+/// Uniform light on all bands of both sides leaves each band as it came, but for what is absorbed:
+/// differences over standard errors.
 fn energy_z(bands: &Bands, replicates: &[Replicate], area: &[f64], one_ray: &[f64]) -> Vec<f64> {
     let count = area.len();
     let one_ray = one_ray.iter().copied().fold(0.0, f64::max);
@@ -267,7 +272,8 @@ fn energy_z(bands: &Bands, replicates: &[Replicate], area: &[f64], one_ray: &[f6
             let (side, edges) = bands.band(from);
             let [reflected, transmitted] = one.regular[from];
             sums[from] += area[from] * reflected;
-            // Regular light stays in its |beta|, and the bands of both sides are the same where it is transmitted.
+            // Regular light stays in its |beta|, and the bands of both sides are the same where it is
+            // transmitted.
             let there = bands.number(side.other(), 0.5 * (edges[0] + edges[1]));
             sums[there] += area[from] * transmitted;
             // By reciprocity, what a band absorbs is missing in the light that arrives there from all others.

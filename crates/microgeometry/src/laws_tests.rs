@@ -38,7 +38,8 @@ fn over_caps(most: f64, of: impl Fn(f64) -> f64) -> f64 {
     (0..count).map(|k| of(most * (f64::from(k) + 0.5) / f64::from(count))).sum::<f64>() / f64::from(count)
 }
 
-/// Light at normal incidence from above: the mean of a quantity over all that leaves, its error, and its largest value in transmission.
+/// Light at normal incidence from above: the mean of a quantity over all that leaves, its error, and its
+/// largest value in transmission.
 fn estimate(surface: &Surface, seed: u64, of: impl Fn(&Leaves, f64) -> f64) -> (f64, f64, f64) {
     let (rays, mut most) = (64, 0.0_f64);
     let mut replicate = |number| {
@@ -74,8 +75,8 @@ fn estimate(surface: &Surface, seed: u64, of: impl Fn(&Leaves, f64) -> f64) -> (
     (mean, error, most)
 }
 
-/// Shallow caps meet light at normal incidence once. The squared sine of the slope is uniform under it, hence closed forms: the
-/// reflectance, the share of transmitted light within a cone, and the edge of the cone.
+/// Shallow caps meet light at normal incidence once. The squared sine of the slope is uniform under it, hence
+/// closed forms: the reflectance, the share of transmitted light within a cone, and the edge of the cone.
 #[test]
 fn lens_arrays_have_the_closed_form() {
     for (steepest, reflectance, edge, quarter) in
@@ -110,8 +111,8 @@ fn lens_arrays_have_the_closed_form() {
     }
 }
 
-/// Grooves of 90 deg below which light is totally reflected: light in the plane across them returns to where it came from, but for the
-/// share tan θ that misses the second facet.
+/// Grooves of 90 deg below which light is totally reflected: light in the plane across them returns to where
+/// it came from, but for the share tan θ that misses the second facet.
 #[test]
 fn right_angled_grooves_send_light_back() {
     let grooves = Surface::Heights(HeightMap::new(2, [1.0; 2], vec![0.0, 1.0]).unwrap());
@@ -153,7 +154,8 @@ fn right_angled_grooves_send_light_back() {
     }
 }
 
-/// Surfaces of many kinds: caps on all lattices, sines, noise of single heights, pyramids, terraces, random faces.
+/// Surfaces of many kinds: caps on all lattices, sines, noise of single heights, pyramids, terraces, random
+/// faces.
 pub(crate) fn kinds() -> Vec<Surface> {
     let mut dice = Dice::new(25, 0);
     let map = |side: usize, of: &mut dyn FnMut(usize, usize) -> f64| {
@@ -194,8 +196,8 @@ pub(crate) fn diffuse(bands: &Bands, one: &Replicate) -> [f64; 2] {
     })
 }
 
-/// Without losses, diffuse light of the same radiance over n² on both sides goes down as it comes up, for any geometry. The difference over
-/// its standard error follows Student's distribution; no ray is lost.
+/// Without losses, diffuse light of the same radiance over n² on both sides goes down as it comes up, for any
+/// geometry. The difference over its standard error follows Student's distribution; no ray is lost.
 #[test]
 fn diffuse_transmittance_is_the_same_in_both_directions() {
     let kinds = kinds();
@@ -216,7 +218,8 @@ fn diffuse_transmittance_is_the_same_in_both_directions() {
     }
 }
 
-/// A random height map: waves of several directions through one of several functions, with its own pitches and slopes.
+/// A random height map: waves of several directions through one of several functions, with its own pitches
+/// and slopes.
 pub(crate) fn random_map(number: u64) -> HeightMap {
     let mut dice = Dice::new(50, number);
     let [columns, rows] = [0, 1].map(|_| 8 + dice.below(17));
@@ -262,14 +265,16 @@ fn random_maps_obey_reciprocity() {
     assert_student("diffuse transmittance of random maps", &scores, scores.len() as f64);
 }
 
-/// Kernels lose nothing, treat both ways alike, and obey the laws within their errors before they are made to; between other media, too.
+/// Kernels lose nothing, treat both ways alike, and obey the laws within their errors before they are made
+/// to; between other media, too.
 #[test]
 fn kernels_obey_the_laws() {
     let gaussian = Spectrum::Gaussian { rms_um: 2.5, correlation_um: 10.0 };
     let random = Surface::Random(RandomHeights::new(gaussian, 1).unwrap());
     let cases = [
         (caps(Lattice::Square, 2.25, 2.25), [1.0, GLASS]),
-        // Mostly flat: regular light must come and go by the same bands, also between media that are both denser than air.
+        // Mostly flat: regular light must come and go by the same bands, also between media that are both
+        // denser than air.
         (caps(Lattice::Square, 1.0, 1.0), [1.33, 1.6]),
         (random, [1.0, GLASS]),
     ];
@@ -294,8 +299,8 @@ fn kernels_obey_the_laws() {
         let known: Vec<f64> = energy_z.iter().copied().filter(|z| *z != 0.0).collect();
         // Neighbouring bands share rays: a quarter of the scores counts as independent.
         assert_student("energy of bands", &known, 0.25 * known.len() as f64);
-        // The root mean square of 250 scores is known within 0.045: four of these are allowed. The flatter caps leave
-        // 314 patches with light enough.
+        // The root mean square of 250 scores is known within 0.045: four of these are allowed. The flatter
+        // caps leave 314 patches with light enough.
         assert!(*reciprocity_tests > 250 && (0.8..1.2).contains(reciprocity_z_rms), "{:?}", found.audit);
     }
 }

@@ -1,8 +1,8 @@
 //! From the geometry of a surface to its scattering: a virtual goniometer.
 //!
-//! A [`Surface`] between two media, or a slab with particles, is measured by rays ([`Goniometer`]), a face also by waves
-//! ([`ByWaves`]). Lengths are in micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
-//! [`Coating`] is what lies on the facets.
+//! A [`Surface`] between two media, or a slab with particles, is measured by rays ([`Goniometer`]), a face
+//! also by waves ([`ByWaves`]). Lengths are in micrometres; x is along the columns of a height map, y along
+//! its rows, and z points up, into the medium above. [`Coating`] is what lies on the facets.
 
 mod azimuth_kernel;
 #[cfg(test)]

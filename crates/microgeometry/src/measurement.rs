@@ -1,7 +1,8 @@
 //! A complete measurement of a surface: statistics of its heights, and what waves and rays show.
 //!
-//! **Parts.** The work is divided into independent parts, which may be computed in any order on any thread: first the realisations of phase
-//! screens, then the replicates of rays. A finished part can be saved as numbers and read again; the result is the same to the last bit.
+//! **Parts.** The work is divided into independent parts, which may be computed in any order on any thread:
+//! first the realisations of phase screens, then the replicates of rays. A finished part can be saved as
+//! numbers and read again; the result is the same to the last bit.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -24,7 +25,8 @@ pub struct Measurement {
     pub goniometer: Goniometer,
     /// Whether it is measured by rays.
     pub by_rays: bool,
-    /// Wavelengths at which it is measured by waves, nm, along the normal and at the inclinations of the instrument; none: it is not.
+    /// Wavelengths at which it is measured by waves, nm, along the normal and at the inclinations of the
+    /// instrument; none: it is not.
     pub waves_nm: Vec<f64>,
 }
 
@@ -69,7 +71,8 @@ enum Kind {
     Replicate(Replicate),
 }
 
-/// Parts of a measurement, in any order. They are combined in that of their numbers: the result is the same to the last bit.
+/// Parts of a measurement, in any order. They are combined in that of their numbers: the result is the same
+/// to the last bit.
 #[derive(Debug)]
 pub struct Collected {
     /// Parts that came before those with smaller numbers.
@@ -121,7 +124,8 @@ impl Measurement {
         self.screens() + if self.by_rays { REPLICATES as usize } else { 0 }
     }
 
-    /// Computes a part, `number` from 0 to below [`parts`](Self::parts). `stop` is called often; true interrupts.
+    /// Computes a part, `number` from 0 to below [`parts`](Self::parts). `stop` is called often; true
+    /// interrupts.
     ///
     /// # Errors
     /// Surfaces that cannot be made or measured; [`MicrogeometryError::Interrupted`].
@@ -160,7 +164,8 @@ impl Measurement {
     /// What all parts show.
     ///
     /// # Errors
-    /// Surfaces without statistics; lost rays; a kernel that contradicts reciprocity or the conservation of energy.
+    /// Surfaces without statistics; lost rays; a kernel that contradicts reciprocity or the conservation of
+    /// energy.
     pub fn findings(&self, parts: Collected) -> Result<Findings, MicrogeometryError> {
         debug_assert!(parts.waiting.is_empty());
         let statistics = self.surface.statistics()?;
@@ -178,7 +183,8 @@ impl Measurement {
         })
     }
 
-    /// Computes all parts on a number of threads (all processors if `None`) and combines them. `finished` is called after each part.
+    /// Computes all parts on a number of threads (all processors if `None`) and combines them. `finished` is
+    /// called after each part.
     ///
     /// # Errors
     /// Those of [`part`](Self::part) and [`findings`](Self::findings).
@@ -191,7 +197,8 @@ impl Measurement {
         self.measured_with(self.screens(), threads, stop, finished)
     }
 
-    /// As [`measured`](Self::measured), with at most `screens` realisations of a phase screen, whose errors are then larger.
+    /// As [`measured`](Self::measured), with at most `screens` realisations of a phase screen, whose errors
+    /// are then larger.
     ///
     /// # Errors
     /// As [`measured`](Self::measured).
@@ -244,7 +251,8 @@ impl Measurement {
     }
 }
 
-/// The results of `part` for the numbers 0 to below `count`, computed on a number of threads (all processors if `None`).
+/// The results of `part` for the numbers 0 to below `count`, computed on a number of threads (all processors
+/// if `None`).
 pub(crate) fn on_threads<T: Send>(
     count: usize,
     threads: Option<usize>,

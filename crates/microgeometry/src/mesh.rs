@@ -1,12 +1,13 @@
 //! Meshes of triangles that repeat along x and y, overhangs and undercuts included.
 //!
-//! **Geometry.** The triangles form one closed surface between the media above and below: each edge belongs to two triangles that run along
-//! it in opposite directions, modulo the period. Corners nearer to each other than a millionth of the period are one corner. Normals point
-//! into the medium above.
+//! **Geometry.** The triangles form one closed surface between the media above and below: each edge belongs
+//! to two triangles that run along it in opposite directions, modulo the period. Corners nearer to each other
+//! than a millionth of the period are one corner. Normals point into the medium above.
 //!
-//! **Rays.** A ray meets only triangles that it sees from its own side, so that it cannot meet the one on which it starts. Whether a line
-//! passes an edge on its left or on its right is computed from the same numbers for both triangles of the edge: no ray slips through.
-//! Triangles that penetrate each other are not found; rays that they mislead arrive on the wrong side, and count as lost.
+//! **Rays.** A ray meets only triangles that it sees from its own side, so that it cannot meet the one on
+//! which it starts. Whether a line passes an edge on its left or on its right is computed from the same
+//! numbers for both triangles of the edge: no ray slips through. Triangles that penetrate each other are not
+//! found; rays that they mislead arrive on the wrong side, and count as lost.
 
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
@@ -55,8 +56,8 @@ impl Mesh {
     /// Joins triangles, um, to a surface with this period, or else that of their extent.
     ///
     /// # Errors
-    /// Corners that are not finite; a mesh of no extent; triangles without area; open edges, the first of which is named; several
-    /// surfaces, or one that does not separate above from below.
+    /// Corners that are not finite; a mesh of no extent; triangles without area; open edges, the first of
+    /// which is named; several surfaces, or one that does not separate above from below.
     pub fn new(triangles: &[[[f64; 3]; 3]], period_um: Option<[f64; 2]>) -> Result<Self, MicrogeometryError> {
         let corners = || triangles.iter().flatten();
         if let Some(value) = corners().flatten().find(|value| !value.is_finite()) {

@@ -111,7 +111,8 @@ fn corner_cubes() -> Mesh {
     Mesh::new(&triangles, Some([2_f64.sqrt(), 6_f64.sqrt()])).unwrap()
 }
 
-/// Corner cubes with triangular faces: a triangle with a rim of side sqrt 2 and its mirror image, and both once more, half a period away.
+/// Corner cubes with triangular faces: a triangle with a rim of side sqrt 2 and its mirror image, and both
+/// once more, half a period away.
 fn triangular_corner_cubes() -> Mesh {
     let (side, height) = (2_f64.sqrt(), 6_f64.sqrt() / 2.0);
     let depth = -1.0 / 3_f64.sqrt();
@@ -129,7 +130,8 @@ fn triangular_corner_cubes() -> Mesh {
     Mesh::new(&triangles, Some([side, 2.0 * height])).unwrap()
 }
 
-/// Weight of the light that returns along the normal, over the rays of all replicates, and its standard error.
+/// Weight of the light that returns along the normal, over the rays of all replicates, and its standard
+/// error.
 fn returned(mesh: &Mesh, coating: &Coating, rays: u64) -> (f64, f64) {
     let surface = Surface::Mesh(mesh.clone());
     let shares = (0..REPLICATES).map(|number| {
@@ -153,7 +155,8 @@ fn returned(mesh: &Mesh, coating: &Coating, rays: u64) -> (f64, f64) {
     mean_and_error(shares)
 }
 
-/// Corner cubes of a metal return light along the normal: all of it after three facets (square faces), or two thirds (triangular faces).
+/// Corner cubes of a metal return light along the normal: all of it after three facets (square faces), or two
+/// thirds (triangular faces).
 #[test]
 fn corner_cubes_return_light() {
     let grey = Coating::Mirror { reflectance: 0.8 };
@@ -190,7 +193,8 @@ fn hemisphere(pitch: f64, radius: f64, meridians: usize, parallels: usize) -> Ve
     triangles.collect()
 }
 
-/// Hemispheres as a fine mesh are the exact ones. The polygon of 96 sides is smaller by 0.07 %, and its slopes are off by up to 0.03 rad.
+/// Hemispheres as a fine mesh are the exact ones. The polygon of 96 sides is smaller by 0.07 %, and its
+/// slopes are off by up to 0.03 rad.
 #[test]
 fn fine_meshes_of_hemispheres_are_caps() {
     let (pitch, radius) = (4.5, 2.0);

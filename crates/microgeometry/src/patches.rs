@@ -1,13 +1,15 @@
 //! Patches of directions: bands of |beta|, each divided by azimuth.
 //!
-//! Azimuths are those of propagation, from x towards y. The first patch of a band has the azimuth 0 in its middle.
+//! Azimuths are those of propagation, from x towards y. The first patch of a band has the azimuth 0 in its
+//! middle.
 
 use std::f64::consts::TAU;
 
 use crate::bands::Bands;
 use crate::{MicrogeometryError, Side};
 
-/// Most patches: a kernel between them takes 62 MB in a file, 4 bytes each for light and error, and 300 MB while it is balanced.
+/// Most patches: a kernel between them takes 62 MB in a file, 4 bytes each for light and error, and 300 MB
+/// while it is balanced.
 pub(crate) const MOST_PATCHES: usize = 2775;
 
 /// Patches of directions on both sides of a surface.

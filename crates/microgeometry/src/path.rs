@@ -1,7 +1,8 @@
 //! The way of light through a surface: from facet to facet, until it leaves.
 //!
-//! At the first facet both ways are followed, with their weights; at all later ones the light is reflected or transmitted by chance. What a
-//! facet absorbs is taken from the weight, so that no order is cut off; light of little weight is absorbed by chance.
+//! At the first facet both ways are followed, with their weights; at all later ones the light is reflected or
+//! transmitted by chance. What a facet absorbs is taken from the weight, so that no order is cut off; light
+//! of little weight is absorbed by chance.
 
 use papilio_sampling::SampleStream;
 

@@ -1,7 +1,8 @@
 //! Random faces: heights with Gaussian statistics and a given power spectral density.
 //!
-//! Heights are made in Fourier space: independent Gaussian amplitudes, whose variance is the two-dimensional power spectral density W times
-//! the area of a bin. With frequencies in cycles per um and W in um⁴, the variance of the heights is the integral of W over all frequencies.
+//! Heights are made in Fourier space: independent Gaussian amplitudes, whose variance is the two-dimensional
+//! power spectral density W times the area of a bin. With frequencies in cycles per um and W in um⁴, the
+//! variance of the heights is the integral of W over all frequencies.
 //!
 //! | kind | correlation of heights | W(f) |
 //! |---|---|---|
@@ -10,8 +11,8 @@
 //! | ABC | by its PSD | `A (1 + (B f)²)^(-C/2)`, up to the cut-off |
 //! | table | by its PSD | that of a measurement, up to the cut-off |
 //!
-//! s is the root mean square height. The rms slope of an exponential face grows without limit with the cut-off of its frequencies: rays have no
-//! answer without one.
+//! s is the root mean square height. The rms slope of an exponential face grows without limit with the
+//! cut-off of its frequencies: rays have no answer without one.
 
 use std::f64::consts::PI;
 
@@ -40,15 +41,16 @@ pub enum Spectrum {
         /// Shortest wavelength of the face, um.
         cutoff_um: f64,
     },
-    /// K-correlation (ABC) model of the two-dimensional power spectral density, without frequencies beyond a cut-off.
+    /// K-correlation (ABC) model of the two-dimensional power spectral density, without frequencies beyond a
+    /// cut-off.
     Abc {
         /// A (um⁴), B (um) and C.
         abc: [f64; 3],
         /// Shortest wavelength of the face, um.
         cutoff_um: f64,
     },
-    /// Two-dimensional power spectral density by a table: straight lines between its points if both axes are logarithmic, constant below the
-    /// first frequency, and 0 above the last one and beyond the cut-off.
+    /// Two-dimensional power spectral density by a table: straight lines between its points if both axes are
+    /// logarithmic, constant below the first frequency, and 0 above the last one and beyond the cut-off.
     Table {
         /// Frequencies (cycles per um), ascending and at least 0, and densities (um⁴), at least 0.
         points: Vec<[f64; 2]>,
@@ -80,7 +82,8 @@ fn of_table(points: &[[f64; 2]], frequency: f64) -> f64 {
     }
 }
 
-/// Length of the longest structures of a table: that of the frequency at which its density has fallen to half of its first value.
+/// Length of the longest structures of a table: that of the frequency at which its density has fallen to half
+/// of its first value.
 fn longest_of_table(points: &[[f64; 2]]) -> f64 {
     let first = points.first().map_or(0.0, |[_, density]| *density);
     let half = points.iter().find(|[frequency, density]| *frequency > 0.0 && *density <= 0.5 * first);
@@ -99,7 +102,8 @@ fn check_table(points: &[[f64; 2]]) -> Result<(), MicrogeometryError> {
     Err(MicrogeometryError::RandomFace { wrong: wrong.to_owned() })
 }
 
-/// Cells in a correlation length of a Gaussian face, and in the shortest wavelength of others: facets then follow the slopes within 1 %.
+/// Cells in a correlation length of a Gaussian face, and in the shortest wavelength of others: facets then
+/// follow the slopes within 1 %.
 const CELLS: f64 = 12.0;
 
 /// Cells in the shortest wavelength of a face for waves, whose phase needs no facets.
@@ -238,7 +242,8 @@ impl RandomHeights {
         }
     }
 
-    /// The same statistics over a square whose side is at least this long, as far as the largest number of heights allows.
+    /// The same statistics over a square whose side is at least this long, as far as the largest number of
+    /// heights allows.
     pub(crate) fn over(&self, least_um: f64) -> Self {
         let wanted = (least_um / self.pitch_um).ceil().min(SIDE[1] as f64) as usize;
         Self { side: self.side.max(wanted.next_power_of_two()), ..self.clone() }
@@ -256,7 +261,8 @@ impl RandomHeights {
         let amplitude = |at: usize| {
             let [column, row] = [at / side, at % side];
             let density = self.density_um4(frequency(column).hypot(frequency(row)));
-            // The mean height is none; the real part of complex noise has half of its variance, in both parts.
+            // The mean height is none; the real part of complex noise has half of its variance, in both
+            // parts.
             let scale = if at == 0 { 0.0 } else { (density * bin * bin).sqrt() };
             let [u, v, ..] = numbers.block(at as u64, 0);
             // Box and Muller (1958).

@@ -48,7 +48,8 @@ pub(crate) trait Face: Sync {
     /// Lowest and highest height, um.
     fn heights_um(&self) -> [f64; 2];
 
-    /// Index of the particles, if it is a volume: its facets lie between the medium above, which is that below, and these.
+    /// Index of the particles, if it is a volume: its facets lie between the medium above, which is that
+    /// below, and these.
     fn particle_index(&self) -> Option<f64> {
         None
     }
@@ -58,7 +59,8 @@ pub(crate) trait Face: Sync {
         1
     }
 
-    /// Reads what a ray that comes from outside will probably meet, so that it is in the cache when the ray is followed. The number has no meaning.
+    /// Reads what a ray that comes from outside will probably meet, so that it is in the cache when the ray
+    /// is followed. The number has no meaning.
     fn expect(&self, _ray: &Ray) -> f64 {
         0.0
     }

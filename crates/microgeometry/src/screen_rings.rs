@@ -1,8 +1,9 @@
 //! Phase screens at any angle: powers by the distance from the regular direction.
 //!
-//! The light behind a screen is known for each phase per um of height, q: its Fourier transform, whose order of the frequency f goes to the
-//! regular direction plus λ f. Light comes from all azimuths, so that only |f| matters. A family of inclinations, wavelengths and ways has as many
-//! q: all are computed if the screen is small, else a number of them, and cubics in ln q lie between. The regular part is exact for all.
+//! The light behind a screen is known for each phase per um of height, q: its Fourier transform, whose order
+//! of the frequency f goes to the regular direction plus λ f. Light comes from all azimuths, so that only |f|
+//! matters. A family of inclinations, wavelengths and ways has as many q: all are computed if the screen is
+//! small, else a number of them, and cubics in ln q lie between. The regular part is exact for all.
 
 use num_complex::Complex64;
 use papilio_fourier::Plane;
@@ -47,7 +48,8 @@ pub(crate) struct ScreenRings {
 }
 
 impl ScreenRings {
-    /// Powers of a map for these phases per um. `stop` as in [`Goniometer::replicate`](crate::Goniometer::replicate): `None` if it stopped.
+    /// Powers of a map for these phases per um. `stop` as in
+    /// [`Goniometer::replicate`](crate::Goniometer::replicate): `None` if it stopped.
     pub(crate) fn new(
         map: &HeightMap,
         plane: &Plane,

@@ -1,10 +1,12 @@
 //! Rays of a run, started side by side.
 //!
-//! **Tiles.** Rays of all directions begin in one part of the period before those of the next one, so that the heights that they meet stay in the
-//! cache. Each tile has the same weight: the places are stratified, and the estimate stays unbiased.
+//! **Tiles.** Rays of all directions begin in one part of the period before those of the next one, so that
+//! the heights that they meet stay in the cache. Each tile has the same weight: the places are stratified,
+//! and the estimate stays unbiased.
 //!
-//! **Batches.** The first numbers of several paths are computed together, and what their rays will probably meet first is read together: the
-//! processor waits once for all of them. Rays are then followed one by one, in the order of their paths.
+//! **Batches.** The first numbers of several paths are computed together, and what their rays will probably
+//! meet first is read together: the processor waits once for all of them. Rays are then followed one by one,
+//! in the order of their paths.
 
 use std::hint::black_box;
 
@@ -22,8 +24,9 @@ const STOP_EVERY: u64 = 4096;
 /// Fewest rays in a tile.
 const FEWEST: u64 = BATCH as u64;
 
-/// A part of the period of a face, in which rays of all directions begin before those of the next one: what they read stays in the cache. Tiles are
-/// squares of equal area, and each has its own numbers and, but for one, the same number of rays.
+/// A part of the period of a face, in which rays of all directions begin before those of the next one: what
+/// they read stays in the cache. Tiles are squares of equal area, and each has its own numbers and, but for
+/// one, the same number of rays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tile {
     number: u64,
@@ -71,7 +74,8 @@ impl Tile {
     }
 }
 
-/// Starts the rays of a tile by four numbers, the first two of which are the place in the period, and calls `each` with each path and ray.
+/// Starts the rays of a tile by four numbers, the first two of which are the place in the period, and calls
+/// `each` with each path and ray.
 ///
 /// # Errors
 /// [`MicrogeometryError::Interrupted`].
@@ -110,7 +114,8 @@ mod tests {
     use crate::heights::Triangles;
     use crate::{Coating, Goniometer, HeightMap, RandomHeights, Spectrum, Surface};
 
-    /// 512 x 512 heights have four tiles. Each ray belongs to one of them and begins there, and the weights of all rays add up to 1.
+    /// 512 x 512 heights have four tiles. Each ray belongs to one of them and begins there, and the weights
+    /// of all rays add up to 1.
     #[test]
     fn tiles_divide_the_rays_and_the_period() {
         let map = HeightMap::new(512, [1.0; 2], vec![0.0; 512 * 512]).unwrap();
@@ -135,7 +140,8 @@ mod tests {
         }
     }
 
-    /// The same heights once, and twice along both sides, as four tiles: equal light within the errors of both.
+    /// The same heights once, and twice along both sides, as four tiles: equal light within the errors of
+    /// both.
     #[test]
     fn tiles_do_not_change_the_light() {
         let face = RandomHeights::new(Spectrum::Gaussian { rms_um: 2.5, correlation_um: 10.0 }, 4).unwrap();

@@ -1,10 +1,13 @@
-//! Statistics of heights: moments, correlation length, power spectral density, and what an instrument's cut-off leaves of rms and slopes.
+//! Statistics of heights: moments, correlation length, power spectral density, and what an instrument's
+//! cut-off leaves of rms and slopes.
 //!
-//! The map is taken as periodic, as rays see it. With the amplitudes a(f) of its discrete Fourier transform, divided by the number of heights,
-//! the power spectral density W is `|a|² A` (A the area of the map), its integral over all frequencies the variance, and that of
-//! `(2π f)² W` the variance of the slopes. Sums over frequencies are taken over rings as wide as one step of the frequency.
+//! The map is taken as periodic, as rays see it. With the amplitudes a(f) of its discrete Fourier transform,
+//! divided by the number of heights, the power spectral density W is `|a|² A` (A the area of the map), its
+//! integral over all frequencies the variance, and that of `(2π f)² W` the variance of the slopes. Sums over
+//! frequencies are taken over rings as wide as one step of the frequency.
 //!
-//! **Filters** are Gaussians of ISO 16610-61, with a transmission of 50 % at the cut-off: `exp(-ln 2 (f λ)²)`.
+//! **Filters** are Gaussians of ISO 16610-61, with a transmission of 50 % at the cut-off:
+//! `exp(-ln 2 (f λ)²)`.
 
 use std::f64::consts::{LN_2, TAU};
 
@@ -30,12 +33,14 @@ pub struct Statistics {
     pub kurtosis: f64,
     /// Root mean square slope between neighbours along x and y: that of the facets.
     pub slope_rms: [f64; 2],
-    /// Smallest distance at which the autocorrelation, averaged over all directions, is 1/e, um; `None` for a flat map, or if it does not
-    /// fall so far within half of the map.
+    /// Smallest distance at which the autocorrelation, averaged over all directions, is 1/e, um; `None` for a
+    /// flat map, or if it does not fall so far within half of the map.
     pub correlation_um: Option<f64>,
-    /// Two-dimensional power spectral density, averaged over directions: frequency (cycles per um) and density (um⁴).
+    /// Two-dimensional power spectral density, averaged over directions: frequency (cycles per um) and
+    /// density (um⁴).
     pub density: Vec<[f64; 2]>,
-    /// Cut-off of a Gaussian filter of short wavelengths (um), and rms height (um) and rms slope (along one axis) of what passes it.
+    /// Cut-off of a Gaussian filter of short wavelengths (um), and rms height (um) and rms slope (along one
+    /// axis) of what passes it.
     pub by_cutoff: Vec<[f64; 3]>,
 }
 
@@ -64,7 +69,8 @@ impl Statistics {
 }
 
 impl HeightMap {
-    /// The map after Gaussian filters: what is shorter than `short_um` is removed, and what is longer than `long_um`.
+    /// The map after Gaussian filters: what is shorter than `short_um` is removed, and what is longer than
+    /// `long_um`.
     #[must_use]
     pub fn filtered(&self, short_um: Option<f64>, long_um: Option<f64>) -> Self {
         let plane = Plane::new([self.columns(), self.rows()]);
@@ -259,7 +265,8 @@ mod tests {
         assert!(some.len() > 3 && (mean - 1.0).abs() < 0.15, "{some:?}");
     }
 
-    /// A wave at the cut-off keeps half of its height, in the map and in the table; a longer one by the other filter.
+    /// A wave at the cut-off keeps half of its height, in the map and in the table; a longer one by the other
+    /// filter.
     #[test]
     fn filters_pass_half_at_the_cut_off() {
         let side = 64;

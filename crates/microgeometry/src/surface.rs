@@ -74,8 +74,8 @@ impl Surface {
         Ok(Some(Statistics::of(&map)))
     }
 
-    /// Heights of a period of a replicate, for waves, statistics and sparkle: as fine as the waves of the surface need, which is coarser
-    /// than rays do.
+    /// Heights of a period of a replicate, for waves, statistics and sparkle: as fine as the waves of the
+    /// surface need, which is coarser than rays do.
     ///
     /// # Errors
     /// Surfaces without heights: meshes and volumes; those that cannot be made.
@@ -83,8 +83,8 @@ impl Surface {
         self.heights_over(replicate, 0.0)
     }
 
-    /// As [`heights`](Self::heights), of a random surface over a square whose side is at least this long, um, as far as the largest number of
-    /// heights allows.
+    /// As [`heights`](Self::heights), of a random surface over a square whose side is at least this long, um,
+    /// as far as the largest number of heights allows.
     ///
     /// # Errors
     /// As [`heights`](Self::heights).

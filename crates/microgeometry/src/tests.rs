@@ -37,7 +37,8 @@ fn flat_faces_are_those_of_fresnel() {
     }
 }
 
-/// Feng's hemispheres, side by side on squares: values of a separate program. Their standard errors are 1e-3; three of them are allowed.
+/// Feng's hemispheres, side by side on squares: values of a separate program. Their standard errors are 1e-3;
+/// three of them are allowed.
 #[test]
 fn hemispheres_are_those_of_a_separate_program() {
     let caps = Caps { pitch_um: 4.5, radius_um: 2.25, aperture_um: 2.25, lattice: Lattice::Square };
@@ -68,7 +69,8 @@ fn hemispheres_are_those_of_a_separate_program() {
     }
 }
 
-/// Small Gaussian slopes: light along the normal is deflected by (n - 1) slopes; half of it by less than (n - 1) alpha sqrt(ln 2).
+/// Small Gaussian slopes: light along the normal is deflected by (n - 1) slopes; half of it by less than (n -
+/// 1) alpha sqrt(ln 2).
 #[test]
 fn small_gaussian_slopes_have_the_closed_form() {
     let alpha = 0.1;
@@ -91,7 +93,8 @@ fn small_gaussian_slopes_have_the_closed_form() {
         .collect();
     let found = goniometer.kernel(&replicates).unwrap();
     let bands = &found.bands;
-    // The first band is within 2.5 deg of the normal: |beta| up to 0.0436, the median of the slopes' lobe being 0.0416.
+    // The first band is within 2.5 deg of the normal: |beta| up to 0.0436, the median of the slopes' lobe
+    // being 0.0416.
     let row = &found.scattered[..bands.count() * found.azimuths()];
     let within: f64 = bands
         .of(Side::Below)
@@ -102,8 +105,8 @@ fn small_gaussian_slopes_have_the_closed_form() {
         .of(Side::Below)
         .map(|to| row[to * found.azimuths()..][..found.azimuths()].iter().sum::<f64>())
         .sum();
-    // Light within the band is convolved with the band itself: a Gaussian of 1/e width w = (n - 1) alpha in the disc of radius b, averaged
-    // over starts in the disc, by quadrature.
+    // Light within the band is convolved with the band itself: a Gaussian of 1/e width w = (n - 1) alpha in
+    // the disc of radius b, averaged over starts in the disc, by quadrature.
     let (w, b) = (0.5 * alpha, 2.5_f64.to_radians().sin());
     let expected = averaged_over_disc(w, b);
     assert!((within / all - expected).abs() < 0.02, "{} {expected}", within / all);
@@ -165,8 +168,9 @@ fn blocks_do_not_change_what_rays_meet() {
     assert!(facets > 3000);
 }
 
-/// An exponential face with the haze of the dissertation's H78: its haze falls with the wavelength. The series is that of a separate program; a
-/// single lobe of width g b1, to which it tends at large g, has 0.84, 0.78 and 0.73: too much by 0.02 to 0.04 at these g of 7 to 15.
+/// An exponential face with the haze of the dissertation's H78: its haze falls with the wavelength. The
+/// series is that of a separate program; a single lobe of width g b1, to which it tends at large g, has 0.84,
+/// 0.78 and 0.73: too much by 0.02 to 0.04 at these g of 7 to 15.
 #[test]
 fn haze_of_an_exponential_face_depends_on_wavelength() {
     let (rms_um, correlation_um) = (0.554, 15.4);
@@ -198,7 +202,8 @@ fn measured_by_waves(surface: &Surface, incidence_deg: &[f64], wavelengths_nm: &
     waves.combined(surface, &screens)
 }
 
-/// Screens of Gaussian faces: the straight part and the haze are those of the closed forms, and rms heights of 20 to 200 nm have the known shares.
+/// Screens of Gaussian faces: the straight part and the haze are those of the closed forms, and rms heights
+/// of 20 to 200 nm have the known shares.
 #[test]
 fn screens_of_gaussian_faces_have_the_closed_forms() {
     for (rms_nm, straight, mirror) in

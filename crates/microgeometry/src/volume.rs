@@ -1,8 +1,9 @@
 //! Spheres and fibres in a slab of a clear matrix.
 //!
-//! **Geometry.** Particles are placed at random, one after another; one that would overlap another is placed again (random
-//! sequential addition). All lie wholly within the slab, which repeats along x and y. A fibre is a cylinder with hemispherical ends, of random
-//! direction. The faces of the slab are not surfaces: the media above and below are the matrix.
+//! **Geometry.** Particles are placed at random, one after another; one that would overlap another is placed
+//! again (random sequential addition). All lie wholly within the slab, which repeats along x and y. A fibre
+//! is a cylinder with hemispherical ends, of random direction. The faces of the slab are not surfaces: the
+//! media above and below are the matrix.
 //!
 //! **Validity.** Particles much larger than a wavelength, and apart from each other by more than one.
 
@@ -21,7 +22,8 @@ const PARTICLES: f64 = 1000.0;
 /// Smallest period, in lengths of a particle.
 const LEAST_PERIOD: f64 = 4.0;
 
-/// Largest period, in lengths of a particle: beyond it, places are rounded by more than [`ROUNDING`] of a particle.
+/// Largest period, in lengths of a particle: beyond it, places are rounded by more than [`ROUNDING`] of a
+/// particle.
 const MOST_PERIOD: f64 = 1e5;
 
 /// Cells in which touching particles are searched.
@@ -234,7 +236,8 @@ impl Particles {
             return of_ball(0.0);
         }
         let unit = axis.along.map(|part| part / length);
-        // The particle is the union of a cylinder and two balls: convex, so that the line has one interval in it.
+        // The particle is the union of a cylinder and two balls: convex, so that the line has one interval in
+        // it.
         let balls = [of_ball(0.0), of_ball(length)].into_iter().flatten();
         let (slope, height) = (dot(ray.along, unit), dot(away, unit));
         let across = moved(ray.along, -slope, unit);
@@ -331,7 +334,8 @@ fn apart(a: &Axis, b: &Axis, period: f64) -> f64 {
     for axis in &mut away[..2] {
         *axis -= period * (*axis / period).round();
     }
-    // Of two segments about their middles, with parameters from -1/2 to 1/2 (Ericson, "Real-Time Collision Detection", section 5.1.9).
+    // Of two segments about their middles, with parameters from -1/2 to 1/2 (Ericson, "Real-Time Collision
+    // Detection", section 5.1.9).
     let (u, v) = (a.along, b.along);
     let (uu, uv, vv) = (dot(u, u), dot(u, v), dot(v, v));
     let (ua, va) = (dot(u, away), dot(v, away));

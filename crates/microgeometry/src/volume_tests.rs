@@ -34,8 +34,9 @@ fn replicates(of: &Goniometer, volume: Volume) -> Vec<Replicate> {
     (0..REPLICATES).map(|number| of.replicate(&surface, number, &|| false).unwrap()).collect()
 }
 
-/// Few spheres: light that meets none is exp(-N pi r^2 d/cos). Spheres that do not penetrate each other shadow each other less than
-/// independent ones; in the second order of tau = 0.03, by less than tau^2/2 = 4.5e-4 of all light.
+/// Few spheres: light that meets none is exp(-N pi r^2 d/cos). Spheres that do not penetrate each other
+/// shadow each other less than independent ones; in the second order of tau = 0.03, by less than tau^2/2 =
+/// 4.5e-4 of all light.
 #[test]
 fn few_spheres_obey_beer_and_lambert() {
     let (fraction, thickness) = (0.002, 100.0);
@@ -55,8 +56,9 @@ fn few_spheres_obey_beer_and_lambert() {
     }
 }
 
-/// Dense spheres shadow each other less than independent ones, whose light that meets none would be exp(-1.875) = 0.153: a separate program,
-/// which places spheres and counts points that none covers, has 0.1142(25).
+/// Dense spheres shadow each other less than independent ones, whose light that meets none would be
+/// exp(-1.875) = 0.153: a separate program, which places spheres and counts points that none covers, has
+/// 0.1142(25).
 #[test]
 fn dense_spheres_shadow_as_in_a_separate_program() {
     let volume = Volume { radius_um: 4.0, ..spheres(0.1, 100.0) };
@@ -68,8 +70,9 @@ fn dense_spheres_shadow_as_in_a_separate_program() {
     }
 }
 
-/// Mean cosine and backscattered fraction of the light of one sphere, by quadrature over the squared sine of incidence: reflected light is
-/// turned by pi - 2 i, and light with p - 1 reflections inside by 2 (i - t) + (p - 1)(pi - 2 t). Light is unpolarised at each facet.
+/// Mean cosine and backscattered fraction of the light of one sphere, by quadrature over the squared sine of
+/// incidence: reflected light is turned by pi - 2 i, and light with p - 1 reflections inside by 2 (i - t) +
+/// (p - 1)(pi - 2 t). Light is unpolarised at each facet.
 fn by_quadrature(ratio: f64) -> [f64; 2] {
     let count = 20_000;
     let mut sums = [0.0; 2];
@@ -146,7 +149,8 @@ fn volumes_obey_the_laws() {
     assert_student("diffuse transmittance of volumes", &scores, scores.len() as f64);
 }
 
-/// Placed particles fill the wanted fraction and keep their distance; a fraction that cannot be placed is refused.
+/// Placed particles fill the wanted fraction and keep their distance; a fraction that cannot be placed is
+/// refused.
 #[test]
 fn particles_are_placed_or_refused() {
     let volume = spheres(0.2, 60.0);

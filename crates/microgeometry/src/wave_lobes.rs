@@ -1,15 +1,19 @@
-//! What a random face scatters by waves, as a mixture of few lobes: the same lobes at all wavelengths, in proportions that depend on the wavelength.
+//! What a random face scatters by waves, as a mixture of few lobes: the same lobes at all wavelengths, in
+//! proportions that depend on the wavelength.
 //!
-//! **Closed form.** Behind Gaussian heights with the correlation exp(-r/l), a fraction exp(-g) of the light keeps its direction, g being the square
-//! of the rms phase. The rest is the sum of exp(-g) g^m/m! times k-correlation lobes of the width m b₁, b₁ = λ/(2π l) (see [`waves`](crate::waves)).
-//! With the correlation exp(-r²/l²) the lobes are Gaussian, of the width sqrt(m) b₁, b₁ = λ/(π l) (Beckmann and Spizzichino 1963).
+//! **Closed form.** Behind Gaussian heights with the correlation exp(-r/l), a fraction exp(-g) of the light
+//! keeps its direction, g being the square of the rms phase. The rest is the sum of exp(-g) g^m/m! times
+//! k-correlation lobes of the width m b₁, b₁ = λ/(2π l) (see [`waves`](crate::waves)). With the correlation
+//! exp(-r²/l²) the lobes are Gaussian, of the width sqrt(m) b₁, b₁ = λ/(π l) (Beckmann and Spizzichino 1963).
 //!
-//! **Mixture.** Widths are powers of a constant: 1.2 of k-correlation lobes, 1.1 of Gaussian ones. A lobe between two of them becomes both. The
-//! proportion keeps the light of a k-correlation lobe within 0.7 of its width: its density is that of the lobe within 1 %. It keeps the mean square
-//! of the distance of a Gaussian lobe: its density is that of the lobe within 1.5 % up to twice its width.
+//! **Mixture.** Widths are powers of a constant: 1.2 of k-correlation lobes, 1.1 of Gaussian ones. A lobe
+//! between two of them becomes both. The proportion keeps the light of a k-correlation lobe within 0.7 of its
+//! width: its density is that of the lobe within 1 %. It keeps the mean square of the distance of a Gaussian
+//! lobe: its density is that of the lobe within 1.5 % up to twice its width.
 //!
-//! **Resolution.** A lobe narrower than 0.022 becomes that one with the same light beyond 2.5 deg, which is haze, and light that keeps its
-//! direction: within about 1 deg of it, nothing is resolved, and the light of such k-correlation lobes beyond 10 deg is up to 12 % too much.
+//! **Resolution.** A lobe narrower than 0.022 becomes that one with the same light beyond 2.5 deg, which is
+//! haze, and light that keeps its direction: within about 1 deg of it, nothing is resolved, and the light of
+//! such k-correlation lobes beyond 10 deg is up to 12 % too much.
 
 use std::f64::consts::PI;
 
@@ -93,8 +97,8 @@ pub struct WaveLobe {
     pub fractions: Vec<f64>,
 }
 
-/// Lobes of light along the normal behind a face, ascending by width. `phase_per_um`: rms phase of the light at a wavelength of 1 um, radians;
-/// `wavelengths_nm`: in air.
+/// Lobes of light along the normal behind a face, ascending by width. `phase_per_um`: rms phase of the light
+/// at a wavelength of 1 um, radians; `wavelengths_nm`: in air.
 pub fn wave_lobes(
     correlation: Correlation,
     phase_per_um: f64,
@@ -148,8 +152,8 @@ fn joined(mut lobes: Vec<WaveLobe>) -> Vec<WaveLobe> {
 mod tests {
     use super::*;
 
-    /// The mixture is the series: its haze within 0.002, and its density; few lobes are enough. The third face has narrow lobes alone. Densities
-    /// of Gaussian lobes are compared where they are not negligible.
+    /// The mixture is the series: its haze within 0.002, and its density; few lobes are enough. The third
+    /// face has narrow lobes alone. Densities of Gaussian lobes are compared where they are not negligible.
     #[test]
     fn mixtures_are_the_series() {
         let nm = [450.0, 550.0, 650.0];
@@ -201,8 +205,8 @@ mod tests {
         }
     }
 
-    /// Heights of many wavelengths: the lobe of geometrical optics, the distribution of the slopes m = rms sqrt(2)/l along an axis times the
-    /// deviation n - 1, whatever the wavelength.
+    /// Heights of many wavelengths: the lobe of geometrical optics, the distribution of the slopes m = rms
+    /// sqrt(2)/l along an axis times the deviation n - 1, whatever the wavelength.
     #[test]
     fn large_gaussian_heights_refract_by_their_slopes() {
         let (rms_um, l, n) = (4.0, 60.0, 1.5);

@@ -1,11 +1,13 @@
 //! Ways of light at a mean face: to its own side or to the other one, from an inclination.
 //!
-//! **Directions** are those of propagation, as direction cosines beta = n sin(theta) along the face: a thin screen adds λ f to them, whatever the
-//! index (the grating law). gamma = (n² - beta²)^(1/2) is what is left along the normal. A height h delays light from gamma₁ to gamma₂ by
-//! 2π h/λ times gamma₁ + gamma₂ in reflection, and times gamma₂ - gamma₁ in transmission: [`Way::path`].
+//! **Directions** are those of propagation, as direction cosines beta = n sin(theta) along the face: a thin
+//! screen adds λ f to them, whatever the index (the grating law). gamma = (n² - beta²)^(1/2) is what is left
+//! along the normal. A height h delays light from gamma₁ to gamma₂ by 2π h/λ times gamma₁ + gamma₂ in
+//! reflection, and times gamma₂ - gamma₁ in transmission: [`Way::path`].
 //!
-//! **Azimuths.** Light comes from all azimuths, as in the measurement by rays. What is scattered by |f| then lies on a circle about the regular
-//! direction, uniformly: [`inside`] tells how much of the circle is in a disc of directions.
+//! **Azimuths.** Light comes from all azimuths, as in the measurement by rays. What is scattered by |f| then
+//! lies on a circle about the regular direction, uniformly: [`inside`] tells how much of the circle is in a
+//! disc of directions.
 
 use std::f64::consts::PI;
 
@@ -26,8 +28,8 @@ pub(crate) struct Way {
 }
 
 impl Way {
-    /// The reflected and the transmitted light of an inclination, between media of these indices above and below. None is transmitted beyond
-    /// the critical angle.
+    /// The reflected and the transmitted light of an inclination, between media of these indices above and
+    /// below. None is transmitted beyond the critical angle.
     pub(crate) fn both(index: [f64; 2], from: Side, theta_deg: f64) -> (Self, Option<Self>) {
         let [own, other] = match from {
             Side::Above => index,
@@ -63,14 +65,16 @@ impl Way {
         self.index[1]
     }
 
-    /// Largest |beta| of the light whose haze is measured: in air of transmitted light, in its medium of reflected light.
+    /// Largest |beta| of the light whose haze is measured: in air of transmitted light, in its medium of
+    /// reflected light.
     pub(crate) fn seen(&self) -> f64 {
         if self.is_reflected { self.index[1] } else { self.index[1].min(1.0) }
     }
 }
 
-/// Angle of the first point inside a disc, on a circle about a point: 0, where the circle is farthest from the middle of the disc, to π.
-/// `radius` is that of the circle, `beta` the distance of its middle from that of the disc.
+/// Angle of the first point inside a disc, on a circle about a point: 0, where the circle is farthest from
+/// the middle of the disc, to π. `radius` is that of the circle, `beta` the distance of its middle from that
+/// of the disc.
 pub(crate) fn first_inside(radius: f64, beta: f64, disc: f64) -> f64 {
     if beta + radius <= disc {
         return 0.0;

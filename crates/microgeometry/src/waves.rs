@@ -1,17 +1,19 @@
 //! Waves at a surface: the light that keeps the regular direction, and haze, by wavelength and inclination.
 //!
-//! **Model.** A thin phase screen: heights h delay light by 2π h/λ times gamma₂ - gamma₁ in transmission, and times gamma₁ + gamma₂ in reflection,
-//! gamma being n cos(theta) before and after the mean face. The far field is the Fourier transform of exp(i phase); its power at the frequency f
-//! (cycles per um) goes λ f beside the regular direction, as from a grating. Powers in directions that exist are multiplied so that
+//! **Model.** A thin phase screen: heights h delay light by 2π h/λ times gamma₂ - gamma₁ in transmission, and
+//! times gamma₁ + gamma₂ in reflection, gamma being n cos(theta) before and after the mean face. The far
+//! field is the Fourier transform of exp(i phase); its power at the frequency f (cycles per um) goes λ f
+//! beside the regular direction, as from a grating. Powers in directions that exist are multiplied so that
 //! nothing is lost to those that do not. One pass, no shadows: slopes below about 0.3.
 //!
-//! **Closed forms.** For Gaussian heights with the rms phase g^(1/2), the regular part is exp(-g). Where the correlation of the heights is
-//! exp(-r²/τ²), the rest is the sum of exp(-g) g^m/m! times Gaussians `exp(-(π τ f)²/m)` of f; where it is exp(-r/τ), of lobes `m b₁/(2π (m² b₁² +
-//! beta²)^(3/2))` with b₁ = λ/(2π τ) (P. Beckmann, A. Spizzichino 1963; J. E. Harvey et al., Opt. Eng. 51, 013402 (2012)). At oblique angles
-//! g may be that of both directions: see [`harvey_shack`](crate::harvey_shack).
+//! **Closed forms.** For Gaussian heights with the rms phase g^(1/2), the regular part is exp(-g). Where the
+//! correlation of the heights is exp(-r²/τ²), the rest is the sum of exp(-g) g^m/m! times Gaussians
+//! `exp(-(π τ f)²/m)` of f; where it is exp(-r/τ), of lobes `m b₁/(2π (m² b₁² + beta²)^(3/2))` with b₁ =
+//! λ/(2π τ) (P. Beckmann, A. Spizzichino 1963; J. E. Harvey et al., Opt. Eng. 51, 013402 (2012)). At oblique
+//! angles g may be that of both directions: see [`harvey_shack`](crate::harvey_shack).
 //!
-//! Rays know none of this: they hold where g is above [`LEAST_G`], thin screens where slopes are below [`MOST_SLOPE`] and shadows are few, up to
-//! [`MOST_SHADOW`].
+//! Rays know none of this: they hold where g is above [`LEAST_G`], thin screens where slopes are below
+//! [`MOST_SLOPE`] and shadows are few, up to [`MOST_SHADOW`].
 
 use num_complex::Complex64;
 use papilio_fourier::Plane;
@@ -50,9 +52,11 @@ pub struct WayShares {
     pub fresnel: f64,
     /// Square of the rms phase in the regular direction, g.
     pub g: f64,
-    /// Of the light of this way, the fraction in the regular direction: straight through, or as from a mirror.
+    /// Of the light of this way, the fraction in the regular direction: straight through, or as from a
+    /// mirror.
     pub regular: Measured,
-    /// Haze: of the light of this way that is seen, the fraction beyond |beta| = sin 2.5 deg from the regular direction. Transmitted light is seen with
+    /// Haze: of the light of this way that is seen, the fraction beyond |beta| = sin 2.5 deg from the regular
+    /// direction. Transmitted light is seen with
     /// |beta| up to 1, reflected light in all directions.
     pub haze: Measured,
     /// Fraction of the screen's orders in directions that do not exist, before renormalisation.
@@ -82,7 +86,8 @@ pub struct ByWaves {
     pub slope_rms: f64,
     /// Root mean square height, um.
     pub rms_um: f64,
-    /// Light along the normal from above, by wavelength; then that of all inclinations from above and from below.
+    /// Light along the normal from above, by wavelength; then that of all inclinations from above and from
+    /// below.
     pub shares: Vec<WaveShares>,
 }
 
@@ -104,14 +109,15 @@ impl WaveShares {
 /// Largest rms slope of surfaces that thin phase screens describe.
 pub const MOST_SLOPE: f64 = 0.3;
 
-/// Largest product of rms slope and tangent of the inclination: Gaussian slopes then hide 0.2 % of the face (Smith's Lambda at 1.6, where the fit of B.
-/// Walter et al., EGSR 2007, ends).
+/// Largest product of rms slope and tangent of the inclination: Gaussian slopes then hide 0.2 % of the face
+/// (Smith's Lambda at 1.6, where the fit of B. Walter et al., EGSR 2007, ends).
 pub const MOST_SHADOW: f64 = 0.44;
 
 /// Smallest square of the rms phase of surfaces that rays describe.
 pub const LEAST_G: f64 = 10.0;
 
-/// Largest rms phase, radians, of surfaces whose light is computed by waves; far beyond it, scattering has as many orders as its square.
+/// Largest rms phase, radians, of surfaces whose light is computed by waves; far beyond it, scattering has as
+/// many orders as its square.
 pub const MOST_PHASE: f64 = 300.0;
 
 /// Fraction of the light of an order of scattering that does not matter.
@@ -133,7 +139,8 @@ pub(crate) struct Waves {
 pub(crate) struct WaveScreen {
     slope_rms: f64,
     rms_um: f64,
-    /// By row: regular part, haze and evanescent part of reflected and of transmitted light; 0 where nothing is transmitted.
+    /// By row: regular part, haze and evanescent part of reflected and of transmitted light; 0 where nothing
+    /// is transmitted.
     shares: Vec<[f64; 6]>,
 }
 
@@ -168,7 +175,8 @@ impl Waves {
         [Some(reflected), transmitted].into_iter().flatten().map(move |way| way.regular_per_um(um))
     }
 
-    /// Fails for heights of so many wavelengths that the orders of scattering, about g of them, would need endless time.
+    /// Fails for heights of so many wavelengths that the orders of scattering, about g of them, would need
+    /// endless time.
     fn check_phase(&self, rms_um: f64) -> Result<(), MicrogeometryError> {
         let rows = self.rows();
         let largest = rows.iter().flat_map(|row| self.phases(row)).map(f64::abs).fold(0.0, f64::max);
@@ -284,7 +292,8 @@ impl Waves {
     }
 }
 
-/// Fraction of the light behind a screen that passes straight through, and of that with |beta| up to 1 the fraction beyond a |beta|.
+/// Fraction of the light behind a screen that passes straight through, and of that with |beta| up to 1 the
+/// fraction beyond a |beta|.
 pub(crate) fn shares(
     map: &HeightMap,
     plane: &Plane,
@@ -311,7 +320,8 @@ pub(crate) fn shares(
     [orders.first().map_or(0.0, |order| order.norm_sqr()) / all, far / in_air]
 }
 
-/// Orders m of scattering from 1 on, with their fractions of the light exp(-g) g^m/m!, as far as these matter.
+/// Orders m of scattering from 1 on, with their fractions of the light exp(-g) g^m/m!, as far as these
+/// matter.
 pub(crate) fn poisson(g: f64) -> impl Iterator<Item = (f64, f64)> {
     let most = (g + 40.0 * g.sqrt() + 40.0) as u64;
     // By logarithms, which do not overflow.

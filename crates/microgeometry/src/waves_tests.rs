@@ -63,8 +63,9 @@ fn circles_are_in_discs_as_far_as_points_are() {
     assert_eq!([first_inside(0.0, 0.0, 1.0), first_inside(0.0, 1.2, 1.0)], [0.0, PI]);
 }
 
-/// A sinusoidal grating at 30 and 60 deg from both sides: orders J_m^2 of the oblique phase amplitude in the directions of the grating law. Light comes
-/// from all azimuths, so that an order counts by the part of its circle that exists.
+/// A sinusoidal grating at 30 and 60 deg from both sides: orders J_m^2 of the oblique phase amplitude in the
+/// directions of the grating law. Light comes from all azimuths, so that an order counts by the part of its
+/// circle that exists.
 #[test]
 fn oblique_gratings_have_their_orders() {
     let (um, pitch_um, amplitude_um) = (0.55, 1.7, 0.3);
@@ -108,7 +109,8 @@ fn flat_screens_scatter_nothing() {
     }
 }
 
-/// Lobes of one angle: regular, scattered and evanescent light add up to 1, whatever the disc. Beyond a disc as wide as the series reaches, nothing is left.
+/// Lobes of one angle: regular, scattered and evanescent light add up to 1, whatever the disc. Beyond a disc
+/// as wide as the series reaches, nothing is left.
 #[test]
 fn closed_forms_conserve_energy_before_and_after_renormalisation() {
     let um = 0.55;
@@ -134,7 +136,8 @@ fn closed_forms_conserve_energy_before_and_after_renormalisation() {
     }
 }
 
-/// Light of one angle in directions that do not exist, by another quadrature: fine steps in the square of the distance over 1 + distance.
+/// Light of one angle in directions that do not exist, by another quadrature: fine steps in the square of the
+/// distance over 1 + distance.
 fn evanescent(lobes: &Lobes, way: &Way) -> f64 {
     let g = lobes.g(way.path(way.beta));
     let steps = 3000;
@@ -175,8 +178,8 @@ fn two_angle_lobes_are_reciprocal_and_one_angle_lobes_are_not() {
     assert!((there / back - 1.0).abs() < 1e-12 && differs > 0.1);
 }
 
-/// Lobes of small heights are those of first order: g of both directions times the power spectral density over its integral, s². The scattered light is K
-/// times that, and K corrects what the disc cuts off.
+/// Lobes of small heights are those of first order: g of both directions times the power spectral density
+/// over its integral, s². The scattered light is K times that, and K corrects what the disc cuts off.
 #[test]
 fn small_heights_scatter_by_their_power_spectral_density() {
     let (um, rms_um) = (0.55, 0.002);
@@ -193,7 +196,8 @@ fn small_heights_scatter_by_their_power_spectral_density() {
     }
 }
 
-/// Screens of Gaussian faces at 0, 30 and 70 deg from both sides against the sum of lobes with the phase of the regular direction; errors by the scatter of the screens.
+/// Screens of Gaussian faces at 0, 30 and 70 deg from both sides against the sum of lobes with the phase of
+/// the regular direction; errors by the scatter of the screens.
 #[test]
 fn oblique_screens_have_the_closed_forms() {
     let rms_um = 0.12;
@@ -230,7 +234,8 @@ fn oblique_screens_have_the_closed_forms() {
             }
         }
     }
-    // From above both ways at three inclinations; from below at two of them, one of which is beyond the critical angle.
+    // From above both ways at three inclinations; from below at two of them, one of which is beyond the
+    // critical angle.
     assert_eq!(tests, 3 * (2 * 3 + 2 + 1));
 }
 

@@ -29,9 +29,9 @@
 //! amplitude r_p is that of H: at normal incidence r_p = -r_s.
 //!
 //! **Two implementations.** [`coherent`] is the reference: one wavelength, one beta, all quantities.
-//! [`absorbed`] is the absorptance of each layer from it. [`GapFilm`] is fast: reflectance of many wavelengths, betas
-//! and gaps. [`FilmRow`] is fast for arrays, in which every point may have a stack of its own. The tests compare each
-//! with the reference.
+//! [`absorbed`] is the absorptance of each layer from it. [`GapFilm`] is fast: reflectance of many
+//! wavelengths, betas and gaps. [`FilmRow`] is fast for arrays, in which every point may have a stack of its
+//! own. The tests compare each with the reference.
 //!
 //! Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.6;
 //! A. Macleod, "Thin-Film Optical Filters", 4th ed., chapter 2.

@@ -16,8 +16,9 @@ pub(crate) fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = (
     RULES[points.clamp(1, MOST_POINTS)].iter().map(move |(x, weight)| (middle + half * x, half * weight))
 }
 
-/// Returns ascending nodes and their weights of the Gauss-Legendre rule of this many points on (-1, 1), by Newton's method from Tricomi's
-/// first approximation. Nodes are within 1e-15; after a step below `last_step` no further one is made (0: all eight steps).
+/// Returns ascending nodes and their weights of the Gauss-Legendre rule of this many points on (-1, 1), by
+/// Newton's method from Tricomi's first approximation. Nodes are within 1e-15; after a step below `last_step`
+/// no further one is made (0: all eight steps).
 pub fn legendre(points: usize, last_step: f64) -> Vec<(f64, f64)> {
     let n = points as f64;
     let node = |i: usize| {

@@ -1,18 +1,22 @@
 //! A surface with Gaussian random heights: the statistics of an antiglare face.
 //!
-//! **Model.** Heights are a stationary, isotropic Gaussian process with the correlation `exp(-r²/ξ²)`. Slopes are then
-//! Gaussian, too, and their root mean square along any axis is `σ = sqrt(2) s/ξ`, s being that of the heights.
+//! **Model.** Heights are a stationary, isotropic Gaussian process with the correlation `exp(-r²/ξ²)`. Slopes
+//! are then Gaussian, too, and their root mean square along any axis is `σ = sqrt(2) s/ξ`, s being that of
+//! the heights.
 //!
-//! **Parameters.** `slope_rms`: σ, along one axis, 1 (a Beckmann distribution of roughness `alpha = sqrt(2) σ`);
-//! antiglare glass has 0.005 to 0.05. `correlation_mm`: ξ, the distance at which the correlation is 1/e; 0.005 to 0.05 mm.
+//! **Parameters.** `slope_rms`: σ, along one axis, 1 (a Beckmann distribution of roughness
+//! `alpha = sqrt(2) σ`); antiglare glass has 0.005 to 0.05. `correlation_mm`: ξ, the distance at which the
+//! correlation is 1/e; 0.005 to 0.05 mm.
 //!
-//! **Haze.** A thin face of index n deviates light along the normal by `(n - 1) m`, m being its slope. The fraction beyond
-//! 2.5° is `exp(-sin²(2.5°)/(2 (n - 1)² σ²))`, which determines σ and nothing else. Neither haze nor a gloss number determines
-//! ξ: it is read from a profile, where the mean spacing of profile elements (RSm, ISO 21920) is `sqrt(2) π ξ` (Rice 1945) where every crossing of the mean counts.
+//! **Haze.** A thin face of index n deviates light along the normal by `(n - 1) m`, m being its slope. The
+//! fraction beyond 2.5° is `exp(-sin²(2.5°)/(2 (n - 1)² σ²))`, which determines σ and nothing else. Neither
+//! haze nor a gloss number determines ξ: it is read from a profile, where the mean spacing of profile
+//! elements (RSm, ISO 21920) is `sqrt(2) π ξ` (Rice 1945) where every crossing of the mean counts.
 //!
 //! **Validity.** Small slopes; geometric optics, for which the heights are rough optically:
-//! [`regular_fraction`](RandomFace::regular_fraction) is the fraction of light that the face does not scatter, which
-//! is neglected in the formula of the haze. Real faces are neither exactly Gaussian nor of one scale.
+//! [`regular_fraction`](RandomFace::regular_fraction) is the fraction of light that the face does not
+//! scatter, which is neglected in the formula of the haze. Real faces are neither exactly Gaussian nor of one
+//! scale.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -36,9 +40,9 @@ pub struct RandomFace {
 }
 
 impl RandomFace {
-    /// Returns the slope that causes this haze, 0 to 1 (both excluded), in transmission through a plate of this
-    /// index, above 1, with one such face; the light is that of the whole hemisphere, all of it scattered. `None` outside these
-    /// ranges.
+    /// Returns the slope that causes this haze, 0 to 1 (both excluded), in transmission through a plate of
+    /// this index, above 1, with one such face; the light is that of the whole hemisphere, all of it
+    /// scattered. `None` outside these ranges.
     pub fn slope_rms_from_haze(haze: f64, index: f64) -> Option<f64> {
         let possible = haze > 0.0 && haze < 1.0 && index > 1.0 && index.is_finite();
         possible.then(|| haze_sine() / ((index - 1.0) * (-2.0 * haze.ln()).sqrt()))
@@ -55,23 +59,24 @@ impl RandomFace {
         self.slope_rms * self.correlation_mm / SQRT_2
     }
 
-    /// Fraction of light along the normal that a plate of this index transmits without scattering: `exp(-(2π (n - 1) s/λ)²)`.
-    /// The haze of such a face is lower by about this fraction than [`Self::haze`].
+    /// Fraction of light along the normal that a plate of this index transmits without scattering:
+    /// `exp(-(2π (n - 1) s/λ)²)`. The haze of such a face is lower by about this fraction than
+    /// [`Self::haze`].
     pub fn regular_fraction(&self, index: f64, wavelength_nm: f64) -> f64 {
         let phase = 2.0 * PI * (index - 1.0) * self.height_rms_mm() / (wavelength_nm * 1e-6);
         (-phase * phase).exp()
     }
 
-    /// Correlation of the slopes at two points with this offset, mm, over their mean square: of both along x, of one along x
-    /// and the other along y, of both along y.
+    /// Correlation of the slopes at two points with this offset, mm, over their mean square: of both along x,
+    /// of one along x and the other along y, of both along y.
     pub fn slope_correlation(&self, offset_mm: [f64; 2]) -> [f64; 3] {
         let [x, y] = offset_mm.map(|offset| offset / self.correlation_mm);
         let decay = (-(x * x + y * y)).exp();
         [(1.0 - 2.0 * x * x) * decay, -2.0 * x * y * decay, (1.0 - 2.0 * y * y) * decay]
     }
 
-    /// Power spectrum of the heights at a spatial frequency of `frequency_per_mm` (cycles per mm), mm⁴: its integral over the
-    /// plane of frequencies is the mean square height.
+    /// Power spectrum of the heights at a spatial frequency of `frequency_per_mm` (cycles per mm), mm⁴: its
+    /// integral over the plane of frequencies is the mean square height.
     pub fn height_spectrum(&self, frequency_per_mm: f64) -> f64 {
         let width = PI.sqrt() * self.correlation_mm * self.height_rms_mm();
         let phase = PI * self.correlation_mm * frequency_per_mm;

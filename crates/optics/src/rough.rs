@@ -96,7 +96,8 @@ pub struct Rough {
     facets: Microfacets,
     /// How coarse the tables of this clone are: a place in [`FINENESS`].
     coarseness: usize,
-    /// Tabulated when they are first needed, once for all clones of each coarseness; they follow from the microfacets.
+    /// Tabulated when they are first needed, once for all clones of each coarseness; they follow from the
+    /// microfacets.
     deficits: Arc<[OnceLock<Deficits>; FINENESS.len()]>,
 }
 
@@ -122,9 +123,9 @@ impl Rough {
         Self { facets, coarseness: 0, deficits: Arc::default() }
     }
 
-    /// Returns the same interface with coarser tables of the light that meets several microfacets, for first answers: in
-    /// error by up to 0.002 of the incident light with coarseness 1, 0.005 with coarseness 2. They take about a tenth of the
-    /// time.
+    /// Returns the same interface with coarser tables of the light that meets several microfacets, for first
+    /// answers: in error by up to 0.002 of the incident light with coarseness 1, 0.005 with coarseness 2.
+    /// They take about a tenth of the time.
     #[must_use]
     pub fn coarser(&self, coarseness: usize) -> Self {
         Self { coarseness: coarseness.min(FINENESS.len() - 1), ..self.clone() }
@@ -155,14 +156,14 @@ impl Rough {
         self.facets.single(from, beta_i, to, beta_o)
     }
 
-    /// Returns the factor of [`Self::single`] across the interface that has its peak: the light of one microfacet, including
-    /// what others take.
+    /// Returns the factor of [`Self::single`] across the interface that has its peak: the light of one
+    /// microfacet, including what others take.
     pub fn refracted(&self, above: Beta, below: Beta) -> f64 {
         self.facets.refracted(above, below)
     }
 
-    /// Returns the other factor, which depends on the two |beta| alone and changes slowly: the fraction that no other
-    /// microfacet takes.
+    /// Returns the other factor, which depends on the two |beta| alone and changes slowly: the fraction that
+    /// no other microfacet takes.
     pub fn visible_across(&self, above: f64, below: f64) -> f64 {
         self.facets.visible_across(above * above, below * below)
     }
@@ -202,8 +203,8 @@ impl Rough {
     /// Returns the fractions of light that return to their side, after any number of microfacets; the rest
     /// crosses the interface. One fraction for each |beta|; 0 where this is not below the index of the side.
     ///
-    /// By the Gauss rule of this order, 12 or more: with 12 the error is about 1e-5. [Coarser](Self::coarser) interfaces
-    /// have an order of their own.
+    /// By the Gauss rule of this order, 12 or more: with 12 the error is about 1e-5. [Coarser](Self::coarser)
+    /// interfaces have an order of their own.
     pub fn returned(&self, side: Side, beta_lengths: &[f64], order: usize) -> Vec<f64> {
         let least = FINENESS[self.coarseness].order;
         let rule = Rule::new(if self.coarseness == 0 { order.max(least) } else { least });

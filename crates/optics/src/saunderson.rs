@@ -1,20 +1,24 @@
-//! A diffuse reflector below a flat face: what an instrument measures through the face, and the reflector's own reflectance.
+//! A diffuse reflector below a flat face: what an instrument measures through the face, and the reflector's
+//! own reflectance.
 //!
-//! **What.** A Lambertian reflector of reflectance `rho` in a medium of index n, optical contact, diffuse unpolarised light on a flat face towards air,
-//! seen at an angle theta. The face reflects `F(theta)` of the light of the view's own direction, `r_e` of diffuse light from
-//! outside and `r_i` of diffuse light from inside, `1 - r_i = (1 - r_e)/n^2`. All orders between face and reflector:
+//! **What.** A Lambertian reflector of reflectance `rho` in a medium of index n, optical contact, diffuse
+//! unpolarised light on a flat face towards air, seen at an angle theta. The face reflects `F(theta)` of the
+//! light of the view's own direction, `r_e` of diffuse light from outside and `r_i` of diffuse light from
+//! inside, `1 - r_i = (1 - r_e)/n^2`. All orders between face and reflector:
 //!
 //! `R = F(theta) + (1 - F(theta)) (1 - r_i) rho/(1 - r_i rho)`.
 //!
 //! An instrument that excludes the specular component traps the first term. The inverse is
 //! `rho = q/(1 - r_i + r_i q)`, `q = (R - F(theta))/(1 - F(theta))`.
 //!
-//! **Validity.** 1 < n; the same face and medium everywhere; no scattering by the face. By reciprocity the same holds for light at theta and diffuse
-//! collection (8/d).
+//! **Validity.** 1 < n; the same face and medium everywhere; no scattering by the face. By reciprocity the
+//! same holds for light at theta and diffuse collection (8/d).
 //!
-//! **Intuition.** The face makes a reflector darker, mid-tones most: 0.6213 below glass of 1.5 is seen as 0.40 and the image of the room.
+//! **Intuition.** The face makes a reflector darker, mid-tones most: 0.6213 below glass of 1.5 is seen as
+//! 0.40 and the image of the room.
 //!
-//! **Source.** J. L. Saunderson, J. Opt. Soc. Am. 32, 727 (1942); the closed form of `r_e` by S. Q. Duntley, J. Opt. Soc. Am. 32, 61 (1942).
+//! **Source.** J. L. Saunderson, J. Opt. Soc. Am. 32, 727 (1942); the closed form of `r_e` by S. Q. Duntley,
+//! J. Opt. Soc. Am. 32, 61 (1942).
 
 use crate::interface::fresnel_reflectance;
 
@@ -35,7 +39,8 @@ pub struct DiffuseFace {
 }
 
 impl DiffuseFace {
-    /// Returns the face of a medium of this index, above 1, seen at an angle in air, degrees; the specular component is included.
+    /// Returns the face of a medium of this index, above 1, seen at an angle in air, degrees; the specular
+    /// component is included.
     pub fn new(index: f64, theta_deg: f64) -> Self {
         let external = diffuse_reflectance(index);
         let internal = 1.0 - (1.0 - external) / (index * index);
@@ -80,15 +85,16 @@ impl DiffuseFace {
         self.least() + (1.0 - self.view) * seen
     }
 
-    /// Returns the reflectance of the reflector above which this reflectance factor is seen: between 0 and 1 if that is between
-    /// [`least`](Self::least) and [`most`](Self::most).
+    /// Returns the reflectance of the reflector above which this reflectance factor is seen: between 0 and 1
+    /// if that is between [`least`](Self::least) and [`most`](Self::most).
     pub fn own(&self, seen: f64) -> f64 {
         let seen = (seen - self.least()) / (1.0 - self.view);
         seen / (1.0 - self.internal + self.internal * seen)
     }
 }
 
-/// Reflectance of a flat face for diffuse unpolarised light from the rarer side, for a ratio of the indices above 1.
+/// Reflectance of a flat face for diffuse unpolarised light from the rarer side, for a ratio of the indices
+/// above 1.
 fn diffuse_reflectance(n: f64) -> f64 {
     let (n2, n4) = (n * n, n.powi(4));
     0.5 + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0).powi(2))
@@ -117,7 +123,8 @@ mod tests {
         }
     }
 
-    /// Values of the textbooks for n = 1.5: 0.092 and 0.596; a paper of 0.6213 is seen as 0.40 without the specular component.
+    /// Values of the textbooks for n = 1.5: 0.092 and 0.596; a paper of 0.6213 is seen as 0.40 without the
+    /// specular component.
     #[test]
     fn glass_has_known_values() {
         let face = DiffuseFace::new(1.5, 8.0);

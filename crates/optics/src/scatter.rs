@@ -8,7 +8,8 @@
 //! except for regular light, is absorbed.
 //!
 //! **Kinds.** [`Ward`]: a formula, for surfaces and (flipped) for foils. [`Table`]: measured values,
-//! interpolated smoothly. [`RingKernel`]: the kernel of a surface, between rings of directions of either side.
+//! interpolated smoothly. [`RingKernel`]: the kernel of a surface, between rings of directions of either
+//! side.
 //!
 //! **Validity.** Isotropic samples: rotation about the normal changes nothing, and scattering is symmetric
 //! about the plane of incidence. Only light of the disc of air `|beta| <= 1` is scattered, and only into it;

@@ -1,8 +1,8 @@
 //! The interface of all scatterers.
 //!
 //! A scatterer answers four questions about light that arrives in one direction: how much of it goes where
-//! ([`evaluate`](Scatterer::evaluate)), a random direction ([`sample`](Scatterer::sample)), the probability density
-//! of that direction ([`density`](Scatterer::density)), and how much of it is scattered at all
+//! ([`evaluate`](Scatterer::evaluate)), a random direction ([`sample`](Scatterer::sample)), the probability
+//! density of that direction ([`density`](Scatterer::density)), and how much of it is scattered at all
 //! ([`albedo`](Scatterer::albedo)).
 //!
 //! | kind | model | direction | domain |
@@ -13,21 +13,22 @@
 //! | [`HenyeyGreenstein`](crate::phase::HenyeyGreenstein) | phase function | unit vector | the sphere |
 //!
 //! # Directions
-//! All directions are directions of propagation, before and after. [`Beta`](crate::Beta) describes light in one
-//! mode, either through an interface or back from it; the caller knows which, and which disc the medium there
-//! carries: `|beta| <= 1` in air, `|beta| < n` in a medium of index n, so `|beta| > 1` occurs below an
+//! All directions are directions of propagation, before and after. [`Beta`](crate::Beta) describes light in
+//! one mode, either through an interface or back from it; the caller knows which, and which disc the medium
+//! there carries: `|beta| <= 1` in air, `|beta| < n` in a medium of index n, so `|beta| > 1` occurs below an
 //! interface only. A kind that scatters to both sides takes the side as part of the direction. In direction
 //! cosines reflection and transmission have the same form, and `to = from` is the regular direction of both.
 //!
 //! # Measure
-//! Direction cosines are referred to air: `d^2 beta = cos(theta) d omega`. So `evaluate` is the BSDF f in 1/sr
-//! *without* the cosine, and its integral over `d^2 beta` *includes* the cosine. A phase function is per steradian.
+//! Direction cosines are referred to air: `d^2 beta = cos(theta) d omega`. So `evaluate` is the BSDF f in
+//! 1/sr *without* the cosine, and its integral over `d^2 beta` *includes* the cosine. A phase function is per
+//! steradian.
 //!
 //! # What is not part of it
 //! - *The regular part*, light that keeps its direction, has no density. The layer describes it separately.
-//! - *Colour.* A scatterer has no wavelength. A factor that depends on wavelength multiplies it from outside. A shape
-//!   that depends on wavelength is one scatterer for each wavelength: one of them is sampled, and the weight of each
-//!   is its own `evaluate` over the density that the direction was sampled with.
+//! - *Colour.* A scatterer has no wavelength. A factor that depends on wavelength multiplies it from outside.
+//!   A shape that depends on wavelength is one scatterer for each wavelength: one of them is sampled, and the
+//!   weight of each is its own `evaluate` over the density that the direction was sampled with.
 
 /// A scatterer of light.
 pub trait Scatterer {
@@ -38,7 +39,8 @@ pub trait Scatterer {
     /// direction cosines, or per steradian for a unit vector. 0 outside the domain.
     fn evaluate(&self, from: Self::Direction, to: Self::Direction) -> f64;
 
-    /// Samples a direction from four uniform random numbers in (0, 1); kinds that need fewer use the first ones.
+    /// Samples a direction from four uniform random numbers in (0, 1); kinds that need fewer use the first
+    /// ones.
     ///
     /// Returns `None` if the scatterer absorbs the sample; otherwise the density is above 0. The mean of
     /// [`Sample::weight`], 0 for `None`, is the albedo.
@@ -176,7 +178,8 @@ mod tests {
         (square * CELLS + j.min(CELLS - 1)) * CELLS + i.min(CELLS - 1)
     }
 
-    /// Chi-square of counts against expectations, in standard deviations; light beyond the squares is not counted.
+    /// Chi-square of counts against expectations, in standard deviations; light beyond the squares is not
+    /// counted.
     fn deviations(counts: &[f64], expected: &[f64]) -> f64 {
         let cells = counts.iter().zip(expected).filter(|(_, expected)| **expected > 20.0);
         let (sum, freedom) = cells.fold((0.0, 0.0), |(sum, n), (c, e)| (sum + (c - e).powi(2) / e, n + 1.0));

@@ -1,4 +1,5 @@
-//! Chapter 2: a diffuser of glass bumps (figures 2.11, 2.12), and the same as a plane with a BSDF (figure 2.15).
+//! Chapter 2: a diffuser of glass bumps (figures 2.11, 2.12), and the same as a plane with a BSDF (figure
+//! 2.15).
 
 use papilio_figures::{Chart, ChartCurve, Hue, chart};
 use papilio_microgeometry::{ByRays, Kernel, MOST_SLOPE, Measurement, MicrogeometryError, Side, Total};
@@ -186,7 +187,8 @@ fn plane(bench: &Bench<'_>, totals: &[Total]) -> Result<Section, ReproductionErr
     for (view, deg) in result.views.iter().zip(angles) {
         let rays = totals.iter().find(|total| total.from == Side::Above && total.theta_deg == deg);
         let rays = rays.map_or(f64::NAN, |total| total.reflected.value);
-        // Nothing comes back from below the plane: by reciprocity what is seen in uniform light is what is reflected.
+        // Nothing comes back from below the plane: by reciprocity what is seen in uniform light is what is
+        // reflected.
         let plane = of(view, "black", |values| Some(values.Y));
         table.row([
             deg.to_string(),

@@ -32,7 +32,8 @@ pub(crate) fn phase_functions() -> Section {
     let mut table = Table::new(&["g", "integral over all directions", "mean cosine"]);
     for g in MEAN_COSINES {
         let phase = HenyeyGreenstein { anisotropy: g };
-        // Midpoint rule in the scattering angle. Twice as many steps do not change the sixth digit of either number.
+        // Midpoint rule in the scattering angle. Twice as many steps do not change the sixth digit of either
+        // number.
         let steps = 20_000;
         let step = std::f64::consts::PI / f64::from(steps);
         let mut sums = [0.0; 2];

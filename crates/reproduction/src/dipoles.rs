@@ -1,4 +1,5 @@
-//! Chapter 2: dipoles for light that is scattered below a surface (figure 2.18, eq. 2-22 to 2-29), against exact transfer.
+//! Chapter 2: dipoles for light that is scattered below a surface (figure 2.18, eq. 2-22 to 2-29), against
+//! exact transfer.
 
 use crate::displays::{Bench, ReproductionError, of};
 use crate::report::{Section, Table, fixed};
@@ -28,8 +29,8 @@ diffuse = 1
 theta_deg = 0
 "#;
 
-/// Albedos and reflectances of a half space for light along the normal, 1 - (1 - w)^(1/2) H(1), after S. Chandrasekhar, Radiative Transfer
-/// (1950), computed by a separate program.
+/// Albedos and reflectances of a half space for light along the normal, 1 - (1 - w)^(1/2) H(1), after S.
+/// Chandrasekhar, Radiative Transfer (1950), computed by a separate program.
 const EXACT: [(f64, f64); 3] = [(0.9, 0.414_947_48), (0.99, 0.752_720_72), (0.999, 0.912_845_33)];
 
 /// Reflectance by the standard dipole (H. W. Jensen et al., SIGGRAPH 2001), of the same half space.

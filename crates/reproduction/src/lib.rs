@@ -1,16 +1,18 @@
 //! Reproduction of the tables and figures of Feng 2012.
 //!
-//! Papilio follows Z. Feng, *Light Transport Simulation in Reflective Displays*, PhD thesis, Texas Tech University,
-//! 2012. [`reproduce`] computes all its tables and figures that consist of numbers. It compares them with the numbers
-//! printed in the thesis, and explains the differences. The call computes all our numbers in the [`Report`]; the numbers
-//! of the thesis are in the files of the chapters, as printed.
+//! Papilio follows Z. Feng, *Light Transport Simulation in Reflective Displays*, PhD thesis, Texas Tech
+//! University,
+//! 2012. [`reproduce`] computes all its tables and figures that consist of numbers. It compares them with the
+//!       numbers
+//! printed in the thesis, and explains the differences. The call computes all our numbers in the [`Report`];
+//! the numbers of the thesis are in the files of the chapters, as printed.
 //!
-//! The thesis's display is not public. Ours is the reference pixel (fitted to the peaks and colours of the bare panel)
-//! behind diffusers of the same haze; the measured samples are synthetic. Numbers of the bare panel should therefore
-//! agree, and those of diffused panels qualitatively.
+//! The thesis's display is not public. Ours is the reference pixel (fitted to the peaks and colours of the
+//! bare panel) behind diffusers of the same haze; the measured samples are synthetic. Numbers of the bare
+//! panel should therefore agree, and those of diffused panels qualitatively.
 //!
-//! **Out of scope.** The thesis's photographs and drawings, its measured data, and the data that it took from charts of
-//! others.
+//! **Out of scope.** The thesis's photographs and drawings, its measured data, and the data that it took from
+//! charts of others.
 
 mod bumps;
 mod chapter_2;
@@ -43,8 +45,8 @@ const CHAPTERS: [Chapter; 5] = [
     chapter_5::sections,
 ];
 
-/// Computes the report, and writes its scenarios to `folder`, where they can be run with `papilio run`. The progress is that of the
-/// whole.
+/// Computes the report, and writes its scenarios to `folder`, where they can be run with `papilio run`. The
+/// progress is that of the whole.
 ///
 /// # Errors
 /// If files cannot be written, or the computation was stopped.

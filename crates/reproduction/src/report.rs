@@ -84,7 +84,8 @@ impl Table {
     }
 }
 
-/// Formats a number with so many significant digits, with an exponent only if the number would be long without it.
+/// Formats a number with so many significant digits, with an exponent only if the number would be long
+/// without it.
 pub(crate) fn number(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "-".to_owned();

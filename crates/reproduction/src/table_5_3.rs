@@ -18,8 +18,8 @@ pub struct Column {
     pub text_luminance_cd_m2: f64,
     /// "C": contrast of the text.
     pub text_contrast: f64,
-    /// "P": reading performance at 20, 50 and 75 years, %. (The head of the table has 70 years, but the chart from which
-    /// it was read, figure 5.20, has 75.)
+    /// "P": reading performance at 20, 50 and 75 years, %. (The head of the table has 70 years, but the chart
+    /// from which it was read, figure 5.20, has 75.)
     pub performance_percent: [f64; 3],
 }
 

@@ -1,7 +1,8 @@
 //! How many of the dissertation's printed numbers agree with Papilio's, and within what.
 //!
-//! Compared are the tables with a column `thesis` and, to the right of it, a column that begins with `here`: each row in which both
-//! cells are numbers. Chromaticities and their distances are compared by their difference, all other numbers by their ratio.
+//! Compared are the tables with a column `thesis` and, to the right of it, a column that begins with `here`:
+//! each row in which both cells are numbers. Chromaticities and their distances are compared by their
+//! difference, all other numbers by their ratio.
 
 use crate::report::{Part, Report, Section, Table};
 

@@ -49,7 +49,8 @@ fn report_contains_all_tables_and_figures() {
     }
 }
 
-/// Bumps: what the thesis says in words, numbers of a separate program for hemispheres, and the plane with the BSDF against the rays.
+/// Bumps: what the thesis says in words, numbers of a separate program for hemispheres, and the plane with
+/// the BSDF against the rays.
 #[test]
 fn bumps_are_darker_from_above_brighter_from_the_side_and_blur_with_distance() {
     let along = &tables("figure-2-11")[0].rows[0];
@@ -75,7 +76,8 @@ fn slabs_are_exact_and_dipoles_are_not() {
     }
 }
 
-/// The bare peaks of table 5.2, in glass, agree to 5 nm; blue at 20 deg is at the edge of the thesis's axis, 400 nm.
+/// The bare peaks of table 5.2, in glass, agree to 5 nm; blue at 20 deg is at the edge of the thesis's axis,
+/// 400 nm.
 #[test]
 fn bare_peaks_agree_with_table_5_2() {
     let bare = tables("table-5-2")[0];

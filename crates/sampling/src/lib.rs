@@ -1,8 +1,8 @@
 //! Uniform numbers for Monte Carlo integration, and warps that convert them to directions.
 //!
-//! - [`SampleStream`]: the sample stream of one replicate: independent counter-based random numbers, or points of
-//!   low-discrepancy and stratified sets ([`Sampler`]). A path requests blocks of four numbers by position.
-//!   Its numbers depend on (seed, replicate, path, block) alone, not on threads or other paths.
+//! - [`SampleStream`]: the sample stream of one replicate: independent counter-based random numbers, or
+//!   points of low-discrepancy and stratified sets ([`Sampler`]). A path requests blocks of four numbers by
+//!   position. Its numbers depend on (seed, replicate, path, block) alone, not on threads or other paths.
 //! - [`table_4_1`]: the gain from importance sampling and stratification, on an integral with known value.
 //! - [`warp`]: maps from the unit square to discs and cones, each with its density.
 //! - [`Distribution`]: probability distributions by quantile functions; [`Correlation`]: correlated numbers;

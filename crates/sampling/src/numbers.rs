@@ -68,7 +68,8 @@ impl SampleStream {
         Self { key: mix64(self.key ^ 0x6170_6172_7400), ..*self }
     }
 
-    /// Returns numbers for the same replicate that are independent of these, and of those of any other `part`.
+    /// Returns numbers for the same replicate that are independent of these, and of those of any other
+    /// `part`.
     #[must_use]
     pub fn part(&self, part: u64) -> Self {
         Self { key: mix64(self.key ^ mix64(part ^ 0x7061_7274_0000_0000)), ..*self }

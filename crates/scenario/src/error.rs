@@ -52,7 +52,8 @@ impl ScenarioErrors {
         self
     }
 
-    /// Makes errors in the file that this text of `--set` names errors in an argument of the command: they do not mention the text.
+    /// Makes errors in the file that this text of `--set` names errors in an argument of the command: they do
+    /// not mention the text.
     #[must_use]
     pub fn in_argument(mut self, set: &str) -> Self {
         let is_set = |place: &Place| place.spot.as_ref().is_some_and(|spot| spot.text == set);
@@ -189,7 +190,8 @@ impl Errors {
         self.add(origin, mistake.into(), file);
     }
 
-    /// Adds an error of a file that cannot be opened or read; `tried` is a hint with the paths that were tried.
+    /// Adds an error of a file that cannot be opened or read; `tried` is a hint with the paths that were
+    /// tried.
     pub(crate) fn push_unread(&mut self, origin: Origin, error: FormatError, tried: Option<String>) {
         let mut mistake: Mistake = error.problem.into();
         if mistake.kind == MistakeKind::Unreadable {

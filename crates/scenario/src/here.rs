@@ -1,8 +1,9 @@
-//! Paths in `--set`: they are relative to the current folder, paths in a scenario to the folder of the scenario.
+//! Paths in `--set`: they are relative to the current folder, paths in a scenario to the folder of the
+//! scenario.
 //!
-//! A text in `--set` that is the path of a file in the current folder is replaced by the path of this file from the folder of the
-//! scenario, so that all later steps have one kind of path. Other texts do not change: a path that leads nowhere from the current
-//! folder is tried from the folder of the scenario.
+//! A text in `--set` that is the path of a file in the current folder is replaced by the path of this file
+//! from the folder of the scenario, so that all later steps have one kind of path. Other texts do not change:
+//! a path that leads nowhere from the current folder is tried from the folder of the scenario.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -50,7 +51,8 @@ pub(crate) fn looks_like_path(text: &str) -> bool {
     text.contains(['/', '\\']) || text.rsplit_once('.').is_some_and(|(_, end)| !end.is_empty())
 }
 
-/// Returns the path, from a folder, of a file in the current folder; `None` if the text is no path, or from the folder the same.
+/// Returns the path, from a folder, of a file in the current folder; `None` if the text is no path, or from
+/// the folder the same.
 fn from_folder(text: &str, key: &str, folder: &Path) -> Option<String> {
     let path = Path::new(text);
     if FREE_TEXT.contains(&key) || !looks_like_path(text) || path.is_absolute() || !path.is_file() {

@@ -1,8 +1,8 @@
 //! Labels of keys and metrics: names in words, with units, for figures, tables, the page and Python.
 //!
-//! The words of a key come from its line in the grammar (`describe`), its unit from the ending of its name. This file adds only
-//! what the place of a key in its scenario says: `of film layer 2`, `of the glass`. Metrics have their labels in
-//! `papilio_display`.
+//! The words of a key come from its line in the grammar (`describe`), its unit from the ending of its name.
+//! This file adds only what the place of a key in its scenario says: `of film layer 2`, `of the glass`.
+//! Metrics have their labels in `papilio_display`.
 
 use std::sync::OnceLock;
 
@@ -41,7 +41,8 @@ const PARTS: [(&str, &str); 21] = [
 ];
 
 /// Returns the label of a metric or of another number of a result (`white.Y`), or of a key of a scenario
-/// (`display.pixel.film.1.thickness_nm`): the quantity in words, and its unit. A text that is neither is returned as it is.
+/// (`display.pixel.film.1.thickness_nm`): the quantity in words, and its unit. A text that is neither is
+/// returned as it is.
 ///
 /// ```
 /// use papilio_scenario::label;
@@ -55,7 +56,8 @@ pub fn label(name: &str) -> Label {
         let label = label(rest);
         return Label::new(format!("Mean of {}", uncapitalised(&label.quantity)), label.unit);
     }
-    // Names of quantities in one of several views and conditions: "white.Y, view 1", "white.Y (indoor, view 1)".
+    // Names of quantities in one of several views and conditions: "white.Y, view 1", "white.Y (indoor, view
+    // 1)".
     let name = name.trim();
     let place = name.split_once(" (").map(|(name, place)| (name, place.trim_end_matches(')')));
     if let Some((name, place)) = place.or_else(|| name.split_once(", ")) {
@@ -81,7 +83,8 @@ fn key_label(path: &str) -> Option<Label> {
         return of_any_table(keys[0]);
     }
     let known = Table::all();
-    // The longest beginning that is a table, and the key in it; what follows are names of states, sub-pixels and materials.
+    // The longest beginning that is a table, and the key in it; what follows are names of states, sub-pixels
+    // and materials.
     let is_list = |at: usize| keys.len() > at + 2 && keys[at + 1].parse::<usize>().is_ok();
     let found = (1..keys.len()).rev().filter(|end| !is_list(*end)).find_map(|end| {
         let table = words(&keys[..end]);
@@ -99,8 +102,8 @@ fn key_label(path: &str) -> Option<Label> {
     Some(part.map_or(named.clone(), |part| named.of(&part)))
 }
 
-/// Returns the label of a key with what follows it: another key (`gap_nm` of a state, `n` of a material) replaces the quantity;
-/// the rest are names.
+/// Returns the label of a key with what follows it: another key (`gap_nm` of a state, `n` of a material)
+/// replaces the quantity; the rest are names.
 fn with_names<'a>(label: Label, key: &str, rest: &[&'a str]) -> (Label, Vec<&'a str>) {
     let mut label = label;
     let mut names: Vec<&str> = Vec::new();
@@ -164,7 +167,8 @@ impl Table {
     }
 }
 
-/// Returns the label of a key wherever it stands, if any table has it: tables with words of their own come first.
+/// Returns the label of a key wherever it stands, if any table has it: tables with words of their own come
+/// first.
 fn of_any_table(key: &str) -> Option<Label> {
     if let "n" | "k" = key {
         let quantity = if key == "n" { "Refractive index n" } else { "Extinction coefficient k" };

@@ -16,15 +16,16 @@
 //! - An [`Optimisation`] is a scenario with variables, objectives and constraints.
 //! - A [`ParameterisedScenario`] is a scenario some of whose keys get values one set after the other.
 //! - A [`Tolerance`] is a [`ParameterisedScenario`] with distributions of its keys, and limits.
-//! - A [`SurfaceScenario`] is not a scenario of a display, but the geometry of a surface, for `papilio gonio`.
+//! - A [`SurfaceScenario`] is not a scenario of a display, but the geometry of a surface, for
+//!   `papilio gonio`.
 //! - The [hash](Resolved::hash) identifies the computation: the scenario with all its
 //!   defaults, and the bytes of its files.
 //!
 //! Limits: a text of at most 1 MiB, files of at most 64 MiB, 5000 views, ten million
 //! numbers for each quantity of the result, eight million states x wavelengths x
 //! (directed sources + 8), and 100 000 film gaps x wavelengths. No content of a file makes the
-//! program panic or use memory without bound. **Out of scope**: any computation with light. A surface by its geometry is described in the scene, and
-//! measured when that is prepared.
+//! program panic or use memory without bound. **Out of scope**: any computation with light. A surface by its
+//! geometry is described in the scene, and measured when that is prepared.
 //!
 //! ```
 //! use papilio_scenario::Scenario;

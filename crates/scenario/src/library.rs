@@ -16,7 +16,8 @@ use crate::memo::ResolveCache;
 pub enum Library {
     /// Files on disk; names are paths relative to this folder.
     Folder(PathBuf),
-    /// Files in memory, by the names that scenarios use. Nothing is read from the disk, whatever a scenario contains.
+    /// Files in memory, by the names that scenarios use. Nothing is read from the disk, whatever a scenario
+    /// contains.
     Memory {
         /// Files by their names.
         files: Arc<BTreeMap<String, MemoryFile>>,
@@ -99,7 +100,8 @@ impl Library {
         }
     }
 
-    /// Returns a hint for a file that cannot be read: the paths that were tried. `in_set`: the name is in a `--set`.
+    /// Returns a hint for a file that cannot be read: the paths that were tried. `in_set`: the name is in a
+    /// `--set`.
     pub(crate) fn tried(&self, name: &str, in_set: bool) -> Option<String> {
         let Self::Folder(folder) = self else { return None };
         let tried = folder.join(name);

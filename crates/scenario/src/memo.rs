@@ -1,7 +1,7 @@
 //! Cache of values that are expensive to resolve: measured scattering, and maps of light.
 //!
-//! The key of an entry is a text with everything that determines the value, together with the contents of the files that
-//! were read. The resolver defines the type of the value.
+//! The key of an entry is a text with everything that determines the value, together with the contents of the
+//! files that were read. The resolver defines the type of the value.
 
 use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -31,7 +31,8 @@ pub struct RenamedPlace {
 /// Nothing else in the text changes. A text with present names and the present format does not change at all.
 ///
 /// # Errors
-/// If the text is not TOML, if one table has both names of a key, or if its format is newer than this version.
+/// If the text is not TOML, if one table has both names of a key, or if its format is newer than this
+/// version.
 ///
 /// ```
 /// use papilio_scenario::migrate;
@@ -76,7 +77,8 @@ pub fn migrate(text: &str, name: &str) -> Result<Migrated, ScenarioErrors> {
     Ok(Migrated { text, renamed })
 }
 
-/// The text with `format = 2`: in the place of another number, or above the first key, below the comment that opens the file.
+/// The text with `format = 2`: in the place of another number, or above the first key, below the comment that
+/// opens the file.
 fn stated(text: &str, is_there: bool) -> String {
     let line = format!("format = {FORMAT}");
     if is_there {

@@ -1,6 +1,7 @@
 //! Places in the texts of a scenario.
 
-/// A range of one of the scenario's [`Sources`](crate::source::Sources), in bytes; an empty range means the whole text.
+/// A range of one of the scenario's [`Sources`](crate::source::Sources), in bytes; an empty range means the
+/// whole text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Origin {
     pub(crate) source: usize,

@@ -127,8 +127,8 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
 }
 
 /// Returns a page of documentation with the tables of keys of the grammar: the text between
-/// `<!-- keys: NAME -->` and `<!-- end -->` is replaced. `<!-- keys: NAME without OTHER -->` names only the rows that stand in the
-/// table OTHER, too.
+/// `<!-- keys: NAME -->` and `<!-- end -->` is replaced. `<!-- keys: NAME without OTHER -->` names only the
+/// rows that stand in the table OTHER, too.
 ///
 /// # Errors
 /// If a table is unknown, has no end, or is missing in the page.

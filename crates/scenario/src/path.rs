@@ -1,12 +1,12 @@
 //! Dotted paths of keys: `display.pixel.film.1.thickness_nm`.
 //!
-//! `--set`, edits of the text, `[sweep]`, `[optimize]`, `[tolerance]`, batches of designs and error reports all
-//! identify a key by such a path. [`KeyPath`] is the only reader of paths in Rust: it splits the text at its points,
-//! counts indices from 0, and appends at the index after the last one. It is followed through a [`Tree`]: the
-//! scenario's own tree with its places, JSON, or the TOML document of an editor.
+//! `--set`, edits of the text, `[sweep]`, `[optimize]`, `[tolerance]`, batches of designs and error reports
+//! all identify a key by such a path. [`KeyPath`] is the only reader of paths in Rust: it splits the text at
+//! its points, counts indices from 0, and appends at the index after the last one. It is followed through a
+//! [`Tree`]: the scenario's own tree with its places, JSON, or the TOML document of an editor.
 //!
-//! Two more readers of the same paths are not in Rust, because their trees are not: the page's `model/json.ts` and the
-//! Python package's `Scenario.__getitem__`.
+//! Two more readers of the same paths are not in Rust, because their trees are not: the page's
+//! `model/json.ts` and the Python package's `Scenario.__getitem__`.
 
 use std::fmt;
 use std::ops::Range;

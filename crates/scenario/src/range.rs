@@ -62,7 +62,8 @@ impl Range {
         value.is_finite() && ((is_above && is_below) || (self.zero.is_some() && value == 0.0))
     }
 
-    /// Returns the end of the range that is nearest to a number outside it, if that end is a part of the range.
+    /// Returns the end of the range that is nearest to a number outside it, if that end is a part of the
+    /// range.
     fn nearest_end(&self, value: f64) -> Option<f64> {
         let end = if value < self.least { self.least } else { self.most };
         (value.is_finite() && self.contains(end)).then_some(end)

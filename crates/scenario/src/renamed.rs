@@ -1,7 +1,8 @@
 //! Old names of keys and values, which scenarios may still use.
 //!
-//! [`RENAMED`] is the only list. Files, `--set`, the keys of studies, Python and the page's edits are all converted to the
-//! new names with it, and so does `papilio migrate` with the text of a file. Both names of one key together are an error.
+//! [`RENAMED`] is the only list. Files, `--set`, the keys of studies, Python and the page's edits are all
+//! converted to the new names with it, and so does `papilio migrate` with the text of a file. Both names of
+//! one key together are an error.
 //!
 //! [`FORMAT`] is the number of the grammar. It changes when a key is renamed, and is part of the hash.
 
@@ -59,7 +60,8 @@ pub(crate) const RENAMED: &[NamePair] = &[
     Key { tables: &["optimize.variables.*"], old: "against", new: "compensated_by" },
 ];
 
-/// Keys that exist no more: table, key, and the key that has taken over. Their only value was 0, which is ignored with a note.
+/// Keys that exist no more: table, key, and the key that has taken over. Their only value was 0, which is
+/// ignored with a note.
 const GONE: &[(&str, &str, &str)] = &[("display.matrix", "spread_um", "display.pixel.spread_um")];
 
 const DIFFUSERS: &[&str] = &["display.diffuser", "display.layers.*"];
@@ -174,7 +176,8 @@ pub(crate) fn table() -> String {
             format!("| `\"{old}\"` | `{}` | value of {} |\n", new.written(), places(keys))
         }
     });
-    // The old names come first: who looks for one finds it in the first column, and so does the search of the site.
+    // The old names come first: who looks for one finds it in the first column, and so does the search of the
+    // site.
     let head = "| old | new | what |\n|---|---|---|\n".to_owned();
     let gone = GONE
         .iter()
@@ -237,7 +240,8 @@ pub(crate) fn rename(node: &mut Node, path: &[&str], found: &mut Vec<OldName>, e
     }
 }
 
-/// Returns a note if the key `key` of the table at `table` exists no more and has its only value, with which it is ignored.
+/// Returns a note if the key `key` of the table at `table` exists no more and has its only value, with which
+/// it is ignored.
 pub(crate) fn gone(table: &[&str], key: &str, value: &Value, origin: Origin) -> Option<OldName> {
     let is_zero = matches!(value, Value::Integer(0) | Value::Float(0.0));
     let (table, key, new) =
@@ -316,8 +320,8 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
     }
 }
 
-/// Finds old names in a key of a condition or of an axis, dotted or nested below `above`, and in its value; an axis has a
-/// list of values.
+/// Finds old names in a key of a condition or of an axis, dotted or nested below `above`, and in its value;
+/// an axis has a list of values.
 fn of_change(entry: &Entry, above: &[&str], is_swept: bool, found: &mut Vec<OldName>) {
     let joined = [above, &[&*entry.key]].concat().join(".");
     let path = KeyPath::new(&joined);

@@ -76,8 +76,8 @@ pub struct Resolved {
 }
 
 impl Scenario {
-    /// Reads a scenario file. `overrides` are texts `PATH=VALUE`, as in `--set`; paths of files in them are relative to the current
-    /// folder, or else to the folder of the scenario.
+    /// Reads a scenario file. `overrides` are texts `PATH=VALUE`, as in `--set`; paths of files in them are
+    /// relative to the current folder, or else to the folder of the scenario.
     ///
     /// # Errors
     /// All mistakes in its bytes, its TOML, its keys and their types and ranges, each with its place.
@@ -91,7 +91,8 @@ impl Scenario {
         Self::read(assembled, folder.into(), sources)
     }
 
-    /// Reads a scenario from a text. Errors call it `name`. Its files are in `library`; a path is the folder of the files.
+    /// Reads a scenario from a text. Errors call it `name`. Its files are in `library`; a path is the folder
+    /// of the files.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -131,7 +132,8 @@ impl Scenario {
         all.get_mut(key).map(Value::take).unwrap_or_default()
     }
 
-    /// Returns the preset of lighting and viewer that the scenario names, or else one whose light and viewer it has.
+    /// Returns the preset of lighting and viewer that the scenario names, or else one whose light and viewer
+    /// it has.
     pub fn preset(&self) -> Option<UsedPreset> {
         preset::used(&self.written.root, &serde_json::to_value(&self.file).unwrap_or_default())
     }
@@ -149,13 +151,14 @@ impl Scenario {
     /// Evaluates materials, lights and files on the wavelength grid, and checks the whole scenario.
     ///
     /// # Errors
-    /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
+    /// All keys that do not fit together, each with its place, and mistakes in data files, with line and
+    /// column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
         self.resolved(PictureChoice::No, true)
     }
 
-    /// As [`resolve`](Self::resolve) for what does not depend on the light: where spectra of lights do not cover the wavelengths, they are
-    /// replaced by one of equal energy, with a note.
+    /// As [`resolve`](Self::resolve) for what does not depend on the light: where spectra of lights do not
+    /// cover the wavelengths, they are replaced by one of equal energy, with a note.
     ///
     /// # Errors
     /// As [`resolve`](Self::resolve), except for lights that do not cover the wavelengths.
@@ -171,7 +174,8 @@ impl Scenario {
         self.resolved(PictureChoice::Described, true)
     }
 
-    /// As [`resolve_with_picture`](Self::resolve_with_picture), with a picture in memory of any size instead of `image.file`.
+    /// As [`resolve_with_picture`](Self::resolve_with_picture), with a picture in memory of any size instead
+    /// of `image.file`.
     ///
     /// # Errors
     /// As [`resolve`](Self::resolve), and if `[image]` has a test pattern.
@@ -207,7 +211,8 @@ impl Scenario {
 }
 
 impl Scenario {
-    /// Adds the light for which the states of a picture are decided, if it is another one; the view is the same.
+    /// Adds the light for which the states of a picture are decided, if it is another one; the view is the
+    /// same.
     fn prepared(&self, mut image: ImageRequest, scene: &Scene) -> Result<ImageRequest, ScenarioErrors> {
         let Some(Spanned { value: name, origin }) = self
             .file
@@ -243,7 +248,8 @@ impl Scenario {
 }
 
 impl Resolved {
-    /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key causes it.
+    /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key
+    /// causes it.
     pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
         let source;
         let (key, wrong): (&str, Mistake) = match error {
@@ -408,8 +414,8 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Complete
     let mut errors = Errors::default();
     let mut old = Vec::new();
     renamed::rename(&mut root, &[], &mut old, &mut errors);
-    // The preset comes first, so that other keys can change its values. It is expanded again for a whole table that
-    // was set and names a preset.
+    // The preset comes first, so that other keys can change its values. It is expanded again for a whole
+    // table that was set and names a preset.
     set::apply(&mut root, sources, changes, true, &mut old, &mut errors);
     let at_first = preset::expand(&mut root, &mut errors);
     errors.check(sources)?;

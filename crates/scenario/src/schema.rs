@@ -54,7 +54,8 @@ pub(crate) enum Default {
 }
 
 impl Row {
-    /// Creates the row of a key of type `T`. Its doc comment may end with "Default: " and the meaning of a missing key.
+    /// Creates the row of a key of type `T`. Its doc comment may end with "Default: " and the meaning of a
+    /// missing key.
     pub(crate) fn new<T: Read + Serialize>(
         key: &'static str,
         doc: &str,

@@ -1,8 +1,8 @@
 //! Changes of a scenario: `--set PATH=VALUE` from the command line, and those of sweeps and searches.
 //!
 //! PATH is a [`KeyPath`]. Of two keys that exclude each other (`haze` and `width`), one that is set
-//! replaces the one in the file; setting both is an error. VALUE is TOML, or otherwise a string. Missing tables are
-//! created; whether the grammar has such a key is checked when the scenario is read.
+//! replaces the one in the file; setting both is an error. VALUE is TOML, or otherwise a string. Missing
+//! tables are created; whether the grammar has such a key is checked when the scenario is read.
 
 use papilio_diagnostics::Diagnostic;
 
@@ -29,8 +29,8 @@ pub(crate) struct Change {
     pub(crate) value: Node,
 }
 
-/// Applies each `--set` in order, then the other changes: with `presets` only those of the preset, otherwise all others.
-/// Old names in them are added to `old`.
+/// Applies each `--set` in order, then the other changes: with `presets` only those of the preset, otherwise
+/// all others. Old names in them are added to `old`.
 pub(crate) fn apply(
     root: &mut Node,
     sources: &Sources,
@@ -84,7 +84,8 @@ pub(crate) fn apply(
     }
 }
 
-/// The axis `KEY=VALUES` of a sweep: `FROM:TO:STEP`, or values with commas between them, or what `[[sweep.axes]]` has as TOML.
+/// The axis `KEY=VALUES` of a sweep: `FROM:TO:STEP`, or values with commas between them, or what
+/// `[[sweep.axes]]` has as TOML.
 fn axis(text: &str, source: usize, errors: &mut Errors) -> Option<Node> {
     let at = |start: usize, end: usize| Origin { source, start, end: end.max(start + 1) };
     let Some((key, values)) =
@@ -227,7 +228,8 @@ pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 8] = [
     ["subpixel", "subpixel_file"],
 ];
 
-/// Removes the keys that `key` excludes from a table, if their values are from the file and not from another `--set`.
+/// Removes the keys that `key` excludes from a table, if their values are from the file and not from another
+/// `--set`.
 fn drop_excluded(table: &mut Node, key: &str) {
     let Value::Table(entries) = &mut table.value else { return };
     for [a, b] in EXCLUSIVE_KEYS {

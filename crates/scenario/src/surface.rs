@@ -46,7 +46,8 @@ pub struct ResolvedSurface {
     pub title: Option<String>,
     /// Notes: consequences that are worth knowing, and not wrong.
     pub notes: Vec<String>,
-    /// The file with every default filled in and sorted keys, and under `inputs` the SHA-256 of each file that it names.
+    /// The file with every default filled in and sorted keys, and under `inputs` the SHA-256 of each file
+    /// that it names.
     pub canonical: Value,
     /// SHA-256 of `canonical` as compact JSON, in hexadecimal digits.
     pub hash: String,

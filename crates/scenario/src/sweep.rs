@@ -72,8 +72,8 @@ impl Sweep {
         })
     }
 
-    /// The override that sets an axis, `KEY=VALUES`: `FROM:TO:STEP`, or values with commas between them. All of them together replace the
-    /// axes of the file.
+    /// The override that sets an axis, `KEY=VALUES`: `FROM:TO:STEP`, or values with commas between them. All
+    /// of them together replace the axes of the file.
     pub fn axis_override(axis: &str) -> String {
         format!("{AXIS}{axis}")
     }
@@ -89,7 +89,8 @@ impl Sweep {
         self.axes.iter().map(Axis::len).product()
     }
 
-    /// Returns the head of a journal by this version of the program; `name` is the title of a scenario without one.
+    /// Returns the head of a journal by this version of the program; `name` is the title of a scenario
+    /// without one.
     pub fn head(&self, papilio: &str, name: &str) -> SweepHead {
         let axis = |axis: &Axis| {
             let at = |at: usize| axis.0.iter().map(|swept| swept.values[at].to_json()).collect();
@@ -191,8 +192,8 @@ impl Sweep {
         self.base.scenario(&self.at(point))
     }
 
-    /// Returns one point for every value of every axis, with the first values of the other axes. They are enough to
-    /// find mistakes in single values before the computation.
+    /// Returns one point for every value of every axis, with the first values of the other axes. They are
+    /// enough to find mistakes in single values before the computation.
     pub fn samples(&self) -> Vec<usize> {
         let mut samples = vec![0];
         let mut stride = self.len();

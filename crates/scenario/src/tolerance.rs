@@ -49,8 +49,8 @@ pub struct Tolerance {
     pub metrics: Vec<ReportedMetric>,
     /// Limits of a good display.
     pub limits: Vec<ToleranceLimit>,
-    /// SHA-256 of everything that determines the results of a display, except its index: the scenario, the keys, the seed,
-    /// the metrics.
+    /// SHA-256 of everything that determines the results of a display, except its index: the scenario, the
+    /// keys, the seed, the metrics.
     pub hash: String,
     /// One note for each old name of a key or a value.
     pub notes: Vec<String>,

@@ -72,8 +72,8 @@ impl Node {
     }
 
     /// Parses `text[at..]` of a source as one value. Numbers may be written as in a shell
-    /// (`.5`, `5.`). A text that is not a value is a string; if it begins like an array, a table or a quoted string, it is
-    /// also a syntax error.
+    /// (`.5`, `5.`). A text that is not a value is a string; if it begins like an array, a table or a quoted
+    /// string, it is also a syntax error.
     pub(crate) fn parse_value(text: &str, at: usize, source: usize) -> (Self, Option<(Origin, Diagnostic)>) {
         let rest = text.get(at..).unwrap_or_default();
         let mut wrong = None;
@@ -155,7 +155,8 @@ impl Node {
         best.map(|(_, path)| path)
     }
 
-    /// Searches this node for a shorter range. All keys are searched, because the range of a table does not contain them.
+    /// Searches this node for a shorter range. All keys are searched, because the range of a table does not
+    /// contain them.
     fn narrow(&self, path: String, origin: Origin, best: &mut Option<(usize, String)>) {
         let mut look = |at: &Origin, path: &str| {
             let length = at.end - at.start;
@@ -184,8 +185,8 @@ impl Node {
         }
     }
 
-    /// Adds every key of `other` that is missing here, at all depths; arrays count as one value. Returns true if there
-    /// was one.
+    /// Adds every key of `other` that is missing here, at all depths; arrays count as one value. Returns true
+    /// if there was one.
     pub(crate) fn fill_from(&mut self, other: Self) -> bool {
         let (Value::Table(mine), Value::Table(theirs)) = (&mut self.value, other.value) else { return false };
         let mut any = false;
@@ -332,7 +333,8 @@ fn decimal_comma(line: &str) -> Option<Range<usize>> {
     let mut values = line.match_indices('=').filter_map(|(i, _)| line.get(i + 1..));
     values.find_map(|rest| {
         let value = rest.trim_start();
-        // A number ends within a few characters: a search for the comma would read the whole line for each `=`.
+        // A number ends within a few characters: a search for the comma would read the whole line for each
+        // `=`.
         let end = value.find(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)))?;
         let (whole, behind) = (&value[..end], value[end..].strip_prefix(',')?);
         let digits = behind.len() - behind.trim_start_matches(|c: char| c.is_ascii_digit()).len();

@@ -101,8 +101,8 @@ macro_rules! read_of_scenarios {
                 $crate::varied::ParsedScenario::load(path, overrides).and_then($read)
             }
 
-            /// Reads the same from a text. Errors call it `name`. Its files are in `library`; a path is the folder of the
-            /// files.
+            /// Reads the same from a text. Errors call it `name`. Its files are in `library`; a path is the
+            /// folder of the files.
             ///
             /// # Errors
             /// As [`load`](Self::load).
@@ -154,12 +154,14 @@ impl ParameterisedScenario {
     /// Reads a scenario file whose keys at `paths` (as in `--set`) will vary.
     ///
     /// # Errors
-    /// Mistakes in its bytes and its TOML. Mistakes in keys and values are reported by [`scenario`](Self::scenario).
+    /// Mistakes in its bytes and its TOML. Mistakes in keys and values are reported by
+    /// [`scenario`](Self::scenario).
     pub fn load(path: &Path, overrides: &[String], paths: &[String]) -> Result<Self, ScenarioErrors> {
         ParsedScenario::load(path, overrides).map(|base| Self::of_paths(base, paths))
     }
 
-    /// Reads the same from a text. Errors call it `name`. Its files are in `library`; a path is the folder of the files.
+    /// Reads the same from a text. Errors call it `name`. Its files are in `library`; a path is the folder of
+    /// the files.
     ///
     /// # Errors
     /// As [`load`](Self::load).

@@ -1,15 +1,18 @@
-//! The materials of the program: what each is, its source and its range; those of the refractiveindex.info database.
+//! The materials of the program: what each is, its source and its range; those of the refractiveindex.info
+//! database.
 //!
-//! `data/materials.txt` has a block for each material: lines that begin with `=` (name), `what`, `page` and `source`, then its
-//! data as in the page, with wavelengths in um: `formula NUMBER FIRST LAST` and a line of coefficients, or `nk`, `n` or `k`
-//! and rows of a table. `validation/films/materials_oracle.py` makes the file from the database.
+//! `data/materials.txt` has a block for each material: lines that begin with `=` (name), `what`, `page` and
+//! `source`, then its data as in the page, with wavelengths in um: `formula NUMBER FIRST LAST` and a line of
+//! coefficients, or `nk`, `n` or `k` and rows of a table. `validation/films/materials_oracle.py` makes the
+//! file from the database.
 
 use std::sync::LazyLock;
 
 use crate::{Dispersion, SpectraError, Tabulated};
 
-/// Range in which every named material may be used, nm, if its data end within this range: a formula is continued, and a table
-/// keeps its last value. The part of V(lambda) beyond the data of any material is below 1e-3.
+/// Range in which every named material may be used, nm, if its data end within this range: a formula is
+/// continued, and a table keeps its last value. The part of V(lambda) beyond the data of any material is
+/// below 1e-3.
 const VISIBLE_NM: (f64, f64) = (380.0, 780.0);
 
 /// A named material, without its numbers.
@@ -21,12 +24,13 @@ pub struct MaterialInfo {
     pub what: &'static str,
     /// Authors and publication.
     pub source: &'static str,
-    /// Page of the refractiveindex.info database (shelf/book/page; several are separated by "; "), which is in the public
-    /// domain (CC0 1.0); `None` for constants and models from publications.
+    /// Page of the refractiveindex.info database (shelf/book/page; several are separated by "; "), which is
+    /// in the public domain (CC0 1.0); `None` for constants and models from publications.
     pub page: Option<&'static str>,
     /// First and last wavelength of the data, nm; (0, infinity) for a constant.
     pub measured_nm: (f64, f64),
-    /// First and last wavelength that may be used, nm: those of the data, or of the visible range if the data end within it.
+    /// First and last wavelength that may be used, nm: those of the data, or of the visible range if the data
+    /// end within it.
     pub range_nm: (f64, f64),
 }
 
@@ -103,7 +107,8 @@ impl Block {
         for &line in &self.data {
             match sections.last_mut() {
                 Some(section) if !line.starts_with(char::is_alphabetic) => {
-                    // A number that cannot be read becomes NaN, which all models refuse; a test reads every one.
+                    // A number that cannot be read becomes NaN, which all models refuse; a test reads every
+                    // one.
                     section.rows.push(line.split(' ').map(|n| n.parse().unwrap_or(f64::NAN)).collect());
                 }
                 _ => sections.push(Section { kind: line, rows: Vec::new() }),

@@ -51,8 +51,8 @@ impl Dispersion {
         Self { model, range_nm, data_nm: range_nm }
     }
 
-    /// Dispersion that may be used in all of `to_nm`, too: beyond the data, a formula is continued, and tables keep their
-    /// first or last value.
+    /// Dispersion that may be used in all of `to_nm`, too: beyond the data, a formula is continued, and
+    /// tables keep their first or last value.
     pub(crate) fn continued(mut self, to_nm: (f64, f64)) -> Self {
         self.range_nm = (self.range_nm.0.min(to_nm.0), self.range_nm.1.max(to_nm.1));
         self

@@ -96,8 +96,8 @@ const ILLUMINANTS: [(&str, &str, u32, &str); 49] = [
     ("LED-V2", "violet LED with phosphors", 1, CIE_2018),
 ];
 
-/// Other names that people write, upper case without separators. TL84 and its kin are lamps of one manufacturer, of the type that
-/// the CIE's illuminant averages.
+/// Other names that people write, upper case without separators. TL84 and its kin are lamps of one
+/// manufacturer, of the type that the CIE's illuminant averages.
 const ALIASES: [(&str, &str); 13] = [
     ("CWF", "FL2"),
     ("CWF2", "FL2"),
@@ -155,8 +155,8 @@ pub fn illuminant_info(name: &str) -> Option<IlluminantInfo> {
     Some(IlluminantInfo { name, what, step_nm, source })
 }
 
-/// Returns the name in the spelling of the CIE for any name that [`illuminant`] accepts: `F11`, `fl 11` and `TL84` are FL11.
-/// `None` for other names.
+/// Returns the name in the spelling of the CIE for any name that [`illuminant`] accepts: `F11`, `fl 11` and
+/// `TL84` are FL11. `None` for other names.
 ///
 /// ```
 /// use papilio_spectra::illuminant_name;
@@ -173,8 +173,9 @@ pub fn illuminant_name(name: &str) -> Option<&'static str> {
     ILLUMINANTS.iter().map(|one| one.0).find(is)
 }
 
-/// Returns the correlated colour temperature, K, of daylight that is named after it: `D93` has 9300 K times 1.4388/1.4380, by
-/// the second radiation constant of the D series. `None` for other names, and outside 4000 to 25 000 K.
+/// Returns the correlated colour temperature, K, of daylight that is named after it: `D93` has 9300 K times
+/// 1.4388/1.4380, by the second radiation constant of the D series. `None` for other names, and outside 4000
+/// to 25 000 K.
 ///
 /// ```
 /// assert_eq!(papilio_spectra::named_daylight_k("D93").map(f64::round), Some(9305.0));

@@ -3,7 +3,8 @@
 //! - [`Grid`]: the wavelengths of one computation; [`Spectrum`]: a value at each;
 //! - [`Tabulated`]: a table from which spectra are interpolated, never extrapolated;
 //! - [`Dispersion`]: the complex refractive index of a medium; [`material`]: named materials;
-//! - [`illuminant`], [`daylight`], [`planck`], [`ohno_led`]: spectra of light; [`LightSpectrum`]: a light with narrow lines.
+//! - [`illuminant`], [`daylight`], [`planck`], [`ohno_led`]: spectra of light; [`LightSpectrum`]: a light
+//!   with narrow lines.
 //!
 //! ```
 //! use papilio_spectra::{material, Grid};

@@ -1,12 +1,13 @@
 //! Spectrum of a light on the grid of a computation, with its own finer spectrum if it has narrow lines.
 //!
-//! A light without narrow lines is known by its values at the wavelengths of the grid, and linear between them. A light
-//! with lines narrower than the step of the grid also has its means over 1 nm, at integer wavelengths. Its values on the grid
-//! are then means over bands of the grid, so that the sum over the grid is that of the light. Colours are computed from the
-//! means over 1 nm (`papilio_colour::Observer::of_light`).
+//! A light without narrow lines is known by its values at the wavelengths of the grid, and linear between
+//! them. A light with lines narrower than the step of the grid also has its means over 1 nm, at integer
+//! wavelengths. Its values on the grid are then means over bands of the grid, so that the sum over the grid
+//! is that of the light. Colours are computed from the means over 1 nm
+//! (`papilio_colour::Observer::of_light`).
 //!
-//! **Means over bands.** The mean at a wavelength of the grid is weighted by the triangle that is 1 there and 0 at the
-//! neighbours: the weight with which linear interpolation uses this wavelength.
+//! **Means over bands.** The mean at a wavelength of the grid is weighted by the triangle that is 1 there and
+//! 0 at the neighbours: the weight with which linear interpolation uses this wavelength.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -90,7 +91,8 @@ impl Grid {
     /// Integer wavelengths within the grid, as a grid of 1 nm.
     ///
     /// # Errors
-    /// If there are fewer than two, or the step is below 1 nm: means over 1 nm are then coarser than the grid.
+    /// If there are fewer than two, or the step is below 1 nm: means over 1 nm are then coarser than the
+    /// grid.
     pub fn integers(&self) -> Result<Self, SpectraError> {
         let (first, last) = ((self.start_nm() - 1e-6).ceil(), (self.stop_nm() + 1e-6).floor());
         if self.step_nm() < 1.0 {
@@ -99,8 +101,8 @@ impl Grid {
         Self::new(first, last, 1.0)
     }
 
-    /// The two wavelengths of the grid next to `nm`, by index, each with its weight in linear interpolation; none outside the
-    /// grid.
+    /// The two wavelengths of the grid next to `nm`, by index, each with its weight in linear interpolation;
+    /// none outside the grid.
     pub fn between(&self, nm: f64) -> impl Iterator<Item = (usize, f64)> {
         let position = (nm - self.start_nm()) / self.step_nm();
         let inside = nm >= self.start_nm() - 1e-6 && nm <= self.stop_nm() + 1e-6;
@@ -111,8 +113,9 @@ impl Grid {
 }
 
 impl Tabulated {
-    /// Means of the table over the bands of `grid`, each weighted by the triangle between its neighbours: exact integrals of
-    /// the lines between the points. A band at an end of the table is its part within the table.
+    /// Means of the table over the bands of `grid`, each weighted by the triangle between its neighbours:
+    /// exact integrals of the lines between the points. A band at an end of the table is its part within the
+    /// table.
     ///
     /// # Errors
     /// If the table does not cover the grid.
@@ -171,7 +174,8 @@ mod tests {
         }
     }
 
-    /// A triangular line of full width 0.2 nm at 546.07 nm has an area of 0.1 nm, which two means over 1 nm share.
+    /// A triangular line of full width 0.2 nm at 546.07 nm has an area of 0.1 nm, which two means over 1 nm
+    /// share.
     #[test]
     fn means_of_a_table_are_exact_integrals() {
         let table = Tabulated::new(vec![400.0, 545.97, 546.07, 546.17, 700.0], vec![0.0, 0.0, 1.0, 0.0, 0.0])

@@ -1,5 +1,5 @@
-//! The named materials with their models, constants and sources. Those of the refractiveindex.info database are in
-//! `catalogue`.
+//! The named materials with their models, constants and sources. Those of the refractiveindex.info database
+//! are in `catalogue`.
 
 use std::sync::LazyLock;
 
@@ -89,7 +89,8 @@ pub fn material_info(name: &str) -> Result<MaterialInfo, SpectraError> {
     Ok(MaterialInfo { name, what, source, page: None, measured_nm: range_nm, range_nm })
 }
 
-/// Returns the names of materials for a word: `aluminium` (or Aluminum) is Al, Al:BB and Al:McPeak; empty for an unknown word.
+/// Returns the names of materials for a word: `aluminium` (or Aluminum) is Al, Al:BB and Al:McPeak; empty for
+/// an unknown word.
 ///
 /// ```
 /// assert_eq!(papilio_spectra::materials_called("Titanium Dioxide"), ["TiO2", "TiO2:Franta"]);
@@ -270,8 +271,8 @@ const W_BB: [(Oscillator, f64); 4] = [
     ((2.648, 4.555, 5.442), 1.912),
 ];
 
-/// Koenig et al. 2014, sputtered ITO: (um, n, k), the rows of the page between which lines are 2e-4 from n and 5e-4 from the transmittance
-/// of 1 um to 10 mm.
+/// Koenig et al. 2014, sputtered ITO: (um, n, k), the rows of the page between which lines are 2e-4 from n
+/// and 5e-4 from the transmittance of 1 um to 10 mm.
 const ITO: [(f64, f64, f64); 41] = [
     (0.35981, 2.1101, 0.019905),
     (0.36459, 2.0996, 0.018426),

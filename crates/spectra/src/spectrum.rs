@@ -138,11 +138,12 @@ impl Tabulated {
     }
 }
 
-/// Largest distance from the end of a range, nm, that is taken for the rounding of another unit: 3.2627421 eV are 380 nm. It is much
-/// less than the resolution of instruments.
+/// Largest distance from the end of a range, nm, that is taken for the rounding of another unit: 3.2627421 eV
+/// are 380 nm. It is much less than the resolution of instruments.
 const ROUNDED_NM: f64 = 1e-3;
 
-/// Returns a wavelength that is within a range, or outside it by no more than the rounding of its ends: then it is the end.
+/// Returns a wavelength that is within a range, or outside it by no more than the rounding of its ends: then
+/// it is the end.
 pub(crate) fn within(nm: f64, (first, last): (f64, f64)) -> Option<f64> {
     (first - ROUNDED_NM..=last + ROUNDED_NM).contains(&nm).then(|| nm.clamp(first, last))
 }

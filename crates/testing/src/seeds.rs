@@ -20,14 +20,14 @@ fn is_full() -> bool {
     std::env::var_os("PAPILIO_SEEDS").is_some()
 }
 
-/// Returns the first `count` of these cases, or all of them in `cargo xtask full`: for cases that take seconds each. Those that have
-/// most in common with the others come last.
+/// Returns the first `count` of these cases, or all of them in `cargo xtask full`: for cases that take
+/// seconds each. Those that have most in common with the others come last.
 pub fn everyday<T>(count: usize, cases: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
     cases.into_iter().take(if is_full() { usize::MAX } else { count })
 }
 
-/// Returns `everyday`, or `full` in `cargo xtask full`: the number of samples, the resolution or the bound of a test that takes
-/// long. With the everyday value, too, the test must reject a wrong program.
+/// Returns `everyday`, or `full` in `cargo xtask full`: the number of samples, the resolution or the bound of
+/// a test that takes long. With the everyday value, too, the test must reject a wrong program.
 pub fn sized<T>(everyday: T, full: T) -> T {
     if is_full() { full } else { everyday }
 }
@@ -47,8 +47,8 @@ pub fn assert_unbiased(what: &str, truth: f64, most_relative_error: f64, run: im
     assert_unbiased_over(seeds(), what, truth, most_relative_error, run);
 }
 
-/// [`assert_unbiased`] over at least this number of seeds: where rare paths carry most of the light, few seeds do not find them, and
-/// their mean and errors are both too small.
+/// [`assert_unbiased`] over at least this number of seeds: where rare paths carry most of the light, few
+/// seeds do not find them, and their mean and errors are both too small.
 ///
 /// # Panics
 /// As [`assert_unbiased`].

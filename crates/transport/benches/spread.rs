@@ -1,4 +1,5 @@
-//! Spread of an ordinary panel: a film pixel of three sub-pixels and eight states at 81 wavelengths under H78.
+//! Spread of an ordinary panel: a film pixel of three sub-pixels and eight states at 81 wavelengths under
+//! H78.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
@@ -110,7 +111,8 @@ fn face_return(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// Recycled light of 1404 x 1872 pixels in eight states at 81 wavelengths: X, Y and Z of each pixel to about 1e-3.
+/// Recycled light of 1404 x 1872 pixels in eight states at 81 wavelengths: X, Y and Z of each pixel to about
+/// 1e-3.
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn page(bencher: Bencher<'_, '_>) {
     let count = [1404, 1872];

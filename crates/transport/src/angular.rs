@@ -282,8 +282,8 @@ impl AngularTable {
     }
 }
 
-/// Computes all states, `[state][wavelength]`, from sums of basis reflectances, `[basis][wavelength]`, and the sum of the weights
-/// of the common reflectance. The mixtures are `[state][basis]`.
+/// Computes all states, `[state][wavelength]`, from sums of basis reflectances, `[basis][wavelength]`, and
+/// the sum of the weights of the common reflectance. The mixtures are `[state][basis]`.
 #[inline(always)]
 pub(crate) fn mix(mixing: (&[f64], &[f64]), basis: &[f64], common_weight: f64, out: &mut [f64]) {
     match mixing.1.len() {

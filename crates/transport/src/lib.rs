@@ -1,9 +1,9 @@
 //! Light transport through the layered display: the stack and its two solvers.
 //!
-//! - [`Stack`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it, over the pixel ([`Base`]; a specular one is
-//!   an [`AngularTable`]).
-//! - [`Panel`]: what a stack is for the fast methods of both solvers, if it is a front of screen ([`Front`]), a surface or a
-//!   [`Diffuser`] ([`Top`]), and clear glass.
+//! - [`Stack`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it, over the pixel
+//!   ([`Base`]; a specular one is an [`AngularTable`]).
+//! - [`Panel`]: what a stack is for the fast methods of both solvers, if it is a front of screen ([`Front`]),
+//!   a surface or a [`Diffuser`] ([`Top`]), and clear glass.
 //! - [`Source`], [`Field`] and [`Cone`]: directions of light and of the viewer; spectrum and illuminance of a
 //!   source are the caller's. A field consists of cells, of [`Pixels`] or of a formula ([`Radiance`]).
 //! - [`walk`]: unbiased Monte Carlo. The result is, for each source, the reflectance factor
@@ -36,7 +36,8 @@
 //! ```
 //!
 //! **Limits.** Layers are parallel and uniform; light is unpolarised between them; a
-//! diffuser given by its BTDF reflects nothing, unless its reflection is described too ([`ReflectingDiffuser`]).
+//! diffuser given by its BTDF reflects nothing, unless its reflection is described too
+//! ([`ReflectingDiffuser`]).
 //!
 //! **Out of scope.** Threads, files, spectra of light, colours.
 

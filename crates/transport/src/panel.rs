@@ -1,6 +1,6 @@
 //! The ordinary panel, top to bottom: front of screen, a surface or one diffuser, clear glass, the base (the
-//! pixel). Both solvers are fastest for it. A [`Stack`](crate::Stack) recognises it among any layers, by the rule of
-//! [`PanelParts::recognised`].
+//! pixel). Both solvers are fastest for it. A [`Stack`](crate::Stack) recognises it among any layers, by the
+//! rule of [`PanelParts::recognised`].
 
 use papilio_spectra::Spectrum;
 
@@ -35,7 +35,8 @@ pub enum Top {
 /// Approximations of Feng 2012, which exist for panels only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Approximation {
-    /// Light is followed through a single pass of the panel (eq. 3-5), and the front of screen is combined to first order.
+    /// Light is followed through a single pass of the panel (eq. 3-5), and the front of screen is combined to
+    /// first order.
     pub single_pass: bool,
     /// The medium above the base has the directions of the air.
     pub unrefracted: bool,
@@ -48,8 +49,9 @@ impl Approximation {
     }
 }
 
-/// What any layers have to be for an ordinary panel, by layer from the top: its interface (`None`: one that is not prepared yet), the
-/// index of the medium below it, and whether that medium neither absorbs nor scatters.
+/// What any layers have to be for an ordinary panel, by layer from the top: its interface (`None`: one that
+/// is not prepared yet), the index of the medium below it, and whether that medium neither absorbs nor
+/// scatters.
 pub type Described<'a> = (Option<&'a Interface>, &'a Spectrum, bool);
 
 /// The parts of an ordinary panel among layers.
@@ -62,8 +64,9 @@ pub struct PanelParts<'a> {
 }
 
 impl<'a> PanelParts<'a> {
-    /// Returns the parts of the panel that these layers are, above a pixel that does not scatter: components in air, then one face or one
-    /// diffuser without a reflection of its own, then clear glass. `None` for all other layers.
+    /// Returns the parts of the panel that these layers are, above a pixel that does not scatter: components
+    /// in air, then one face or one diffuser without a reflection of its own, then clear glass. `None` for
+    /// all other layers.
     pub fn recognised(layers: impl IntoIterator<Item = Described<'a>>) -> Option<Self> {
         let mut front: Vec<_> = layers.into_iter().collect();
         let (face, _, glass_is_clear) = front.pop()?;

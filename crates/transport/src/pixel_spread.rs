@@ -1,24 +1,25 @@
 //! Light that spreads sideways inside a scattering pixel.
 //!
-//! **What.** Light enters a Lambertian pixel at one place, through the state that is there, and leaves it at another, again through the state
-//! there. With the reflectance `rho(x)` of the states and the point spread P of the scattering between, the radiosity in the
-//! irradiance E is
+//! **What.** Light enters a Lambertian pixel at one place, through the state that is there, and leaves it at
+//! another, again through the state there. With the reflectance `rho(x)` of the states and the point spread P
+//! of the scattering between, the radiosity in the irradiance E is
 //!
 //! `B(x) = sqrt(rho(x)) integral of P(x - x') sqrt(rho(x')) E(x') d2x'`.
 //!
-//! It is reciprocal, and a uniform area keeps its reflectance. The line spread of P decreases exponentially, `exp(-|x|/s)/(2 s)`; its
-//! transform is `1/(1 + (2 pi f s)^2)`, and P itself `K_0(r/s)/(2 pi s^2)`.
+//! It is reciprocal, and a uniform area keeps its reflectance. The line spread of P decreases exponentially,
+//! `exp(-|x|/s)/(2 s)`; its transform is `1/(1 + (2 pi f s)^2)`, and P itself `K_0(r/s)/(2 pi s^2)`.
 //!
 //! **Parameter.** `s` (mm): the distance at which the line spread has decreased to 1/e.
 //!
-//! **Limits.** s = 0: `B = rho E`. Features much smaller than s: the square of the mean of `sqrt(rho)` (Yule and Nielsen's n = 2), below a thin face
-//! that returns light Clapper and Yule's formula. A small change of the state has the transfer `(1 + P)/2`: half of the light has passed the change on its way
-//! out, where nothing blurs it. A pattern of light on a uniform pixel has the transfer P.
+//! **Limits.** s = 0: `B = rho E`. Features much smaller than s: the square of the mean of `sqrt(rho)` (Yule
+//! and Nielsen's n = 2), below a thin face that returns light Clapper and Yule's formula. A small change of
+//! the state has the transfer `(1 + P)/2`: half of the light has passed the change on its way out, where
+//! nothing blurs it. A pattern of light on a uniform pixel has the transfer P.
 //!
 //! **Validity.** The same P in all states and at all wavelengths; directions are lost inside the pixel.
 //!
-//! **Sources.** J. A. C. Yule, W. J. Nielsen, TAGA Proc. 3, 65 (1951); F. R. Clapper, J. A. C. Yule, J. Opt. Soc. Am. 43, 600 (1953); G. L. Rogers,
-//! J. Opt. Soc. Am. A 15, 1813 (1998).
+//! **Sources.** J. A. C. Yule, W. J. Nielsen, TAGA Proc. 3, 65 (1951); F. R. Clapper, J. A. C. Yule, J. Opt.
+//! Soc. Am. 43, 600 (1953); G. L. Rogers, J. Opt. Soc. Am. A 15, 1813 (1998).
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -27,12 +28,13 @@ use papilio_sampling::warp;
 use crate::numerics::bessel::{i0_i1, k0, x_k1};
 use crate::numerics::quadrature::gauss;
 
-/// P is a mixture of Gaussians, of variance `2 t s^2` along each axis with the density `exp(-t)`, t = u^2: panels of u, and the points on
-/// each.
+/// P is a mixture of Gaussians, of variance `2 t s^2` along each axis with the density `exp(-t)`, t = u^2:
+/// panels of u, and the points on each.
 const PANELS: [f64; 9] = [0.0, 0.05, 0.2, 0.6, 1.2, 2.0, 3.0, 4.5, 6.0];
 const POINTS: usize = 8;
 
-/// Standard deviations in widths of a cell up to which the light of neighbouring cells is summed by place, not by frequency.
+/// Standard deviations in widths of a cell up to which the light of neighbouring cells is summed by place,
+/// not by frequency.
 const NARROW: f64 = 0.5;
 
 /// Radii and distances in `s` beyond which the spread is a point.
@@ -92,8 +94,8 @@ impl PixelSpread {
         [x, y]
     }
 
-    /// Factor at each bin of the Fourier transform of the light between the means of cells that repeat: their number along x and y, and their
-    /// periods, mm. Columns vary slowest (transposed).
+    /// Factor at each bin of the Fourier transform of the light between the means of cells that repeat: their
+    /// number along x and y, and their periods, mm. Columns vary slowest (transposed).
     pub(crate) fn between(&self, count: [usize; 2], period_mm: [f64; 2]) -> Vec<f64> {
         let [columns, rows] = count;
         let mut sum = vec![0.0; columns * rows];
@@ -139,7 +141,8 @@ fn between_means(count: usize, sigma: f64) -> Vec<f64> {
     if sigma == 0.0 {
         return vec![1.0; count];
     }
-    // Light of a cell that is found k cells away: second differences of the integral of the normal distribution.
+    // Light of a cell that is found k cells away: second differences of the integral of the normal
+    // distribution.
     let tail = |z: f64| (-0.5 * z * z).exp() / TAU.sqrt() - 0.5 * z * libm::erfc(z / SQRT_2);
     let at = |k: usize| tail(k as f64 / sigma);
     let own = 1.0 + 2.0 * sigma * (at(1) - at(0));
@@ -157,7 +160,8 @@ fn between_means(count: usize, sigma: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Along one axis the mean light between cells has a closed form: `(s/2w) exp(-(k-1) w/s) (1 - exp(-w/s))^2` for cells k apart.
+    /// Along one axis the mean light between cells has a closed form:
+    /// `(s/2w) exp(-(k-1) w/s) (1 - exp(-w/s))^2` for cells k apart.
     #[test]
     fn light_between_stripes_has_closed_form() {
         for (width, count) in [(0.01, 512), (0.05, 128), (0.2, 64), (2.0, 32)] {

@@ -1,17 +1,19 @@
 //! The flat skeleton of a stack: transport of light of one direction without scattering.
 //!
-//! At given direction cosines everything flat reflects and transmits light without changing them. A scatterer is
-//! replaced by its regular part: a diffuser by s T, a scattering medium by exp(-tau/mu), a rough interface and a
-//! Lambertian base by nothing. The result is a row of parts with reflectances and one transmittance each. All their
-//! inter-reflections are summed in closed form, for every wavelength and, where the base is a mirror, for every state.
+//! At given direction cosines everything flat reflects and transmits light without changing them. A scatterer
+//! is replaced by its regular part: a diffuser by s T, a scattering medium by exp(-tau/mu), a rough interface
+//! and a Lambertian base by nothing. The result is a row of parts with reflectances and one transmittance
+//! each. All their inter-reflections are summed in closed form, for every wavelength and, where the base is a
+//! mirror, for every state.
 //!
-//! Layers that are the same at every wavelength are computed once: the arrays of one *band*. Otherwise each wavelength is a
-//! band of its own.
+//! Layers that are the same at every wavelength are computed once: the arrays of one *band*. Otherwise each
+//! wavelength is a band of its own.
 //!
-//! *Elements* are counted from the top: interface, medium, interface, medium ... *Planes* are between them: plane 0 in
-//! the air above all elements, plane e above element e, the last one on the base. A [`Field`] contains the light at every
-//! plane, in both directions, that one unit of basic radiance causes. All parts are reciprocal: the light going down at
-//! a plane, per unit that enters from the air, is also the fraction of light emitted upwards there that leaves.
+//! *Elements* are counted from the top: interface, medium, interface, medium ... *Planes* are between them:
+//! plane 0 in the air above all elements, plane e above element e, the last one on the base. A [`Field`]
+//! contains the light at every plane, in both directions, that one unit of basic radiance causes. All parts
+//! are reciprocal: the light going down at a plane, per unit that enters from the air, is also the fraction
+//! of light emitted upwards there that leaves.
 
 use papilio_optics::with_widest_simd;
 
@@ -118,7 +120,8 @@ impl Part {
 }
 
 impl Skeleton {
-    /// An empty skeleton of these layers over a base, which may have fewer wavelengths if the layers are grey.
+    /// An empty skeleton of these layers over a base, which may have fewer wavelengths if the layers are
+    /// grey.
     pub(crate) fn new(stack: &Stack, base: &Base) -> Self {
         let bins = base.bins();
         let bands = if stack.is_grey() { 1 } else { bins };
@@ -252,15 +255,15 @@ impl Skeleton {
     }
 }
 
-/// Light that passes a part and is then reflected to and fro behind it, a fraction `returned` each time. Nothing
-/// enters a closed box of perfect mirrors.
+/// Light that passes a part and is then reflected to and fro behind it, a fraction `returned` each time.
+/// Nothing enters a closed box of perfect mirrors.
 #[inline]
 fn passing(t: f64, returned: f64) -> f64 {
     if t == 0.0 || returned >= 1.0 { 0.0 } else { t / (1.0 - returned) }
 }
 
-/// Light at every plane, per unit emitted. Light via a specular base is `risen`, by wavelength, times `rising`, by
-/// state and wavelength.
+/// Light at every plane, per unit emitted. Light via a specular base is `risen`, by wavelength, times
+/// `rising`, by state and wavelength.
 #[derive(Debug, Clone)]
 pub(crate) struct Field {
     bands: usize,
@@ -273,7 +276,8 @@ pub(crate) struct Field {
 }
 
 impl Field {
-    /// Light that travels as `ray`, per band: light that has not met the base, and per unit that rises from it.
+    /// Light that travels as `ray`, per band: light that has not met the base, and per unit that rises from
+    /// it.
     #[inline]
     pub(crate) fn at(&self, ray: Ray) -> (&[f64], &[f64]) {
         let at = ray.plane * self.bands;

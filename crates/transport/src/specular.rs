@@ -23,8 +23,8 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
     stack.panel().map_or_else(|| layered_image(stack, beta), |panel| panel_image(panel, beta))
 }
 
-/// Returns the mirror image of a round source in a field of view, as a reflectance factor: [`specular_image`] times the light of the source
-/// in the view. 0 where the view does not look into the image.
+/// Returns the mirror image of a round source in a field of view, as a reflectance factor: [`specular_image`]
+/// times the light of the source in the view. 0 where the view does not look into the image.
 pub fn disc_image(stack: &Stack, view: &Cone, disc: &Cone) -> Image {
     let (bins, states) = (stack.base().bins(), stack.base().states());
     let mut sum = Image { front: vec![0.0; bins], base: vec![0.0; states * bins] };

@@ -1,12 +1,12 @@
 //! The stack: any layers in any order, as interfaces and media in turn, over a pixel.
 //!
-//! Top to bottom: air, then for each layer its interface and the medium below it, then the base under the last
-//! medium. Light is followed through all orders of inter-reflection, including light trapped by total internal
-//! reflection. Every interface is an operator on direction cosines; light with `|beta| >= n` does not enter a medium
-//! of index n.
+//! Top to bottom: air, then for each layer its interface and the medium below it, then the base under the
+//! last medium. Light is followed through all orders of inter-reflection, including light trapped by total
+//! internal reflection. Every interface is an operator on direction cosines; light with `|beta| >= n` does
+//! not enter a medium of index n.
 //!
-//! Both solvers have methods of their own for the ordinary panel ([`Panel`]). [`Stack::new`] recognises it among any layers, here and
-//! nowhere else.
+//! Both solvers have methods of their own for the ordinary panel ([`Panel`]). [`Stack::new`] recognises it
+//! among any layers, here and nowhere else.
 
 use crate::layers::{LayerKind, least_edge};
 use crate::{Approximation, Base, Interface, Medium, Panel, PanelParts, Reflector};
@@ -61,7 +61,8 @@ impl Stack {
         if approximation.is_none() || stack.panel().is_some() { Ok(stack) } else { Err(NotAPanel) }
     }
 
-    /// Returns the stack of these layers for the methods of general layers, even if they are an ordinary panel: both have the same results.
+    /// Returns the stack of these layers for the methods of general layers, even if they are an ordinary
+    /// panel: both have the same results.
     pub fn general(layers: Vec<Layer>, base: Base) -> Self {
         Self { layers, form: Form::General(base) }
     }
@@ -116,8 +117,8 @@ impl Stack {
         other
     }
 
-    /// The `|beta|` beyond which the appearance from above is unknown: where the table of the first scatterer ends. `None`
-    /// if it extends to the horizon.
+    /// The `|beta|` beyond which the appearance from above is unknown: where the table of the first scatterer
+    /// ends. `None` if it extends to the horizon.
     pub fn known_within(&self) -> Option<f64> {
         if let Some(first) = self.elements().map(|(kind, _)| kind).find(|kind| kind.scatters()) {
             return first.known_within();

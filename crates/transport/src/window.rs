@@ -1,12 +1,14 @@
 //! Windows of sub-pixels: areas of a period of the pixel array, and how much of one is seen through another.
 //!
-//! **What.** A [`Window`] is a set of [`Rectangle`]s in fractions of the period (the pitch of a pixel), x to the right and y up from
-//! the lower left corner. The array repeats it without end. All areas are exact: no window is sampled at points.
+//! **What.** A [`Window`] is a set of [`Rectangle`]s in fractions of the period (the pitch of a pixel), x to
+//! the right and y up from the lower left corner. The array repeats it without end. All areas are exact: no
+//! window is sampled at points.
 //!
-//! **Shares.** A viewer who looks along an oblique ray sees the array shifted; light that is spread sees it shifted by a
-//! distribution of vectors. The mean over window i of what window j covers there is the share of j in what is seen through i:
-//! for a list of shifts by [`shares_by_shifts`], for a point spread given by its Fourier transform by
-//! [`shares_by_transfer`]. With the light that each sub-pixel reflects as a weight, it is the crosstalk of a uniform page.
+//! **Shares.** A viewer who looks along an oblique ray sees the array shifted; light that is spread sees it
+//! shifted by a distribution of vectors. The mean over window i of what window j covers there is the share of
+//! j in what is seen through i: for a list of shifts by [`shares_by_shifts`], for a point spread given by its
+//! Fourier transform by [`shares_by_transfer`]. With the light that each sub-pixel reflects as a weight, it
+//! is the crosstalk of a uniform page.
 
 use std::f64::consts::PI;
 
@@ -70,8 +72,8 @@ impl Window {
         pairs.map(|(a, b)| repeated(a.x, b.x, shift[0]) * repeated(a.y, b.y, shift[1])).sum()
     }
 
-    /// Fraction that the window covers of each of `columns` x `rows` equal cells of a period; rows from the bottom, columns
-    /// from the left.
+    /// Fraction that the window covers of each of `columns` x `rows` equal cells of a period; rows from the
+    /// bottom, columns from the left.
     pub fn coverage(&self, [columns, rows]: [usize; 2]) -> Vec<f64> {
         let along = |side: [f64; 2], count: usize| -> Vec<f64> {
             let scaled = side.map(|edge| edge * count as f64);
@@ -87,8 +89,8 @@ impl Window {
         cells
     }
 
-    /// Integral of `exp(-2 pi i w.x)` over the window, w in cycles per period. At integers these are the coefficients of the
-    /// Fourier series of the repeated window; at 0 it is the area.
+    /// Integral of `exp(-2 pi i w.x)` over the window, w in cycles per period. At integers these are the
+    /// coefficients of the Fourier series of the repeated window; at 0 it is the area.
     pub fn transform(&self, wave: [f64; 2]) -> Complex64 {
         let along = |[from, to]: [f64; 2], wave: f64| {
             let half = PI * wave * (to - from);
@@ -99,8 +101,9 @@ impl Window {
     }
 }
 
-/// Mean over each window i of the fraction that each window j covers, `[i][j]`, for a point spread given by its transfer function at whole cycles per period, along x and y: 1 at 0, and the
-/// complex conjugate at the opposite frequency. The point at r (periods) of the spread is what is seen from the origin.
+/// Mean over each window i of the fraction that each window j covers, `[i][j]`, for a point spread given by
+/// its transfer function at whole cycles per period, along x and y: 1 at 0, and the complex conjugate at the
+/// opposite frequency. The point at r (periods) of the spread is what is seen from the origin.
 ///
 /// The series ends at `orders` cycles along each axis; the transfer should be negligible beyond.
 pub fn shares_by_transfer(
@@ -157,8 +160,9 @@ mod tests {
     use crate::spatial::{closed, displacement, rows, stripes};
     use papilio_optics::Beta;
 
-    /// Mean over each window i of the fraction that each window j covers, `[i][j]`, for a distribution of shifts: each a vector in
-    /// periods and its weight. Rows sum to the sum of the weights where the windows cover the whole period.
+    /// Mean over each window i of the fraction that each window j covers, `[i][j]`, for a distribution of
+    /// shifts: each a vector in periods and its weight. Rows sum to the sum of the weights where the windows
+    /// cover the whole period.
     fn shares_by_shifts(windows: &[Window], shifts: &[([f64; 2], f64)]) -> Vec<Vec<f64>> {
         let of_pair = |seen: &Window, source: &Window| {
             let overlap: f64 =
@@ -168,9 +172,9 @@ mod tests {
         windows.iter().map(|seen| windows.iter().map(|source| of_pair(seen, source)).collect()).collect()
     }
 
-    /// Crosstalk: of the light that is seen through each window i, the fraction that comes from each window j, `[i][j]`, for shares and the
-    /// light of each window (such as its reflectance, or the transmittance of its filter). Rows sum to 1; in a row without light
-    /// all are 0.
+    /// Crosstalk: of the light that is seen through each window i, the fraction that comes from each window
+    /// j, `[i][j]`, for shares and the light of each window (such as its reflectance, or the transmittance of
+    /// its filter). Rows sum to 1; in a row without light all are 0.
     fn crosstalk(shares: &[Vec<f64>], light: &[f64]) -> Vec<Vec<f64>> {
         let normalised = |row: &Vec<f64>| {
             let seen: Vec<f64> = row.iter().zip(light).map(|(share, light)| share * light).collect();
@@ -246,7 +250,8 @@ mod tests {
         }
         let whole = Window::from_rectangle(Rectangle::WHOLE).coverage([5, 4]);
         assert!(whole.iter().all(|cell| (cell - 1.0).abs() < 1e-14));
-        // Rows from the bottom: y in [0.3, 0.35] is in the second of five rows, x in [0.6, 0.61] in the third of four columns.
+        // Rows from the bottom: y in [0.3, 0.35] is in the second of five rows, x in [0.6, 0.61] in the third
+        // of four columns.
         let small = Window { rectangles: vec![window.rectangles[1]] };
         close(small.coverage([4, 5])[4 + 2], 0.01 * 4.0 * 0.05 * 5.0, 1e-14);
     }
@@ -273,8 +278,8 @@ mod tests {
         assert!((window.transform(wave) - sum).norm() < 1e-14);
     }
 
-    /// A shift is a transfer function of modulus 1: the series then converges slowly, so that a shift blurred by a lobe is
-    /// compared with a sum of the closed form over the pixels around.
+    /// A shift is a transfer function of modulus 1: the series then converges slowly, so that a shift blurred
+    /// by a lobe is compared with a sum of the closed form over the pixels around.
     #[test]
     fn series_equals_sum_over_the_pixels_around() {
         let cells = [vec![(0, 0.3), (1, 0.2)], vec![(1, 0.2), (2, 0.3)]];
@@ -293,8 +298,8 @@ mod tests {
         }
     }
 
-    /// Mean over a window, shifted, of what the lobe shows of another: the pixels up to 40 periods away in closed form, all
-    /// others as their mean.
+    /// Mean over a window, shifted, of what the lobe shows of another: the pixels up to 40 periods away in
+    /// closed form, all others as their mean.
     fn around(seen: &Window, source: &Window, width: f64, shift: [f64; 2]) -> f64 {
         const FAR: i32 = 40;
         let at = |side: [f64; 2], by: f64| side.map(|edge| edge + by);
@@ -316,8 +321,8 @@ mod tests {
         sum / seen.area()
     }
 
-    /// Light that enters through stripes at a height above others, from all of the air through an ideal antireflection face:
-    /// values of a separate program.
+    /// Light that enters through stripes at a height above others, from all of the air through an ideal
+    /// antireflection face: values of a separate program.
     #[test]
     fn entrance_by_the_own_stripe_is_known() {
         let windows = stripes(&[0.2; 5], 1.0);
@@ -342,8 +347,8 @@ mod tests {
         }
     }
 
-    /// H78 (b = 0.05667) over 0.5 mm of glass, three equal stripes at 300 ppi: sums over the stripes around by the one-dimensional
-    /// closed form (a separate program). A stripe alone has 0.37455.
+    /// H78 (b = 0.05667) over 0.5 mm of glass, three equal stripes at 300 ppi: sums over the stripes around
+    /// by the one-dimensional closed form (a separate program). A stripe alone has 0.37455.
     #[test]
     fn crosstalk_of_stripes_under_a_lobe_is_known() {
         const OWN: f64 = 0.452_588_7;
@@ -366,7 +371,8 @@ mod tests {
         assert_eq!(crosstalk(&shares, &[0.0; 3])[0], [0.0; 3]);
     }
 
-    /// Share that is seen through the neighbour at 10, 30, 45 and 60 deg for each ratio of height to width of a stripe.
+    /// Share that is seen through the neighbour at 10, 30, 45 and 60 deg for each ratio of height to width of
+    /// a stripe.
     #[test]
     fn oblique_view_through_the_neighbour_is_known() {
         let windows = thirds();

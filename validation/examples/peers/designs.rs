@@ -1,7 +1,8 @@
-//! The task `designs`: the film of the reference pixel with other thicknesses and gaps, from its layers to the gamut.
+//! The task `designs`: the film of the reference pixel with other thicknesses and gaps, from its layers to
+//! the gamut.
 //!
-//! The task computes the bare film at normal incidence, as the peers do. The task `displays` computes the same designs as
-//! pixels of scenarios/indoor.toml, with its diffuser and front.
+//! The task computes the bare film at normal incidence, as the peers do. The task `displays` computes the
+//! same designs as pixels of scenarios/indoor.toml, with its diffuser and front.
 
 use std::sync::atomic::AtomicBool;
 
@@ -31,8 +32,8 @@ pub(super) struct Design {
     pub(super) gaps_nm: [f64; GAPS_NM.len()],
 }
 
-/// Returns all designs, spread uniformly over 0.8 to 1.2 times the values of the reference pixel (multiples of powers of
-/// the golden ratio).
+/// Returns all designs, spread uniformly over 0.8 to 1.2 times the values of the reference pixel (multiples
+/// of powers of the golden ratio).
 pub(super) fn all() -> impl Iterator<Item = Design> {
     (0..DESIGNS).map(|k| {
         let factor = |number: usize| {
@@ -91,7 +92,8 @@ pub(super) fn bare() -> Result<impl FnMut() -> SampleStream, Box<dyn std::error:
     })
 }
 
-/// Returns the task that computes the gamut of each design in the indoor scenario, and the colours of all eight states.
+/// Returns the task that computes the gamut of each design in the indoor scenario, and the colours of all
+/// eight states.
 pub(super) fn through_diffuser() -> Result<impl FnMut() -> SampleStream, Box<dyn std::error::Error>> {
     let scene = scenario("indoor", &[])?.scene;
     let Pixel::Film(film) = scene.display.pixel.clone() else { return Err("the pixel is not a film".into()) };

@@ -1,7 +1,7 @@
 //! Papilio's part of `cargo xtask peers`: the tasks and their times on one core.
 //!
-//! `peers inputs` prints the input of all programs as JSON. `peers TASK SECONDS` repeats a task for this time and prints the
-//! CPU seconds of one repetition on one line and the numbers of the result on the next.
+//! `peers inputs` prints the input of all programs as JSON. `peers TASK SECONDS` repeats a task for this time
+//! and prints the CPU seconds of one repetition on one line and the numbers of the result on the next.
 
 #![allow(clippy::print_stdout, reason = "a program for the terminal")]
 
@@ -66,8 +66,8 @@ fn timed(seconds: &str, mut task: impl FnMut() -> SampleStream) -> Result<(), Bo
     Ok(())
 }
 
-/// Returns the CPU time of all threads in seconds, as the kernel reports it in hundredths, or the clock time on systems
-/// that do not report it.
+/// Returns the CPU time of all threads in seconds, as the kernel reports it in hundredths, or the clock time
+/// on systems that do not report it.
 fn cpu_time() -> Result<f64, Box<dyn Error>> {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     let start = START.elapsed().as_secs_f64();
@@ -153,8 +153,8 @@ fn colours() -> Result<impl FnMut() -> SampleStream, Box<dyn Error>> {
     })
 }
 
-/// Returns the task that computes a display from its scene, on one thread: reflectance factors of the state by wavelength,
-/// and Y.
+/// Returns the task that computes a display from its scene, on one thread: reflectance factors of the state
+/// by wavelength, and Y.
 fn displayed(scene: &Scene) -> impl FnMut() -> SampleStream {
     || {
         let result = run_on(scene, Some(1))?;
@@ -164,8 +164,8 @@ fn displayed(scene: &Scene) -> impl FnMut() -> SampleStream {
     }
 }
 
-/// Returns a pane in air over a matte layer, viewed along the normal in diffuse light. By reciprocity, its reflectance
-/// factor is the reflected fraction of a beam at normal incidence.
+/// Returns a pane in air over a matte layer, viewed along the normal in diffuse light. By reciprocity, its
+/// reflectance factor is the reflected fraction of a beam at normal incidence.
 fn pane() -> Result<Scene, Box<dyn Error>> {
     let text = format!(
         "[[display.layers]]\nkind = \"fresnel\"\n[[display.layers]]\nkind = \"medium\"\nindex = {INDEX}\n\
@@ -177,7 +177,8 @@ fn pane() -> Result<Scene, Box<dyn Error>> {
     Ok(Scenario::from_text(&text, "pane.toml", &std::env::temp_dir(), &[])?.resolve()?.scene)
 }
 
-/// Returns paper under an anti-glare interface: `kind` is `bands` (0.1 % in every wavelength bin) or `luminous`.
+/// Returns paper under an anti-glare interface: `kind` is `bands` (0.1 % in every wavelength bin) or
+/// `luminous`.
 fn paper(kind: &str, light: &str, solver: &str) -> Result<Scene, Box<dyn Error>> {
     let (diffuse, lamp) = match light {
         "lamp" => ("0.0", "[[lighting.directed]]\ntheta_deg = -45\nradius_deg = 5\nshare = 1.0\n"),

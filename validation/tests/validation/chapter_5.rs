@@ -65,8 +65,8 @@ fn contrast_and_gamut_decrease_with_front_reflection() {
 }
 
 /// Gamut decreases with the viewing angle, and faster for the bare panel (fig. 5.8). The
-/// bare panel of the figure can only have angles in glass; with angles in air, the bare gamut decreases by 3 %
-/// from 8 to 20 deg, less than the diffused one.
+/// bare panel of the figure can only have angles in glass; with angles in air, the bare gamut decreases by 3
+/// % from 8 to 20 deg, less than the diffused one.
 #[test]
 fn gamut_decreases_with_viewing_angle() {
     let falls = |at: &dyn Fn(&[&str]) -> RunResult| {

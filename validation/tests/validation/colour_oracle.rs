@@ -1,5 +1,6 @@
-//! Comparison of colours and colour differences with colour-science 0.4.7, and of pictures with flip-evaluator 1.7
-//! (`validation/colour/colour_oracle.py`, `tables_oracle.py` and `pictures_oracle.py` make the tables).
+//! Comparison of colours and colour differences with colour-science 0.4.7, and of pictures with
+//! flip-evaluator 1.7 (`validation/colour/colour_oracle.py`, `tables_oracle.py` and `pictures_oracle.py` make
+//! the tables).
 
 use papilio_colour::pictures::{FlipPicture, Picture, scielab};
 use papilio_colour::{
@@ -17,8 +18,8 @@ fn numbers(cells: &[&str]) -> Vec<f64> {
     cells.iter().map(|cell| cell.parse().unwrap()).collect()
 }
 
-/// Returns the tolerance in X, Y, Z and u'v'. Equal energy needs no table. For the LEDs, colour-science interpolates
-/// tables at 5 nm with two decimals; ours are those of the CIE at 1 nm.
+/// Returns the tolerance in X, Y, Z and u'v'. Equal energy needs no table. For the LEDs, colour-science
+/// interpolates tables at 5 nm with two decimals; ours are those of the CIE at 1 nm.
 fn tolerance(light: &str) -> f64 {
     match light {
         "E" => 1e-9,
@@ -57,8 +58,8 @@ fn colours_of_surfaces_agree_with_colour_science() {
     assert_eq!(count, 48);
 }
 
-/// x and y of every illuminant agree with colour-science, with linear interpolation of the table, and to 3e-4 with the
-/// published values, which are sums over bands of 5 nm.
+/// x and y of every illuminant agree with colour-science, with linear interpolation of the table, and to 3e-4
+/// with the published values, which are sums over bands of 5 nm.
 #[test]
 fn chromaticities_of_illuminants_agree_with_colour_science() {
     let grid = Grid::new(380.0, 780.0, 1.0).unwrap();

@@ -1,8 +1,8 @@
 //! The derived numbers in table 5.1 of Feng 2012 follow from its X, Y, Z.
 //!
-//! The tolerance follows from the rounding of X, Y, Z, which leaves a box of possible values. Each derived number is
-//! computed at the eight corners of this box. The printed number must lie within their range, extended by half a unit
-//! of its last digit.
+//! The tolerance follows from the rounding of X, Y, Z, which leaves a box of possible values. Each derived
+//! number is computed at the eight corners of this box. The printed number must lie within their range,
+//! extended by half a unit of its last digit.
 
 use papilio_colour::{D65_UV, D65_WHITE, GamutReference, LUMENS_PER_WATT, UvPrime, Xyz, gamut_percent};
 use papilio_validation::table_5_1::{Column, GAMUT_PERCENT, TABLE_5_1, half_digit};

@@ -1,8 +1,9 @@
 //! Standard errors of the Monte Carlo solver: every example scenario and random scenarios.
 //!
-//! Two things are tested of Y of every state. The variance of Y between 16 seeds over the mean of their squared standard errors has the
-//! mean 1, with few and with four times as many paths. The standard error of 4, 16 and 64 times the paths is at most 1/2, 1/4
-//! and 1/8 (less, where the points of low discrepancy help). Where a warning says that the result is infinite, neither is tested.
+//! Two things are tested of Y of every state. The variance of Y between 16 seeds over the mean of their
+//! squared standard errors has the mean 1, with few and with four times as many paths. The standard error of
+//! 4, 16 and 64 times the paths is at most 1/2, 1/4 and 1/8 (less, where the points of low discrepancy help).
+//! Where a warning says that the result is infinite, neither is tested.
 //!
 //! `docs/monte-carlo.md` summarises the errors of the examples, whose rows this command prints:
 //! `PAPILIO_SEEDS=16 cargo test -p papilio-validation --test validation -- errors_over_seeds --nocapture`.
@@ -21,16 +22,18 @@ use crate::random_scenarios::{each, range};
 /// Seeds of the variance between seeds.
 const SEEDS: u64 = 16;
 
-/// Numbers of paths, as multiples of the smallest, and the numbers of seeds from which their standard errors are computed.
+/// Numbers of paths, as multiples of the smallest, and the numbers of seeds from which their standard errors
+/// are computed.
 const MULTIPLES: [(u64, u64); 4] = [(1, SEEDS), (4, SEEDS), (16, 4), (64, 2)];
 
-/// Largest standard error over the one that falls with the root of the number of paths. Standard errors of 32 replicates are known to
-/// 13 %, the last ones therefore to 9 %. Random scenarios have fewer paths: at first, some replicates miss their least probable light, and
-/// errors are less well known.
+/// Largest standard error over the one that falls with the root of the number of paths. Standard errors of 32
+/// replicates are known to 13 %, the last ones therefore to 9 %. Random scenarios have fewer paths: at first,
+/// some replicates miss their least probable light, and errors are less well known.
 const MOST_OVER_ROOT: f64 = 1.5;
 const MOST_OVER_ROOT_OF_RANDOM: f64 = 2.0;
 
-/// Relative error from which on few paths find the light: its error is honest, but hardly known, and so is its fall.
+/// Relative error from which on few paths find the light: its error is honest, but hardly known, and so is
+/// its fall.
 const FAINT: f64 = 0.1;
 
 /// Multiple of the least stated error, that of few paths, below which an error may be too large.
@@ -127,9 +130,11 @@ impl Measured {
         row
     }
 
-    /// Describes what is not as it should be; errors are at most `over_root` times those that fall with the root.
+    /// Describes what is not as it should be; errors are at most `over_root` times those that fall with the
+    /// root.
     fn faults(&self, over_root: f64) -> Vec<String> {
-        // The variance of a ratio: 2 by the seeds, and some by the uncertainty of the errors and by the tails of paths.
+        // The variance of a ratio: 2 by the seeds, and some by the uncertainty of the errors and by the tails
+        // of paths.
         let bounds = mean_square_bounds(1.0, 2.55, (SEEDS - 1) as f64);
         let mut faults = Vec::new();
         for OfState { name, relative_error, ratios, falls } in &self.states {

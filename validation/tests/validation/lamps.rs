@@ -1,4 +1,5 @@
-//! Lights with lines narrower than the step of the grid: the default step of 5 nm against 1 nm, on the same display.
+//! Lights with lines narrower than the step of the grid: the default step of 5 nm against 1 nm, on the same
+//! display.
 
 use papilio_display::result::{RunResult, State};
 use papilio_validation::{run, scenario};
@@ -12,8 +13,8 @@ fn states(result: &RunResult) -> impl Iterator<Item = (&str, &State)> {
     result.views[0].states.iter()
 }
 
-/// X, Y and Z at 5 nm are those at 1 nm within the errors that the result states. The white of the light itself is the
-/// same to rounding, because it needs no interpolation.
+/// X, Y and Z at 5 nm are those at 1 nm within the errors that the result states. The white of the light
+/// itself is the same to rounding, because it needs no interpolation.
 #[test]
 fn lines_at_5_nm_have_the_colours_of_a_grid_of_1_nm() {
     let lights =
@@ -59,8 +60,8 @@ fn lines_between_wavelengths_of_the_grid_are_not_lost() {
     assert!((u - sampled.u).hypot(v - sampled.v) > 0.01, "{sampled:?}, {u} {v}");
 }
 
-/// FL11 against an LED on the same display: u'v' of white and the gamut, at 5 nm and 1 nm. These tables need no
-/// representation by means at 5 nm; the differences are those of reflectances between wavelengths.
+/// FL11 against an LED on the same display: u'v' of white and the gamut, at 5 nm and 1 nm. These tables need
+/// no representation by means at 5 nm; the differences are those of reflectances between wavelengths.
 #[test]
 fn fluorescent_lamp_and_led_have_the_same_colours_at_5_and_1_nm() {
     for light in ["FL11", "TL84", "FL2", "LED-B3"] {

@@ -1,5 +1,6 @@
-//! Comparison of the named materials with the pages of their sources, and with other measurements and samples of the same materials, from
-//! the refractiveindex.info database (`validation/films/materials_oracle.py` makes the tables).
+//! Comparison of the named materials with the pages of their sources, and with other measurements and samples
+//! of the same materials, from the refractiveindex.info database (`validation/films/materials_oracle.py`
+//! makes the tables).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -19,8 +20,8 @@ fn source_pages() -> BTreeMap<&'static str, Vec<[f64; 3]>> {
     found
 }
 
-/// Transmittance of 1 um to 10 mm and reflectance at normal incidence of every named material, against the page of its source: tables
-/// that are thinned or written here, formulas and models.
+/// Transmittance of 1 um to 10 mm and reflectance at normal incidence of every named material, against the
+/// page of its source: tables that are thinned or written here, formulas and models.
 #[test]
 fn all_materials_transmit_and_reflect_as_their_source() {
     let pages = source_pages();
@@ -45,7 +46,8 @@ fn all_materials_transmit_and_reflect_as_their_source() {
     assert_eq!(found.len(), 55);
 }
 
-/// Reflectance of an interface from index `n` in a beam at the sine `beta` / `n`, to index `other`; unpolarised.
+/// Reflectance of an interface from index `n` in a beam at the sine `beta` / `n`, to index `other`;
+/// unpolarised.
 fn fresnel(n: f64, other: f64, beta: f64) -> f64 {
     if beta >= other {
         return 1.0;
@@ -56,9 +58,9 @@ fn fresnel(n: f64, other: f64, beta: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// A paper of reflectance 0.8 below 3 mm of window glass, in light from 45 deg, seen along the normal: the light that enters, absorbed
-/// along its path, times the paper's reflectance with what the glass returns to it (Saunderson), times what leaves. n and k are those
-/// of the source (Rubin 1985).
+/// A paper of reflectance 0.8 below 3 mm of window glass, in light from 45 deg, seen along the normal: the
+/// light that enters, absorbed along its path, times the paper's reflectance with what the glass returns to
+/// it (Saunderson), times what leaves. n and k are those of the source (Rubin 1985).
 #[test]
 fn paper_under_window_glass_has_the_luminance_of_its_source() {
     let rows = source_pages().remove("soda-lime").unwrap();
@@ -102,8 +104,8 @@ fn paper_under_window_glass_has_the_luminance_of_its_source() {
     assert!(found > 0.53, "{found}");
 }
 
-/// Differences are those between samples and measurements: 0.003 in n for polymers and bulk glasses, 0.01 to 0.1 for
-/// deposited oxides, more for metals and semiconductors.
+/// Differences are those between samples and measurements: 0.003 in n for polymers and bulk glasses, 0.01 to
+/// 0.1 for deposited oxides, more for metals and semiconductors.
 #[test]
 fn materials_agree_with_a_second_source() {
     let table = include_str!("../../films/materials.csv");
@@ -123,8 +125,9 @@ fn materials_agree_with_a_second_source() {
     assert!(names.iter().all(|name| material_names().contains(name)));
 }
 
-/// Handbook values at the sodium line, 589.3 nm: fused silica 1.4585, water 1.3330 (20 C), PMMA 1.491, polycarbonate 1.585,
-/// soda-lime glass 1.52, poly(ethylene terephthalate), amorphous, 1.575 (CRC Handbook of Chemistry and Physics; Polymer Handbook).
+/// Handbook values at the sodium line, 589.3 nm: fused silica 1.4585, water 1.3330 (20 C), PMMA 1.491,
+/// polycarbonate 1.585, soda-lime glass 1.52, poly(ethylene terephthalate), amorphous, 1.575 (CRC Handbook of
+/// Chemistry and Physics; Polymer Handbook).
 #[test]
 fn transparent_materials_have_their_handbook_index() {
     for (name, n, tolerance) in [

@@ -1,12 +1,12 @@
-//! Round trip of a measured diffuser: a simulated instrument measures a known diffuser, and writes a file. A display with
-//! this file must have the same metrics as a display with the diffuser itself.
+//! Round trip of a measured diffuser: a simulated instrument measures a known diffuser, and writes a file. A
+//! display with this file must have the same metrics as a display with the diffuser itself.
 //!
-//! A measurement in air ends at |beta| = 1. The lobe continues in the glass, 1 < |beta| < n, and some of this light
-//! returns: 0.2 to 0.5 % of the darkest state. `extrapolate = "glass"` extrapolates the tail there.
+//! A measurement in air ends at |beta| = 1. The lobe continues in the glass, 1 < |beta| < n, and some of this
+//! light returns: 0.2 to 0.5 % of the darkest state. `extrapolate = "glass"` extrapolates the tail there.
 //!
-//! Samples: the synthetic diffusers of haze 65, 78 and 81 %, total transmittance 0.90, over the reference film pixel
-//! (scenarios/indoor.toml: half of the light diffuse, half from -20 deg, viewer at 8 deg). The instrument is that of the
-//! dissertation (Feng 2012, section 3.3), without blur and noise.
+//! Samples: the synthetic diffusers of haze 65, 78 and 81 %, total transmittance 0.90, over the reference
+//! film pixel (scenarios/indoor.toml: half of the light diffuse, half from -20 deg, viewer at 8 deg). The
+//! instrument is that of the dissertation (Feng 2012, section 3.3), without blur and noise.
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,8 @@ use papilio_scenario::Scenario;
 use papilio_testing::everyday;
 use papilio_validation::{run, scenario};
 
-/// Returns hazes, each in air and in glass; every day this many of them. First the narrowest lobe, with a tail in glass.
+/// Returns hazes, each in air and in glass; every day this many of them. First the narrowest lobe, with a
+/// tail in glass.
 fn cases(count: usize) -> impl Iterator<Item = (f64, &'static str)> {
     everyday(count, [(0.65, GLASS), (0.81, AIR), (0.65, AIR), (0.81, GLASS), (0.78, AIR), (0.78, GLASS)])
 }
@@ -50,7 +51,8 @@ fn under(path: &Path, sets: &[&str]) -> RunResult {
     run(&scenario.resolve().unwrap().scene).unwrap()
 }
 
-/// Measures a sample at radial distances of this step and writes a file. Returns the error that the audit predicts.
+/// Measures a sample at radial distances of this step and writes a file. Returns the error that the audit
+/// predicts.
 fn measured(haze: f64, radial_deg: f64, path: &Path) -> f64 {
     let mut instrument = Instrument::imaging_sphere();
     instrument.channels = vec![Channel::Monochrome];
@@ -67,7 +69,8 @@ fn measured(haze: f64, radial_deg: f64, path: &Path) -> f64 {
     Audit::of(&read.value.parts[0], 0).unwrap().grid_error()
 }
 
-/// Returns the largest relative difference of any metric of any state, and the difference of the gamut in points.
+/// Returns the largest relative difference of any metric of any state, and the difference of the gamut in
+/// points.
 fn differences(found: &RunResult, truth: &RunResult) -> (f64, f64) {
     let [found, truth] = [found, truth].map(|result| &result.views[0]);
     let mut largest = 0.0_f64;
@@ -145,7 +148,8 @@ fn both_solvers_agree_on_measured_diffuser() {
         for ((walk, adding), (standard_error, discretisation)) in pairs.zip(errors) {
             let z = (walk - adding) / standard_error.hypot(discretisation);
             println!("{name}: {walk:.5} {adding:.5} {z:.2}");
-            // 24 correlated numbers: Student's t with 31 degrees of freedom exceeds 4.5 with a probability of 1e-4.
+            // 24 correlated numbers: Student's t with 31 degrees of freedom exceeds 4.5 with a probability of
+            // 1e-4.
             assert!(z.abs() < 4.5, "{name}: {walk} {adding} {z}");
         }
     }

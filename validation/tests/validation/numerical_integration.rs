@@ -1,5 +1,5 @@
-//! The reference pixel behind its diffuser by numerical integration: an independent method that has neither the sampling,
-//! the tables nor the closed forms of the Monte Carlo solver.
+//! The reference pixel behind its diffuser by numerical integration: an independent method that has neither
+//! the sampling, the tables nor the closed forms of the Monte Carlo solver.
 use papilio_display::pixel::scan;
 use papilio_display::scene::{AngleMedium, Lobe, Scene};
 use papilio_validation::{monte_carlo_scenario, run, state};

@@ -1,4 +1,5 @@
-//! The search for better designs, compared with known designs of the reference pixel and with a global method.
+//! The search for better designs, compared with known designs of the reference pixel and with a global
+//! method.
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -35,8 +36,9 @@ fn worth(chosen: &SelectedDesign) -> [f64; 3] {
     [0, 1, 2].map(|at| chosen.values[at].unwrap())
 }
 
-/// From a stack without the matching layer, the search finds a pixel whose gamut with H78 indoors is at least 3 points
-/// above that of the reference pixel, without loss of reflectance and contrast. The Monte Carlo solver agrees.
+/// From a stack without the matching layer, the search finds a pixel whose gamut with H78 indoors is at least
+/// 3 points above that of the reference pixel, without loss of reflectance and contrast. The Monte Carlo
+/// solver agrees.
 #[test]
 fn search_finds_better_pixel_than_reference() {
     let reference = run(&scenario("indoor", &[]).unwrap().scene).unwrap();
@@ -70,19 +72,20 @@ fn search_finds_better_pixel_than_reference() {
     }
 }
 
-/// The largest gamut found by many gradient searches (60 starts of two seeds, of which 18 end there) and by a population
-/// of 125 300 designs.
+/// The largest gamut found by many gradient searches (60 starts of two seeds, of which 18 end there) and by a
+/// population of 125 300 designs.
 const BEST_GAMUT: f64 = 35.518;
 
-/// Returns the number of seeds, and whether populations with 100 times the evaluations are compared as well, which is the
-/// case if `PAPILIO_SEARCH_SEEDS` is set.
+/// Returns the number of seeds, and whether populations with 100 times the evaluations are compared as well,
+/// which is the case if `PAPILIO_SEARCH_SEEDS` is set.
 fn seeds() -> (u64, bool) {
     let seeds = std::env::var("PAPILIO_SEARCH_SEEDS").ok().and_then(|text| text.parse().ok());
     (seeds.unwrap_or(1), seeds.is_some())
 }
 
-/// For nine of ten seeds, the gradient search is within 0.1 of the best known gamut, which a global method finds with a
-/// hundred times the evaluations. The first start is the design of the scenario for all seeds and is not counted.
+/// For nine of ten seeds, the gradient search is within 0.1 of the best known gamut, which a global method
+/// finds with a hundred times the evaluations. The first start is the design of the scenario for all seeds
+/// and is not counted.
 #[test]
 fn gradient_searches_find_optimum_of_populations() {
     let (seeds, by_population) = seeds();

@@ -1,6 +1,6 @@
-//! The reference IMOD pixel, bare, angles in glass, D65, 1931 2 deg observer. The expected numbers are from two
-//! independent computations (scripts of transfer matrices and colour-science), which
-//! agreed to 3e-4 in XYZ and 0.1 in gamut and contrast.
+//! The reference IMOD pixel, bare, angles in glass, D65, 1931 2 deg observer. The expected numbers are from
+//! two independent computations (scripts of transfer matrices and colour-science), which agreed to 3e-4 in
+//! XYZ and 0.1 in gamut and contrast.
 use papilio_display::pixel::scan;
 use papilio_validation::{run, scenario, state};
 

@@ -1,4 +1,5 @@
-//! Sparkle of lamps against rays at random places of faces of several millimetres (`validation/sparkle/sparkle_oracle.py`).
+//! Sparkle of lamps against rays at random places of faces of several millimetres
+//! (`validation/sparkle/sparkle_oracle.py`).
 
 use papilio_optics::{Beta, RandomFace};
 use papilio_testing::{everyday, sized};
@@ -41,8 +42,8 @@ fn case(name: &'static str) -> Case {
     Case { name, panel, expected: Deviation { ppd, standard_error, mean, mean_error } }
 }
 
-/// Faces of two pixels and of many, for every way between the places at which light enters and leaves: none, a part of the period, the
-/// period and more. The number of replicates changes nothing but the period.
+/// Faces of two pixels and of many, for every way between the places at which light enters and leaves: none,
+/// a part of the period, the period and more. The number of replicates changes nothing but the period.
 #[test]
 fn sparkle_of_lamps_does_not_depend_on_the_period_of_the_face() {
     let rows: Vec<&str> = TABLE.lines().skip(1).collect();

@@ -1,5 +1,6 @@
-//! Comparison of the two solvers on a family of random displays with places: lobes, bare faces, mirror-like and Lambertian pixels,
-//! all thicknesses, kinds of light and views. `papilio mtf` is compared with Monte Carlo, and the z-scores must be distributed as Student's t.
+//! Comparison of the two solvers on a family of random displays with places: lobes, bare faces, mirror-like
+//! and Lambertian pixels, all thicknesses, kinds of light and views. `papilio mtf` is compared with Monte
+//! Carlo, and the z-scores must be distributed as Student's t.
 
 use std::sync::atomic::AtomicBool;
 
@@ -72,8 +73,9 @@ fn compare(number: u64, resolved: &Resolved) -> [Vec<Pair>; 2] {
     let exact = mtf(&resolved.scene, &resolved.patterns, &control).unwrap();
     let view = &exact.views[0];
     let count = exact.frequency_per_mm.len();
-    // From where the thickness is half a period. What is missing to 1 at lower frequencies is rare light from far away: with these
-    // paths its mean and its error are both too small, and approach those of the other solver only with a hundred times as many.
+    // From where the thickness is half a period. What is missing to 1 at lower frequencies is rare light from
+    // far away: with these paths its mean and its error are both too small, and approach those of the other
+    // solver only with a hundred times as many.
     let thickness = resolved.scene.display.lengths_mm().unwrap()[0];
     let first = exact.frequency_per_mm.partition_point(|f| f * thickness < 0.5).min(count - 1);
     let at: Vec<usize> = (0..3).map(|k| (first + 7 * k + number as usize % 5).min(count - 1)).collect();

@@ -47,8 +47,9 @@ struct Pair {
 const TABLES: f64 = 1e-7;
 
 impl Pair {
-    /// Returns whether the Monte Carlo noise is most of the expected difference; only then is z distributed as Student's t.
-    /// (Closed forms have no noise; for rough interfaces, adding has a large discretisation error.)
+    /// Returns whether the Monte Carlo noise is most of the expected difference; only then is z distributed
+    /// as Student's t. (Closed forms have no noise; for rough interfaces, adding has a large discretisation
+    /// error.)
     fn is_noisy(self) -> bool {
         self.standard_error > 3.0 * self.discretisation_error.hypot(TABLES)
     }
@@ -105,7 +106,8 @@ fn adding(member: &Member, walk: &[(f64, f64)]) -> Vec<(f64, f64)> {
     found
 }
 
-/// Returns the numbers of both solvers: those of adding, computed once, with those of Monte Carlo for each seed.
+/// Returns the numbers of both solvers: those of adding, computed once, with those of Monte Carlo for each
+/// seed.
 fn compare(member: &Member, sampler: Sampler, seeds: &[u64], paths: u64) -> Vec<Vec<Pair>> {
     let walks: Vec<_> = seeds.iter().map(|seed| walk(member, (sampler, *seed), paths)).collect();
     let adding = adding(member, &walks[0]);
@@ -125,14 +127,15 @@ fn has_time() -> bool {
     std::env::var_os("PAPILIO_STACKS").is_some()
 }
 
-/// Returns the numbers of members and of seeds: `everyday` members, or the value of `PAPILIO_STACKS` with two seeds each.
+/// Returns the numbers of members and of seeds: `everyday` members, or the value of `PAPILIO_STACKS` with two
+/// seeds each.
 fn count(everyday: u64) -> (u64, u64) {
     std::env::var("PAPILIO_STACKS").map_or((everyday, 1), |more| (more.parse().unwrap(), 2))
 }
 
-/// Smallest value that counts for the largest deviation. Few of some thousand paths contribute to fainter light (such as
-/// that transmitted through eleven mean free paths of an absorbing slab), so that the means of replicates are far from
-/// normal.
+/// Smallest value that counts for the largest deviation. Few of some thousand paths contribute to fainter
+/// light (such as that transmitted through eleven mean free paths of an absorbing slab), so that the means of
+/// replicates are far from normal.
 const FAINT: f64 = 1e-4;
 
 /// The z-scores of one member.
@@ -155,7 +158,8 @@ fn scores(member: &Member, number: u64, sampler: Sampler, seeds: u64, paths: u64
         let noisy = |k: usize| Some(pairs[k]).filter(|pair| pair.is_noisy()).map(Pair::z);
         let drawn = (0..member.sources.len()).map(|source| source * each + number as usize % each);
         scores.sources.extend(drawn.filter_map(noisy));
-        // Of the ledger, the first noisy number after a selected position: most numbers of most members are zero.
+        // Of the ledger, the first noisy number after a selected position: most numbers of most members are
+        // zero.
         let parts = pairs.len() - ledger;
         let turned = (0..parts).map(|k| ledger + (number as usize + k) % parts);
         scores.ledger.extend(turned.filter_map(noisy).next());
@@ -189,8 +193,8 @@ fn assert_distribution(what: &str, all: &[Scores], most: f64) {
     assert!(worst[0].0.abs() < most, "{worst:?}");
 }
 
-/// Largest deviation: 36 numbers of each of 20 members, Student's t with 31 degrees of freedom; one number in 5 million
-/// exceeds 6.5.
+/// Largest deviation: 36 numbers of each of 20 members, Student's t with 31 degrees of freedom; one number in
+/// 5 million exceeds 6.5.
 #[test]
 fn random_stacks_have_student_distributed_deviations() {
     let (count, seeds) = count(12);
@@ -215,8 +219,9 @@ fn reflecting_diffusers_have_student_distributed_deviations() {
 }
 
 /// The spread of replicates includes improbable events, with the sampler and about the smallest number of
-/// paths of a run. (With so few paths, the means of replicates are not quite normal, and a relative difference of 1e-5 of
-/// a number that is nearly a closed form may be many of its errors; the limit of the largest deviation is therefore larger.)
+/// paths of a run. (With so few paths, the means of replicates are not quite normal, and a relative
+/// difference of 1e-5 of a number that is nearly a closed form may be many of its errors; the limit of the
+/// largest deviation is therefore larger.)
 #[test]
 fn standard_errors_include_improbable_events() {
     let (count, seeds) = count(20);
@@ -225,8 +230,9 @@ fn standard_errors_include_improbable_events() {
     assert_distribution("rare ways", &all, if seeds > 1 { 25.0 } else { 10.0 });
 }
 
-/// All tracers include light from 89.9999999 deg, whose sine is 1 to the last bit, from every azimuth: a Lambertian base
-/// under an interface that transmits all light returns the same fraction as for any other light.
+/// All tracers include light from 89.9999999 deg, whose sine is 1 to the last bit, from every azimuth: a
+/// Lambertian base under an interface that transmits all light returns the same fraction as for any other
+/// light.
 #[test]
 fn light_just_above_horizon_is_included_by_all_tracers() {
     let bins = WAVELENGTHS_NM.len();
@@ -267,8 +273,8 @@ fn light_just_above_horizon_is_included_by_all_tracers() {
     }
 }
 
-/// A gap of 16 um has 85 fringes over angle, and resonances that are far narrower. Earlier, Monte Carlo gave 0.33 for
-/// white, and adding gave no number.
+/// A gap of 16 um has 85 fringes over angle, and resonances that are far narrower. Earlier, Monte Carlo gave
+/// 0.33 for white, and adding gave no number.
 #[test]
 fn both_solvers_agree_on_thick_gaps_or_refuse_them() {
     let by = |gap: &str, solver: &str| {
@@ -325,12 +331,13 @@ fn of_view(view: &View, of_solver: impl Fn(&State) -> &StateValues) -> Vec<(Stri
     all
 }
 
-/// Scenarios that take seconds and are like others: faces by waves and by rays are compared in `papilio_display`'s tests of
-/// microgeometry, measured diffusers by `measured-h65`, maps of light by `map-regions`.
+/// Scenarios that take seconds and are like others: faces by waves and by rays are compared in
+/// `papilio_display`'s tests of microgeometry, measured diffusers by `measured-h65`, maps of light by
+/// `map-regions`.
 const ONLY_IN_FULL: [&str; 4] = ["etched-face", "hazy-face", "map", "measured-h78"];
 
-/// Every scenario of the repository through both solvers, at every view: colours, spectra and parts. (Every day, fewer.)
-/// About 3000 numbers: 6.5 of Student's 31 degrees of freedom happens to one of 5 million.
+/// Every scenario of the repository through both solvers, at every view: colours, spectra and parts. (Every
+/// day, fewer.) About 3000 numbers: 6.5 of Student's 31 degrees of freedom happens to one of 5 million.
 #[test]
 fn every_scenario_agrees() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
@@ -346,8 +353,8 @@ fn every_scenario_agrees() {
     let paths = if has_time() { 65_536 } else { 8192 };
     names.retain(|name| has_time() || !ONLY_IN_FULL.contains(&name.as_str()));
     for name in names {
-        // A coarse grid that divides the ranges of all examples, 380 to 780 nm, and 380 to 730 nm of a file of a lamp: what is compared is
-        // transport, wavelength by wavelength.
+        // A coarse grid that divides the ranges of all examples, 380 to 780 nm, and 380 to 730 nm of a file
+        // of a lamp: what is compared is transport, wavelength by wavelength.
         let step = if has_time() { "spectrum.step_nm=25" } else { "spectrum.step_nm=50" };
         let mut scene = scenario(&name, &["solver.method=adding", step]).unwrap().scene;
         // Of many views every day only some: neighbours have much in common.
@@ -372,8 +379,8 @@ fn every_scenario_agrees() {
     }
 }
 
-/// A thin slab on absorbing glass, seen near the critical angle: it traps much of the light that it scatters once. A stop
-/// at 4096 paths was up to ten standard errors too low.
+/// A thin slab on absorbing glass, seen near the critical angle: it traps much of the light that it scatters
+/// once. A stop at 4096 paths was up to ten standard errors too low.
 const TRAPPING: &str = r#"
 [spectrum]
 range_nm = [400, 700]
@@ -422,8 +429,9 @@ fn monte_carlo_stopped_at_a_target_has_honest_errors_of_light_that_a_thin_slab_t
     }
 }
 
-/// Rough faces of the narrowest lobes that adding accepts, of 300 to 450 directions: at and about the mirror image of a beam, and far from it.
-/// 24 numbers each: 5.5 of Student's 31 degrees of freedom happens to one of 200 000.
+/// Rough faces of the narrowest lobes that adding accepts, of 300 to 450 directions: at and about the mirror
+/// image of a beam, and far from it. 24 numbers each: 5.5 of Student's 31 degrees of freedom happens to one
+/// of 200 000.
 #[test]
 fn faces_of_the_narrowest_lobes_agree() {
     for alpha in everyday(1, [0.01, 0.012, 0.0135]) {

@@ -87,7 +87,8 @@ impl EventSender {
     }
 }
 
-/// Starts a computation as soon as there is a place for it; its return value is the last event, or `failed` if it panics.
+/// Starts a computation as soon as there is a place for it; its return value is the last event, or `failed`
+/// if it panics.
 pub(super) async fn start<E: Serialize + 'static>(
     gate: &Gate,
     compute: impl FnOnce(&EventSender) -> E + Send + 'static,

@@ -1,4 +1,5 @@
-//! Bytes of a response with a head in JSON and 16-bit floating point numbers, which a browser gives to its graphics processor as they are.
+//! Bytes of a response with a head in JSON and 16-bit floating point numbers, which a browser gives to its
+//! graphics processor as they are.
 
 use papilio_imaging::push_halves;
 use serde::Serialize;

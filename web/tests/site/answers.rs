@@ -90,8 +90,9 @@ fn answer_of_one_view_is_that_among_all_views() {
     }
 }
 
-/// Every example and every preset has a live result. That of the face by waves, with twenty lobes at each wavelength, takes ten seconds of the
-/// twenty that the page allows: every day, it has fewer wavelengths, views and directions.
+/// Every example and every preset has a live result. That of the face by waves, with twenty lobes at each
+/// wavelength, takes ten seconds of the twenty that the page allows: every day, it has fewer wavelengths,
+/// views and directions.
 #[test]
 fn every_example_and_preset_computes() {
     let server = Server::start();
@@ -238,8 +239,8 @@ fn report_is_self_contained() {
     ] {
         assert!(html.contains(part), "{part}");
     }
-    // No heading, head of a table or line of the results has the name of a type or a key of result.json; keys of the scenario, as in its
-    // file, follow the results.
+    // No heading, head of a table or line of the results has the name of a type or a key of result.json; keys
+    // of the scenario, as in its file, follow the results.
     let (_, rest) = html.split_once("<h2>Results</h2>").unwrap();
     let (results, _) = rest.split_once("<h2>Scenario</h2>").unwrap();
     let texts = results.split('<').filter_map(|part| Some(part.split_once('>')?.1.trim()));
@@ -332,8 +333,8 @@ fn disconnected_client_stops_its_monte_carlo_run() {
     drop(begin());
 }
 
-/// Requests of disconnected clients are dropped: two hundred computations of a second each, all different, are
-/// started and left, and the next request is processed before the client's limit of a minute.
+/// Requests of disconnected clients are dropped: two hundred computations of a second each, all different,
+/// are started and left, and the next request is processed before the client's limit of a minute.
 #[test]
 fn request_of_disconnected_client_is_dropped() {
     let server = Server::start();

@@ -19,7 +19,8 @@ fn openapi_json_equals_the_description_of_the_code() {
     );
 }
 
-/// The page selects fields by the names of types in the schema: a type that is renamed must be renamed there, too.
+/// The page selects fields by the names of types in the schema: a type that is renamed must be renamed there,
+/// too.
 #[test]
 fn names_of_types_in_the_page_are_those_of_the_schema() {
     let fields = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("page/src/fields");

@@ -55,7 +55,8 @@ fn sharpness_and_crosstalk_equal_the_command_line() {
     assert_eq!(Some(own), wanted.views[0].shares.own_share_out);
 }
 
-/// A sweep that names metrics of pixels has their values and errors at each point, those of the tab of fine detail.
+/// A sweep that names metrics of pixels has their values and errors at each point, those of the tab of fine
+/// detail.
 #[test]
 fn sweep_computes_metrics_of_pixels() {
     let server = Server::start();

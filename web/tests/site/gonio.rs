@@ -22,7 +22,8 @@ fn names(list: &Value) -> Vec<&str> {
     list.as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap()).collect()
 }
 
-/// The full measurement is that of the command line to the last byte; a preview has the same rays, and fewer phase screens.
+/// The full measurement is that of the command line to the last byte; a preview has the same rays, and fewer
+/// phase screens.
 #[test]
 fn measurements_equal_the_command_line() {
     let server = Server::start();
@@ -130,7 +131,8 @@ fn files_of_surfaces_are_read_from_memory() {
     assert!(answer.status == 422 && answer.error().0.contains("pitch"), "{answer:?}");
 }
 
-/// The surface of a layer has the keys of the layer and the indices of its neighbours, and keeps its comments.
+/// The surface of a layer has the keys of the layer and the indices of its neighbours, and keeps its
+/// comments.
 #[test]
 fn surfaces_of_a_design_are_those_of_its_layers() {
     let server = Server::start();

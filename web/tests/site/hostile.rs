@@ -133,8 +133,8 @@ fn slow_clients_and_clients_that_never_read_are_disconnected() {
     never_read.join().unwrap();
 }
 
-/// Connections with an incomplete body or header are closed after ten seconds, not before; others are served at
-/// the same time.
+/// Connections with an incomplete body or header are closed after ten seconds, not before; others are served
+/// at the same time.
 fn slow_clients_are_disconnected() {
     let server = Server::start();
     let started = Instant::now();
@@ -216,7 +216,8 @@ fn idle_connections_are_replaced_by_active_ones() {
     }
 }
 
-/// Requests whose bodies do not arrive take all places of an address, or the memory of bodies: others are served.
+/// Requests whose bodies do not arrive take all places of an address, or the memory of bodies: others are
+/// served.
 #[test]
 fn unfinished_requests_do_not_block_others() {
     let server = Server::start();
@@ -241,7 +242,8 @@ fn unfinished_requests_do_not_block_others() {
     assert!(started.elapsed() < Duration::from_secs(9), "{:?}", started.elapsed());
 }
 
-/// The response to a request that is too long is read after the whole request is sent: the connection is not reset.
+/// The response to a request that is too long is read after the whole request is sent: the connection is not
+/// reset.
 #[test]
 fn response_to_a_long_request_is_readable() {
     let server = Server::start();

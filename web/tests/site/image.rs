@@ -61,7 +61,8 @@ fn upload(server: &Server, name: &str, bytes: &[u8]) -> Answer {
     server.send(&format!("/api/v1/files?name={name}"), "application/octet-stream", bytes)
 }
 
-/// States and light are those of `papilio image`, and a picture that is held keeps its states in another view and light.
+/// States and light are those of `papilio image`, and a picture that is held keeps its states in another view
+/// and light.
 #[test]
 fn sum_over_the_lights_equals_papilio_image() {
     let server = Server::start();
@@ -120,7 +121,8 @@ fn sum_over_the_lights_equals_papilio_image() {
     assert_eq!(export("states.exe").status, 404);
 }
 
-/// Without a halftone, each pixel has the colour that a halftone would show, and there are no states for a panel.
+/// Without a halftone, each pixel has the colour that a halftone would show, and there are no states for a
+/// panel.
 #[test]
 fn picture_without_halftone_has_exact_colours_and_no_states() {
     let server = Server::start();

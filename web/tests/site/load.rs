@@ -19,8 +19,8 @@ pub(crate) fn resident_kb() -> Option<u64> {
 /// Every response is a result or an intended refusal, memory stays bounded, and another user, who moves a
 /// slider, is served at the same time.
 ///
-/// The load lasts until it is heavy enough, too: on a busy machine that takes longer. Waiting times are compared
-/// with a limit only where `PAPILIO_LOAD_SECONDS` is set, for a machine that does nothing else.
+/// The load lasts until it is heavy enough, too: on a busy machine that takes longer. Waiting times are
+/// compared with a limit only where `PAPILIO_LOAD_SECONDS` is set, for a machine that does nothing else.
 #[test]
 fn fifty_clients_do_not_block_another_user() {
     let set = std::env::var("PAPILIO_LOAD_SECONDS").ok().and_then(|text| text.parse().ok());

@@ -1,5 +1,5 @@
-//! What the page offers: values that are accepted, the Monte Carlo solver for what adding refuses, presets, lobes and the
-//! comparison with a measured panel.
+//! What the page offers: values that are accepted, the Monte Carlo solver for what adding refuses, presets,
+//! lobes and the comparison with a measured panel.
 
 use std::sync::atomic::AtomicBool;
 

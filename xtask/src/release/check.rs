@@ -1,4 +1,5 @@
-//! Checks of the packages: each is installed in an empty folder and runs the first command of README.md, whose output is compared.
+//! Checks of the packages: each is installed in an empty folder and runs the first command of README.md,
+//! whose output is compared.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -60,7 +61,8 @@ fn container(archive: &Path, sandbox: &Sandbox) -> Outcome {
     runs(buildah(&["run", "--isolation", "chroot", container, "--", "/papilio"]))
 }
 
-/// Checks a package of Python in a new environment. `build` are the options of maturin for a source distribution, which needs Rust.
+/// Checks a package of Python in a new environment. `build` are the options of maturin for a source
+/// distribution, which needs Rust.
 pub(super) fn python(package: &Path, build: Option<&str>) -> Outcome {
     let sandbox = Sandbox::new("python")?;
     let here = sandbox.folder();
@@ -71,8 +73,9 @@ pub(super) fn python(package: &Path, build: Option<&str>) -> Outcome {
     let programs = here.join("venv").join(if cfg!(windows) { "Scripts" } else { "bin" });
     let mut install = match build {
         None => sandbox.command(programs.join("python")),
-        // With Rust. In a folder of its own: cargo tells compiled crates apart by their place in the workspace and their times, which
-        // are the same here, and would take those of the repository for those of the package.
+        // With Rust. In a folder of its own: cargo tells compiled crates apart by their place in the
+        // workspace and their times, which are the same here, and would take those of the repository for
+        // those of the package.
         Some(options) => {
             let mut install = Command::new(programs.join("python"));
             install

@@ -1,4 +1,5 @@
-//! The crates, as the registry gets them: packed, and each compiled from its package alone, in the order of their dependencies.
+//! The crates, as the registry gets them: packed, and each compiled from its package alone, in the order of
+//! their dependencies.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +20,8 @@ pub(super) fn make() -> Outcome {
     publish.arg(&target);
     // Neither debug lines nor traces of what changed: each crate is compiled once.
     publish.env("CARGO_PROFILE_DEV_DEBUG", "0").env("CARGO_INCREMENTAL", "0");
-    // The page is not in git, which is why cargo takes it for a change that was not committed. Others are refused where it matters.
+    // The page is not in git, which is why cargo takes it for a change that was not committed. Others are
+    // refused where it matters.
     publish.arg("--allow-dirty");
     if std::env::var_os("CI").is_some() {
         let status = shell::run_apart(command("git", ["status", "--porcelain"]));

@@ -1,4 +1,5 @@
-//! `cargo xtask release`: the packages that this machine can make, in target/packages, each installed without Rust and run.
+//! `cargo xtask release`: the packages that this machine can make, in target/packages, each installed without
+//! Rust and run.
 //!
 //! | part | packages |
 //! |---|---|
@@ -95,7 +96,8 @@ fn version() -> &'static str {
     env!("CARGO_PKG_VERSION")
 }
 
-/// Removes the packages that a test selects, and creates them again by `make`; what an earlier call has left is not mistaken for it.
+/// Removes the packages that a test selects, and creates them again by `make`; what an earlier call has left
+/// is not mistaken for it.
 fn replace(is_old: impl Fn(&str) -> bool) -> Outcome {
     files()?.iter().filter(|(name, _)| is_old(name)).try_for_each(|(_, path)| {
         fs::remove_file(path).map_err(|error| format!("{}: {error}", path.display()))

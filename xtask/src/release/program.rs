@@ -1,7 +1,7 @@
 //! The archive of the program.
 //!
-//! On Linux the program is static, so that it runs on every distribution and in an empty container: with musl, if rustup has
-//! installed that target; otherwise with the C library of this machine (`crt-static`).
+//! On Linux the program is static, so that it runs on every distribution and in an empty container: with
+//! musl, if rustup has installed that target; otherwise with the C library of this machine (`crt-static`).
 
 use std::fs;
 use std::path::{Path, PathBuf};

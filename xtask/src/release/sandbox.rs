@@ -24,7 +24,8 @@ impl Sandbox {
         &self.folder
     }
 
-    /// A command that runs in the folder with no variables of this environment, so that it finds neither Rust nor this repository.
+    /// A command that runs in the folder with no variables of this environment, so that it finds neither Rust
+    /// nor this repository.
     pub(super) fn command(&self, program: impl AsRef<OsStr>) -> Command {
         let mut command = Command::new(program);
         command.env_clear().current_dir(&self.folder);
@@ -35,8 +36,9 @@ impl Sandbox {
         command
     }
 
-    /// A command that sees nothing but a folder in this one, as the root of its files. `None` where the system does not allow it:
-    /// on Linux, root may (`chroot`), and others where they may create user namespaces (`unshare`).
+    /// A command that sees nothing but a folder in this one, as the root of its files. `None` where the
+    /// system does not allow it: on Linux, root may (`chroot`), and others where they may create user
+    /// namespaces (`unshare`).
     pub(super) fn in_empty_root(&self, root: &Path, program: &str) -> Option<Command> {
         if !cfg!(target_os = "linux") {
             return None;

@@ -1,7 +1,8 @@
 //! The Python package: a wheel, which needs no Rust, and the source distribution.
 //!
-//! On Linux, the wheel is linked by zig (of the Python package `ziglang`) with the C library of manylinux2014, or musl's, so that it
-//! runs on every distribution since 2014. One wheel serves all versions of Python since 3.11 (`abi3`).
+//! On Linux, the wheel is linked by zig (of the Python package `ziglang`) with the C library of
+//! manylinux2014, or musl's, so that it runs on every distribution since 2014. One wheel serves all versions
+//! of Python since 3.11 (`abi3`).
 
 use std::path::PathBuf;
 use std::process::Command;

@@ -72,8 +72,8 @@ fn features(selection: &[&str]) -> BTreeSet<String> {
     String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect()
 }
 
-/// Otherwise the daily checks compile or check the packages that differ, and all above them, twice: the dependencies of
-/// `papilio-python` that it does not use itself make them the same.
+/// Otherwise the daily checks compile or check the packages that differ, and all above them, twice: the
+/// dependencies of `papilio-python` that it does not use itself make them the same.
 #[test]
 fn tests_wheel_and_documentation_compile_the_same_packages() {
     let tests = features(&["--workspace", "--edges", "normal,build,dev"]);

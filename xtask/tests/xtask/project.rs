@@ -1,5 +1,5 @@
-//! The lists of the project: every shipped file of data has its source in docs/provenance.md, every package its licence in
-//! release/THIRD-PARTY.md; CITATION.cff states the present version.
+//! The lists of the project: every shipped file of data has its source in docs/provenance.md, every package
+//! its licence in release/THIRD-PARTY.md; CITATION.cff states the present version.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,4 +1,5 @@
-//! The page of each public crate, README.md: the tour of its library, from the first lines of its lib.rs. `cargo xtask docs` writes it.
+//! The page of each public crate, README.md: the tour of its library, from the first lines of its lib.rs.
+//! `cargo xtask docs` writes it.
 
 use std::fmt::Write;
 use std::fs;

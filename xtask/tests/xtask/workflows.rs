@@ -1,4 +1,5 @@
-//! The workflows of `.github`: each step that can run here is a task of the project or a command of README.md.
+//! The workflows of `.github`: each step that can run here is a task of the project or a command of
+//! README.md.
 
 use std::process::Command;
 
@@ -8,7 +9,8 @@ use crate::{read, root};
 
 const WORKFLOWS: [&str; 3] = ["check", "release", "site"];
 
-/// First words of steps that need the machines of the workflow: they install what it builds with, or act on the project's pages.
+/// First words of steps that need the machines of the workflow: they install what it builds with, or act on
+/// the project's pages.
 const ELSEWHERE: [&str; 5] = [
     "rustup target add ",
     "sudo apt-get install ",

@@ -26,7 +26,8 @@ const ELSEWHERE: [(&str, &str); 4] = [
     ("papilio serve", "it does not end: only its arguments are checked here; tests/cli/serve.rs starts it"),
 ];
 
-/// Words of commands that take a third of a second or more in the development profile, or that need a feature that it lacks.
+/// Words of commands that take a third of a second or more in the development profile, or that need a feature
+/// that it lacks.
 const LONG: [&str; 17] = [
     "--cone",
     "fit",
@@ -181,7 +182,8 @@ impl Shell<'_> {
         checked.map_err(|errors| errors.to_string())
     }
 
-    /// Fails if a file that a command or its comment names does not exist, or if a folder of results is empty.
+    /// Fails if a file that a command or its comment names does not exist, or if a folder of results is
+    /// empty.
     fn check_files(&self, words: &[String], comment: &str) -> Result<(), String> {
         let is_file =
             |word: &&str| ENDINGS.iter().any(|end| word.ends_with(end)) && !word.contains(['=', '*', ':']);

@@ -1,4 +1,5 @@
-//! Blocks of code of a page in Markdown, with the comments for the test directly above them. docs/writing.md lists both.
+//! Blocks of code of a page in Markdown, with the comments for the test directly above them. docs/writing.md
+//! lists both.
 
 /// What a comment above a block says.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,9 @@
-//! Every block of code of the documentation: commands, scenarios and outputs are run and compared, so that no page says what the program
-//! does not do. docs/writing.md describes how the language of a block and the comments above it decide what is tested.
+//! Every block of code of the documentation: commands, scenarios and outputs are run and compared, so that no
+//! page says what the program does not do. docs/writing.md describes how the language of a block and the
+//! comments above it decide what is tested.
 //!
-//! `cargo xtask test` checks the arguments of commands that take long; `cargo xtask full` runs them, with the program that
-//! [`PROGRAM`] names. Blocks in Python are tested by `python/tests/test_docs.py`.
+//! `cargo xtask test` checks the arguments of commands that take long; `cargo xtask full` runs them, with the
+//! program that [`PROGRAM`] names. Blocks in Python are tested by `python/tests/test_docs.py`.
 
 mod commands;
 mod markdown;
@@ -36,7 +37,8 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
 }
 
-/// Paths of all pages from the top of the repository: those at the top without the changelog, and those in docs/.
+/// Paths of all pages from the top of the repository: those at the top without the changelog, and those in
+/// docs/.
 fn pages() -> Vec<String> {
     fn of(folder: &Path, within: &str, deep: bool, pages: &mut Vec<String>) {
         for entry in fs::read_dir(folder).unwrap().flatten() {
@@ -68,7 +70,8 @@ fn make(from: &Path, to: &Path, copy: fn(PathBuf, PathBuf) -> io::Result<()>) {
     }
 }
 
-/// Tests a page beside the folders that `shipped` has; returns its numbers of blocks, the times of its commands, and all mistakes.
+/// Tests a page beside the folders that `shipped` has; returns its numbers of blocks, the times of its
+/// commands, and all mistakes.
 fn test_page(name: &str, shipped: &Path) -> (Counts, Vec<(Duration, String)>, Vec<String>) {
     let text = fs::read_to_string(repository().join(name)).unwrap();
     let blocks = match markdown::blocks(&text) {

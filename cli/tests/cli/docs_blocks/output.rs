@@ -6,8 +6,8 @@ type Word<'a> = (usize, &'a str);
 /// Stands for any number of words.
 const OMITTED: &str = "...";
 
-/// Compares an output with the text of a page: word by word, with numbers as [`same_word`] compares them. `...` stands for any number of
-/// words.
+/// Compares an output with the text of a page: word by word, with numbers as [`same_word`] compares them.
+/// `...` stands for any number of words.
 pub(super) fn compare(shown: &str, printed: &str) -> Result<(), String> {
     let words: Vec<Word<'_>> = shown
         .lines()
@@ -88,7 +88,8 @@ fn pieces(word: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// True if both are numbers with the same number of decimals that differ by one unit of the last digit at most.
+/// True if both are numbers with the same number of decimals that differ by one unit of the last digit at
+/// most.
 fn are_close(one: &str, other: &str) -> bool {
     let decimals = |text: &str| Some(text.split_once('.')?.1.len());
     let (Ok(a), Ok(b)) = (one.parse::<f64>(), other.parse::<f64>()) else { return false };

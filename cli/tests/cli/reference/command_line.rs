@@ -16,7 +16,8 @@ const FILES: [(&str, &str); 6] = [
     ("reader.toml", "rm -f reader.toml"),
 ];
 
-/// Describes all commands: their purposes in the table at the beginning, arguments and options that several commands share once.
+/// Describes all commands: their purposes in the table at the beginning, arguments and options that several
+/// commands share once.
 pub(super) fn reference(mut program: Command) -> String {
     program.build();
     let mut text = String::new();

@@ -71,7 +71,8 @@ fn members(pattern: &str) -> Vec<String> {
     words.split(',').flat_map(of_word).collect()
 }
 
-/// The family of a name among `names`, if they contain all of it: its pattern, what its members are, and whether the name is the first.
+/// The family of a name among `names`, if they contain all of it: its pattern, what its members are, and
+/// whether the name is the first.
 fn family(name: &str, names: &[&str]) -> Option<(&'static str, &'static str, bool)> {
     let is_complete = |all: &[String]| all.iter().all(|member| names.contains(&member.as_str()));
     FAMILIES.into_iter().find_map(|(pattern, meaning)| {

@@ -1,12 +1,13 @@
-//! The reference pages that are made from the program: the command line and the metrics. `cargo xtask docs` writes them; these tests
-//! fail if a page is not what the program says.
+//! The reference pages that are made from the program: the command line and the metrics. `cargo xtask docs`
+//! writes them; these tests fail if a page is not what the program says.
 
 mod command_line;
 mod metrics;
 
 use std::path::Path;
 
-/// Compares the text of a page between `<!-- NAME -->` and `<!-- end of NAME -->` with what is made from the program, or writes it.
+/// Compares the text of a page between `<!-- NAME -->` and `<!-- end of NAME -->` with what is made from the
+/// program, or writes it.
 fn check(page: &str, parts: &[(&str, String)]) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(page);
     let found = std::fs::read_to_string(&path).unwrap();
@@ -25,7 +26,8 @@ fn with(page: &str, name: &str, made: &str) -> String {
     format!("{before}{begin}\n{}\n\n{end}{after}", made.trim())
 }
 
-/// A cell of a table: on one line, without the bar that begins the next cell, and without stars (`L*`) that begin an emphasis.
+/// A cell of a table: on one line, without the bar that begins the next cell, and without stars (`L*`) that
+/// begin an emphasis.
 fn cell(text: &str) -> String {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|");
     let parts = line.split('`').enumerate();

@@ -22,7 +22,8 @@ pub enum MapSpace {
     /// [Oklab](crate::Oklab), after adaptation of the display's white to D65.
     #[default]
     Oklab,
-    /// [CAM16-UCS](crate::Cam16Ucs) in these viewing conditions, with complete adaptation to the display's white.
+    /// [CAM16-UCS](crate::Cam16Ucs) in these viewing conditions, with complete adaptation to the display's
+    /// white.
     Cam16Ucs(Viewing),
 }
 

@@ -1,29 +1,37 @@
 //! Gamut mapping: which colour of a display stands for a colour of a source picture.
 //!
-//! **What.** In two steps, all in linear light. The *target* sets the picture's white and black to those of the display:
+//! **What.** In two steps, all in linear light. The *target* sets the picture's white and black to those of
+//! the display:
 //!
-//! - [`Intent::Relative`], [`Intent::Clip`]: CAT16 from D65 to the display's white W, then for each of X, Y, Z
-//!   `K + (1 - K/W) XYZ`: white becomes W, and black becomes K.
-//! - [`Intent::Perceptual`]: CAT16 to W; lightness below the middle is compressed so that black becomes that of K.
-//! - [`Intent::Absolute`]: CAT16 to a perfect white in the same light: colours keep the luminance factor of the page.
+//! - [`Intent::Relative`], [`Intent::Clip`]: CAT16 from D65 to the display's white W, then for each of X, Y,
+//!   Z `K + (1 - K/W) XYZ`: white becomes W, and black becomes K.
+//! - [`Intent::Perceptual`]: CAT16 to W; lightness below the middle is compressed so that black becomes that
+//!   of K.
+//! - [`Intent::Absolute`]: CAT16 to a perfect white in the same light: colours keep the luminance factor of
+//!   the page.
 //!
 //! The *mapping* then changes colours outside the hull of the display's states, and no others:
 //!
-//! - Relative and absolute: constant lightness and hue in [`MapSpace`]; chroma is reduced until the colour is in the hull.
-//! - Perceptual: as relative, but chroma is reduced gradually, from 0.7 of the largest of the hull on, so that the largest
-//!   chroma of the source space becomes the largest of the hull. This changes colours inside the hull, too.
+//! - Relative and absolute: constant lightness and hue in [`MapSpace`]; chroma is reduced until the colour is
+//!   in the hull.
+//! - Perceptual: as relative, but chroma is reduced gradually, from 0.7 of the largest of the hull on, so
+//!   that the largest chroma of the source space becomes the largest of the hull. This changes colours inside
+//!   the hull, too.
 //! - Clip: the nearest colour of the hull, in X, Y, Z relative to white ([`StateHull::nearest`]).
 //!
-//! Hue and chroma are relative to grey, or, where the hull has no grey of this lightness (a bluish black), to its nearest
-//! colour on the way from the mixture of white and black. A hull in a plane, as of black, white and one ink, has only two hues:
-//! there, Y is constant and the nearest colour of the plane is taken. On a line, the mixture of white and black with the same Y.
+//! Hue and chroma are relative to grey, or, where the hull has no grey of this lightness (a bluish black), to
+//! its nearest colour on the way from the mixture of white and black. A hull in a plane, as of black, white
+//! and one ink, has only two hues: there, Y is constant and the nearest colour of the plane is taken. On a
+//! line, the mixture of white and black with the same Y.
 //!
-//! **Parameters.** The hull, its white and black, and a perfect white, in one light and view and on one scale.
+//! **Parameters.** The hull, its white and black, and a perfect white, in one light and view and on one
+//! scale.
 //!
-//! **Range.** Any source colours, also outside the source space. The result is always in the hull, within 1e-9.
+//! **Range.** Any source colours, also outside the source space. The result is always in the hull, within
+//! 1e-9.
 //!
-//! **Source.** Morovič, *Color Gamut Mapping* (Wiley, 2008); black point compensation: ISO 18619:2015, here with the colour of
-//! black. The constant hue of Oklab or CAM16-UCS instead of CIELAB avoids purple blues.
+//! **Source.** Morovič, *Color Gamut Mapping* (Wiley, 2008); black point compensation: ISO 18619:2015, here
+//! with the colour of black. The constant hue of Oklab or CAM16-UCS instead of CIELAB avoids purple blues.
 
 mod intent;
 mod source;
@@ -68,7 +76,8 @@ impl GamutMapping {
     ///
     /// # Errors
     ///
-    /// [`ColourError::WhiteAndBlack`] unless white and black are in the hull and white is larger in X, Y and Z, and positive.
+    /// [`ColourError::WhiteAndBlack`] unless white and black are in the hull and white is larger in X, Y and
+    /// Z, and positive.
     pub fn new(
         hull: StateHull,
         display: DisplayColours,
@@ -112,7 +121,8 @@ impl GamutMapping {
         Xyz { x, y, z }
     }
 
-    /// The target of X, Y, Z relative to D65 (Y = 1 for white), before mapping. That of perceptual mapping is that of relative.
+    /// The target of X, Y, Z relative to D65 (Y = 1 for white), before mapping. That of perceptual mapping is
+    /// that of relative.
     pub fn target_xyz(&self, source: Xyz) -> Xyz {
         let adapted = self.adaptation.apply(source);
         if self.intent == Intent::Absolute {
@@ -124,7 +134,8 @@ impl GamutMapping {
         Xyz { x, y, z }
     }
 
-    /// The mapped colour of X, Y, Z relative to D65 (Y = 1 for white); in the hull. A colour that is not finite becomes black.
+    /// The mapped colour of X, Y, Z relative to D65 (Y = 1 for white); in the hull. A colour that is not
+    /// finite becomes black.
     pub fn map_xyz(&self, source: Xyz) -> Xyz {
         let target = self.target_xyz(source);
         if !target.to_array().iter().all(|value| value.is_finite()) {
@@ -152,7 +163,8 @@ impl GamutMapping {
         self.on_the_way(from, to, &self.hull, grey).1
     }
 
-    /// Finds the part of the way between two colours at which a hull ends, and the colour there; `start` is the colour of `from`.
+    /// Finds the part of the way between two colours at which a hull ends, and the colour there; `start` is
+    /// the colour of `from`.
     fn on_the_way(&self, from: [f64; 3], to: [f64; 3], hull: &StateHull, start: Xyz) -> (f64, Xyz) {
         let at = |part: f64| self.space.xyz([0, 1, 2].map(|k| from[k] + part * (to[k] - from[k])));
         let inside = |colour: &Xyz| hull.contains_within(*colour, 1e-10);
@@ -170,7 +182,8 @@ impl GamutMapping {
         (low, colour)
     }
 
-    /// Mixture of black and white at a step, moved towards grey as far as the hull allows, with its lightness.
+    /// Mixture of black and white at a step, moved towards grey as far as the hull allows, with its
+    /// lightness.
     fn grey(&self, step: usize) -> (f64, Xyz) {
         let part = (step as f64 / GREYS as f64).powi(3);
         let mixture = self.display.black + (self.display.white - self.display.black) * part;

@@ -2,8 +2,8 @@
 //!
 //! **What.** Linear RGB with 0 for black and 1 for white, whose white is D65.
 //!
-//! **Source.** Chromaticities of the primaries: IEC 61966-2-1 (sRGB), SMPTE EG 432-1 (P3), ITU-R BT.2020-2. The matrices are
-//! computed from them, so that (1, 1, 1) is [`D65_WHITE`] exactly.
+//! **Source.** Chromaticities of the primaries: IEC 61966-2-1 (sRGB), SMPTE EG 432-1 (P3), ITU-R BT.2020-2.
+//! The matrices are computed from them, so that (1, 1, 1) is [`D65_WHITE`] exactly.
 
 use crate::matrix::{Matrix, inverse, times};
 use crate::{D65_WHITE, Xy, Xyz};

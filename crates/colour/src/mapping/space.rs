@@ -4,7 +4,8 @@ use super::MapSpace;
 use crate::matrix::{Matrix, times};
 use crate::{Adaptation, Cam16Ucs, Oklab, Xyz};
 
-/// Conversions between colours of the display and lightness and two chromatic coordinates; the white has no chroma.
+/// Conversions between colours of the display and lightness and two chromatic coordinates; the white has no
+/// chroma.
 #[derive(Debug, Clone)]
 pub(super) struct Space {
     /// Complete adaptation to the white of the model.

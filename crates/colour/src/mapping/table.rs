@@ -1,13 +1,15 @@
 //! Gamut mapping by a table.
 //!
-//! **What.** The mapped colours on a lattice of linear RGB, with tetrahedral interpolation. The levels of the lattice are the squares of
-//! equal steps, and the interpolation is linear in light: what a mapping does not change, a table of relative or absolute intent does
-//! not change either, to rounding. The hull is convex, and an interpolated colour is a mixture of mapped colours: it is in the hull.
+//! **What.** The mapped colours on a lattice of linear RGB, with tetrahedral interpolation. The levels of the
+//! lattice are the squares of equal steps, and the interpolation is linear in light: what a mapping does not
+//! change, a table of relative or absolute intent does not change either, to rounding. The hull is convex,
+//! and an interpolated colour is a mixture of mapped colours: it is in the hull.
 //!
 //! **Parameters.** Number of levels, 2 to 129; 33 are usual.
 //!
-//! **Error.** For six inks with 33 levels, CIEDE2000 is 0.03 to 0.05 in the mean, 0.12 to 0.29 at the 95th percentile and 0.9 to
-//! 2.4 at most, near the border of the hull; with 17 levels three times as much. [`GamutTable::error`] measures that of a table.
+//! **Error.** For six inks with 33 levels, CIEDE2000 is 0.03 to 0.05 in the mean, 0.12 to 0.29 at the 95th
+//! percentile and 0.9 to 2.4 at most, near the border of the hull; with 17 levels three times as much.
+//! [`GamutTable::error`] measures that of a table.
 //!
 //! **Range.** RGB from 0 to 1; other values are clipped to it.
 

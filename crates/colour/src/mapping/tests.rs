@@ -98,7 +98,8 @@ fn colours_outside_keep_lightness_and_hue() {
     }
 }
 
-/// A ramp of one lightness and hue beyond the hull: relative mapping has one colour there, perceptual mapping still a gradient.
+/// A ramp of one lightness and hue beyond the hull: relative mapping has one colour there, perceptual mapping
+/// still a gradient.
 #[test]
 fn perceptual_mapping_keeps_differences_between_saturated_colours() {
     let states = inks();
@@ -169,7 +170,8 @@ fn white_and_black_must_be_mixtures_of_the_states() {
     }
 }
 
-/// The luminances of the primaries: 0.2126 0.7152 0.0722 (sRGB), 0.2290 0.6917 0.0793 (P3), 0.2627 0.6780 0.0593 (BT.2020).
+/// The luminances of the primaries: 0.2126 0.7152 0.0722 (sRGB), 0.2290 0.6917 0.0793 (P3), 0.2627 0.6780
+/// 0.0593 (BT.2020).
 #[test]
 fn source_spaces_have_their_luminances_and_the_white_of_d65() {
     for (space, luminances) in [

@@ -3,8 +3,8 @@
 /// Pixels that are computed at once.
 const BLOCK: usize = 16;
 
-/// A kernel that is the same on both sides of its middle, or the opposite. It is applied to differences of values, so that uniform planes
-/// become exactly the total times their value.
+/// A kernel that is the same on both sides of its middle, or the opposite. It is applied to differences of
+/// values, so that uniform planes become exactly the total times their value.
 pub(super) struct Kernel {
     total: f32,
     /// Weights at distances of 1, 2, ... pixels upwards.
@@ -21,7 +21,8 @@ impl Kernel {
         Self { total: total as f32, sides: Self::sides(weights), is_odd: false }
     }
 
-    /// The kernel with these weights at distances of 0, 1, ... pixels upwards, and the opposite ones downwards.
+    /// The kernel with these weights at distances of 0, 1, ... pixels upwards, and the opposite ones
+    /// downwards.
     pub(super) fn odd(weights: &[f64]) -> Self {
         Self { total: 0.0, sides: Self::sides(weights), is_odd: true }
     }
@@ -33,7 +34,8 @@ impl Kernel {
         weights[1..=last].iter().map(|weight| *weight as f32).collect()
     }
 
-    /// Adds the value and those at its sides, of which `at` returns the one below and the one above at a distance.
+    /// Adds the value and those at its sides, of which `at` returns the one below and the one above at a
+    /// distance.
     fn apply<'a>(&self, middle: &[f32], sums: &mut [f32], at: impl Fn(usize) -> [&'a [f32]; 2]) {
         sums.iter_mut().zip(middle).for_each(|(sum, value)| *sum = self.total * value);
         for (k, weight) in self.sides.iter().enumerate() {

@@ -1,18 +1,20 @@
 //! FLIP: the difference that is noticed when two pictures alternate at the same place.
 //!
-//! **What.** Two differences are combined. That of *colour*: the pictures, filtered by the eye's contrast sensitivity, are
-//! compared in CIELAB, whose chroma is reduced in dark colours (Hunt effect), by the sum of the difference of lightness
-//! and the distance in chroma (HyAB); the result is compressed to 0 to 1. That of *features*: edges and points, found
-//! by the first and second derivatives of a Gaussian in lightness. `FLIP = colour^(1 - features)`.
+//! **What.** Two differences are combined. That of *colour*: the pictures, filtered by the eye's contrast
+//! sensitivity, are compared in CIELAB, whose chroma is reduced in dark colours (Hunt effect), by the sum of
+//! the difference of lightness and the distance in chroma (HyAB); the result is compressed to 0 to 1. That of
+//! *features*: edges and points, found by the first and second derivatives of a Gaussian in lightness.
+//! `FLIP = colour^(1 - features)`.
 //!
-//! **Parameters.** Pixels per degree; the source's 67.02 are those of a monitor of 3840 pixels and 0.7 m at 0.7 m.
+//! **Parameters.** Pixels per degree; the source's 67.02 are those of a monitor of 3840 pixels and 0.7 m at
+//! 0.7 m.
 //!
-//! **Range.** Pictures with values from 0 to 1 (low dynamic range); others are clipped. 0 means no difference, 1 that of
-//! black and white, approximately.
+//! **Range.** Pictures with values from 0 to 1 (low dynamic range); others are clipped. 0 means no
+//! difference, 1 that of black and white, approximately.
 //!
-//! **Source.** Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, *FLIP: a difference evaluator for
-//! alternating images*, Proc. ACM Comput. Graph. Interact. Tech. 3(2), 15 (2020). Results agree with the authors' program
-//! `flip-evaluator` 1.7, to 1e-4; both compute in single precision.
+//! **Source.** Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, *FLIP: a difference
+//! evaluator for alternating images*, Proc. ACM Comput. Graph. Interact. Tech. 3(2), 15 (2020). Results agree
+//! with the authors' program `flip-evaluator` 1.7, to 1e-4; both compute in single precision.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 use std::f64::consts::PI;
@@ -42,8 +44,8 @@ const XYZ_TO_RGB: [[f32; 3]; 3] = [
 #[allow(clippy::excessive_precision, reason = "the digits of the source")]
 const WHITE: [f32; 3] = [0.950_428_55, 1.0, 1.088_900_4];
 
-/// The Gaussians of the contrast sensitivity to lightness, red-green and blue-yellow: `a sqrt(pi/b) exp(-(pi r)²/b)`, with
-/// the amplitude a and b in square degrees.
+/// The Gaussians of the contrast sensitivity to lightness, red-green and blue-yellow:
+/// `a sqrt(pi/b) exp(-(pi r)²/b)`, with the amplitude a and b in square degrees.
 const SENSITIVITY: [&[(f64, f64)]; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
 /// The largest b: it sets the radius of all kernels.
 const WIDEST: f64 = 0.04;
@@ -66,7 +68,8 @@ pub struct FlipPicture {
 }
 
 impl FlipPicture {
-    /// Computes what is seen of a picture in linear sRGB. `pixels_per_degree`: of the visual angle, in the middle of the picture.
+    /// Computes what is seen of a picture in linear sRGB. `pixels_per_degree`: of the visual angle, in the
+    /// middle of the picture.
     pub fn new(picture: &Picture, pixels_per_degree: f64) -> Self {
         let (columns, count) = (picture.columns(), picture.planes[0].len());
         let mut planes = [0; 3].map(|_| Vec::with_capacity(count));
@@ -115,7 +118,8 @@ fn to_xyz(rgb: [f32; 3]) -> [f32; 3] {
     [x / WHITE[0], y, z / WHITE[2]]
 }
 
-/// CIELAB without its cube roots: linear in light, so that it can be filtered. Lightness is on a scale of 0 to 1.
+/// CIELAB without its cube roots: linear in light, so that it can be filtered. Lightness is on a scale of 0
+/// to 1.
 fn opponent([x, y, z]: [f32; 3]) -> [f32; 3] {
     [y, 500.0 * (x - y), 200.0 * (y - z)]
 }
@@ -124,7 +128,8 @@ fn from_opponent([y, red_green, blue_yellow]: [f32; 3]) -> [f32; 3] {
     [WHITE[0] * (y + red_green / 500.0), y, WHITE[2] * (y - blue_yellow / 200.0)]
 }
 
-/// Cube root of a normal positive number, within 3e-7 of it: a third of its exponent, and two steps of Halley's method.
+/// Cube root of a normal positive number, within 3e-7 of it: a third of its exponent, and two steps of
+/// Halley's method.
 fn cube_root(value: f32) -> f32 {
     let first = f32::from_bits(value.to_bits() / 3 + 709_958_130);
     (0..2).fold(first, |root, _| {
@@ -271,8 +276,8 @@ mod tests {
         ((encoded + 0.055) / 1.055).powf(2.4)
     }
 
-    /// Pixels of `flip-evaluator` 1.7. In uniform pictures its single precision finds features of 1e-7, whose root adds up
-    /// to 1e-4.
+    /// Pixels of `flip-evaluator` 1.7. In uniform pictures its single precision finds features of 1e-7, whose
+    /// root adds up to 1e-4.
     #[test]
     fn uniform_pictures_agree_with_the_authors_program() {
         let grey = |encoded: f64| uniform([linear(encoded); 3]);

@@ -1,4 +1,5 @@
-//! CIELAB and CIEDE2000 of pictures: the same numbers as of single colours, without trigonometric functions where colours are not blue.
+//! CIELAB and CIEDE2000 of pictures: the same numbers as of single colours, without trigonometric functions
+//! where colours are not blue.
 
 use std::f64::consts::PI;
 
@@ -46,8 +47,8 @@ fn root(ratio: f64) -> f64 {
     if ratio > TOE { cube_root(ratio) } else { 841.0 / 108.0 * ratio + 16.0 / 116.0 }
 }
 
-/// Cube root of a normal positive number, within 1e-13 of it: a third of its exponent, and two steps of Halley's method, which each cube the
-/// relative error of 0.04.
+/// Cube root of a normal positive number, within 1e-13 of it: a third of its exponent, and two steps of
+/// Halley's method, which each cube the relative error of 0.04.
 fn cube_root(value: f64) -> f64 {
     let first = f64::from_bits(value.to_bits() / 3 + 0x2A9F_7893_0000_0000);
     (0..2).fold(first, |root, _| {
@@ -65,7 +66,8 @@ const SIN_63: f64 = 0.891_006_524_188_367_9;
 const COS_BLUE: f64 = 0.087_155_742_747_658_17;
 const SIN_BLUE: f64 = -0.996_194_698_091_745_5;
 
-/// [`Lab::delta_e_2000`] from the cosine and sine of the mean hue, which is the direction of the sum of both hues' unit vectors.
+/// [`Lab::delta_e_2000`] from the cosine and sine of the mean hue, which is the direction of the sum of both
+/// hues' unit vectors.
 fn delta_e_2000(one: Lab, other: Lab) -> f64 {
     const FAR: f64 = 6_103_515_625.0; // 25^7
     let weight = |chroma: f64| {

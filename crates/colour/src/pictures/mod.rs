@@ -2,8 +2,10 @@
 //!
 //! - [`Picture`]: three values for each pixel.
 //! - [`Picture::into_lab`] and [`Picture::delta_e_2000`]: colour differences of the pixels.
-//! - [`scielab`]: colours after the eye's blur, whose differences are those of S-CIELAB (Zhang and Wandell 1996).
-//! - [`FlipPicture`]: the difference that is noticed when two pictures alternate (FLIP, Andersson and others 2020).
+//! - [`scielab`]: colours after the eye's blur, whose differences are those of S-CIELAB (Zhang and Wandell
+//!   1996).
+//! - [`FlipPicture`]: the difference that is noticed when two pictures alternate (FLIP, Andersson and others
+//!   2020).
 //!
 //! Both compare pictures **in the same light**, such as what a display shows with what it should show.
 //!
@@ -19,7 +21,8 @@ pub use scielab::{scielab, scielab_transfer};
 
 use crate::ColourError;
 
-/// Three values for each pixel, such as X, Y and Z or linear sRGB. Rows begin at the top, pixels of a row at the left.
+/// Three values for each pixel, such as X, Y and Z or linear sRGB. Rows begin at the top, pixels of a row at
+/// the left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     columns: usize,
@@ -31,7 +34,8 @@ impl Picture {
     ///
     /// # Errors
     ///
-    /// [`ColourError::PictureShape`] unless the planes are equally long and consist of whole rows, at least one.
+    /// [`ColourError::PictureShape`] unless the planes are equally long and consist of whole rows, at least
+    /// one.
     pub fn new(columns: usize, planes: [Vec<f64>; 3]) -> Result<Self, ColourError> {
         let [count, ..] = [&planes[0], &planes[1], &planes[2]].map(|plane| plane.len());
         let is_whole = columns > 0 && count > 0 && count % columns == 0;

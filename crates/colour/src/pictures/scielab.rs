@@ -1,21 +1,22 @@
 //! S-CIELAB: colour differences of pictures after the eye's blur.
 //!
-//! **What.** X, Y and Z are converted to three opponent colours (luminance, red-green, blue-yellow), each of them is
-//! blurred by a sum of Gaussians, and the blurred colours are compared in CIELAB.
+//! **What.** X, Y and Z are converted to three opponent colours (luminance, red-green, blue-yellow), each of
+//! them is blurred by a sum of Gaussians, and the blurred colours are compared in CIELAB.
 //!
 //! **Parameters.** The Gaussians of the filters, by full width at half maximum (degrees) and weight.
 //!
-//! **White.** The opponent colours are those of a reader who is adapted to D65. X, Y and Z are scaled by those of the two whites, as CIELAB does:
-//! otherwise the dots of a halftone of greys would leak into the colours in other lights.
+//! **White.** The opponent colours are those of a reader who is adapted to D65. X, Y and Z are scaled by
+//! those of the two whites, as CIELAB does: otherwise the dots of a halftone of greys would leak into the
+//! colours in other lights.
 //!
-//! **Range.** Uniform pictures have the differences of CIELAB. The filters are applied by their continuous transfer
-//! function, `sum of w exp(-(pi f FWHM)²/(4 ln 2))`; the original program samples kernels that are one sample narrower
-//! and end at 0.5 degrees, which cuts off most of the widest Gaussian. Beyond its borders, the picture continues as its
-//! mirror image.
+//! **Range.** Uniform pictures have the differences of CIELAB. The filters are applied by their continuous
+//! transfer function, `sum of w exp(-(pi f FWHM)²/(4 ln 2))`; the original program samples kernels that are
+//! one sample narrower and end at 0.5 degrees, which cuts off most of the widest Gaussian. Beyond its
+//! borders, the picture continues as its mirror image.
 //!
-//! **Source.** Zhang and Wandell, *A spatial extension of CIELAB for digital color image reproduction*, SID Symposium
-//! Digest 27, 731 (1996); matrix and filters of the authors' program `scielab.m`, 1996. (Those printed in J. SID 5, 61
-//! (1997) are others.)
+//! **Source.** Zhang and Wandell, *A spatial extension of CIELAB for digital color image reproduction*, SID
+//! Symposium Digest 27, 731 (1996); matrix and filters of the authors' program `scielab.m`, 1996. (Those
+//! printed in J. SID 5, 61 (1997) are others.)
 
 use std::f64::consts::{LN_2, PI};
 
@@ -32,8 +33,8 @@ const OPPONENT: Matrix = [
     [0.085_951_3, -0.589_985_9, 0.501_108_9],
 ];
 
-/// Filters of the opponent colours: full widths at half maximum (degrees) and weights of their Gaussians, which sum to 1
-/// within 2e-6; they are divided by their sum.
+/// Filters of the opponent colours: full widths at half maximum (degrees) and weights of their Gaussians,
+/// which sum to 1 within 2e-6; they are divided by their sum.
 const FILTERS: [&[(f64, f64)]; 3] = [
     &[(0.05, 1.003_27), (0.225, 0.114_416), (7.0, -0.117_686)],
     &[(0.0685, 0.616_725), (0.826, 0.383_275)],
@@ -45,7 +46,8 @@ fn gaussian(cycles_per_degree: f64, width_deg: f64) -> f64 {
     (-(PI * cycles_per_degree * width_deg).powi(2) / (4.0 * LN_2)).exp()
 }
 
-/// Transfer functions of luminance, red-green and blue-yellow at a spatial frequency, cycles per degree; 1 at 0.
+/// Transfer functions of luminance, red-green and blue-yellow at a spatial frequency, cycles per degree; 1 at
+/// 0.
 pub fn scielab_transfer(cycles_per_degree: f64) -> [f64; 3] {
     FILTERS.map(|filter| {
         let total: f64 = filter.iter().map(|(_, weight)| weight).sum();
@@ -53,13 +55,16 @@ pub fn scielab_transfer(cycles_per_degree: f64) -> [f64; 3] {
     })
 }
 
-/// Computes CIELAB of each pixel after the eye's blur; the colour differences of such pictures are those of S-CIELAB.
+/// Computes CIELAB of each pixel after the eye's blur; the colour differences of such pictures are those of
+/// S-CIELAB.
 ///
-/// All pictures have X, Y, Z on the scale of `white`. The source takes [`delta_e_1976`](crate::Lab::delta_e_1976).
+/// All pictures have X, Y, Z on the scale of `white`. The source takes
+/// [`delta_e_1976`](crate::Lab::delta_e_1976).
 ///
 /// # Errors
 ///
-/// [`ColourError::PictureSizes`] if the sizes differ; [`ColourError::NoWhite`] unless all values of the white are positive.
+/// [`ColourError::PictureSizes`] if the sizes differ; [`ColourError::NoWhite`] unless all values of the white
+/// are positive.
 pub fn scielab<const N: usize>(
     mut pictures: [Picture; N],
     white: Xyz,
@@ -90,7 +95,8 @@ pub fn scielab<const N: usize>(
     Ok(pictures)
 }
 
-/// The terms of a filter at the frequencies of the columns and rows: a Gaussian is the product of one along x and one along y.
+/// The terms of a filter at the frequencies of the columns and rows: a Gaussian is the product of one along x
+/// and one along y.
 fn terms(filter: &[(f64, f64)], size: [usize; 2], pixels_per_degree: f64) -> Vec<Separable> {
     let total: f64 = filter.iter().map(|(_, weight)| weight).sum();
     let values = |count: usize, scale: f64, width: f64| -> Vec<f64> {
@@ -173,9 +179,9 @@ mod tests {
         }
     }
 
-    /// Two sinusoidal gratings of grey, 0.4 to 0.6 of the white, of opposite phase: the largest colour difference. Values
-    /// of a separate program. (At 2 cycles per degree it exceeds 12.369, that of uniform greys: the widest Gaussian of
-    /// luminance is negative.)
+    /// Two sinusoidal gratings of grey, 0.4 to 0.6 of the white, of opposite phase: the largest colour
+    /// difference. Values of a separate program. (At 2 cycles per degree it exceeds 12.369, that of uniform
+    /// greys: the widest Gaussian of luminance is negative.)
     #[test]
     fn fine_gratings_are_not_seen() {
         // The middle of an odd number of pixels is the extreme of a cycle.

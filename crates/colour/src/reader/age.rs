@@ -1,13 +1,14 @@
 //! Age of a reader.
 //!
-//! **What.** The factor by which the threshold contrast of older readers is higher: less light reaches the retina, and
-//! more of it is scattered in the eye. Adrian, Lighting Res. Technol. 21, 181 (1989):
-//! `(a - 19)²/2160 + 0.99` up to 64 years, `(a - 56.6)²/116.3 + 1.43` above. It is 1 at 23.6 years, 1.77 at 60.
+//! **What.** The factor by which the threshold contrast of older readers is higher: less light reaches the
+//! retina, and more of it is scattered in the eye. Adrian, Lighting Res. Technol. 21, 181 (1989):
+//! `(a - 19)²/2160 + 0.99` up to 64 years, `(a - 56.6)²/116.3 + 1.43` above. It is 1 at 23.6 years, 1.77 at
+//! 60.
 //!
 //! **Range.** 23 to 75 years.
 //!
-//! **Source.** The constants are those of two independent programs: the visibility level script of Radiance (LBNL), and
-//! `calcDeltaL.m` by J. Winter (TU Berlin), which also states the range.
+//! **Source.** The constants are those of two independent programs: the visibility level script of Radiance
+//! (LBNL), and `calcDeltaL.m` by J. Winter (TU Berlin), which also states the range.
 
 /// Ages for which the age factor is known, years.
 pub const AGES_YEARS: [f64; 2] = [23.0, 75.0];
@@ -17,8 +18,9 @@ const SECOND_FROM_YEARS: f64 = 64.0;
 
 /// Returns the threshold contrast of a reader relative to that of a young reader.
 ///
-/// Below 23 years and above 75 years, the factor of the limit is used. At 64 years, the second formula begins 1.4 % below
-/// the first; up to 64.2 years, where it is equal, the factor is constant, so that it never decreases with age.
+/// Below 23 years and above 75 years, the factor of the limit is used. At 64 years, the second formula begins
+/// 1.4 % below the first; up to 64.2 years, where it is equal, the factor is constant, so that it never
+/// decreases with age.
 pub fn age_factor(age_years: f64) -> f64 {
     let [youngest, oldest] = AGES_YEARS;
     let age_years = age_years.clamp(youngest, oldest);

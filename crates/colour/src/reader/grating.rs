@@ -1,22 +1,24 @@
 //! Contrast sensitivity of the eye to a grating.
 //!
-//! **What.** The reciprocal of the contrast `(L_max - L_min)/(L_max + L_min)` at which a sinusoidal grating is seen in
-//! half of all cases, from the optics of the eye, photon noise, neural noise and lateral inhibition (Barten, *Contrast
-//! Sensitivity of the Human Eye and Its Effects on Image Quality*, SPIE (1999), with both eyes and a square field):
+//! **What.** The reciprocal of the contrast `(L_max - L_min)/(L_max + L_min)` at which a sinusoidal grating
+//! is seen in half of all cases, from the optics of the eye, photon noise, neural noise and lateral
+//! inhibition (Barten, *Contrast Sensitivity of the Human Eye and Its Effects on Image Quality*, SPIE (1999),
+//! with both eyes and a square field):
 //!
 //! `S = exp(-2 pi² s² u²)/k / sqrt((2/T)(1/X0² + 1/Xm² + u²/N²)(1/(eta p E) + Phi/(1 - exp(-(u/u0)²))))`
 //!
-//! with the width s of the point spread function and the retinal illuminance E, which depend on the diameter of the
-//! pupil, and that on luminance and field.
+//! with the width s of the point spread function and the retinal illuminance E, which depend on the diameter
+//! of the pupil, and that on luminance and field.
 //!
-//! **Parameters.** Spatial frequency u, cycles per degree; mean luminance, cd/m2; width of the field X0, degrees.
+//! **Parameters.** Spatial frequency u, cycles per degree; mean luminance, cd/m2; width of the field X0,
+//! degrees.
 //!
-//! **Range.** Daylight vision; here 0.1 to 1e4 cd/m2. Above, the sensitivity at 1e4 cd/m2 is used. A young observer;
-//! divide by the [age factor](super::age_factor) for others.
+//! **Range.** Daylight vision; here 0.1 to 1e4 cd/m2. Above, the sensitivity at 1e4 cd/m2 is used. A young
+//! observer; divide by the [age factor](super::age_factor) for others.
 //!
-//! **Source.** Constants as in colour-science 0.4.7 (`contrast_sensitivity_function_Barten1999`), with which the values
-//! agree to 1e-9. CastleCSF's implementation has 1.240e6 for p, photons of another white; this changes S by less than
-//! 0.6 %.
+//! **Source.** Constants as in colour-science 0.4.7 (`contrast_sensitivity_function_Barten1999`), with which
+//! the values agree to 1e-9. CastleCSF's implementation has 1.240e6 for p, photons of another white; this
+//! changes S by less than 0.6 %.
 
 use std::f64::consts::PI;
 
@@ -68,8 +70,8 @@ fn sensitivity(u: f64, luminance: f64, field_deg: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Values of colour-science 0.4.7 with its pupil, point spread function and retinal illuminance for the luminance,
-    /// and a field of 10 deg.
+    /// Values of colour-science 0.4.7 with its pupil, point spread function and retinal illuminance for the
+    /// luminance, and a field of 10 deg.
     #[test]
     fn contrast_sensitivity_agrees_with_colour_science() {
         let table: [(f64, [f64; 4]); 6] = [

@@ -1,15 +1,19 @@
-//! How good a picture's sharpness is for a reader: integrals over the modulation transfer and the eye's sensitivity.
+//! How good a picture's sharpness is for a reader: integrals over the modulation transfer and the eye's
+//! sensitivity.
 //!
 //! **What.** Barten's square-root integral: a just noticeable difference of sharpness is 1 JND,
 //!
 //! `J = 1/ln 2 · integral of sqrt(M(u) S(u)) du/u`
 //!
-//! with the modulation transfer M of the display and the contrast sensitivity S of the eye at u cycles per degree.
+//! with the modulation transfer M of the display and the contrast sensitivity S of the eye at u cycles per
+//! degree.
 //!
-//! **Range.** From one cycle in the field to the highest frequency that the display shows, which is a parameter. Since
-//! the integral is over the logarithm of u, its value depends on both limits: compare displays at the same ones.
+//! **Range.** From one cycle in the field to the highest frequency that the display shows, which is a
+//! parameter. Since the integral is over the logarithm of u, its value depends on both limits: compare
+//! displays at the same ones.
 //!
-//! **Source.** Barten, *Contrast Sensitivity of the Human Eye and Its Effects on Image Quality*, SPIE (1999), chapter 8.
+//! **Source.** Barten, *Contrast Sensitivity of the Human Eye and Its Effects on Image Quality*, SPIE (1999),
+//! chapter 8.
 
 use super::contrast_sensitivity;
 
@@ -18,8 +22,8 @@ const STEPS_PER_OCTAVE: f64 = 64.0;
 
 /// Computes Barten's square-root integral (SQRI), in just noticeable differences.
 ///
-/// - `transfer`: modulation transfer of the display at a frequency in cycles per degree, 0 to 1; values below 0 (noise)
-///   count as 0.
+/// - `transfer`: modulation transfer of the display at a frequency in cycles per degree, 0 to 1; values below
+///   0 (noise) count as 0.
 /// - `luminance_cd_m2`: mean luminance of the picture.
 /// - `field_deg`: width of the field of view, degrees; the integral begins at one cycle in it.
 /// - `most_cycles_per_degree`: the end of the integral, such as the Nyquist frequency of the pixels.

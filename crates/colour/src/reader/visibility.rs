@@ -1,28 +1,31 @@
 //! Luminance threshold of a small detail.
 //!
-//! **What.** The luminance difference dL between a small disc and its background that is just visible (Adrian,
-//! Lighting Res. Technol. 21, 181 (1989), a fit to the thresholds of Blackwell, Aulhorn and others):
+//! **What.** The luminance difference dL between a small disc and its background that is just visible
+//! (Adrian, Lighting Res. Technol. 21, 181 (1989), a fit to the thresholds of Blackwell, Aulhorn and others):
 //!
 //! `dL = 2.6 (sqrt(phi)/alpha + sqrt(L))² · (a + t)/t · F · A`
 //!
-//! with the functions phi (Ricco's law, small discs) and L (Weber's law, large discs) of the background's luminance, the
-//! diameter alpha in minutes of arc, the time t in which it must be seen with its function a, a factor F below 1 for
-//! details that are darker than their background, and the [age factor](super::age_factor) A. With the factor 2.6, the
-//! detail is practically always seen; without it, in half of all cases.
+//! with the functions phi (Ricco's law, small discs) and L (Weber's law, large discs) of the background's
+//! luminance, the diameter alpha in minutes of arc, the time t in which it must be seen with its function a,
+//! a factor F below 1 for details that are darker than their background, and the [age
+//! factor](super::age_factor) A. With the factor 2.6, the detail is practically always seen; without it, in
+//! half of all cases.
 //!
 //! **Parameters.** Diameter, minutes of arc; time, s; luminance of the background, cd/m2; age, years.
 //!
-//! **Range.** 0.1 to 1e4 cd/m2 here (the formulas reach down to starlight); diameters of 0.3 to 60 minutes of arc, between
-//! which the function a is defined; 23 to 75 years. Above 1e4 cd/m2, the threshold *contrast* of 1e4 cd/m2 is used.
+//! **Range.** 0.1 to 1e4 cd/m2 here (the formulas reach down to starlight); diameters of 0.3 to 60 minutes of
+//! arc, between which the function a is defined; 23 to 75 years. Above 1e4 cd/m2, the threshold *contrast* of
+//! 1e4 cd/m2 is used.
 //!
-//! **Accuracy.** For details of 3.6', the formula agrees with the thresholds of Blackwell (J. Opt. Soc. Am. 36, 624
-//! (1946)) within 7 % from 1.7 to 170 cd/m2; for 0.6' to 18', within a factor of 1.8. In brighter light it is too high for
-//! small details, by 37 % at 2700 cd/m2 for 3.6': its threshold contrast is lowest near 400 cd/m2 and increases by 17 to
-//! 26 % up to 1e4 cd/m2 for 1' to 3', while Blackwell's keeps decreasing. In daylight, visibility levels are therefore
-//! somewhat too low. Where two formulas meet, at 0.6 cd/m2, dL decreases by 2 to 3 %.
+//! **Accuracy.** For details of 3.6', the formula agrees with the thresholds of Blackwell (J. Opt. Soc. Am.
+//! 36, 624 (1946)) within 7 % from 1.7 to 170 cd/m2; for 0.6' to 18', within a factor of 1.8. In brighter
+//! light it is too high for small details, by 37 % at 2700 cd/m2 for 3.6': its threshold contrast is lowest
+//! near 400 cd/m2 and increases by 17 to 26 % up to 1e4 cd/m2 for 1' to 3', while Blackwell's keeps
+//! decreasing. In daylight, visibility levels are therefore somewhat too low. Where two formulas meet, at 0.6
+//! cd/m2, dL decreases by 2 to 3 %.
 //!
-//! **Source.** The constants and branches are those of two independent programs: the visibility level script of Radiance
-//! (LBNL), and `calcDeltaL.m` by J. Winter (TU Berlin).
+//! **Source.** The constants and branches are those of two independent programs: the visibility level script
+//! of Radiance (LBNL), and `calcDeltaL.m` by J. Winter (TU Berlin).
 
 use super::{LUMINANCES_CD_M2, age_factor, is_age_in_range, is_luminance_in_range};
 
@@ -58,15 +61,16 @@ pub struct VisibilityTask {
 }
 
 impl VisibilityTask {
-    /// Computes the luminance difference that is just visible, cd/m2; `None` unless the background's luminance is
-    /// positive.
+    /// Computes the luminance difference that is just visible, cd/m2; `None` unless the background's
+    /// luminance is positive.
     pub fn threshold_cd_m2(&self, background_cd_m2: f64) -> Option<f64> {
         let [_, brightest] = LUMINANCES_CD_M2;
         let luminance = background_cd_m2.min(brightest);
         (background_cd_m2 > 0.0).then(|| self.at(luminance) * background_cd_m2 / luminance)
     }
 
-    /// Returns true if the luminance of the background, the diameter and the age are within the range of the model.
+    /// Returns true if the luminance of the background, the diameter and the age are within the range of the
+    /// model.
     pub fn in_range(&self, background_cd_m2: f64) -> bool {
         let [least, most] = DIAMETERS_ARCMIN;
         is_luminance_in_range(background_cd_m2)
@@ -90,7 +94,8 @@ impl VisibilityTask {
     }
 }
 
-/// The function sqrt(phi) of the background's luminance, in cd/m2, which determines the threshold of small details.
+/// The function sqrt(phi) of the background's luminance, in cd/m2, which determines the threshold of small
+/// details.
 fn ricco(luminance: f64) -> f64 {
     let log = luminance.log10();
     if luminance >= 0.6 {
@@ -102,7 +107,8 @@ fn ricco(luminance: f64) -> f64 {
     }
 }
 
-/// The function sqrt(L) of the background's luminance, in cd/m2, which determines the threshold of large details.
+/// The function sqrt(L) of the background's luminance, in cd/m2, which determines the threshold of large
+/// details.
 fn weber(luminance: f64) -> f64 {
     let log = luminance.log10();
     if luminance >= 0.6 {

@@ -1,13 +1,14 @@
 //! Convex hull of the states of a display in X, Y, Z.
 //!
-//! **What.** All colours that mixtures of the states by area have: an intersection of half-spaces, each with one face of the hull as its
-//! border. Every half-space contains all states exactly, so that rounding may enlarge the hull by 1e-7 of the brightest state but
-//! never cuts a state off.
+//! **What.** All colours that mixtures of the states by area have: an intersection of half-spaces, each with
+//! one face of the hull as its border. Every half-space contains all states exactly, so that rounding may
+//! enlarge the hull by 1e-7 of the brightest state but never cuts a state off.
 //!
 //! **Parameters.** X, Y, Z of 2 to 64 states in one light and view, on one scale.
 //!
-//! **Range.** Any states. Greys on a line, or black, white and one ink, have a hull without volume (`dimensions` below 3); states that
-//! differ from a line or plane by less than 1e-9 of their extent are on it.
+//! **Range.** Any states. Greys on a line, or black, white and one ink, have a hull without volume
+//! (`dimensions` below 3); states that differ from a line or plane by less than 1e-9 of their extent are on
+//! it.
 
 use super::span::{Span, difference, length};
 use crate::matrix::{cross, dot};
@@ -115,7 +116,8 @@ impl StateHull {
         &self.states
     }
 
-    /// Number of dimensions of the hull: 3, or 2 of states in a plane, 1 of states on a line, 0 of equal states.
+    /// Number of dimensions of the hull: 3, or 2 of states in a plane, 1 of states on a line, 0 of equal
+    /// states.
     pub fn dimensions(&self) -> usize {
         self.span.rank
     }
@@ -137,7 +139,8 @@ impl StateHull {
         self.contains_within(colour, TOLERANCE)
     }
 
-    /// Returns whether the colour is outside no face by more than a tolerance, relative to the brightest state.
+    /// Returns whether the colour is outside no face by more than a tolerance, relative to the brightest
+    /// state.
     pub fn contains_within(&self, colour: Xyz, tolerance: f64) -> bool {
         let (colour, tolerance) = (colour.to_array(), tolerance * self.span.size);
         self.half_spaces.iter().all(|side| dot(side.normal, colour) - side.offset <= tolerance)
@@ -160,9 +163,11 @@ impl StateHull {
         self.half_spaces.iter().map(part).fold(1.0, f64::min)
     }
 
-    /// Returns the contained colour that is nearest: the Euclidean distance of X, Y and Z, each divided by that of `white`.
+    /// Returns the contained colour that is nearest: the Euclidean distance of X, Y and Z, each divided by
+    /// that of `white`.
     ///
-    /// It is unique. The algorithm is that of P. Wolfe, *Finding the nearest point in a polytope*, Math. Programming 11, 128 (1976).
+    /// It is unique. The algorithm is that of P. Wolfe, *Finding the nearest point in a polytope*, Math.
+    /// Programming 11, 128 (1976).
     pub fn nearest(&self, colour: Xyz, white: Xyz) -> Xyz {
         if self.contains_within(colour, 0.0) {
             return colour;

@@ -1,24 +1,27 @@
 //! Coverages of any states with the least variance of luminance.
 //!
-//! **What.** More than four states mix most colours in many ways. The least visible pattern, approximately, is that whose states
-//! differ least in luminance: `min sum c_s (Y_s - Y)²` subject to `sum c_s XYZ_s = XYZ`, `sum c_s = 1`, `c_s >= 0`, a linear
-//! programme. Since the mean of Y is fixed, the objective is `sum c_s Y_s²` without a constant, which does not depend on the colour:
-//! the solution is a fixed triangulation of the hull, the lower side of the hull of the points (X, Y, Z, Y²). It is computed once; a
-//! colour then finds its tetrahedron as the one whose linear function is largest. At most four states are used, and coverages are
-//! continuous in the colour.
+//! **What.** More than four states mix most colours in many ways. The least visible pattern, approximately,
+//! is that whose states differ least in luminance: `min sum c_s (Y_s - Y)²` subject to `sum c_s XYZ_s = XYZ`,
+//! `sum c_s = 1`, `c_s >= 0`, a linear programme. Since the mean of Y is fixed, the objective is
+//! `sum c_s Y_s²` without a constant, which does not depend on the colour: the solution is a fixed
+//! triangulation of the hull, the lower side of the hull of the points (X, Y, Z, Y²). It is computed once; a
+//! colour then finds its tetrahedron as the one whose linear function is largest. At most four states are
+//! used, and coverages are continuous in the colour.
 //!
-//! **Parameters.** X, Y, Z of 2 to 64 states. If several solutions are equally good, the earlier states decide, by 1e-9 of the objective.
+//! **Parameters.** X, Y, Z of 2 to 64 states. If several solutions are equally good, the earlier states
+//! decide, by 1e-9 of the objective.
 //!
-//! **Source.** The minimal-brightness-variation criterion of Shaked, Arad, Fitzhugh, Sobel, *Ink relocation for color halftones*, PICS
-//! 1998, as a linear programme over Neugebauer primaries: Morovič, Morovič, Arnabat, *HANS*, IEEE Trans. Image Process. 21, 688
-//! (2012).
+//! **Source.** The minimal-brightness-variation criterion of Shaked, Arad, Fitzhugh, Sobel, *Ink relocation
+//! for color halftones*, PICS 1998, as a linear programme over Neugebauer primaries: Morovič, Morovič,
+//! Arnabat, *HANS*, IEEE Trans. Image Process. 21, 688 (2012).
 
 use super::hull::require_states;
 use super::span::Span;
 use crate::matrix::dot;
 use crate::{ColourError, Xyz};
 
-/// Coverage below 0, or distance from the states' plane relative to the brightest, up to which a colour is taken to be inside.
+/// Coverage below 0, or distance from the states' plane relative to the brightest, up to which a colour is
+/// taken to be inside.
 const TOLERANCE: f64 = 1e-6;
 /// Weight of the order of the states, relative to the squared luminance of the brightest.
 const ORDER: f64 = 1e-9;
@@ -74,7 +77,8 @@ impl LeastVariance {
         let span = Span::of(states);
         let at: Vec<_> = states.iter().map(|state| span.coordinates(*state)).collect();
         let brightest = states.iter().map(|state| state.y.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        // Irregular numbers of increasing size: no five states remain on one plane of the four-dimensional hull.
+        // Irregular numbers of increasing size: no five states remain on one plane of the four-dimensional
+        // hull.
         let order = |state: usize| ORDER * ((state + 1) as f64).sqrt();
         let heights: Vec<_> =
             states.iter().enumerate().map(|(k, state)| (state.y / brightest).powi(2) + order(k)).collect();
@@ -175,7 +179,8 @@ pub(super) fn nearest_weights(points: &[[f64; 3]]) -> Vec<(usize, f64)> {
     let mixture = |set: &[(usize, f64)]| {
         set.iter().fold([0.0; 3], |sum, (k, weight)| [0, 1, 2].map(|i| sum[i] + weight * points[*k][i]))
     };
-    // Each round ends nearer to the origin with a subset that was not met before; the number only bounds rounding.
+    // Each round ends nearer to the origin with a subset that was not met before; the number only bounds
+    // rounding.
     for _ in 0..8 * points.len() {
         let here = mixture(&set);
         let along = |k: &usize| dot(here, points[*k]);
@@ -211,7 +216,8 @@ pub(super) fn nearest_weights(points: &[[f64; 3]]) -> Vec<(usize, f64)> {
     set.iter().map(|(k, weight)| (*k, weight / sum)).collect()
 }
 
-/// Weights of the point nearest to the origin in the plane of a set of points; `None` if they are not independent.
+/// Weights of the point nearest to the origin in the plane of a set of points; `None` if they are not
+/// independent.
 fn nearest_of_plane(set: &[(usize, f64)], points: &[[f64; 3]]) -> Option<Vec<f64>> {
     let count = set.len();
     let base = points[set[0].0];

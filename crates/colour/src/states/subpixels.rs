@@ -1,13 +1,14 @@
 //! Coverages of three independent sub-pixels.
 //!
-//! **What.** A display with three sub-pixels, each of them on or off, has eight states, and the light of its sub-pixels adds:
-//! `W = R + G + B - 2 K`, and so on. Its hull is a parallelepiped, and the coverages of the three sub-pixels are unique: the fractions
-//! of red, green and blue sub-pixels that are on. They are three independent binary pictures, however the sub-pixels are combined to
-//! states.
+//! **What.** A display with three sub-pixels, each of them on or off, has eight states, and the light of its
+//! sub-pixels adds: `W = R + G + B - 2 K`, and so on. Its hull is a parallelepiped, and the coverages of the
+//! three sub-pixels are unique: the fractions of red, green and blue sub-pixels that are on. They are three
+//! independent binary pictures, however the sub-pixels are combined to states.
 //!
 //! **Parameters.** X, Y, Z of the eight states, in the order of [`Corners`].
 //!
-//! **Range.** Any colours; those outside the hull have coverages below 0 or above 1. `misfit` states how far the states are from adding.
+//! **Range.** Any colours; those outside the hull have coverages below 0 or above 1. `misfit` states how far
+//! the states are from adding.
 
 use crate::matrix::{Matrix, inverse, times};
 use crate::{ColourError, Corners, Xyz};
@@ -46,8 +47,8 @@ impl SubPixels {
         Ok(sub_pixels)
     }
 
-    /// Largest difference of X, Y or Z between a state and the sum of its sub-pixels, relative to Y of white. It is 0 if their light adds;
-    /// coverages are exact then.
+    /// Largest difference of X, Y or Z between a state and the sum of its sub-pixels, relative to Y of white.
+    /// It is 0 if their light adds; coverages are exact then.
     pub fn misfit(&self) -> f64 {
         self.misfit
     }

@@ -67,8 +67,9 @@ fn states_that_cannot_be_mixed_are_refused() {
     assert_eq!(SubPixels::new(&greys), Err(ColourError::Dependent));
 }
 
-/// Mixtures are inside, have coverages that mix them again, and have no more variance than the weights that mixed them. A colour beyond the
-/// states is outside, and the nearest colour is inside and, from there, in no direction of a state nearer.
+/// Mixtures are inside, have coverages that mix them again, and have no more variance than the weights that
+/// mixed them. A colour beyond the states is outside, and the nearest colour is inside and, from there, in no
+/// direction of a state nearer.
 #[test]
 fn mixtures_of_random_states_are_inside_and_have_least_variance() {
     let draw = |dice: &mut Dice| {
@@ -99,7 +100,8 @@ fn mixtures_of_random_states_are_inside_and_have_least_variance() {
     });
 }
 
-/// Least variances of greys between white and black, computed by a general solver of linear programmes (scipy's HiGHS).
+/// Least variances of greys between white and black, computed by a general solver of linear programmes
+/// (scipy's HiGHS).
 #[test]
 fn six_inks_mix_greys_with_the_least_variance() {
     let inks = inks();

@@ -37,8 +37,8 @@ pub fn finer_step(step_deg: f64, missed: f64) -> Option<f64> {
 /// Export of a BSDF with what the user can refine in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Refinable<'a> {
-    /// Directions in steps of so many degrees, with the name of the option (`--step `) and the smallest step of which a table is
-    /// permitted ([`smallest_step`]).
+    /// Directions in steps of so many degrees, with the name of the option (`--step `) and the smallest step
+    /// of which a table is permitted ([`smallest_step`]).
     Step(f64, &'a str, Option<f64>),
     /// Half vectors, with their number along each axis.
     Grid(usize),
@@ -48,7 +48,8 @@ pub enum Refinable<'a> {
     Patches,
 }
 
-/// Warns if what readers interpolate between the nodes of an export differs by more than [`MOST_MISSED`] from the display.
+/// Warns if what readers interpolate between the nodes of an export differs by more than [`MOST_MISSED`] from
+/// the display.
 ///
 /// The difference is proportional to the square of the distance between nodes.
 pub fn between_warning(error: &BetweenError, of: Refinable<'_>) -> Option<String> {
@@ -151,7 +152,8 @@ mod tests {
         assert!(warning(3.0, Refinable::Patches).contains("300 %"));
     }
 
-    /// Eight states with 81 wavelengths: 90 x 90 x 181 directions at 1 deg, 45 x 45 x 91 at 2 deg and 36 x 36 x 73 at 2.5 deg.
+    /// Eight states with 81 wavelengths: 90 x 90 x 181 directions at 1 deg, 45 x 45 x 91 at 2 deg and 36 x 36
+    /// x 73 at 2.5 deg.
     #[test]
     fn smallest_step_is_that_of_a_permitted_table() {
         assert_eq!(table_numbers(1.0, 8, 81), 950_032_800);

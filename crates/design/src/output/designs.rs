@@ -1,6 +1,7 @@
 //! Designs as scenario files.
 //!
-//! A file is the text of the optimised scenario with the values of a design. Comments and order are preserved.
+//! A file is the text of the optimised scenario with the values of a design. Comments and order are
+//! preserved.
 
 use std::path::Path;
 

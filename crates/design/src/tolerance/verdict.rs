@@ -86,9 +86,10 @@ impl Verdict {
     }
 }
 
-/// A fraction whose standard error is at least that of whole numbers: all replicates can have the same count, although the fractions
-/// that they estimate differ by less than one display. Rounding to integers adds a variance of 1/12 to each (W. F. Sheppard, Proc.
-/// London Math. Soc. 29, 353 (1898)). The fractions 0 and 1 keep the error 0: for them, the rule of three states more.
+/// A fraction whose standard error is at least that of whole numbers: all replicates can have the same count,
+/// although the fractions that they estimate differ by less than one display. Rounding to integers adds a
+/// variance of 1/12 to each (W. F. Sheppard, Proc. London Math. Soc. 29, 353 (1898)). The fractions 0 and 1
+/// keep the error 0: for them, the rule of three states more.
 fn at_least_of_counts(fraction: Estimate, rows: usize) -> Estimate {
     let is_mixed = fraction.value > 0.0 && fraction.value < 1.0;
     let of_counts = if is_mixed { (REPLICATES as f64 / 12.0).sqrt() / rows as f64 } else { 0.0 };

@@ -304,7 +304,8 @@ fn known() -> Vec<Known> {
 /// functions, kinks, choices and corners. No first-order index exceeds its total index.
 #[test]
 fn index_deviations_agree_with_standard_errors() {
-    // Every day with fewer displays: their standard errors, with which deviations are compared, are larger by a fifth.
+    // Every day with fewer displays: their standard errors, with which deviations are compared, are larger by
+    // a fifth.
     let full: Option<u64> = std::env::var("PAPILIO_SEEDS").ok().and_then(|text| text.parse().ok());
     let (seeds, rows) = full.map_or((12, 256), |seeds| (seeds, 384));
     for one in known() {

@@ -17,8 +17,8 @@ pub(super) struct Pair {
     pub(super) comparison: StateComparison,
 }
 
-/// Finds the simulated counterpart of a measured state and compares the two, with a note if their names differ in the case of
-/// letters; fails with the reason if there is none.
+/// Finds the simulated counterpart of a measured state and compares the two, with a note if their names
+/// differ in the case of letters; fails with the reason if there is none.
 pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, Option<LeftOut>), LeftOut> {
     let Measured { state, theta_deg, phi_deg, quantity } = measured;
     let direction = theta_deg.map(|theta_deg| [theta_deg, *phi_deg]);
@@ -61,7 +61,8 @@ pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, 
     Ok((Pair { view: index, comparison }, note))
 }
 
-/// Returns the state of a view with this name, or else the only one whose name differs in the case of letters alone.
+/// Returns the state of a view with this name, or else the only one whose name differs in the case of letters
+/// alone.
 fn named<'a>(view: &'a SimulatedView, name: &str) -> Option<&'a (String, Vec<f64>, Xyz)> {
     let exact = view.states.iter().find(|(known, ..)| known == name);
     exact.or_else(|| {

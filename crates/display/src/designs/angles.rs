@@ -15,12 +15,14 @@ use crate::pixel::{SeenLight, WeightedNodes, WeightedTable};
 use crate::scene::{FilmPixel, Pixel, Stop};
 use crate::setup::Setup;
 
-/// Largest estimate of the error of X, Y and Z that is caused by the nodes over angle, relative to Y of the state (or to 0.01, if
-/// Y is less). If a tenth of the scene's `relative_error` is smaller, it is that. The error is to be at most 1e-5: that of rare
-/// films, with structure at the critical angle of their gap, is up to four times the estimate.
+/// Largest estimate of the error of X, Y and Z that is caused by the nodes over angle, relative to Y of the
+/// state (or to 0.01, if Y is less). If a tenth of the scene's `relative_error` is smaller, it is that. The
+/// error is to be at most 1e-5: that of rare films, with structure at the critical angle of their gap, is up
+/// to four times the estimate.
 const NODES_ERROR: f64 = 2e-6;
 
-/// Views of a display as functions of sums over a film's reflectance, and the nodes over angle for these sums.
+/// Views of a display as functions of sums over a film's reflectance, and the nodes over angle for these
+/// sums.
 #[derive(Debug, Clone)]
 pub(super) struct ColourViews {
     nodes: WeightedNodes,
@@ -48,8 +50,9 @@ pub(super) struct ColourTable {
 }
 
 impl ColourViews {
-    /// Prepares the sums of all views of these quantities; `None` if they need more than colours, or if what is seen is not a
-    /// function of few integrals over the table (see [`Kernel::view_sums`](papilio_transport::adding::Kernel::view_sums)).
+    /// Prepares the sums of all views of these quantities; `None` if they need more than colours, or if what
+    /// is seen is not a function of few integrals over the table (see
+    /// [`Kernel::view_sums`](papilio_transport::adding::Kernel::view_sums)).
     pub(super) fn new(
         setup: &Setup,
         groups: &[ViewGroup],
@@ -129,7 +132,8 @@ impl ColourViews {
         Some(by_source.map(factor).collect())
     }
 
-    /// Returns the gradients of numbers with these derivatives by what a view sees, `[number][source][state][wavelength]`.
+    /// Returns the gradients of numbers with these derivatives by what a view sees,
+    /// `[number][source][state][wavelength]`.
     pub(super) fn pull_back(
         &self,
         view: usize,
@@ -164,8 +168,8 @@ impl ColourTable {
     }
 }
 
-/// Adds the rows of these sums to `rows` unless they are there, and returns their numbers. Views share terms of recycled
-/// light.
+/// Adds the rows of these sums to `rows` unless they are there, and returns their numbers. Views share terms
+/// of recycled light.
 fn numbered(sums: ViewSums, rows: &mut Vec<Vec<f64>>) -> (ViewSums, Vec<usize>) {
     let number = |row: &Vec<f64>| {
         rows.iter().position(|known| known == row).unwrap_or_else(|| {

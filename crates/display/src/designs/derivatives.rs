@@ -1,10 +1,11 @@
 //! Derivatives of the quantities of a design with respect to its film, gaps and areas.
 //!
-//! The derivatives of a quantity with respect to all parameters are computed together, by the chain rule in reverse order:
-//! with respect to the reflectance factors (`meter::slopes`), with respect to the table of the pixel's reflectances (the
-//! kernel's `pull_back`, or [`differences`](super::differences) if the kernel does not support it), and finally, with the
-//! derivatives of the film at the table's nodes, with respect to each parameter. A table on fixed nodes is linear in its
-//! values. These derivatives are therefore those of the reported values, not of the exact values that they approximate.
+//! The derivatives of a quantity with respect to all parameters are computed together, by the chain rule in
+//! reverse order: with respect to the reflectance factors (`meter::slopes`), with respect to the table of the
+//! pixel's reflectances (the kernel's `pull_back`, or [`differences`](super::differences) if the kernel does
+//! not support it), and finally, with the derivatives of the film at the table's nodes, with respect to each
+//! parameter. A table on fixed nodes is linear in its values. These derivatives are therefore those of the
+//! reported values, not of the exact values that they approximate.
 
 use std::sync::Arc;
 
@@ -27,13 +28,15 @@ use crate::scene::{FilmPixel, Metric};
 pub struct Derivatives {
     /// Values of the quantities; `None` if one is not defined.
     pub values: Vec<Option<f64>>,
-    /// Derivatives per unit of each parameter, `[quantity][parameter]`. NaN if a derivative is not defined: if the quantity
-    /// is not defined here or at a small distance, and for `peak_shift_nm`, for which derivatives are not implemented.
+    /// Derivatives per unit of each parameter, `[quantity][parameter]`. NaN if a derivative is not defined:
+    /// if the quantity is not defined here or at a small distance, and for `peak_shift_nm`, for which
+    /// derivatives are not implemented.
     pub gradients: Vec<f64>,
 }
 
 impl Designs {
-    /// Computes the quantities of another pixel with the same states and their exact derivatives for fixed table nodes.
+    /// Computes the quantities of another pixel with the same states and their exact derivatives for fixed
+    /// table nodes.
     ///
     /// # Errors
     /// Those of [`evaluate`](Self::evaluate), and if the film does not have a parameter.
@@ -80,8 +83,8 @@ impl Designs {
         Ok(Derivatives { values, gradients })
     }
 
-    /// Derivatives `[number][parameter]` of several numbers, from their derivatives with respect to the reflectance
-    /// factors.
+    /// Derivatives `[number][parameter]` of several numbers, from their derivatives with respect to the
+    /// reflectance factors.
     fn pull_back(
         &mut self,
         view: usize,
@@ -128,7 +131,8 @@ pub(super) struct Tangents<'a> {
     pub(super) inactive_reflectance: &'a [f64],
 }
 
-/// Number of nodes whose derivatives are computed at a time, so that they stay in the processor's cache until used.
+/// Number of nodes whose derivatives are computed at a time, so that they stay in the processor's cache until
+/// used.
 const NODES_TOGETHER: usize = 16;
 
 impl<'a> Tangents<'a> {
@@ -174,7 +178,8 @@ impl<'a> Tangents<'a> {
         self.variables.iter().position(|one| *one == variable).unwrap_or_default()
     }
 
-    /// Derivatives `[number][parameter]` of several numbers, from their derivatives with respect to the table.
+    /// Derivatives `[number][parameter]` of several numbers, from their derivatives with respect to the
+    /// table.
     fn along(&self, gradients: &[TableGradient]) -> Result<Vec<f64>, DisplayError> {
         let by_gap = self.by_variable_and_gap(gradients)?;
         let one = |number: usize, change: &Change| match change {
@@ -221,8 +226,8 @@ impl<'a> Tangents<'a> {
 }
 
 impl DesignObservation {
-    /// Derivatives of a quantity with respect to each source's `rho.base`, `[source][state][wavelength]`; `None` if it
-    /// is not defined.
+    /// Derivatives of a quantity with respect to each source's `rho.base`, `[source][state][wavelength]`;
+    /// `None` if it is not defined.
     fn slopes(&self, meter: &Meter<'_>, quantity: &Quantity) -> Option<Vec<f64>> {
         let (states, bins, sources) = meter.sizes();
         let mut slopes = Slopes::zeros(states, bins);

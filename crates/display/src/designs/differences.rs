@@ -1,9 +1,10 @@
 //! Derivatives by finite differences, for kernels without reverse differentiation.
 //!
-//! The reflectance factors are analytic functions of the table. Tables that are moved along the tangent of a parameter, by
-//! one and two steps in both directions, are evaluated as additional states of the same pixel: one estimate for each
-//! parameter. A step changes each reflectance by at most 1e-3. The truncation error of fourth-order differences is then
-//! below 1e-10 of the slope, and the rounding error below 1e-12 of the reflectance factor.
+//! The reflectance factors are analytic functions of the table. Tables that are moved along the tangent of a
+//! parameter, by one and two steps in both directions, are evaluated as additional states of the same pixel:
+//! one estimate for each parameter. A step changes each reflectance by at most 1e-3. The truncation error of
+//! fourth-order differences is then below 1e-10 of the slope, and the rounding error below 1e-12 of the
+//! reflectance factor.
 
 use papilio_transport::adding::Kernel;
 use papilio_transport::{AngularTable, Reflector, Stack};
@@ -20,8 +21,8 @@ const MOVES: [(f64, f64); 4] =
     [(1.0, 8.0 / 12.0), (-1.0, -8.0 / 12.0), (2.0, -1.0 / 12.0), (-2.0, 1.0 / 12.0)];
 
 impl Tangents<'_> {
-    /// Computes, for each parameter, the derivatives of the reflectance factors, `[source][state][wavelength]`; empty if
-    /// they are zero.
+    /// Computes, for each parameter, the derivatives of the reflectance factors,
+    /// `[source][state][wavelength]`; empty if they are zero.
     pub(super) fn by_differences(
         &self,
         kernel: &Kernel,
@@ -48,8 +49,8 @@ impl Tangents<'_> {
         Ok(slopes.collect())
     }
 
-    /// Returns a table with the states displaced along a parameter, `[displacement][state]`, and the step; `None` if the
-    /// table does not depend on the parameter.
+    /// Returns a table with the states displaced along a parameter, `[displacement][state]`, and the step;
+    /// `None` if the table does not depend on the parameter.
     fn moved(&self, table: &AngularTable, of_film: &[f64], change: &Change) -> Option<(AngularTable, f64)> {
         let bins = table.common.len();
         let width = self.gaps * bins;

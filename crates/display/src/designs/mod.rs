@@ -1,22 +1,23 @@
 //! Evaluation of many film pixels under fixed layers, for optimisations and tolerance analyses.
 //!
-//! **What.** [`Designs`] keeps the angular kernel of one display (layers, lights, views) and evaluates other film
-//! pixels with it: a table of the film's reflectances, one product with the kernel, and the colours. This is a
-//! complete computation, as exact as a run; only the second level of a run, from which its error is estimated, is missing.
+//! **What.** [`Designs`] keeps the angular kernel of one display (layers, lights, views) and evaluates other
+//! film pixels with it: a table of the film's reflectances, one product with the kernel, and the colours.
+//! This is a complete computation, as exact as a run; only the second level of a run, from which its error is
+//! estimated, is missing.
 //!
-//! **Level.** The level at which a run of the scene's own pixel meets its `relative_error`: the finer of the two levels
-//! that a run compares. The error is that of the level, about that of the first pixel. An optimisation ends with a run of its
-//! result.
+//! **Level.** The level at which a run of the scene's own pixel meets its `relative_error`: the finer of the
+//! two levels that a run compares. The error is that of the level, about that of the first pixel. An
+//! optimisation ends with a run of its result.
 //!
-//! **Nodes over angle.** If all quantities are colours, the film is tabulated on as many nodes as X, Y and Z need
-//! (`angles`, `pixel::weighted`), with an error of at most 1e-5 of Y. Otherwise the table is that of a run
-//! ([`TABLE_ERROR`](crate::pixel::TABLE_ERROR)), and the values are identical to those of [`run`](crate::run()) if that reaches
-//! the same level.
+//! **Nodes over angle.** If all quantities are colours, the film is tabulated on as many nodes as X, Y and Z
+//! need (`angles`, `pixel::weighted`), with an error of at most 1e-5 of Y. Otherwise the table is that of a
+//! run ([`TABLE_ERROR`](crate::pixel::TABLE_ERROR)), and the values are identical to those of
+//! [`run`](crate::run()) if that reaches the same level.
 //!
-//! **Reproducibility.** Each design is computed on the nodes that its own film needs, independently of earlier designs:
-//! the order of designs does not affect the values. Where a film needs other nodes, the values change by at most the
-//! error of the table. The peak of a flat spectrum is reported, too: only a second level shows whether a spectrum is flat
-//! within its errors.
+//! **Reproducibility.** Each design is computed on the nodes that its own film needs, independently of
+//! earlier designs: the order of designs does not affect the values. Where a film needs other nodes, the
+//! values change by at most the error of the table. The peak of a flat spectrum is reported, too: only a
+//! second level shows whether a spectrum is flat within its errors.
 
 mod angles;
 mod derivatives;
@@ -76,8 +77,8 @@ impl Designs {
     /// Prepares the kernels at the level that meets the scene's target for the scene's own pixel.
     ///
     /// # Errors
-    /// If the scene is invalid, has no film pixel or is not solved by adding to a relative error; if a view or state of a
-    /// quantity does not exist; if the preparation was stopped.
+    /// If the scene is invalid, has no film pixel or is not solved by adding to a relative error; if a view
+    /// or state of a quantity does not exist; if the preparation was stopped.
     pub fn new(scene: &Scene, quantities: &[Quantity], control: &Control<'_>) -> Result<Self, DisplayError> {
         let Pixel::Film(_) = &scene.display.pixel else { return Err(DisplayError::NotAFilm) };
         if scene.solver.method == Method::MonteCarlo
@@ -102,7 +103,8 @@ impl Designs {
         })
     }
 
-    /// Computes the quantities of another pixel with the same states, in their order; `None` if one is not defined.
+    /// Computes the quantities of another pixel with the same states, in their order; `None` if one is not
+    /// defined.
     ///
     /// # Errors
     /// If the film is invalid or its states differ.

@@ -6,8 +6,8 @@ use crate::DisplayError;
 use crate::pixel::film::{Mixture, Owner, Part};
 use crate::scene::{Drive, FilmPixel, Thickness};
 
-/// Parameter of a film pixel. A derivative keeps all other parameters fixed, including the other areas: the sum of the
-/// areas then changes.
+/// Parameter of a film pixel. A derivative keeps all other parameters fixed, including the other areas: the
+/// sum of the areas then changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
     /// Thickness of a layer other than the gap, nm.

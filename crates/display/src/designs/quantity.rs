@@ -83,7 +83,8 @@ impl Quantity {
         self.metric().map_or(MetricSource::Colours, Metric::source)
     }
 
-    /// Returns value and error of a metric of sharpness; `None` for other quantities, and where it is not defined.
+    /// Returns value and error of a metric of sharpness; `None` for other quantities, and where it is not
+    /// defined.
     pub fn of_sharpness(&self, result: &MtfResult) -> [Option<f64>; 2] {
         let found = result.views.get(self.view()).zip(self.metric());
         let both = found.and_then(|(view, metric)| match self.state() {
@@ -96,7 +97,8 @@ impl Quantity {
         both.unwrap_or_default()
     }
 
-    /// Returns value and error of a metric of crosstalk; `None` for other quantities, and where it is not defined.
+    /// Returns value and error of a metric of crosstalk; `None` for other quantities, and where it is not
+    /// defined.
     pub fn of_crosstalk(&self, result: &CrosstalkResult) -> [Option<f64>; 2] {
         let found = result.views.get(self.view()).zip(self.metric());
         let both = found.map(|(view, metric)| {
@@ -105,8 +107,8 @@ impl Quantity {
         both.unwrap_or_default()
     }
 
-    /// Returns value and standard error of a metric of sparkle in the first of the rows of each view; `None` for other
-    /// quantities.
+    /// Returns value and standard error of a metric of sparkle in the first of the rows of each view; `None`
+    /// for other quantities.
     pub fn of_sparkle(&self, rows: &[SparkleRow], views: usize) -> [Option<f64>; 2] {
         let row = rows.get(self.view() * (rows.len() / views.max(1))).zip(self.metric());
         let both =
@@ -114,7 +116,8 @@ impl Quantity {
         both.unwrap_or_default()
     }
 
-    /// Returns the value of a metric of a picture, whose error is not estimated; `None` for other quantities, and where it is not defined.
+    /// Returns the value of a metric of a picture, whose error is not estimated; `None` for other quantities,
+    /// and where it is not defined.
     pub fn of_image(&self, metrics: &ImageMetrics) -> [Option<f64>; 2] {
         [self.metric().and_then(|metric| metric.of_image(metrics)), None]
     }
@@ -148,7 +151,8 @@ impl Quantity {
         }
     }
 
-    /// Returns true if the quantity follows from X, Y, Z and the luminance of the states, under all lights together.
+    /// Returns true if the quantity follows from X, Y, Z and the luminance of the states, under all lights
+    /// together.
     pub(super) fn is_of_colours(&self) -> bool {
         match self {
             Self::Metric { metric, .. } => {

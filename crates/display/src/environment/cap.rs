@@ -1,14 +1,16 @@
-//! Uniform radiance in a part of the hemisphere around any direction: a partial sphere, or a sphere with a gloss trap.
+//! Uniform radiance in a part of the hemisphere around any direction: a partial sphere, or a sphere with a
+//! gloss trap.
 //!
 //! # Model
-//! The radiance is uniform where the angle from the axis is between two given angles, and zero below the display's
-//! horizon. At one inclination, the lit directions are an interval of azimuths: the angle is less than a where
+//! The radiance is uniform where the angle from the axis is between two given angles, and zero below the
+//! display's horizon. At one inclination, the lit directions are an interval of azimuths: the angle is less
+//! than a where
 //!
 //! `cos a <= cos(theta) cos(theta_0) + sin(theta) sin(theta_0) cos(phi - phi_0)`.
 //!
-//! This condition is evaluated for lookups and integrals. The Monte Carlo solver draws directions from cells, weighted with
-//! the lit fraction of their projected solid angle, which is exact over azimuth and computed by a Gauss rule over
-//! inclination. Rows end at the largest and smallest inclination of the region's edges.
+//! This condition is evaluated for lookups and integrals. The Monte Carlo solver draws directions from cells,
+//! weighted with the lit fraction of their projected solid angle, which is exact over azimuth and computed by
+//! a Gauss rule over inclination. Rows end at the largest and smallest inclination of the region's edges.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -29,8 +31,8 @@ const GAUSS: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_095),
 ];
 
-/// Returns uniform light from directions at an angle of `from_deg` to `to_deg` from (`theta_deg`, `phi_deg`), all in degrees,
-/// 0 to 180; `None` if none of it is above the horizon.
+/// Returns uniform light from directions at an angle of `from_deg` to `to_deg` from (`theta_deg`, `phi_deg`),
+/// all in degrees, 0 to 180; `None` if none of it is above the horizon.
 pub fn cap(theta_deg: f64, phi_deg: f64, from_deg: f64, to_deg: f64) -> Option<Field> {
     if theta_deg == 0.0 {
         return Field::ring(from_deg, to_deg.min(90.0));
@@ -87,8 +89,8 @@ impl Radiance for Region {
     }
 }
 
-/// Points and weights over a row, from 0 to 1. If a row ends at an edge of the region, the width in azimuth begins as a square
-/// root, which the substitution `sin^2` makes smooth.
+/// Points and weights over a row, from 0 to 1. If a row ends at an edge of the region, the width in azimuth
+/// begins as a square root, which the substitution `sin^2` makes smooth.
 fn rule() -> [(f64, f64); 5] {
     let rule = GAUSS.map(|(t, weight)| ((FRAC_PI_2 * t).sin().powi(2), weight * (PI * t).sin()));
     let sum: f64 = rule.iter().map(|(_, weight)| weight).sum();
@@ -118,7 +120,8 @@ fn add_light(row: &mut [f64], start: f64, end: f64, weight: f64) {
     }
 }
 
-/// Inclinations between rows, degrees: uniformly spaced, and those at which the region begins and ends in the plane of its axis.
+/// Inclinations between rows, degrees: uniformly spaced, and those at which the region begins and ends in the
+/// plane of its axis.
 fn edges(axis_deg: f64, angles_deg: [f64; 2]) -> Vec<f64> {
     let rows = (90.0 / ROW_DEG) as usize;
     let mut edges: Vec<f64> = (0..=rows).map(|row| 90.0 * row as f64 / rows as f64).collect();
@@ -139,8 +142,8 @@ mod tests {
     use super::*;
     use papilio_optics::Beta;
 
-    /// A cap above the horizon has the irradiance of a disc, pi sin^2(a) cos(theta): the ratio of radiance to irradiance is
-    /// the reciprocal.
+    /// A cap above the horizon has the irradiance of a disc, pi sin^2(a) cos(theta): the ratio of radiance to
+    /// irradiance is the reciprocal.
     #[test]
     fn cap_above_the_horizon_equals_a_disc() {
         for (theta, phi, angle) in

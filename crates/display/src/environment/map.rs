@@ -1,16 +1,17 @@
 //! Environment maps: images of the whole sphere.
 //!
 //! # Model
-//! Rows of the image are uniformly spaced in inclination from the zenith, and columns in azimuth, to the right as seen from
-//! inside. At `rotate_deg = 0` an upright display faces the middle of the image (azimuth -90 deg, see [`Pose`]); a rotation
-//! turns the world counterclockwise seen from above.
+//! Rows of the image are uniformly spaced in inclination from the zenith, and columns in azimuth, to the
+//! right as seen from inside. At `rotate_deg = 0` an upright display faces the middle of the image (azimuth
+//! -90 deg, see [`Pose`]); a rotation turns the world counterclockwise seen from above.
 //!
-//! Nothing smooths the pixels: look-ups and mean values over a field of view are those of the pixels themselves, for any rotation
-//! and tilt of the display ([`Pixels`]). For a horizontal display, the pixels are cells of a [`Field`], whose first column begins at
-//! any azimuth. For a tilted display, or a large map, the light that a lobe scatters is summed over cells: each pixel is divided
-//! into parts, and the light of each part is distributed among the four nearest cells, so that it keeps its place on average.
-//! Near the normal, where cells are narrow, the light of a row is averaged over several cells. The cells have the irradiance of the
-//! pixels.
+//! Nothing smooths the pixels: look-ups and mean values over a field of view are those of the pixels
+//! themselves, for any rotation and tilt of the display ([`Pixels`]). For a horizontal display, the pixels
+//! are cells of a [`Field`], whose first column begins at any azimuth. For a tilted display, or a large map,
+//! the light that a lobe scatters is summed over cells: each pixel is divided into parts, and the light of
+//! each part is distributed among the four nearest cells, so that it keeps its place on average. Near the
+//! normal, where cells are narrow, the light of a row is averaged over several cells. The cells have the
+//! irradiance of the pixels.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -44,7 +45,8 @@ pub struct MapField {
 
 /// Largest number of columns of cells for a horizontal display.
 const MOST_FLAT: usize = 1024;
-/// Number of columns of cells for a tilted display: 0.18 deg, so that lobes of 1 deg are summed within about 1e-3.
+/// Number of columns of cells for a tilted display: 0.18 deg, so that lobes of 1 deg are summed within about
+/// 1e-3.
 const TILTED: usize = 2048;
 /// Smallest number of parts of the image per cell of a tilted display, along each direction.
 const PARTS: usize = 2;
@@ -59,7 +61,8 @@ impl Panorama<'_> {
         rows.map(of).sum::<f64>() * TAU / self.width as f64
     }
 
-    /// Returns the light of each channel above the plane of a display of this pose; `None` where there is none.
+    /// Returns the light of each channel above the plane of a display of this pose; `None` where there is
+    /// none.
     pub fn over(&self, pose: Pose, rotate_deg: f64) -> Vec<Option<MapField>> {
         if pose.tilt_deg == 0.0 {
             self.channels.iter().map(|pixels| self.over_flat(pixels, rotate_deg)).collect()
@@ -97,7 +100,8 @@ impl Panorama<'_> {
         Some(MapField { field: field.turned(start_deg), irradiance, light })
     }
 
-    /// Returns the light of the pixels themselves; sums of it use these cells, whose columns begin at an azimuth.
+    /// Returns the light of the pixels themselves; sums of it use these cells, whose columns begin at an
+    /// azimuth.
     fn exact(
         &self,
         pixels: &[f32],
@@ -172,8 +176,8 @@ impl Panorama<'_> {
     }
 }
 
-/// Returns the four cells whose middles are nearest to a position, in rows and columns, and the weights of linear interpolation
-/// between them.
+/// Returns the four cells whose middles are nearest to a position, in rows and columns, and the weights of
+/// linear interpolation between them.
 fn nearest(down: f64, along: f64, [rows, columns]: [usize; 2]) -> [(usize, f64); 4] {
     let (row, column) = ((down - 0.5).floor(), (along - 0.5).floor());
     let (below, right) = (down - 0.5 - row, along - 0.5 - column);
@@ -248,7 +252,8 @@ mod tests {
         (0..width * width / 2).map(|k| value(k / width, k % width)).collect()
     }
 
-    /// Radiance in a direction of the display, by the pixel at its elevation and azimuth: independent of frames and cells.
+    /// Radiance in a direction of the display, by the pixel at its elevation and azimuth: independent of
+    /// frames and cells.
     fn pixel_at(map: &Panorama<'_>, tilt_deg: f64, rotate_deg: f64, theta: f64, phi: f64) -> f64 {
         let world = Pose { tilt_deg }.to_world(by_inclination(theta.to_radians(), phi.to_radians()));
         let zenith = world[2].clamp(-1.0, 1.0).acos().to_degrees();
@@ -308,7 +313,8 @@ mod tests {
         }
     }
 
-    /// The irradiance of a rough map in any orientation is the sum over a fine grid of the display's own directions.
+    /// The irradiance of a rough map in any orientation is the sum over a fine grid of the display's own
+    /// directions.
     #[test]
     fn irradiance_in_any_orientation_is_that_of_a_sum_over_directions() {
         let radiance = map(16, |row, column| ((row * 5 + column * 11) % 7) as f32);
@@ -336,7 +342,8 @@ mod tests {
     /// A bright pixel is at its azimuth and elevation for any pose, and its light is preserved.
     #[test]
     fn bright_pixel_has_its_direction_and_light_for_any_pose() {
-        // Row 20 of 64: elevation 90 - 20.5/64 180 = 32.3 deg. Column 32 of 128: a quarter to the left of the middle.
+        // Row 20 of 64: elevation 90 - 20.5/64 180 = 32.3 deg. Column 32 of 128: a quarter to the left of the
+        // middle.
         let radiance = map(128, |row, column| if (row, column) == (20, 32) { 5.0 } else { 0.0 });
         let map = Panorama { width: 128, height: 64, channels: vec![&radiance] };
         let elevation = 90.0 - 20.5 / 64.0 * 180.0;

@@ -1,8 +1,9 @@
 //! Orientation of the display in its environment.
 //!
-//! The z axis of the world points to the zenith. Azimuths of the world are measured from the display's x axis,
-//! counterclockwise seen from above. A display of tilt 0 is horizontal and faces the zenith. Tilt rotates it about its x axis,
-//! so that its upper edge (phi = 90 deg) rises: at 90 deg it is upright and faces azimuth -90 deg.
+//! The z axis of the world points to the zenith. Azimuths of the world are measured from the display's x
+//! axis, counterclockwise seen from above. A display of tilt 0 is horizontal and faces the zenith. Tilt
+//! rotates it about its x axis, so that its upper edge (phi = 90 deg) rises: at 90 deg it is upright and
+//! faces azimuth -90 deg.
 
 /// Tilt of the display from the horizontal.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -18,8 +19,8 @@ impl Pose {
         [x, cos * y - sin * z, sin * y + cos * z]
     }
 
-    /// Returns the inclination and azimuth in the display's frame, degrees, of a direction given by its elevation and azimuth
-    /// in the world.
+    /// Returns the inclination and azimuth in the display's frame, degrees, of a direction given by its
+    /// elevation and azimuth in the world.
     pub fn sees(self, [elevation_deg, azimuth_deg]: [f64; 2]) -> (f64, f64) {
         let [x, y, z] = self.to_display(by_elevation(elevation_deg, azimuth_deg));
         (x.hypot(y).atan2(z).to_degrees(), y.atan2(x).to_degrees())

@@ -7,9 +7,9 @@ use papilio_transport::{Edge, Field, Radiance};
 /// Largest height of the rows of cells from which the Monte Carlo solver draws directions, degrees.
 const ROW_DEG: f64 = 5.0;
 
-/// Returns rotationally symmetric light whose radiance is linear between the points of a table: inclinations in
-/// degrees, ascending from at least 0 to at most 90, and relative radiances. The radiance is 0 before the first and
-/// after the last point. `None` if all radiances are 0.
+/// Returns rotationally symmetric light whose radiance is linear between the points of a table: inclinations
+/// in degrees, ascending from at least 0 to at most 90, and relative radiances. The radiance is 0 before the
+/// first and after the last point. `None` if all radiances are 0.
 pub fn profile(points: &[(f64, f64)]) -> Option<Field> {
     let table = Table { points: points.to_vec() };
     let mut edges = vec![points.first()?.0];

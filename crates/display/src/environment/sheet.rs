@@ -1,6 +1,7 @@
 //! Luminous plane over the display, given by its intensity distribution.
 //!
-//! The apparent area of the plane is proportional to the cosine of the angle: its radiance is the intensity over the cosine.
+//! The apparent area of the plane is proportional to the cosine of the angle: its radiance is the intensity
+//! over the cosine.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -11,11 +12,12 @@ use super::pose::by_inclination;
 
 /// Intensity distribution of a luminous plane.
 pub trait Sheet: Debug + Send + Sync + 'static {
-    /// Returns the intensity at an angle from the normal and the azimuth *towards* which the light travels, degrees.
+    /// Returns the intensity at an angle from the normal and the azimuth *towards* which the light travels,
+    /// degrees.
     fn intensity(&self, theta_deg: f64, phi_deg: f64) -> f64;
 
-    /// Returns the circles of directions between which the intensity is smooth: the centre, a unit vector (azimuth 0, azimuth
-    /// 90 deg, normal) *towards* which light travels, and the angular radius, degrees.
+    /// Returns the circles of directions between which the intensity is smooth: the centre, a unit vector
+    /// (azimuth 0, azimuth 90 deg, normal) *towards* which light travels, and the angular radius, degrees.
     fn edges(&self) -> Vec<([f64; 3], f64)>;
 }
 

@@ -1,22 +1,23 @@
 //! CIE standard general sky: relative luminance of a sky as a function of direction.
 //!
 //! # Model
-//! `L/L_zenith = f(chi) phi(Z) / (f(Z_sun) phi(0))`: the gradation `phi(Z) = 1 + a exp(b/cos Z)` from zenith to
-//! horizon, and the indicatrix `f(chi) = 1 + c (exp(d chi) - exp(d pi/2)) + e cos^2 chi` around the sun, at an
-//! angle chi from it. Fifteen sets of a to e make the skies 1 (steep overcast) to 15 (white-blue, turbid,
-//! broad corona); 5 is uniform, 12 the CIE standard clear sky. Number 16 is the traditional overcast
+//! `L/L_zenith = f(chi) phi(Z) / (f(Z_sun) phi(0))`: the gradation `phi(Z) = 1 + a exp(b/cos Z)` from zenith
+//! to horizon, and the indicatrix `f(chi) = 1 + c (exp(d chi) - exp(d pi/2)) + e cos^2 chi` around the sun,
+//! at an angle chi from it. Fifteen sets of a to e make the skies 1 (steep overcast) to 15 (white-blue,
+//! turbid, broad corona); 5 is uniform, 12 the CIE standard clear sky. Number 16 is the traditional overcast
 //! sky of Moon and Spencer, `(1 + 2 sin elevation)/3`.
 //!
 //! The sun itself is not included. The ground below the horizon has the luminance of a Lambertian plane
 //! under the sky, of the given reflectance.
 //!
-//! Lookups evaluate the formula itself. It is not smooth at the sun and at the horizon, near which the gradation
-//! approaches its limit as `exp(b/cos Z)`: integrals are refined there.
+//! Lookups evaluate the formula itself. It is not smooth at the sun and at the horizon, near which the
+//! gradation approaches its limit as `exp(b/cos Z)`: integrals are refined there.
 //!
 //! # Source
-//! ISO 15469:2004 / CIE S 011/E:2003, *Spatial distribution of daylight: CIE standard general sky*, eqs. 1-7 and
-//! table 1; R. Kittler, R. Perez, S. Darula, *A new generation of sky standards*, Lux Europa 1997; the numbers are
-//! those of S. Darula, R. Kittler, *CIE general sky standard defining luminance distributions*, eSim 2002.
+//! ISO 15469:2004 / CIE S 011/E:2003, *Spatial distribution of daylight: CIE standard general sky*, eqs. 1-7
+//! and table 1; R. Kittler, R. Perez, S. Darula, *A new generation of sky standards*, Lux Europa 1997; the
+//! numbers are those of S. Darula, R. Kittler, *CIE general sky standard defining luminance distributions*,
+//! eSim 2002.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -56,7 +57,8 @@ const COLUMNS: usize = 180;
 pub struct Sky {
     /// CIE type, 1 to 15, or 16 for the traditional overcast sky.
     pub number: u8,
-    /// Elevation of the sun above the horizon and its azimuth, degrees; not needed for types without an indicatrix.
+    /// Elevation of the sun above the horizon and its azimuth, degrees; not needed for types without an
+    /// indicatrix.
     pub sun: Option<[f64; 2]>,
     /// Reflectance of the ground, 0 to 1.
     pub ground: f64,
@@ -214,7 +216,8 @@ mod tests {
         }
     }
 
-    /// The sky over a horizontal display is brightest at the sun; an upright display faces half sky and half ground.
+    /// The sky over a horizontal display is brightest at the sun; an upright display faces half sky and half
+    /// ground.
     #[test]
     fn sky_over_a_display_follows_its_tilt() {
         let flat = sky(12).field(Pose::default()).unwrap();

@@ -16,8 +16,9 @@ use crate::scene::Scene;
 /// Name of the light of a picture whose lights are not computed one by one.
 const ALL: &str = "all";
 
-/// Computes the colours that a halftone would show, in all light at once: they follow the white and the black of the display, so that other
-/// light needs other colours. `settings.halftone` is not looked at. Returns the names of the states and the picture.
+/// Computes the colours that a halftone would show, in all light at once: they follow the white and the black
+/// of the display, so that other light needs other colours. `settings.halftone` is not looked at. Returns the
+/// names of the states and the picture.
 ///
 /// # Errors
 /// As [`image`](super::image()).

@@ -1,7 +1,8 @@
 //! Pictures on displays with a colour filter above the pixels.
 //!
-//! Each pixel has the colour of a page of its state, in which light of the filter's other parts is contained. Light that the face returns to
-//! neighbours in other states is not: it is the largest where states are mixed finely, and this difference is a part of the error.
+//! Each pixel has the colour of a page of its state, in which light of the filter's other parts is contained.
+//! Light that the face returns to neighbours in other states is not: it is the largest where states are mixed
+//! finely, and this difference is a part of the error.
 
 use papilio_spectra::Spectrum;
 
@@ -12,8 +13,8 @@ use crate::prepared::Prepared;
 use crate::run::Control;
 use crate::scene::{Filter, FilterState, Pixel, Scene};
 
-/// The largest difference, in X, Y and Z relative to a perfect white, between a fine mixture of states by the fractions `shown` and the mean of
-/// their pages, whose X, Y, Z are given. 0 without a filter.
+/// The largest difference, in X, Y and Z relative to a perfect white, between a fine mixture of states by the
+/// fractions `shown` and the mean of their pages, whose X, Y, Z are given. 0 without a filter.
 pub(super) fn error_of_mixture(
     scene: &Scene,
     pages: &[[f64; 3]],
@@ -27,7 +28,8 @@ pub(super) fn error_of_mixture(
     Ok((0..3).map(|k| (fine[k] - mean(k)).abs()).fold(0.0, f64::max))
 }
 
-/// The display with a single state: below each part of the filter, the mean reflectance of the states' pixels. `None` without a filter.
+/// The display with a single state: below each part of the filter, the mean reflectance of the states'
+/// pixels. `None` without a filter.
 fn mixed(scene: &Scene, shown: &[f64]) -> Result<Option<Scene>, DisplayError> {
     let mut mixed = scene.clone();
     let Some(Filter { states, transmittance, .. }) =

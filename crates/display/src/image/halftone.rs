@@ -25,7 +25,8 @@ pub enum Halftone {
     DirectBinarySearch,
 }
 
-/// Columns and rows of Bayer's mask: 256 levels. The mask of 8 x 8 pixels has 64, whose steps are visible in dark gradients.
+/// Columns and rows of Bayer's mask: 256 levels. The mask of 8 x 8 pixels has 64, whose steps are visible in
+/// dark gradients.
 const BAYER: usize = 16;
 
 /// Columns and rows of the void-and-cluster mask: 4096 levels.
@@ -38,7 +39,8 @@ pub(super) struct Panel<'a> {
     pub(super) rendering: &'a Rendering,
     /// Pixels in a degree of the visual angle, along x and y.
     pub(super) pixels_per_degree: Option<[f64; 2]>,
-    /// Part of a pixel's light that is seen in each of its neighbours, `REACH_OF_LAYERS` pixels around it; `None` without blur.
+    /// Part of a pixel's light that is seen in each of its neighbours, `REACH_OF_LAYERS` pixels around it;
+    /// `None` without blur.
     pub(super) spread: Option<Vec<f64>>,
 }
 
@@ -80,8 +82,8 @@ pub(super) fn states(
     }
 }
 
-/// Columns to the left and right, and rows above, that error diffusion begins with: there it has no errors from neighbours yet, or loses them,
-/// and would draw a frame of another colour.
+/// Columns to the left and right, and rows above, that error diffusion begins with: there it has no errors
+/// from neighbours yet, or loses them, and would draw a frame of another colour.
 const FRAME: usize = 24;
 
 /// A picture between its mirror images at both sides and above, and the number of its columns.
@@ -113,7 +115,8 @@ fn without_frame(states: &[u8], columns: usize, pixels: usize) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// The frame of a picture is its mirror image, also of one that is smaller than the frame, and it is taken away again.
+    /// The frame of a picture is its mirror image, also of one that is smaller than the frame, and it is
+    /// taken away again.
     #[test]
     fn frames_are_mirror_images() {
         for [columns, rows] in [[1, 1], [5, 3], [40, 30]] {

@@ -32,8 +32,8 @@ pub struct HeldPicture {
     pub surround: PictureSurround,
 }
 
-/// What the reader sees of a picture in each light of a room. In any mixture of these lights, each with a factor, the reader sees the sum of
-/// their pictures, each with its factor.
+/// What the reader sees of a picture in each light of a room. In any mixture of these lights, each with a
+/// factor, the reader sees the sum of their pictures, each with its factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factors {
     /// Number of columns and rows.
@@ -46,10 +46,11 @@ pub struct Factors {
     pub error: f64,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
     pub neighbours_light: bool,
-    /// Mirror images of lamps, which the pictures do not contain; their colours are those of the states of the picture, in all light. Collimated
-    /// ones are those of small discs.
+    /// Mirror images of lamps, which the pictures do not contain; their colours are those of the states of
+    /// the picture, in all light. Collimated ones are those of small discs.
     pub lamps: Vec<LampImage>,
-    /// Fraction of the panel in each state of the picture; without a halftone, that of a halftone with the same mean colour.
+    /// Fraction of the panel in each state of the picture; without a halftone, that of a halftone with the
+    /// same mean colour.
     pub coverage: Vec<f64>,
 }
 
@@ -58,7 +59,8 @@ pub struct Factors {
 pub struct LightPicture {
     /// Name of the light: `diffuse`, `directed.0`, `environment.0`, `front_light`.
     pub light: String,
-    /// X, Y, Z of a perfect white in this light, relative to the Y of a perfect white in all light; 0 for a front light beside other light.
+    /// X, Y, Z of a perfect white in this light, relative to the Y of a perfect white in all light; 0 for a
+    /// front light beside other light.
     pub white: [f64; 3],
     /// X, Y, Z of each pixel, relative to the same Y; rows from the top.
     pub pixels: Vec<[f32; 3]>,
@@ -160,11 +162,12 @@ impl HeldPicture {
         counts.into_iter().map(|count| count as f64 / self.states.len().max(1) as f64).collect()
     }
 
-    /// Computes what the reader sees in each light of a scene, which may have another light, view or layers than that for which the states
-    /// were decided, but must have these states.
+    /// Computes what the reader sees in each light of a scene, which may have another light, view or layers
+    /// than that for which the states were decided, but must have these states.
     ///
     /// # Errors
-    /// As [`run`](crate::run()); if the scene does not have exactly one view, a state does not exist, or the light has no colour.
+    /// As [`run`](crate::run()); if the scene does not have exactly one view, a state does not exist, or the
+    /// light has no colour.
     pub fn factors(&self, scene: &Scene, control: &Control<'_>) -> Result<Factors, DisplayError> {
         self.factors_of(scene, &mut Prepared::new(scene, control)?, control)
     }

@@ -14,15 +14,16 @@ use crate::prepared::Prepared;
 use crate::run::Control;
 use crate::scene::Scene;
 
-/// Light that kernels may miss, relative to a perfect white. It is less than what the 16-bit numbers lose in which the server sends a picture
-/// (5e-4 of each value), and takes two thirds of the shapes, and so of the time, of 1e-5.
+/// Light that kernels may miss, relative to a perfect white. It is less than what the 16-bit numbers lose in
+/// which the server sends a picture (5e-4 of each value), and takes two thirds of the shapes, and so of the
+/// time, of 1e-5.
 const MISSED: f64 = 1e-4;
 
 /// Largest number of lights.
 const MOST: usize = 8;
 
-/// What is seen of a picture in single lights, of which the least recently used are removed first: a series of scenes whose lights change one
-/// by one, or only in their illuminance, is quicker with it.
+/// What is seen of a picture in single lights, of which the least recently used are removed first: a series
+/// of scenes whose lights change one by one, or only in their illuminance, is quicker with it.
 #[derive(Debug, Default)]
 pub struct KnownLights {
     /// The picture to which the lights belong.
@@ -47,7 +48,8 @@ pub(super) struct KnownLight {
 }
 
 impl KnownLights {
-    /// Computes the lights that are not known; then all of them are, each with the luminance of a perfect white in it.
+    /// Computes the lights that are not known; then all of them are, each with the luminance of a perfect
+    /// white in it.
     pub(super) fn of(
         &mut self,
         picture: &HeldPicture,

@@ -1,12 +1,13 @@
 //! Mirror images of lamps over a panel, for an eye at its place.
 //!
-//! **What.** A lamp with `radius_deg` is seen in each face of the display, and in pixels like mirrors, at the places of the panel from which
-//! the mirrored direction leads to the eye. Its luminance there is that of the lamp times the reflectance of the display in this
-//! direction ([`crate::lamp_images`]). A lamp without a radius has no luminance, and no image
-//! in computed pictures; drawings show it as a small disc ([`drawn_lamps`]).
+//! **What.** A lamp with `radius_deg` is seen in each face of the display, and in pixels like mirrors, at the
+//! places of the panel from which the mirrored direction leads to the eye. Its luminance there is that of the
+//! lamp times the reflectance of the display in this direction ([`crate::lamp_images`]). A lamp without a
+//! radius has no luminance, and no image in computed pictures; drawings show it as a small disc
+//! ([`drawn_lamps`]).
 //!
-//! **Border.** A pixel sees a round patch of directions: the field of view of the eye, or the pixel itself where that is larger. Its part
-//! within the lamp is that of two circles in a plane.
+//! **Border.** A pixel sees a round patch of directions: the field of view of the eye, or the pixel itself
+//! where that is larger. Its part within the lamp is that of two circles in a plane.
 
 use std::f64::consts::PI;
 
@@ -17,8 +18,8 @@ use crate::run::Control;
 use crate::scene::{AngleMedium, DirectedLight};
 use crate::setup::Setup;
 
-/// Half of the angle across the disc with which collimated light is drawn, degrees. It has no luminance: that of the disc is its illuminance
-/// over the disc's projected solid angle.
+/// Half of the angle across the disc with which collimated light is drawn, degrees. It has no luminance: that
+/// of the disc is its illuminance over the disc's projected solid angle.
 pub(super) const COLLIMATED_DEG: f64 = 0.25;
 
 /// The mirror image of a lamp.
@@ -27,17 +28,20 @@ pub(super) const COLLIMATED_DEG: f64 = 0.25;
 pub struct LampImage {
     /// Name of the light: `directed.0`, ...
     pub light: String,
-    /// Direction from the display to an eye that sees the middle of the image: to the right, upwards, and away from the panel; of length 1.
+    /// Direction from the display to an eye that sees the middle of the image: to the right, upwards, and
+    /// away from the panel; of length 1.
     pub towards: [f64; 3],
     /// Half of the angle across the lamp, degrees.
     pub radius_deg: f64,
     /// Whether its light is collimated, so that it has no luminance of its own.
     pub is_collimated: bool,
-    /// X, Y and Z of the image on a pixel in each state, relative to a perfect white in all light; in addition to all other light.
+    /// X, Y and Z of the image on a pixel in each state, relative to a perfect white in all light; in
+    /// addition to all other light.
     pub XYZ: Vec<[f64; 3]>,
 }
 
-/// Computes the images of all lamps that a display mirrors for a drawing: collimated ones as small discs ([`COLLIMATED_DEG`]).
+/// Computes the images of all lamps that a display mirrors for a drawing: collimated ones as small discs
+/// ([`COLLIMATED_DEG`]).
 ///
 /// # Errors
 /// If the scene is invalid.
@@ -93,7 +97,8 @@ pub(super) fn lamp_images(setup: &Setup, states: &[String]) -> Vec<LampImage> {
 }
 
 impl LampImage {
-    /// Adds the image to what an eye sees of the pixels of a panel; `half_field_deg` is half of its field of view.
+    /// Adds the image to what an eye sees of the pixels of a panel; `half_field_deg` is half of its field of
+    /// view.
     pub(super) fn add(
         &self,
         eye: &Eye,
@@ -121,7 +126,8 @@ impl LampImage {
     }
 }
 
-/// Part of a circle of radius `own` that is within a circle of radius `other`, whose centre is `distance` away.
+/// Part of a circle of radius `own` that is within a circle of radius `other`, whose centre is `distance`
+/// away.
 fn within(distance: f64, other: f64, own: f64) -> f64 {
     if distance >= other + own {
         return 0.0;
@@ -142,8 +148,8 @@ fn within(distance: f64, other: f64, own: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Half of a small circle is within a large one on whose border it lies; the area of two equal circles whose distance is their radius
-    /// is 2 pi/3 - sqrt(3)/2.
+    /// Half of a small circle is within a large one on whose border it lies; the area of two equal circles
+    /// whose distance is their radius is 2 pi/3 - sqrt(3)/2.
     #[test]
     fn parts_of_circles() {
         assert!((within(1000.0, 1000.0, 1.0) - 0.5).abs() < 1e-3);

@@ -12,8 +12,8 @@ pub(super) struct Alone {
 }
 
 impl Alone {
-    /// The display, the view, and this light with illuminance 1, without the other lights; and its illuminance, lx. Colours relative to a
-    /// perfect white in this light depend on the former only.
+    /// The display, the view, and this light with illuminance 1, without the other lights; and its
+    /// illuminance, lx. Colours relative to a perfect white in this light depend on the former only.
     pub(super) fn with_unit_illuminance(&self) -> (Scene, f64) {
         let mut scene = self.scene.clone();
         let lighting = &mut scene.lighting;
@@ -37,7 +37,8 @@ impl Alone {
     }
 }
 
-/// Returns the scene once for each of its lights, in the order of the scene. Lights without illuminance are left out.
+/// Returns the scene once for each of its lights, in the order of the scene. Lights without illuminance are
+/// left out.
 pub(super) fn each_alone(scene: &Scene) -> Vec<Alone> {
     let lighting = &scene.lighting;
     let dark = {

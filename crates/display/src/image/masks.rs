@@ -1,8 +1,9 @@
 //! Halftones by threshold masks, from the coverages of the states that mix each colour.
 //!
-//! Where the eight states of red, green and blue sub-pixels add, the coverages of the sub-pixels are unique ([`SubPixels`]), and each
-//! sub-pixel has a mask of its own, so that dark ones lie beside light ones. Otherwise the states are those with the least variance of
-//! luminance ([`LeastVariance`]), in their order from light to dark.
+//! Where the eight states of red, green and blue sub-pixels add, the coverages of the sub-pixels are unique
+//! ([`SubPixels`]), and each sub-pixel has a mask of its own, so that dark ones lie beside light ones.
+//! Otherwise the states are those with the least variance of luminance ([`LeastVariance`]), in their order
+//! from light to dark.
 
 use papilio_colour::states::{LeastVariance, SubPixels};
 use papilio_colour::{CORNERS, Corners, Xyz};
@@ -13,12 +14,14 @@ use super::halftone::Panel;
 use crate::DisplayError;
 use crate::run::Control;
 
-/// Largest difference of a state from the sum of its sub-pixels, relative to Y of white, for which they are taken to add.
+/// Largest difference of a state from the sum of its sub-pixels, relative to Y of white, for which they are
+/// taken to add.
 const ADDS: f64 = 1e-3;
 
 /// How colours become states.
 enum Mixer<'a> {
-    /// Independent sub-pixels: the state of each combination of red (1), green (2) and blue (4), and a mask for each.
+    /// Independent sub-pixels: the state of each combination of red (1), green (2) and blue (4), and a mask
+    /// for each.
     SubPixels { sub_pixels: SubPixels, states: [u8; 8], masks: [Mask; 3] },
     /// Any states, from light to dark.
     States { solver: LeastVariance, order: Vec<u8>, mask: &'a Mask },
@@ -85,8 +88,8 @@ impl<'a> Mixer<'a> {
     }
 }
 
-/// The sub-pixels of a display whose states are the eight of red, green and blue sub-pixels, if their light adds, and the number of the
-/// state of each combination.
+/// The sub-pixels of a display whose states are the eight of red, green and blue sub-pixels, if their light
+/// adds, and the number of the state of each combination.
 fn sub_pixels(panel: &Panel<'_>) -> Option<(SubPixels, [u8; 8])> {
     let colours = &panel.palette.colours;
     if colours.len() != CORNERS.len() {

@@ -1,12 +1,14 @@
 //! The eye at its place: each part of a panel is seen in its own direction.
 //!
-//! **What.** The eye is at `viewer.distance_mm` from the middle of the panel, along the view. What is seen is computed in the directions of
-//! some places of the panel, and is a polynomial of the place in between.
+//! **What.** The eye is at `viewer.distance_mm` from the middle of the panel, along the view. What is seen is
+//! computed in the directions of some places of the panel, and is a polynomial of the place in between.
 //!
-//! **Places.** Those of Chebyshev along each axis (Clenshaw and Curtis), 3 to 33, as many as the colours of pages need. Their error is
-//! the largest difference from pages in the directions of the places that would be the next.
+//! **Places.** Those of Chebyshev along each axis (Clenshaw and Curtis), 3 to 33, as many as the colours of
+//! pages need. Their error is the largest difference from pages in the directions of the places that would be
+//! the next.
 //!
-//! **Lamps.** Mirror images of round lamps have borders: they are left out of the polynomials, and drawn at their places (`lamps.rs`).
+//! **Lamps.** Mirror images of round lamps have borders: they are left out of the polynomials, and drawn at
+//! their places (`lamps.rs`).
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -20,7 +22,8 @@ use crate::prepared::Prepared;
 use crate::run::Control;
 use crate::scene::{AngleMedium, Scene};
 
-/// Angle between the directions of two opposite sides, degrees, below which the panel is seen in one direction.
+/// Angle between the directions of two opposite sides, degrees, below which the panel is seen in one
+/// direction.
 const ONE_DIRECTION_DEG: f64 = 1.0;
 
 /// Error of the colours of pages, relative to a perfect white, with which places are close enough.
@@ -38,7 +41,8 @@ pub(super) struct Eye {
 }
 
 impl Eye {
-    /// The eye of a scene; `None` if it sees all of the panel in one direction, or the size of the pixels is not known.
+    /// The eye of a scene; `None` if it sees all of the panel in one direction, or the size of the pixels is
+    /// not known.
     pub(super) fn before(scene: &Scene, size: [usize; 2]) -> Option<Self> {
         let pitch_mm = scene.display.matrix.as_ref()?.pitch_mm;
         let (theta, phi) =
@@ -56,7 +60,8 @@ impl Eye {
         [self.at_mm[0] - x * self.half_mm[0], self.at_mm[1] - y * self.half_mm[1], self.at_mm[2]]
     }
 
-    /// Direction from a pixel to the eye, of length 1, and half of the angle across the pixel. Rows are counted from the top.
+    /// Direction from a pixel to the eye, of length 1, and half of the angle across the pixel. Rows are
+    /// counted from the top.
     pub(super) fn direction(&self, size: [usize; 2], [column, row]: [usize; 2]) -> ([f64; 3], f64) {
         let place = [place(column, size[0]), -place(row, size[1])];
         let towards = self.towards_eye(place);
@@ -157,7 +162,8 @@ struct Pages<'a> {
     known: BTreeMap<[usize; 2], PageThere>,
 }
 
-/// The part of the progress that is a page, by its number from 0; how many there will be is not known. The first grid has 9.
+/// The part of the progress that is a page, by its number from 0; how many there will be is not known. The
+/// first grid has 9.
 fn part_of_page(number: usize) -> [f64; 2] {
     [number, number + 1].map(|pages| pages as f64 / (pages as f64 + 9.0))
 }
@@ -199,8 +205,8 @@ impl Pages<'_> {
         Ok((counts, errors[0] + errors[1]))
     }
 
-    /// Largest difference of pages from the polynomial through `count + 1` places along an axis, at the places that would be the next, at the
-    /// sides and in the middle of the other axis.
+    /// Largest difference of pages from the polynomial through `count + 1` places along an axis, at the
+    /// places that would be the next, at the sides and in the middle of the other axis.
     fn error_along(&mut self, axis: usize, count: usize) -> Result<f64, DisplayError> {
         let polynomials = Polynomials::new(count);
         let mut largest = 0.0_f64;
@@ -228,7 +234,8 @@ impl Pages<'_> {
     }
 }
 
-/// Polynomials through the places of Chebyshev (barycentric formula; Berrut and Trefethen, SIAM Rev. 46, 501 (2004)).
+/// Polynomials through the places of Chebyshev (barycentric formula; Berrut and Trefethen, SIAM Rev. 46, 501
+/// (2004)).
 struct Polynomials {
     nodes: Vec<f64>,
 }

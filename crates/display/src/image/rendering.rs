@@ -1,5 +1,5 @@
-//! From the colours of a picture to colours of a display in its light and view: [`papilio_colour::mapping`] with the states of the display,
-//! and a table for large pictures.
+//! From the colours of a picture to colours of a display in its light and view: [`papilio_colour::mapping`]
+//! with the states of the display, and a table for large pictures.
 
 use papilio_colour::mapping::{
     DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SourceSpace, TableError,
@@ -17,9 +17,10 @@ const MANY: usize = 40_000;
 /// Distance from the hull, relative to its size, that rounding to 32 bits may cause.
 const INSIDE: f64 = 1e-6;
 
-/// Distance from the hull, relative to its size, up to which a colour counts as one of the display. The white of pictures, from its
-/// chromaticity or from a profile of four digits, differs from the D65 of colorimetry by up to 0.0005 of X or Z: a neutral is not a colour
-/// that the display lacks. It is less than a just noticeable difference.
+/// Distance from the hull, relative to its size, up to which a colour counts as one of the display. The white
+/// of pictures, from its chromaticity or from a profile of four digits, differs from the D65 of colorimetry
+/// by up to 0.0005 of X or Z: a neutral is not a colour that the display lacks. It is less than a just
+/// noticeable difference.
 const COUNTED_INSIDE: f64 = 1e-3;
 
 /// Weights of red-green and of blue-yellow differences of states, over that of lightness, in error diffusion.
@@ -80,12 +81,14 @@ impl Rendering {
         Ok(Self { mapping, table, changes_all: intent == Intent::Perceptual, white, to_white, states })
     }
 
-    /// Coordinates in which error diffusion searches the nearest state: lightness, red-green and blue-yellow, relative to the white.
+    /// Coordinates in which error diffusion searches the nearest state: lightness, red-green and blue-yellow,
+    /// relative to the white.
     ///
-    /// Of weights of red-green from 0.5 to 4 and of blue-yellow from 0.15 to 1, these have the smallest mean S-CIELAB difference for four
-    /// photographs on the displays of six-ink.toml (under its lamp and D65), page.toml and matrix.toml: 4 to 13 % less than 1 and 0.4. The
-    /// minimum is flat: from 1.4 to 2 and from 0.5 to 0.8 the mean is within 3 %. With a weight of blue-yellow below 0.5, errors grow
-    /// until they are cut, under D65 in up to 6 % of the pixels with 0.4. Else the mean colour is the same with any weights.
+    /// Of weights of red-green from 0.5 to 4 and of blue-yellow from 0.15 to 1, these have the smallest mean
+    /// S-CIELAB difference for four photographs on the displays of six-ink.toml (under its lamp and D65),
+    /// page.toml and matrix.toml: 4 to 13 % less than 1 and 0.4. The minimum is flat: from 1.4 to 2 and from
+    /// 0.5 to 0.8 the mean is within 3 %. With a weight of blue-yellow below 0.5, errors grow until they are
+    /// cut, under D65 in up to 6 % of the pixels with 0.4. Else the mean colour is the same with any weights.
     pub(super) fn metric(&self) -> [[f64; 3]; 3] {
         let [x, y, z] = self.white.to_array().map(|value| 1.0 / value);
         [[0.0, y, 0.0], [RED_GREEN * x, -RED_GREEN * y, 0.0], [0.0, BLUE_YELLOW * y, -BLUE_YELLOW * z]]
@@ -130,7 +133,8 @@ impl Rendering {
         rendered
     }
 
-    /// The colour that the display should show, the one that it can show instead, and whether a mixture of states has the former.
+    /// The colour that the display should show, the one that it can show instead, and whether a mixture of
+    /// states has the former.
     fn mapped(&self, pixel: [f32; 3]) -> ([f32; 3], [f32; 3], bool) {
         let source = colour(pixel);
         let wanted = self.mapping.target_xyz(source);

@@ -1,7 +1,8 @@
 //! Several samples in each pixel: sub-pixels at their places.
 //!
-//! Each pixel is divided into equal cells. A cell shows the sub-pixels and the inactive area by the fractions that they have in it: the
-//! panel becomes one of smaller pixels, whose states are the cells of all states, and its picture is computed as any other.
+//! Each pixel is divided into equal cells. A cell shows the sub-pixels and the inactive area by the fractions
+//! that they have in it: the panel becomes one of smaller pixels, whose states are the cells of all states,
+//! and its picture is computed as any other.
 
 use super::held::Lit;
 use super::stack::{self, Picture};
@@ -117,7 +118,8 @@ impl Divided {
     }
 }
 
-/// Areas of the sub-pixels in cells that differ, and the number of these areas for each cell of a pixel, rows from the top.
+/// Areas of the sub-pixels in cells that differ, and the number of these areas for each cell of a pixel, rows
+/// from the top.
 fn kinds_of_cells(matrix: &Matrix, per_pixel: usize) -> (Vec<Vec<f64>>, Vec<usize>) {
     let coverage = |one: &SubPixelWindow| {
         // The area of a window differs a little from the fraction with which colours are computed.

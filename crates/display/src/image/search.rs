@@ -1,16 +1,20 @@
 //! Direct binary search: the halftone that a reader at this distance sees nearest to the picture.
 //!
-//! **What.** From error diffusion on, pixels change their states, or exchange them with a neighbour, as long as a change lowers the sum of
-//! the squares of the blurred differences in lightness, red-green and blue-yellow.
+//! **What.** From error diffusion on, pixels change their states, or exchange them with a neighbour, as long
+//! as a change lowers the sum of the squares of the blurred differences in lightness, red-green and
+//! blue-yellow.
 //!
-//! **The eye.** Of S-CIELAB's filters (Zhang and Wandell 1996, as in `papilio_colour::pictures`), the narrowest Gaussian of each opponent
-//! colour: full widths at half maximum of 0.05, 0.0685 and 0.092 degrees. The wider ones pass less than 2 cycles per degree, far below the
-//! frequencies of a halftone, and what is so coarse is right after error diffusion.
+//! **The eye.** Of S-CIELAB's filters (Zhang and Wandell 1996, as in `papilio_colour::pictures`), the
+//! narrowest Gaussian of each opponent colour: full widths at half maximum of 0.05, 0.0685 and 0.092 degrees.
+//! The wider ones pass less than 2 cycles per degree, far below the frequencies of a halftone, and what is so
+//! coarse is right after error diffusion.
 //!
-//! **The layers.** Below a diffuser, the filters are blurred by the spread of the brightest state: the layers do a part of the halftoning.
-//! Light that paper below glass lends to its neighbours is spread too widely to matter.
+//! **The layers.** Below a diffuser, the filters are blurred by the spread of the brightest state: the layers
+//! do a part of the halftoning. Light that paper below glass lends to its neighbours is spread too widely to
+//! matter.
 //!
-//! **Range.** From 120 pixels per degree on, the eye sees none of the pattern, and the filters do not grow any more.
+//! **Range.** From 120 pixels per degree on, the eye sees none of the pattern, and the filters do not grow
+//! any more.
 
 use std::cell::Cell;
 use std::ops::ControlFlow;

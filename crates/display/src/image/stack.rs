@@ -1,7 +1,8 @@
 //! What the layers above the pixels make of a picture, in one or several lights and views.
 //!
-//! What is seen of the states of a picture is linear in the colours and kernels of light and view. Those of many scenes that share
-//! their display are therefore mixtures of a few ([`Shapes`]), and so are their pictures: only these few are computed.
+//! What is seen of the states of a picture is linear in the colours and kernels of light and view. Those of
+//! many scenes that share their display are therefore mixtures of a few ([`Shapes`]), and so are their
+//! pictures: only these few are computed.
 
 use std::sync::Arc;
 
@@ -33,7 +34,8 @@ pub(super) struct Picture<'a> {
     pub(super) size: [usize; 2],
     /// State of each pixel by its number in a palette, rows from the top.
     pub(super) states: &'a [u8],
-    /// For each state of the display, the state of the pixel of which it is a part; itself, if it is none. Empty: none is.
+    /// For each state of the display, the state of the pixel of which it is a part; itself, if it is none.
+    /// Empty: none is.
     pub(super) wholes: &'a [usize],
 }
 
@@ -89,8 +91,8 @@ pub(super) fn seen(
 }
 
 impl Layers {
-    /// Prepares scenes, each with the colours of pages, for a picture of the states of a palette. What `known` has of the transform of the picture
-    /// is not computed again.
+    /// Prepares scenes, each with the colours of pages, for a picture of the states of a palette. What
+    /// `known` has of the transform of the picture is not computed again.
     pub(super) fn new(
         lit: &[(&Setup, &Palette)],
         Picture { size, states, wholes }: Picture<'_>,
@@ -161,7 +163,8 @@ impl Layers {
         let (few, mixtures) = if setups.len() == 1 {
             (rows, vec![vec![1.0]])
         } else {
-            // The numbers of a row belong to X, Y, Z and to all states; a pixel has one of them at each place.
+            // The numbers of a row belong to X, Y, Z and to all states; a pixel has one of them at each
+            // place.
             let apart = (3 * names.len()) as f64;
             let Shapes { shapes, mixtures, missed } = Shapes::of(&rows, apart * several.missed);
             error += missed / apart;
@@ -279,7 +282,8 @@ fn is_paper(scene: &Scene) -> bool {
     is_paper && (is_glass || scene.display.pixel_spread().is_some()) && scene.display.matrix.is_some()
 }
 
-/// X, Y and Z of pages of all states of a display; 0 for those that are not in the palette. The mirror images of lamps can be left out.
+/// X, Y and Z of pages of all states of a display; 0 for those that are not in the palette. The mirror images
+/// of lamps can be left out.
 pub(super) fn colours_of_pages(setup: &Setup, palette: &Palette, without_lamps: bool) -> Vec<[f64; 3]> {
     let names = &setup.states;
     let mut pages = vec![[0.0; 3]; names.len()];

@@ -87,8 +87,8 @@ fn single(xyz: [f64; 3]) -> [f32; 3] {
     xyz.map(|value| value as f32)
 }
 
-/// A uniform picture has as many red, green and blue sub-pixels that are on as its colour needs, to the levels of the mask; one with inks has
-/// their coverages of least variance.
+/// A uniform picture has as many red, green and blue sub-pixels that are on as its colour needs, to the
+/// levels of the mask; one with inks has their coverages of least variance.
 #[test]
 fn masks_show_wanted_coverages() {
     let film = film();
@@ -159,7 +159,8 @@ fn another_seed_gives_another_void_and_cluster_mask_only() {
     }
 }
 
-/// With fewer states than the eight of sub-pixels, and with sub-pixels whose light does not add, any states are mixed: mean colours are kept.
+/// With fewer states than the eight of sub-pixels, and with sub-pixels whose light does not add, any states
+/// are mixed: mean colours are kept.
 #[test]
 fn states_that_are_left_out_are_not_used() {
     let film = film();
@@ -220,7 +221,8 @@ fn no_colour_outside_the_hull_reaches_a_halftone() {
     }
 }
 
-/// The search ends where it cannot continue, and a reader sees it nearer to the picture than error diffusion (S-CIELAB, with all Gaussians).
+/// The search ends where it cannot continue, and a reader sees it nearer to the picture than error diffusion
+/// (S-CIELAB, with all Gaussians).
 #[test]
 fn direct_binary_search_lowers_what_is_seen_and_ends() {
     let inks = inks();
@@ -250,7 +252,8 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
         found.iter().sum::<f64>() / found.len() as f64
     };
     assert!(seen(&found) < 0.85 * seen(&diffused), "{} {}", seen(&found), seen(&diffused));
-    // Below layers that spread a third of the light over the eight neighbours, other patterns are best, and the search ends there, too.
+    // Below layers that spread a third of the light over the eight neighbours, other patterns are best, and
+    // the search ends there, too.
     let side = 2 * search::REACH_OF_LAYERS as usize + 1;
     let mut spread = vec![0.0; side * side];
     let middle = side / 2;

@@ -1,7 +1,8 @@
 //! Colour differences of a state between views.
 //!
-//! Views are compared after all of them are computed. The errors account for the correlation between the two views: the
-//! difference is computed at each level of adding, or with each replicate of both views left out in turn.
+//! Views are compared after all of them are computed. The errors account for the correlation between the two
+//! views: the difference is computed at each level of adding, or with each replicate of both views left out
+//! in turn.
 
 use super::levels::LevelError;
 use super::metrics::{Colour, jackknife};
@@ -11,8 +12,8 @@ use crate::result::{State, StateMetrics, View};
 #[derive(Debug, Clone)]
 pub(crate) struct ViewSamples {
     pub(crate) view: View,
-    /// Shape `[set][state]`: the reported colours, followed by those from which their errors are computed, which are those
-    /// of the coarser level, or those with each replicate left out.
+    /// Shape `[set][state]`: the reported colours, followed by those from which their errors are computed,
+    /// which are those of the coarser level, or those with each replicate left out.
     pub(super) colours: Vec<Vec<Colour>>,
     /// Error model of adding; `None`: errors are computed from replicates.
     pub(super) of_levels: Option<LevelError>,

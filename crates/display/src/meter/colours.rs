@@ -25,8 +25,9 @@ impl Meter<'_> {
         colours
     }
 
-    /// Computes the entry of a viewing cone from these colours and those of the view from the reference direction. With the
-    /// display's white, L*, a* and b* of each direction are relative to the white state in that direction.
+    /// Computes the entry of a viewing cone from these colours and those of the view from the reference
+    /// direction. With the display's white, L*, a* and b* of each direction are relative to the white state
+    /// in that direction.
     pub(crate) fn cone_view(&self, colours: &[Xyz], reference: &[Xyz]) -> ConeView {
         let (white, white_there) = (self.lab_white(colours), self.lab_white(reference));
         let state = |(xyz, there): (&Xyz, &Xyz)| {

@@ -1,10 +1,12 @@
-//! Reflectance factor under a front light below the front of screen, computed from that under the same light above it.
+//! Reflectance factor under a front light below the front of screen, computed from that under the same light
+//! above it.
 //!
-//! The properties of the front do not depend on angle. The light that falls on the layer below it therefore follows the same
-//! paths whatever its origin: a light guide of E lx there is equivalent to ambient light of E/t, where t is the front's
-//! transmittance, without the front's own reflection of that light. For one component of reflectance R and absorptance A,
-//! this is the factor 1/(1 - R - A) that light gains by crossing the front once instead of twice. Light that leaks upwards
-//! adds a veil of t times its luminance, and the part of it that the front reflects is diffuse light on the panel.
+//! The properties of the front do not depend on angle. The light that falls on the layer below it therefore
+//! follows the same paths whatever its origin: a light guide of E lx there is equivalent to ambient light of
+//! E/t, where t is the front's transmittance, without the front's own reflection of that light. For one
+//! component of reflectance R and absorptance A, this is the factor 1/(1 - R - A) that light gains by
+//! crossing the front once instead of twice. Light that leaks upwards adds a veil of t times its luminance,
+//! and the part of it that the front reflects is diffuse light on the panel.
 
 use papilio_transport::{Front, ReflectanceFactor, Stack};
 
@@ -33,8 +35,9 @@ impl BelowFront {
         Some(Self { front, is_diffuse: field.is_none(), leak: *upward_over_downward })
     }
 
-    /// Converts the derivatives of a number with respect to the reflectance factor below the front to those with respect
-    /// to the one above it. Shapes are those of `rho.base`; the derivative for diffuse light is added to `of_diffuse`.
+    /// Converts the derivatives of a number with respect to the reflectance factor below the front to those
+    /// with respect to the one above it. Shapes are those of `rho.base`; the derivative for diffuse light is
+    /// added to `of_diffuse`.
     pub(super) fn pull_back(&self, of_it: &mut [f64], of_diffuse: &mut [f64]) {
         let Front { transmittance, reflectance_below, .. } = &self.front;
         let bins = transmittance.len();
@@ -49,8 +52,8 @@ impl BelowFront {
         self.is_diffuse
     }
 
-    /// Converts weights of the light via the pixel to those of the reflectance factors under the same light above the front and under diffuse
-    /// light, which is that which leaks upwards and comes back.
+    /// Converts weights of the light via the pixel to those of the reflectance factors under the same light
+    /// above the front and under diffuse light, which is that which leaks upwards and comes back.
     pub(super) fn weights(&self, weights: &[f64]) -> [Vec<f64>; 2] {
         let Front { transmittance, reflectance_below, .. } = &self.front;
         let gains = transmittance.iter().map(|t| if *t > 0.0 { 1.0 / t } else { 0.0 });
@@ -60,7 +63,8 @@ impl BelowFront {
         [of_it, of_diffuse]
     }
 
-    /// Computes the reflectance factor from those under the same light above the front and under diffuse light.
+    /// Computes the reflectance factor from those under the same light above the front and under diffuse
+    /// light.
     pub(super) fn seen(
         &self,
         of_it: &ReflectanceFactor,

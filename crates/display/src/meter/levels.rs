@@ -1,9 +1,10 @@
 //! Discretisation errors of adding, from the difference between two levels.
 //!
 //! The values of the finer level are reported. Each level is much more accurate than the previous one. The
-//! difference is therefore nearly the error of the coarser level, and an upper bound of that of the finer level (if the
-//! levels converge slowly, it is multiplied by a factor: [`error_over_difference`]). A single value may change little by
-//! chance: no relative error is reported to be smaller than that of the worst Y of the view.
+//! difference is therefore nearly the error of the coarser level, and an upper bound of that of the finer
+//! level (if the levels converge slowly, it is multiplied by a factor: [`error_over_difference`]). A single
+//! value may change little by chance: no relative error is reported to be smaller than that of the worst Y of
+//! the view.
 
 use papilio_transport::adding::error_over_difference;
 
@@ -14,7 +15,8 @@ use super::{Meter, ViewSamples};
 use crate::run::{largest, level_error};
 use crate::setup::ViewPoint;
 
-/// Smallest relative error that is reported: tables over direction (films) and sums over wavelengths are not more accurate.
+/// Smallest relative error that is reported: tables over direction (films) and sums over wavelengths are not
+/// more accurate.
 const LEAST_CLAIMED: f64 = 1e-7;
 
 /// Rounding error of sums, relative to the largest Y.
@@ -36,9 +38,9 @@ impl LevelError {
 }
 
 impl Meter<'_> {
-    /// Returns the largest relative error, over the states, of Y at the last of two or three levels and, with `per_wavelength`, of
-    /// the radiance at each wavelength, relative to the maximum of the spectrum. It is at least 1 if a Y is negative, which
-    /// is unphysical.
+    /// Returns the largest relative error, over the states, of Y at the last of two or three levels and, with
+    /// `per_wavelength`, of the radiance at each wavelength, relative to the maximum of the spectrum. It is
+    /// at least 1 if a Y is negative, which is unphysical.
     pub(crate) fn level_error(
         &self,
         [finer, coarser]: [&Sample; 2],

@@ -1,9 +1,11 @@
-//! Light with lines narrower than the step of the grid: what its radiance at the wavelengths of the grid does not contain.
+//! Light with lines narrower than the step of the grid: what its radiance at the wavelengths of the grid does
+//! not contain.
 //!
-//! X, Y, Z and luminances are sums over the radiance at the wavelengths of the grid. For a light with lines, weights of
-//! reflectances are known from its means over 1 nm ([`LineWeights`](crate::setup::LineWeights)); the differences are
-//! collected here, and added. They are linear in reflectances, so that they have replicates and levels as all other
-//! quantities. The difference between cubic and linear interpolation of reflectances estimates the remaining error.
+//! X, Y, Z and luminances are sums over the radiance at the wavelengths of the grid. For a light with lines,
+//! weights of reflectances are known from its means over 1 nm ([`LineWeights`](crate::setup::LineWeights));
+//! the differences are collected here, and added. They are linear in reflectances, so that they have
+//! replicates and levels as all other quantities. The difference between cubic and linear interpolation of
+//! reflectances estimates the remaining error.
 
 use std::f64::consts::PI;
 
@@ -12,8 +14,8 @@ use crate::setup::{Light, Setup};
 /// Number of quantities of each state.
 pub(super) const QUANTITIES: usize = 7;
 
-/// Corrections of one light for each reflectance factor, `[quantity][wavelength]`, in W/(m2 sr): X, Y, Z, Y of CIE 1931;
-/// then X, Y, Z by cubic minus those by linear interpolation.
+/// Corrections of one light for each reflectance factor, `[quantity][wavelength]`, in W/(m2 sr): X, Y, Z, Y
+/// of CIE 1931; then X, Y, Z by cubic minus those by linear interpolation.
 pub(super) struct Corrections([Vec<f64>; QUANTITIES]);
 
 impl Corrections {
@@ -44,8 +46,8 @@ impl Corrections {
         self.0.each_ref().map(|weights| weights.iter().zip(factors.clone()).map(|(w, rho)| w * rho).sum())
     }
 
-    /// Derivative with respect to the reflectance factor at a wavelength of a quantity with these derivatives with respect to
-    /// X, Y, Z and Y of CIE 1931.
+    /// Derivative with respect to the reflectance factor at a wavelength of a quantity with these derivatives
+    /// with respect to X, Y, Z and Y of CIE 1931.
     pub(super) fn slope(&self, bin: usize, of_xyz: [f64; 3], of_y_1931: f64) -> f64 {
         let [x, y, z] = of_xyz;
         let slopes = [x, y, z, of_y_1931];

@@ -41,11 +41,11 @@ pub(crate) const PRIMARIES: [&str; 3] = ["red", "green", "blue"];
 /// References of the metrics: the white, and the names of the states.
 pub(crate) struct Reference<'a> {
     pub(crate) names: &'a [String],
-    /// White of the light, relative like X, Y and Z, and its luminance, cd/m2: that of a perfect white, or of the display's
-    /// white state if the front light is the only light; `None` if it is not defined.
+    /// White of the light, relative like X, Y and Z, and its luminance, cd/m2: that of a perfect white, or of
+    /// the display's white state if the front light is the only light; `None` if it is not defined.
     pub(crate) white: Option<(Xyz, f64)>,
-    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume: that of the light, or the display's white
-    /// state (`metrics.white = "display"`); `None` if it is not defined.
+    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume: that of the light, or the
+    /// display's white state (`metrics.white = "display"`); `None` if it is not defined.
     pub(crate) lab_white: Option<Xyz>,
     pub(crate) settings: &'a Metrics,
     pub(crate) reader: Reader,
@@ -314,8 +314,8 @@ impl ViewScalars {
     }
 }
 
-/// Computes the jackknife standard error `sqrt((n-1)/n sum (x_i - mean)^2)` of leave-one-out values; `None` if one is
-/// not defined.
+/// Computes the jackknife standard error `sqrt((n-1)/n sum (x_i - mean)^2)` of leave-one-out values; `None`
+/// if one is not defined.
 pub(crate) fn jackknife(values: &mut dyn Iterator<Item = Option<f64>>) -> Option<f64> {
     let values: Vec<f64> = values.collect::<Option<_>>()?;
     let n = values.len() as f64;
@@ -338,7 +338,8 @@ mod tests {
         assert_eq!(jackknife(&mut [Some(1.0), None].into_iter()), None);
     }
 
-    /// A metric that is not defined in one replicate has no error, and the errors of the metrics after it are correct.
+    /// A metric that is not defined in one replicate has no error, and the errors of the metrics after it are
+    /// correct.
     #[test]
     fn undefined_metric_does_not_affect_the_errors_of_others() {
         let view = |contrast: Option<f64>, gamut: f64| ViewScalars {

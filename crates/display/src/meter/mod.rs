@@ -1,8 +1,8 @@
 //! Measurement: from the estimates of a solver to metrics with errors.
 //!
-//! All quantities that are linear in light are collected in a [`Sample`]. Colours and other metrics ([`ViewScalars`]) are
-//! computed last, from samples. The source of the errors depends on the solver: `replicates` (Monte Carlo) or
-//! `levels` (adding). `view` assembles values and errors into results.
+//! All quantities that are linear in light are collected in a [`Sample`]. Colours and other metrics
+//! ([`ViewScalars`]) are computed last, from samples. The source of the errors depends on the solver:
+//! `replicates` (Monte Carlo) or `levels` (adding). `view` assembles values and errors into results.
 
 mod angle;
 mod colours;
@@ -40,8 +40,8 @@ pub(crate) struct Meter<'a> {
     setup: &'a Setup,
     grid: Grid,
     layout: Layout,
-    /// Spectral radiance of the perfect white, and its X, Y, Z in W/(m2 sr), in the ambient light, or in that of the
-    /// front light if there is no ambient light.
+    /// Spectral radiance of the perfect white, and its X, Y, Z in W/(m2 sr), in the ambient light, or in that
+    /// of the front light if there is no ambient light.
     white: Vec<f64>,
     white_xyz: Xyz,
     /// The lights of the perfect white, by number.
@@ -84,7 +84,8 @@ struct Weights {
     share: f64,
     /// Number of the contribution to Y to which the light belongs.
     term: usize,
-    /// Fraction of the light of that contribution, `[wavelength]`; empty unless spectra by light are reported.
+    /// Fraction of the light of that contribution, `[wavelength]`; empty unless spectra by light are
+    /// reported.
     within: Vec<f64>,
     /// Corrections of X, Y, Z and luminance if the light has narrow lines.
     corrections: Option<Corrections>,
@@ -144,8 +145,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Returns the lights that reach the pixel, one for each source in order. What a front light leaks upwards and the front sends back is another
-    /// one, diffuse, at last.
+    /// Returns the lights that reach the pixel, one for each source in order. What a front light leaks
+    /// upwards and the front sends back is another one, diffuse, at last.
     pub(crate) fn pixel_lights(&self) -> Vec<PixelLight> {
         let last = self.lights.len() - 1;
         let mut all: Vec<PixelLight> = Vec::with_capacity(last + 2);
@@ -206,16 +207,16 @@ impl<'a> Meter<'a> {
         <[f64; lines::QUANTITIES]>::try_from(&sample.0[self.layout.corrections(state)]).ok()
     }
 
-    /// Estimates the errors of X, Y and Z of a state that are caused by linear interpolation of reflectances between the
-    /// wavelengths of the grid under lights with narrow lines; `None` without such lights.
+    /// Estimates the errors of X, Y and Z of a state that are caused by linear interpolation of reflectances
+    /// between the wavelengths of the grid under lights with narrow lines; `None` without such lights.
     fn interpolation_error(&self, state: usize, sample: &Sample) -> Option<[f64; 3]> {
         let [.., x, y, z] = self.corrections(state, sample)?;
         Some([x, y, z].map(|error| error.abs() / self.white_xyz.y))
     }
 
-    /// Returns the weights over wavelength of a reflectance factor under each light in X, Y and Z, and in the luminance if
-    /// another observer sees the colours: `[light][quantity][wavelength]`. `None` if there is more to it: narrow lines or a
-    /// front light.
+    /// Returns the weights over wavelength of a reflectance factor under each light in X, Y and Z, and in the
+    /// luminance if another observer sees the colours: `[light][quantity][wavelength]`. `None` if there is
+    /// more to it: narrow lines or a front light.
     pub(crate) fn colour_weights(&self) -> Option<Vec<Vec<Vec<f64>>>> {
         if self.layout.corrections > 0 || self.below_front.is_some() {
             return None;
@@ -235,7 +236,8 @@ impl<'a> Meter<'a> {
         self.below_front.is_some() && light.term + 1 == self.layout.terms
     }
 
-    /// Reflectance factors under each light, with that of the front light converted to its place below the front.
+    /// Reflectance factors under each light, with that of the front light converted to its place below the
+    /// front.
     fn seen_of<'e>(&self, all: &'e [ReflectanceFactor]) -> impl Iterator<Item = Cow<'e, ReflectanceFactor>> {
         let last = all.len().saturating_sub(1);
         all.iter().enumerate().map(move |(k, rho)| match &self.below_front {
@@ -325,7 +327,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Computes the metrics of a sample; `bare` holds the peak wavelengths of the states of the pixel alone, nm.
+    /// Computes the metrics of a sample; `bare` holds the peak wavelengths of the states of the pixel alone,
+    /// nm.
     pub(crate) fn scalars(&self, mean: &Sample, bare: &[Option<f64>]) -> ViewScalars {
         let observations: Vec<StateObservation> =
             (0..self.layout.states).map(|state| self.observation(state, mean, bare[state])).collect();
@@ -360,8 +363,8 @@ impl<'a> Meter<'a> {
         reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()
     }
 
-    /// Returns the references of the states: a perfect white, or the display's white state if the front light is the only
-    /// light or the scene requests it.
+    /// Returns the references of the states: a perfect white, or the display's white state if the front light
+    /// is the only light or the scene requests it.
     fn reference(&self, observations: &[StateObservation]) -> Reference<'_> {
         self.reference_among(&self.setup.states, observations)
     }
@@ -401,8 +404,8 @@ impl<'a> Meter<'a> {
         &self.setup.scene.metrics.reference_state
     }
 
-    /// Returns true if L*, a* and b* are relative to the display's white state: because the scene requests it, or because
-    /// the front light is the only light.
+    /// Returns true if L*, a* and b* are relative to the display's white state: because the scene requests
+    /// it, or because the front light is the only light.
     pub(crate) fn has_own_white(&self) -> bool {
         self.is_self_lit || self.setup.scene.metrics.white == ReferenceWhite::Display
     }
@@ -412,8 +415,8 @@ impl<'a> Meter<'a> {
         if self.has_own_white() { ReferenceWhite::Display } else { ReferenceWhite::Perfect }
     }
 
-    /// Computes the reflectance factor of a state. It applies to standard errors, too, because radiance and factor are linear
-    /// in light. `None` if there is no ambient light.
+    /// Computes the reflectance factor of a state. It applies to standard errors, too, because radiance and
+    /// factor are linear in light. `None` if there is no ambient light.
     pub(crate) fn reflectance_factor(&self, state: usize, linear: &[f64]) -> Option<Vec<f64>> {
         let (radiance, by_share) = (&linear[self.layout.radiance(state)], &linear[self.layout.factor(state)]);
         let bins = radiance.iter().zip(by_share).zip(&self.white);
@@ -451,8 +454,8 @@ impl<'a> Meter<'a> {
     }
 }
 
-/// Fraction of a light in the light of its contribution to Y, by irradiance, or by illuminance at wavelengths where the
-/// irradiance is 0.
+/// Fraction of a light in the light of its contribution to Y, by irradiance, or by illuminance at wavelengths
+/// where the irradiance is 0.
 fn within(setup: &Setup, light: &Light) -> Vec<f64> {
     let part = || setup.lights.iter().filter(|other| other.term == light.term);
     let lux: f64 = part().map(|other| other.illuminance_lx).sum();

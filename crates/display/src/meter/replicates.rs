@@ -36,8 +36,8 @@ impl Meter<'_> {
             .collect()
     }
 
-    /// Computes the result of a view from the samples of all replicates; `specular` has shape `[state][light]`. No
-    /// standard error is below `least` times the value.
+    /// Computes the result of a view from the samples of all replicates; `specular` has shape
+    /// `[state][light]`. No standard error is below `least` times the value.
     pub(crate) fn view_of_replicates(
         &self,
         at: &ViewPoint,

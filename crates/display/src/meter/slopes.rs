@@ -1,9 +1,9 @@
 //! Derivatives of the metrics with respect to the reflectance factors under each source.
 //!
-//! All quantities up to X, Y and Z are linear; the metrics are closed forms of a few of these numbers. They are differentiated
-//! by central differences of fourth order. The steps are small relative to each number ([`STEP`]) and do not cross the
-//! joint of CIELAB's cube root and its linear toe: errors are below 1e-10 of the slope. At the joint itself, where the
-//! slope is continuous, they are below 1e-6.
+//! All quantities up to X, Y and Z are linear; the metrics are closed forms of a few of these numbers. They
+//! are differentiated by central differences of fourth order. The steps are small relative to each number
+//! ([`STEP`]) and do not cross the joint of CIELAB's cube root and its linear toe: errors are below 1e-10 of
+//! the slope. At the joint itself, where the slope is continuous, they are below 1e-6.
 
 use papilio_colour::{LUMENS_PER_WATT, Xyz, peak_slopes};
 
@@ -64,8 +64,8 @@ const STEP: f64 = 3e-5;
 const JOINT: f64 = 216.0 / 24389.0;
 
 impl Meter<'_> {
-    /// Adds to `slopes` the derivatives of a metric, which `value` selects, with respect to these numbers of some states;
-    /// returns false if it is not defined here. Only these states are evaluated.
+    /// Adds to `slopes` the derivatives of a metric, which `value` selects, with respect to these numbers of
+    /// some states; returns false if it is not defined here. Only these states are evaluated.
     pub(crate) fn add_slopes(
         &self,
         sample: &Sample,
@@ -126,8 +126,8 @@ impl Meter<'_> {
         Some((8.0 * near - far) / (12.0 * step))
     }
 
-    /// Adds the derivatives of the number with respect to each source's `rho.base` to `out`, `[source][state][wavelength]`.
-    /// Returns false if a peak is not defined.
+    /// Adds the derivatives of the number with respect to each source's `rho.base` to `out`,
+    /// `[source][state][wavelength]`. Returns false if a peak is not defined.
     pub(crate) fn pull_back(&self, sample: &Sample, slopes: &mut Slopes, out: &mut [f64]) -> bool {
         let (states, bins) = (self.layout.states, self.layout.bins);
         for state in (0..states).filter(|state| slopes.peak_nm[*state] != 0.0) {

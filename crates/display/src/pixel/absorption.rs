@@ -43,8 +43,8 @@ pub struct SubPixelAbsorption {
     pub absorptance: Vec<f64>,
 }
 
-/// Computes the absorptance of each layer of a film pixel alone, without front, surface or diffuser, at these angles (0 to
-/// 90 deg) in the medium of the scene's angles: mean of s and p.
+/// Computes the absorptance of each layer of a film pixel alone, without front, surface or diffuser, at these
+/// angles (0 to 90 deg) in the medium of the scene's angles: mean of s and p.
 ///
 /// The inactive area is not part of it.
 ///

@@ -11,8 +11,8 @@ use super::{WeightedNodes, WeightedTable, table};
 use crate::DisplayError;
 use crate::scene::{Drive, FilmLayer, FilmPixel};
 
-/// Computes a film pixel as the base of a stack. Reflectances of the previous base, `before`, whose film is described
-/// by `kept`, are reused if they are still valid.
+/// Computes a film pixel as the base of a stack. Reflectances of the previous base, `before`, whose film is
+/// described by `kept`, are reused if they are still valid.
 pub(super) fn base(
     film: &FilmPixel,
     grid: &Grid,
@@ -70,15 +70,15 @@ impl FilmKey {
     }
 }
 
-/// Number of wavelengths at which panels are tested first. Most panels that are too wide are so at any wavelength, and
-/// this number fills a wide register.
+/// Number of wavelengths at which panels are tested first. Most panels that are too wide are so at any
+/// wavelength, and this number fills a wide register.
 const BINS_OF_SAMPLE: usize = 8;
 
 /// Nodes of a table, and its reflectances, `[node][gap][wavelength]`.
 type Tabulated = (Nodes, Arc<[f64]>);
 
-/// Tabulates the reflectances at the gaps, `[node][gap][wavelength]`. The nodes of the previous table, `last`,
-/// save time if its film was similar.
+/// Tabulates the reflectances at the gaps, `[node][gap][wavelength]`. The nodes of the previous table,
+/// `last`, save time if its film was similar.
 pub(crate) fn tabulated(
     film: &FilmPixel,
     grid: &Grid,
@@ -122,7 +122,8 @@ pub(crate) fn fit_nodes(
     light.fit((&mixture.fractions, mixture.gaps_nm.len()), critical, |cosines| whole.at_cosines(cosines))
 }
 
-/// Returns the cosine of the critical angle of the film's gap in the medium above, at the first wavelength; 0 if it has none.
+/// Returns the cosine of the critical angle of the film's gap in the medium above, at the first wavelength; 0
+/// if it has none.
 fn critical_cosine(film: &FilmPixel, index: &Spectrum) -> f64 {
     let gap = film.layers.iter().find(|layer| layer.thickness == Thickness::Gap);
     let sine = gap.and_then(|gap| Some(gap.index.first()?.re / index.first()?));
@@ -351,8 +352,8 @@ impl<'a> Film<'a> {
         Ok(Self { index: at(index, bins), gaps_nm, kind, parts: parts? })
     }
 
-    /// Computes the mean reflectance of s and p, `[angle][gap][wavelength]`. At grazing incidence in the glass
-    /// it is 1.
+    /// Computes the mean reflectance of s and p, `[angle][gap][wavelength]`. At grazing incidence in the
+    /// glass it is 1.
     pub(super) fn reflectance(&self, sines: &[f64]) -> Result<Vec<f64>, DisplayError> {
         let (bins, gaps) = (self.index.len(), self.gaps_nm.len());
         let mut reflectance = vec![0.0; sines.len() * gaps * bins];
@@ -448,7 +449,8 @@ mod tests {
         }
     }
 
-    /// Compares the table with [`optics::coherent`], an independent implementation, between fringes and at the critical angle.
+    /// Compares the table with [`optics::coherent`], an independent implementation, between fringes and at
+    /// the critical angle.
     #[test]
     fn table_of_thick_gaps_resolves_their_fringes() {
         let grid = Grid::new(500.0, 600.0, 50.0).unwrap();

@@ -1,8 +1,8 @@
 //! Reflectance of pixels: the base of a stack, and angle scans of the pixel alone.
 //!
 //! The reflectances of the states of a film pixel are mixtures of those at a few gaps, which are
-//! tabulated over cos(theta) in the glass. The reflectance of a film is an analytic function of it, and the table is as
-//! dense as an interpolation error of [`TABLE_ERROR`] requires.
+//! tabulated over cos(theta) in the glass. The reflectance of a film is an analytic function of it, and the
+//! table is as dense as an interpolation error of [`TABLE_ERROR`] requires.
 
 mod absorption;
 pub(crate) mod film;
@@ -52,9 +52,9 @@ pub fn is_mixture(state: &str) -> bool {
     MIXTURES.contains(&state)
 }
 
-/// Returns the names of the states that drive one sub-pixel, in order. Only their peak wavelength describes the pixel: that of
-/// a mixture jumps between the peaks of its parts. Where the sub-pixels are not known (tables, uniform pixels), these are all
-/// states except white, black, cyan, magenta and yellow.
+/// Returns the names of the states that drive one sub-pixel, in order. Only their peak wavelength describes
+/// the pixel: that of a mixture jumps between the peaks of its parts. Where the sub-pixels are not known
+/// (tables, uniform pixels), these are all states except white, black, cyan, magenta and yellow.
 pub fn primaries(pixel: &Pixel) -> Vec<String> {
     let Pixel::Film(film) = pixel else {
         let names = state_names(pixel).into_iter();
@@ -68,8 +68,8 @@ pub fn primaries(pixel: &Pixel) -> Vec<String> {
     film.states.iter().filter(drives_one).map(|state| state.name.clone()).collect()
 }
 
-/// Computes the reflectance of the pixel alone, without front, surface or diffuser, at these angles (0 to 90 deg) in
-/// the medium of the scene's angles.
+/// Computes the reflectance of the pixel alone, without front, surface or diffuser, at these angles (0 to 90
+/// deg) in the medium of the scene's angles.
 ///
 /// # Errors
 /// If the film is invalid, or the pixel scatters.
@@ -115,8 +115,8 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
     Ok(PixelScan { theta_deg: theta_deg.to_vec(), wavelength_nm, states })
 }
 
-/// Computes the pixel as the base of a stack. The reflectances of a film are taken from the previous base, `before`,
-/// if they are still valid; `film` describes the film to which they belong.
+/// Computes the pixel as the base of a stack. The reflectances of a film are taken from the previous base,
+/// `before`, if they are still valid; `film` describes the film to which they belong.
 pub(crate) fn base(
     scene: &Scene,
     film: &mut Option<FilmKey>,

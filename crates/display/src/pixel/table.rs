@@ -2,21 +2,23 @@
 //!
 //! On each panel of the table the reflectance is interpolated by a polynomial through Chebyshev points.
 //! Its Chebyshev coefficients decrease geometrically (Trefethen, *Approximation Theory and
-//! Approximation Practice*, theorem 8.2), so that the last of them give an estimate of the missing ones. Panels
-//! whose estimate is too large are halved.
+//! Approximation Practice*, theorem 8.2), so that the last of them give an estimate of the missing ones.
+//! Panels whose estimate is too large are halved.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use papilio_transport::CosinePanels;
 
-/// Upper limit of the interpolation error of a film pixel's table, as a reflectance, for each gap, direction and
-/// wavelength, as estimated from the last coefficients of its panels. In panels narrower than 1/64, near a
-/// critical angle, the limit increases with decreasing width, up to 1e-3; in panels of 1e-6 there is no limit.
+/// Upper limit of the interpolation error of a film pixel's table, as a reflectance, for each gap, direction
+/// and wavelength, as estimated from the last coefficients of its panels. In panels narrower than 1/64, near
+/// a critical angle, the limit increases with decreasing width, up to 1e-3; in panels of 1e-6 there is no
+/// limit.
 pub const TABLE_ERROR: f64 = 1e-7;
 
-/// Initial and largest number of halvings of the panel from 0 to 1. Between mirrors a thick gap has resonances near its
-/// critical angle that are far narrower than any fringe; those narrower than the last halving contain hardly any light.
+/// Initial and largest number of halvings of the panel from 0 to 1. Between mirrors a thick gap has
+/// resonances near its critical angle that are far narrower than any fringe; those narrower than the last
+/// halving contain hardly any light.
 const HALVINGS: (u32, u32) = (1, 20);
 
 /// Number of halvings above which a panel is narrow.
@@ -32,10 +34,10 @@ const MOST_PANELS: usize = 1024;
 /// Panels, with the values of the functions at their nodes.
 type Table = (CosinePanels, Arc<[f64]>);
 
-/// Returns panels that are fine enough for functions of the cosine, with the values of the functions at the nodes,
-/// `[node][function]`. `whole` computes all functions at these cosines, `sample` some of them: if their error is too
-/// large, the others need not be computed. Panels in `known`, which suffice for similar functions,
-/// skip the sample; this affects the time only, not the result. `None` if more than
+/// Returns panels that are fine enough for functions of the cosine, with the values of the functions at the
+/// nodes, `[node][function]`. `whole` computes all functions at these cosines, `sample` some of them: if
+/// their error is too large, the others need not be computed. Panels in `known`, which suffice for similar
+/// functions, skip the sample; this affects the time only, not the result. `None` if more than
 /// [`MOST_PANELS`] are needed.
 pub(super) fn panels<E>(
     known: Option<&CosinePanels>,
@@ -92,9 +94,10 @@ impl Panel {
         0.5_f64.powi(self.halvings as i32)
     }
 
-    /// Returns the largest allowed error: [`TABLE_ERROR`], or more in narrow panels. Near a critical angle the reflectance has
-    /// a square root, which polynomials approximate only on narrower and narrower panels, where the error concerns less and
-    /// less light. Panels of the last halving, a millionth of all cosines, may have any error.
+    /// Returns the largest allowed error: [`TABLE_ERROR`], or more in narrow panels. Near a critical angle
+    /// the reflectance has a square root, which polynomials approximate only on narrower and narrower panels,
+    /// where the error concerns less and less light. Panels of the last halving, a millionth of all cosines,
+    /// may have any error.
     fn tolerance(&self) -> f64 {
         if self.halvings == HALVINGS.1 {
             return 1.0;
@@ -110,8 +113,8 @@ impl Panel {
 /// Number of last coefficients from which the rate of decrease is estimated.
 const LAST: usize = 4;
 
-/// Matrix from the values at a panel's nodes to its last coefficients, for the lower half of the nodes; for the upper
-/// half it is the same for even degrees, and has the opposite sign for odd ones.
+/// Matrix from the values at a panel's nodes to its last coefficients, for the lower half of the nodes; for
+/// the upper half it is the same for even degrees, and has the opposite sign for odd ones.
 fn last_polynomials() -> [[f64; LAST]; HALF] {
     let count = CosinePanels::NODES as f64;
     std::array::from_fn(|node| {
@@ -163,7 +166,8 @@ fn error_of_coefficients([a, b, c, d]: [f64; LAST]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Largest difference between the true values and the table, interpolated by the second barycentric formula.
+    /// Largest difference between the true values and the table, interpolated by the second barycentric
+    /// formula.
     fn largest_error(panels: &CosinePanels, values: &[f64], truth: impl Fn(f64) -> f64) -> f64 {
         let nodes: Vec<f64> = panels.nodes().collect();
         let mut worst = 0.0_f64;
@@ -220,8 +224,8 @@ mod tests {
         assert_eq!(panels(Some(&plain.0), whole, whole).unwrap().unwrap(), plain);
     }
 
-    /// A resonance of width 1e-5 is resolved if wider structure around it leads to its refinement, and the error of a
-    /// square root is small outside the narrowest panels.
+    /// A resonance of width 1e-5 is resolved if wider structure around it leads to its refinement, and the
+    /// error of a square root is small outside the narrowest panels.
     #[test]
     fn narrow_resonances_and_critical_angles_are_resolved() {
         let resonance = |c: f64| {

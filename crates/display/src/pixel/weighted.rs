@@ -1,22 +1,27 @@
 //! Tables of a film's reflectances for known light: as many nodes over angle as X, Y and Z need.
 //!
-//! What is seen depends on a few sums of the reflectance over angle, with known weights. At grazing incidence, where the
-//! structure of a film is sharpest, there is little light, and in the directions of a lobe there is much. The panels are chosen for
-//! the light and the scene's own film ([`first`]): each has the number of nodes that it needs.
+//! What is seen depends on a few sums of the reflectance over angle, with known weights. At grazing
+//! incidence, where the structure of a film is sharpest, there is little light, and in the directions of a
+//! lobe there is much. The panels are chosen for the light and the scene's own film ([`first`]): each has the
+//! number of nodes that it needs.
 //!
-//! **Error.** On a panel with N nodes, let `a_k` be the Chebyshev coefficients of the reflectance at one wavelength and `m_k` the
-//! moments of the light, its integrals of T_k. The nodes cannot distinguish `T_(N+j)` from `-T_(N-j)` (Trefethen, *Approximation
-//! Theory and Approximation Practice*, theorem 4.1), so that the error of the panel's light is the sum of
-//! `a_(N+j) (m_(N+j) + m_(N-j))` over j. The missing `a` are extrapolated from the mean magnitude of the last six over wavelength,
-//! weighted by each colour-matching function, as a geometric series ([`decay`]).
+//! **Error.** On a panel with N nodes, let `a_k` be the Chebyshev coefficients of the reflectance at one
+//! wavelength and `m_k` the moments of the light, its integrals of T_k. The nodes cannot distinguish
+//! `T_(N+j)` from `-T_(N-j)` (Trefethen, *Approximation Theory and Approximation Practice*, theorem 4.1), so
+//! that the error of the panel's light is the sum of `a_(N+j) (m_(N+j) + m_(N-j))` over j. The missing `a`
+//! are extrapolated from the mean magnitude of the last six over wavelength, weighted by each colour-matching
+//! function, as a geometric series ([`decay`]).
 //!
-//! Nothing cancels in this mean. It is therefore the error if those of all wavelengths have the same sign, which they seldom
-//! have: X, Y and Z are mostly more exact by an order of magnitude or two. And it does not miss a resonance between the nodes. The
-//! angle of a resonance depends on wavelength, so that it meets the nodes at some wavelengths; in coefficients of X, Y and Z, which
-//! were used before, these contributions cancel, and the errors of some films were twice the estimate. Structure at the critical
-//! angle of a gap is at the same angle at all wavelengths. Panels end there ([`first`]), and the estimate is cautious ([`decay`]).
+//! Nothing cancels in this mean. It is therefore the error if those of all wavelengths have the same sign,
+//! which they seldom have: X, Y and Z are mostly more exact by an order of magnitude or two. And it does not
+//! miss a resonance between the nodes. The angle of a resonance depends on wavelength, so that it meets the
+//! nodes at some wavelengths; in coefficients of X, Y and Z, which were used before, these contributions
+//! cancel, and the errors of some films were twice the estimate. Structure at the critical angle of a gap is
+//! at the same angle at all wavelengths. Panels end there ([`first`]), and the estimate is cautious
+//! ([`decay`]).
 //!
-//! Where the sum of all errors is too large, the panel with the largest error takes more nodes, and is halved if it has the most.
+//! Where the sum of all errors is too large, the panel with the largest error takes more nodes, and is halved
+//! if it has the most.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -131,9 +136,9 @@ impl WeightedNodes {
         CosinePanels::new(&[FINEST; 1 << FINEST])
     }
 
-    /// Prepares nodes for sums with these weights on the light nodes, with errors of X, Y and Z of at most the fraction
-    /// `tolerance` of Y, or of 0.01 if Y is less, in these lights; `recycled` is an upper bound of the fraction of light that
-    /// meets the film again.
+    /// Prepares nodes for sums with these weights on the light nodes, with errors of X, Y and Z of at most
+    /// the fraction `tolerance` of Y, or of 0.01 if Y is less, in these lights; `recycled` is an upper bound
+    /// of the fraction of light that meets the film again.
     pub(crate) fn new(rows: Vec<Vec<f64>>, lights: Vec<SeenLight>, recycled: f64, tolerance: f64) -> Self {
         let mut colours: Vec<Vec<Vec<f64>>> = Vec::new();
         let lights = lights.into_iter().map(|SeenLight { view, colour, row }| {
@@ -162,8 +167,8 @@ impl WeightedNodes {
         nodes
     }
 
-    /// Tabulates a film whose reflectances at some cosines are `[cosine][gap][wavelength]`; `None` if it needs more nodes than
-    /// are available here.
+    /// Tabulates a film whose reflectances at some cosines are `[cosine][gap][wavelength]`; `None` if it
+    /// needs more nodes than are available here.
     pub(crate) fn table<E>(
         &mut self,
         fractions: Fractions<'_>,
@@ -278,7 +283,8 @@ impl WeightedNodes {
         let mut coefficients = weighted_rows(values, &rule.last);
         coefficients.iter_mut().for_each(|value| *value = value.abs());
         let (mut luminous, mut errors) = (Vec::new(), Vec::new());
-        // Of each colour: Y at the nodes, `[node][gap]`, and the decay of the coefficients, `[quantity][gap]`.
+        // Of each colour: Y at the nodes, `[node][gap]`, and the decay of the coefficients,
+        // `[quantity][gap]`.
         let of_colour = |colour: &Vec<Vec<f64>>| -> (Vec<f64>, Vec<Decay>) {
             let decays = |weights: &Vec<f64>| {
                 let sums = dots(&coefficients, weights);
@@ -375,12 +381,14 @@ mod tests {
     /// Number of wavelengths.
     const BINS: usize = 16;
 
-    /// Returns the reflectances of a film at several wavelengths. The angles of its structure depend on wavelength.
+    /// Returns the reflectances of a film at several wavelengths. The angles of its structure depend on
+    /// wavelength.
     fn spectrum(cosine: f64, film: impl Fn(f64) -> f64) -> impl Iterator<Item = f64> {
         (0..BINS).map(move |bin| film(cosine + 0.04 * (bin as f64 / (BINS - 1) as f64 - 0.5)))
     }
 
-    /// Returns the number of nodes, and the error of the light that a film reflects; `None` if it takes the full table.
+    /// Returns the number of nodes, and the error of the light that a film reflects; `None` if it takes the
+    /// full table.
     fn error(tolerance: f64, film: impl Fn(f64) -> f64) -> Option<(usize, f64)> {
         let seen = SeenLight { view: 0, colour: vec![vec![1.0; BINS]; 3], row: 0 };
         let mut nodes = WeightedNodes::new(vec![light()], vec![seen], 0.0, tolerance);

@@ -1,12 +1,13 @@
 //! Runs by adding: finer levels of discretisation until two successive levels agree.
 //!
-//! The result is that of the finer level, and the difference between the two levels is its reported error. Views of an
-//! ordinary panel stop each at its own level; what does not depend on the view is prepared once for each level. Views
-//! through general layers share the operators of the layers, which dominate the cost: all of them are computed at the
-//! level that the worst view needs.
+//! The result is that of the finer level, and the difference between the two levels is its reported error.
+//! Views of an ordinary panel stop each at its own level; what does not depend on the view is prepared once
+//! for each level. Views through general layers share the operators of the layers, which dominate the cost:
+//! all of them are computed at the level that the worst view needs.
 //!
-//! **First answers.** A prepared display can first compute two coarser levels ([`Accuracy::First`]), whose difference is its
-//! error in the same way. They do not change what the exact answer is: its levels begin at 0.
+//! **First answers.** A prepared display can first compute two coarser levels ([`Accuracy::First`]), whose
+//! difference is its error in the same way. They do not change what the exact answer is: its levels begin at
+//! 0.
 //!
 //! **Caches.** A [`Level`] keeps its kernel and its estimates between runs. The counters of
 //! [`Setup`](crate::setup::Setup) (`version`, `base_version`) tell whether they are still valid.
@@ -36,8 +37,8 @@ pub(crate) struct Kernels {
     common: Common,
 }
 
-/// Data that all views of a panel share, by level. Views are computed in parallel: the first one that needs a level
-/// prepares its data, and the others wait for it.
+/// Data that all views of a panel share, by level. Views are computed in parallel: the first one that needs a
+/// level prepares its data, and the others wait for it.
 #[derive(Debug)]
 struct Common(Vec<Mutex<CommonLevel>>);
 
@@ -56,7 +57,8 @@ impl Default for Common {
 }
 
 impl Common {
-    /// Returns the data of a level by its index in [`Levels`], prepared for a setup; `None` if the run was stopped.
+    /// Returns the data of a level by its index in [`Levels`], prepared for a setup; `None` if the run was
+    /// stopped.
     fn at(&self, index: usize, setup: &Setup, control: &Control<'_>) -> Option<Kernel> {
         let common = self.0.get(index)?;
         // A panic in another thread leaves a kernel that is not marked as prepared.
@@ -101,7 +103,8 @@ pub(crate) struct Level {
     /// Its index in [`Levels`].
     index: usize,
     kernel: Kernel,
-    /// `Setup::version` for which the kernel was prepared; `None` before the first, or after an interrupted, preparation.
+    /// `Setup::version` for which the kernel was prepared; `None` before the first, or after an interrupted,
+    /// preparation.
     prepared_for: Option<u64>,
     /// Estimates of all views, with the `(version, base_version)` of the setup for which they were computed.
     estimates: Option<((u64, u64), Vec<Estimate>)>,
@@ -113,8 +116,8 @@ impl Level {
         Self { index, kernel: empty_kernel(index), prepared_for: None, estimates: None }
     }
 
-    /// Returns the estimates of these views, from the cache if neither version of the setup has changed; `None` if the
-    /// run was stopped. A change of spectra and illuminances alone does not invalidate them.
+    /// Returns the estimates of these views, from the cache if neither version of the setup has changed;
+    /// `None` if the run was stopped. A change of spectra and illuminances alone does not invalidate them.
     fn estimates(
         &mut self,
         (setup, common): (&Setup, &Common),
@@ -216,7 +219,8 @@ pub(crate) struct ViewGroupKernel {
     pub(crate) views: Range<usize>,
 }
 
-/// Returns, for each group of views that share a kernel, the kernel at the level that meets the scene's target.
+/// Returns, for each group of views that share a kernel, the kernel at the level that meets the scene's
+/// target.
 pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, DisplayError> {
     let common = Common::default();
     let runner = Runner::new(run, &common)?;

@@ -1,16 +1,18 @@
 //! Choice between the two solvers (`method = "auto"`), and estimates of their work.
 //!
-//! The work of both is estimated **from counts, never from measured time**, so that a scenario is solved by the same solver on
-//! every machine:
+//! The work of both is estimated **from counts, never from measured time**, so that a scenario is solved by
+//! the same solver on every machine:
 //!
-//! - *adding*: the number of nodes and of sets of refractive indices ([`adding_seconds`]), at the level that the target is
-//!   expected to need; for an ordinary panel the number of views and of environments, and whether its lobe is narrow.
-//! - *Monte Carlo*: the number of paths that the target needs, from the standard errors after one round of paths of a few views
-//!   (a pilot run with the seed of the scene), and the work of a path, from the number of scattering layers and of spectra.
+//! - *adding*: the number of nodes and of sets of refractive indices ([`adding_seconds`]), at the level that
+//!   the target is expected to need; for an ordinary panel the number of views and of environments, and
+//!   whether its lobe is narrow.
+//! - *Monte Carlo*: the number of paths that the target needs, from the standard errors after one round of
+//!   paths of a few views (a pilot run with the seed of the scene), and the work of a path, from the number
+//!   of scattering layers and of spectra.
 //!
-//! The counts are converted to seconds of one processor (EPYC with AVX-512, one core), correct to within a factor of ten. If adding takes
-//! less work than the pilot run, it is taken without a pilot run. Of two solvers that take about the same, adding is
-//! preferred, because its result has no noise.
+//! The counts are converted to seconds of one processor (EPYC with AVX-512, one core), correct to within a
+//! factor of ten. If adding takes less work than the pilot run, it is taken without a pilot run. Of two
+//! solvers that take about the same, adding is preferred, because its result has no noise.
 
 use std::fmt::Write;
 
@@ -26,8 +28,8 @@ use crate::meter::Meter;
 use crate::scene::{Method, Pixel, Sampler, Scene, Stop, Strategy};
 use crate::setup::Setup;
 
-/// Largest optical thickness of a slab for the Monte Carlo solver: the number of scattering events of a path increases with
-/// it, and beyond this value a run takes hours.
+/// Largest optical thickness of a slab for the Monte Carlo solver: the number of scattering events of a path
+/// increases with it, and beyond this value a run takes hours.
 pub const THICKEST_FOR_MONTE_CARLO: f64 = 200.0;
 
 /// Factor by which Monte Carlo must take less work than adding to be chosen.
@@ -45,7 +47,8 @@ const ROUGH_TABLES_S: f64 = 0.1;
 /// Views of which a pilot run traces paths.
 const PILOT_VIEWS: usize = 3;
 
-/// Work that both solvers need for a scene, in seconds of one processor, estimated from counts to within a factor of ten.
+/// Work that both solvers need for a scene, in seconds of one processor, estimated from counts to within a
+/// factor of ten.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Forecast {
     /// Adding; `None` if it refuses the scene.
@@ -58,7 +61,8 @@ pub struct Forecast {
     pub reason: String,
 }
 
-/// Estimates the work of both solvers for a scene and its target; traces a few thousand paths unless these alone take a second.
+/// Estimates the work of both solvers for a scene and its target; traces a few thousand paths unless these
+/// alone take a second.
 ///
 /// # Errors
 /// If the scene is invalid, or the pilot run was stopped.
@@ -79,7 +83,8 @@ pub(super) fn choose(run: &Run<'_>) -> Result<Forecast, DisplayError> {
     estimated(run, |adding_s| adding_s.map_or(f64::INFINITY, |seconds| seconds / PREFERENCE))
 }
 
-/// Estimates the work of both solvers; `longest_pilot` returns the work below which a pilot run is made, from that of adding.
+/// Estimates the work of both solvers; `longest_pilot` returns the work below which a pilot run is made, from
+/// that of adding.
 fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Result<Forecast, DisplayError> {
     let scene = run.scene;
     let Stop::RelativeError { target, .. } = scene.solver.stop else {
@@ -140,7 +145,8 @@ fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     Ok(adding_seconds(&setup.scene)? * more + column_seconds(setup, nodes(level)) + kernel_seconds(setup))
 }
 
-/// Estimates the work of adding, in seconds, for the light between the layers and a pixel of this many states and wavelengths.
+/// Estimates the work of adding, in seconds, for the light between the layers and a pixel of this many states
+/// and wavelengths.
 fn column_seconds(setup: &Setup, nodes: f64) -> f64 {
     const COLUMN: f64 = 1e-8;
     let is_lambertian = matches!(setup.stack.base().reflector, Reflector::Lambertian(_));
@@ -148,8 +154,8 @@ fn column_seconds(setup: &Setup, nodes: f64) -> f64 {
     COLUMN * nodes * nodes * columns
 }
 
-/// Estimates the work of adding, in seconds, for the light that tables and rough interfaces scatter once to the views, and for
-/// the totals of measured tables.
+/// Estimates the work of adding, in seconds, for the light that tables and rough interfaces scatter once to
+/// the views, and for the totals of measured tables.
 fn kernel_seconds(setup: &Setup) -> f64 {
     const VIEW: f64 = 3e-2;
     const TOTALS: f64 = 0.3;
@@ -173,8 +179,9 @@ fn is_measured(interface: &Interface) -> bool {
     matches!(face.transmission().map(|kernel| &kernel.scatter), Some(Scatter::Table(..)))
 }
 
-/// Estimates the work of adding for an ordinary panel, in seconds: for each view that of the light that passes once, and more
-/// for environments, above all those that depend on azimuth, and for light that a front sends back through a narrow lobe.
+/// Estimates the work of adding for an ordinary panel, in seconds: for each view that of the light that
+/// passes once, and more for environments, above all those that depend on azimuth, and for light that a front
+/// sends back through a narrow lobe.
 fn panel_seconds(setup: &Setup) -> f64 {
     const VIEW: f64 = 2e-3;
     /// Of an environment for each view: the same at all azimuths, or not; then also once.
@@ -182,7 +189,8 @@ fn panel_seconds(setup: &Setup) -> f64 {
     const FIELD: f64 = 1e-2;
     const FIELD_ONCE: f64 = 2e-2;
     const NARROW: f64 = 2e-2;
-    /// Width of a lobe below which its azimuthal orders and their radii take most of the work of an environment.
+    /// Width of a lobe below which its azimuthal orders and their radii take most of the work of an
+    /// environment.
     const FIELD_WIDTH: f64 = 5e-3;
     let (rings, fields): (Vec<_>, Vec<_>) = setup
         .sources
@@ -206,7 +214,8 @@ fn level_needed(target: f64, error_over_difference: f64) -> u32 {
     (1 + levels.ceil().max(0.0) as u32).min(papilio_transport::adding::FINEST)
 }
 
-/// Estimates the number of paths of all views that Monte Carlo needs for a relative error, from a pilot run of a few of them.
+/// Estimates the number of paths of all views that Monte Carlo needs for a relative error, from a pilot run
+/// of a few of them.
 fn paths_needed(run: &Run<'_>, target: f64) -> Result<f64, DisplayError> {
     let views = run.setup.views.len();
     let of_pilot = views.min(PILOT_VIEWS);
@@ -226,9 +235,9 @@ fn paths_needed(run: &Run<'_>, target: f64) -> Result<f64, DisplayError> {
     Ok(paths * views as f64 / of_pilot as f64)
 }
 
-/// Estimates the work of a path, in seconds: that of each scattering event, and of light from an environment. In general layers
-/// the weights of an event have all states and wavelengths, or a few reflectances under a pixel of no angle; on the first pass
-/// through a panel, only directions.
+/// Estimates the work of a path, in seconds: that of each scattering event, and of light from an environment.
+/// In general layers the weights of an event have all states and wavelengths, or a few reflectances under a
+/// pixel of no angle; on the first pass through a panel, only directions.
 fn path_seconds(setup: &Setup) -> f64 {
     /// Work of an event with directions alone; of one at a rough interface or a table.
     const EVENT: f64 = 5e-7;
@@ -255,7 +264,8 @@ fn path_seconds(setup: &Setup) -> f64 {
     fields + events
 }
 
-/// Estimates the number of events of a path through general layers: at each interface, at the pixel, and in slabs.
+/// Estimates the number of events of a path through general layers: at each interface, at the pixel, and in
+/// slabs.
 fn events(setup: &Setup) -> f64 {
     /// Passes through the layers, on average.
     const PASSES: f64 = 4.0;

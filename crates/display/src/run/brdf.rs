@@ -1,8 +1,9 @@
 //! BSDF of the display by adding: a beam from each inclination of the light, viewed from all directions.
 //!
 //! The scene's lights and views are not used. Under a single beam the reflectance factor is
-//! pi dL/dE, so that the BRDF is the reflectance factor over pi. By reciprocity, the directional-hemispherical
-//! reflectance of a beam is the reflectance factor viewed from the beam's direction in diffuse light.
+//! pi dL/dE, so that the BRDF is the reflectance factor over pi. By reciprocity, the
+//! directional-hemispherical reflectance of a beam is the reflectance factor viewed from the beam's direction
+//! in diffuse light.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -139,10 +140,10 @@ impl<'a> Survey<'a> {
         all.extend(rho.via_pixel.chunks_exact(y_bar.len()).map(|base| sum(base) + front));
     }
 
-    /// Computes the scattered spectra as [`Self::scattered`] does, the number of nodes and the relative errors of Y. The
-    /// kernels of a panel resolve its lobes in all directions: the error of the sample applies to all. Under general
-    /// layers, each row is compared with that of the previous level, and if one misses the target, all are computed at
-    /// the next level. Leaves the last kernel in `kernel`.
+    /// Computes the scattered spectra as [`Self::scattered`] does, the number of nodes and the relative
+    /// errors of Y. The kernels of a panel resolve its lobes in all directions: the error of the sample
+    /// applies to all. Under general layers, each row is compared with that of the previous level, and if one
+    /// misses the target, all are computed at the next level. Leaves the last kernel in `kernel`.
     fn rows(
         &self,
         sample: &Refined<Luminous>,
@@ -202,8 +203,8 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// Computes the spectra scattered towards each inclination of the viewer, [dphi][theta_i][state][wavelength], their Y, and
-    /// the number of nodes.
+    /// Computes the spectra scattered towards each inclination of the viewer,
+    /// [dphi][theta_i][state][wavelength], their Y, and the number of nodes.
     fn scattered(&self, kernel: &Kernel, pass: u32, pool: Option<&ThreadPool>) -> Option<Scattered> {
         let stack = &self.setup.stack;
         let fields = |theta: f64| self.grid.dphi_deg.iter().map(move |phi| view(theta, *phi));

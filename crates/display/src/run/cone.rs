@@ -1,8 +1,8 @@
-//! Conoscopic maps by adding: all directions of an ordinary panel at the level that a sample of directions needs, those of
-//! general layers at the level that every direction needs.
+//! Conoscopic maps by adding: all directions of an ordinary panel at the level that a sample of directions
+//! needs, those of general layers at the level that every direction needs.
 //!
-//! If all directed lights lie in one plane with the normal, directions that are mirror images in this plane are
-//! equivalent and are computed once. Each thread holds the spectra of one direction at a time in memory.
+//! If all directed lights lie in one plane with the normal, directions that are mirror images in this plane
+//! are equivalent and are computed once. Each thread holds the spectra of one direction at a time in memory.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -31,7 +31,8 @@ pub(super) const DEFAULT_TARGET: f64 = 1e-3;
 /// level that these need. With general layers it applies to Y in every direction.
 ///
 /// # Errors
-/// If the scene is invalid (including a field of view that reaches below the horizon), or the computation was stopped.
+/// If the scene is invalid (including a field of view that reaches below the horizon), or the computation was
+/// stopped.
 pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<ConeResult, DisplayError> {
     let mut everywhere = scene.clone();
     // The map does not store spectra, and luminance needs the observer of 1931: so do its colours.
@@ -53,7 +54,8 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
 }
 
-/// A note if a scene has a stopping rule that a computation does not have, because it is always by adding: what `is` computed.
+/// A note if a scene has a stopping rule that a computation does not have, because it is always by adding:
+/// what `is` computed.
 pub fn always_by_adding(scene: &Scene, is: &str) -> Option<String> {
     let (key, what) = match scene.solver.stop {
         Stop::RelativeError { .. } => return None,
@@ -164,8 +166,8 @@ impl Survey<'_> {
         }))
     }
 
-    /// Computes the directions of a panel. Its kernels resolve the lobes in all directions: the error of the sample
-    /// applies to all of them.
+    /// Computes the directions of a panel. Its kernels resolve the lobes in all directions: the error of the
+    /// sample applies to all of them.
     fn of_panel(&self, target: f64, pool: Option<&ThreadPool>) -> Option<Rows> {
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
@@ -176,9 +178,10 @@ impl Survey<'_> {
         Some(Rows { views, errors, nodes })
     }
 
-    /// Computes the directions of general layers. Light near the horizon may vary faster than in any sampled direction:
-    /// each row is compared with that of the previous level. The light in the layers, which takes most of the time, is
-    /// computed once for all directions, so that a sample of them would take as long as all.
+    /// Computes the directions of general layers. Light near the horizon may vary faster than in any sampled
+    /// direction: each row is compared with that of the previous level. The light in the layers, which takes
+    /// most of the time, is computed once for all directions, so that a sample of them would take as long as
+    /// all.
     fn of_layers(&self, target: f64, pool: Option<&ThreadPool>) -> Option<Rows> {
         let setup = self.run.setup;
         let bound = error_over_difference(&setup.stack, &setup.sources);
@@ -235,8 +238,8 @@ impl Survey<'_> {
         each(pool, &mut rows, |(_, row)| row.iter().map(view).collect())
     }
 
-    /// Returns for each inclination whether the uppermost scattering interface was measured there. Elsewhere, other light,
-    /// such as the reflection of the front, does not represent the display.
+    /// Returns for each inclination whether the uppermost scattering interface was measured there. Elsewhere,
+    /// other light, such as the reflection of the front, does not represent the display.
     fn known(&self) -> Vec<bool> {
         self.grid.theta_deg.iter().map(|theta| self.is_known(*theta)).collect()
     }
@@ -315,8 +318,9 @@ impl Survey<'_> {
         Progress { unit: "directions", ..Progress::of_views(done, self.run.setup.views.len()) }
     }
 
-    /// Computes all inclinations at the selected azimuths, `[theta][phi]`; of general layers also, as a last row, the
-    /// reference direction. Returns the colours and the number of nodes. `part` is the part of the progress that this is.
+    /// Computes all inclinations at the selected azimuths, `[theta][phi]`; of general layers also, as a last
+    /// row, the reference direction. Returns the colours and the number of nodes. `part` is the part of the
+    /// progress that this is.
     fn all(
         &self,
         mut kernel: Kernel,
@@ -326,8 +330,8 @@ impl Survey<'_> {
         let setup = self.run.setup;
         let computed = self.computed();
         let thetas = self.grid.theta_deg.len();
-        // The operators of general layers are shared because they are expensive, and so is what all views of a panel have
-        // in common. The rest of a panel's kernel is cheap: each inclination has its own.
+        // The operators of general layers are shared because they are expensive, and so is what all views of
+        // a panel have in common. The rest of a panel's kernel is cheap: each inclination has its own.
         let shared = setup.stack.panel().is_none();
         let fields = |theta: usize| -> Vec<Cone> {
             let of_phi = |phi: &usize| setup.views[phi * thetas + theta].field;
@@ -411,8 +415,8 @@ fn light(light: &DirectedLight) -> ConeLight {
 }
 
 /// Returns the first equivalent azimuth for each azimuth: the mirror image in the
-/// plane of the lights, any azimuth without directed lights, or itself if the lights lie in several planes or an
-/// environment depends on azimuth.
+/// plane of the lights, any azimuth without directed lights, or itself if the lights lie in several planes or
+/// an environment depends on azimuth.
 fn equivalent_azimuths(phi_deg: &[f64], light: &Lighting) -> Vec<usize> {
     let mut parts = light.environment.iter().flat_map(|environment| &environment.parts);
     if parts.any(|part| !part.field.is_ring()) {

@@ -44,8 +44,8 @@ use crate::{DisplayError, Prepared};
 /// Explanation of why adding did not reach a target.
 const FINEST_REACHED: &str = "adding's finest level is reached; the Monte Carlo solver (method = \"monte-carlo\") may reach a smaller error";
 
-/// Largest estimated error of X, Y and Z by interpolation between wavelengths, relative to a perfect white, that gives no
-/// warning.
+/// Largest estimated error of X, Y and Z by interpolation between wavelengths, relative to a perfect white,
+/// that gives no warning.
 const NEGLIGIBLE_ERROR: f64 = 1e-3;
 
 /// Accuracy of an answer of a prepared display.
@@ -72,7 +72,8 @@ impl Control<'_> {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Calls `compute` with a control that reports its progress as a part of this computation, from one fraction to another.
+    /// Calls `compute` with a control that reports its progress as a part of this computation, from one
+    /// fraction to another.
     pub fn within<T>(&self, part: [f64; 2], compute: impl FnOnce(&Control<'_>) -> T) -> T {
         let progress = |now: Progress<'_>| (self.progress)(now.within(part));
         compute(&Control { progress: &progress, ..*self })
@@ -103,7 +104,8 @@ pub(crate) struct Workers {
 }
 
 impl Workers {
-    /// Returns a pool of this many threads (0: one for each processor); `kept` is reused if it has the same number.
+    /// Returns a pool of this many threads (0: one for each processor); `kept` is reused if it has the same
+    /// number.
     pub(crate) fn wanted(kept: &mut Option<Self>, threads: usize) -> Result<&ThreadPool, DisplayError> {
         let workers = match kept.take() {
             Some(workers) if workers.threads == threads => workers,
@@ -124,7 +126,8 @@ impl Workers {
     }
 }
 
-/// Calls `f` with each item and its number; returns the results in order. Runs in parallel if there is a pool.
+/// Calls `f` with each item and its number; returns the results in order. Runs in parallel if there is a
+/// pool.
 pub(crate) fn each<T: Send, R: Send>(
     pool: Option<&ThreadPool>,
     items: &mut [T],

@@ -1,8 +1,9 @@
 //! Progress of a computation, as its caller sees it.
 //!
-//! A computation reports what it knows: views that are done, the error of the current one, a part of several. Reports arrive from
-//! several threads, and a computation may have passes whose number is not known before. [`Progress::fraction`] is an estimate from one report
-//! alone; [`ProgressFraction`] is the largest of all reports so far, so that what a caller shows never goes back.
+//! A computation reports what it knows: views that are done, the error of the current one, a part of several.
+//! Reports arrive from several threads, and a computation may have passes whose number is not known before.
+//! [`Progress::fraction`] is an estimate from one report alone; [`ProgressFraction`] is the largest of all
+//! reports so far, so that what a caller shows never goes back.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -23,7 +24,8 @@ pub struct Progress<'a> {
     pub views_done: (usize, usize),
     /// What `views_done` counts, in the plural: `"views"`, `"directions"`.
     pub unit: &'static str,
-    /// The part of the whole computation to which this report belongs, as fractions at its beginning and at its end.
+    /// The part of the whole computation to which this report belongs, as fractions at its beginning and at
+    /// its end.
     pub part: [f64; 2],
     /// Computes the number of the current view, from 0, and its result so far (Monte Carlo).
     pub so_far: Option<&'a dyn Fn() -> (usize, View)>,
@@ -83,10 +85,12 @@ impl ProgressFraction {
     }
 }
 
-/// Fraction of a computation of many directions that is taken by the sample with which its level is found, about.
+/// Fraction of a computation of many directions that is taken by the sample with which its level is found,
+/// about.
 pub(crate) const SAMPLE: f64 = 0.1;
 
-/// The part of pass number `pass` (from 0) in a computation whose number of passes is not known: each fills half of what is left.
+/// The part of pass number `pass` (from 0) in a computation whose number of passes is not known: each fills
+/// half of what is left.
 pub(crate) fn part_of_pass(pass: u32) -> [f64; 2] {
     [pass, pass + 1].map(|passes| 1.0 - 0.5_f64.powi(passes as i32))
 }

@@ -14,8 +14,9 @@ use crate::pixel::state_names;
 use crate::scene::{Pixel, Scene};
 use crate::setup::{Setup, layers_alone};
 
-/// Width of the narrowest lobe of an ordinary panel below which adding does not compute light that depends on azimuth, such as that of a
-/// map: its orders and their radii increase as 1/width each. This one takes half a minute and half a gigabyte.
+/// Width of the narrowest lobe of an ordinary panel below which adding does not compute light that depends on
+/// azimuth, such as that of a map: its orders and their radii increase as 1/width each. This one takes half a
+/// minute and half a gigabyte.
 const NARROWEST_IN_FIELDS: f64 = 2e-4;
 
 /// Returns the finest level that can be computed for the layers of a display.
@@ -54,9 +55,9 @@ pub(crate) fn width_of_panel(stack: &Stack) -> Option<f64> {
     }
 }
 
-/// Estimates the time that adding needs to prepare the layers of a scene for one beam, in seconds of one processor; correct
-/// to within a factor of ten. Each state of a scattering pixel counts as a further layer. 0 for an ordinary panel,
-/// whose preparation takes milliseconds.
+/// Estimates the time that adding needs to prepare the layers of a scene for one beam, in seconds of one
+/// processor; correct to within a factor of ten. Each state of a scattering pixel counts as a further layer.
+/// 0 for an ordinary panel, whose preparation takes milliseconds.
 ///
 /// # Errors
 /// If the layers are invalid.
@@ -110,9 +111,9 @@ pub(crate) struct Refined<T> {
 }
 
 /// Computes levels from 0 until the error is at most the target, or the finest level (1 or more) is reached;
-/// `None` if stopped before two levels were computed. `at` computes a level, or returns `None` if it was stopped; `error`
-/// computes the relative error of the last of two or three levels; `report` is called with each error and whether it is
-/// the last.
+/// `None` if stopped before two levels were computed. `at` computes a level, or returns `None` if it was
+/// stopped; `error` computes the relative error of the last of two or three levels; `report` is called with
+/// each error and whether it is the last.
 pub(crate) fn refine<T>(
     target: f64,
     finest: usize,
@@ -162,11 +163,12 @@ pub(crate) fn refine_or_fail<T>(
     failure.map_or_else(|| refined.ok_or(DisplayError::Interrupted), Err)
 }
 
-/// Computes the relative error of the finer of two levels that differ by `now`, if the previous two differed by `before`;
-/// `times` is the smallest factor from differences to errors ([`error_over_difference`](papilio_transport::adding::error_over_difference)).
+/// Computes the relative error of the finer of two levels that differ by `now`, if the previous two differed
+/// by `before`; `times` is the smallest factor from differences to errors
+/// ([`error_over_difference`](papilio_transport::adding::error_over_difference)).
 ///
-/// If differences decrease by a factor r from level to level, the remaining error is `r/(1 - r)` times the last. If they do
-/// not decrease and exceed rounding errors, the error is unknown and at least 1.
+/// If differences decrease by a factor r from level to level, the remaining error is `r/(1 - r)` times the
+/// last. If they do not decrease and exceed rounding errors, the error is unknown and at least 1.
 pub(crate) fn level_error(times: f64, now: f64, before: Option<f64>) -> f64 {
     /// Largest factor by which slow convergence is extrapolated.
     const MOST: f64 = 10.0;
@@ -188,8 +190,9 @@ pub(crate) fn level_error(times: f64, now: f64, before: Option<f64>) -> f64 {
     rest * now
 }
 
-/// Computes the largest relative error of amounts of light at the finer of two levels, each relative to itself; `before` are
-/// those of the previous level, if there is one. It is at least 1 if an amount is negative, which is unphysical.
+/// Computes the largest relative error of amounts of light at the finer of two levels, each relative to
+/// itself; `before` are those of the previous level, if there is one. It is at least 1 if an amount is
+/// negative, which is unphysical.
 pub(crate) fn of_levels(times: f64, [finer, coarser]: [Vec<f64>; 2], before: Option<&[f64]>) -> f64 {
     let now = difference(&finer, &coarser);
     let error = level_error(times, now, before.map(|before| difference(&coarser, before)));
@@ -207,12 +210,12 @@ pub(crate) fn slowness([finer, coarser]: [&[f64]; 2], before: Option<&[f64]>) ->
     if now > 0.0 { level_error(1.0, now, before) / now } else { 1.0 }
 }
 
-/// Floor of the reference of relative errors, relative to the brightest row of a state: far from a lobe there is hardly any
-/// light.
+/// Floor of the reference of relative errors, relative to the brightest row of a state: far from a lobe there
+/// is hardly any light.
 const FAINT: f64 = 1e-4;
 
-/// Computes the relative error of each state's Y in a row, at the finer of two levels; `most` is the largest Y of each state in
-/// the table. The error of a negative Y is at least its magnitude.
+/// Computes the relative error of each state's Y in a row, at the finer of two levels; `most` is the largest
+/// Y of each state in the table. The error of a negative Y is at least its magnitude.
 pub(crate) fn row_errors(finer: &[f64], coarser: &[f64], most: &[f64], times: f64) -> Vec<f64> {
     let error = |((a, b), most): ((&f64, &f64), &f64)| {
         let difference = (times * (a - b).abs()).max(-a);

@@ -1,7 +1,8 @@
 //! Rounds of paths until a target is met, for computations that trace all paths of a round again.
 //!
-//! The first round is a pilot: from its error follows the number of paths that the target needs. A further round follows as long as
-//! the target is not met, or the results of the last two contradict each other ([`Confidence`]).
+//! The first round is a pilot: from its error follows the number of paths that the target needs. A further
+//! round follows as long as the target is not met, or the results of the last two contradict each other
+//! ([`Confidence`]).
 
 use super::walk::Confidence;
 use crate::DisplayError;
@@ -35,7 +36,8 @@ pub(crate) fn missed(stop: &Stop, error: f64) -> Result<f64, DisplayError> {
     }
 }
 
-/// Calls `round` with numbers of paths, at most `most`, until the stopping rule is met; returns what the last one found, and its number.
+/// Calls `round` with numbers of paths, at most `most`, until the stopping rule is met; returns what the last
+/// one found, and its number.
 ///
 /// # Errors
 /// Those of `round`.
@@ -62,8 +64,9 @@ pub(crate) fn until<T>(
     }
 }
 
-/// Estimates the number of paths for a tenth of a target's error: from the decrease of the error with the number of paths, by least squares of
-/// the logarithms, and in the worst case. `missed`: number of paths and ratio of error to tolerance after each round; `paths`: of the last one.
+/// Estimates the number of paths for a tenth of a target's error: from the decrease of the error with the
+/// number of paths, by least squares of the logarithms, and in the worst case. `missed`: number of paths and
+/// ratio of error to tolerance after each round; `paths`: of the last one.
 pub(super) fn paths_for_a_tenth(missed: &[(u64, f64)], paths: u64) -> [f64; 2] {
     let logs = missed.iter().filter(|(_, missed)| *missed > 0.0 && missed.is_finite());
     let logs: Vec<(f64, f64)> = logs.map(|(paths, missed)| ((*paths as f64).ln(), missed.ln())).collect();
@@ -80,7 +83,8 @@ pub(super) fn paths_for_a_tenth(missed: &[(u64, f64)], paths: u64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Errors that fall as a power of the number of paths; without rounds, or with errors that do not fall, the worst case.
+    /// Errors that fall as a power of the number of paths; without rounds, or with errors that do not fall,
+    /// the worst case.
     #[test]
     fn paths_for_a_tenth_follow_the_decrease_of_the_error() {
         let of = |power: f64| -> Vec<(u64, f64)> {

@@ -1,4 +1,5 @@
-//! Convergence studies of the Monte Carlo solver: standard error against paths and time, for all samplers and strategies.
+//! Convergence studies of the Monte Carlo solver: standard error against paths and time, for all samplers and
+//! strategies.
 
 use papilio_sampling::SampleStream;
 use papilio_transport::walk::Walk;
@@ -36,8 +37,8 @@ pub struct StudyPoint {
 }
 
 impl StudyCurve {
-    /// Returns the CPU time of the transport to a relative error, s: interpolated between points as a power of time;
-    /// that of the first point if its error is small enough, `None` if that of the last is not.
+    /// Returns the CPU time of the transport to a relative error, s: interpolated between points as a power
+    /// of time; that of the first point if its error is small enough, `None` if that of the last is not.
     pub fn seconds_to(&self, error: f64) -> Option<f64> {
         let at = self.points.iter().position(|point| point.relative_error <= error)?;
         let after = self.points[at];
@@ -92,7 +93,8 @@ pub fn study(
 /// Cost of the first view of a scene with the Monte Carlo solver on one thread.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// Time of the preparation that does not depend on light or view, such as tables of the pixel's reflectance, s.
+    /// Time of the preparation that does not depend on light or view, such as tables of the pixel's
+    /// reflectance, s.
     pub tables_s: f64,
     /// Time of the preparation before the first path, such as that of a guide, s.
     pub setup_s: f64,
@@ -104,8 +106,8 @@ pub struct Cost {
     pub paths: u64,
 }
 
-/// Measures the cost of the scene's first view to a relative error of Y of all states, or of all wavelengths of
-/// all states, in rounds like those of a run. `seconds` is a clock.
+/// Measures the cost of the scene's first view to a relative error of Y of all states, or of all wavelengths
+/// of all states, in rounds like those of a run. `seconds` is a clock.
 ///
 /// # Errors
 /// If the scene is invalid, or the computation was stopped.

@@ -1,7 +1,9 @@
-//! BSDF of the display by adding at viewers that move with the light: each direction of the light has viewers of its own.
+//! BSDF of the display by adding at viewers that move with the light: each direction of the light has viewers
+//! of its own.
 //!
-//! The level is that which a sample of directions needs, as for a table ([`super::brdf`]). Under general layers, each row is
-//! compared with that of the previous level, and if one misses the target, all are computed at the next level.
+//! The level is that which a sample of directions needs, as for a table ([`super::brdf`]). Under general
+//! layers, each row is compared with that of the previous level, and if one misses the target, all are
+//! computed at the next level.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -23,14 +25,16 @@ use crate::{DisplayError, RowErrors};
 /// Number of viewers of a panel that are prepared together.
 const TOGETHER: usize = 64;
 
-/// The same below general layers. Each preparation computes the kernels between about 200 nodes and all viewers again: with fewer
-/// viewers there are more preparations, and with more viewers, the kernels between them take longer.
+/// The same below general layers. Each preparation computes the kernels between about 200 nodes and all
+/// viewers again: with fewer viewers there are more preparations, and with more viewers, the kernels between
+/// them take longer.
 const TOGETHER_BELOW_LAYERS: usize = 128;
 
 /// Azimuths of the sample of directions that determines the level.
 const SAMPLED_DPHI_DEG: [f64; 3] = [0.0, 90.0, 180.0];
 
-/// Computes the BSDF of the scene's display at the viewers of a grid, by adding independently of the scene's method.
+/// Computes the BSDF of the scene's display at the viewers of a grid, by adding independently of the scene's
+/// method.
 ///
 /// The errors are those of [`super::brdf`].
 ///

@@ -17,8 +17,8 @@ use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Solver, Stop, Strategy};
 use crate::setup::ViewPoint;
 
-/// Paths of each replicate in the first round; each further round doubles the total. With guiding, fewer paths
-/// contain the same information.
+/// Paths of each replicate in the first round; each further round doubles the total. With guiding, fewer
+/// paths contain the same information.
 const FIRST_ROUND: u64 = 64;
 const FIRST_GUIDED_ROUND: u64 = 16;
 
@@ -113,8 +113,8 @@ impl Confidence {
         paths >= self.least && (self.confirmed || !self.is_random)
     }
 
-    /// Returns the smallest relative standard error of a view with this number of paths: an event that none of n paths has
-    /// met may have a probability of 1/n.
+    /// Returns the smallest relative standard error of a view with this number of paths: an event that none
+    /// of n paths has met may have a probability of 1/n.
     fn least_error(&self, paths: u64) -> f64 {
         if paths < self.least { 1.0 / paths as f64 } else { 0.0 }
     }
@@ -135,8 +135,8 @@ struct Work<'a> {
     paths: u64,
     confidence: Confidence,
     relative_error: f64,
-    /// Number of paths and ratio of error to tolerance of a target after each round; the ratio is infinite if the metric
-    /// is not defined.
+    /// Number of paths and ratio of error to tolerance of a target after each round; the ratio is infinite if
+    /// the metric is not defined.
     missed: Vec<(u64, f64)>,
 }
 
@@ -272,7 +272,8 @@ impl<'a> Runner<'a> {
             Stop::RelativeError { target, .. } => work.relative_error / target,
             Stop::Target(_) => work.missed_by(),
         };
-        // The error falls with the root of the number of paths. A larger step than needed costs less than another round.
+        // The error falls with the root of the number of paths. A larger step than needed costs less than
+        // another round.
         let more = so_far as f64 * (LAST_ROUND * ratio * ratio - 1.0);
         let quarter = so_far / 4;
         if more.is_finite() { double.min((more as u64 / quarter + 1) * quarter) } else { double }

@@ -1,5 +1,5 @@
-//! Lengths of a display: the thickness of its media and the windows of its sub-pixels. They determine where light leaves, not
-//! how much of it.
+//! Lengths of a display: the thickness of its media and the windows of its sub-pixels. They determine where
+//! light leaves, not how much of it.
 
 use papilio_spectra::Spectrum;
 use papilio_transport::spatial::{PixelSpread, Window};
@@ -35,12 +35,12 @@ pub struct Matrix {
     pub filter: Option<Filter>,
 }
 
-/// Smallest length other than 0, mm, far below the size of an atom. Below it light leaves where it came, and the results span more decades than
-/// a table shows.
+/// Smallest length other than 0, mm, far below the size of an atom. Below it light leaves where it came, and
+/// the results span more decades than a table shows.
 const LEAST_MM: f64 = 1e-12;
 
-/// Largest thickness of the layers above the pixels, over the pitch, with which crosstalk is computed: beyond, light of a sub-pixel spreads over
-/// tens of thousands of others.
+/// Largest thickness of the layers above the pixels, over the pitch, with which crosstalk is computed:
+/// beyond, light of a sub-pixel spreads over tens of thousands of others.
 const MOST_PITCHES: f64 = 100.0;
 
 impl Matrix {
@@ -55,8 +55,8 @@ impl Matrix {
 pub struct SubPixelWindow {
     /// Its name.
     pub name: String,
-    /// Fraction of the whole area, by the area of the sub-pixel and the fill factor, as colours use it. The area of the window
-    /// differs by at most 0.001.
+    /// Fraction of the whole area, by the area of the sub-pixel and the fill factor, as colours use it. The
+    /// area of the window differs by at most 0.001.
     pub fraction: f64,
     /// Its rectangles in fractions of the pitch, from the lower left corner of the pixel.
     pub window: Window,
@@ -67,8 +67,8 @@ pub struct SubPixelWindow {
 pub struct Filter {
     /// Height above the pixels in the medium above them, mm.
     pub height_mm: f64,
-    /// Transmittance of one pass along the normal for each sub-pixel of the matrix; an oblique pass has its power
-    /// 1/cos(theta).
+    /// Transmittance of one pass along the normal for each sub-pixel of the matrix; an oblique pass has its
+    /// power 1/cos(theta).
     pub transmittance: Vec<Spectrum>,
     /// States of the display.
     pub states: Vec<FilterState>,
@@ -109,7 +109,8 @@ impl Display {
             Length::Mm(_) => None,
         };
         if let (Some(spread), true) = (self.pixel_spread(), self.returns_nothing()) {
-            // A medium like air moves no light: places are those of the spread inside the pixels, whose scale is taken.
+            // A medium like air moves no light: places are those of the spread inside the pixels, whose scale
+            // is taken.
             let lengths =
                 (0..self.layers.len()).map(|number| self.length_mm(number).unwrap_or(spread.radius_mm()));
             return Ok(lengths.collect());

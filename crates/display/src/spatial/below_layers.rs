@@ -1,9 +1,10 @@
-//! Lambertian pixels below general layers: `paper.rs` with what the layers return and show, tabulated over the frequency
-//! ([`LayeredPaper`]).
+//! Lambertian pixels below general layers: `paper.rs` with what the layers return and show, tabulated over
+//! the frequency ([`LayeredPaper`]).
 //!
-//! **By place.** Strips are sums of a cumulative function at [`ALONG`] places of a period of [`PERIOD`] heights of the layers, cells those of
-//! a picture of twice their extent, both by fast Fourier transforms of the light between the ends of each bin; rings are a Hankel
-//! series of its mean over the azimuth. A sharp image is apart.
+//! **By place.** Strips are sums of a cumulative function at [`ALONG`] places of a period of [`PERIOD`]
+//! heights of the layers, cells those of a picture of twice their extent, both by fast Fourier transforms of
+//! the light between the ends of each bin; rings are a Hankel series of its mean over the azimuth. A sharp
+//! image is apart.
 
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
@@ -25,7 +26,8 @@ use crate::meter::{Meter, PixelLight};
 use crate::run::Control;
 use crate::setup::{Setup, ViewPoint};
 
-/// Period of tables of places, in heights, and the number of places along an axis, at the coarser and the finer level.
+/// Period of tables of places, in heights, and the number of places along an axis, at the coarser and the
+/// finer level.
 const PERIOD: f64 = 256.0;
 const ALONG: [usize; 2] = [1 << 16, 1 << 17];
 
@@ -174,7 +176,8 @@ fn seen(table: &LayeredPaper, group: usize, frequency_per_mm: f64, azimuth: f64)
     turned(&table.others(group, frequency_per_mm), azimuth) + table.sharp(group)
 }
 
-/// What a view sees of light that meets the pixels once. It has all light, `light`, of each state and group of wavelengths.
+/// What a view sees of light that meets the pixels once. It has all light, `light`, of each state and group
+/// of wavelengths.
 struct Once {
     light: Vec<Vec<f64>>,
     table: Arc<LayeredPaper>,

@@ -1,11 +1,13 @@
 //! What a diffuser makes of a picture: each pixel is seen as a mixture of its neighbours.
 //!
-//! **What.** X, Y and Z at the middle of each pixel are sums over the pixels about it, each with the light of its area in its own state
-//! (`lobe.rs`), and over all lights. Pixels are uniform: each has the mean colour of its state.
+//! **What.** X, Y and Z at the middle of each pixel are sums over the pixels about it, each with the light of
+//! its area in its own state (`lobe.rs`), and over all lights. Pixels are uniform: each has the mean colour
+//! of its state.
 //!
-//! **All orders.** Light that layers return to the pixels makes each state brighter by the gain that it has on a page of its own: uniform
-//! pictures and wide areas have the colours of pages. Fine detail has the gain of a mixture of its states; the difference is a part of the error.
-//! Light from beyond the reach of the kernels is that of the mean of the picture.
+//! **All orders.** Light that layers return to the pixels makes each state brighter by the gain that it has
+//! on a page of its own: uniform pictures and wide areas have the colours of pages. Fine detail has the gain
+//! of a mixture of its states; the difference is a part of the error. Light from beyond the reach of the
+//! kernels is that of the mean of the picture.
 
 use std::sync::Arc;
 
@@ -34,13 +36,15 @@ pub enum PictureSurround {
     BlackMask,
 }
 
-/// Distance from the pixel that is seen, in thicknesses of the glass, beyond which light comes from the mean of the picture.
+/// Distance from the pixel that is seen, in thicknesses of the glass, beyond which light comes from the mean
+/// of the picture.
 const REACH: f64 = 8.0;
 
 /// Light that shapes may miss of a kernel that is only a filter, relative to a perfect white.
 const ROUGH: f64 = 1e-3;
 
-/// Accuracy of the light of cells, natural digits: this many more than those that shapes may miss, within limits.
+/// Accuracy of the light of cells, natural digits: this many more than those that shapes may miss, within
+/// limits.
 const MORE_DIGITS: f64 = 1.0;
 const DIGITS: [f64; 2] = [6.0, 12.0];
 
@@ -64,9 +68,10 @@ pub(crate) struct BlurredPicture {
 }
 
 impl Blur {
-    /// Computes the kernels of the only view of each scene in all its light. The scenes have the same display, and differ in light or view.
-    /// Shapes may miss a little of the light of a kernel, relative to a perfect white; the images of round lamps in mirror-like pixels can
-    /// be left out. `None` if no diffuser spreads light, below a colour filter, or if places are not known.
+    /// Computes the kernels of the only view of each scene in all its light. The scenes have the same
+    /// display, and differ in light or view. Shapes may miss a little of the light of a kernel, relative to a
+    /// perfect white; the images of round lamps in mirror-like pixels can be left out. `None` if no diffuser
+    /// spreads light, below a colour filter, or if places are not known.
     pub(crate) fn new(
         setups: &[&Setup],
         missed: f64,
@@ -135,8 +140,8 @@ impl Blur {
         }))
     }
 
-    /// Spread of the brightest state of a scene in Y: the part of its light in each pixel up to `reach` pixels away, by rows. `None` as for
-    /// [`new`](Self::new).
+    /// Spread of the brightest state of a scene in Y: the part of its light in each pixel up to `reach`
+    /// pixels away, by rows. `None` as for [`new`](Self::new).
     pub(crate) fn spread_of_white(
         setup: &Setup,
         reach: i64,
@@ -161,7 +166,8 @@ impl Blur {
         Ok(Some(spread))
     }
 
-    /// States that are parts of pixels: they stand so close to each other that layers return to them the light of the whole.
+    /// States that are parts of pixels: they stand so close to each other that layers return to them the
+    /// light of the whole.
     pub(crate) fn with_wholes(mut self, wholes: &[usize]) -> Self {
         if !wholes.is_empty() {
             self.wholes = wholes.to_vec();
@@ -178,7 +184,8 @@ impl Blur {
         self.shapes.shapes.len()
     }
 
-    /// Transforms a picture of states, rows from the top, unless it is the one that is `known`; afterwards it is. `threads` is that of threads.
+    /// Transforms a picture of states, rows from the top, unless it is the one that is `known`; afterwards it
+    /// is. `threads` is that of threads.
     pub(crate) fn picture(
         &self,
         states: &[u8],
@@ -207,9 +214,10 @@ impl Blur {
         BlurredPicture { picture, shapes, threads }
     }
 
-    /// Numbers in which what is seen in each scene is linear: the mixture of shapes of each kernel, `[X, Y, Z][state][shape]`, times the
-    /// light of the shape; and light that is the same everywhere, in X, Y, Z. `pages` has X, Y, Z of a page of each state, through all orders
-    /// and with the image of the room in the faces, for each scene; `shown` is the fraction of the picture in each state.
+    /// Numbers in which what is seen in each scene is linear: the mixture of shapes of each kernel,
+    /// `[X, Y, Z][state][shape]`, times the light of the shape; and light that is the same everywhere, in X,
+    /// Y, Z. `pages` has X, Y, Z of a page of each state, through all orders and with the image of the room
+    /// in the faces, for each scene; `shown` is the fraction of the picture in each state.
     pub(crate) fn rows(&self, pages: &[Vec<[f64; 3]>], shown: &[f64]) -> Vec<Vec<f64>> {
         let light = self.light();
         let of_scene = |(scene, pages): (usize, &Vec<[f64; 3]>)| {
@@ -231,7 +239,8 @@ impl Blur {
         pages.iter().enumerate().map(of_scene).collect()
     }
 
-    /// Computes X, Y and Z of each pixel for each row of [`rows`](Self::rows), and calls `found` with its number and them.
+    /// Computes X, Y and Z of each pixel for each row of [`rows`](Self::rows), and calls `found` with its
+    /// number and them.
     pub(crate) fn seen(
         &self,
         blurred: &BlurredPicture,
@@ -249,7 +258,8 @@ impl Blur {
         blurred.picture.seen(&blurred.shapes, &mixtures, &far, blurred.threads, found);
     }
 
-    /// Largest error of X, Y and Z: what shapes miss, and that of fine detail, where each state has the gain of a mixture of all.
+    /// Largest error of X, Y and Z: what shapes miss, and that of fine detail, where each state has the gain
+    /// of a mixture of all.
     pub(crate) fn error(&self, shown: &[f64]) -> f64 {
         let mut largest = 0.0_f64;
         let kernels = self.shapes.mixtures.chunks_exact(self.states);

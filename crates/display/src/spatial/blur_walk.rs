@@ -1,11 +1,13 @@
 //! What general layers make of a picture: the kernels of [`Blur`] by Monte Carlo.
 //!
-//! **What.** Light that meets the pixels once has its place by the [walk](super::walk), in X, Y and Z of each state; all other light is
-//! that of `blur.rs`.
+//! **What.** Light that meets the pixels once has its place by the [walk](super::walk), in X, Y and Z of each
+//! state; all other light is that of `blur.rs`.
 //!
-//! **Views.** Paths are traced in one view; kernels in others are those of this view, scaled to the colours of pages.
+//! **Views.** Paths are traced in one view; kernels in others are those of this view, scaled to the colours
+//! of pages.
 //!
-//! **Error.** The largest standard error of what is seen of some random pictures, from independent replicates.
+//! **Error.** The largest standard error of what is seen of some random pictures, from independent
+//! replicates.
 
 use papilio_optics::Beta;
 use papilio_sampling::{SampleStream, Sampler};
@@ -21,7 +23,8 @@ use crate::run::Control;
 use crate::scene::Stop;
 use crate::setup::Setup;
 
-/// Distance from the pixel that is seen, in thicknesses of all layers, beyond which light comes from the mean of the picture.
+/// Distance from the pixel that is seen, in thicknesses of all layers, beyond which light comes from the mean
+/// of the picture.
 const REACH: f64 = 4.0;
 
 /// The same in pixels: at least, and at most.
@@ -37,8 +40,10 @@ const MISSED: f64 = 1e-6;
 const PICTURES: u64 = 16;
 
 impl Blur {
-    /// Computes the kernels in the view of the scene in the middle, and the largest standard error of X, Y and Z of a pixel. `pages` has X, Y, Z of a
-    /// page of each state for each scene. The images of round lamps in mirror-like pixels can be left out. `None` if nothing spreads light, or its places are not known.
+    /// Computes the kernels in the view of the scene in the middle, and the largest standard error of X, Y
+    /// and Z of a pixel. `pages` has X, Y, Z of a page of each state for each scene. The images of round
+    /// lamps in mirror-like pixels can be left out. `None` if nothing spreads light, or its places are not
+    /// known.
     pub(crate) fn by_paths(
         setups: &[&Setup],
         pages: &[Vec<[f64; 3]>],
@@ -161,8 +166,8 @@ fn gains(placed: &Placed<'_>, estimates: &[Estimate], cells: usize) -> Vec<f64> 
     once.iter().zip(all).map(|(once, all)| if *once > 0.0 { all / once } else { 1.0 }).collect()
 }
 
-/// Largest standard error of X, Y and Z in the middle of some random pictures. Each kernel of a replicate is relative to its light, because
-/// uniform pictures have the colours of pages.
+/// Largest standard error of X, Y and Z in the middle of some random pictures. Each kernel of a replicate is
+/// relative to its light, because uniform pictures have the colours of pages.
 fn standard_error(replicates: &[Vec<Vec<f64>>], states: usize) -> f64 {
     let mut largest = 0.0_f64;
     let numbers = SampleStream::new(Sampler::Random, 0, 0);

@@ -1,13 +1,15 @@
 //! Numbers of cells and pixels of figures, within bounds of time and memory.
 //!
-//! Light that layers return comes back from a few thicknesses away: cells are a part of the thickness, as long as there are not too many. Under
-//! a thinner medium they stay as large as they are: light returns to the cell itself, and the irradiance tends to `1/(1 - rho A(0))`.
+//! Light that layers return comes back from a few thicknesses away: cells are a part of the thickness, as
+//! long as there are not too many. Under a thinner medium they stay as large as they are: light returns to
+//! the cell itself, and the irradiance tends to `1/(1 - rho A(0))`.
 
 use papilio_imaging::text::Bitmap;
 
 use super::Level;
 
-/// Most cells of a figure in the plane and along a line, at the coarse one of two levels and at the finer one.
+/// Most cells of a figure in the plane and along a line, at the coarse one of two levels and at the finer
+/// one.
 const IN_PLANE: [u32; 2] = [16, 18];
 const ALONG_LINE: [u32; 2] = [14, 16];
 

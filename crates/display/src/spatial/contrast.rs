@@ -31,7 +31,8 @@ impl Frame<'_> {
         all.collect()
     }
 
-    /// Smallest and median contrast of the strokes of text, with the images of the room in flat faces and without.
+    /// Smallest and median contrast of the strokes of text, with the images of the room in flat faces and
+    /// without.
     pub(super) fn text_contrast(&self, measured: &Measured, level: Level) -> [Option<[f64; 2]>; 2] {
         let (Some(pitch), Some(white), Some(black)) =
             (self.pitch_mm, self.number("white"), self.number("black"))

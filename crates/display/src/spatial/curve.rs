@@ -21,7 +21,8 @@ impl Curves {
         Self::of_quantities(base, medium, index, &[weights])
     }
 
-    /// Tabulates several quantities of the states of a base, each with its weights: `[quantity][state]`, as if they were more states.
+    /// Tabulates several quantities of the states of a base, each with its weights: `[quantity][state]`, as
+    /// if they were more states.
     pub(super) fn of_quantities<W: AsRef<[f64]>>(
         base: &Base,
         medium: &Medium,

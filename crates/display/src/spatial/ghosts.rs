@@ -1,12 +1,14 @@
-//! Mirror-like pixels under a flat face: a sharp image, and fainter ones that the face and the pixel reflect between each other.
+//! Mirror-like pixels under a flat face: a sharp image, and fainter ones that the face and the pixel reflect
+//! between each other.
 //!
-//! Direction is conserved, so that image k is shifted by k times 2 D. For a small signal about a state of reflectance rho under a
-//! face of reflectance F, image k has (F rho)^k of the light of the first.
+//! Direction is conserved, so that image k is shifted by k times 2 D. For a small signal about a state of
+//! reflectance rho under a face of reflectance F, image k has (F rho)^k of the light of the first.
 //!
-//! A front of screen above an air gap returns light, too, after one or more trips through the air: images at sums of both shifts.
+//! A front of screen above an air gap returns light, too, after one or more trips through the air: images at
+//! sums of both shifts.
 //!
-//! The images of a pattern multiply: light of order k has met the pixel at k + 1 places, each 2 D from the one before. The mean over a
-//! period of that product depends on the view: a moire of the panel with itself.
+//! The images of a pattern multiply: light of order k has met the pixel at k + 1 places, each 2 D from the
+//! one before. The mean over a period of that product depends on the view: a moire of the panel with itself.
 
 use std::f64::consts::PI;
 
@@ -22,8 +24,8 @@ use crate::DisplayError;
 /// Images that are weaker than this fraction of all light are left out.
 const FAINTEST: f64 = 1e-9;
 
-/// Most orders of the mean of stripes and of checkerboards with exact edges: those of pixels that return 0.96 or 0.81 of the light with the face.
-/// Brighter ones are divided into cells.
+/// Most orders of the mean of stripes and of checkerboards with exact edges: those of pixels that return 0.96
+/// or 0.81 of the light with the face. Brighter ones are divided into cells.
 const MOST_ORDERS: [usize; 2] = [500, 100];
 
 /// Most trips of light through the air below a front.
@@ -84,7 +86,8 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
         let same = (bin..bins).take_while(|other| index[*other] == index[bin]).count();
         let step = displacement(beta, thickness_mm, index[bin]).map(|shift| 2.0 * shift);
         let trip = RoundTrips { step_mm: step, air_mm, bins: (bin..bin + same).map(trip).collect() };
-        // Light of each state in the images of a number of trips through the glass, by the number of those through the air.
+        // Light of each state in the images of a number of trips through the glass, by the number of those
+        // through the air.
         let mut rows: Vec<Vec<Vec<f64>>> = trip.bins.iter().map(|trip| trip.leaving(states)).collect();
         for order in 0.. {
             let count = rows.iter().flatten().map(Vec::len).max().unwrap_or(0);
@@ -121,7 +124,8 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
     Ok(Ghosts { images, states, thickness_mm, trips })
 }
 
-/// What a face, and a front above it, return to the pixel and let through, by the number of trips through the air between them.
+/// What a face, and a front above it, return to the pixel and let through, by the number of trips through the
+/// air between them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Faces {
     pub(super) returned: Vec<f64>,
@@ -205,8 +209,8 @@ impl RoundTrips {
 }
 
 impl RoundTrips {
-    /// Mean over a period below a front apart from the face: trips of different lengths. A period is divided into cells with edges along
-    /// those of the pattern.
+    /// Mean over a period below a front apart from the face: trips of different lengths. A period is divided
+    /// into cells with edges along those of the pattern.
     fn mean_of_cells(&self, pattern: Pattern, level: Level) -> f64 {
         let Pattern { kind, period_mm, states: [on, off] } = pattern;
         let across = match (kind, level.is_fine) {
@@ -230,7 +234,8 @@ impl RoundTrips {
 }
 
 impl RoundTrip {
-    /// What leaves of the light that meets the pixel once more, relative to all, by state and trips through the air.
+    /// What leaves of the light that meets the pixel once more, relative to all, by state and trips through
+    /// the air.
     fn leaving(&self, states: usize) -> Vec<Vec<f64>> {
         let of_state = |state: usize| {
             let rest = 1.0 - self.face.returned() * self.pixel[state];

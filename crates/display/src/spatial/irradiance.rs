@@ -1,4 +1,5 @@
-//! Irradiance of cells of given reflectances, to which the layers of a flat panel or a front return light: `E = 1 + A * (rho E)`.
+//! Irradiance of cells of given reflectances, to which the layers of a flat panel or a front return light:
+//! `E = 1 + A * (rho E)`.
 
 use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, PixelSpread, Recycling, displacement};
 
@@ -7,8 +8,8 @@ use super::ghosts::Faces;
 use super::response::{Lit, lengths_of_one_front};
 use crate::DisplayError;
 
-/// Most meetings of light with mirror-like pixels that are followed one by one. Those of pixels and a front of 0.99 each are; of better mirrors the
-/// rest is taken as a geometric series.
+/// Most meetings of light with mirror-like pixels that are followed one by one. Those of pixels and a front
+/// of 0.99 each are; of better mirrors the rest is taken as a geometric series.
 const MOST_ORDERS: usize = 1000;
 
 /// Computes the irradiance of cells from their reflectances and a tolerance.
@@ -94,7 +95,8 @@ impl Return {
     }
 }
 
-/// Irradiance of mirror-like cells of these reflectances; the ways are those of a trip through the glass and of one through the air above it.
+/// Irradiance of mirror-like cells of these reflectances; the ways are those of a trip through the glass and
+/// of one through the air above it.
 pub(super) fn irradiance(
     faces: &Faces,
     [step_mm, air_mm]: [[f64; 2]; 2],
@@ -128,8 +130,8 @@ pub(super) fn irradiance(
     irradiance
 }
 
-/// Images of the pixels that a view sees because light was reflected between a flat face and a front above it: the place of each,
-/// mm, and the fraction of the light that each has at the wavelengths.
+/// Images of the pixels that a view sees because light was reflected between a flat face and a front above
+/// it: the place of each, mm, and the fraction of the light that each has at the wavelengths.
 pub(super) fn images(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayError> {
     let lengths_mm = lengths_of_one_front(lit.panel, lit.lengths_mm, lit.level);
     let air_mm = Lit { lengths_mm: &lengths_mm, ..lit }.air_mm()?;
@@ -198,7 +200,8 @@ mod tests {
         assert!(found(&closed, 0.13, &[1.0; 16]).iter().all(|e| e.is_finite()));
     }
 
-    /// Stripes of 8 cells each. Half a period on, light meets the other state; a quarter on, two of each in turn.
+    /// Stripes of 8 cells each. Half a period on, light meets the other state; a quarter on, two of each in
+    /// turn.
     #[test]
     fn irradiance_of_stripes_of_bright_mirrors_has_a_closed_form() {
         let (f, states) = (0.97, [0.97, 0.2]);
@@ -206,7 +209,8 @@ mod tests {
         for (step_mm, period) in [(0.8, 2), (0.4, 4)] {
             let half = period / 2;
             for (cell, e) in found(&bright(), step_mm, &rho).into_iter().enumerate() {
-                // Light that meets a cell has met those at these steps before it: E = 1 + F rho_1 (1 + F rho_2 (...)), which repeats.
+                // Light that meets a cell has met those at these steps before it: E = 1 + F rho_1 (1 + F
+                // rho_2 (...)), which repeats.
                 let at = |k: usize| f * rho[(cell + 16 * period - k * 8 / half) % 16];
                 let (mut sum, mut product) = (0.0, 1.0);
                 for k in 1..=period {

@@ -1,8 +1,8 @@
-//! Sharpness of mirror-like pixels below general layers, and of pixels inside which light spreads: modulation transfer at chosen
-//! frequencies.
+//! Sharpness of mirror-like pixels below general layers, and of pixels inside which light spreads: modulation
+//! transfer at chosen frequencies.
 //!
-//! Light by place (spreads, kernels, lines, text, patterns) would take the transform at many frequencies in the plane; it is left to
-//! Monte Carlo. Other Lambertian pixels are those of `below_layers.rs`.
+//! Light by place (spreads, kernels, lines, text, patterns) would take the transform at many frequencies in
+//! the plane; it is left to Monte Carlo. Other Lambertian pixels are those of `below_layers.rs`.
 
 use num_complex::Complex64;
 use papilio_transport::adding::{self, LayeredSpread};
@@ -18,12 +18,14 @@ use crate::meter::{Meter, PixelLight};
 use crate::run::{Workers, each, finest, refine_or_fail};
 use crate::setup::ViewPoint;
 
-/// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles per mm.
+/// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles
+/// per mm.
 const UNIFORM: u32 = 12;
 const PREFERRED: [f64; 5] = [1.0, 1.6, 2.5, 4.0, 6.3];
 const LOWEST_PER_MM: f64 = 0.1;
 
-/// `f50` is searched up to this multiple of the highest frequency: a factor farther each time, in steps of another one.
+/// `f50` is searched up to this multiple of the highest frequency: a factor farther each time, in steps of
+/// another one.
 const SEARCHED: f64 = 8.0;
 const FARTHER: f64 = 1.4;
 const STEP: f64 = 1.25;
@@ -124,7 +126,8 @@ impl Frame<'_> {
         })
     }
 
-    /// Whether more than half of the modulation is left at the highest frequency in some state, and becomes less.
+    /// Whether more than half of the modulation is left at the highest frequency in some state, and becomes
+    /// less.
     fn is_falling(&self, measured: &Measured) -> bool {
         let all = measured.lights.iter().filter_map(|lights| lights.last());
         let mut curves = all.flat_map(|all| &all.transfer);

@@ -16,7 +16,8 @@ pub(super) fn response(lit: Lit<'_>, source: &Source, weights: &[f64]) -> Result
     of_quantities(lit, source, &[weights])
 }
 
-/// Response in several quantities, each with its weights over wavelength: `[quantity][state]`, as if they were more states.
+/// Response in several quantities, each with its weights over wavelength: `[quantity][state]`, as if they
+/// were more states.
 pub(super) fn of_quantities<W: AsRef<[f64]>>(
     lit: Lit<'_>,
     source: &Source,

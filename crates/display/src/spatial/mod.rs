@@ -1,7 +1,7 @@
 //! Where light leaves: blur, crosstalk and sparkle of displays with thickness.
 //!
-//! [`mtf`] computes how sharp a display is. What a view sees of one light is a `Response`: its light by spatial frequency and
-//! by place. One file for each kind of display implements it:
+//! [`mtf`] computes how sharp a display is. What a view sees of one light is a `Response`: its light by
+//! spatial frequency and by place. One file for each kind of display implements it:
 //!
 //! | display | file |
 //! |---|---|
@@ -20,9 +20,11 @@
 //!
 //! `blur.rs` computes what a diffuser makes of a picture, `blur_walk.rs` what general layers make of it.
 //!
-//! [`walk`] is the second method, for all displays: Monte Carlo with places. `mtf_walk` computes from it what [`mtf`] does.
+//! [`walk`] is the second method, for all displays: Monte Carlo with places. `mtf_walk` computes from it what
+//! [`mtf`] does.
 //!
-//! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
+//! Luminous quantities are Y relative to a perfect white in the scene's light, as in
+//! [`result`](crate::result).
 
 mod below_layers;
 mod blur;

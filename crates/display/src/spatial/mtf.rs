@@ -1,7 +1,7 @@
 //! `papilio mtf`: modulation transfer, spread and the contrast of fine lines.
 //!
-//! Every number is computed at two levels of discretisation; the finer one is the result, the difference its error. By Monte Carlo
-//! (`mtf_walk`), errors are standard errors.
+//! Every number is computed at two levels of discretisation; the finer one is the result, the difference its
+//! error. By Monte Carlo (`mtf_walk`), errors are standard errors.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -54,7 +54,8 @@ const CELLS: usize = 65;
 /// Computes how sharp the display is in each view.
 ///
 /// # Errors
-/// If the scene is invalid, a length is missing, its kind of display or light is not covered, or the computation was stopped.
+/// If the scene is invalid, a length is missing, its kind of display or light is not covered, or the
+/// computation was stopped.
 pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<MtfResult, DisplayError> {
     let paths = scene.solver.method == Method::MonteCarlo;
     if scene.display.filter().is_some() && !paths {
@@ -112,8 +113,8 @@ fn largest_error<'a>(states: impl Iterator<Item = &'a MtfState>) -> f64 {
     errors.fold(0.0, crate::run::largest)
 }
 
-/// Computes the square-root integrals of the white of a display with a matrix in its only view. `None` where the deterministic solver
-/// does not know them: without thickness, below general layers or a colour filter.
+/// Computes the square-root integrals of the white of a display with a matrix in its only view. `None` where
+/// the deterministic solver does not know them: without thickness, below general layers or a colour filter.
 ///
 /// # Errors
 /// If the computation was stopped.
@@ -214,7 +215,8 @@ impl<'a> Frame<'a> {
         let (seen, _) = responses(self.setup, view, draft, self.control)?;
         let widths = seen.iter().flat_map(|seen| seen.response.peaks()).map(|peak| peak.width_mm);
         let sharpest = widths.fold(f64::INFINITY, f64::min);
-        // Half of the modulation is lost between 0.11 (diffuse light) and 0.4 cycles (the mirror image of a beam) in a width.
+        // Half of the modulation is lost between 0.11 (diffuse light) and 0.4 cycles (the mirror image of a
+        // beam) in a width.
         let [first, last] = [0.1, 0.45].map(|cycles| cycles / sharpest);
         let searched = SEARCHED * self.highest();
         Ok(if first > searched { self.highest() } else { last.clamp(self.highest(), searched) })
@@ -334,7 +336,8 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Adds the pictures of the kernels, all of the same size: as wide as 90 % of the light of any state, and at least four pixels.
+    /// Adds the pictures of the kernels, all of the same size: as wide as 90 % of the light of any state, and
+    /// at least four pixels.
     fn with_kernels(&self, mut states: Vec<(String, MtfState)>, fine: &Measured) -> Vec<(String, MtfState)> {
         let pixels = self.pitch_mm.map_or(0.0, |pitch| 2.0 * pitch[0].max(pitch[1]));
         let r90 = states.iter().filter_map(|(_, state)| state.scalars.r90_um);
@@ -360,7 +363,8 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Frequencies between 0 and the highest, cycles per mm. Images of a lamp make the curve swing: as many as a figure needs.
+/// Frequencies between 0 and the highest, cycles per mm. Images of a lamp make the curve swing: as many as a
+/// figure needs.
 fn uniform_and_preferred(highest: f64) -> Vec<f64> {
     let mut all: Vec<f64> = (1..UNIFORM).map(|k| highest * f64::from(k) / f64::from(UNIFORM)).collect();
     let decades = LOWEST_PER_MM.log10() as i32..=highest.log10().ceil() as i32;

@@ -1,16 +1,18 @@
-//! Lambertian pixels under a flat face or a diffuser: what a view sees of them to first order, sharp or through the lobe, and around it
-//! light that the face, and a front of screen above it, return to them.
+//! Lambertian pixels under a flat face or a diffuser: what a view sees of them to first order, sharp or
+//! through the lobe, and around it light that the face, and a front of screen above it, return to them.
 //!
-//! **What.** A small signal about a state of reflectance rho, of the same relative size at all wavelengths, has the transfer
-//! `(1 - rho A(0))/(1 - rho A(f))` with the return A of the layers above ([`LambertianReturn`]). The constant `1 - rho A(0)` is the sharp
-//! image; the rest is spread over many thicknesses of the glass. Direction and kind of the light do not matter: it arrives
-//! uniformly. A diffuser spreads what is seen of both (`lobe.rs`).
+//! **What.** A small signal about a state of reflectance rho, of the same relative size at all wavelengths,
+//! has the transfer `(1 - rho A(0))/(1 - rho A(f))` with the return A of the layers above
+//! ([`LambertianReturn`]). The constant `1 - rho A(0)` is the sharp image; the rest is spread over many
+//! thicknesses of the glass. Direction and kind of the light do not matter: it arrives uniformly. A diffuser
+//! spreads what is seen of both (`lobe.rs`).
 //!
-//! In an oblique view, light that has been reflected between face and front is seen from another place: a second image, with its own
-//! surroundings, shifted by twice the way through the air.
+//! In an oblique view, light that has been reflected between face and front is seen from another place: a
+//! second image, with its own surroundings, shifted by twice the way through the air.
 //!
-//! Light that spreads inside the pixels ([`PixelSpread`]), with the transform P, has the transfer `(1 + P)/2 (1 - rho A(0))/(1 - rho P A(f))`: half
-//! of the light is sharp, the other half has the point spread of the pixel.
+//! Light that spreads inside the pixels ([`PixelSpread`]), with the transform P, has the transfer
+//! `(1 + P)/2 (1 - rho A(0))/(1 - rho P A(f))`: half of the light is sharp, the other half has the point
+//! spread of the pixel.
 //!
 //! Places come from frequencies by Fourier and Hankel series with a period of [`PERIOD`] thicknesses.
 
@@ -38,7 +40,8 @@ pub(super) const HIGHEST: f64 = 16.0;
 /// Below this fraction, what a lobe leaves of the series is neglected.
 const FAINTEST: f64 = 1e-5;
 
-/// Most frequencies of the series: glass much thinner than the air below a front returns light to the same place.
+/// Most frequencies of the series: glass much thinner than the air below a front returns light to the same
+/// place.
 const MOST_FREQUENCIES: f64 = 131_072.0;
 
 /// Period of lines, in reaches.
@@ -277,7 +280,8 @@ impl Paper {
         self.faces.iter().map(|face| [face.at(0.0), face.at(frequency_per_mm)]).collect()
     }
 
-    /// Light of a pattern of two states through all orders, reduced to some numbers. `is_first`: cells in the first state.
+    /// Light of a pattern of two states through all orders, reduced to some numbers. `is_first`: cells in the
+    /// first state.
     fn solved<N>(
         &self,
         cells: Cells,
@@ -328,8 +332,9 @@ impl Paper {
         sum.unwrap_or_else(|| reduced(&vec![0.0; is_first.len()]))
     }
 
-    /// Mean of two states in a pattern that is much finer than the thickness: its mean reflectance returns light (Clapper, Yule). Where light
-    /// spreads inside the pixels, the square of the mean root takes the place of the mean reflectance.
+    /// Mean of two states in a pattern that is much finer than the thickness: its mean reflectance returns
+    /// light (Clapper, Yule). Where light spreads inside the pixels, the square of the mean root takes the
+    /// place of the mean reflectance.
     fn fine_mean(&self, states: [usize; 2]) -> f64 {
         let mut sum = 0.0;
         for face in &self.faces {

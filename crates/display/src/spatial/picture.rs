@@ -1,4 +1,5 @@
-//! Colours of a picture on Lambertian pixels under a flat face, which returns light to them, as does a front of screen above it.
+//! Colours of a picture on Lambertian pixels under a flat face, which returns light to them, as does a front
+//! of screen above it.
 
 use papilio_transport::spatial::{
     Accuracy, LambertianReturn, LitPage, Page, PageLight, Precision, air_below_front_mm,
@@ -14,8 +15,8 @@ use crate::run::Control;
 use crate::scene::Scene;
 use crate::setup::{Setup, ViewPoint};
 
-/// A picture: the state of each pixel, by its number in the scene; rows from the bottom, columns from the left. It repeats beyond its
-/// borders.
+/// A picture: the state of each pixel, by its number in the scene; rows from the bottom, columns from the
+/// left. It repeats beyond its borders.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
     /// Number of columns and rows.
@@ -29,7 +30,8 @@ pub struct Picture {
 pub struct PictureColours {
     /// X, Y and Z of each pixel relative to a perfect white in the scene's light, for each view.
     pub views: Vec<Vec<[f32; 3]>>,
-    /// Largest error: the difference from cells of half the size in a part of the picture, and what repetitions leave.
+    /// Largest error: the difference from cells of half the size in a part of the picture, and what
+    /// repetitions leave.
     pub error: f64,
 }
 
@@ -48,8 +50,8 @@ const LEVEL: u32 = 4;
 /// Computes what each view sees of each pixel of a picture, through all orders.
 ///
 /// # Errors
-/// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered, a state does not exist, or
-/// the computation was stopped.
+/// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered,
+/// a state does not exist, or the computation was stopped.
 pub fn picture(
     scene: &Scene,
     picture: &Picture,
@@ -63,8 +65,9 @@ pub fn picture(
     Ok(PictureColours { views: rows.iter().map(|row| lit.seen(row)).collect(), error: lit.error })
 }
 
-/// The irradiance of a picture's pixels. It does not depend on light and view: what is seen in them is linear in the numbers of a row,
-/// light via the pixel in `[X, Y, Z][state and wavelength]` and that of faces in X, Y, Z.
+/// The irradiance of a picture's pixels. It does not depend on light and view: what is seen in them is linear
+/// in the numbers of a row, light via the pixel in `[X, Y, Z][state and wavelength]` and that of faces in X,
+/// Y, Z.
 pub(crate) struct LitPicture {
     picture: Picture,
     pitch_mm: [f64; 2],
@@ -85,8 +88,9 @@ struct Group {
 }
 
 impl LitPicture {
-    /// Prepares a picture, rows from the top, for the only view of each scene, and returns its row. The scenes have the same display, and
-    /// differ in light and view. The images of round lamps in the face can be left out.
+    /// Prepares a picture, rows from the top, for the only view of each scene, and returns its row. The
+    /// scenes have the same display, and differ in light and view. The images of round lamps in the face can
+    /// be left out.
     ///
     /// # Errors
     /// Those of [`picture`].
@@ -190,8 +194,8 @@ impl LitPicture {
             solve(&mut parts[0], precision);
             solve(&mut parts[1], finer);
         }
-        // The change of the repetitions belongs to the difference below, unless they ended before they reached it. The light of a page of the
-        // largest reflectance is at most that of a perfect white.
+        // The change of the repetitions belongs to the difference below, unless they ended before they
+        // reached it. The light of a page of the largest reflectance is at most that of a perfect white.
         let left = whole.groups.iter().map(|group| group.lit.left()).fold(0.0, f64::max);
         whole.error += if left > precision.change { left } else { 0.0 };
         let mut change = 0.0;
@@ -270,8 +274,8 @@ impl ViewLight {
     }
 }
 
-/// Largest part of the light that oblique views see of other pixels, because it was reflected between the face and a front above it; relative
-/// to a perfect white.
+/// Largest part of the light that oblique views see of other pixels, because it was reflected between the
+/// face and a front above it; relative to a perfect white.
 fn shifted(panel: &Panel, lengths_mm: &[f64], views: &[ViewPoint]) -> f64 {
     let is_apart = air_below_front_mm(panel, lengths_mm).is_ok_and(|air_mm| air_mm > 0.0);
     let of_view = |view: &ViewPoint| {

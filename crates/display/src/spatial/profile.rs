@@ -5,8 +5,8 @@ use papilio_transport::spatial::Peak;
 /// Places on each side of a peak in a table.
 const PER_SIDE: usize = 40;
 
-/// Ascending places along an axis, mm, dense near the peaks: each is `peak + width sinh(u)` with uniform u, up to `extent_mm` from
-/// the view's own ray. 0 and `fixed` are among them.
+/// Ascending places along an axis, mm, dense near the peaks: each is `peak + width sinh(u)` with uniform u,
+/// up to `extent_mm` from the view's own ray. 0 and `fixed` are among them.
 pub(super) fn places(peaks: &[Peak], axis: usize, extent_mm: f64, fixed: &[f64]) -> Vec<f64> {
     let mut all: Vec<(f64, f64)> = fixed.iter().chain([&0.0]).map(|at| (*at, 0.0)).collect();
     for peak in peaks {
@@ -43,7 +43,8 @@ pub(super) fn places(peaks: &[Peak], axis: usize, extent_mm: f64, fixed: &[f64])
     kept.into_iter().map(|(at, _)| at).collect()
 }
 
-/// Place where a cumulative function, 0 to 1 over ascending places, reaches a value; `None` where the table does not reach it.
+/// Place where a cumulative function, 0 to 1 over ascending places, reaches a value; `None` where the table
+/// does not reach it.
 pub(super) fn crossing(places: &[f64], cumulative: &[f64], value: f64) -> Option<f64> {
     let above = cumulative.iter().position(|share| *share >= value)?;
     if above == 0 {
@@ -87,7 +88,8 @@ impl Piece {
             let [a, b] = [left, right].map(|k| places[k + 1] - places[k]);
             (chord(left) * b + chord(right) * a) / (a + b)
         };
-        // A step within the interval, as of a sharp image, has no parabola: no slope beyond three times the mean.
+        // A step within the interval, as of a sharp image, has no parabola: no slope beyond three times the
+        // mean.
         let mean = chord(from);
         let limited = |slope: f64| {
             if slope * mean > 0.0 { mean.signum() * slope.abs().min(3.0 * mean.abs()) } else { 0.0 }
@@ -137,7 +139,8 @@ pub(super) fn density(places: &[f64], bins: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Cauchy's distribution: quartiles at one width. Between the places of a table, crossings are correct to 1e-3.
+    /// Cauchy's distribution: quartiles at one width. Between the places of a table, crossings are correct to
+    /// 1e-3.
     #[test]
     fn crossings_of_a_known_distribution_are_found() {
         let peak = Peak { at_mm: [0.0; 2], width_mm: 0.02 };

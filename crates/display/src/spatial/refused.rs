@@ -1,5 +1,5 @@
-//! What adding does not compute of the places of light: one list, with the reason of each. Monte Carlo with places computes all of it
-//! but approximations.
+//! What adding does not compute of the places of light: one list, with the reason of each. Monte Carlo with
+//! places computes all of it but approximations.
 
 use papilio_transport::adding::NotCovered;
 use papilio_transport::spatial::SpreadError;
@@ -10,8 +10,8 @@ use crate::scene::SPREAD_KEY;
 /// Layers, pixels and lights whose places adding does not compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Refused {
-    /// Places of light below general layers are known of Lambertian pixels in `mtf` alone: those of mirror-like pixels would take the
-    /// transform at many frequencies and azimuths, seconds each.
+    /// Places of light below general layers are known of Lambertian pixels in `mtf` alone: those of
+    /// mirror-like pixels would take the transform at many frequencies and azimuths, seconds each.
     Layers,
     /// The same for the means of patterns of mirror-like pixels.
     PatternsBelowLayers,

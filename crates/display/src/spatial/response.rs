@@ -22,8 +22,8 @@ pub(crate) struct Level {
     pub(crate) digits: f64,
     /// Highest spatial frequency that will be asked, cycles per mm.
     pub(crate) most_per_mm: f64,
-    /// True for the finer level of a result. A coarse one also takes simpler estimates, so that the difference bounds theirs,
-    /// however many digits both have.
+    /// True for the finer level of a result. A coarse one also takes simpler estimates, so that the
+    /// difference bounds theirs, however many digits both have.
     pub(crate) is_fine: bool,
     /// Number of times that cells of figures are halved beyond those of the finer of two levels.
     pub(crate) finer: u32,
@@ -47,17 +47,19 @@ pub(crate) trait Response: Sync {
     /// Light at a spatial frequency along an axis (0: x), cycles per mm, `[state]`. At 0 it is Y.
     fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64>;
 
-    /// Light of strips along an axis (0: x) between ascending places, mm, `[state][bin]`; the first bin is everything below the
-    /// first place, the last everything above the last.
+    /// Light of strips along an axis (0: x) between ascending places, mm, `[state][bin]`; the first bin is
+    /// everything below the first place, the last everything above the last.
     fn strips(&self, axis: usize, edges_mm: &[f64]) -> Vec<Vec<f64>>;
 
-    /// Light of rings between ascending radii above 0, mm, `[state][bin]`; the last bin is everything outside.
+    /// Light of rings between ascending radii above 0, mm, `[state][bin]`; the last bin is everything
+    /// outside.
     fn rings(&self, radii_mm: &[f64]) -> Vec<Vec<f64>>;
 
     /// Light of cells between ascending borders, mm, rows from the bottom, `[state][cell]`.
     fn cells(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>>;
 
-    /// Light of the middle of a line of the first state on the second, across an axis, through all orders; `None` if the spread describes it.
+    /// Light of the middle of a line of the first state on the second, across an axis, through all orders;
+    /// `None` if the spread describes it.
     fn line(&self, _states: [usize; 2], _axis: usize, _width_mm: f64, _level: Level) -> Option<f64> {
         None
     }
@@ -67,7 +69,8 @@ pub(crate) trait Response: Sync {
         None
     }
 
-    /// Light of the middle of each stroke of black on white text, through all orders; `None` if the spread describes it.
+    /// Light of the middle of each stroke of black on white text, through all orders; `None` if the spread
+    /// describes it.
     fn text(&self, _text: &Text<'_>, _black_and_white: [usize; 2], _level: Level) -> Option<Vec<f64>> {
         None
     }
@@ -148,7 +151,8 @@ impl Lit<'_> {
         !self.panel.single_pass && self.panel.front.reflectance_below.max() > 0.0
     }
 
-    /// Reflectances of the face above the pixel, and of the front, for light from below along the view, at a wavelength.
+    /// Reflectances of the face above the pixel, and of the front, for light from below along the view, at a
+    /// wavelength.
     pub(super) fn faces(&self, bin: usize) -> [f64; 2] {
         let beta = self.view.field.axis_towards().length();
         let front = if self.panel.single_pass { 0.0 } else { self.panel.front.reflectance_below[bin] };
@@ -156,9 +160,9 @@ impl Lit<'_> {
     }
 }
 
-/// Lengths of a panel with one front. Where several components of the front are apart above a diffuser, each returns a part of the light: the
-/// one that stands for them has the air below all at the finer level, and that below the lowest one at the coarse level; the difference
-/// bounds the error.
+/// Lengths of a panel with one front. Where several components of the front are apart above a diffuser, each
+/// returns a part of the light: the one that stands for them has the air below all at the finer level, and
+/// that below the lowest one at the coarse level; the difference bounds the error.
 pub(super) fn lengths_of_one_front(panel: &Panel, lengths_mm: &[f64], level: Level) -> Vec<f64> {
     let Some((glass_mm, fronts)) = lengths_mm.split_last() else { return Vec::new() };
     if !matches!(panel.top, Top::Diffuser(_)) {

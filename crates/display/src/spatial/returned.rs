@@ -1,16 +1,18 @@
 //! A diffuser over mirror-like pixels, with the light that a front of screen returns to them.
 //!
-//! **What.** Y of a state is the light that meets the pixel once, Y1, and that of all further orders, so that `q = 1 - Y1/Y` is what
-//! returns of the light. Orders form a series, `Y = Y1/(1 - q)`: the response to a small change of the pixel has the shape of the last
-//! meeting with the fraction 1 - q, and another shape with the fraction q: light that the front returns later. At its last meeting, light
-//! that was returned before is seen from the same places as diffuse light.
+//! **What.** Y of a state is the light that meets the pixel once, Y1, and that of all further orders, so that
+//! `q = 1 - Y1/Y` is what returns of the light. Orders form a series, `Y = Y1/(1 - q)`: the response to a
+//! small change of the pixel has the shape of the last meeting with the fraction 1 - q, and another shape
+//! with the fraction q: light that the front returns later. At its last meeting, light that was returned
+//! before is seen from the same places as diffuse light.
 //!
-//! **The shape of what returns later** is an estimate; it is broad. It has met the pixel at 2 D, and meets it again after two further
-//! passes: a ghost about the place of a trip to the front and back. For small angles and a lobe of Cauchy's kind its way is that of 5
-//! passes of the first order and 4 of the air, `|OTF|^(5 + 4 n g/d)`. The coarse level takes the shape of the first order for all light,
-//! so that the error of a result, the difference of levels, bounds that of the estimate. Y itself, and what is seen of pages, is exact.
-//! `q` is about the reflectance of the front times that of the pixel, some 1e-2. `adding::LayeredSpread` follows this light exactly, in
-//! seconds instead of milliseconds.
+//! **The shape of what returns later** is an estimate; it is broad. It has met the pixel at 2 D, and meets it
+//! again after two further passes: a ghost about the place of a trip to the front and back. For small angles
+//! and a lobe of Cauchy's kind its way is that of 5 passes of the first order and 4 of the air,
+//! `|OTF|^(5 + 4 n g/d)`. The coarse level takes the shape of the first order for all light, so that the
+//! error of a result, the difference of levels, bounds that of the estimate. Y itself, and what is seen of
+//! pages, is exact. `q` is about the reflectance of the front times that of the pixel, some 1e-2.
+//! `adding::LayeredSpread` follows this light exactly, in seconds instead of milliseconds.
 
 use std::f64::consts::PI;
 
@@ -28,7 +30,8 @@ use crate::DisplayError;
 /// Period of the series, in reaches: the thickness, or a part of a large distance to the front.
 const PERIOD: f64 = 100.0;
 
-/// The series ends where the light of all states is below this fraction, at the latest at `HIGHEST` over the thickness.
+/// The series ends where the light of all states is below this fraction, at the latest at `HIGHEST` over the
+/// thickness.
 const FAINTEST: f64 = 1e-4;
 const HIGHEST: f64 = 16.0;
 
@@ -40,7 +43,8 @@ const NOTHING: f64 = 1e-9;
 
 pub(super) struct Returned {
     first: LobeResponse,
-    /// What is seen in diffuse light, and its Y by state; `None` if that is the first order, and at the coarse level.
+    /// What is seen in diffuse light, and its Y by state; `None` if that is the first order, and at the
+    /// coarse level.
     diffuse: Option<(LobeResponse, Vec<f64>)>,
     /// Y of light that meets the pixel once, `[state]`.
     once: Vec<f64>,
@@ -50,7 +54,8 @@ pub(super) struct Returned {
     later: Option<Series>,
 }
 
-/// Response of mirror-like pixels below a diffuser; `via_pixel` is the light of all orders, `[state][wavelength]`.
+/// Response of mirror-like pixels below a diffuser; `via_pixel` is the light of all orders,
+/// `[state][wavelength]`.
 pub(super) fn response(
     lit: Lit<'_>,
     source: &Source,
@@ -124,7 +129,8 @@ fn later(lit: Lit<'_>, first: &LobeResponse, (once, orders): (&[f64], &[f64])) -
 
 /// Exponent of the first order's blur that gives the blur of light that returns later.
 fn power(lit: Lit<'_>, air_mm: f64) -> f64 {
-    // Ways per direction cosine in the air and the glass: geometric means of those along and across the plane of view.
+    // Ways per direction cosine in the air and the glass: geometric means of those along and across the plane
+    // of view.
     let index = lit.panel.medium.index();
     let (index, beta) = (index[index.len() / 2], lit.view.field.axis_towards().squared());
     let [air, glass] = [(air_mm, 1.0), (lit.thickness_mm(), index)]
@@ -141,15 +147,16 @@ fn place_mm(lit: Lit<'_>, air_mm: f64) -> [f64; 2] {
 }
 
 impl Returned {
-    /// Light of a figure on a page. `change`: change of the first order's light, given one response; `own`: fraction of what returns
-    /// that comes from the figure itself.
+    /// Light of a figure on a page. `change`: change of the first order's light, given one response; `own`:
+    /// fraction of what returns that comes from the figure itself.
     fn figure(&self, [figure, page]: [usize; 2], change: impl Fn(&LobeResponse) -> f64, own: f64) -> f64 {
         let first = self.once[page] + change(&self.first);
         let (last, y) = match &self.diffuse {
             Some((diffuse, y)) => (y[page] + change(diffuse), y),
             None => (first, &self.once),
         };
-        // Light that returned before its last meeting, relative to light that meets the pixel once from the same directions.
+        // Light that returned before its last meeting, relative to light that meets the pixel once from the
+        // same directions.
         let [figure, page] = [figure, page].map(|state| {
             if y[state] > 0.0 { self.once[state] * (self.orders[state] - 1.0) / y[state] } else { 0.0 }
         });
@@ -161,7 +168,8 @@ impl Returned {
         self.once[state] * (self.orders[state] - 1.0)
     }
 
-    /// Fraction of what returns to a line of a state that comes from the line itself; `at_mm`: of the place, from its middle.
+    /// Fraction of what returns to a line of a state that comes from the line itself; `at_mm`: of the place,
+    /// from its middle.
     pub(super) fn own_of_line(&self, state: usize, (axis, width_mm): (usize, f64), at_mm: f64) -> f64 {
         let edges = [-0.5 * width_mm - at_mm, 0.5 * width_mm - at_mm];
         let light = match &self.later {
@@ -171,8 +179,8 @@ impl Returned {
         fraction(&light[state], 1)
     }
 
-    /// What a state of one half of a pattern returns to itself, less what the other half does: the transform at the frequencies of the
-    /// pattern.
+    /// What a state of one half of a pattern returns to itself, less what the other half does: the transform
+    /// at the frequencies of the pattern.
     pub(super) fn own_of_pattern(&self, state: usize, kind: PatternKind, period_mm: f64) -> f64 {
         let shape = |f: [f64; 2]| {
             let length = f[0].hypot(f[1]);
@@ -229,7 +237,8 @@ impl Returned {
         sums
     }
 
-    /// Responses to the light of the last meeting, with their factors by state: all light, `(1 - q) Y` beside what returns later.
+    /// Responses to the light of the last meeting, with their factors by state: all light, `(1 - q) Y` beside
+    /// what returns later.
     fn last(&self) -> Vec<(&LobeResponse, Vec<f64>)> {
         let Some((diffuse, y)) = &self.diffuse else {
             let factors = if self.later.is_some() { vec![1.0; self.once.len()] } else { self.orders.clone() };

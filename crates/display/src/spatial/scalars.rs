@@ -10,7 +10,8 @@ use super::{Sharpness, SpatialScalars};
 /// Field of view of the square-root integral, degrees.
 const FIELD_DEG: f64 = 10.0;
 
-/// Widths of edges up to this part of the extent of a table are those of sharp images: the distance of the places beside them.
+/// Widths of edges up to this part of the extent of a table are those of sharp images: the distance of the
+/// places beside them.
 const SHARPEST: f64 = 1e-6;
 
 impl Frame<'_> {

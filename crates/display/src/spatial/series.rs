@@ -1,6 +1,7 @@
 //! Light about a point, the same in all directions, by place from its transform.
 //!
-//! The transform is sampled at multiples of a step. Strips and rings follow by Fourier and Hankel series with the period 1/step.
+//! The transform is sampled at multiples of a step. Strips and rings follow by Fourier and Hankel series with
+//! the period 1/step.
 
 use std::f64::consts::PI;
 
@@ -81,7 +82,8 @@ impl Series {
         self.with_inside(sums, |spread| spread.below(at_mm))
     }
 
-    /// Light of each state within a radius above 0 about the view's own ray. `distance_mm`: of the point from there.
+    /// Light of each state within a radius above 0 about the view's own ray. `distance_mm`: of the point from
+    /// there.
     fn within(&self, radius_mm: f64, distance_mm: f64) -> Vec<f64> {
         let step = self.step_per_mm;
         let turn = 2.0 * PI * step;

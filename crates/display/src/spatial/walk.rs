@@ -1,10 +1,11 @@
 //! Where light leaves, by Monte Carlo: patterns and transfer functions of any layers, through all orders.
 //!
-//! The [walk with places](papilio_transport::walk::places) is unbiased for all displays and lights; it is the reference for the
-//! deterministic results. Standard errors are those of [`REPLICATES`] independent replicates, which run on the threads of the
-//! control.
+//! The [walk with places](papilio_transport::walk::places) is unbiased for all displays and lights; it is the
+//! reference for the deterministic results. Standard errors are those of [`REPLICATES`] independent
+//! replicates, which run on the threads of the control.
 //!
-//! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
+//! Luminous quantities are Y relative to a perfect white in the scene's light, as in
+//! [`result`](crate::result).
 
 mod below_filter;
 
@@ -79,10 +80,12 @@ pub struct Transfer {
     pub otf: Vec<[Mean; 2]>,
 }
 
-/// Computes what each view of the scene sees of a pattern of the pixel's states. `paths` is the number of paths of a view.
+/// Computes what each view of the scene sees of a pattern of the pixel's states. `paths` is the number of
+/// paths of a view.
 ///
 /// # Errors
-/// If the scene is invalid, a length is missing, its light or approximation has no place, or the computation was stopped.
+/// If the scene is invalid, a length is missing, its light or approximation has no place, or the computation
+/// was stopped.
 pub fn pattern(
     scene: &Scene,
     pattern: &dyn Pattern,
@@ -105,8 +108,8 @@ pub fn pattern(
     panel.setup.views.iter().map(of_view).collect()
 }
 
-/// Computes Y of the states of a display with a colour filter in each view, as means over a period. `paths` is the number of paths of a
-/// view.
+/// Computes Y of the states of a display with a colour filter in each view, as means over a period. `paths`
+/// is the number of paths of a view.
 ///
 /// # Errors
 /// As [`pattern`]; if there is no filter.
@@ -126,7 +129,8 @@ pub fn filtered(scene: &Scene, paths: u64, control: &Control<'_>) -> Result<Vec<
     setup.views.iter().map(of_view).collect()
 }
 
-/// Computes the transfer functions of the states in each view of the scene. `paths` is the number of paths of a view.
+/// Computes the transfer functions of the states in each view of the scene. `paths` is the number of paths of
+/// a view.
 ///
 /// Frequencies are in the plane of the panel, cycles per mm; places relative to the view's own ray.
 ///
@@ -329,8 +333,9 @@ impl<'a> Placed<'a> {
         })
     }
 
-    /// Follows light that reaches the pixel for the first time back to where it entered. `sums` adds an entry to the sums of a replicate, of
-    /// which there are `count`; returns their means by replicate. Places are distributed over the period of the pattern.
+    /// Follows light that reaches the pixel for the first time back to where it entered. `sums` adds an entry
+    /// to the sums of a replicate, of which there are `count`; returns their means by replicate. Places are
+    /// distributed over the period of the pattern.
     pub(super) fn entries(
         &self,
         pattern: &dyn Pattern,
@@ -374,7 +379,8 @@ impl<'a> Placed<'a> {
         walk.map(|walk| walk.with_spread(spread)).map_err(DisplayError::Places)
     }
 
-    /// Computes all replicates. Each is given its number and a function that calls another with numbers of paths, until all are traced.
+    /// Computes all replicates. Each is given its number and a function that calls another with numbers of
+    /// paths, until all are traced.
     fn in_replicates<R: Send>(
         &self,
         paths: u64,

@@ -1,4 +1,5 @@
-//! Tests of optional metrics: the observer of 1964, gamut volume, colour appearance, reference state, reading performance.
+//! Tests of optional metrics: the observer of 1964, gamut volume, colour appearance, reference state, reading
+//! performance.
 
 use crate::common::{run, scenario};
 use papilio_colour::{CORNERS, Corners, Lab, Surround, Viewing, Xy, Xyz};
@@ -116,7 +117,8 @@ fn colour_shift_with_angle_equals_that_of_the_reported_colours() {
     }
 }
 
-/// The reader's age affects only the performance at that age, which is between those of the neighbouring ages.
+/// The reader's age affects only the performance at that age, which is between those of the neighbouring
+/// ages.
 #[test]
 fn reader_age_affects_only_its_own_metric() {
     let lit = ["lighting.illuminance_lx=12000", "display.front=[{ reflectance = 0.08, absorptance = 0.01 }]"];
@@ -137,8 +139,8 @@ fn reader_age_affects_only_its_own_metric() {
     );
 }
 
-/// Without front light, the luminance of text is proportional to the illuminance and its contrast is constant, as the
-/// maps over illuminance and age assume.
+/// Without front light, the luminance of text is proportional to the illuminance and its contrast is
+/// constant, as the maps over illuminance and age assume.
 #[test]
 fn text_luminance_is_proportional_to_illuminance_at_constant_contrast() {
     let cover = "display.front=[{ reflectance = 0.04, absorptance = 0.01 }]";
@@ -156,8 +158,8 @@ fn text_luminance_is_proportional_to_illuminance_at_constant_contrast() {
     assert!((lit.reading_surrogate.unwrap() - expected).abs() < 1e-9, "{lit:?}");
 }
 
-/// Electronic paper answers from a living room to full sun at 60 years, by both solvers, with errors, and the numbers are
-/// those of its luminances.
+/// Electronic paper answers from a living room to full sun at 60 years, by both solvers, with errors, and the
+/// numbers are those of its luminances.
 #[test]
 fn electronic_paper_has_a_readability_in_every_light() {
     let reader = Reader { age_years: 60.0, text_height_mm: 1.6, distance_mm: 400.0 };
@@ -193,7 +195,8 @@ fn electronic_paper_has_a_readability_in_every_light() {
     }
 }
 
-/// The reader that a scenario does not describe has the documented defaults. Reader and text affect only readability.
+/// The reader that a scenario does not describe has the documented defaults. Reader and text affect only
+/// readability.
 #[test]
 fn reader_affects_only_readability() {
     let [plain, asked] =
@@ -253,7 +256,8 @@ fn optional_metrics_do_not_affect_other_metrics() {
     assert_eq!(plain, forgotten);
 }
 
-/// Area of a triangle, and of its common part with another by sampling: independent of the clipping of the program.
+/// Area of a triangle, and of its common part with another by sampling: independent of the clipping of the
+/// program.
 fn area_and_coverage(own: [[f64; 2]; 3], of: [[f64; 2]; 3]) -> [f64; 2] {
     let turn = |[a, b, c]: [[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     let inside = |corners: [[f64; 2]; 3], at: [f64; 2]| {
@@ -344,7 +348,8 @@ fn display_white_changes_cielab_and_colour_differences_only() {
         }
         let error = white.discretisation_error.as_ref().unwrap();
         assert!((white.value.L_star.unwrap() - 100.0).abs() < 1e-9, "{:?}", white.value.L_star);
-        // The two levels agree exactly; what is left is the smallest relative error that is reported, that of Y.
+        // The two levels agree exactly; what is left is the smallest relative error that is reported, that of
+        // Y.
         assert!(error.L_star.unwrap() <= 100.1 * least && error.Y > 0.0, "{:?} {least}", error.L_star);
         let corners = Corners { xyz: CORNERS.map(|name| xyz(own.states.get(name).unwrap())) };
         let volume = corners.solid(xyz(white)).unwrap().volume();
@@ -354,8 +359,8 @@ fn display_white_changes_cielab_and_colour_differences_only() {
     }
 }
 
-/// Standard errors of the Monte Carlo solver with the display's white: none for L* of white, and that of the ratio to white for
-/// the others; both solvers agree within them.
+/// Standard errors of the Monte Carlo solver with the display's white: none for L* of white, and that of the
+/// ratio to white for the others; both solvers agree within them.
 #[test]
 fn errors_with_the_display_white_include_those_of_the_white() {
     let solver = ["solver.method=monte-carlo", "solver.paths=8192", "metrics.white=display"];

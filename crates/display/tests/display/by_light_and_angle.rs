@@ -49,8 +49,8 @@ fn reflectance_of_paint_is_the_same_in_every_light_and_view() {
     }
 }
 
-/// The same paint in the light and geometry of all presets; in the light of readability tests, the luminance of its text is
-/// known.
+/// The same paint in the light and geometry of all presets; in the light of readability tests, the luminance
+/// of its text is known.
 #[test]
 fn reflectance_of_paint_is_the_same_in_every_preset() {
     for name in preset_names() {
@@ -94,8 +94,8 @@ fn y_is_the_weighted_mean_of_the_reflectances_by_light() {
     }
 }
 
-/// At each wavelength the reflectance factor is the mean of those by light, weighted by the light; the luminous means of
-/// these are `R_hemi` and `R_dir`.
+/// At each wavelength the reflectance factor is the mean of those by light, weighted by the light; the
+/// luminous means of these are `R_hemi` and `R_dir`.
 #[test]
 fn reflectance_factor_is_the_weighted_mean_of_the_spectra_by_light() {
     let asked =
@@ -124,8 +124,8 @@ fn reflectance_factor_is_the_weighted_mean_of_the_spectra_by_light() {
     }
 }
 
-/// The peak of a bare panel in diffuse light is that of its pixel; behind a diffuser, at 8 deg, it is shifted towards the
-/// blue (Feng 2012, figure 5.13).
+/// The peak of a bare panel in diffuse light is that of its pixel; behind a diffuser, at 8 deg, it is shifted
+/// towards the blue (Feng 2012, figure 5.13).
 #[test]
 fn diffuser_shifts_the_peaks_of_a_bare_panel() {
     let bare =
@@ -155,13 +155,14 @@ fn components_of_known_reflections_are_recovered() {
         let white = one.states.iter().find(|state| state.name == "white").unwrap();
         assert!((white.mirror - 0.03).abs() < 1e-9 && white.haze.abs() < 1e-3, "{one:?}");
         assert!((white.lambertian - 0.97 * 0.97 * 0.6 / (1.0 - 0.03 * 0.6)).abs() < 1e-3, "{one:?}");
-        // Paint reflects a fraction sin^2(2.5 deg) cos(theta) of its light into the disc, the mirror all of its light.
+        // Paint reflects a fraction sin^2(2.5 deg) cos(theta) of its light into the disc, the mirror all of
+        // its light.
         let straight =
             0.03 + white.lambertian * one.theta_deg.to_radians().cos() * 2.5_f64.to_radians().sin().powi(2);
         assert!((white.beyond_straight.unwrap() - (1.0 - straight / white.returned)).abs() < 1e-4, "{one:?}");
     }
-    // A lobe passed twice over a mirror, without front: no mirror image, and beyond 2.5 deg the fraction of the double lobe,
-    // b' = 2 b: 1 - H with H of width 2b, over what leaves.
+    // A lobe passed twice over a mirror, without front: no mirror image, and beyond 2.5 deg the fraction of
+    // the double lobe, b' = 2 b: 1 - H with H of width 2b, over what leaves.
     let mirror = [
         "display.front=[]",
         "display.glass.index=1.0",

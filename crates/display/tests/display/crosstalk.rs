@@ -1,4 +1,5 @@
-//! Crosstalk: shares against a series of transfers, figures against closed forms and paths, and what is refused.
+//! Crosstalk: shares against a series of transfers, figures against closed forms and paths, and what is
+//! refused.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -53,8 +54,8 @@ fn assert_rows_sum_to_one(shares: &[Vec<f64>]) {
     shares.iter().for_each(|row| near("row", row.iter().sum(), 1.0, 1e-12));
 }
 
-/// H78 over 0.5 mm: the shares of equal reflectances by a Fourier series with the transfer of the spread, at 300 and 150 ppi, along the
-/// normal and obliquely.
+/// H78 over 0.5 mm: the shares of equal reflectances by a Fourier series with the transfer of the spread, at
+/// 300 and 150 ppi, along the normal and obliquely.
 #[test]
 fn shares_equal_the_series_of_transfers() {
     for (ppi, theta_deg) in everyday(1, [(150.0, 30.0), (300.0, 0.0)]) {
@@ -94,8 +95,8 @@ fn shares_equal_the_series_of_transfers() {
     }
 }
 
-/// White and black of 0.6 and 0.03 under 1 mm of bare glass: stripes of half a period of 10 mm, and a line much thinner than the
-/// glass, which has the irradiance of the white page.
+/// White and black of 0.6 and 0.03 under 1 mm of bare glass: stripes of half a period of 10 mm, and a line
+/// much thinner than the glass, which has the irradiance of the white page.
 #[test]
 fn figures_on_paper_have_known_contrast() {
     let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
@@ -192,8 +193,9 @@ fn patches_are_those_of_a_run() {
     assert!(view.shares.error < 2e-3, "{}", view.shares.error);
 }
 
-/// A lobe whose blur c is 1/1300 of the pitch: stripes without gaps lose what the closed form of a stripe alone says, less some per cent
-/// that beyond the hemisphere is lost and that returns from the same stripe of other pixels. At a grazing view, too, shares are shares.
+/// A lobe whose blur c is 1/1300 of the pitch: stripes without gaps lose what the closed form of a stripe
+/// alone says, less some per cent that beyond the hemisphere is lost and that returns from the same stripe of
+/// other pixels. At a grazing view, too, shares are shares.
 #[test]
 fn narrow_lobes_and_grazing_views_have_right_numbers() {
     let narrow = LOBE.replace("0.05667", "0.0002");

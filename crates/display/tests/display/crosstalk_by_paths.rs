@@ -1,4 +1,5 @@
-//! Crosstalk by Monte Carlo against adding where both compute it, and against known values where only paths do.
+//! Crosstalk by Monte Carlo against adding where both compute it, and against known values where only paths
+//! do.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -96,7 +97,8 @@ fn assert_agree(what: &str, parts: &[&str], paths: u64) {
     assert!(worst.1 < 4.5 && beyond_two * 8 < all.len(), "{what}: {worst:?}, {beyond_two} of {}", all.len());
 }
 
-/// Film pixels below a lobe, with an inactive area that reflects, seen obliquely in mixed light: who lights whom, stripes, lines and text.
+/// Film pixels below a lobe, with an inactive area that reflects, seen obliquely in mixed light: who lights
+/// whom, stripes, lines and text.
 #[test]
 fn films_below_a_lobe_agree() {
     assert_agree("film", &[LOBE, GLASS, FILM, MATRIX, MIXED, VIEW], 1 << 14);
@@ -108,8 +110,8 @@ fn paper_below_a_face_agrees() {
     assert_agree("paper", &[BARE, PAPER, MATRIX, MIXED, VIEW], 1 << 14);
 }
 
-/// A front that reflects above a lobe: what it returns is estimated, within the stated errors, which are about the product of the
-/// reflectances of front and pixel.
+/// A front that reflects above a lobe: what it returns is estimated, within the stated errors, which are
+/// about the product of the reflectances of front and pixel.
 #[test]
 fn fronts_above_a_lobe_agree_within_stated_errors() {
     let front = "[[display.front]]\nreflectance = 0.3\ngap_mm = 0.1\n";
@@ -123,8 +125,9 @@ fn fronts_above_a_lobe_agree_within_stated_errors() {
     }
 }
 
-/// Mirror-like pixels below a bare face, and below a front above it: a figure is seen again at the places of ghosts, and light of a page
-/// has met its neighbours before. An oblique view through front and face sees further images of the pixels.
+/// Mirror-like pixels below a bare face, and below a front above it: a figure is seen again at the places of
+/// ghosts, and light of a page has met its neighbours before. An oblique view through front and face sees
+/// further images of the pixels.
 #[test]
 fn mirrors_below_faces_and_fronts_agree() {
     let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.3 }\n";
@@ -136,7 +139,8 @@ fn mirrors_below_faces_and_fronts_agree() {
     assert_agree("paper", &[FRONT, BARE, PAPER, MATRIX, diffuse, oblique], 1 << 13);
 }
 
-/// A filter at a height above paper, below a bare face and a front: shares on the way in and out, stripes and lines.
+/// A filter at a height above paper, below a bare face and a front: shares on the way in and out, stripes and
+/// lines.
 #[test]
 fn filters_above_paper_agree() {
     // Lines below thin glass have short periods.
@@ -144,7 +148,8 @@ fn filters_above_paper_agree() {
     assert_agree("filter", &[FRONT, &thin, PAPER, PRINTED, MIXED, VIEW], 1 << 13);
 }
 
-/// Below a lobe: shares and patches, and stripes and lines, which only paths compute: they are blurred above the filter, too.
+/// Below a lobe: shares and patches, and stripes and lines, which only paths compute: they are blurred above
+/// the filter, too.
 #[test]
 fn filters_below_a_lobe_agree() {
     let parts = [LOBE, GLASS, PAPER, PRINTED, MIXED, VIEW];

@@ -10,8 +10,9 @@ use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
 use papilio_testing::{everyday, seeds, sized};
 
-/// Displays of all kinds that support designs, with few wavelengths. The target is so large that two levels suffice
-/// for all designs: a run then reports the level at which designs are computed. The first ones differ most.
+/// Displays of all kinds that support designs, with few wavelengths. The target is so large that two levels
+/// suffice for all designs: a run then reports the level at which designs are computed. The first ones differ
+/// most.
 fn scenes() -> Vec<(&'static str, Scene)> {
     let scene = |name: &str, overrides: &[&str]| {
         let step = sized("spectrum.step_nm=40", "spectrum.step_nm=20");
@@ -56,7 +57,8 @@ fn film(scene: &Scene) -> &FilmPixel {
     }
 }
 
-/// Random changes of layers, gaps and fractions: thicknesses by up to a third, one layer removed, gaps by up to 30 nm.
+/// Random changes of layers, gaps and fractions: thicknesses by up to a third, one layer removed, gaps by up
+/// to 30 nm.
 fn moved(film: &FilmPixel, number: u64) -> FilmPixel {
     let numbers = SampleStream::new(Sampler::Random, 8, 0);
     let mut thrown = 0;
@@ -152,7 +154,8 @@ fn scenes_of_colours() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// Random stacks: dielectric and metal layers of any order, thin and thick gaps, with hardly any loss or much of it.
+/// Random stacks: dielectric and metal layers of any order, thin and thick gaps, with hardly any loss or much
+/// of it.
 fn random_stack(film: &FilmPixel, seed: u64, number: u64) -> FilmPixel {
     let numbers = SampleStream::new(Sampler::Random, seed, 0);
     let mut thrown = 0;
@@ -183,9 +186,10 @@ fn random_stack(film: &FilmPixel, seed: u64, number: u64) -> FilmPixel {
     made
 }
 
-/// Within half of the stated 1e-5 of Y (or of 0.01); observed: see docs/designs.md. The full table is forced by a quantity of a spectrum; a film that
-/// equals it to the last bit took it, too. Sums over few wavelengths blur least. Stacks are meant to be difficult: many of them
-/// need many nodes. `cargo xtask full` takes 40 seeds; none of them was used while the estimate was developed.
+/// Within half of the stated 1e-5 of Y (or of 0.01); observed: see docs/designs.md. The full table is forced
+/// by a quantity of a spectrum; a film that equals it to the last bit took it, too. Sums over few wavelengths
+/// blur least. Stacks are meant to be difficult: many of them need many nodes. `cargo xtask full` takes 40
+/// seeds; none of them was used while the estimate was developed.
 #[test]
 fn colours_on_their_own_nodes_equal_those_of_the_full_table() {
     for (name, scene) in scenes_of_colours() {
@@ -275,8 +279,8 @@ fn shifted(film: &FilmPixel, parameter: Parameter, by: f64) -> FilmPixel {
     film
 }
 
-/// Film for derivatives: changed at random, with a gap of a state equal to another gap, and with absorption in all layers, so
-/// that k can both increase and decrease.
+/// Film for derivatives: changed at random, with a gap of a state equal to another gap, and with absorption
+/// in all layers, so that k can both increase and decrease.
 fn film_with_everything(scene: &Scene, number: u64) -> FilmPixel {
     let mut film = moved(film(scene), number);
     film.layers.iter_mut().flat_map(|layer| &mut layer.index).for_each(|n| n.im += 0.01);
@@ -291,7 +295,8 @@ fn film_with_everything(scene: &Scene, number: u64) -> FilmPixel {
     film
 }
 
-/// Differences of sixth order with two steps, the shorter first; `None` if a quantity is not defined at one of the points.
+/// Differences of sixth order with two steps, the shorter first; `None` if a quantity is not defined at one
+/// of the points.
 fn differences(at: impl Fn(f64) -> Vec<Option<f64>>, step: f64) -> [Vec<Option<f64>>; 2] {
     let pairs = [1.0, 2.0, 3.0, 4.0, 6.0].map(|k| (at(k * step), at(-k * step)));
     let of = |steps: [usize; 3], step: f64, k: usize| {
@@ -302,8 +307,9 @@ fn differences(at: impl Fn(f64) -> Vec<Option<f64>>, step: f64) -> [Vec<Option<f
     [all([0, 1, 2], step), all([1, 3, 4], 2.0 * step)]
 }
 
-/// Within 1e-6 of the largest component of the gradient, wherever differences with two steps agree: a peak has kinks where
-/// another wavelength becomes the largest, a distance where it is small, and a film's table where its nodes change.
+/// Within 1e-6 of the largest component of the gradient, wherever differences with two steps agree: a peak
+/// has kinks where another wavelength becomes the largest, a distance where it is small, and a film's table
+/// where its nodes change.
 #[test]
 fn derivatives_equal_finite_differences() {
     let (mut compared, mut unclear) = (0, 0);
@@ -313,7 +319,8 @@ fn derivatives_equal_finite_differences() {
         let film = film_with_everything(&scene, number as u64);
         let parameters = parameters(&film);
         let found = own.derivatives(&film, &parameters).unwrap();
-        // Equal gaps are combined in a design and separate in its derivatives: sums differ in their last bits.
+        // Equal gaps are combined in a design and separate in its derivatives: sums differ in their last
+        // bits.
         for (found, value) in found.values.iter().zip(own.evaluate(&film).unwrap()) {
             let off = found.zip(value).map(|(a, b)| (a - b).abs() / (1.0 + b.abs()));
             assert!(found.is_some() == value.is_some() && off.unwrap_or(0.0) < 1e-11, "{name}: {off:?}");

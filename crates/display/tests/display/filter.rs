@@ -49,7 +49,8 @@ fn near(what: &str, found: f64, expected: f64, tolerance: f64) {
 
 const CLEAR: &str = "red = 1.0, green = 1.0, blue = 1.0";
 
-/// Without colour a filter changes nothing: white and black are those of the pixel; red, a third white, is the mean of fine stripes.
+/// Without colour a filter changes nothing: white and black are those of the pixel; red, a third white, is
+/// the mean of fine stripes.
 #[test]
 fn clear_filter_leaves_the_display_as_it_is() {
     for surface in ["fresnel", "coated"] {
@@ -70,9 +71,9 @@ fn clear_filter_leaves_the_display_as_it_is() {
     }
 }
 
-/// A picture of white and black columns below a clear filter: pixels have the colours of pages, and the error contains the light that the face
-/// returns to neighbours, known from the limits of fine and of wide patterns (Clapper and Yule) and from the same picture without filter.
-/// The face reflects 0.04.
+/// A picture of white and black columns below a clear filter: pixels have the colours of pages, and the error
+/// contains the light that the face returns to neighbours, known from the limits of fine and of wide patterns
+/// (Clapper and Yule) and from the same picture without filter. The face reflects 0.04.
 #[test]
 fn pictures_below_a_filter_have_the_colours_of_pages() {
     let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
@@ -98,8 +99,9 @@ fn pictures_below_a_filter_have_the_colours_of_pages() {
     assert!(lost > 0.5 * below.numbers.error && lost < below.numbers.error, "{lost} {}", below.numbers.error);
 }
 
-/// Height over width of a stripe of 0.5, 1 and 2 under a coated face, diffuse light: light that entered by the own stripe (closed
-/// form; three stripes repeat, so that of 2 includes the same colour further away), and light seen through the neighbour.
+/// Height over width of a stripe of 0.5, 1 and 2 under a coated face, diffuse light: light that entered by
+/// the own stripe (closed form; three stripes repeat, so that of 2 includes the same colour further away),
+/// and light seen through the neighbour.
 #[test]
 fn shares_of_three_stripes_are_known() {
     let stripe_um = 84.67 / 3.0;
@@ -126,7 +128,8 @@ fn shares_of_three_stripes_are_known() {
     }
 }
 
-/// Patches are those of `run` at any height; black stripes under a filter keep the contrast of fine ones, 20 on paper of 0.6 and 0.03.
+/// Patches are those of `run` at any height; black stripes under a filter keep the contrast of fine ones, 20
+/// on paper of 0.6 and 0.03.
 #[test]
 fn patches_below_a_filter_are_those_of_a_run() {
     let transmittance = "red = 0.7, green = 0.4, blue = 0.2";
@@ -146,7 +149,8 @@ fn patches_below_a_filter_are_those_of_a_run() {
     }
 }
 
-/// Below a front that returns light, and in a front light: a clear filter changes nothing, and a gray one absorbs as the whole glass would.
+/// Below a front that returns light, and in a front light: a clear filter changes nothing, and a gray one
+/// absorbs as the whole glass would.
 #[test]
 fn gray_filters_below_a_front_absorb_as_glass() {
     let front = "[[display.front]]\nreflectance = 0.2\nabsorptance = 0.05\ngap_mm = 0.1\n";
@@ -167,8 +171,9 @@ fn gray_filters_below_a_front_absorb_as_glass() {
     }
 }
 
-/// Colours below a filter by paths: those of the other solver in diffuse light and a lamp, below a face that reflects, and a front; and, of
-/// mirror-like pixels below a lobe, those of glass that absorbs as much if the filter is gray.
+/// Colours below a filter by paths: those of the other solver in diffuse light and a lamp, below a face that
+/// reflects, and a front; and, of mirror-like pixels below a lobe, those of glass that absorbs as much if the
+/// filter is gray.
 #[test]
 fn colours_below_filters_are_those_of_paths() {
     let light = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.6\n[[lighting.directed]]\ntheta_deg = -35\nphi_deg = 20\nshare = 0.4\n";
@@ -208,8 +213,9 @@ fn colours_below_filters_are_those_of_paths() {
     assert!(run.is_ok_and(|run| run.views[0].states.iter().count() == 8));
 }
 
-/// Below a gray filter without gaps, mirror-like pixels are as sharp as below glass that absorbs as much, which is general layers: transfer
-/// functions within standard errors of other paths, and the contrast of lines.
+/// Below a gray filter without gaps, mirror-like pixels are as sharp as below glass that absorbs as much,
+/// which is general layers: transfer functions within standard errors of other paths, and the contrast of
+/// lines.
 #[test]
 fn sharpness_below_a_gray_filter_is_that_of_absorbing_glass() {
     let view = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
@@ -245,8 +251,8 @@ fn sharpness_below_a_gray_filter_is_that_of_absorbing_glass() {
     assert!(of("red") < 0.5 * of("white") && of("red") > 0.3 * of("white"), "{}", of("red"));
 }
 
-/// A line below a clear filter is that on paper without filter, by Fourier transforms; in colour all figures have the
-/// less gamut the higher the filter.
+/// A line below a clear filter is that on paper without filter, by Fourier transforms; in colour all figures
+/// have the less gamut the higher the filter.
 #[test]
 fn line_below_a_filter_is_that_of_paper() {
     for (thickness_mm, tolerance) in everyday(1, [(0.2, 0.01), (0.5, 0.03)]) {
@@ -294,9 +300,10 @@ fn what_is_not_computed_is_refused() {
     assert!(matches!(other, Err(DisplayError::PlacesByPaths { key, .. }) if key == "display.matrix.filter"));
 }
 
-/// Standard errors of patches by Monte Carlo, of one seed each: deviations from the mean of the seeds, which is that of adding. Black is mostly
-/// light that the face reflects: with points of low discrepancy 41 of 1024 paths were reflected in nearly all replicates, 40.96 on average,
-/// and black was up to seven of its errors off.
+/// Standard errors of patches by Monte Carlo, of one seed each: deviations from the mean of the seeds, which
+/// is that of adding. Black is mostly light that the face reflects: with points of low discrepancy 41 of 1024
+/// paths were reflected in nearly all replicates, 40.96 on average, and black was up to seven of its errors
+/// off.
 #[test]
 fn patches_by_monte_carlo_have_honest_errors_at_every_seed() {
     let parts = [&glass("fresnel", 0.3), PAPER, LIGHT, &filter(30.0, "red = 0.7, green = 0.4, blue = 0.2")];

@@ -1,4 +1,5 @@
-//! Tests of the first answers of prepared displays: their errors hold, and the exact answers do not depend on them.
+//! Tests of the first answers of prepared displays: their errors hold, and the exact answers do not depend on
+//! them.
 
 use std::sync::atomic::AtomicBool;
 
@@ -19,8 +20,8 @@ const DISPLAYS: [(&str, &[&str]); 16] = [
     ("indoor", &["display.diffuser.haze=0.2", "display.front.0.reflectance=0.02"]),
     ("indoor", &["display.diffuser.haze=0.4", "display.front.0.reflectance=0.04"]),
     ("cover-glass", &[]),
-    // Wavelengths between which first answers are interpolated, and films whose fringes are narrower than their steps: the
-    // coarser of the two levels resolves them even less, or all are computed.
+    // Wavelengths between which first answers are interpolated, and films whose fringes are narrower than
+    // their steps: the coarser of the two levels resolves them even less, or all are computed.
     ("cover-glass", &["spectrum.step_nm=5"]),
     ("rough-glass", &[]),
     ("rough-glass", &["display.layers.0.alpha=0.4", "viewer.theta_deg=60"]),
@@ -82,7 +83,8 @@ fn first_answer_is_within_its_error_of_the_exact_one() {
     assert!(firsts >= 8, "{firsts}");
 }
 
-/// The exact answer after a first one equals a single run to the last bit, also if the display was another one in between.
+/// The exact answer after a first one equals a single run to the last bit, also if the display was another
+/// one in between.
 #[test]
 fn exact_answer_does_not_depend_on_first_answers() {
     let mut prepared = prepared_for(&scene("indoor", &[])).unwrap();

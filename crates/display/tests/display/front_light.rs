@@ -36,8 +36,8 @@ fn near(what: &str, found: f64, truth: f64, tolerance: f64) {
     assert!((found / truth - 1.0).abs() < tolerance, "{what}: {found} against {truth}");
 }
 
-/// Front light crosses the front once and ambient light twice: the ratio is 1/(1 - R - A) for one component, including all
-/// inter-reflections. The reference white is not lit by the front light.
+/// Front light crosses the front once and ambient light twice: the ratio is 1/(1 - R - A) for one component,
+/// including all inter-reflections. The reference white is not lit by the front light.
 #[test]
 fn front_light_crosses_the_front_once() {
     for solver in SOLVERS {
@@ -68,7 +68,8 @@ fn front_light_with_a_distribution_equals_an_environment() {
     }
 }
 
-/// A light guide that leaks a fifth upwards adds a veil of t E_up/pi, and the part that the front reflects lights the panel.
+/// A light guide that leaks a fifth upwards adds a veil of t E_up/pi, and the part that the front reflects
+/// lights the panel.
 #[test]
 fn upward_leak_adds_the_same_veil_to_all_states() {
     for solver in SOLVERS {
@@ -90,7 +91,8 @@ fn upward_leak_adds_the_same_veil_to_all_states() {
     }
 }
 
-/// General layers: under a front that only absorbs, the luminance is that without the front times one transmittance.
+/// General layers: under a front that only absorbs, the luminance is that without the front times one
+/// transmittance.
 #[test]
 fn front_light_over_general_layers_crosses_an_absorbing_front_once() {
     let layers = |sheet: &str| {
@@ -108,8 +110,9 @@ fn front_light_over_general_layers_crosses_an_absorbing_front_once() {
     near("layers", white(&below).terms.front_light.unwrap(), 0.8 * white(&bare).Y, 1e-6);
 }
 
-/// Front light alone over a Lambertian panel without an interface: the panel reflects R E, of which the front transmits t and
-/// reflects r in each round trip: Y = t R/(1 - R r) relative to a perfect white in the front light.
+/// Front light alone over a Lambertian panel without an interface: the panel reflects R E, of which the front
+/// transmits t and reflects r in each round trip: Y = t R/(1 - R r) relative to a perfect white in the front
+/// light.
 #[test]
 fn front_light_alone_equals_the_closed_form() {
     const PAPER: &str =

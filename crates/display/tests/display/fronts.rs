@@ -1,4 +1,5 @@
-//! Sharpness with light that a front of screen returns, and in a front light: against paths, closed forms, and colours.
+//! Sharpness with light that a front of screen returns, and in a front light: against paths, closed forms,
+//! and colours.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -38,8 +39,8 @@ fn computed(scenario: &Resolved) -> MtfResult {
     mtf(&scenario.scene, &scenario.patterns, &control(&AtomicBool::new(false))).unwrap()
 }
 
-/// Compares the transfer functions of both solvers in two numbers of each frequency: deviations over their common error, which is
-/// that of paths and the stated one.
+/// Compares the transfer functions of both solvers in two numbers of each frequency: deviations over their
+/// common error, which is that of paths and the stated one.
 fn deviations(scenario: &Resolved, exact: &MtfResult, paths: u64) -> Vec<f64> {
     let wanted = [0.1, 0.5, 1.0, 2.0, 5.0].map(|f| {
         let distance = |k: &usize| (exact.frequency_per_mm[*k] - f).abs();
@@ -69,7 +70,8 @@ fn deviations(scenario: &Resolved, exact: &MtfResult, paths: u64) -> Vec<f64> {
     all
 }
 
-/// Paper and mirrors below a bare face and a front above a gap, seen obliquely, through all orders: as seen by paths.
+/// Paper and mirrors below a bare face and a front above a gap, seen obliquely, through all orders: as seen
+/// by paths.
 #[test]
 fn what_flat_fronts_return_is_seen_by_paths() {
     for pixel in [PAPER, MIRROR] {
@@ -79,8 +81,9 @@ fn what_flat_fronts_return_is_seen_by_paths() {
             let exact = computed(&scenario);
             let all = deviations(&scenario, &exact, 1 << 15);
             let worst = all.iter().copied().fold(0.0, f64::max);
-            // Where flat faces alone return light, a few random numbers move all transfers of a seed together: how many of them are beyond
-            // two errors says nothing, but their mean square is that of these few.
+            // Where flat faces alone return light, a few random numbers move all transfers of a seed
+            // together: how many of them are beyond two errors says nothing, but their mean square is that of
+            // these few.
             let mean_square = all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64;
             assert!(worst < 4.5 && mean_square < 9.0, "{pixel} {seed}: {worst}, mean square {mean_square}");
             // What is stated is a bound of the discretisation, not of the noise of paths.
@@ -89,8 +92,8 @@ fn what_flat_fronts_return_is_seen_by_paths() {
     }
 }
 
-/// Below a lobe what the front returns later is estimated, with a stated error that covers the difference from paths; the error is about
-/// the product of the reflectances.
+/// Below a lobe what the front returns later is estimated, with a stated error that covers the difference
+/// from paths; the error is about the product of the reflectances.
 #[test]
 fn what_fronts_return_through_a_lobe_is_within_its_stated_error() {
     let front = "[[display.front]]\nreflectance = 0.05\ngap_mm = 0.2\n";
@@ -105,8 +108,8 @@ fn what_fronts_return_through_a_lobe_is_within_its_stated_error() {
     }
 }
 
-/// The mean of fine stripes of paper has the mean reflectance in the place of that of a page, and pages tell what returns (Clapper, Yule);
-/// stripes as long as the light spreads are seen by paths.
+/// The mean of fine stripes of paper has the mean reflectance in the place of that of a page, and pages tell
+/// what returns (Clapper, Yule); stripes as long as the light spreads are seen by paths.
 #[test]
 fn patterns_below_fronts_have_their_limits() {
     let pattern = "[pattern]\nkind = [\"stripes\"]\nperiod_mm = [0.002, 0.9]\n";
@@ -133,7 +136,8 @@ fn patterns_below_fronts_have_their_limits() {
     }
 }
 
-/// A line below a front: darker than its page by what returns, to the solution of [`crosstalk`] with cells of its own.
+/// A line below a front: darker than its page by what returns, to the solution of [`crosstalk`] with cells of
+/// its own.
 #[test]
 fn crosstalk_below_fronts_has_the_contrast_of_lines() {
     let scenario = resolved(&[FRONT, BARE, PAPER, MATRIX, LIGHT]);
@@ -147,7 +151,8 @@ fn crosstalk_below_fronts_has_the_contrast_of_lines() {
     assert!(line < 0.8 * patch, "{line} {patch}");
 }
 
-/// A guide below a front that reflects and absorbs: by light, colours and both solvers agree; so does the light that leaks upwards.
+/// A guide below a front that reflects and absorbs: by light, colours and both solvers agree; so does the
+/// light that leaks upwards.
 #[test]
 fn front_lights_have_the_colours_of_a_run() {
     let front = "[[display.front]]\nreflectance = 0.04\nabsorptance = 0.1\ngap_mm = 0.2\n";
@@ -170,7 +175,8 @@ fn front_lights_have_the_colours_of_a_run() {
             let terms = &colours.views[0].states.get(name).unwrap().value.terms;
             let y = state.Y_via_pixel;
             let fraction = state.by_light.get("front_light").unwrap().fraction;
-            // The guide's own term has the veil of what leaks and the image of the guide in the face, the same in all states.
+            // The guide's own term has the veil of what leaks and the image of the guide in the face, the
+            // same in all states.
             let black = result.views[0].states.get("black").unwrap();
             let black_terms = &colours.views[0].states.get("black").unwrap().value.terms;
             let [own, of_black] =
@@ -193,7 +199,8 @@ fn front_lights_have_the_colours_of_a_run() {
     }
 }
 
-/// Mirrors below an ideal face and a front: one ghost, at the sum of the ways through glass and air, with the product of the reflectances.
+/// Mirrors below an ideal face and a front: one ghost, at the sum of the ways through glass and air, with the
+/// product of the reflectances.
 #[test]
 fn front_above_a_clear_face_has_one_ghost_at_a_known_place() {
     let scenario = resolved(&[FRONT, COATED, MIRROR, LIGHT, "[viewer]\ntheta_deg = 40\nfield_deg = 0\n"]);

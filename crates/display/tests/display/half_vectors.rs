@@ -45,8 +45,9 @@ fn values_on_half_vectors_equal_those_of_a_table() {
             let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
             let table = brdf(&scene, grid, &control).unwrap();
             let start = (first + number) * bins;
-            // The target is that of the luminous BRDF, not that of each wavelength. Far from the lobe of a panel, where its level is not
-            // tested, the error of `indoor` is 1 % of the value, or 1.5e-5 of the peak.
+            // The target is that of the luminous BRDF, not that of each wavelength. Far from the lobe of a
+            // panel, where its level is not tested, the error of `indoor` is 1 % of the value, or 1.5e-5 of
+            // the peak.
             let mean = |values: &[f32]| values.iter().map(|f| f64::from(*f)).sum::<f64>() / bins as f64;
             let (a, b) = (mean(&found.states[0].brdf[start..start + bins]), mean(&table.states[0].brdf));
             let peak = f64::from(found.states[0].brdf.iter().copied().fold(0.0, f32::max));

@@ -1,5 +1,5 @@
-//! Tests of the standard errors of the Monte Carlo solver, including those of derived metrics: over many seeds, the
-//! deviations from a long run follow the distribution that the errors imply.
+//! Tests of the standard errors of the Monte Carlo solver, including those of derived metrics: over many
+//! seeds, the deviations from a long run follow the distribution that the errors imply.
 use crate::common::{run, run_on, walked};
 use papilio_display::result::{RunResult, View};
 

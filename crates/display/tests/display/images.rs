@@ -49,7 +49,8 @@ fn a_picture_is_the_sum_of_those_in_each_light() {
     let held = control(|control| HeldPicture::new(&both, &ramp(), &settings, control));
     let whole = control(|control| image(&both, &ramp(), &settings, Screen::default(), control));
     assert_eq!(held.states, whole.states);
-    // The linear picture is the one on the screen, before it is encoded: adapted to the light, which is not D65.
+    // The linear picture is the one on the screen, before it is encoded: adapted to the light, which is not
+    // D65.
     let encoded = |linear: f32| match linear.clamp(0.0, 1.0) {
         dark if dark <= 0.003_130_8 => 12.92 * dark,
         light => 1.055 * light.powf(1.0 / 2.4) - 0.055,
@@ -85,7 +86,8 @@ fn a_picture_is_the_sum_of_those_in_each_light() {
     }
 }
 
-/// Lights of earlier scenes give what a computation without them gives, whichever light, illuminance, lamp or view has changed.
+/// Lights of earlier scenes give what a computation without them gives, whichever light, illuminance, lamp or
+/// view has changed.
 #[test]
 fn known_lights_give_the_same_pictures() {
     let front = "[lighting.front_light]\nilluminance_lx = 40\nspectrum = \"LED-B3\"\n";
@@ -122,8 +124,8 @@ fn known_lights_give_the_same_pictures() {
     assert_ne!(series[0].lights[1].pixels, series[2].lights[1].pixels);
 }
 
-/// Below a diffuser the transform of a picture is kept: other lights, views, lobes and margins give what a computation without it gives,
-/// and another picture of the same size is not taken for the first.
+/// Below a diffuser the transform of a picture is kept: other lights, views, lobes and margins give what a
+/// computation without it gives, and another picture of the same size is not taken for the first.
 #[test]
 fn known_transforms_give_the_same_pictures() {
     let lit = |light: &str, view: &str, diffuser: &str| scene(&[diffuser, MATRIX, MIRROR, light, view]);
@@ -184,8 +186,8 @@ fn uniform_pictures_have_the_colours_of_pages() {
     }
 }
 
-/// Stripes below a lobe, seen at the middle of their pixels: sums of the edge spread of `mtf`, which has no cells. A black mask takes what
-/// the first column would see beyond its border.
+/// Stripes below a lobe, seen at the middle of their pixels: sums of the edge spread of `mtf`, which has no
+/// cells. A black mask takes what the first column would see beyond its border.
 #[test]
 fn stripes_below_a_diffuser_are_sums_of_the_edge_spread() {
     let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
@@ -232,8 +234,8 @@ fn stripes_below_a_diffuser_are_sums_of_the_edge_spread() {
     assert!(lost > 0.01 && off.abs() < 2e-3 * page("white"), "{middle} {edge} {lost}");
 }
 
-/// A uniform page before an eye at a distance: its corners and its middle have the colours of `run` in their own directions, and so has, within
-/// the stated error, a place between them.
+/// A uniform page before an eye at a distance: its corners and its middle have the colours of `run` in their
+/// own directions, and so has, within the stated error, a place between them.
 #[test]
 fn each_part_of_a_panel_is_seen_in_its_own_direction() {
     let matrix = "[display.matrix]\npitch_um = 10000\npixels = [9, 13]\n";
@@ -267,7 +269,8 @@ fn from_pixel(display: &Scene, size: [usize; 2], [column, row]: [usize; 2], pitc
     there
 }
 
-/// A lamp with a radius has its image in the face and in mirrors at the places where a page seen in that direction has it, and nowhere else.
+/// A lamp with a radius has its image in the face and in mirrors at the places where a page seen in that
+/// direction has it, and nowhere else.
 #[test]
 fn lamps_have_their_images_at_their_places() {
     let matrix = "[display.matrix]\npitch_um = 10000\npixels = [9, 13]\n";
@@ -290,7 +293,8 @@ fn lamps_have_their_images_at_their_places() {
             }
             let page = crate::common::run(&there).unwrap().views[0].states.get("white").unwrap().value.Y;
             let seen = f64::from(found.seen[row * 9 + column][1]);
-            // The image has the reflectance in the direction of its middle, 23 deg: that of glass at 27 deg is larger by 1 %, its light by 0.6 %.
+            // The image has the reflectance in the direction of its middle, 23 deg: that of glass at 27 deg
+            // is larger by 1 %, its light by 0.6 %.
             *(if away_deg < 4.0 { &mut bright } else { &mut dark }) += 1;
             assert!(
                 (seen - page).abs() < 1e-2 * page + found.numbers.error,
@@ -310,8 +314,8 @@ fn lamps_have_their_images_at_their_places() {
     }
 }
 
-/// The images of lamps do not depend on the halftone. Collimated light is drawn as a disc with the illuminance of the lamp: E/(pi sin^2 r cos theta)
-/// times what the display mirrors.
+/// The images of lamps do not depend on the halftone. Collimated light is drawn as a disc with the
+/// illuminance of the lamp: E/(pi sin^2 r cos theta) times what the display mirrors.
 #[test]
 fn lamps_are_those_of_a_halftone_without_one() {
     let viewer = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
@@ -410,8 +414,8 @@ impl Pattern for Repeated<'_> {
     }
 }
 
-/// Two methods: each pixel of a random picture of three states as a sum over kernels, or through all orders below a flat face, and by
-/// paths over the actual pattern. In `cargo xtask full` with 64 x 64 pixels.
+/// Two methods: each pixel of a random picture of three states as a sum over kernels, or through all orders
+/// below a flat face, and by paths over the actual pattern. In `cargo xtask full` with 64 x 64 pixels.
 #[test]
 fn pictures_are_those_of_paths() {
     everyday(1, [12, 64]).for_each(assert_picture_is_that_of_paths);
@@ -420,7 +424,8 @@ fn pictures_are_those_of_paths() {
 /// Glass, a diffuser and glass.
 const LAYERED: &str = "[[display.layers]]\nkind = \"medium\"\nindex = 1.5\nthickness_mm = 0.4\n[[display.layers]]\nkind = \"diffuser\"\nmodel = \"k-correlation\"\nwidth = 0.05\ntransmittance = 0.9\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\nthickness_mm = 0.3\n";
 
-/// Y of each pixel, and its error: by the sum over all lights, or of a picture in all light, whose kernels may be those of paths.
+/// Y of each pixel, and its error: by the sum over all lights, or of a picture in all light, whose kernels
+/// may be those of paths.
 fn seen_of(held: &HeldPicture, display: &Scene, in_all_light: bool) -> (Vec<f32>, f64) {
     if !in_all_light {
         let factors = control(|control| held.factors(display, control));

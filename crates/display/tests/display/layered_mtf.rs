@@ -1,4 +1,5 @@
-//! Sharpness below general layers by adding, from the scenario to the result: known values, and what is refused.
+//! Sharpness below general layers by adding, from the scenario to the result: known values, and what is
+//! refused.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -45,7 +46,8 @@ fn computed(resolved: &Resolved) -> Result<MtfResult, DisplayError> {
     mtf(&resolved.scene, &resolved.patterns, &control)
 }
 
-/// Modulation transfer of white along x and y at the frequency of the list that is nearest, and that frequency.
+/// Modulation transfer of white along x and y at the frequency of the list that is nearest, and that
+/// frequency.
 fn at(result: &MtfResult, frequency: f64) -> ([[f64; 2]; 2], f64) {
     let distance = |k: &usize| (result.frequency_per_mm[*k] - frequency).abs();
     let all = 0..result.frequency_per_mm.len();
@@ -54,7 +56,8 @@ fn at(result: &MtfResult, frequency: f64) -> ([[f64; 2]; 2], f64) {
     ([white.otf.otf_x[k], white.otf.otf_y[k]], result.frequency_per_mm[k])
 }
 
-/// A lobe over a mirror as layers: the numbers of an independent radial integral (numpy), as of the ordinary panel.
+/// A lobe over a mirror as layers: the numbers of an independent radial integral (numpy), as of the ordinary
+/// panel.
 #[test]
 fn lobe_as_a_layer_has_known_modulation_transfer() {
     let lobe = lobe(0.05667, 0.0);
@@ -101,7 +104,8 @@ fn numbers(result: &MtfResult) -> Vec<(String, f64, f64)> {
     known.chain(text).chain(patterns).chain(n).collect()
 }
 
-/// Places, lines, text and patterns of paper below layers are those of the ordinary panel, which another method computes.
+/// Places, lines, text and patterns of paper below layers are those of the ordinary panel, which another
+/// method computes.
 #[test]
 fn paper_below_layers_has_numbers_of_panel() {
     let pattern = "[pattern]\ntext = \"it\"\nkind = [\"stripes\", \"checkerboard\"]\non = \"white\"\noff = \"black\"\nperiod_mm = [0.5, 4.0]\n";

@@ -1,5 +1,5 @@
-//! Views at which two levels of adding agree by chance: the difference of the levels changes its sign between two views, and says
-//! nothing about the error where it vanishes. The stated error must hold there, too.
+//! Views at which two levels of adding agree by chance: the difference of the levels changes its sign between
+//! two views, and says nothing about the error where it vanishes. The stated error must hold there, too.
 
 use crate::common::{run, scenario};
 

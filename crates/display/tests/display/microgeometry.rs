@@ -13,7 +13,8 @@ use papilio_testing::{everyday, sized};
 
 use crate::common::{prepared_for, run};
 
-/// Luminance factors of white by view with their standard and discretisation errors, in a light and above a paper of a reflectance.
+/// Luminance factors of white by view with their standard and discretisation errors, in a light and above a
+/// paper of a reflectance.
 fn factors(layers: &str, reflectance: f64, light: &str, method: &str) -> Vec<(f64, f64, f64)> {
     whites(&run(&scene(1e-3, layers, reflectance, light, method)).unwrap())
 }
@@ -47,7 +48,8 @@ fn face(keys: &str) -> String {
 const DIFFUSE: &str = "spectrum = \"E\"\ndiffuse = 1";
 const LAMP: &str = "spectrum = \"E\"\n[[lighting.directed]]\ntheta_deg = -40\nshare = 1";
 
-/// Scenes in both lights: what takes long, the scattering of their face, is computed once, and kept by `Prepared` for other lights and papers.
+/// Scenes in both lights: what takes long, the scattering of their face, is computed once, and kept by
+/// `Prepared` for other lights and papers.
 struct Faced {
     scene: Scene,
     prepared: Prepared,
@@ -90,7 +92,8 @@ impl Faced {
     }
 }
 
-/// Both solvers agree below hemispheres, from which much light is trapped in the glass; a white paper returns all light.
+/// Both solvers agree below hemispheres, from which much light is trapped in the glass; a white paper returns
+/// all light.
 #[test]
 fn both_solvers_agree_below_a_face() {
     let hemispheres = face("surface = \"hemispheres.toml\"\nrays = 640");
@@ -106,7 +109,8 @@ fn both_solvers_agree_below_a_face() {
     for dense in [&etched, &hemispheres].map(|face| format!("{etched}{}{face}", medium(1.3))) {
         Faced::new(1e-3, &dense, 1.0, DIFFUSE).assert_furnace(1e-6);
     }
-    // Dents of a glass above a gap of air; and bumps below such a gap, which turns back all light beyond |beta| = 1.
+    // Dents of a glass above a gap of air; and bumps below such a gap, which turns back all light beyond
+    // |beta| = 1.
     let upside_down = format!(
         "[[display.layers]]\nkind = \"fresnel\"\n{}{hemispheres}{}[[display.layers]]\nkind = \"fresnel\"\n",
         medium(1.5),
@@ -140,9 +144,10 @@ fn a_flat_face_is_that_of_fresnel() {
     }
 }
 
-/// An etched face of rms slope 0.05 sqrt(2) is roughness of alpha = 2 rms/correlation = 0.1, but for the bands of 2.5 deg, by which its kernel
-/// widens lobes: in diffuse light within 1 % (its heights are correlated, those of roughness are not), on the flank of
-/// the mirror image of a lamp within 8 % (5.6 % at 60 deg; with bands half as wide, 1.2 %, by Monte Carlo within 0.2 %).
+/// An etched face of rms slope 0.05 sqrt(2) is roughness of alpha = 2 rms/correlation = 0.1, but for the
+/// bands of 2.5 deg, by which its kernel widens lobes: in diffuse light within 1 % (its heights are
+/// correlated, those of roughness are not), on the flank of the mirror image of a lamp within 8 % (5.6 % at
+/// 60 deg; with bands half as wide, 1.2 %, by Monte Carlo within 0.2 %).
 #[test]
 fn an_etched_face_is_roughness() {
     let etched = face("surface = \"etched.toml\"\nrays = 6400");
@@ -155,9 +160,10 @@ fn an_etched_face_is_roughness() {
     }
 }
 
-/// The same slopes at four times the height, by waves: the square of the rms phase is 130 and more, and the lobes are those of the slopes. Waves
-/// have the phases of light along the normal: the lamp is at -10 deg, and views on both flanks of its mirror image agree within 3 %. From -40
-/// deg, whose mirror image is narrower by its cosine, they differ by 9 %.
+/// The same slopes at four times the height, by waves: the square of the rms phase is 130 and more, and the
+/// lobes are those of the slopes. Waves have the phases of light along the normal: the lamp is at -10 deg,
+/// and views on both flanks of its mirror image agree within 3 %. From -40 deg, whose mirror image is
+/// narrower by its cosine, they differ by 9 %.
 #[test]
 fn a_high_gaussian_face_by_waves_is_roughness() {
     let folder = tempfile::tempdir().unwrap();
@@ -177,7 +183,8 @@ fn a_high_gaussian_face_by_waves_is_roughness() {
     }
 }
 
-/// A face by waves loses nothing at any wavelength, both solvers agree on the light beside the mirror image of a lamp.
+/// A face by waves loses nothing at any wavelength, both solvers agree on the light beside the mirror image
+/// of a lamp.
 #[test]
 fn a_face_by_waves_colours_the_light() {
     let hazy = face("surface = \"hazy.toml\"\nrms_nm = 900");
@@ -191,8 +198,9 @@ fn a_face_by_waves_colours_the_light() {
     faced.assert_solvers_agree(sized(7e-3, 4e-3), 1e-4);
 }
 
-/// Mirror images of light along the normal, in closed form: by waves, the squares of the rms phases are (4 pi n s/lambda)^2 in reflection, n being
-/// the index of the side of the light, and (2 pi (n2 - n1) s/lambda)^2 in transmission. No lobe of this face is narrow enough to count as straight.
+/// Mirror images of light along the normal, in closed form: by waves, the squares of the rms phases are (4 pi
+/// n s/lambda)^2 in reflection, n being the index of the side of the light, and (2 pi (n2 - n1) s/lambda)^2
+/// in transmission. No lobe of this face is narrow enough to count as straight.
 #[test]
 fn mirror_images_behind_a_face_by_waves_are_those_of_screens() {
     let folder = tempfile::tempdir().unwrap();
@@ -222,8 +230,8 @@ fn mirror_images_behind_a_face_by_waves_are_those_of_screens() {
     }
 }
 
-/// A surface is measured when a scene is prepared, not when it is read: with progress, once for all scenes that have it, and until it is
-/// stopped.
+/// A surface is measured when a scene is prepared, not when it is read: with progress, once for all scenes
+/// that have it, and until it is stopped.
 #[test]
 fn surfaces_are_measured_once_in_preparation_with_progress_and_stop() {
     // A pitch of its own: other tests measure this surface, too.

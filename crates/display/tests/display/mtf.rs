@@ -78,8 +78,8 @@ fn lobe_has_known_modulation_transfer() {
     assert_eq!((black.scalars.f50_x_per_mm, black.scalars.r50_um), (None, None));
 }
 
-/// A narrow lobe has the closed forms of small angles, but for the light beyond the hemisphere, a fraction of about its width:
-/// exp(-2 pi f c), a Cauchy line, half of the light within sqrt(3) c.
+/// A narrow lobe has the closed forms of small angles, but for the light beyond the hemisphere, a fraction of
+/// about its width: exp(-2 pi f c), a Cauchy line, half of the light within sqrt(3) c.
 #[test]
 fn narrow_lobe_has_closed_forms() {
     let b = 0.02;
@@ -170,13 +170,15 @@ fn checkerboards_have_the_limits_of_stripes() {
     assert!(means[3] < means[1] && means[3] > means[2], "{means:?}");
 }
 
-/// Lines and text: white lines on black lose more than black ones on white; text has the contrast of black lines.
+/// Lines and text: white lines on black lose more than black ones on white; text has the contrast of black
+/// lines.
 #[test]
 fn lines_and_text_have_the_contrast_of_their_surround() {
     let result = computed(&[&glass("fresnel", 0.7), MATRIX, &paper(0.45, 0.03), DIFFUSE]).unwrap();
     let view = &result.views[0];
     let via = view.line_contrast_via_pixel;
-    // Far from all else white has 0.7316 of its page, black 1.0 of its own page, which returns nearly nothing.
+    // Far from all else white has 0.7316 of its page, black 1.0 of its own page, which returns nearly
+    // nothing.
     let page = |rho: f64| rho / (1.0 - rho * 0.596_346);
     let line =
         (0.45 / (1.0 - 0.03 * 0.596_346) - page(0.03)) / (0.45 / (1.0 - 0.03 * 0.596_346) + page(0.03));
@@ -188,7 +190,8 @@ fn lines_and_text_have_the_contrast_of_their_surround() {
     near("text", view.text_contrast_median_via_pixel.unwrap(), via.black_1_x.unwrap(), 0.02);
 }
 
-/// Air in the place of the glass: the same forms with an index of 1. Angles that are not refracted have no places.
+/// Air in the place of the glass: the same forms with an index of 1. Angles that are not refracted have no
+/// places.
 #[test]
 fn lobe_above_air_has_closed_forms() {
     let b = 0.02;
@@ -207,9 +210,9 @@ fn lobe_above_air_has_closed_forms() {
     assert!(matches!(error, DisplayError::NoRefraction), "{error}");
 }
 
-/// Below glass that is much thinner than a pixel, recycled light returns to its own place: lines and strokes have the contrast of pages,
-/// rho (1 - r)/(1 - rho r) each. Between, the contrast of text is that of cells that follow the thickness, of a program without a bound of
-/// their number.
+/// Below glass that is much thinner than a pixel, recycled light returns to its own place: lines and strokes
+/// have the contrast of pages, rho (1 - r)/(1 - rho r) each. Between, the contrast of text is that of cells
+/// that follow the thickness, of a program without a bound of their number.
 #[test]
 fn lines_and_text_below_thin_glass_have_the_contrast_of_pages() {
     let contrast = |thickness_mm: f64| {
@@ -300,8 +303,8 @@ fn grazing_view_is_finite() {
     assert!(result.error_reached < 0.05);
 }
 
-/// The mean of the spread is the colour of `run`, to the error of two quadratures. Without a diffuser only the transmittance of the face
-/// for diffuse light is integrated, at two levels.
+/// The mean of the spread is the colour of `run`, to the error of two quadratures. Without a diffuser only
+/// the transmittance of the face for diffuse light is integrated, at two levels.
 #[test]
 fn mean_of_the_spread_is_the_colour() {
     let beam = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.4\n[[lighting.directed]]\ntheta_deg = -35\nphi_deg = 20\nshare = 0.6\n";
@@ -320,8 +323,8 @@ fn mean_of_the_spread_is_the_colour() {
     }
 }
 
-/// A bare face over mirror-like stripes: <rho rho'> of the second order is 0.18045, 0.099225 and 0.018 at shifts of 0, 1/4 and 1/2 of the period; and
-/// the mean is that of paths.
+/// A bare face over mirror-like stripes: <rho rho'> of the second order is 0.18045, 0.099225 and 0.018 at
+/// shifts of 0, 1/4 and 1/2 of the period; and the mean is that of paths.
 #[test]
 fn stripes_of_mirrors_beat_with_their_images() {
     let [theta, index, thickness] = [50.0_f64, 1.5_f64, 0.3];

@@ -69,8 +69,8 @@ fn of_column(table: &SpreadTable, pitch_um: f64, away: f64) -> f64 {
     (after - before) / pitch_um
 }
 
-/// Lines and stripes that differ little from their page change its light by as much as the spread of the page says, for every top,
-/// pixel, front, thickness and light that both commands know.
+/// Lines and stripes that differ little from their page change its light by as much as the spread of the page
+/// says, for every top, pixel, front, thickness and light that both commands know.
 #[test]
 fn figures_of_crosstalk_follow_from_the_spread_of_mtf() {
     let mut all = Vec::new();

@@ -51,8 +51,8 @@ fn uniform_pictures_are_pages_of_a_run() {
     }
 }
 
-/// Below glass that is much thinner than a pixel each pixel is a page of its own, and a picture needs few cells; at all thicknesses
-/// the stated error holds against smaller cells.
+/// Below glass that is much thinner than a pixel each pixel is a page of its own, and a picture needs few
+/// cells; at all thicknesses the stated error holds against smaller cells.
 #[test]
 fn pixels_below_thin_glass_are_pages() {
     let view = "[viewer]\ntheta_deg = 8\nfield_deg = 0\n";
@@ -89,8 +89,8 @@ fn pixels_below_thin_glass_are_pages() {
     }
 }
 
-/// Every second column black: the contrast of both columns is that of `crosstalk`, which solves stripes by other cells. The error of a
-/// fast picture is as large as it says.
+/// Every second column black: the contrast of both columns is that of `crosstalk`, which solves stripes by
+/// other cells. The error of a fast picture is as large as it says.
 #[test]
 fn columns_have_the_contrast_of_stripes() {
     let display = resolved(&[GLASS, MATRIX, PAPER, LIGHT, "[viewer]\ntheta_deg = 8\nfield_deg = 0\n"]);
@@ -109,7 +109,8 @@ fn columns_have_the_contrast_of_stripes() {
     assert!(off < 1e-3 && off < 3.0 * fast.error + 1e-5, "{off} {}", fast.error);
 }
 
-/// A front light. What is seen of grey states is linear in their light: uniform pages determine the line, and pages are those of paths.
+/// A front light. What is seen of grey states is linear in their light: uniform pages determine the line, and
+/// pages are those of paths.
 #[test]
 fn front_light_brightens_pictures_as_pages() {
     let view = "[viewer]\ntheta_deg = 8\nfield_deg = 0\n";

@@ -1,4 +1,5 @@
-//! Pictures with several samples in each pixel: sub-pixels at their places, with their colours, and as crosstalk has them.
+//! Pictures with several samples in each pixel: sub-pixels at their places, with their colours, and as
+//! crosstalk has them.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -55,7 +56,8 @@ fn mean(found: &ImageResult, columns: std::ops::Range<usize>, rows: std::ops::Ra
     samples.map(|at| f64::from(found.seen[at][1])).sum::<f64>() / count
 }
 
-/// Without a diffuser, each sample has the colour of a display with that sub-pixel alone, and the pixel is the right way up.
+/// Without a diffuser, each sample has the colour of a display with that sub-pixel alone, and the pixel is
+/// the right way up.
 #[test]
 fn samples_of_bare_panels_are_sub_pixels() {
     let matrix = "[display.matrix]\nppi = 150\nsubpixel = { red = [[0, 0, 0.5, 0.5]], green = [[0.5, 0, 1, 1]], blue = [[0, 0.5, 0.5, 1]] }\n";

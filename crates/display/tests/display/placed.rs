@@ -36,7 +36,8 @@ fn uniform_states_have_the_colours_of_a_run() {
     }
 }
 
-/// A lamp makes a double image: less contrast along the plane of incidence than across it, where the phase has no sign.
+/// A lamp makes a double image: less contrast along the plane of incidence than across it, where the phase
+/// has no sign.
 #[test]
 fn transfer_of_a_lamp_is_lower_along_its_plane() {
     let resolved = scenario("matrix", &["lighting.diffuse=0.0", "lighting.directed.0.share=1.0"]).unwrap();
@@ -54,8 +55,8 @@ fn transfer_of_a_lamp_is_lower_along_its_plane() {
     assert!(sideways.value.abs() < 5.0 * sideways.standard_error + 1e-9, "{sideways:?}");
 }
 
-/// Two methods: the transfer of `papilio mtf` and that of paths, in mixed light; the kernel of the first order of a mirror-like pixel,
-/// and the response of paper to small changes.
+/// Two methods: the transfer of `papilio mtf` and that of paths, in mixed light; the kernel of the first
+/// order of a mirror-like pixel, and the response of paper to small changes.
 #[test]
 fn transfer_by_paths_equals_that_of_the_deterministic_solver() {
     for (name, overrides, recycled) in
@@ -98,7 +99,8 @@ fn what_has_no_place_is_refused() {
     );
 }
 
-/// All numbers of `papilio mtf` by both solvers: within their errors, and 1e-3 for what is interpolated between other places.
+/// All numbers of `papilio mtf` by both solvers: within their errors, and 1e-3 for what is interpolated
+/// between other places.
 #[test]
 fn sharpness_by_paths_has_the_numbers_of_the_deterministic_solver() {
     let stop = AtomicBool::new(false);

@@ -1,5 +1,5 @@
-//! Tests of prepared displays: their results are bit-identical to those of single runs, independently of earlier
-//! scenes and of the number of threads.
+//! Tests of prepared displays: their results are bit-identical to those of single runs, independently of
+//! earlier scenes and of the number of threads.
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::common::{prepared_for, run_on, scenario};

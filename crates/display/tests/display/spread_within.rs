@@ -1,4 +1,5 @@
-//! Light that spreads inside Lambertian pixels: closed forms, both solvers, halftones; inks that were measured through a face.
+//! Light that spreads inside Lambertian pixels: closed forms, both solvers, halftones; inks that were
+//! measured through a face.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -57,8 +58,8 @@ fn inside(frequency: f64, s: f64) -> f64 {
     1.0 / (1.0 + (2.0 * std::f64::consts::PI * frequency * s).powi(2))
 }
 
-/// Without any glass a small change of the state has (1 + P)/2: half of the light has met it on its way out. Under glass the light that
-/// the face returns (known values of A) passes the pixel in the same way.
+/// Without any glass a small change of the state has (1 + P)/2: half of the light has met it on its way out.
+/// Under glass the light that the face returns (known values of A) passes the pixel in the same way.
 #[test]
 fn small_changes_of_the_state_have_known_transfer() {
     let bare = sharpness(&[AIR, MATRIX, &paper(30.0), DIFFUSE, VIEW]).unwrap();
@@ -91,7 +92,8 @@ fn vanishing_spread_changes_nothing() {
     near("line", contrast(&little), contrast(&none), 2e-3);
 }
 
-/// Paths and frequencies agree: a small change, lines, halftones, below glass and a front that reflects light.
+/// Paths and frequencies agree: a small change, lines, halftones, below glass and a front that reflects
+/// light.
 #[test]
 fn paths_agree_with_frequencies() {
     let pattern = "[pattern]\nperiod_mm = [0.1, 0.4]\nkind = [\"stripes\"]\n";
@@ -182,7 +184,8 @@ fn pictures_have_means_of_patterns() {
     }
 }
 
-/// Inks that were measured through a face, below the same face, give the measured values back: by adding and by paths.
+/// Inks that were measured through a face, below the same face, give the measured values back: by adding and
+/// by paths.
 #[test]
 fn inks_below_the_face_give_the_measured_values_back() {
     let pixel = |specular: &str| {
@@ -198,7 +201,8 @@ fn inks_below_the_face_give_the_measured_values_back() {
             let run = common::run(&display.scene).unwrap();
             for (name, measured) in [("white", 0.4), ("grey", 0.18), ("black", 0.06)] {
                 let state = run.views[0].states.get(name).unwrap();
-                // An instrument that excludes the specular component does not see the image of the room in the face.
+                // An instrument that excludes the specular component does not see the image of the room in
+                // the face.
                 let tolerance = if solver.is_empty() { 2e-5 } else { 5.0 * state.standard_error.Y + 1e-5 };
                 near(name, state.value.Y - front, measured, tolerance);
             }

@@ -7,11 +7,11 @@ use papilio_display::palette::Palette;
 
 use crate::common::{run, scenario};
 
-/// Values of a separate program for the bare pixel at 8 deg in D65: white and black of the display, adaptation by CAT16. Outside of 0 to 1
-/// are colours that the display cannot show.
+/// Values of a separate program for the bare pixel at 8 deg in D65: white and black of the display,
+/// adaptation by CAT16. Outside of 0 to 1 are colours that the display cannot show.
 ///
-/// Its X, Y, Z of the states had four decimals: coverages are off by up to 0.002 of the largest. Neutral colours have equal coverages exactly:
-/// those of grey 128 are 0.21586, and not 0.217 0.216 0.217.
+/// Its X, Y, Z of the states had four decimals: coverages are off by up to 0.002 of the largest. Neutral
+/// colours have equal coverages exactly: those of grey 128 are 0.21586, and not 0.217 0.216 0.217.
 const COVERAGES: [([u8; 3], [f64; 3]); 8] = [
     ([255, 255, 255], [1.0, 1.0, 1.0]),
     ([128, 128, 128], [0.217, 0.216, 0.217]),

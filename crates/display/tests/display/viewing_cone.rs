@@ -32,7 +32,8 @@ fn seen_against(
     cone(scene, grid, &Control { threads: Some(threads), progress: &|_| {}, stop: &stop }).unwrap()
 }
 
-/// Outside the measured directions there are no values, even if the front reflects light; inside they are not affected.
+/// Outside the measured directions there are no values, even if the front reflects light; inside they are not
+/// affected.
 #[test]
 fn cone_outside_the_measured_directions_has_no_values() {
     let sets = [
@@ -57,7 +58,8 @@ fn cone_outside_the_measured_directions_has_no_values() {
         "{:?}",
         found.warnings
     );
-    // Extrapolated lobes, lobes below another diffuser, and other forms of diffusers are known in all directions.
+    // Extrapolated lobes, lobes below another diffuser, and other forms of diffusers are known in all
+    // directions.
     let held = scenario("measured-h65", &["spectrum.step_nm=20"]).unwrap().scene;
     let everywhere = seen(&held, &[0.0, 89.0], &[0.0], 1);
     assert!(everywhere.views.iter().all(|view| view.contrast_ratio.is_some()));
@@ -92,7 +94,8 @@ fn direction_of_the_cone_equals_a_run_with_that_view() {
                 let lab = state.lab.unwrap();
                 let exact = [exact.value.L_star, exact.value.a_star, exact.value.b_star];
                 for (here, there) in [lab.l, lab.a, lab.b].into_iter().zip(exact) {
-                    // L* varies by 116/3 of the relative error of Y, a* and b* by 500/3 and 200/3 of those of X, Y and Z.
+                    // L* varies by 116/3 of the relative error of Y, a* and b* by 500/3 and 200/3 of those of
+                    // X, Y and Z.
                     assert!((here - there.unwrap()).abs() < 1000.0 * target, "{name} {k}: {here} {there:?}");
                 }
             }
@@ -215,8 +218,9 @@ fn run_with_a_beam_equals_the_bsdf() {
     }
 }
 
-/// A rough interface at grazing incidence: the lobe in the mirror direction is the kernel of the interface, and the contribution
-/// of the white pixel below is less than its reflectance. The rows have errors, and rows above the limit are refused.
+/// A rough interface at grazing incidence: the lobe in the mirror direction is the kernel of the interface,
+/// and the contribution of the white pixel below is less than its reflectance. The rows have errors, and rows
+/// above the limit are refused.
 #[test]
 fn bsdf_of_a_rough_interface_at_grazing_incidence_equals_its_kernel() {
     let sets = ["spectrum.step_nm=80", "display.layers.0.alpha=0.35", "display.pixel.reflectance.white=0.7"];
@@ -246,7 +250,8 @@ fn bsdf_of_a_rough_interface_at_grazing_incidence_equals_its_kernel() {
     assert!(table.allowing(Some(0.1)).is_ok());
 }
 
-/// The colour of each state is compared with its own in the reference direction, by formulas of the reported L*, a*, b*.
+/// The colour of each state is compared with its own in the reference direction, by formulas of the reported
+/// L*, a*, b*.
 #[test]
 fn colours_of_the_cone_are_compared_with_the_reference_direction() {
     for white in ["perfect", "display"] {

@@ -9,7 +9,8 @@ use crate::svg::{Anchor, Stroke, Svg, Text};
 /// Largest number of bins; more would be too narrow to see.
 const MAX_BINS: usize = 200;
 
-/// Draws the histogram of a metric (its label) with its limits, which are edges of bins. Returns `None` if no value is defined.
+/// Draws the histogram of a metric (its label) with its limits, which are edges of bins. Returns `None` if no
+/// value is defined.
 pub fn histogram(metric: &str, values: &[f64], ends: Ends, title: &str) -> Option<String> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
@@ -45,7 +46,8 @@ struct Bins {
 }
 
 impl Bins {
-    /// Sorts ascending values into bins. A bin holds only displays that meet the limits, or only displays that do not.
+    /// Sorts ascending values into bins. A bin holds only displays that meet the limits, or only displays
+    /// that do not.
     fn of(sorted: &[f64], ends: Ends) -> Option<Self> {
         let (low, high) = (*sorted.first()?, *sorted.last()?);
         let (edge, width) = aligned([low, high], bin_width(sorted), ends);
@@ -67,8 +69,8 @@ impl Bins {
         self.first + (index as f64 + 0.5) * self.width
     }
 
-    /// Returns the index of the bin of a value. A value that rounding places on the wrong side of a limit is moved to the
-    /// right side.
+    /// Returns the index of the bin of a value. A value that rounding places on the wrong side of a limit is
+    /// moved to the right side.
     fn holding(&self, value: f64, ends: Ends) -> usize {
         let index = ((value - self.first) / self.width) as usize;
         match (ends.meets(value) == ends.meets(self.middle(index)), value > self.middle(index)) {
@@ -121,7 +123,8 @@ fn limits(svg: &mut Svg, panel: &Panel, ends: Ends) {
 mod tests {
     use super::*;
 
-    /// Every display is in exactly one bin, and the bins outside the limits hold exactly the displays that miss them.
+    /// Every display is in exactly one bin, and the bins outside the limits hold exactly the displays that
+    /// miss them.
     #[test]
     fn limits_are_edges_of_bins() {
         let mut values: Vec<f64> = (0..1000).map(|i| (f64::from(i) * 0.7).sin()).collect();

@@ -9,8 +9,8 @@ use crate::svg::{Stroke, Svg, finite};
 /// Largest number of marks; more would cover each other.
 const MAX_MARKS: usize = 3000;
 
-/// Draws the displays of a tolerance analysis over two keys, in one colour if they meet all limits and in another if not.
-/// `points` holds the values of both keys, and whether the display meets all limits.
+/// Draws the displays of a tolerance analysis over two keys, in one colour if they meet all limits and in
+/// another if not. `points` holds the values of both keys, and whether the display meets all limits.
 pub fn pass_fail_scatter(keys: [&str; 2], points: &[([f64; 2], bool)], title: &str) -> String {
     let along = |k: usize| points.iter().map(move |(at, _)| at[k]);
     let x = Axis::covering(along(0), 8, keys[0]);

@@ -1,4 +1,5 @@
-//! Figures of a tolerance analysis: distribution of metrics, sensitivities to keys, displays that pass and fail.
+//! Figures of a tolerance analysis: distribution of metrics, sensitivities to keys, displays that pass and
+//! fail.
 
 mod histogram;
 mod keys;

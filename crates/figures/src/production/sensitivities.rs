@@ -9,7 +9,8 @@ use crate::svg::{Anchor, Stroke, Svg, Text, shortened, text_width};
 /// Colours of first-order and total-order indices.
 const FIRST: &str = "#5b8fc4";
 const TOTAL: &str = "#c3d7ea";
-/// Least and largest width of the names of groups, which is that of the longest, height of the row of a group and width of the panel, px.
+/// Least and largest width of the names of groups, which is that of the longest, height of the row of a group
+/// and width of the panel, px.
 const NAMES: [f64; 2] = [190.0, 480.0];
 const ROW: f64 = 22.0;
 const WIDTH: f64 = 420.0;

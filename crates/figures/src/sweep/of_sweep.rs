@@ -1,4 +1,5 @@
-//! Figures of a sweep: each metric over the last axis, with a curve for each value of the axis before it, and as a map.
+//! Figures of a sweep: each metric over the last axis, with a curve for each value of the axis before it, and
+//! as a map.
 
 use papilio_formats::{SweepHead, SweepPoint};
 
@@ -11,9 +12,9 @@ const MAX_CURVES: usize = 8;
 /// Smallest number of values per axis of a map; curves are more informative for fewer.
 const MIN_ROWS: usize = 3;
 
-/// Returns the figures of `papilio sweep`: file names without extensions, and SVG texts. With more than two axes, the
-/// others are at their first value, which the title states. Several views form an additional first axis. `labels` returns the
-/// label of a key or a metric.
+/// Returns the figures of `papilio sweep`: file names without extensions, and SVG texts. With more than two
+/// axes, the others are at their first value, which the title states. Several views form an additional first
+/// axis. `labels` returns the label of a key or a metric.
 pub fn of_sweep(head: &SweepHead, points: &[&SweepPoint], labels: Labels<'_>) -> Vec<(String, String)> {
     let mut drawn = Vec::new();
     for metric in &head.figures {
@@ -30,8 +31,8 @@ pub fn of_sweep(head: &SweepHead, points: &[&SweepPoint], labels: Labels<'_>) ->
     drawn
 }
 
-/// Returns a metric over the last two axes (several views are the first axis), and the title of its figure; `None` if
-/// no value is defined.
+/// Returns a metric over the last two axes (several views are the first axis), and the title of its figure;
+/// `None` if no value is defined.
 fn figure(
     head: &SweepHead,
     points: &[&SweepPoint],

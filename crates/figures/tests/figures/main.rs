@@ -513,7 +513,8 @@ fn figure_of_light_lists_sources_and_directions() {
     texts(&light(&none, TITLE));
 }
 
-/// Stacked absorptances of two sub-pixels, of which one is driven in the same way in two states and drawn once.
+/// Stacked absorptances of two sub-pixels, of which one is driven in the same way in two states and drawn
+/// once.
 #[test]
 fn absorptances_are_stacked_by_layer() {
     let layer = |number, material: &str| PixelLayer { number, material: material.to_owned() };

@@ -24,8 +24,8 @@ pub(super) struct Angles {
 }
 
 impl Angles {
-    /// Reads an angle and returns it in degrees. A right angle is one within its rounding; the rounding of all others can be removed
-    /// when all rows are known ([`Self::step`]).
+    /// Reads an angle and returns it in degrees. A right angle is one within its rounding; the rounding of
+    /// all others can be removed when all rows are known ([`Self::step`]).
     pub(super) fn degrees(
         &mut self,
         text: Text<'_>,

@@ -1,5 +1,5 @@
-//! Reader of ASTM E1392 (and its successor E2387): a header of keywords, a line `VARS` with the names of the columns, and
-//! rows of angles in radians and values.
+//! Reader of ASTM E1392 (and its successor E2387): a header of keywords, a line `VARS` with the names of the
+//! columns, and rows of angles in radians and values.
 
 use std::ops::Range;
 

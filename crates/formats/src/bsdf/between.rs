@@ -1,4 +1,5 @@
-//! Error of an exported BSDF between its nodes, in every format: what a reader of the format interpolates, against the display itself.
+//! Error of an exported BSDF between its nodes, in every format: what a reader of the format interpolates,
+//! against the display itself.
 
 use std::io;
 
@@ -26,8 +27,8 @@ pub enum Exported<'a> {
 /// Largest error of an exported BSDF between its nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BetweenError {
-    /// Difference of the luminous BRDF in D65, relative to that of the display, or to [`FAINT`] of the largest value in the light of the
-    /// same direction if that is more.
+    /// Difference of the luminous BRDF in D65, relative to that of the display, or to [`FAINT`] of the
+    /// largest value in the light of the same direction if that is more.
     pub relative: f64,
     /// Name of the state.
     pub state: String,
@@ -40,8 +41,8 @@ pub struct BetweenError {
 /// Fraction of the largest value below which errors are relative to it.
 pub const FAINT: f64 = 0.01;
 
-/// Returns the largest error of an export at the pairs of directions of `probes`, a table of the same states. `None` if no
-/// pair is within the directions of the export, or the display scatters no light.
+/// Returns the largest error of an export at the pairs of directions of `probes`, a table of the same states.
+/// `None` if no pair is within the directions of the export, or the display scatters no light.
 ///
 /// # Errors
 /// If the lengths of a table's arrays do not match its grid.

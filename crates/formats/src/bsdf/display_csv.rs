@@ -1,5 +1,5 @@
-//! Writers of the display's BSDF as tables: `display-STATE.csv`, `display-mirror.csv`; and of its mirror part as JSON,
-//! `display-mirror.json`.
+//! Writers of the display's BSDF as tables: `display-STATE.csv`, `display-mirror.csv`; and of its mirror part
+//! as JSON, `display-mirror.json`.
 //!
 //! `docs/brdf.md` describes the columns and fields.
 
@@ -11,7 +11,8 @@ use serde::Serialize;
 
 use super::display::BsdfSource;
 
-/// Writes the scattered part of one state, number `state`, with one row for each pair of directions and wavelength.
+/// Writes the scattered part of one state, number `state`, with one row for each pair of directions and
+/// wavelength.
 ///
 /// # Errors
 /// Those of `out`, and if the lengths of the table's arrays do not match its grid.

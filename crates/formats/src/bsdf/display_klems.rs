@@ -1,5 +1,5 @@
-//! Writer of the display's BSDF as Klems matrices: X, Y and Z of one state in D65, averaged over the patches of the full basis, both of the
-//! light and of the viewer.
+//! Writer of the display's BSDF as Klems matrices: X, Y and Z of one state in D65, averaged over the patches
+//! of the full basis, both of the light and of the viewer.
 
 use std::io::{self, Write};
 
@@ -12,18 +12,19 @@ use super::display::BsdfSource;
 use super::display_radiant::{rings_part, unsound};
 use super::write::{BsdfFormat, write_measurement};
 
-/// Returns the directions from which [`write_bsdf_klems`] averages, for a display with a lobe of these widths: those of the tabular BSDF,
-/// with every second azimuth, because a lobe hardly depends on it.
+/// Returns the directions from which [`write_bsdf_klems`] averages, for a display with a lobe of these
+/// widths: those of the tabular BSDF, with every second azimuth, because a lobe hardly depends on it.
 pub fn klems_rings(widths: &LobeWidths) -> RingGrid {
     let rings = RingGrid::about_lights(ring_patch_lights(&KLEMS_FULL), widths);
     RingGrid { azimuths_deg: rings.azimuths_deg.iter().step_by(2).copied().collect(), ..rings }
 }
 
-/// Writes the scattered part of one state, number `state`, for light with the spectrum of D65; the table has the directions of
-/// [`klems_rings`].
+/// Writes the scattered part of one state, number `state`, for light with the spectrum of D65; the table has
+/// the directions of [`klems_rings`].
 ///
 /// # Errors
-/// Those of `out`, if the lengths of the table's arrays do not match its grid, or its wavelengths are not equally spaced.
+/// Those of `out`, if the lengths of the table's arrays do not match its grid, or its wavelengths are not
+/// equally spaced.
 pub fn write_bsdf_klems(
     out: impl Write,
     source: &BsdfSource<'_>,
@@ -44,7 +45,8 @@ pub fn write_bsdf_klems(
     written.map(|_| ()).map_err(|error| unsound(&error.to_string()))
 }
 
-/// Returns the matrices of a state as the file holds them: X, Y and Z in D65, of which Y of a perfect white is 1/pi.
+/// Returns the matrices of a state as the file holds them: X, Y and Z in D65, of which Y of a perfect white
+/// is 1/pi.
 pub(super) fn patches_part(table: &RingTable, state: usize) -> io::Result<MeasuredPart> {
     let (rings, whites) = rings_part(table, state)?;
     let Geometry::Specular(grid) = &rings.geometry else { return Err(unsound("the BSDF is not on rings")) };

@@ -1,8 +1,9 @@
-//! Writer of the display's BSDF as a tabular BSDF of Radiant and Zemax: X, Y and Z of one state in D65, on rings about the mirror
-//! direction.
+//! Writer of the display's BSDF as a tabular BSDF of Radiant and Zemax: X, Y and Z of one state in D65, on
+//! rings about the mirror direction.
 //!
-//! X, Y and Z are relative to those of a perfect white, as an imaging sphere measures them that is calibrated with a white reference: a
-//! perfect white has 1/pi and a TIS of 1 in each of them. The mirror part is in neither the values nor the TIS.
+//! X, Y and Z are relative to those of a perfect white, as an imaging sphere measures them that is calibrated
+//! with a white reference: a perfect white has 1/pi and a TIS of 1 in each of them. The mirror part is in
+//! neither the values nor the TIS.
 
 use std::io::{self, Write};
 
@@ -18,7 +19,8 @@ use super::write::{BsdfFormat, write_measurement};
 /// Writes the scattered part of one state, number `state`, for light with the spectrum of D65.
 ///
 /// # Errors
-/// Those of `out`, if the lengths of the table's arrays do not match its grid, or its wavelengths are not equally spaced.
+/// Those of `out`, if the lengths of the table's arrays do not match its grid, or its wavelengths are not
+/// equally spaced.
 pub fn write_bsdf_radiant(
     out: impl Write,
     source: &BsdfSource<'_>,
@@ -45,7 +47,8 @@ pub fn write_bsdf_radiant(
     written.map(|_| ()).map_err(|error| unsound(&error.to_string()))
 }
 
-/// Returns the values and the TIS of a state as the format holds them, and X, Y and Z of a perfect white, times pi.
+/// Returns the values and the TIS of a state as the format holds them, and X, Y and Z of a perfect white,
+/// times pi.
 pub(super) fn rings_part(table: &RingTable, state: usize) -> io::Result<(MeasuredPart, Vec<f64>)> {
     let (grid, bins) = (&table.grid, table.wavelength_nm.len().max(1));
     let lights: Vec<(usize, Vec<Option<usize>>)> = (0..grid.theta_i_deg.len())

@@ -1,12 +1,12 @@
 //! Reader of FRED's lists of scatter data (`type bsdf_data`).
 //!
-//! A line `format` gives the units. Then follow blocks: a line with the direction of the light, and a row for each direction of the
-//! scattered light. Out of plane, these are `theta_i phi_i` and `theta_s phi_s value`; in the plane of incidence `theta_i` and
-//! `theta_s value`, where positive angles are on the specular side. The file does not state whether it is a reflection or a
-//! transmission.
+//! A line `format` gives the units. Then follow blocks: a line with the direction of the light, and a row for
+//! each direction of the scattered light. Out of plane, these are `theta_i phi_i` and `theta_s phi_s value`;
+//! in the plane of incidence `theta_i` and `theta_s value`, where positive angles are on the specular side.
+//! The file does not state whether it is a reflection or a transmission.
 //!
-//! Public descriptions do not settle whether `phi_s = phi_i` or `phi_s = phi_i + 180 deg` is the specular direction. It is detected from
-//! the values, which are larger there.
+//! Public descriptions do not settle whether `phi_s = phi_i` or `phi_s = phi_i + 180 deg` is the specular
+//! direction. It is detected from the values, which are larger there.
 
 use std::ops::Range;
 
@@ -212,8 +212,8 @@ fn complete(block: &mut Block) {
     }
 }
 
-/// Adds directions that some blocks have and others lack, as not measured, if most are there: blocks with the same directions form a
-/// grid.
+/// Adds directions that some blocks have and others lack, as not measured, if most are there: blocks with the
+/// same directions form a grid.
 fn fill_missing(blocks: &mut [Block]) {
     let mut all: Vec<[f64; 2]> =
         blocks.iter().flat_map(|block| block.rows.iter().map(|row| [row.0, row.1])).collect();
@@ -243,8 +243,8 @@ fn fill_missing(blocks: &mut [Block]) {
     }
 }
 
-/// Returns the azimuth of the light relative to `phi_i`, and a note on it: the values about the specular direction are
-/// larger than those about its mirror image in the normal.
+/// Returns the azimuth of the light relative to `phi_i`, and a note on it: the values about the specular
+/// direction are larger than those about its mirror image in the normal.
 fn specular(blocks: &[Block]) -> (f64, Option<String>) {
     let near = |block: &Block, phi: f64| {
         let target = Direction::new(block.theta_deg, phi).vector();

@@ -1,4 +1,5 @@
-//! Writer of Klems matrices as XML. Patches are copied; grids are averaged over the patches of the full basis.
+//! Writer of Klems matrices as XML. Patches are copied; grids are averaged over the patches of the full
+//! basis.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -110,10 +111,11 @@ fn choose_channels(
     Ok(chosen.into_iter().unzip())
 }
 
-/// Number of integration points of each patch, in theta and in azimuth, the same for light and viewer: the means of reciprocal values are
-/// reciprocal.
+/// Number of integration points of each patch, in theta and in azimuth, the same for light and viewer: the
+/// means of reciprocal values are reciprocal.
 const POINTS: [usize; 2] = [4, 4];
-/// Number of azimuths of a patch of an isotropic sample, of which only the difference of light and viewer counts.
+/// Number of azimuths of a patch of an isotropic sample, of which only the difference of light and viewer
+/// counts.
 const AZIMUTHS: usize = 6;
 
 /// Returns the mean of f for each pair of patches, weighted with both cosines.
@@ -154,8 +156,9 @@ fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<
 /// Largest relative uncertainty of a total from the grid with which columns are scaled to it.
 const COARSE: f64 = 0.02;
 
-/// Scales the columns so that their sums are the totals of the smooth lobe, which linear interpolation misses by a few per cent. Light
-/// of patches is the mean over the measured directions in them; the total thus includes extrapolated tails.
+/// Scales the columns so that their sums are the totals of the smooth lobe, which linear interpolation misses
+/// by a few per cent. Light of patches is the mean over the measured directions in them; the total thus
+/// includes extrapolated tails.
 fn conserve(part: &MeasuredPart, channel: usize, from: &[Patch], values: &mut [f64]) {
     let Some(shape) = Shape::of_part(part, channel, Fill::Beyond) else { return };
     // A coarse grid leaves the total uncertain: then the plain means remain.
@@ -195,8 +198,8 @@ struct Patch {
 }
 
 impl Patch {
-    /// Returns pairs of directions, through this patch and to `viewer`, with equal weights. Those of an isotropic sample have the
-    /// inclinations of the points, and differences of azimuth.
+    /// Returns pairs of directions, through this patch and to `viewer`, with equal weights. Those of an
+    /// isotropic sample have the inclinations of the points, and differences of azimuth.
     fn points_to(&self, viewer: &Self, isotropic: bool) -> Vec<[Direction; 2]> {
         let pairs = |from: &[Direction], to: &[Direction]| -> Vec<[Direction; 2]> {
             from.iter().flat_map(|i| to.iter().map(move |o| [*i, *o])).collect()
@@ -233,9 +236,9 @@ impl Patch {
         (0..AZIMUTHS * AZIMUTHS).map(turn).collect()
     }
 
-    /// Returns the equivalence class of a pair of patches; equivalent pairs have the same mean. For an isotropic sample, pairs are
-    /// equivalent if their rings and the azimuth between them are equal. The azimuth is counted in multiples of a fraction of 360 deg
-    /// that divides the patches of both rings.
+    /// Returns the equivalence class of a pair of patches; equivalent pairs have the same mean. For an
+    /// isotropic sample, pairs are equivalent if their rings and the azimuth between them are equal. The
+    /// azimuth is counted in multiples of a fraction of 360 deg that divides the patches of both rings.
     fn equivalence_class(&self, viewer: &Self, geometry: &Geometry) -> [usize; 4] {
         if !geometry.is_isotropic() {
             return [self.ring, self.number, viewer.ring, viewer.number];

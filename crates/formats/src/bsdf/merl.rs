@@ -43,7 +43,8 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
             let problem = Problem::OutOfRange { what: "a value of the BSDF", value, expected: VALUE_RANGE };
             return Err(error(problem));
         }
-        // In the database, negative numbers mark cells that were not measured, such as those below the horizon.
+        // In the database, negative numbers mark cells that were not measured, such as those below the
+        // horizon.
         values.push(if value < 0.0 { f64::NAN } else { value * SCALES[number / cells] });
     }
     let part = MeasuredPart {

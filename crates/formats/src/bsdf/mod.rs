@@ -66,8 +66,8 @@ pub const LARGEST_BSDF_FILE: u64 = 256 << 20;
 /// Largest number of values of a part, all channels together.
 pub const MOST_CELLS: usize = 50_000_000;
 
-/// Largest value of a BSDF, 1/sr; a mirror measured through an aperture of one microradian has 1e12. Sums and products of
-/// values, and of their integrals, remain finite.
+/// Largest value of a BSDF, 1/sr; a mirror measured through an aperture of one microradian has 1e12. Sums and
+/// products of values, and of their integrals, remain finite.
 pub(crate) const LARGEST_VALUE: f64 = 1e15;
 
 /// Range of a value, in words.
@@ -103,10 +103,11 @@ pub struct BsdfFile {
     pub warnings: Vec<String>,
     /// How the file was interpreted.
     pub notes: Vec<String>,
-    /// Whether the file states which part (reflection or transmission, from the front or from the back) its values are. If not, it is
-    /// read as front reflection.
+    /// Whether the file states which part (reflection or transmission, from the front or from the back) its
+    /// values are. If not, it is read as front reflection.
     pub states_part: bool,
-    /// Whether the file states the side from which its light comes, and not only whether its values are a reflection or a transmission.
+    /// Whether the file states the side from which its light comes, and not only whether its values are a
+    /// reflection or a transmission.
     pub states_side: bool,
 }
 
@@ -125,9 +126,10 @@ impl BsdfFile {
     }
 }
 
-/// Reads a BSDF file as [`read_bsdf`]. If the file does not state which part its values are, it is `part`, or else front reflection. The
-/// same holds for the side of the light: a file with a BTDF that does not state the side is a transmission from the front, unless `part`
-/// is back transmission. With a part, a table of two columns without names is accepted as a scan at normal incidence.
+/// Reads a BSDF file as [`read_bsdf`]. If the file does not state which part its values are, it is `part`, or
+/// else front reflection. The same holds for the side of the light: a file with a BTDF that does not state
+/// the side is a transmission from the front, unless `part` is back transmission. With a part, a table of two
+/// columns without names is accepted as a scan at normal incidence.
 ///
 /// # Errors
 /// As [`read_bsdf`].
@@ -144,7 +146,8 @@ pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<Bsdf
     crate::guard::read(file, |file| of_any_format(file, part))
 }
 
-/// Mean difference of the two sides of the plane of incidence, over their mean, up to which it is taken as noise: then their means are used.
+/// Mean difference of the two sides of the plane of incidence, over their mean, up to which it is taken as
+/// noise: then their means are used.
 const LARGEST_DIFFERENCE: f64 = 0.2;
 
 fn of_any_format(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile, FormatError> {

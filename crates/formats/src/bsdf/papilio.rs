@@ -1,4 +1,5 @@
-//! Reader of Papilio's own format of a measurement, "papilio-measurement 1": NumPy arrays in a zip archive, without any loss.
+//! Reader of Papilio's own format of a measurement, "papilio-measurement 1": NumPy arrays in a zip archive,
+//! without any loss.
 //!
 //! `docs/bsdf-files.md` describes the format.
 

@@ -94,7 +94,8 @@ struct Header {
 }
 
 impl Header {
-    /// Reads up to the first line that is not a keyword of the header, and returns it: the name of the first block.
+    /// Reads up to the first line that is not a keyword of the header, and returns it: the name of the first
+    /// block.
     fn read(&mut self, lines: &mut Lines<'_>) -> Result<Range<usize>, FormatError> {
         loop {
             let line = lines.expect("the first block of data")?;

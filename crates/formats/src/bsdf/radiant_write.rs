@@ -78,7 +78,8 @@ fn resample(
     Ok(MeasuredPart { way: part.way, channels: names, geometry: Geometry::Specular(grid), values, tis })
 }
 
-/// Returns the integral over the hemisphere of values that are constant over cells: their sum, which interpolation would miss.
+/// Returns the integral over the hemisphere of values that are constant over cells: their sum, which
+/// interpolation would miss.
 fn sum_over_cells(geometry: &Geometry, values: &[f64], theta_deg: f64) -> Option<f64> {
     match geometry {
         Geometry::Tree(tree) => Some(tree.mean_total(values, theta_deg)),

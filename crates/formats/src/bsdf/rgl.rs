@@ -1,7 +1,7 @@
 //! Reader of the tensor files of the RGL material database (`.bsdf`, also of Mitsuba).
 //!
-//! The file begins with `tensor_file`, a zero byte and two bytes of version. For each field follow its name, type, offset in
-//! the file and shape; all numbers are little-endian.
+//! The file begins with `tensor_file`, a zero byte and two bytes of version. For each field follow its name,
+//! type, offset in the file and shape; all numbers are little-endian.
 
 use papilio_goniometry::{
     Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, WarpFields, WarpedGrid,
@@ -86,7 +86,8 @@ impl<'a> Tensors<'a> {
             let what = format!("a header with {count} fields");
             return Err(tensors.error(BsdfProblem::Unsupported { what, expected: "at most 100 fields" }));
         }
-        // The arrays together may not exceed the size of the file, so that overlapping arrays cannot exhaust memory.
+        // The arrays together may not exceed the size of the file, so that overlapping arrays cannot exhaust
+        // memory.
         let mut rest = file.bytes.len();
         for _ in 0..count {
             let field = bytes.field().ok_or_else(cut)?;

@@ -1,10 +1,11 @@
-//! Writer of a display's BSDF as a tensor file of the RGL material database (`.bsdf`), which the plugin `measured` of Mitsuba and
-//! the material `measured` of pbrt-v4 load.
+//! Writer of a display's BSDF as a tensor file of the RGL material database (`.bsdf`), which the plugin
+//! `measured` of Mitsuba and the material `measured` of pbrt-v4 load.
 //!
-//! The distribution of visible normals of the file is the density of the grid's nodes ([`HalfVectorGrid`]), which a reader inverts to
-//! find the place of a half vector between the nodes. The values are f cos(theta_o), without a Jacobian; below the horizon they are 0.
-//! `luminance` is what a renderer samples: its density over the nodes is proportional to the mean of f cos(theta_o) over wavelengths. The
-//! mirror part is not in the file, because it has no finite value per steradian.
+//! The distribution of visible normals of the file is the density of the grid's nodes ([`HalfVectorGrid`]),
+//! which a reader inverts to find the place of a half vector between the nodes. The values are f
+//! cos(theta_o), without a Jacobian; below the horizon they are 0. `luminance` is what a renderer samples:
+//! its density over the nodes is proportional to the mean of f cos(theta_o) over wavelengths. The mirror part
+//! is not in the file, because it has no finite value per steradian.
 
 use std::io::{self, Write};
 
@@ -166,8 +167,8 @@ impl<'a> Nodes<'a> {
         }
     }
 
-    /// Values of a wavelength at all nodes: f cos(theta_o). Slightly negative values, which are discretisation errors, are
-    /// written as 0.
+    /// Values of a wavelength at all nodes: f cos(theta_o). Slightly negative values, which are
+    /// discretisation errors, are written as 0.
     fn values(&self, bin: usize) -> impl Iterator<Item = f32> {
         let f = move |number: usize| f64::from(self.brdf[number * self.bins + bin].max(0.0));
         self.numbers
@@ -176,8 +177,8 @@ impl<'a> Nodes<'a> {
             .map(move |(number, cosine)| number.map_or(0.0, |number| (f(number) * cosine) as f32))
     }
 
-    /// Density of the viewers over the nodes, not normalised. Where nothing is scattered, it is that of a Lambertian display, because
-    /// readers normalise it.
+    /// Density of the viewers over the nodes, not normalised. Where nothing is scattered, it is that of a
+    /// Lambertian display, because readers normalise it.
     fn luminance(&self) -> Vec<f32> {
         let density = |f: &dyn Fn(usize) -> f64| -> Vec<f32> {
             let nodes = self.numbers.iter().zip(&self.cosines).enumerate();

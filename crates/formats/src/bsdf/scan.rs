@@ -1,8 +1,9 @@
 //! Reader of goniometer scans: a table of two columns, angle and BSDF, for light along the normal.
 //!
-//! A scan has one line of directions, and therefore says nothing about other azimuths and other incidences. It is read as the lobe
-//! of a sample that is rotationally symmetric about the normal: rings about the specular direction. Angles on the two sides of the
-//! normal (negative and positive) are averaged. Above 90 deg, the light is behind the sample: 180 deg is straight through.
+//! A scan has one line of directions, and therefore says nothing about other azimuths and other incidences.
+//! It is read as the lobe of a sample that is rotationally symmetric about the normal: rings about the
+//! specular direction. Angles on the two sides of the normal (negative and positive) are averaged. Above 90
+//! deg, the light is behind the sample: 180 deg is straight through.
 
 use std::ops::Range;
 
@@ -58,8 +59,8 @@ struct Layout {
 static ACCEPTED: [&Quantity; 3] = [&THETA, &BSDF, &LIGHT];
 
 impl Layout {
-    /// Detects the layout from a line. A line of numbers, or with other names, begins a scan only if the caller states that
-    /// the file is one (`is_stated`): other tables have two columns, too.
+    /// Detects the layout from a line. A line of numbers, or with other names, begins a scan only if the
+    /// caller states that the file is one (`is_stated`): other tables have two columns, too.
     ///
     /// # Errors
     /// If the line is the header of a scan with a column or a unit that is not understood.

@@ -1,8 +1,9 @@
 //! Reader of CSV files with the columns `theta_i,phi_i,theta_o,phi_o[,wavelength],value`, or
 //! `theta_i,theta_o,dphi[,wavelength],value` for light from one azimuth; a column `error` is not read.
 //!
-//! Without a column `way`, inclinations are from 0 to 180 deg from the normal of the front: above 90 deg, light
-//! comes from, or goes to, the back. If the rows are all combinations of values of four axes, they form a grid.
+//! Without a column `way`, inclinations are from 0 to 180 deg from the normal of the front: above 90 deg,
+//! light comes from, or goes to, the back. If the rows are all combinations of values of four axes, they form
+//! a grid.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -70,7 +71,8 @@ pub(super) fn is_table(file: &DataFile) -> bool {
     find(file).is_some()
 }
 
-/// Returns the table of a file, the layout, and the line with which it begins: the header, or the first row of numbers.
+/// Returns the table of a file, the layout, and the line with which it begins: the header, or the first row
+/// of numbers.
 fn find(file: &DataFile) -> Option<(Text<'_>, Layout, Range<usize>)> {
     let (text, table) = table_of(file)?;
     let mut lines = Lines::new(text);
@@ -257,7 +259,8 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
         return Err(text.whole(Problem::Radians));
     }
     let mut parts = rows.parts(text)?;
-    // Inclinations up to 90 deg only: a file that names its values `btdf` has them from the normal of their own side.
+    // Inclinations up to 90 deg only: a file that names its values `btdf` has them from the normal of their
+    // own side.
     let has_ways = layout.columns.contains(&Column::ScatterMode);
     let (mut notes, one_side) = (layout.notes, !has_ways && is_front_reflection(&parts));
     if let ([part], true, Some(ScatterMode::FrontTransmission)) = (&mut parts[..], one_side, layout.way) {
@@ -405,7 +408,8 @@ impl Rows {
         Ok(())
     }
 
-    /// Returns whether all angles could be in radians: inclinations up to 1.571, azimuths up to 6.284, and not only whole numbers.
+    /// Returns whether all angles could be in radians: inclinations up to 1.571, azimuths up to 6.284, and
+    /// not only whole numbers.
     fn may_be_radians(&self) -> bool {
         let pairs = || self.ways.iter().flat_map(|way| &way.pairs);
         let most = |k: usize| pairs().map(|angles| angles[k].abs()).fold(0.0, f64::max);
@@ -459,7 +463,8 @@ const NAMED: [Channel; 8] = [
     Channel::Solar,
 ];
 
-/// Returns whether a value is empty, or a mark of a missing value other than NaN, which is more often a fault of the measurement.
+/// Returns whether a value is empty, or a mark of a missing value other than NaN, which is more often a fault
+/// of the measurement.
 pub(super) fn is_not_measured(text: Text<'_>, cell: &Range<usize>) -> bool {
     let begins = text.bytes[cell.clone()].first();
     match begins {
@@ -506,8 +511,8 @@ fn channel_of(text: Text<'_>, cell: Range<usize>, unit: Option<Unit>) -> Result<
     })
 }
 
-/// Converts inclinations from the normal of the front to inclinations from the normals of their own sides, and returns the index of the
-/// part in [`WAYS`].
+/// Converts inclinations from the normal of the front to inclinations from the normals of their own sides,
+/// and returns the index of the part in [`WAYS`].
 pub(super) fn unfold(angles: &mut [f64; 4]) -> usize {
     let from_back = angles[0] > 90.0;
     let to_back = angles[2] > 90.0;

@@ -63,7 +63,8 @@ fn write_part(
     Ok(())
 }
 
-/// Returns the cells in the hemisphere with their directions, each pair once, including the mirror images that a symmetry implies.
+/// Returns the cells in the hemisphere with their directions, each pair once, including the mirror images
+/// that a symmetry implies.
 fn rows(geometry: &Geometry) -> Vec<(usize, [Direction; 2])> {
     let mirrored = matches!(geometry, Geometry::Specular(grid) if grid.symmetry == Symmetry::Plane);
     let mut seen = HashSet::new();
@@ -87,8 +88,8 @@ fn rows(geometry: &Geometry) -> Vec<(usize, [Direction; 2])> {
     rows
 }
 
-/// Returns a key that is equal for directions that differ only by rounding. The azimuth of the light counts also along the normal,
-/// because each rotation of the sample is a separate measurement.
+/// Returns a key that is equal for directions that differ only by rounding. The azimuth of the light counts
+/// also along the normal, because each rotation of the sample is a separate measurement.
 fn key([i, o]: &[Direction; 2]) -> [i64; 6] {
     let azimuth = i.phi_deg.to_radians().sin_cos();
     let [x, y, z] = o.vector();

@@ -151,8 +151,8 @@ struct Piece {
     log2: u8,
 }
 
-/// Joins trees over the same directions into one tree that is as fine as each of them, with values `[tree][cell]`. Returns `None`
-/// for more than `limit` values.
+/// Joins trees over the same directions into one tree that is as fine as each of them, with values
+/// `[tree][cell]`. Returns `None` for more than `limit` values.
 pub(super) fn join(trees: &[Values], limit: usize) -> Option<(TensorTree, Vec<f64>)> {
     let rank = trees.first()?.rank;
     let pieces: Vec<Piece> = trees.iter().map(|tree| tree.piece(0)).collect();

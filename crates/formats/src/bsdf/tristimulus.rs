@@ -19,8 +19,8 @@ pub(super) fn weights(wavelength_nm: &[f64]) -> Result<[Vec<f64>; 3], String> {
     Ok(products.map(|product| product.iter().map(|weight| weight / white).collect()))
 }
 
-/// Returns the weights of Y of a spectrum of reflectances in D65, whose sum is 1; the same weight for all wavelengths that are not those of
-/// light.
+/// Returns the weights of Y of a spectrum of reflectances in D65, whose sum is 1; the same weight for all
+/// wavelengths that are not those of light.
 pub(super) fn luminous_weights(wavelength_nm: &[f64]) -> Vec<f64> {
     let count = wavelength_nm.len();
     weights(wavelength_nm).map_or_else(|_| vec![1.0 / count.max(1) as f64; count], |[_, y, _]| y)

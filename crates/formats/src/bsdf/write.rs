@@ -80,7 +80,8 @@ pub(super) fn check(part: &MeasuredPart) -> Result<(), WriteError> {
 /// Writes a measurement, and returns complete sentences on the information that the format cannot represent.
 ///
 /// # Errors
-/// Those of `out`; if the format cannot represent the measurement at all, or the readers would refuse a number.
+/// Those of `out`; if the format cannot represent the measurement at all, or the readers would refuse a
+/// number.
 pub fn write_measurement(
     mut out: impl Write,
     format: BsdfFormat,

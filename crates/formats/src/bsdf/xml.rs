@@ -1,5 +1,5 @@
-//! Reader of the subset of XML that BSDF files use: elements and their text. Attributes and comments are skipped; document
-//! types and CDATA are refused, and entities are not replaced.
+//! Reader of the subset of XML that BSDF files use: elements and their text. Attributes and comments are
+//! skipped; document types and CDATA are refused, and entities are not replaced.
 
 use std::ops::Range;
 
@@ -34,7 +34,8 @@ pub(super) struct Node<'a> {
 /// Longest line before the declaration, bytes.
 const LONGEST_LINE: usize = 1000;
 
-/// Returns the place of one line of other text before the declaration `<?xml`, which some programs write; empty if there is none.
+/// Returns the place of one line of other text before the declaration `<?xml`, which some programs write;
+/// empty if there is none.
 pub(super) fn line_before(text: Text<'_>) -> Range<usize> {
     let start = text.bytes.len() - text.bytes.trim_ascii_start().len();
     let rest = &text.bytes[start..];

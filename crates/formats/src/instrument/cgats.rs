@@ -1,4 +1,5 @@
-//! CGATS.17 and ISO 28178, and the files of Argyll, which have the same syntax: keywords, names of fields, rows of data.
+//! CGATS.17 and ISO 28178, and the files of Argyll, which have the same syntax: keywords, names of fields,
+//! rows of data.
 
 use super::{Kind, Sample, SpectralFile, error};
 use crate::error::FormatError;
@@ -103,8 +104,8 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Returns the fields with values of a spectrum, and their wavelengths in nm. The names of Argyll's fields are rounded to nm: its
-    /// keywords give the exact wavelengths.
+    /// Returns the fields with values of a spectrum, and their wavelengths in nm. The names of Argyll's
+    /// fields are rounded to nm: its keywords give the exact wavelengths.
     fn spectral(&self) -> Vec<(usize, f64)> {
         let nm = |field: &str| {
             let field = field.to_ascii_uppercase();
@@ -127,7 +128,8 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// Returns the fields of wavelengths and of values of CGATS.17's pairs `SPECTRAL_NM SPECTRAL_PCT`, and the scale of the values.
+/// Returns the fields of wavelengths and of values of CGATS.17's pairs `SPECTRAL_NM SPECTRAL_PCT`, and the
+/// scale of the values.
 fn pairs(fields: &[Word<'_>]) -> Vec<(usize, usize, f64)> {
     let is_nm = |k: &usize| fields[*k].text == "SPECTRAL_NM";
     let pair = |k: usize| match fields.get(k + 1)?.text {

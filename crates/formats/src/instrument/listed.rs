@@ -1,4 +1,5 @@
-//! Tables of light meters (Sekonic, UPRtek): a row for each quantity, those of the spectrum named `Spectral Data 380[nm]` or `380nm`.
+//! Tables of light meters (Sekonic, UPRtek): a row for each quantity, those of the spectrum named
+//! `Spectral Data 380[nm]` or `380nm`.
 
 use super::{Kind, Sample, SpectralFile};
 use crate::error::FormatError;

@@ -56,7 +56,8 @@ pub(crate) struct Sample {
     pub(crate) phi_deg: Option<f64>,
 }
 
-/// A larger value of a reflectance, without a unit, is in per cent: instruments with a sphere or at 45 deg measure at most 1 and noise.
+/// A larger value of a reflectance, without a unit, is in per cent: instruments with a sphere or at 45 deg
+/// measure at most 1 and noise.
 pub(crate) const LARGEST_FRACTION: f64 = 1.5;
 
 /// Reads a file in one of the formats of instruments; `None` if it has none of them.

@@ -1,4 +1,5 @@
-//! Text of Ocean Optics' programs (SpectraSuite, OceanView): lines of a head, a line that begins the data, and rows of two numbers.
+//! Text of Ocean Optics' programs (SpectraSuite, OceanView): lines of a head, a line that begins the data,
+//! and rows of two numbers.
 
 use super::{Kind, Sample, SpectralFile, error};
 use crate::error::FormatError;

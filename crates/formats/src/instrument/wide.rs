@@ -90,7 +90,8 @@ pub(super) fn read(table: Table<'_>) -> Result<Option<SpectralFile>, FormatError
     Ok(Some(file))
 }
 
-/// Returns whether a row above the header is a title: it has fewer cells than the header, or mostly empty ones.
+/// Returns whether a row above the header is a title: it has fewer cells than the header, or mostly empty
+/// ones.
 fn is_title(row: &Row<'_>, count: usize) -> bool {
     let empty = row.cells.iter().filter(|cell| cell.text.trim().is_empty()).count();
     row.cells.len() < count || 2 * empty >= row.cells.len()

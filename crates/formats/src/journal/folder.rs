@@ -19,8 +19,8 @@ pub fn journal_name(stem: &str, shard: Option<(usize, usize)>) -> String {
 /// Journals with their paths.
 pub type Journals<H, L> = Vec<(PathBuf, Journal<H, L>)>;
 
-/// Reads all journals with a given stem in a folder, in the order of their names. The lines of a journal whose head is not `wanted`
-/// are not read.
+/// Reads all journals with a given stem in a folder, in the order of their names. The lines of a journal
+/// whose head is not `wanted` are not read.
 ///
 /// # Errors
 /// If the folder or a journal cannot be read, or a file is not a journal.
@@ -75,8 +75,8 @@ pub fn foreign_journal_error(path: &Path) -> FormatError {
     FormatError::whole(&path.display().to_string(), wrong.hint(hint))
 }
 
-/// Passes each line of a journal to `take` if the journal has this head. Returns the bytes of its complete lines, head included, or 0
-/// if the head differs.
+/// Passes each line of a journal to `take` if the journal has this head. Returns the bytes of its complete
+/// lines, head included, or 0 if the head differs.
 ///
 /// # Errors
 /// If the journal cannot be read, a line is damaged, or `take` returns `false`.

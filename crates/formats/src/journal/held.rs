@@ -1,8 +1,8 @@
 //! Journals that a single program writes at a time.
 //!
-//! A lock belongs to a file, not to its name. A file that replaces a journal is therefore locked *before* it gets the name, and a
-//! program that has locked a file checks whether the file still has the name. Of several programs that start at the same time, one
-//! gets the journal, and the others get [`Problem::Busy`].
+//! A lock belongs to a file, not to its name. A file that replaces a journal is therefore locked *before* it
+//! gets the name, and a program that has locked a file checks whether the file still has the name. Of several
+//! programs that start at the same time, one gets the journal, and the others get [`Problem::Busy`].
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
@@ -34,11 +34,13 @@ impl LockedJournal {
         Ok(Self { file: lock(&path)?, path, set_aside: None })
     }
 
-    /// Locks a journal to resume it. A journal with a different head is set aside ([`set_aside`](Self::set_aside)), and a new one is
-    /// created. `take` gets every complete line after the head.
+    /// Locks a journal to resume it. A journal with a different head is set aside
+    /// ([`set_aside`](Self::set_aside)), and a new one is created. `take` gets every complete line after the
+    /// head.
     ///
     /// # Errors
-    /// As [`hold`](Self::hold), and if the journal cannot be read, a line is damaged, or `take` returns `false`.
+    /// As [`hold`](Self::hold), and if the journal cannot be read, a line is damaged, or `take` returns
+    /// `false`.
     pub fn open<H: PartialEq + Serialize + DeserializeOwned>(
         path: PathBuf,
         head: &H,
@@ -54,9 +56,9 @@ impl LockedJournal {
         Ok(held)
     }
 
-    /// Makes room for a journal that `is_ours`. A journal of a different computation is set aside if it has results: it is renamed from
-    /// `NAME` to `NAME.before`, of which there is at most one. If the previous `NAME.before` is ours, it becomes `NAME` again: undoing a
-    /// change of the scenario loses no results.
+    /// Makes room for a journal that `is_ours`. A journal of a different computation is set aside if it has
+    /// results: it is renamed from `NAME` to `NAME.before`, of which there is at most one. If the previous
+    /// `NAME.before` is ours, it becomes `NAME` again: undoing a change of the scenario loses no results.
     pub(super) fn make_way(
         &mut self,
         is_ours: impl Fn(&Path) -> Result<bool, FormatError>,
@@ -74,7 +76,8 @@ impl LockedJournal {
         // A journal that cannot be read is not ours.
         let is_restored = before.is_file() && is_ours(&before).unwrap_or(false);
         if lines > 1 {
-            // A second name for the same file: the first name always has a file. Otherwise another program could create and lock one.
+            // A second name for the same file: the first name always has a file. Otherwise another program
+            // could create and lock one.
             let _ = fs::remove_file(&aside);
             fs::hard_link(&self.path, &aside)
                 .or_else(|_| fs::copy(&self.path, &aside).map(drop))
@@ -127,7 +130,8 @@ impl LockedJournal {
         write_row(&mut self.file, row, values).map_err(|error| unwritable(&self.path, &error))
     }
 
-    /// Replaces the content of the journal by a head and lines, to continue from them, or to sort the journal at the end.
+    /// Replaces the content of the journal by a head and lines, to continue from them, or to sort the journal
+    /// at the end.
     ///
     /// # Errors
     /// Those of the system; the previous content remains.
@@ -211,8 +215,8 @@ mod tests {
         line: usize,
     }
 
-    /// Several threads with two heads set each other's journal aside: one holds the journal at a time, all others get an error, and no
-    /// line is lost.
+    /// Several threads with two heads set each other's journal aside: one holds the journal at a time, all
+    /// others get an error, and no line is lost.
     #[test]
     fn journal_used_by_several_threads_has_one_holder_and_loses_no_line() {
         const THREADS: usize = 4;

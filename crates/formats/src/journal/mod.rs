@@ -1,8 +1,8 @@
 //! Journals: files in which a study saves each finished result, so that it can be resumed.
 //!
-//! A journal holds one JSON value per line: first its head, which identifies the computation, then one line per finished result.
-//! A last line without a newline was cut off when the program was killed, and is ignored. Any other damaged line is an error: see
-//! [`seal`].
+//! A journal holds one JSON value per line: first its head, which identifies the computation, then one line
+//! per finished result. A last line without a newline was cut off when the program was killed, and is
+//! ignored. Any other damaged line is an error: see [`seal`].
 
 mod folder;
 mod held;
@@ -42,7 +42,8 @@ pub struct Journal<H, L> {
     pub whole: usize,
 }
 
-/// Reads a journal. A last line without a newline is ignored. If the head is not `wanted`, no further line is read.
+/// Reads a journal. A last line without a newline is ignored. If the head is not `wanted`, no further line is
+/// read.
 ///
 /// # Errors
 /// If a complete line is malformed or damaged, with its place.
@@ -121,7 +122,8 @@ impl Line<'_> {
     /// Returns an error about this line.
     fn damaged(&self, reason: String) -> FormatError {
         let text = String::from_utf8_lossy(&self.file.bytes[..self.from + self.bytes.len()]);
-        // Replacement characters for invalid UTF-8 change the length of the text: the line is found as its last one.
+        // Replacement characters for invalid UTF-8 change the length of the text: the line is found as its
+        // last one.
         let from = text.trim_end_matches('\n').rfind('\n').map_or(0, |end| end + 1);
         let wrong = match self.from {
             0 => Diagnostic::new(format!("the first line of this journal is damaged: {reason}")).hint(
@@ -146,8 +148,8 @@ pub fn write_journal_line(out: impl Write, line: &impl Serialize) -> io::Result<
     write_text(out, serde_json::to_vec(line)?)
 }
 
-/// Writes the line of a [`JournalRow`]. A kernel has hundred thousands of numbers, most of them zero, for which `serde_json` takes longer
-/// than rays take to find them.
+/// Writes the line of a [`JournalRow`]. A kernel has hundred thousands of numbers, most of them zero, for
+/// which `serde_json` takes longer than rays take to find them.
 fn write_row(out: impl Write, row: usize, values: &[f64]) -> io::Result<()> {
     let mut text = format!("{{\"row\":{row},\"values\":[").into_bytes();
     for run in values.chunk_by(|a, b| a.to_bits() == 0 && b.to_bits() == 0) {
@@ -248,7 +250,8 @@ mod tests {
         read_journal(&DataFile { name: "j".to_owned(), bytes: text.as_bytes().to_vec() }, |_| true)
     }
 
-    /// A changed digit is found, with its line, even if the line is still JSON; a last line that was cut off is ignored.
+    /// A changed digit is found, with its line, even if the line is still JSON; a last line that was cut off
+    /// is ignored.
     #[test]
     fn changed_line_is_an_error_and_cut_off_line_is_ignored() {
         let mut bytes = Vec::new();

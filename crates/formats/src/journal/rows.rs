@@ -14,7 +14,8 @@ use crate::sweep::SweepHead;
 use crate::temporary::remove_abandoned;
 use crate::tolerance::ToleranceHead;
 
-/// A light journal: rows of numbers by index, with a common head. A journal with a different head is set aside.
+/// A light journal: rows of numbers by index, with a common head. A journal with a different head is set
+/// aside.
 #[derive(Debug)]
 pub struct JournalRows<H> {
     journal: LockedJournal,
@@ -47,12 +48,12 @@ impl RowsHead for SweepHead {
 }
 
 impl<H: RowsHead> JournalRows<H> {
-    /// Opens or creates the journal of the whole computation, or of shard K of N. The rows of other journals with the same head, in the
-    /// same folder and in the folders `others`, are also loaded.
+    /// Opens or creates the journal of the whole computation, or of shard K of N. The rows of other journals
+    /// with the same head, in the same folder and in the folders `others`, are also loaded.
     ///
     /// # Errors
-    /// If a journal cannot be read or written, or another program has locked it; if one of `others` has journals, but none with this
-    /// head.
+    /// If a journal cannot be read or written, or another program has locked it; if one of `others` has
+    /// journals, but none with this head.
     pub fn open(
         folder: &Path,
         stem: &str,

@@ -1,9 +1,9 @@
-//! Checksums of the lines of a journal. They detect lines that a disk, a copy or an edit has damaged, so that these are not used as
-//! results.
+//! Checksums of the lines of a journal. They detect lines that a disk, a copy or an edit has damaged, so that
+//! these are not used as results.
 //!
-//! A line is a JSON object whose last member is `"crc"`: the CRC-32 (ISO-HDLC, as in zip and PNG), in eight hexadecimal digits, of
-//! the line without that member. Lines of earlier versions have no checksum. A journal whose first line has none may contain lines
-//! of both kinds.
+//! A line is a JSON object whose last member is `"crc"`: the CRC-32 (ISO-HDLC, as in zip and PNG), in eight
+//! hexadecimal digits, of the line without that member. Lines of earlier versions have no checksum. A journal
+//! whose first line has none may contain lines of both kinds.
 
 const MARK: &[u8] = b",\"crc\":\"";
 const DIGITS: usize = 8;

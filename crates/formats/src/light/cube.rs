@@ -1,7 +1,7 @@
 //! Cubes: pictures of the sphere on six faces, as equirectangular maps.
 //!
-//! Faces and directions are those of OpenEXR (`ImfEnvmap`): +X, -X, +Y, -Y, +Z and -Z from top to bottom; Y is up, the middle of
-//! the equirectangular map is +Z, and +X is to its left.
+//! Faces and directions are those of OpenEXR (`ImfEnvmap`): +X, -X, +Y, -Y, +Z and -Z from top to bottom; Y
+//! is up, the middle of the equirectangular map is +Z, and +X is to its left.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,9 +1,9 @@
 //! Luminaires in EULUMDAT files (.ldt): intensity by direction in planes C.
 //!
-//! A. W. Stockmar, *EULUMDAT - ein Leuchtendatenformat für den europäischen Beleuchtungsplaner*, Licht '90, 641-644 (1990), and
-//! *EULUMDAT/2*, CIBSE National Lighting Conference 1998, 353-362: one value in each line. Intensities are in cd per 1000 lm of the
-//! lamps; those in cd are for the first set of lamps, times the conversion factor. The length of the luminaire is across the plane
-//! C = 0. Decimal commas are read.
+//! A. W. Stockmar, *EULUMDAT - ein Leuchtendatenformat für den europäischen Beleuchtungsplaner*, Licht '90,
+//! 641-644 (1990), and *EULUMDAT/2*, CIBSE National Lighting Conference 1998, 353-362: one value in each
+//! line. Intensities are in cd per 1000 lm of the lamps; those in cd are for the first set of lamps, times
+//! the conversion factor. The length of the luminaire is across the plane C = 0. Decimal commas are read.
 
 use std::ops::Range;
 
@@ -227,7 +227,8 @@ fn ascending(stored: &[f64], values: &[f64], rows: usize, symmetry: f64) -> (Vec
     (planes.iter().map(|plane| plane.0).collect(), planes.iter().flat_map(|plane| plane.1).copied().collect())
 }
 
-/// Notes intensities whose flux is not that of the light output ratio, or whose downward fraction is not the stated one.
+/// Notes intensities whose flux is not that of the light output ratio, or whose downward fraction is not the
+/// stated one.
 fn check_flux(luminaire: &mut Luminaire, [downward, output]: [f64; 2], lamps: f64) {
     let [flux, below] = luminaire.flux_lm();
     let found = 100.0 * flux / lamps;

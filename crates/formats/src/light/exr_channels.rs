@@ -20,7 +20,8 @@ pub(super) enum ChannelSet {
     Grey(String),
 }
 
-/// Selects all wavelengths, or R, G and B, X, Y and Z, or Y of the layer without a name, or of the first layer that has them.
+/// Selects all wavelengths, or R, G and B, X, Y and Z, or Y of the layer without a name, or of the first
+/// layer that has them.
 pub(super) fn chosen(names: &[String]) -> Option<ChannelSet> {
     let mut spectral: Vec<(String, f64)> =
         names.iter().filter_map(|name| Some((name.clone(), wavelength_nm(name)?))).collect();

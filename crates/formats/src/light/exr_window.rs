@@ -69,7 +69,8 @@ pub(super) fn place(
     }
 }
 
-/// Moves pixels of the data window to the display window; returns in words what is missing and what is cut off.
+/// Moves pixels of the data window to the display window; returns in words what is missing and what is cut
+/// off.
 fn moved(data: IntegerBounds, display: IntegerBounds, channels: &mut [MapChannel]) -> &'static str {
     let Vec2(width, height) = display.size;
     let off = |at: i32, from: i32| i64::from(at) - i64::from(from);

@@ -1,9 +1,11 @@
-//! Luminaires in IES LM-63 files (.ies), 1986 to 2019: intensity by direction, photometry of types A, B and C.
+//! Luminaires in IES LM-63 files (.ies), 1986 to 2019: intensity by direction, photometry of types A, B and
+//! C.
 //!
-//! ANSI/IES LM-63-19, *IES standard file format for the electronic transfer of photometric data*, and its editions of 1986, 1991,
-//! 1995 and 2002. The first line names the edition; a file without it is of 1986. The number after the ballast factor is the
-//! ballast-lamp photometric factor up to LM-63-1995; LM-63-2002 reserves it, and LM-63-2019 states the origin of the data by it.
-//! `TILT=` describes the light of the luminaire when it is inclined; here it hangs level, so that its factor for 0 deg counts.
+//! ANSI/IES LM-63-19, *IES standard file format for the electronic transfer of photometric data*, and its
+//! editions of 1986, 1991, 1995 and 2002. The first line names the edition; a file without it is of 1986. The
+//! number after the ballast factor is the ballast-lamp photometric factor up to LM-63-1995; LM-63-2002
+//! reserves it, and LM-63-2019 states the origin of the data by it. `TILT=` describes the light of the
+//! luminaire when it is inclined; here it hangs level, so that its factor for 0 deg counts.
 
 use std::ops::Range;
 
@@ -131,7 +133,8 @@ fn luminaire(
 ) -> Result<Luminaire, FormatError> {
     let any = (f64::MIN, f64::MAX);
     numbers.within("the number of lamps", any, "")?;
-    // Intensities are those of the luminaire with its lamps; -1 means that they were measured without reference to lamps.
+    // Intensities are those of the luminaire with its lamps; -1 means that they were measured without
+    // reference to lamps.
     numbers.within("lumens per lamp", any, "")?;
     let positive = (1e-9, 1e9);
     let multiplier = numbers.within("the multiplier", positive, "a number from 1e-9 to 1e9")?;
@@ -182,8 +185,8 @@ fn luminaire(
     Ok(Luminaire { photometry, vertical_deg, horizontal_deg, candela, opening, notes })
 }
 
-/// Returns a note on the origin of the data by LM-63-2019: digits after the point for an accredited laboratory, interpolation, scaled
-/// flux, simulation, unknown origin.
+/// Returns a note on the origin of the data by LM-63-2019: digits after the point for an accredited
+/// laboratory, interpolation, scaled flux, simulation, unknown origin.
 fn origin(edition: Edition, number: f64) -> Option<String> {
     if edition < Edition::Of2019 {
         return (number != 1.0)

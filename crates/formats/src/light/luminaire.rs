@@ -25,10 +25,11 @@ pub struct Luminaire {
 /// Coordinates of the angles (CIE 121-1996; LM-63).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Photometry {
-    /// Vertical planes about the vertical axis: elevation from the horizontal, -90 to 90 deg, and azimuth, clockwise from C = 0.
+    /// Vertical planes about the vertical axis: elevation from the horizontal, -90 to 90 deg, and azimuth,
+    /// clockwise from C = 0.
     A,
-    /// Planes about the horizontal axis across C = 0: angle from the nadir towards C = 0, -90 to 90 deg, and angle out of the
-    /// plane C = 0, clockwise.
+    /// Planes about the horizontal axis across C = 0: angle from the nadir towards C = 0, -90 to 90 deg, and
+    /// angle out of the plane C = 0, clockwise.
     B,
     /// Vertical planes: angle from the nadir, 0 to 180 deg, and azimuth, counterclockwise seen from above.
     C,
@@ -44,8 +45,8 @@ pub struct IntensityEdge {
 }
 
 impl Luminaire {
-    /// Returns the intensity, cd, in a direction given by the angles from the nadir and around it (C), degrees. It is interpolated
-    /// linearly between the angles of the file, and is 0 beyond them.
+    /// Returns the intensity, cd, in a direction given by the angles from the nadir and around it (C),
+    /// degrees. It is interpolated linearly between the angles of the file, and is 0 beyond them.
     pub fn intensity(&self, vertical_deg: f64, horizontal_deg: f64) -> f64 {
         let (vertical, horizontal) = self.angles_of(vertical_deg, horizontal_deg);
         let (Some((v, along)), Some((h, around))) = (
@@ -77,7 +78,8 @@ impl Luminaire {
         (vertical.to_degrees(), horizontal.to_degrees())
     }
 
-    /// Returns the angle of the file that has the intensity of this horizontal angle; `None` if the file has none.
+    /// Returns the angle of the file that has the intensity of this horizontal angle; `None` if the file has
+    /// none.
     fn by_symmetry(&self, horizontal: f64) -> Option<f64> {
         let first = self.horizontal_deg.first().copied()?;
         let last = self.horizontal_deg.last().copied()?;
@@ -100,8 +102,8 @@ impl Luminaire {
         })
     }
 
-    /// Returns the circles between which the intensity is smooth, at most this many of each angle. Angles that follow from the
-    /// symmetry are included.
+    /// Returns the circles between which the intensity is smooth, at most this many of each angle. Angles
+    /// that follow from the symmetry are included.
     pub fn edges(&self, most: usize) -> Vec<IntensityEdge> {
         let thinned = |angles: Vec<f64>| {
             let step = angles.len().div_ceil(most).max(1);
@@ -135,8 +137,8 @@ impl Luminaire {
         edges
     }
 
-    /// Returns the horizontal angles, and those that the symmetry adds, of type C modulo 180 deg; none if the intensity does not
-    /// depend on them.
+    /// Returns the horizontal angles, and those that the symmetry adds, of type C modulo 180 deg; none if the
+    /// intensity does not depend on them.
     fn all_horizontal(&self) -> Vec<f64> {
         let of = &self.horizontal_deg;
         if of.len() < 2 {
@@ -152,7 +154,8 @@ impl Luminaire {
         turns
     }
 
-    /// Returns the luminous flux, lm, by a sum over bands of 1 deg: of all directions, and of those below the horizontal.
+    /// Returns the luminous flux, lm, by a sum over bands of 1 deg: of all directions, and of those below the
+    /// horizontal.
     pub fn flux_lm(&self) -> [f64; 2] {
         let mut flux = [0.0; 2];
         let turns = if self.photometry == Photometry::C && self.horizontal_deg.len() == 1 { 1 } else { 180 };
@@ -173,8 +176,8 @@ impl Luminaire {
     }
 }
 
-/// Returns the index of the last of the `angles` that is not larger than `angle`, and the relative position between it and the next
-/// one; `None` outside the angles.
+/// Returns the index of the last of the `angles` that is not larger than `angle`, and the relative position
+/// between it and the next one; `None` outside the angles.
 fn between(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
     let (first, last) = (*angles.first()?, *angles.last()?);
     if !(first - 1e-9..=last + 1e-9).contains(&angle) {
@@ -188,8 +191,8 @@ fn between(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
 /// Reads a luminaire: an IES LM-63 file (.ies) or a EULUMDAT file (.ldt), detected from the content.
 ///
 /// # Errors
-/// With line and column: cells that are not numbers, angles out of order, negative intensities, too few or too many numbers,
-/// horizontal angles of no symmetry of the format.
+/// With line and column: cells that are not numbers, angles out of order, negative intensities, too few or
+/// too many numbers, horizontal angles of no symmetry of the format.
 pub fn read_luminaire(file: &DataFile) -> Result<Luminaire, FormatError> {
     crate::guard::read(file, of_any_format)
 }

@@ -11,8 +11,8 @@ use crate::picture_format;
 /// Largest width of a map, pixels.
 pub(super) const MOST_WIDTH: usize = 4096;
 
-/// An image of the whole sphere. The first row is at the zenith, the last one at the nadir; columns run to the
-/// right as seen from inside.
+/// An image of the whole sphere. The first row is at the zenith, the last one at the nadir; columns run to
+/// the right as seen from inside.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightMap {
     /// Pixels in a row: twice the number of rows.
@@ -30,7 +30,8 @@ pub struct LightMap {
 pub struct MapChannel {
     /// The colour or wavelength.
     pub colour: MapColour,
-    /// Radiances by rows, W/(m2 sr), for a wavelength W/(m2 sr nm); 0 or more, and divided by the exposure that the file specifies.
+    /// Radiances by rows, W/(m2 sr), for a wavelength W/(m2 sr nm); 0 or more, and divided by the exposure
+    /// that the file specifies.
     pub radiance: Vec<f32>,
 }
 
@@ -52,8 +53,8 @@ pub enum MapColour {
 /// Reads a light map: a Radiance picture (.hdr) or an OpenEXR file (.exr), detected from the content.
 ///
 /// # Errors
-/// If the size or projection is not supported; if a pixel is negative or not finite, with its row and column. Sizes are
-/// checked before memory is allocated.
+/// If the size or projection is not supported; if a pixel is negative or not finite, with its row and column.
+/// Sizes are checked before memory is allocated.
 pub fn read_light_map(file: &DataFile) -> Result<LightMap, FormatError> {
     crate::guard::read(file, of_any_format)
 }

@@ -1,8 +1,10 @@
-//! OpenEXR maps with R, G and B, or X, Y and Z, or luminance with or without chroma, or a channel for each wavelength.
+//! OpenEXR maps with R, G and B, or X, Y and Z, or luminance with or without chroma, or a channel for each
+//! wavelength.
 //!
-//! Spectral channels are named as in A. Fichet et al., *An OpenEXR layout for spectral images*, JCGT 10(3), 2021
-//! (`S0.550,000000nm`), or by the wavelength alone (`550nm`). The attributes are those of the *Technical introduction to OpenEXR*
-//! and of *Standard optional attributes*: the map is the display window, of which pixels outside the data window are dark.
+//! Spectral channels are named as in A. Fichet et al., *An OpenEXR layout for spectral images*, JCGT 10(3),
+//! 2021 (`S0.550,000000nm`), or by the wavelength alone (`550nm`). The attributes are those of the *Technical
+//! introduction to OpenEXR* and of *Standard optional attributes*: the map is the display window, of which
+//! pixels outside the data window are dark.
 
 use std::io::Cursor;
 

@@ -1,7 +1,7 @@
 //! Luminous openings of luminaires: their shape, and how large they appear.
 //!
-//! LM-63 writes the shape as the signs of width, length and height, which mean different things in its editions. The length is along
-//! the plane C = 0, the width across it.
+//! LM-63 writes the shape as the signs of width, length and height, which mean different things in its
+//! editions. The length is along the plane C = 0, the width across it.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -14,7 +14,8 @@ pub enum OpeningShape {
     Box,
     /// A disc or an ellipse, or a cylinder with that base, whose axis is vertical.
     VerticalCylinder,
-    /// The same with its axis along the plane C = 0: a vertical disc that faces C = 0, or a horizontal cylinder.
+    /// The same with its axis along the plane C = 0: a vertical disc that faces C = 0, or a horizontal
+    /// cylinder.
     CylinderAlong,
     /// The same with its axis across the plane C = 0.
     CylinderAcross,
@@ -40,7 +41,8 @@ impl Opening {
     pub const POINT: Self =
         Self { shape: OpeningShape::Point, along_m: 0.0, across_m: 0.0, height_m: [0.0; 4] };
 
-    /// Returns the area, m2, of the opening as it appears from a direction: angles from the nadir and around it, degrees.
+    /// Returns the area, m2, of the opening as it appears from a direction: angles from the nadir and around
+    /// it, degrees.
     pub fn seen_m2(&self, vertical_deg: f64, horizontal_deg: f64) -> f64 {
         let (sin, down) = (vertical_deg.to_radians().sin(), vertical_deg.to_radians().cos());
         let (across, along) = horizontal_deg.to_radians().sin_cos();

@@ -1,7 +1,8 @@
 //! Primaries of a light map: conversion of its colours to linear sRGB.
 //!
-//! The conversion is that of XYZ, without adaptation to another white: the luminance and the chromaticity of a pixel are those that
-//! the file states. A colour outside the gamut of sRGB is moved towards grey of the same luminance until no component is negative.
+//! The conversion is that of XYZ, without adaptation to another white: the luminance and the chromaticity of
+//! a pixel are those that the file states. A colour outside the gamut of sRGB is moved towards grey of the
+//! same luminance until no component is negative.
 
 use papilio_diagnostics::Diagnostic;
 

@@ -13,12 +13,13 @@ const MISSING: &str = "the columns `theta_deg` and `radiance`";
 /// Reads a light profile: ascending angles from 0 to 90 deg, and relative radiances of
 /// 0 or more.
 ///
-/// The columns are those that the header names, in any order and with their units (`theta_deg,radiance`), or without a header angle in
-/// degrees, radiance. `#` comments are permitted. Columns are separated as in [`read_spectrum`](crate::read_spectrum).
+/// The columns are those that the header names, in any order and with their units (`theta_deg,radiance`), or
+/// without a header angle in degrees, radiance. `#` comments are permitted. Columns are separated as in
+/// [`read_spectrum`](crate::read_spectrum).
 ///
 /// # Errors
-/// With line and column: columns that are not understood, cells that are not finite numbers, rows without two columns, angles out of
-/// order or range, radiances below 0; fewer than two rows.
+/// With line and column: columns that are not understood, cells that are not finite numbers, rows without two
+/// columns, angles out of order or range, radiances below 0; fewer than two rows.
 ///
 /// ```
 /// # use papilio_formats::{DataFile, read_profile};

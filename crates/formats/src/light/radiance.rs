@@ -1,9 +1,11 @@
-//! Radiance pictures (.hdr, .pic): four bytes per pixel, three mantissas and an exponent, with run-length encoding.
+//! Radiance pictures (.hdr, .pic): four bytes per pixel, three mantissas and an exponent, with run-length
+//! encoding.
 //!
-//! G. Ward, *Real pixels*, Graphics Gems II (1991); the file format is described in Radiance's manual. The factors of all
-//! `EXPOSURE` and `COLORCORR` lines are multiplied, and the pixels are divided by the product. Scanlines may run in any of the eight
-//! orders of the resolution line. Colours are red, green and blue, in W/(m2 sr), or X, Y and Z, in cd/m2. Without `PRIMARIES`, they
-//! are those of sRGB: photographs have these, not the default of Radiance.
+//! G. Ward, *Real pixels*, Graphics Gems II (1991); the file format is described in Radiance's manual. The
+//! factors of all `EXPOSURE` and `COLORCORR` lines are multiplied, and the pixels are divided by the product.
+//! Scanlines may run in any of the eight orders of the resolution line. Colours are red, green and blue, in
+//! W/(m2 sr), or X, Y and Z, in cd/m2. Without `PRIMARIES`, they are those of sRGB: photographs have these,
+//! not the default of Radiance.
 
 use papilio_diagnostics::Diagnostic;
 
@@ -37,7 +39,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), Diagno
     Ok((LightMap { width, height, channels, notes }, primaries))
 }
 
-/// Size of a picture and the order of its pixels: two axes, the slow one first, each with the sense in which it runs. Y points up.
+/// Size of a picture and the order of its pixels: two axes, the slow one first, each with the sense in which
+/// it runs. Y points up.
 #[derive(Debug, Clone, Copy)]
 struct Order {
     width: usize,

@@ -1,4 +1,5 @@
-//! Palettes: measured colours of the states of a panel ([`read_palette`]), and colours for other programs ([`palette_files`]).
+//! Palettes: measured colours of the states of a panel ([`read_palette`]), and colours for other programs
+//! ([`palette_files`]).
 
 mod read;
 mod swatches;

@@ -19,14 +19,15 @@ pub enum PaletteTable {
 
 /// Reads a measured palette, with notes on how the file was read.
 ///
-/// A table names its columns in its header, in any order and with their units: `state`, and either `wavelength_nm` and
-/// `reflectance_factor`, with one row per wavelength, or `L`, `a` and `b`, with one row per state. Tables with a column for each state or for
-/// each wavelength, and the files of instruments (CGATS, CxF), are read too. Further columns are noted. Lines that begin with `#` are
-/// comments.
+/// A table names its columns in its header, in any order and with their units: `state`, and either
+/// `wavelength_nm` and `reflectance_factor`, with one row per wavelength, or `L`, `a` and `b`, with one row
+/// per state. Tables with a column for each state or for each wavelength, and the files of instruments
+/// (CGATS, CxF), are read too. Further columns are noted. Lines that begin with `#` are comments.
 ///
 /// # Errors
-/// With line and column: a header without the required columns, cells that are not numbers or out of range, two rows for the same point, a
-/// spectrum with a single wavelength, names that are not [permitted](crate::is_name).
+/// With line and column: a header without the required columns, cells that are not numbers or out of range,
+/// two rows for the same point, a spectrum with a single wavelength, names that are not
+/// [permitted](crate::is_name).
 pub fn read_palette(file: &DataFile) -> Result<Warned<PaletteTable>, FormatError> {
     crate::guard::read(file, of_table)
 }

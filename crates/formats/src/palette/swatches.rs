@@ -155,7 +155,8 @@ mod tests {
         );
         let ase = file("palette.ase");
         assert_eq!(&ase[..12], b"ASEF\x00\x01\x00\x00\x00\x00\x00\x02");
-        // A block: its type, its length, 6 characters of "black" and its end, the model, three floats, the kind.
+        // A block: its type, its length, 6 characters of "black" and its end, the model, three floats, the
+        // kind.
         assert_eq!(&ase[12..20], &[0, 1, 0, 0, 0, 32, 0, 6]);
         assert_eq!(&ase[32..36], b"RGB ");
         assert_eq!(f32::from_be_bytes(ase[44..48].try_into().unwrap()), 1.0);

@@ -48,7 +48,8 @@ impl RgbSpace {
         }
     }
 
-    /// Primaries and transfer function of ITU-T H.273 (`cICP`); `None` for those without a white, or unknown ones.
+    /// Primaries and transfer function of ITU-T H.273 (`cICP`); `None` for those without a white, or unknown
+    /// ones.
     pub(super) fn from_code_points(primaries: u8, transfer: u8) -> Option<Self> {
         let (name, primaries) = match primaries {
             1 => ("BT.709", BT_709),
@@ -67,8 +68,8 @@ impl RgbSpace {
         Some(Self::new(name, primaries, transfer))
     }
 
-    /// Matrix from linear red, green and blue to X, Y, Z under D65, Y of white = 1. Another white is adapted to D65 with Bradford's
-    /// matrix. `None` if the primaries are on a line, or white is not a colour.
+    /// Matrix from linear red, green and blue to X, Y, Z under D65, Y of white = 1. Another white is adapted
+    /// to D65 with Bradford's matrix. `None` if the primaries are on a line, or white is not a colour.
     pub fn xyz_from_rgb(&self) -> Option<[[f64; 3]; 3]> {
         let columns = self.primaries.map(xyz_of);
         let unscaled = transposed(columns);

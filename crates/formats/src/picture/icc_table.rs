@@ -1,7 +1,9 @@
-//! Tables of ICC profiles: from the numbers of a device (RGB, grey, CMYK) to colour, relative to its white (ICC.1:2022, 10.10 to 10.12).
+//! Tables of ICC profiles: from the numbers of a device (RGB, grey, CMYK) to colour, relative to its white
+//! (ICC.1:2022, 10.10 to 10.12).
 //!
-//! Numbers pass curves, a grid with linear interpolation along all axes, curves and a matrix in their turn, and curves again; `lut8Type` and
-//! `lut16Type` have no second curves and no matrix. The result is X, Y, Z or L*, a*, b* under D50.
+//! Numbers pass curves, a grid with linear interpolation along all axes, curves and a matrix in their turn,
+//! and curves again; `lut8Type` and `lut16Type` have no second curves and no matrix. The result is X, Y, Z or
+//! L*, a*, b* under D50.
 
 use super::icc::{D50, Profile, fixed, number};
 use super::transfer::Transfer;
@@ -44,8 +46,8 @@ enum Space {
 }
 
 impl IccTable {
-    /// The table of a profile for grey (1), RGB (3) or CMYK (4): for relative colorimetry, or the perceptual one. `None` if there is none, or it
-    /// is damaged.
+    /// The table of a profile for grey (1), RGB (3) or CMYK (4): for relative colorimetry, or the perceptual
+    /// one. `None` if there is none, or it is damaged.
     pub(super) fn read(profile: &Profile<'_>, inputs: usize) -> Option<Self> {
         let is_lab = match profile.at(20, 4)? {
             b"Lab " => true,

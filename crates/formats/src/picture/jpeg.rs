@@ -64,7 +64,8 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
     Ok(Warned { value: picture.upright(orientation), warnings })
 }
 
-/// C, M, Y, K, 255 for full ink, of the numbers in a file: Adobe's programs write inks inverted, and so do all others.
+/// C, M, Y, K, 255 for full ink, of the numbers in a file: Adobe's programs write inks inverted, and so do
+/// all others.
 fn inks([a, b, c, k]: [u8; 4], space: ColorSpace) -> [u8; 4] {
     if space != ColorSpace::YCCK {
         return [a, b, c, k].map(|stored| 255 - stored);
@@ -94,7 +95,8 @@ fn encoding(
     ColourEncoding::needed(untagged)
 }
 
-/// Whether the data of the picture have an end: a thumbnail in the header has one of its own, and does not count.
+/// Whether the data of the picture have an end: a thumbnail in the header has one of its own, and does not
+/// count.
 fn is_complete(bytes: &[u8]) -> bool {
     let mut at = 2;
     while let Some([0xff, marker, rest @ ..]) = bytes.get(at..) {

@@ -1,7 +1,7 @@
 //! Pictures: PNG and JPEG files as linear light, and PNG and OpenEXR files of what a display shows.
 //!
-//! A picture in memory keeps the samples of its file; [`SourcePicture::row`] converts them to X, Y, Z row by row, so that a
-//! picture of 64 megapixels never exists as three planes of real numbers.
+//! A picture in memory keeps the samples of its file; [`SourcePicture::row`] converts them to X, Y, Z row by
+//! row, so that a picture of 64 megapixels never exists as three planes of real numbers.
 
 mod colour_space;
 mod exif;
@@ -34,13 +34,14 @@ pub const MOST_PICTURE_PIXELS: usize = 64_000_000;
 
 /// Reads a PNG or JPEG file, detected from the content.
 ///
-/// The colour space is that of the file: for PNG the first of its chunks cICP, iCCP, sRGB, gAMA with cHRM; for JPEG its ICC
-/// profile. A file that states none is in `untagged`, usually [`RgbSpace::srgb`]. Transparent pixels are composited over white, in
-/// linear light; the orientation of EXIF is applied; of an animation the first picture is read. Warnings report all of that.
+/// The colour space is that of the file: for PNG the first of its chunks cICP, iCCP, sRGB, gAMA with cHRM;
+/// for JPEG its ICC profile. A file that states none is in `untagged`, usually [`RgbSpace::srgb`].
+/// Transparent pixels are composited over white, in linear light; the orientation of EXIF is applied; of an
+/// animation the first picture is read. Warnings report all of that.
 ///
 /// # Errors
-/// If the file is neither, is damaged or cut off, or has more than [`MOST_PICTURE_PIXELS`]; sizes are checked before memory is
-/// allocated. If its encoding is one of high dynamic range, which has no white.
+/// If the file is neither, is damaged or cut off, or has more than [`MOST_PICTURE_PIXELS`]; sizes are checked
+/// before memory is allocated. If its encoding is one of high dynamic range, which has no white.
 pub fn read_picture(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePicture>, FormatError> {
     crate::guard::read(file, |file| of_any_format(file, untagged))
 }

@@ -143,8 +143,8 @@ impl SourcePicture {
         &self.space
     }
 
-    /// X, Y, Z of the pixels of a row under D65, Y = 1 for white, composited over white. Colours outside the visible ones have
-    /// negative values. Nothing for a row that the picture does not have.
+    /// X, Y, Z of the pixels of a row under D65, Y = 1 for white, composited over white. Colours outside the
+    /// visible ones have negative values. Nothing for a row that the picture does not have.
     pub fn row(&self, row: usize) -> Vec<[f32; 3]> {
         let width = self.columns * self.channels;
         let range = row.saturating_mul(width)..row.saturating_add(1).saturating_mul(width);

@@ -13,7 +13,8 @@ pub enum Transfer {
     Gamma(f64),
     /// Light at equal steps of the number, in units of 1/65535; linear between them.
     Table(Vec<u16>),
-    /// ICC's parametric curves, all as type 4 with the parameters g a b c d e f: `(a x + b)^g + e` from x = d, `c x + f` below.
+    /// ICC's parametric curves, all as type 4 with the parameters g a b c d e f: `(a x + b)^g + e` from x =
+    /// d, `c x + f` below.
     Parametric([f64; 7]),
 }
 

@@ -5,11 +5,12 @@ use std::io::{self, Cursor, Write};
 use exr::prelude::{Encoding as ExrEncoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
 use png::{BitDepth, ColorType, DeflateCompression, Encoder, SrgbRenderingIntent};
 
-/// Writes the states of a picture as an indexed PNG, 8 bits a pixel: `palette` has the encoded sRGB colour of each state, and the
-/// pixels the number of their state. The first row is at the top.
+/// Writes the states of a picture as an indexed PNG, 8 bits a pixel: `palette` has the encoded sRGB colour of
+/// each state, and the pixels the number of their state. The first row is at the top.
 ///
 /// # Errors
-/// If the system reports an error, the picture does not consist of whole rows, or a state is not in the palette.
+/// If the system reports an error, the picture does not consist of whole rows, or a state is not in the
+/// palette.
 pub fn write_indexed_png(
     out: &mut dyn Write,
     columns: usize,
@@ -64,8 +65,8 @@ fn finish(encoder: Encoder<'_, &mut dyn Write>, data: &[u8]) -> io::Result<()> {
     Ok(writer.finish()?)
 }
 
-/// Writes a scene-referred OpenEXR file: linear red, green and blue of sRGB's primaries as 32-bit numbers, 1 for a perfect white,
-/// whose luminance in cd/m2 is the attribute `whiteLuminance`.
+/// Writes a scene-referred OpenEXR file: linear red, green and blue of sRGB's primaries as 32-bit numbers, 1
+/// for a perfect white, whose luminance in cd/m2 is the attribute `whiteLuminance`.
 ///
 /// # Errors
 /// If the system reports an error, or the picture does not consist of whole rows.

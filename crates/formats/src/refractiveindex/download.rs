@@ -1,5 +1,5 @@
-//! The CSV that refractiveindex.info offers for download: a block `wl,n`, and for absorbing materials a block `wl,k`, with wavelengths in
-//! um. The two blocks may have different wavelengths.
+//! The CSV that refractiveindex.info offers for download: a block `wl,n`, and for absorbing materials a block
+//! `wl,k`, with wavelengths in um. The two blocks may have different wavelengths.
 
 use papilio_spectra::{Dispersion, Tabulated};
 
@@ -22,7 +22,8 @@ fn block(row: &Row<'_>) -> Option<(Column, Column, &'static str)> {
     Some((wavelength, value, what))
 }
 
-/// Returns whether the first row is `wl,n` or `wl,k`, or a head with other names that is followed by a second one.
+/// Returns whether the first row is `wl,n` or `wl,k`, or a head with other names that is followed by a second
+/// one.
 pub(crate) fn is_download(file: Table<'_>) -> bool {
     let mut rows = file.data();
     let Some(first) = rows.next().filter(|row| block(row).is_some()) else { return false };

@@ -1,8 +1,9 @@
 //! Layout of a page: the entries under `DATA:`, as uninterpreted text.
 //!
-//! Reads the subset of YAML that the pages use: a list of mappings with the same indentation, whose values are plain text, text in
-//! quotes, or blocks (`|`, `>`). The other sections of a page (`REFERENCES`, `COMMENTS`, `SPECS`, ...) are skipped. Other features of
-//! YAML (flow collections, anchors, tags) are refused.
+//! Reads the subset of YAML that the pages use: a list of mappings with the same indentation, whose values
+//! are plain text, text in quotes, or blocks (`|`, `>`). The other sections of a page (`REFERENCES`,
+//! `COMMENTS`, `SPECS`, ...) are skipped. Other features of YAML (flow collections, anchors, tags) are
+//! refused.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -26,7 +27,8 @@ pub(super) struct Value<'a> {
     pub(super) place: Range<usize>,
 }
 
-/// Stands for a line break that was written as `\n`, until the other line breaks are folded; no page has this character.
+/// Stands for a line break that was written as `\n`, until the other line breaks are folded; no page has this
+/// character.
 const BREAK: char = '\u{e000}';
 
 /// A line without its newline, and its start in the file, bytes.
@@ -92,7 +94,8 @@ impl Value<'_> {
     pub(super) fn rows<'a>(&'a self, file: Table<'a>) -> impl Iterator<Item = (Range<usize>, &'a str)> {
         let rows = self.text.lines().map(str::trim).filter(|row| !row.is_empty());
         rows.scan(self.place.start, move |from, row| {
-            // In folded text, a row may consist of several lines; it is then not found and gets the start of the value as its place.
+            // In folded text, a row may consist of several lines; it is then not found and gets the start of
+            // the value as its place.
             let found = file.text.get(*from..).and_then(|rest| rest.find(row)).map(|at| *from + at);
             let start = found.filter(|start| *start < self.place.end).unwrap_or(self.place.start);
             *from = found.map_or(*from, |start| start + row.len());

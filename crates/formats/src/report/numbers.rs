@@ -3,8 +3,8 @@
 /// Numbers from here on have an exponent, so that no column is wider than a page.
 const LARGE: f64 = 1e15;
 
-/// A value with its standard error in units of the last digit, as in `0.1523(2)` (GUM, 7.2.2). If the error is less than
-/// half of the last digit, only the value is printed.
+/// A value with its standard error in units of the last digit, as in `0.1523(2)` (GUM, 7.2.2). If the error
+/// is less than half of the last digit, only the value is printed.
 pub fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
     let Some(value) = value else { return "-".to_owned() };
     let error = error.unwrap_or(0.0);
@@ -14,8 +14,8 @@ pub fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> Stri
     if error.is_nan() || error < 0.5 * 0.1_f64.powi(decimals as i32) {
         return unsigned_zero(format!("{value:.decimals$}"));
     }
-    // The first digit of the error decides the number of decimals. Round the error to one digit first, so that 0.96
-    // counts as 1.
+    // The first digit of the error decides the number of decimals. Round the error to one digit first, so
+    // that 0.96 counts as 1.
     let magnitude = format!("{error:.0e}");
     let exponent: i32 = magnitude.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
     let decimals = decimals.min((-exponent).max(0) as usize);

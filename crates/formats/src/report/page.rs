@@ -1,7 +1,7 @@
 //! `report.html`: a page about a run, as HTML that contains its figures and prints on A4.
 //!
-//! Tables and lines are those of the terminal ([`super::run`]). The page loads nothing: figures are part of it, and fonts are those of the
-//! system.
+//! Tables and lines are those of the terminal ([`super::run`]). The page loads nothing: figures are part of
+//! it, and fonts are those of the system.
 
 use std::fmt::Write;
 
@@ -153,10 +153,12 @@ fn table(page: &mut String, rows: &[Vec<String>]) {
     page.push_str("</table></div>\n");
 }
 
-/// Keys of a display in the order of its layers; other keys are in the order of the alphabet, as in `result.json`.
+/// Keys of a display in the order of its layers; other keys are in the order of the alphabet, as in
+/// `result.json`.
 const ORDER: [&str; 5] = ["layers", "front", "diffuser", "glass", "pixel"];
 
-/// Keys and values of a table of the scenario; tables in it follow with their paths as headings. Empty ones are left out.
+/// Keys and values of a table of the scenario; tables in it follow with their paths as headings. Empty ones
+/// are left out.
 fn keys(page: &mut String, path: &str, value: &Value) {
     let Value::Object(entries) = value else { return };
     let is_empty = |value: &Value| match value {

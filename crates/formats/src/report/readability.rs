@@ -6,7 +6,8 @@ use papilio_display::result::{Reader, View};
 
 use super::numbers::measured;
 
-/// Luminance, contrast and readability of black text on white; nothing without white, black or a described reader.
+/// Luminance, contrast and readability of black text on white; nothing without white, black or a described
+/// reader.
 pub(super) fn of_text(view: &View, reader: &Reader) -> String {
     let (text, error) = (&view.metrics, &view.standard_error);
     let (true, Some(luminance), Some(contrast)) =
@@ -33,8 +34,8 @@ pub(super) fn of_text(view: &View, reader: &Reader) -> String {
     )
 }
 
-/// The reading performance of Feng 2012, table 5.3, or the bounds of its range that are not met; nothing if the reader
-/// has no age.
+/// The reading performance of Feng 2012, table 5.3, or the bounds of its range that are not met; nothing if
+/// the reader has no age.
 fn surrogate(view: &View, luminance: f64, contrast: f64) -> String {
     let light = outside("mean luminance", luminance, LUMINANCE_RANGE_CD_M2, " cd/m2");
     let contrast = outside("contrast", contrast, CONTRAST_RANGE, "");

@@ -184,7 +184,8 @@ fn energy_balance(view: &View) -> String {
         ("pixel", absorbed.pixel),
         ("inactive", absorbed.inactive),
     ];
-    // Russian roulette leaves noise around zero, which is not reported; a computation of a single pass leaves out light.
+    // Russian roulette leaves noise around zero, which is not reported; a computation of a single pass leaves
+    // out light.
     let noise = 5.0 * ledger.standard_error.unaccounted;
     let unaccounted = if ledger.unaccounted.abs() > noise.max(5e-4) {
         format!("; unaccounted: {:.1} %", 100.0 * ledger.unaccounted)
@@ -210,8 +211,8 @@ fn energy_balance(view: &View) -> String {
     )
 }
 
-/// A row for each view: contrast, gamut and white of a display with the states white and black, otherwise the Y of its
-/// states.
+/// A row for each view: contrast, gamut and white of a display with the states white and black, otherwise the
+/// Y of its states.
 pub fn rows_of_views(result: &RunResult) -> Vec<Vec<String>> {
     let names: Vec<&str> = result.views[0].states.iter().map(|(name, _)| name).collect();
     let has_white_and_black = ["white", "black"].iter().all(|name| names.contains(name));

@@ -1,4 +1,5 @@
-//! Maps of heights in zip archives: X3P, NumPy's `.npz`, Sensofar's `.plux`, and Keyence's `.vk6` and `.vk7`. Their contents tell them apart.
+//! Maps of heights in zip archives: X3P, NumPy's `.npz`, Sensofar's `.plux`, and Keyence's `.vk6` and `.vk7`.
+//! Their contents tell them apart.
 
 use std::io::{Cursor, Read};
 

@@ -11,12 +11,13 @@ const MOST_POINTS: usize = 100_000;
 
 const MISSING: &str = "the columns `frequency_per_um` and `psd_um4`";
 
-/// Reads a table of frequency, ascending, in cycles per um, and two-dimensional power spectral density in um^4: the columns that its
-/// header names, in any order and with their units, or without a header frequency, density. `#` comments are permitted.
+/// Reads a table of frequency, ascending, in cycles per um, and two-dimensional power spectral density in
+/// um^4: the columns that its header names, in any order and with their units, or without a header frequency,
+/// density. `#` comments are permitted.
 ///
 /// # Errors
-/// With line and column: columns that are not understood, cells that are not finite numbers of at least 0, rows without two columns,
-/// frequencies out of order.
+/// With line and column: columns that are not understood, cells that are not finite numbers of at least 0,
+/// rows without two columns, frequencies out of order.
 pub fn read_density(file: &DataFile) -> Result<Vec<[f64; 2]>, FormatError> {
     static ACCEPTED: [&Quantity; 2] = [&FREQUENCY, &DENSITY];
     let text = TableText::new(file)?;

@@ -1,4 +1,5 @@
-//! Formats that are recognised and not read, with what to export instead. Those of pictures are the ones of [`picture_format`].
+//! Formats that are recognised and not read, with what to export instead. Those of pictures are the ones of
+//! [`picture_format`].
 
 use papilio_diagnostics::Diagnostic;
 

@@ -1,5 +1,5 @@
-//! Gwyddion Simple Field, `.gsf`: lines `Key = value`, one to four zeros up to a multiple of 4 bytes, and single-precision numbers,
-//! little-endian, by rows from the top.
+//! Gwyddion Simple Field, `.gsf`: lines `Key = value`, one to four zeros up to a multiple of 4 bytes, and
+//! single-precision numbers, little-endian, by rows from the top.
 
 use papilio_diagnostics::Diagnostic;
 

@@ -1,8 +1,9 @@
 //! Lines of a text before its heights: sizes, units, the number for missing heights, names of columns.
 //!
-//! A line states a quantity as `Name: value unit`, `Name = value unit`, or by cells `Name, value, unit`; it may begin with `#`. Known are the
-//! lines of Gwyddion (in its languages), SPIP, Nova, the ESRI grid, and their like. A line with a size, a scale or a unit that is not known
-//! is an error; other lines are listed in a warning, except comments.
+//! A line states a quantity as `Name: value unit`, `Name = value unit`, or by cells `Name, value, unit`; it
+//! may begin with `#`. Known are the lines of Gwyddion (in its languages), SPIP, Nova, the ESRI grid, and
+//! their like. A line with a size, a scale or a unit that is not known is an error; other lines are listed in
+//! a warning, except comments.
 
 use super::units::um_of;
 
@@ -387,8 +388,8 @@ impl Header {
         Ok(())
     }
 
-    /// Distance of heights along an axis, um, from the distance itself or the width over the number of heights. The unit of an axis that
-    /// states none is that of the other, or um.
+    /// Distance of heights along an axis, um, from the distance itself or the width over the number of
+    /// heights. The unit of an axis that states none is that of the other, or um.
     pub(super) fn pitch_um(&self, axis: usize, count: usize) -> Option<f64> {
         let axis_um = self.unit_um[axis].or(self.unit_um[1 - axis]).unwrap_or(1.0);
         let um = |length: Length| length.value * length.unit_um.unwrap_or(axis_um);

@@ -1,7 +1,8 @@
 //! Keyence, `.vk3`, `.vk4`, and `.vk6` and `.vk7`, which hold a `.vk4` in a zip archive.
 //!
-//! A table of places, the conditions of the measurement, and pictures. Lengths are in pm per pixel and per step of height; heights are unsigned
-//! integers by rows from the top. The format has no mark of missing heights.
+//! A table of places, the conditions of the measurement, and pictures. Lengths are in pm per pixel and per
+//! step of height; heights are unsigned integers by rows from the top. The format has no mark of missing
+//! heights.
 
 use papilio_diagnostics::Diagnostic;
 

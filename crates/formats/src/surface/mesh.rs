@@ -1,8 +1,8 @@
 //! Meshes of triangles: Wavefront OBJ, and STL in text or binary.
 //!
-//! The format is detected from the content. Numbers keep the unit of the file, which none of these formats states. Of an OBJ file, vertices
-//! and faces are read; a face with more than three corners becomes triangles around its first one. Normals of STL files are not read: the order
-//! of the corners states the side.
+//! The format is detected from the content. Numbers keep the unit of the file, which none of these formats
+//! states. Of an OBJ file, vertices and faces are read; a face with more than three corners becomes triangles
+//! around its first one. Normals of STL files are not read: the order of the corners states the side.
 
 use papilio_diagnostics::{Diagnostic, Place};
 
@@ -28,8 +28,8 @@ pub struct MeshFile {
 /// Reads a mesh.
 ///
 /// # Errors
-/// A file that is none of the formats; numbers that are not finite; faces of vertices that do not exist. Errors of texts state the line, and
-/// those of binary files the byte.
+/// A file that is none of the formats; numbers that are not finite; faces of vertices that do not exist.
+/// Errors of texts state the line, and those of binary files the byte.
 pub fn read_mesh(file: &DataFile) -> Result<MeshFile, FormatError> {
     crate::guard::read(file, of_any_format)
 }

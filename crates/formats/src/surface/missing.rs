@@ -2,21 +2,24 @@
 //!
 //! A height is missing
 //!
-//! - where the format says so: a mask, the word of a text (`BAD`, `No Data`, `NaN`, an empty cell), or the number that the format or the file
-//!   declares for it; readers return NaN there;
+//! - where the format says so: a mask, the word of a text (`BAD`, `No Data`, `NaN`, an empty cell), or the
+//!   number that the format or the file declares for it; readers return NaN there;
 //! - if it is infinite, or beyond 1e30 in size;
-//! - if it is one of the usual [`MARKERS`], and farther from all other heights than these are from each other. In a picture of integers only
-//!   those below 0 are: pictures are stretched to the full range of their numbers, so that the largest one, 65535 of 16 bits, is the highest
-//!   place of any map, and a picture without signs has no number that is no height. What stands apart there is noted.
+//! - if it is one of the usual [`MARKERS`], and farther from all other heights than these are from each
+//!   other. In a picture of integers only those below 0 are: pictures are stretched to the full range of
+//!   their numbers, so that the largest one, 65535 of 16 bits, is the highest place of any map, and a picture
+//!   without signs has no number that is no height. What stands apart there is noted.
 //!
-//! A map with missing heights is refused with their number. Heights are missing where a surface is steep, so that those of the neighbours
-//! would not stand for them: a map that was filled without a word would scatter less than the surface.
+//! A map with missing heights is refused with their number. Heights are missing where a surface is steep, so
+//! that those of the neighbours would not stand for them: a map that was filled without a word would scatter
+//! less than the surface.
 
 use papilio_diagnostics::Diagnostic;
 
 use super::HeightFile;
 
-/// Numbers that programs write for a height that was not measured: round ones, the ends of integer types, and that of Zygo.
+/// Numbers that programs write for a height that was not measured: round ones, the ends of integer types, and
+/// that of Zygo.
 const MARKERS: [f64; 17] = [
     -9999.0,
     9999.0,
@@ -51,7 +54,8 @@ pub(super) fn check(map: &HeightFile) -> Result<(), Diagnostic> {
         .hint("fill them in the program of the instrument, which knows why they are missing, or cut out a part without holes"))
 }
 
-/// The number of missing heights, if there are any, and the number that marks them, if it is a usual one that the file does not declare.
+/// The number of missing heights, if there are any, and the number that marks them, if it is a usual one that
+/// the file does not declare.
 fn holes(map: &HeightFile) -> Option<(usize, Option<f64>)> {
     let numbers = &map.numbers;
     let is_mark = |marker: &f64| !map.is_picture || *marker < 0.0;
@@ -107,7 +111,8 @@ mod tests {
         assert_eq!(holes(&[0.0, 1.0, 2.0, -8888.0]), None);
     }
 
-    /// The largest number of a picture is a height, and noted; the smallest one of numbers with signs is a mark.
+    /// The largest number of a picture is a height, and noted; the smallest one of numbers with signs is a
+    /// mark.
     #[test]
     fn full_scale_of_a_picture_is_a_height() {
         let picture =

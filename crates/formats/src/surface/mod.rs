@@ -1,7 +1,8 @@
-//! Maps of heights: files of profilometers, texts, arrays and pictures; meshes of triangles; power spectral densities.
+//! Maps of heights: files of profilometers, texts, arrays and pictures; meshes of triangles; power spectral
+//! densities.
 //!
-//! The format is detected from the content. [`missing`] has the rule for heights that were not measured, [`table`] reads texts, and each other
-//! format has a module of its own.
+//! The format is detected from the content. [`missing`] has the rule for heights that were not measured,
+//! [`table`] reads texts, and each other format has a module of its own.
 
 mod archive;
 mod array;
@@ -73,8 +74,8 @@ impl HeightFile {
 /// Reads a map of heights.
 ///
 /// # Errors
-/// An unknown format, a damaged file, missing heights with their number, points that are not on a grid, units that are not understood, and more
-/// than 4096 x 4096 heights, before memory is taken for them.
+/// An unknown format, a damaged file, missing heights with their number, points that are not on a grid, units
+/// that are not understood, and more than 4096 x 4096 heights, before memory is taken for them.
 pub fn read_heights(file: &DataFile) -> Result<HeightFile, FormatError> {
     crate::guard::read(file, of_any_format)
 }
@@ -118,7 +119,8 @@ fn format(bytes: &[u8]) -> Option<&'static Format> {
     FORMATS.iter().find(|format| format.magics.iter().any(|magic| bytes.starts_with(magic)))
 }
 
-/// Whether the first bytes are those of a format of height maps: not of texts and pictures, which may be something else as well.
+/// Whether the first bytes are those of a format of height maps: not of texts and pictures, which may be
+/// something else as well.
 pub fn is_height_file(bytes: &[u8]) -> bool {
     let is_text = [zygo::WORDS, wyko::WORDS].iter().any(|words| bytes.starts_with(words.as_bytes()));
     is_text || sdf::is_sdf(bytes) || format(bytes).is_some_and(|format| format.only_heights)

@@ -1,6 +1,8 @@
-//! Wyko and Veeco Vision, `.opd`: a directory of named blocks of 24 bytes each, and their contents in the same order.
+//! Wyko and Veeco Vision, `.opd`: a directory of named blocks of 24 bytes each, and their contents in the
+//! same order.
 //!
-//! Lengths of pixels are in mm; heights are numbers times Wavelength (nm) over Mult. Arrays run along y first, from the lowest y on.
+//! Lengths of pixels are in mm; heights are numbers times Wavelength (nm) over Mult. Arrays run along y
+//! first, from the lowest y on.
 
 use papilio_diagnostics::Diagnostic;
 

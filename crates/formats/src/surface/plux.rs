@@ -1,4 +1,5 @@
-//! Sensofar, `.plux`: a zip archive with `index.xml` and the heights of its first layer, single-precision numbers in um by rows from the top.
+//! Sensofar, `.plux`: a zip archive with `index.xml` and the heights of its first layer, single-precision
+//! numbers in um by rows from the top.
 
 use papilio_diagnostics::Diagnostic;
 

@@ -20,8 +20,8 @@ struct Columns {
     unit_um: [Option<f64>; 3],
 }
 
-/// Whether rows are points and not a map: their columns have names, or there are three columns and at least four rows. A header that states
-/// the size of a map says that they are none.
+/// Whether rows are points and not a map: their columns have names, or there are three columns and at least
+/// four rows. A header that states the size of a map says that they are none.
 ///
 /// # Errors
 /// Names of columns that are no points, and two columns.

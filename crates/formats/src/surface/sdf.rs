@@ -1,8 +1,10 @@
-//! Surface data files (SDF) in text and binary: BCR-1.0, and ISO 25178-71 in the revisions ISO-1.0 and ISO-2.0.
+//! Surface data files (SDF) in text and binary: BCR-1.0, and ISO 25178-71 in the revisions ISO-1.0 and
+//! ISO-2.0.
 //!
-//! A header, the heights by profiles along x, and a free text. Lengths are in metres, and heights are numbers times Zscale. ISO marks missing
-//! heights by the smallest number of their type, in a text by `BAD`, and begins with the profile of the lowest y; BCR marks them by the
-//! largest number, and begins with that of the highest y.
+//! A header, the heights by profiles along x, and a free text. Lengths are in metres, and heights are numbers
+//! times Zscale. ISO marks missing heights by the smallest number of their type, in a text by `BAD`, and
+//! begins with the profile of the lowest y; BCR marks them by the largest number, and begins with that of the
+//! highest y.
 
 use papilio_diagnostics::Diagnostic;
 

@@ -1,7 +1,8 @@
-//! Digital Surf, `.sur` of MountainsMap: a header of 512 bytes, a comment, a private zone, and integers of 16 or 32 bits by rows from the top,
-//! as they are or compressed by zlib.
+//! Digital Surf, `.sur` of MountainsMap: a header of 512 bytes, a comment, a private zone, and integers of 16
+//! or 32 bits by rows from the top, as they are or compressed by zlib.
 //!
-//! Heights are numbers times the spacing of z, plus its offset. A missing height is the smallest number of the header less 2.
+//! Heights are numbers times the spacing of z, plus its offset. A missing height is the smallest number of
+//! the header less 2.
 
 use std::io::Read;
 
@@ -110,7 +111,8 @@ fn check_kind(head: Bytes<'_>, warnings: &mut Vec<String>) -> Result<(), Diagnos
     Ok(())
 }
 
-/// Heights with their sign, left and right as on the surface, and missing ones; and whether the first row is that of the lowest y.
+/// Heights with their sign, left and right as on the surface, and missing ones; and whether the first row is
+/// that of the lowest y.
 fn inverted(
     numbers: Vec<f64>,
     columns: usize,

@@ -1,6 +1,7 @@
 //! Texts of heights: rows of a map, or points x, y, z in any order, below lines that state sizes and units.
 //!
-//! Numbers may have decimal points or commas, and are separated by semicolons, tabs, commas or blanks. Lengths without a unit are in um.
+//! Numbers may have decimal points or commas, and are separated by semicolons, tabs, commas or blanks.
+//! Lengths without a unit are in um.
 
 use std::borrow::Cow;
 use std::ops::Range;

@@ -1,5 +1,5 @@
-//! Maps of heights in grey TIFF pictures: integers of 16 or 32 bits, whose steps have an unknown height, and floating-point numbers, in um
-//! unless the scenario has a unit.
+//! Maps of heights in grey TIFF pictures: integers of 16 or 32 bits, whose steps have an unknown height, and
+//! floating-point numbers, in um unless the scenario has a unit.
 
 use std::io::Cursor;
 
@@ -88,7 +88,8 @@ fn warnings(decoder: &mut Decoder<Cursor<&[u8]>>) -> Vec<String> {
     }
     let states =
         |decoder: &mut Decoder<Cursor<&[u8]>>, tag: Tag| decoder.find_tag(tag).ok().flatten().is_some();
-    // Programs write 72 per inch where they know nothing: without a unit of its own, it is no distance of heights.
+    // Programs write 72 per inch where they know nothing: without a unit of its own, it is no distance of
+    // heights.
     if states(decoder, Tag::XResolution) || states(decoder, Tag::Unknown(PIXEL_SCALE)) {
         warnings.push(
             "the resolution in this TIFF file is not used: `pixel_um` is the distance of its heights"

@@ -1,7 +1,8 @@
-//! Wyko ASCII of Vision: lines of the size, a table of named numbers, and the heights, a line for each place along x.
+//! Wyko ASCII of Vision: lines of the size, a table of named numbers, and the heights, a line for each place
+//! along x.
 //!
-//! Lengths of pixels are in mm. Heights are in nm, or, where the second number of the first line is 0, in wavelengths over Mult. Missing heights
-//! are `Bad`.
+//! Lengths of pixels are in mm. Heights are in nm, or, where the second number of the first line is 0, in
+//! wavelengths over Mult. Missing heights are `Bad`.
 
 use papilio_diagnostics::Diagnostic;
 

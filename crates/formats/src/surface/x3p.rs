@@ -1,8 +1,10 @@
-//! Maps of heights in X3P files of ISO 25178-72: a zip archive with `main.xml` and, usually, the heights as a binary file.
+//! Maps of heights in X3P files of ISO 25178-72: a zip archive with `main.xml` and, usually, the heights as a
+//! binary file.
 //!
-//! Both revisions, of ISO 5436-2 and ISO 25178-72, are read in the same way. Lengths are in metres. Heights are numbers times the increment of the z axis,
-//! plus its offset, by rows from the lowest y. Missing ones have a 0 in the mask, and are the smallest value of an integer type, NaN of a
-//! floating type, or an empty element.
+//! Both revisions, of ISO 5436-2 and ISO 25178-72, are read in the same way. Lengths are in metres. Heights
+//! are numbers times the increment of the z axis, plus its offset, by rows from the lowest y. Missing ones
+//! have a 0 in the mask, and are the smallest value of an integer type, NaN of a floating type, or an empty
+//! element.
 
 use papilio_diagnostics::Diagnostic;
 

@@ -1,7 +1,8 @@
-//! Zygo XYZ of MetroPro and Mx: a header of 13 lines, a line `#`, lines `column row height` or `column row No Data`, and a line `#`.
+//! Zygo XYZ of MetroPro and Mx: a header of 13 lines, a line `#`, lines `column row height` or
+//! `column row No Data`, and a line `#`.
 //!
-//! Heights are in um by rows from the top; the distance of pixels, CameraRes, is in m. The other numbers of the header are about the
-//! interferogram, from which these heights were computed.
+//! Heights are in um by rows from the top; the distance of pixels, CameraRes, is in m. The other numbers of
+//! the header are about the interferogram, from which these heights were computed.
 
 use super::table::Source;
 use super::{HeightFile, UM, damaged, sized};
@@ -9,7 +10,8 @@ use crate::error::FormatError;
 
 pub(super) const WORDS: &str = "Zygo XYZ Data File";
 
-/// Lines of the header with the rectangle of the heights and with the scales, from 0, and the place of CameraRes among these.
+/// Lines of the header with the rectangle of the heights and with the scales, from 0, and the place of
+/// CameraRes among these.
 const RECTANGLE: usize = 3;
 const SCALES: usize = 7;
 const CAMERA_RES: usize = 6;

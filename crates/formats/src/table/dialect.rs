@@ -18,8 +18,9 @@ pub(crate) struct Dialect {
 const SEPARATORS: [Option<char>; 4] = [Some(';'), Some('\t'), Some(','), None];
 
 impl Dialect {
-    /// Finds the dialect of a text: the separator that splits most lines into the same number of cells, of which none contains
-    /// another separator. A comma inside numbers is a decimal comma if commas do not separate the cells and no number has a point.
+    /// Finds the dialect of a text: the separator that splits most lines into the same number of cells, of
+    /// which none contains another separator. A comma inside numbers is a decimal comma if commas do not
+    /// separate the cells and no number has a point.
     pub(crate) fn of(text: &str) -> Self {
         if let Some(separator) = stated(text) {
             return Self {
@@ -52,7 +53,8 @@ fn stated(text: &str) -> Option<char> {
     directive(text.lines().next()?)
 }
 
-/// Returns the number of lines that have the most frequent number of cells, at least 2, all of them without another separator.
+/// Returns the number of lines that have the most frequent number of cells, at least 2, all of them without
+/// another separator.
 fn score(text: &str, separator: Option<char>) -> usize {
     let mut widths: Vec<usize> = lines(text)
         .take(LINES)
@@ -66,7 +68,8 @@ fn score(text: &str, separator: Option<char>) -> usize {
     widths.chunk_by(|a, b| a == b).map(<[usize]>::len).max().unwrap_or(0)
 }
 
-/// Returns whether a cell without quotes contains no other separator. The name of a state may: only what begins as a number is no text.
+/// Returns whether a cell without quotes contains no other separator. The name of a state may: only what
+/// begins as a number is no text.
 fn is_sound(cell: &str, separator: Option<char>) -> bool {
     let is_number = |text: &str| number(text, false).is_some() || number(text, true).is_some();
     if number(cell, false).is_some() || (separator != Some(',') && number(cell, true).is_some()) {
@@ -78,7 +81,8 @@ fn is_sound(cell: &str, separator: Option<char>) -> bool {
     !(has_other || (words.clone().count() > 1 && words.all(is_number)))
 }
 
-/// Returns whether numbers have decimal commas. Numbers with a comma and others with a point contradict each other: then they have not.
+/// Returns whether numbers have decimal commas. Numbers with a comma and others with a point contradict each
+/// other: then they have not.
 fn has_decimal_commas(text: &str, separator: Option<char>) -> bool {
     if !text.contains(',') {
         return false;
@@ -97,7 +101,8 @@ fn has_decimal_commas(text: &str, separator: Option<char>) -> bool {
     commas
 }
 
-/// Reads a number, which may be infinite or NaN. Fortran's `1D3` and a minus sign that is not ASCII's are numbers too.
+/// Reads a number, which may be infinite or NaN. Fortran's `1D3` and a minus sign that is not ASCII's are
+/// numbers too.
 pub(crate) fn number(text: &str, decimal_comma: bool) -> Option<f64> {
     if !decimal_comma && let Ok(value) = text.parse() {
         return Some(value);

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-/// Characters of Windows-1252 from 0x80 to 0x9F; all other bytes are those of Latin-1. Undefined ones are kept as control characters.
+/// Characters of Windows-1252 from 0x80 to 0x9F; all other bytes are those of Latin-1. Undefined ones are
+/// kept as control characters.
 const WINDOWS: [char; 32] = [
     '\u{20AC}', '\u{81}', '\u{201A}', '\u{192}', '\u{201E}', '\u{2026}', '\u{2020}', '\u{2021}', '\u{2C6}',
     '\u{2030}', '\u{160}', '\u{2039}', '\u{152}', '\u{8D}', '\u{17D}', '\u{8F}', '\u{90}', '\u{2018}',
@@ -10,10 +11,11 @@ const WINDOWS: [char; 32] = [
     '\u{203A}', '\u{153}', '\u{9D}', '\u{17E}', '\u{178}',
 ];
 
-/// Returns the text of a file without its byte order mark, with lines that end with `\n` (or `\r\n`); `None` if it is no text.
+/// Returns the text of a file without its byte order mark, with lines that end with `\n` (or `\r\n`); `None`
+/// if it is no text.
 ///
-/// The encoding is that of the byte order mark. Without one, it is UTF-16 if every other byte is 0, UTF-8 if the bytes are valid
-/// UTF-8, or else Windows-1252, which contains Latin-1.
+/// The encoding is that of the byte order mark. Without one, it is UTF-16 if every other byte is 0, UTF-8 if
+/// the bytes are valid UTF-8, or else Windows-1252, which contains Latin-1.
 pub(crate) fn decode(bytes: &[u8]) -> Option<Cow<'_, str>> {
     let text = match bytes {
         [0xEF, 0xBB, 0xBF, rest @ ..] => Cow::Borrowed(std::str::from_utf8(rest).ok()?),

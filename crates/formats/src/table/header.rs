@@ -206,12 +206,14 @@ impl Column {
     }
 }
 
-/// Splits a table into its header and its rows. The header is the first row with all columns that `is_complete` requires, and rows of
-/// text above it are passed over with a note. If there is none, the last comment above the data is the header if it names every column
-/// of the data. If there is neither, and the first row has numbers, the table has no header.
+/// Splits a table into its header and its rows. The header is the first row with all columns that
+/// `is_complete` requires, and rows of text above it are passed over with a note. If there is none, the last
+/// comment above the data is the header if it names every column of the data. If there is neither, and the
+/// first row has numbers, the table has no header.
 ///
 /// # Errors
-/// If the first row has no numbers but is not complete: with the column that is not understood, or the quantity that is missing.
+/// If the first row has no numbers but is not complete: with the column that is not understood, or the
+/// quantity that is missing.
 pub(crate) fn body<'a>(
     table: Table<'a>,
     accepted: &[&'static Quantity],
@@ -303,15 +305,16 @@ fn quantity_of(name: &ColumnName, quantities: &[&'static Quantity]) -> Option<&'
     with_case.or_else(by_name).or_else(by_unit).copied()
 }
 
-/// Returns whether a name, which several quantities may have, is that of this one: an energy or a frequency is a wavelength only with
-/// its unit.
+/// Returns whether a name, which several quantities may have, is that of this one: an energy or a frequency
+/// is a wavelength only with its unit.
 fn is_plausible(quantity: &Quantity, name: &ColumnName) -> bool {
     let needs_unit =
         quantity.dimension == Dimension::Wavelength && matches!(name.name.as_str(), "e" | "wave");
     !needs_unit || name.unit.is_some()
 }
 
-/// Returns the unit of a column, if it fits the quantity. Photon energies and frequencies must state theirs; wavenumbers are in 1/cm.
+/// Returns the unit of a column, if it fits the quantity. Photon energies and frequencies must state theirs;
+/// wavenumbers are in 1/cm.
 fn unit_of(name: &ColumnName, quantity: &Quantity) -> Result<Option<Unit>, Problem> {
     let wrong = |unit: &str| wrong_unit(&clip(&name.raw), &clip(unit), quantity.dimension.units());
     let unit = match &name.unit {

@@ -26,7 +26,8 @@ impl ColumnName {
         Self { raw: raw.to_owned(), text: text.to_owned(), name: exact.to_lowercase(), exact, unit }
     }
 
-    /// Returns whether the name is one of `names`: with the case of its letters, or without case and `_` (`thetaI` is `theta_i` too).
+    /// Returns whether the name is one of `names`: with the case of its letters, or without case and `_`
+    /// (`thetaI` is `theta_i` too).
     pub(crate) fn is_one_of(&self, names: &[&str], with_case: bool) -> bool {
         if with_case {
             return names.contains(&self.exact.as_str());
@@ -37,7 +38,8 @@ impl ColumnName {
     }
 }
 
-/// Separates the unit from the name of a column. A name that is a unit alone (`nm`) has this unit and keeps its name.
+/// Separates the unit from the name of a column. A name that is a unit alone (`nm`) has this unit and keeps
+/// its name.
 fn split_unit(text: &str) -> (&str, Option<Result<Unit, String>>) {
     if let Some((name, inside)) = brackets(text) {
         // `n(lambda)` is a function of the wavelength.
@@ -64,8 +66,8 @@ fn split_unit(text: &str) -> (&str, Option<Result<Unit, String>>) {
     for (at, mark) in text.char_indices().filter(|(_, c)| matches!(c, '/' | '_' | ' ' | ',' | '-')) {
         let name = text[..at].trim_end_matches([' ', ',', '_', '/']);
         let after = text[at + mark.len_utf8()..].trim().trim_end_matches('.');
-        // `n_1` is no name with a unit; a single letter is one only after a slash or a blank, or after the name of a wavelength:
-        // `wavelength_m`, `wl_A`.
+        // `n_1` is no name with a unit; a single letter is one only after a slash or a blank, or after the
+        // name of a wavelength: `wavelength_m`, `wl_A`.
         let is_word = after.contains(|c: char| c.is_alphabetic() || matches!(c, '%' | '\u{b0}'));
         let is_letter =
             after.len() == 1 && after != "%" && !matches!(mark, '/' | ' ') && !is_wavelength(name);
@@ -91,7 +93,8 @@ fn is_wavelength(name: &str) -> bool {
     mine.len() > 1 && WAVELENGTH.names.iter().any(|name| squeezed(name) == mine)
 }
 
-/// Returns the text before the brackets at the end of a name, and the text in them: `BTDF` and `1/sr` of `BTDF [1/sr]`.
+/// Returns the text before the brackets at the end of a name, and the text in them: `BTDF` and `1/sr` of
+/// `BTDF [1/sr]`.
 fn brackets(text: &str) -> Option<(&str, &str)> {
     let text = text.trim_end_matches(['.', ':']);
     let pairs = [('(', ')'), ('[', ']'), ('{', '}'), ('<', '>')];

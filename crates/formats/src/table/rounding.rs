@@ -1,8 +1,10 @@
-//! Rounding of numbers that were converted to another unit before they were written: 3.142 rad is 180 deg, 3.26274 eV is 380 nm.
+//! Rounding of numbers that were converted to another unit before they were written: 3.142 rad is 180 deg,
+//! 3.26274 eV is 380 nm.
 //!
-//! The digits of a column state how far its values may be from those that were meant. If **all** values of the column are within
-//! this distance of the multiples of a step, and values of any other kind hardly ever would be, the multiples were meant. A column that is
-//! regular in its own unit (0.05, 0.10, 0.15 rad) is none of these, and is not touched.
+//! The digits of a column state how far its values may be from those that were meant. If **all** values of
+//! the column are within this distance of the multiples of a step, and values of any other kind hardly ever
+//! would be, the multiples were meant. A column that is regular in its own unit (0.05, 0.10, 0.15 rad) is
+//! none of these, and is not touched.
 
 /// Digits with which the numbers of a column are written.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
@@ -49,7 +51,8 @@ const STEPS: [f64; 11] = [5.0, 2.5, 1.0, 0.5, 0.25, 0.1, 0.05, 0.025, 0.01, 0.00
 /// Chance below which it is no accident that values of any other kind are all near the multiples of a step.
 const CHANCE: f64 = 1e-3;
 
-/// Returns the step whose multiples were meant by different values, each with the largest error by its rounding.
+/// Returns the step whose multiples were meant by different values, each with the largest error by its
+/// rounding.
 pub(crate) fn step(values: &[(f64, f64)]) -> Option<f64> {
     STEPS.into_iter().find(|step| {
         let mut chance = 1.0;
@@ -79,7 +82,8 @@ const LARGEST_DEG: f64 = 0.03;
 /// Rounding of an angle that was in radians of seven decimals, degrees.
 const LEAST_DEG: f64 = 1e-5;
 
-/// Returns 90, 180, 270 or 360 deg for an angle that is one of these within its rounding: at 90 deg the sides of a sample meet.
+/// Returns 90, 180, 270 or 360 deg for an angle that is one of these within its rounding: at 90 deg the sides
+/// of a sample meet.
 pub(crate) fn quarter(deg: f64, error_deg: f64) -> f64 {
     let near = nearest(deg / 90.0, 1.0) * 90.0;
     let error = if error_deg <= LARGEST_DEG { error_deg.max(LEAST_DEG) } else { LEAST_DEG };

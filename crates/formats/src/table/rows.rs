@@ -182,7 +182,8 @@ impl<'a> Row<'a> {
         self.cells.first().is_some_and(|cell| is_comment_line(&self.table.text[cell.place.start..]))
     }
 
-    /// Returns the cells of a comment without its mark, separated as the rows are, or else by blanks if those give `count` cells.
+    /// Returns the cells of a comment without its mark, separated as the rows are, or else by blanks if those
+    /// give `count` cells.
     pub(crate) fn uncommented(&self, count: usize) -> Option<Row<'a>> {
         let bytes = self.bytes();
         let line = &self.table.text[bytes.clone()];

@@ -59,7 +59,8 @@ const NM_THZ: f64 = 299_792.458;
 /// Product of wavelength in nm and wavenumber in 1/cm.
 const NM_PER_CM: f64 = 1e7;
 
-/// Units and their names, in small letters, without blanks and with `u` for the micro sign. `A`, `meV` and `MeV` need their case.
+/// Units and their names, in small letters, without blanks and with `u` for the micro sign. `A`, `meV` and
+/// `MeV` need their case.
 #[rustfmt::skip]
 const UNITS: [(Unit, &[&str]); 29] = [
     (Unit::Length(1.0), &["nm", "nanometer", "nanometers", "nanometre", "nanometres"]),
@@ -152,8 +153,8 @@ impl Unit {
         }
     }
 
-    /// Returns the largest error of a converted value, in the unit of Papilio: of the rounding of a value in this unit with these
-    /// digits, and of the constants with which others convert.
+    /// Returns the largest error of a converted value, in the unit of Papilio: of the rounding of a value in
+    /// this unit with these digits, and of the constants with which others convert.
     pub(crate) fn error(self, value: f64, digits: Digits, dimension: Dimension) -> f64 {
         let error = digits.error(value);
         match (self, dimension) {

@@ -55,7 +55,8 @@ impl<'a> Array<'a> {
     }
 }
 
-/// Returns the uncompressed files of a zip archive, found through its central directory (PKWARE's APPNOTE, 4.3).
+/// Returns the uncompressed files of a zip archive, found through its central directory (PKWARE's APPNOTE,
+/// 4.3).
 fn unzip(bytes: &[u8]) -> Vec<(String, &[u8])> {
     let two = |at: usize| usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
     let four = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;

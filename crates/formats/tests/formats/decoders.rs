@@ -1,4 +1,5 @@
-//! Every reader of files of others with damaged files of every format: an error with the name of the file, and never a panic.
+//! Every reader of files of others with damaged files of every format: an error with the name of the file,
+//! and never a panic.
 
 use papilio_formats::{
     DataFile, FormatError, RgbSpace, read_bsdf, read_face, read_heights, read_light_map, read_luminaire,

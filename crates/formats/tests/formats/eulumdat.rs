@@ -7,7 +7,8 @@ use papilio_formats::{DataFile, read_luminaire};
 use crate::luminaires::Use::{Intensity, Note, Refused};
 use crate::luminaires::{LUMINAIRE, read};
 
-/// Planes C of a full circle in steps of 30 deg, and the intensity of a luminaire in each, at 0, 45 and 90 deg.
+/// Planes C of a full circle in steps of 30 deg, and the intensity of a luminaire in each, at 0, 45 and 90
+/// deg.
 const STEP: usize = 30;
 
 fn of_plane(symmetry: u8, plane: f64) -> f64 {
@@ -106,8 +107,8 @@ fn each_symmetry_of_eulumdat_is_completed() {
     }
 }
 
-/// Every line of EULUMDAT with another value: the intensity at 0, 0 of symmetry 0, 500 cd (100 cd/klm times 5000 lm), with a note or
-/// none; or the reason of the refusal.
+/// Every line of EULUMDAT with another value: the intensity at 0, 0 of symmetry 0, 500 cd (100 cd/klm times
+/// 5000 lm), with a note or none; or the reason of the refusal.
 #[test]
 fn each_line_of_eulumdat_is_used_or_named() {
     for (line, field, value, wanted) in [

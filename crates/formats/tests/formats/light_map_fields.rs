@@ -7,8 +7,8 @@ use papilio_formats::MapColour;
 
 use crate::light_maps::{exr_of, header, read};
 
-/// What is done with each line of Radiance's header (Radiance file formats, G. Ward), for a map of one colour: its note, or the
-/// beginning of its error.
+/// What is done with each line of Radiance's header (Radiance file formats, G. Ward), for a map of one
+/// colour: its note, or the beginning of its error.
 #[test]
 fn each_line_of_a_radiance_header_is_used_or_named() {
     for (line, wanted) in [
@@ -57,7 +57,8 @@ fn chromaticities_of_openexr_are_used() {
     assert!(read(&exr_of_attributes(&|_, _| ())).unwrap().notes.is_empty());
 }
 
-/// The eight orders of scanlines hold the same picture: the first axis is the slow one; -Y runs down, +X to the right.
+/// The eight orders of scanlines hold the same picture: the first axis is the slow one; -Y runs down, +X to
+/// the right.
 #[test]
 fn each_order_of_scanlines_is_read() {
     let pixel = |row: usize, column: usize| [(10 * row + column + 100) as u8, 128, 128, 129];
@@ -112,7 +113,8 @@ fn exr_of_attributes(change: Change<'_>) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// What is done with each attribute of OpenEXR (*Standard attributes*, openexr.com): red of the first pixel of 10, and its note.
+/// What is done with each attribute of OpenEXR (*Standard attributes*, openexr.com): red of the first pixel
+/// of 10, and its note.
 #[test]
 fn each_attribute_of_openexr_is_used_or_named() {
     use exr::math::Vec2;
@@ -227,7 +229,8 @@ fn data_window_has_its_place_in_the_display_window() {
     }
 }
 
-/// Parts, layers, sample types, line orders, tiles and compressions change how the values are stored, not the values.
+/// Parts, layers, sample types, line orders, tiles and compressions change how the values are stored, not the
+/// values.
 #[test]
 fn values_of_openexr_do_not_depend_on_their_storage() {
     let value = |k: usize| (k % 7 + 1) as f32;
@@ -315,8 +318,8 @@ fn luminance_with_chroma_and_x_y_z_are_colours() {
     assert_eq!((grey.channels.len(), grey.channels[0].colour), (1, MapColour::Grey));
 }
 
-/// Six faces of different values: the middle of each is where OpenEXR's convention puts it, and gradients run as it says. +Z is the
-/// middle of the map, +X to the left, +Y up.
+/// Six faces of different values: the middle of each is where OpenEXR's convention puts it, and gradients run
+/// as it says. +Z is the middle of the map, +X to the left, +Y up.
 #[test]
 fn faces_of_a_cube_have_their_directions() {
     use exr::meta::attribute::EnvironmentMap;

@@ -20,8 +20,8 @@ pub(crate) enum Use {
 }
 use Use::{Intensity, Note, Refused};
 
-/// Every field of LM-63 (1986, 1991, 1995, 2002, 2019): the text of the file is changed in one place. The unchanged file has 100 cd at
-/// 0, 0: 100 times the multiplier 2 and the ballast factor 0.5.
+/// Every field of LM-63 (1986, 1991, 1995, 2002, 2019): the text of the file is changed in one place. The
+/// unchanged file has 100 cd at 0, 0: 100 times the multiplier 2 and the ballast factor 0.5.
 #[test]
 fn each_field_of_lm_63_is_used_or_named() {
     let edition = |name: &'static str| ("IESNA:LM-63-2002", name);
@@ -146,8 +146,8 @@ fn shadow(inside: impl Fn([f64; 3]) -> bool, [vertical, horizontal]: [f64; 2], r
     f64::from(hits) * (2.0 * reach / f64::from(steps)).powi(2)
 }
 
-/// Every shape of the editions (LM-63, table of luminous openings; its signs as also read by other programs), and the area under which
-/// it appears, against rays through the body.
+/// Every shape of the editions (LM-63, table of luminous openings; its signs as also read by other programs),
+/// and the area under which it appears, against rays through the body.
 #[test]
 fn each_shape_of_the_opening_appears_as_the_body_it_is() {
     use OpeningShape::{Box, CylinderAcross, CylinderAlong, Ellipsoid, Point, VerticalCylinder};
@@ -248,8 +248,8 @@ fn each_symmetry_of_the_horizontal_angles_is_completed() {
     }
 }
 
-/// A beam about a direction, written in types A, B and C at their own angles, has the same intensities everywhere; the angles of each
-/// type are those of CIE 121 and LM-63, written out here as unit vectors.
+/// A beam about a direction, written in types A, B and C at their own angles, has the same intensities
+/// everywhere; the angles of each type are those of CIE 121 and LM-63, written out here as unit vectors.
 #[test]
 fn types_a_and_b_have_the_intensities_of_type_c() {
     let unit = |[x, y, z]: [f64; 3]| [x, y, z].map(|part| part / (x * x + y * y + z * z).sqrt());

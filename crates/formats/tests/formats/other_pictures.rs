@@ -1,4 +1,5 @@
-//! Pictures of formats that are not read: refused by their names, wherever a picture, a light map or heights are read.
+//! Pictures of formats that are not read: refused by their names, wherever a picture, a light map or heights
+//! are read.
 
 use papilio_formats::{DataFile, RgbSpace, picture_format, read_heights, read_light_map, read_picture};
 

@@ -130,7 +130,8 @@ fn png_colour_space_is_the_first_stated_one() {
     // Rec. 2020 with gamma 2: 128/255 of green is 0.25197.
     let xyz = with(&[chrm, gama]).value.row(0)[0];
     assert_near(xyz, [0.63696 + 0.25197 * 0.14462, 0.26270 + 0.25197 * 0.67800, 0.25197 * 0.02807], 2e-4);
-    // Unusable statements are ignored with a warning: an unknown code, a profile that is none, primaries on a line.
+    // Unusable statements are ignored with a warning: an unknown code, a profile that is none, primaries on a
+    // line.
     for chunk in [(b"cICP", &[2, 2, 0, 1][..]), (b"cHRM", &[0; 32][..])] {
         let picture = with(&[chunk]);
         assert_eq!((picture.value.space(), picture.warnings.len()), ("sRGB", 1), "{:?}", picture.warnings);
@@ -190,8 +191,8 @@ fn icc_tables_may_have_lab() {
         let colour =
             |lab: &[f64]| [lab[0] * scale / 65535.0, lab[1] * zero / 65535.0, lab[2] * zero / 65535.0];
         let profile = samples::table_profile(table, [b"RGB ", b"Lab "], |value| value, colour);
-        // L* = 50.196, a* = 20, b* = -30 by the formulas of CIE 15, adapted by Bradford's matrix from ICC's white to D65. Little CMS 2.19
-        // gives the same sRGB: 133, 109, 171.
+        // L* = 50.196, a* = 20, b* = -30 by the formulas of CIE 15, adapted by Bradford's matrix from ICC's
+        // white to D65. Little CMS 2.19 gives the same sRGB: 133, 109, 171.
         let data = [128, 148, 98];
         let tagged = [&b"x\0\0"[..], &samples::zlib(&profile)].concat();
         let picture = read(&Png::new([1, 1], 8, 2).chunk(b"iCCP", &tagged).data(&[0], &data)).unwrap();
@@ -199,8 +200,9 @@ fn icc_tables_may_have_lab() {
     }
 }
 
-/// Inks by a table: C, M, Y, K as Adobe's programs write them, and as Y, Cb, Cr, K. At the nodes Little CMS 2.19 gives the same sRGB; between
-/// them it interpolates in tetrahedra, and the specification leaves the choice.
+/// Inks by a table: C, M, Y, K as Adobe's programs write them, and as Y, Cb, Cr, K. At the nodes Little CMS
+/// 2.19 gives the same sRGB; between them it interpolates in tetrahedra, and the specification leaves the
+/// choice.
 #[test]
 fn cmyk_has_the_colours_of_its_profile() {
     let inks = |inks: &[f64]| {
@@ -284,7 +286,8 @@ fn animation_has_its_first_picture() {
     assert!(picture.warnings[0].contains("animation of 2 frames; the first"), "{:?}", picture.warnings);
 }
 
-/// A palette of 4 bytes is one colour and a part of the next. The decoder fails on it, and must not take the program with it.
+/// A palette of 4 bytes is one colour and a part of the next. The decoder fails on it, and must not take the
+/// program with it.
 #[test]
 fn png_with_a_broken_palette_is_an_error_of_its_file() {
     let chunk = |name: &[u8; 4], data: &[u8]| {
@@ -356,7 +359,8 @@ fn jpeg_of_each_kind_of_colour_has_its_light() {
     assert_near(first(&tagged), D65.map(|value| 0.25197 * value), 2e-3);
 }
 
-/// A picture of 2 x 1 blocks, black and white, by the orientation of EXIF: columns, and whether the first pixel is white.
+/// A picture of 2 x 1 blocks, black and white, by the orientation of EXIF: columns, and whether the first
+/// pixel is white.
 #[test]
 fn jpeg_orientation_of_exif_is_applied() {
     for (orientation, columns, is_white_first) in [

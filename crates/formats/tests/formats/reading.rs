@@ -203,8 +203,8 @@ fn page_with_invalid_data_is_an_error_with_its_place() {
     assert_eq!(bad("DATA: []\n".to_owned()).1.to_string(), "no entry of `DATA` holds the refractive index n");
 }
 
-/// Faults of a page that do not affect 400 to 700 nm become notes, and the data end before them; faults that do remain
-/// errors. Values are linear in wavelength, so that any correct result has n = nm/400.
+/// Faults of a page that do not affect 400 to 700 nm become notes, and the data end before them; faults that
+/// do remain errors. Values are linear in wavelength, so that any correct result has n = nm/400.
 #[test]
 fn page_with_faults_outside_the_wanted_wavelengths_is_read_with_notes() {
     let page = |kind: &str, rows: &str| {
@@ -248,7 +248,8 @@ fn page_with_faults_outside_the_wanted_wavelengths_is_read_with_notes() {
     }
 }
 
-/// The message about a faulty k of a formula page has its row; two entries for n are an error only if both have wanted wavelengths.
+/// The message about a faulty k of a formula page has its row; two entries for n are an error only if both
+/// have wanted wavelengths.
 #[test]
 fn page_with_faulty_k_or_two_entries_for_n_is_read_where_unaffected() {
     let page = SELLMEIER.replace("0.9 0.06", "0.9 0.06\n        2.4 -0.0000138");

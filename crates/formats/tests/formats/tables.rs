@@ -1,4 +1,5 @@
-//! The reader of tables: names and units of columns, their order, separators, decimal marks, encodings; files of instruments.
+//! The reader of tables: names and units of columns, their order, separators, decimal marks, encodings; files
+//! of instruments.
 
 use papilio_formats::{
     DataFile, FormatError, PaletteTable, Problem, read_bsdf_file, read_density, read_fractions,
@@ -127,7 +128,8 @@ fn index_table_in_any_style_has_the_same_values() {
             for [nm, n, k] in nodes {
                 let (first, last) = index.range_nm();
                 let found = index.index(nm.clamp(first, last)).unwrap();
-                // A root of a permittivity loses digits where n is much larger than k, and by rounding of the wavelength.
+                // A root of a permittivity loses digits where n is much larger than k, and by rounding of the
+                // wavelength.
                 let tolerance = if *is_permittivity { 1e-10 } else { 1e-11 };
                 assert!(
                     (found.re - n).abs() < tolerance && (found.im - k).abs() < tolerance,
@@ -212,8 +214,8 @@ fn tables_of_the_documentation_are_the_same() {
     }
 }
 
-/// For each kind of table: a column that it does not have, a unit of another quantity, a quantity twice and one that is missing are
-/// refused with their place, and the message names the column.
+/// For each kind of table: a column that it does not have, a unit of another quantity, a quantity twice and
+/// one that is missing are refused with their place, and the message names the column.
 #[test]
 fn column_that_is_not_understood_is_refused_by_its_name() {
     type Read = fn(&DataFile) -> Result<(), FormatError>;
@@ -265,7 +267,8 @@ fn column_that_is_not_understood_is_refused_by_its_name() {
     }
 }
 
-/// Wavelengths that were converted from 380 to 780 nm in steps of 10 nm to energies and frequencies, with the constants of 2018 CODATA.
+/// Wavelengths that were converted from 380 to 780 nm in steps of 10 nm to energies and frequencies, with the
+/// constants of 2018 CODATA.
 #[test]
 fn rounded_energies_are_the_wavelengths_that_were_meant() {
     let nm: Vec<f64> = (38..=78).map(|k| 10.0 * f64::from(k)).collect();
@@ -333,7 +336,8 @@ fn tristimulus_values_of_the_scale_of_100_are_read_with_a_note() {
     assert!(close(white.y, 0.274) && fractions.warnings.is_empty(), "{:?}", fractions.warnings);
 }
 
-/// A panel that reflects like a mirror has Y of 2, a dark one of 2 per cent: between 1.5 and 10 the unit must be stated.
+/// A panel that reflects like a mirror has Y of 2, a dark one of 2 per cent: between 1.5 and 10 the unit must
+/// be stated.
 #[test]
 fn values_that_may_be_fractions_or_per_cent_need_their_unit() {
     use papilio_display::compare::Quantity;
@@ -369,7 +373,8 @@ fn values_that_may_be_fractions_or_per_cent_need_their_unit() {
     assert!(close(spectra(" (1)", "2.5").unwrap(), 2.5) && close(spectra("", "25").unwrap(), 0.25));
 }
 
-/// Scans are read as all tables: uncertainties and remarks are left out with a note, everything else is refused by its name.
+/// Scans are read as all tables: uncertainties and remarks are left out with a note, everything else is
+/// refused by its name.
 #[test]
 fn scan_with_further_columns_and_relative_units_is_read() {
     let part = Some(ScatterMode::FrontTransmission);
@@ -441,7 +446,8 @@ fn binary_file_is_refused() {
     assert_eq!(error.problem, Problem::NotText);
 }
 
-/// A Lambertian 0.2: f = 0.2 / pi in all directions, whatever the names, units, order and separators of the columns.
+/// A Lambertian 0.2: f = 0.2 / pi in all directions, whatever the names, units, order and separators of the
+/// columns.
 #[test]
 fn bsdf_table_in_any_style_is_the_same() {
     const NAMES: [([&str; 5], bool); 4] = [

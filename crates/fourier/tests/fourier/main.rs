@@ -72,8 +72,9 @@ fn transfer_function_of_one_changes_nothing() {
 const SHAPES: [&[([i64; 2], f64)]; 3] =
     [&[([0, 0], 0.5), ([1, 0], 0.25)], &[([0, 1], 0.3), ([-9, 2], 0.1)], &[([2, -3], 0.7)]];
 
-/// Three pictures of three quantities, three states, by sums over the pixels: with repetitions and with a margin without light, for odd and
-/// even numbers of columns and rows, in one and in several blocks, on one and several threads.
+/// Three pictures of three quantities, three states, by sums over the pixels: with repetitions and with a
+/// margin without light, for odd and even numbers of columns and rows, in one and in several blocks, on one
+/// and several threads.
 #[test]
 fn pictures_of_states_are_convolved_with_the_kernels_of_their_states() {
     let sizes = [

@@ -1,8 +1,9 @@
 //! Quality of a tensor tree: sums over its cells, without interpolation.
 //!
-//! f is constant over a cell, and the fraction of the square that a cell covers is its fraction of the projected solid angle. The
-//! hemispherical value for a direction of the light is therefore the sum of value x area x pi, exactly. An anisotropic tree has a
-//! mean over azimuths of the light. Details finer than a cell, such as half-widths and haze, are unknown.
+//! f is constant over a cell, and the fraction of the square that a cell covers is its fraction of the
+//! projected solid angle. The hemispherical value for a direction of the light is therefore the sum of value
+//! x area x pi, exactly. An anisotropic tree has a mean over azimuths of the light. Details finer than a
+//! cell, such as half-widths and haze, are unknown.
 
 use std::f64::consts::PI;
 

@@ -20,7 +20,8 @@ pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit
     let with_theta = || columns.iter().flat_map(|column| column.iter().zip(&thetas));
     let dark_beyond_deg =
         with_theta().filter(|(value, _)| **value > 0.0).map(|(_, theta)| *theta).fold(0.0, f64::max);
-    // Haze and clarity stay unknown: the patch about the direct beam is wider than the cone that haze excludes.
+    // Haze and clarity stay unknown: the patch about the direct beam is wider than the cone that haze
+    // excludes.
     Audit {
         cells: values.len(),
         lit: values.iter().filter(lit).count(),

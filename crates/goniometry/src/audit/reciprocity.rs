@@ -1,8 +1,8 @@
 //! Reciprocity: differences of f(i, o) and f(o, i) where both were measured.
 //!
-//! A grid of inclinations is compared at its own directions where those of the light are among those of the viewer. A grid about the
-//! specular direction is compared where all neighbouring cells have light, no more than [`WIDEST_DEG`] apart in azimuth. Other geometries
-//! have a value for each pair, or none.
+//! A grid of inclinations is compared at its own directions where those of the light are among those of the
+//! viewer. A grid about the specular direction is compared where all neighbouring cells have light, no more
+//! than [`WIDEST_DEG`] apart in azimuth. Other geometries have a value for each pair, or none.
 
 use papilio_optics::Beta;
 
@@ -14,7 +14,8 @@ const WIDEST_DEG: f64 = 45.0;
 /// Angles that differ by less are equal, degrees.
 const SAME_DEG: f64 = 1e-6;
 
-/// Returns the root mean square and the maximum of the differences, relative to the mean of both; `None` if no pair was measured.
+/// Returns the root mean square and the maximum of the differences, relative to the mean of both; `None` if
+/// no pair was measured.
 pub(super) fn reciprocity(
     part: &MeasuredPart,
     channel: usize,
@@ -61,8 +62,8 @@ pub(super) fn of_pairs(part: &MeasuredPart, channel: usize, peak: f64) -> Option
     sums.relative()
 }
 
-/// Compares values of a grid of inclinations. The light has the first of its azimuths; for an isotropic sample, only differences of
-/// azimuths matter.
+/// Compares values of a grid of inclinations. The light has the first of its azimuths; for an isotropic
+/// sample, only differences of azimuths matter.
 fn at_own_directions(grid: &SphericalGrid, part: &MeasuredPart, channel: usize, sums: &mut Sums) {
     let Some(light) = grid.phi_i_deg.first() else { return };
     let place = |theta: f64| grid.theta_o_deg.iter().position(|own| (own - theta).abs() < SAME_DEG);

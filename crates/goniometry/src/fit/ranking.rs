@@ -53,8 +53,8 @@ pub fn fitted(
     let (truth, extrapolated) = (kernel_with(None), kernel_with(Some(1.0)));
     Ok(ranked(fits, |fit| {
         let (truth, extrapolated) = (truth.as_ref()?, extrapolated.as_ref()?);
-        // A direction was not measured if extrapolation makes it brighter. This includes the edge of the data, where
-        // the kernel falls to zero within one step.
+        // A direction was not measured if extrapolation makes it brighter. This includes the edge of the
+        // data, where the kernel falls to zero within one step.
         let known = |from, to| truth.evaluate(from, to) >= 0.99 * extrapolated.evaluate(from, to);
         double_pass_error(|from, to| fit.value(from, to), |from, to| truth.evaluate(from, to), known)
     }))

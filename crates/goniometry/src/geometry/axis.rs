@@ -38,7 +38,8 @@ pub(super) fn around(axis: &[f64], azimuth: f64) -> Option<Weights> {
 }
 
 /// Interpolation weights of an azimuth relative to a plane of symmetry; an axis within 0 to 180 deg covers
-/// one side. Next to the plane, an azimuth has the same value as its mirror image, if the axis ends half a step before it.
+/// one side. Next to the plane, an azimuth has the same value as its mirror image, if the axis ends half a
+/// step before it.
 pub(super) fn mirrored(axis: &[f64], azimuth: f64) -> Option<Weights> {
     let turned = azimuth.rem_euclid(360.0);
     let side = turned.min(360.0 - turned);

@@ -1,7 +1,8 @@
 //! Azimuths that cover one side of the plane of incidence, or both, however they are counted.
 //!
-//! Instruments measure half a circle on either side of the plane of incidence (0 to 180 deg, or -180 to 0 deg, which is 180 to 360 deg, from
-//! the light), or a whole circle. The two sides of an isotropic sample are mirror images, so that a half circle becomes 0 to 180 deg.
+//! Instruments measure half a circle on either side of the plane of incidence (0 to 180 deg, or -180 to 0
+//! deg, which is 180 to 360 deg, from the light), or a whole circle. The two sides of an isotropic sample are
+//! mirror images, so that a half circle becomes 0 to 180 deg.
 
 use super::{Geometry, SpecularGrid, SphericalGrid, Symmetry};
 use crate::MeasuredPart;
@@ -9,8 +10,8 @@ use crate::MeasuredPart;
 /// Azimuths that differ by less are the same, degrees: the rounding of radians with three decimals.
 const SAME_DEG: f64 = 0.03;
 
-/// Azimuths of the scattered light that cover too little: neither half a circle nor a whole one, or, for light from azimuths outside one
-/// plane, no whole one.
+/// Azimuths of the scattered light that cover too little: neither half a circle nor a whole one, or, for
+/// light from azimuths outside one plane, no whole one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartOfCircle {
     /// The first azimuth from that of the light, degrees.
@@ -21,8 +22,8 @@ pub struct PartOfCircle {
     pub in_one_plane: bool,
 }
 
-/// Azimuths that were measured on both sides of the plane of incidence, where a file covers more than one of them and not both. Their values are
-/// averaged.
+/// Azimuths that were measured on both sides of the plane of incidence, where a file covers more than one of
+/// them and not both. Their values are averaged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
     /// The first of them on one side, degrees.
@@ -50,7 +51,8 @@ enum Cover {
 }
 
 impl MeasuredPart {
-    /// Returns the azimuths at which [`on_one_side`](Self::on_one_side) averages both sides of the plane of incidence; `None` if there are none.
+    /// Returns the azimuths at which [`on_one_side`](Self::on_one_side) averages both sides of the plane of
+    /// incidence; `None` if there are none.
     pub fn overlap(&self) -> Option<Overlap> {
         let (axis, cover, per_azimuth) = match &self.geometry {
             Geometry::Spherical(grid) if grid.phi_i_deg.len() == 1 => {
@@ -86,8 +88,9 @@ impl MeasuredPart {
         found.map(|[from_deg, to_deg]| Overlap { from_deg, to_deg, difference })
     }
 
-    /// Returns the part with azimuths from 0 to 180 deg from the light if those of a grid cover half a circle on any side of the plane of
-    /// incidence. Whole circles, and grids with a single azimuth, are returned as they are, and so are all other geometries.
+    /// Returns the part with azimuths from 0 to 180 deg from the light if those of a grid cover half a circle
+    /// on any side of the plane of incidence. Whole circles, and grids with a single azimuth, are returned as
+    /// they are, and so are all other geometries.
     ///
     /// # Errors
     /// If the azimuths of a grid of inclinations cover neither half a circle nor a whole one.
@@ -122,7 +125,8 @@ fn of_spherical(grid: &SphericalGrid) -> Result<Option<Azimuths>, PartOfCircle> 
         Cover::Half | Cover::Mirrored(_) => folded(&relative),
         Cover::Part => Vec::new(),
     };
-    // Lights on both sides of the normal share the plane of incidence: both sides of it are written out, because each has its own half.
+    // Lights on both sides of the normal share the plane of incidence: both sides of it are written out,
+    // because each has its own half.
     let in_one_plane = grid.phi_i_deg.iter().all(|phi| within_half(2.0 * (phi - light)) < 2.0 * SAME_DEG);
     if mirrored.is_empty() || !in_one_plane {
         let ends = [relative.first(), relative.last()].map(|end| end.copied().unwrap_or(0.0));
@@ -211,7 +215,8 @@ fn cover(azimuths: &[f64]) -> Cover {
     }
 }
 
-/// Returns whether azimuths cover a circle without a hole: the widest gap is not much wider than the next one, and no half circle.
+/// Returns whether azimuths cover a circle without a hole: the widest gap is not much wider than the next
+/// one, and no half circle.
 fn is_circle(azimuths: &[f64]) -> bool {
     let mut turned: Vec<f64> = azimuths.iter().map(|azimuth| azimuth.rem_euclid(360.0)).collect();
     turned.sort_by(f64::total_cmp);

@@ -86,8 +86,9 @@ impl SpecularGrid {
         self.mean(values, [turn, incidence, azimuth, between(&self.radials_deg, radial_deg)?])
     }
 
-    /// Returns whether all cells about a direction have light at an incidence, given by its index, with azimuths no farther apart than
-    /// this; the light comes from azimuth 180 deg. `false` next to the end of the measured cells.
+    /// Returns whether all cells about a direction have light at an incidence, given by its index, with
+    /// azimuths no farther apart than this; the light comes from azimuth 180 deg. `false` next to the end of
+    /// the measured cells.
     pub(crate) fn is_surrounded(
         &self,
         values: &[f64],

@@ -122,7 +122,8 @@ impl TensorTree {
         1 << finest.min(16)
     }
 
-    /// Directions of the light of an inclination over which means are formed: several azimuths for an anisotropic sample.
+    /// Directions of the light of an inclination over which means are formed: several azimuths for an
+    /// anisotropic sample.
     pub(crate) fn lights(&self, theta_deg: f64) -> Vec<Direction> {
         match self.rank {
             3 => vec![Direction::new(theta_deg, 180.0)],
@@ -133,8 +134,8 @@ impl TensorTree {
         }
     }
 
-    /// Calls `each` with every square of the viewer's square in which light of this direction has a value above 0. For rank 3 the square
-    /// is rotated, so that the specular direction has azimuth 0.
+    /// Calls `each` with every square of the viewer's square in which light of this direction has a value
+    /// above 0. For rank 3 the square is rotated, so that the specular direction has azimuth 0.
     pub(crate) fn each_lit(&self, values: &[f64], light: Direction, each: &mut dyn FnMut(LitSquare)) {
         let place = match self.rank {
             3 => [0.5 - 0.5 * light.theta_deg.to_radians().sin(), 0.0],
@@ -286,8 +287,9 @@ impl LitSquare {
     }
 }
 
-/// Limits a coordinate to the square. A cell includes its lower limits, not its upper ones; a place that differs from a limit by rounding
-/// is on it, so that light and its specular direction are in corresponding cells.
+/// Limits a coordinate to the square. A cell includes its lower limits, not its upper ones; a place that
+/// differs from a limit by rounding is on it, so that light and its specular direction are in corresponding
+/// cells.
 fn within_square(x: f64) -> f64 {
     (x + 1e-9).clamp(0.0, 1.0 - 1e-9)
 }

@@ -118,9 +118,10 @@ fn single_incidence_is_held_on_request() {
     assert_eq!((lost.lost, lost.held_single, held.lost, held.held_single), (1.0, false, 0.0, true));
 }
 
-/// A dense measurement of a lobe that is no k-correlation (exponential) up to 80 deg: in the glass it holds the light of the true
-/// lobe at every incidence, by a sum over the disc of the glass. At 80 deg the line away from the normal ends 0.015 from the peak,
-/// and its slope there extrapolated to 1.4 times the light that arrives.
+/// A dense measurement of a lobe that is no k-correlation (exponential) up to 80 deg: in the glass it holds
+/// the light of the true lobe at every incidence, by a sum over the disc of the glass. At 80 deg the line
+/// away from the normal ends 0.015 from the peak, and its slope there extrapolated to 1.4 times the light
+/// that arrives.
 #[test]
 fn tails_in_the_glass_conserve_light_at_oblique_incidence() {
     let exponential = |from: Beta, to: Beta| {
@@ -154,7 +155,8 @@ fn tails_in_the_glass_conserve_light_at_oblique_incidence() {
     assert!((changes.held - 0.0302).abs() < 1e-4 && changes.lost == 0.0, "{changes:?}");
 }
 
-/// Values in relative units take the level that is stated for the smallest incidence; the ratios of incidences remain.
+/// Values in relative units take the level that is stated for the smallest incidence; the ratios of
+/// incidences remain.
 #[test]
 fn stated_level_scales_all_incidences() {
     let relative = part(|from, to| 17.0 * lobe(from, to));

@@ -75,7 +75,8 @@ impl Incidence {
         if a > 0.0 && b > 0.0 && !self.linear { a.powf(1.0 - t) * b.powf(t) } else { (1.0 - t) * a + t * b }
     }
 
-    /// Returns true if `delta` is on the hemisphere and within the measured length of the lines of its azimuth.
+    /// Returns true if `delta` is on the hemisphere and within the measured length of the lines of its
+    /// azimuth.
     pub(super) fn is_known(&self, delta: Beta) -> bool {
         let length = delta.length();
         if length == 0.0 {

@@ -228,10 +228,10 @@ impl Shape {
     /// multiplied by the fraction of the interval around it (half-way to its neighbours) that is before the
     /// end. Linear interpolation then conserves the light of a line.
     ///
-    /// A tail beyond the last measured node of a line continues as that of the incidence before it, in proportion: lobes
-    /// move with the light, and at oblique incidence a line away from the normal ends at the horizon, close to the
-    /// peak, where its own slope says nothing about the tail. Tails do not rise. At the first incidence they follow
-    /// the slope of the line.
+    /// A tail beyond the last measured node of a line continues as that of the incidence before it, in
+    /// proportion: lobes move with the light, and at oblique incidence a line away from the normal ends at
+    /// the horizon, close to the peak, where its own slope says nothing about the tail. Tails do not rise. At
+    /// the first incidence they follow the slope of the line.
     pub fn tabulate(&self, radials: &[f64], azimuths: &[f64]) -> Vec<f64> {
         let cells = radials.len() * azimuths.len();
         let mut values: Vec<f64> = Vec::with_capacity(self.incidences.len() * cells);

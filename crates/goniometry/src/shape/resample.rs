@@ -61,7 +61,8 @@ pub(crate) fn first_lobes(part: &MeasuredPart, channels: &[usize]) -> Option<Vec
     Some(values.chunks_exact(grid.cells()).map(of_channel).collect())
 }
 
-/// Largest inclination, degrees, to which light was measured, of a grid of inclinations that ends before the horizon.
+/// Largest inclination, degrees, to which light was measured, of a grid of inclinations that ends before the
+/// horizon.
 pub(crate) fn inclined_to_deg(part: &MeasuredPart, channel: usize) -> Option<f64> {
     let Geometry::Spherical(grid) = &part.geometry else { return None };
     let azimuths = grid.phi_o_deg.len().max(1);
@@ -140,7 +141,8 @@ fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid,
         [rotation, from.theta_deg, wrapped(azimuth), radial]
     };
     let mut points: Vec<[f64; 4]> = pairs.iter().map(coordinates).collect();
-    // Half a circle on the other side of the plane of incidence is the mirror image of the one from 0 to 180 deg.
+    // Half a circle on the other side of the plane of incidence is the mirror image of the one from 0 to 180
+    // deg.
     if points.iter().all(|point| point[2] == 0.0 || point[2] > 180.0 - SAME_DEG) {
         points.iter_mut().for_each(|point| point[2] = (360.0 - point[2]) % 360.0);
     }

@@ -1,15 +1,16 @@
 //! Error diffusion of colours and of single numbers.
 //!
-//! Each pixel gets the state nearest to its wanted colour plus what its neighbours passed on; the difference is passed on to pixels
-//! that have no state yet. In linear light the mean over an area is then kept: what a display shows is additive.
+//! Each pixel gets the state nearest to its wanted colour plus what its neighbours passed on; the difference
+//! is passed on to pixels that have no state yet. In linear light the mean over an area is then kept: what a
+//! display shows is additive.
 //!
-//! **Sources.** R. W. Floyd and L. Steinberg, Proc. SID 17(2), 75 (1976); J. F. Jarvis, C. N. Judice and W. H. Ninke, Computer
-//! Graphics and Image Processing 5, 13 (1976); P. Stucki, IBM Research Report RZ1060 (1981); F. Sierra (1989,
-//! 1990); D. Burkes (1988).
+//! **Sources.** R. W. Floyd and L. Steinberg, Proc. SID 17(2), 75 (1976); J. F. Jarvis, C. N. Judice and W.
+//! H. Ninke, Computer Graphics and Image Processing 5, 13 (1976); P. Stucki, IBM Research Report RZ1060
+//! (1981); F. Sierra (1989, 1990); D. Burkes (1988).
 //!
-//! **Arithmetic.** Errors are whole numbers of a unit (about 6e-8 of the palette's largest coordinate), and the parts of an error
-//! add up to it exactly. Therefore the ledger is exact: wanted = shown + lost, to the last unit. The result is the same on every
-//! processor.
+//! **Arithmetic.** Errors are whole numbers of a unit (about 6e-8 of the palette's largest coordinate), and
+//! the parts of an error add up to it exactly. Therefore the ledger is exact: wanted = shown + lost, to the
+//! last unit. The result is the same on every processor.
 
 use super::{check_rows, check_states};
 use crate::ImagingError;
@@ -70,16 +71,17 @@ pub struct ErrorDiffusion {
     pub kernel: DiffusionKernel,
     /// Order of the pixels.
     pub scan: Scan,
-    /// Largest component of the error that is passed on, as a fraction of the palette's largest extent along a coordinate; 0 to 4.
-    /// A larger error is scaled down to it, and what is cut off is lost. Without a limit the error would grow without bound in
-    /// areas of a colour outside the hull of the palette, and smear over what follows them.
+    /// Largest component of the error that is passed on, as a fraction of the palette's largest extent along
+    /// a coordinate; 0 to 4. A larger error is scaled down to it, and what is cut off is lost. Without a
+    /// limit the error would grow without bound in areas of a colour outside the hull of the palette, and
+    /// smear over what follows them.
     pub limit: f64,
-    /// Coordinates in which the nearest state is searched: linear combinations of X, Y, Z, one in each row. Errors are passed on in
-    /// X, Y, Z in any case. Ignored by [`levels`](Self::levels).
+    /// Coordinates in which the nearest state is searched: linear combinations of X, Y, Z, one in each row.
+    /// Errors are passed on in X, Y, Z in any case. Ignored by [`levels`](Self::levels).
     ///
-    /// With a double weight of Y, six inks have 10 % less visible noise of luminance, and nothing is cut. With four times the weight,
-    /// or with opponent colours of less weight than luminance, the errors of what weighs less grow until the limit cuts them, and the
-    /// mean colour is wrong: check [`Diffused::cut`].
+    /// With a double weight of Y, six inks have 10 % less visible noise of luminance, and nothing is cut.
+    /// With four times the weight, or with opponent colours of less weight than luminance, the errors of what
+    /// weighs less grow until the limit cuts them, and the mean colour is wrong: check [`Diffused::cut`].
     pub metric: [[f64; 3]; 3],
 }
 
@@ -99,22 +101,26 @@ impl Default for ErrorDiffusion {
 pub struct Diffused<const N: usize> {
     /// The state of each pixel.
     pub states: Vec<u8>,
-    /// Sum over all pixels of what was wanted and is not shown: passed beyond the borders of the picture, or above the limit.
+    /// Sum over all pixels of what was wanted and is not shown: passed beyond the borders of the picture, or
+    /// above the limit.
     pub lost: [f64; N],
-    /// The part of `lost` above the limit: of colours outside the hull of the palette, or because of the metric.
+    /// The part of `lost` above the limit: of colours outside the hull of the palette, or because of the
+    /// metric.
     pub cut: [f64; N],
     /// Number of pixels whose error was above the limit.
     pub cut_pixels: usize,
 }
 
 impl ErrorDiffusion {
-    /// Error diffusion of colours: `wanted` X, Y, Z of each pixel, by rows from the top, to states of these X, Y, Z.
+    /// Error diffusion of colours: `wanted` X, Y, Z of each pixel, by rows from the top, to states of these
+    /// X, Y, Z.
     ///
-    /// All coordinates have the same unit; a not finite one is 0. Of two equally near states the later one is taken.
+    /// All coordinates have the same unit; a not finite one is 0. Of two equally near states the later one is
+    /// taken.
     ///
     /// # Errors
-    /// If the number of pixels is not a multiple of `columns`, the palette is empty, has more than 256 states or a coordinate
-    /// that is not finite.
+    /// If the number of pixels is not a multiple of `columns`, the palette is empty, has more than 256 states
+    /// or a coordinate that is not finite.
     pub fn colours(
         &self,
         wanted: &[[f32; 3]],
@@ -245,7 +251,8 @@ struct Palette<const N: usize> {
     /// Units per 1, a power of 2.
     scale: f32,
     units: Vec<[i32; N]>,
-    /// For a colour v in units: `gradient.v + constant` is the squared distance to a state in the metric, less |v|^2, halved.
+    /// For a colour v in units: `gradient.v + constant` is the squared distance to a state in the metric,
+    /// less |v|^2, halved.
     gradients: [Vec<f32>; N],
     constants: Vec<f32>,
     /// Limit of the error in units.

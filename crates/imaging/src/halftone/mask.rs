@@ -9,8 +9,8 @@ const MOST_SIDE: usize = 256;
 
 /// Threshold mask: a periodic cell whose pixels have ranks from 0 to one less than their number.
 ///
-/// A pixel of rank r is on for a coverage above (r + 1/2)/n, n = number of pixels, so that a uniform coverage c switches the
-/// nearest number of pixels to c n on.
+/// A pixel of rank r is on for a coverage above (r + 1/2)/n, n = number of pixels, so that a uniform coverage
+/// c switches the nearest number of pixels to c n on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mask {
     columns: usize,
@@ -18,10 +18,11 @@ pub struct Mask {
 }
 
 impl Mask {
-    /// Bayer's mask of `side` x `side` pixels, `side` = 2, 4, 8 or 16 (B. E. Bayer, IEEE ICC 1973, 26-11). The first row of four is
-    /// 0 8 2 10.
+    /// Bayer's mask of `side` x `side` pixels, `side` = 2, 4, 8 or 16 (B. E. Bayer, IEEE ICC 1973, 26-11).
+    /// The first row of four is 0 8 2 10.
     ///
-    /// Its pattern is regular: hardly visible on flat areas at fine pitches, with visible structure at coarse ones.
+    /// Its pattern is regular: hardly visible on flat areas at fine pitches, with visible structure at coarse
+    /// ones.
     ///
     /// # Errors
     /// For other sides.
@@ -45,8 +46,8 @@ impl Mask {
         Ok(Self { columns, ranks: mask })
     }
 
-    /// Void-and-cluster mask of `side` x `side` pixels, 4 to 256 (R. A. Ulichney, Proc. SPIE 1913, 332, 1993), with his Gaussian of
-    /// sigma 1.5 pixels. Another `seed` gives another mask of the same quality.
+    /// Void-and-cluster mask of `side` x `side` pixels, 4 to 256 (R. A. Ulichney, Proc. SPIE 1913, 332,
+    /// 1993), with his Gaussian of sigma 1.5 pixels. Another `seed` gives another mask of the same quality.
     ///
     /// Its noise has hardly any low frequencies and no direction. A mask of 64 x 64 pixels takes about 20 ms.
     ///
@@ -100,7 +101,8 @@ const REACH: usize = 10;
 
 /// A periodic pattern of pixels, and how crowded it is around each of them.
 ///
-/// The Gaussian is kept in whole units of 2^-40: sums are exact, so that they do not depend on the order of the steps.
+/// The Gaussian is kept in whole units of 2^-40: sums are exact, so that they do not depend on the order of
+/// the steps.
 #[derive(Clone)]
 struct Crowding {
     side: usize,
@@ -162,8 +164,8 @@ impl Crowding {
             thinner.switch(at);
             ranks[at] = rank as u32;
         }
-        // Beyond half, Ulichney looks for the most crowded pixel that is off among those that are off. The two Gaussian sums
-        // add up to the same number everywhere, so that it is the largest void again.
+        // Beyond half, Ulichney looks for the most crowded pixel that is off among those that are off. The
+        // two Gaussian sums add up to the same number everywhere, so that it is the largest void again.
         for rank in first..count {
             let at = self.largest_void();
             self.switch(at);
@@ -172,7 +174,8 @@ impl Crowding {
         ranks
     }
 
-    /// Switches a tenth of the pixels on at random, and moves them apart until no move helps. Returns their number.
+    /// Switches a tenth of the pixels on at random, and moves them apart until no move helps. Returns their
+    /// number.
     fn spread_out(&mut self, seed: u64) -> usize {
         let count = self.on.len();
         let numbers = SampleStream::new(Sampler::Random, seed, 0);
@@ -188,7 +191,8 @@ impl Crowding {
             }
             path += 1;
         }
-        // Each move lowers the crowding, or the two are the same pixel; the bound only guards against a tie that moves in a circle.
+        // Each move lowers the crowding, or the two are the same pixel; the bound only guards against a tie
+        // that moves in a circle.
         for _ in 0..100 * count {
             let cluster = self.tightest_cluster();
             self.switch(cluster);

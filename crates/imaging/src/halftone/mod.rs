@@ -7,13 +7,15 @@
 //! | [`ErrorDiffusion`] | X, Y, Z, or one number | the error of a pixel is passed on to its neighbours: the finest detail |
 //! | [`direct_binary_search`] | the same, filters of the eye, a start | the smallest visible error; slow |
 //!
-//! A picture is a slice of its pixels by rows, **the first row at the top**, because error diffusion has a direction and files of
-//! pictures have this order. All values are linear in light. States are numbers from 0, in the order of the palette.
+//! A picture is a slice of its pixels by rows, **the first row at the top**, because error diffusion has a
+//! direction and files of pictures have this order. All values are linear in light. States are numbers from
+//! 0, in the order of the palette.
 //!
 //! Nothing here depends on threads, on the processor or on earlier calls.
 //!
-//! **Out of scope.** The coverages and the colours that a display can show (gamut mapping) are decided before: colours outside the
-//! hull of the palette are permitted, but what no pixel can show is lost, and counted.
+//! **Out of scope.** The coverages and the colours that a display can show (gamut mapping) are decided
+//! before: colours outside the hull of the palette are permitted, but what no pixel can show is lost, and
+//! counted.
 
 mod diffusion;
 mod mask;

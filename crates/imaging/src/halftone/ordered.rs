@@ -12,10 +12,11 @@ pub fn light_to_dark(palette: &[[f64; 3]]) -> Vec<u8> {
 
 /// Ordered dither of coverages by several states.
 ///
-/// `coverages` holds for each pixel the coverage of each state, in the order of the palette; `order` lists all states, usually
-/// [`light_to_dark`]. A pixel gets the first state in this order for which the sum of the coverages up to it exceeds the threshold
-/// of the [`Mask`]; if none does (rounding), the last one. Neighbouring thresholds therefore select neighbouring states, and a
-/// uniform picture has each state in its coverage, to the number of thresholds.
+/// `coverages` holds for each pixel the coverage of each state, in the order of the palette; `order` lists
+/// all states, usually [`light_to_dark`]. A pixel gets the first state in this order for which the sum of the
+/// coverages up to it exceeds the threshold of the [`Mask`]; if none does (rounding), the last one.
+/// Neighbouring thresholds therefore select neighbouring states, and a uniform picture has each state in its
+/// coverage, to the number of thresholds.
 ///
 /// # Errors
 /// If the number of pixels is not a multiple of `columns`, or `order` is not an order of all states.
@@ -55,11 +56,11 @@ pub fn ordered(
     Ok(states)
 }
 
-/// Ordered dither of independent sub-pixels (a film with red, green and blue ones): bit k of the result is set where the
-/// coverage of plane k exceeds its mask. At most eight planes.
+/// Ordered dither of independent sub-pixels (a film with red, green and blue ones): bit k of the result is
+/// set where the coverage of plane k exceeds its mask. At most eight planes.
 ///
-/// With one mask for all planes, sub-pixels of a pixel switch together, and greys consist of white and black. With
-/// [shifted](Mask::shifted) masks they switch apart, and the lightness varies less from pixel to pixel.
+/// With one mask for all planes, sub-pixels of a pixel switch together, and greys consist of white and black.
+/// With [shifted](Mask::shifted) masks they switch apart, and the lightness varies less from pixel to pixel.
 ///
 /// # Errors
 /// If there are no planes or more than eight, or the planes do not consist of the same number of whole rows.

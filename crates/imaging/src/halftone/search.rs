@@ -1,22 +1,24 @@
 //! Direct binary search: the halftone whose filtered picture is nearest to the wanted one.
 //!
-//! The error is `E = sum over coordinates and pixels of (h * (shown - wanted))^2` with a filter h for each coordinate: what the eye
-//! and the stack pass. In a pass, each pixel tries every other state and every exchange with one of its neighbours, and takes the
-//! best one if it lowers E; the search ends when no pixel finds any. Beyond the borders nothing is wrong.
+//! The error is `E = sum over coordinates and pixels of (h * (shown - wanted))^2` with a filter h for each
+//! coordinate: what the eye and the stack pass. In a pass, each pixel tries every other state and every
+//! exchange with one of its neighbours, and takes the best one if it lowers E; the search ends when no pixel
+//! finds any. Beyond the borders nothing is wrong.
 //!
-//! **Method.** M. Analoui and J. P. Allebach, Proc. SPIE 1666, 96 (1992): with the autocorrelation c of the filter and the error
-//! correlated with it, `r = c * (shown - wanted)`, a change of a pixel by d changes E by `2 d r + d^2 c(0)`, and only an accepted
-//! change updates r, in reach of c.
+//! **Method.** M. Analoui and J. P. Allebach, Proc. SPIE 1666, 96 (1992): with the autocorrelation c of the
+//! filter and the error correlated with it, `r = c * (shown - wanted)`, a change of a pixel by d changes E by
+//! `2 d r + d^2 c(0)`, and only an accepted change updates r, in reach of c.
 //!
-//! **Limits.** The result is a local minimum, which depends on the start; from error diffusion it is reached sooner and is as good as
-//! from noise. A few seconds to minutes for a page, by the size of the filter.
+//! **Limits.** The result is a local minimum, which depends on the start; from error diffusion it is reached
+//! sooner and is as good as from noise. A few seconds to minutes for a page, by the size of the filter.
 
 use std::ops::ControlFlow;
 
 use super::{check_rows, check_states};
 use crate::ImagingError;
 
-/// A sampled filter, symmetric in the sense that its middle is its place: an odd number of columns and rows, by rows from the top.
+/// A sampled filter, symmetric in the sense that its middle is its place: an odd number of columns and rows,
+/// by rows from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filter {
     columns: usize,
@@ -86,14 +88,15 @@ pub struct Searched {
 
 /// Direct binary search from a start.
 ///
-/// `wanted` has the coordinates of each pixel by rows, `palette` those of each state: X, Y, Z, or linear combinations of them such
-/// as opponent colours, for which the eye's filters differ. `filters` are those of the coordinates. `start` has a state for each
-/// pixel, usually from [error diffusion](super::ErrorDiffusion). After each pass, `watch` may stop the search by
-/// `ControlFlow::Break`; `stop` is asked after each row.
+/// `wanted` has the coordinates of each pixel by rows, `palette` those of each state: X, Y, Z, or linear
+/// combinations of them such as opponent colours, for which the eye's filters differ. `filters` are those of
+/// the coordinates. `start` has a state for each pixel, usually from [error
+/// diffusion](super::ErrorDiffusion). After each pass, `watch` may stop the search by `ControlFlow::Break`;
+/// `stop` is asked after each row.
 ///
 /// # Errors
-/// If the pictures do not have the same number of whole rows, the palette is empty, too large or not finite, or a state of the start
-/// is not in the palette.
+/// If the pictures do not have the same number of whole rows, the palette is empty, too large or not finite,
+/// or a state of the start is not in the palette.
 pub fn direct_binary_search<const N: usize>(
     wanted: &[[f32; N]],
     columns: usize,
@@ -235,7 +238,8 @@ impl<'a, const N: usize> Search<'a, N> {
         }
     }
 
-    /// One pass over all pixels near which something changed; the number of changes, or `None` if it was stopped.
+    /// One pass over all pixels near which something changed; the number of changes, or `None` if it was
+    /// stopped.
     fn pass(&mut self, stop: &dyn Fn() -> bool) -> Option<usize> {
         let mut changes = 0;
         for row in 0..self.rows {

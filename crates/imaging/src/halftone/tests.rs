@@ -108,7 +108,8 @@ fn error_diffusion_of_a_uniform_colour_has_it_as_its_mean_everywhere() {
             for k in 0..3 {
                 let rows = (0..24).flat_map(|row| &shown.states[corner + row * 96..][..24]);
                 let mean = rows.map(|state| INKS[usize::from(*state)][k]).sum::<f64>() / 576.0;
-                // About 100 pixels at the border, each with an error of about 0.1, and half of them outside: 0.01 if all had one sign.
+                // About 100 pixels at the border, each with an error of about 0.1, and half of them outside:
+                // 0.01 if all had one sign.
                 assert!((mean - f64::from(wanted[k])).abs() < 0.01, "{kernel:?}, {scan:?}: {mean}");
             }
         }

@@ -41,7 +41,8 @@ fn void_and_cluster_mask_depends_on_the_seed_alone_and_has_each_rank_once() {
     assert_all_ranks(&Mask::void_and_cluster(4, 5).unwrap());
 }
 
-/// Powers of a periodic pattern by frequency along x and y, cycles per pixel; that of white noise of this variance is 1 on average.
+/// Powers of a periodic pattern by frequency along x and y, cycles per pixel; that of white noise of this
+/// variance is 1 on average.
 fn spectrum(values: &[f64], columns: usize) -> Vec<([f64; 2], f64)> {
     let rows = values.len() / columns;
     let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -62,7 +63,8 @@ fn power(spectrum: &[([f64; 2], f64)], ring: [f64; 2]) -> f64 {
     sum / f64::from(count)
 }
 
-/// Blue noise: hardly any power below half of the principal frequency, sqrt(g) cycles per pixel of grey g (or of 1 - g).
+/// Blue noise: hardly any power below half of the principal frequency, sqrt(g) cycles per pixel of grey g (or
+/// of 1 - g).
 #[test]
 fn void_and_cluster_patterns_have_hardly_any_low_frequencies() {
     let side = 64;
@@ -78,8 +80,8 @@ fn void_and_cluster_patterns_have_hardly_any_low_frequencies() {
     }
 }
 
-/// Visible contrast of a pattern of white on black at a distance of 400 mm and 100 cd/m2: rms contrast, weighted with Barten's
-/// contrast sensitivity, which is 1 at its peak.
+/// Visible contrast of a pattern of white on black at a distance of 400 mm and 100 cd/m2: rms contrast,
+/// weighted with Barten's contrast sensitivity, which is 1 at its peak.
 fn visible_contrast(values: &[f64], columns: usize, per_inch: f64) -> f64 {
     let sensitivity = |f: f64| contrast_sensitivity(f, 100.0, 60.0).unwrap() / 721.90;
     let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -90,8 +92,8 @@ fn visible_contrast(values: &[f64], columns: usize, per_inch: f64) -> f64 {
     (variance * seen / values.len() as f64).sqrt()
 }
 
-/// On a flat quarter of white, Bayer's mask is the least visible, then error diffusion, then void and cluster, then white noise, at
-/// 150 and at 300 pixels per inch.
+/// On a flat quarter of white, Bayer's mask is the least visible, then error diffusion, then void and
+/// cluster, then white noise, at 150 and at 300 pixels per inch.
 #[test]
 fn visible_contrast_of_a_quarter_has_the_known_order_of_methods() {
     let side = 128;

@@ -5,7 +5,8 @@ const FLATNESS: f64 = 1e-3;
 
 /// Signed areas of an outline, accumulated edge by edge.
 ///
-/// Each edge adds, to the pixels of the rows that it crosses, the area to its right; sums along the rows are the coverage.
+/// Each edge adds, to the pixels of the rows that it crosses, the area to its right; sums along the rows are
+/// the coverage.
 pub(crate) struct Areas {
     count: [usize; 2],
     /// Differences of the coverage from one pixel of a row to the next.
@@ -65,7 +66,8 @@ impl Areas {
         });
     }
 
-    /// Adds chords of a curve whose second derivative is up to twice `bend`: they are within `bend/(4 n²)` of it.
+    /// Adds chords of a curve whose second derivative is up to twice `bend`: they are within `bend/(4 n²)` of
+    /// it.
     fn curve(&mut self, bend: f64, point: impl Fn(f64) -> [f64; 2]) {
         let chords = (bend / (4.0 * FLATNESS)).sqrt().ceil().clamp(1.0, 1000.0) as usize;
         for chord in 1..=chords {
@@ -102,8 +104,8 @@ impl Areas {
         let length = right - left;
         let mut before = 0.0;
         for (column, step) in steps[..last].iter_mut().enumerate().skip(first) {
-            // Area to the right of the edge: whole for the part of the edge on the left of the pixel, a trapezium for the part
-            // within.
+            // Area to the right of the edge: whole for the part of the edge on the left of the pixel, a
+            // trapezium for the part within.
             let [start, end] = [column as f64, column as f64 + 1.0];
             let part = |x: f64| {
                 if length > 0.0 {

@@ -1,7 +1,8 @@
 //! Paragraphs of text, broken into lines that fit a rectangle of pixels.
 //!
-//! Lines are broken at spaces, as late as possible, and words that are wider than a line anywhere; the right edge is ragged. `\n` begins a
-//! paragraph, whose first line is indented by an em where it follows another one. Base lines are 1.35 em apart.
+//! Lines are broken at spaces, as late as possible, and words that are wider than a line anywhere; the right
+//! edge is ragged. `\n` begins a paragraph, whose first line is indented by an em where it follows another
+//! one. Base lines are 1.35 em apart.
 
 use skrifa::instance::{LocationRef, Size};
 use skrifa::{GlyphId, MetadataProvider};
@@ -35,8 +36,8 @@ struct Line<'a> {
 }
 
 impl Font {
-    /// Sets paragraphs of `size_pt` points of 1/72 inch in a rectangle of `count` = columns and rows with `per_inch` pixels in an inch
-    /// along x and y. Text begins at the left and upper edge.
+    /// Sets paragraphs of `size_pt` points of 1/72 inch in a rectangle of `count` = columns and rows with
+    /// `per_inch` pixels in an inch along x and y. Text begins at the left and upper edge.
     ///
     /// # Errors
     /// [`ImagingError`]: a character without a glyph, a size or resolution that is not above 0, or too many pixels.

@@ -53,7 +53,8 @@ impl Font {
         FontRef::from_index(&self.bytes, 0).map_err(|error| ImagingError::Font(error.to_string()))
     }
 
-    /// Returns the pixels of a text, black where at least half of their area is covered. `\n` begins a new line.
+    /// Returns the pixels of a text, black where at least half of their area is covered. `\n` begins a new
+    /// line.
     ///
     /// # Errors
     /// [`ImagingError`]: a character without a glyph, a size or resolution that is not above 0, or too many pixels.
@@ -64,9 +65,11 @@ impl Font {
         Ok(Bitmap { count, black, em })
     }
 
-    /// Returns the fraction of each pixel that the outlines cover, row by row from the bottom, and the number of columns and rows.
+    /// Returns the fraction of each pixel that the outlines cover, row by row from the bottom, and the number
+    /// of columns and rows.
     ///
-    /// The base line of the lowest line is the lower edge of a row of pixels; text begins at the left edge of a column.
+    /// The base line of the lowest line is the lower edge of a row of pixels; text begins at the left edge of
+    /// a column.
     ///
     /// # Errors
     /// As [`Self::bitmap`].

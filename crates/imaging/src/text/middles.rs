@@ -1,9 +1,10 @@
 //! Middles of strokes and gaps.
 //!
-//! **What.** The middle of a stroke is a black pixel whose distance to the nearest white one is not smaller than that of any of its eight
-//! neighbours; of two middle columns of an even stroke, both are middles. The middle of a gap is the same among white pixels with
-//! black ones on both sides, along the row or along the column, within half an em: the inside of letters and the spaces between
-//! them, not the spaces between words and lines.
+//! **What.** The middle of a stroke is a black pixel whose distance to the nearest white one is not smaller
+//! than that of any of its eight neighbours; of two middle columns of an even stroke, both are middles. The
+//! middle of a gap is the same among white pixels with black ones on both sides, along the row or along the
+//! column, within half an em: the inside of letters and the spaces between them, not the spaces between words
+//! and lines.
 
 use super::Bitmap;
 
@@ -30,7 +31,8 @@ impl Middles {
 }
 
 impl Bitmap {
-    /// Returns true if there are black pixels on both sides of a pixel along an axis, within `reach` pixels in all.
+    /// Returns true if there are black pixels on both sides of a pixel along an axis, within `reach` pixels
+    /// in all.
     fn enclosed(&self, pixel: usize, axis: usize, reach: usize) -> bool {
         let [columns, _] = self.count;
         let (place, step) = if axis == 0 { (pixel % columns, 1) } else { (pixel / columns, columns) };

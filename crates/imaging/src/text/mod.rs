@@ -1,7 +1,8 @@
 //! Text on the pixels of a panel.
 //!
-//! **What.** The outlines of the glyphs are placed one after the other at their advances, without rounding, hinting or kerning.
-//! A pixel is black where the outlines cover half of its area or more: what a bistable panel without grey levels shows.
+//! **What.** The outlines of the glyphs are placed one after the other at their advances, without rounding,
+//! hinting or kerning. A pixel is black where the outlines cover half of its area or more: what a bistable
+//! panel without grey levels shows.
 //!
 //! A [`Block`] is text in lines on a page, with the fraction of each pixel that is covered.
 //!

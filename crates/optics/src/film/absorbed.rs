@@ -14,10 +14,11 @@ pub struct Absorbed {
     pub substrate: f64,
 }
 
-/// Computes the absorptance of each layer of `film` and of its substrate, mean of s and p, at one wavelength and beta.
+/// Computes the absorptance of each layer of `film` and of its substrate, mean of s and p, at one wavelength
+/// and beta.
 ///
-/// They are differences of the Poynting flux between the two faces of a layer ([`coherent`]), exact also where the layer
-/// or the substrate absorbs and where the field is evanescent.
+/// They are differences of the Poynting flux between the two faces of a layer ([`coherent`]), exact also
+/// where the layer or the substrate absorbs and where the field is evanescent.
 ///
 /// ```
 /// use num_complex::Complex64;

@@ -130,7 +130,8 @@ impl Table {
         let (smaller, larger) = (above.min(below), above.max(below));
 
         let gap = ((larger - smaller) * (larger + smaller)).sqrt();
-        // `q` is computed from x and not from beta, whose rounding is magnified close to the horizons: 1e-16 in beta is 1e-8 in q.
+        // `q` is computed from x and not from beta, whose rounding is magnified close to the horizons: 1e-16
+        // in beta is 1e-8 in q.
         let both = Piecewise::new(TOLERANCE, MOST_PIECES, |x| {
             let beta = smaller * ((1.0 - x) * (1.0 + x)).sqrt();
             let (q_smaller, q_larger) = (smaller * x, gap.hypot(smaller * x));

@@ -104,8 +104,8 @@ pub fn coherent(
     between(film, k0, beta, polarisation, incidence, substrate)
 }
 
-/// Does the same for a direction close to the horizon of a medium, where `q = sqrt(n^2 - beta^2)` loses its digits: `q` of
-/// the medium of incidence, above 0, and of the substrate are given.
+/// Does the same for a direction close to the horizon of a medium, where `q = sqrt(n^2 - beta^2)` loses its
+/// digits: `q` of the medium of incidence, above 0, and of the substrate are given.
 pub(super) fn coherent_at(
     film: &Film,
     wavelength_nm: f64,

@@ -14,8 +14,8 @@
 //! of these may be scaled at will, as the kernel does. With `q^2 = n^2 - beta^2`, g = 1 (s) or n^2 (p), D =
 //! k0 d, `S = sin(q D)/q` and `c = cos(q D)`:
 //! - thickness: `dM = -i k0 (0, g; q^2/g, 0) M`;
-//! - index: `c' = -n D S` and `S' = 2 n T`, `T = (D c - S)/(2 q^2)`, a series where q D is small. The field of the
-//!   substrate is (1, q/g), and its change (0, (q/g)').
+//! - index: `c' = -n D S` and `S' = 2 n T`, `T = (D c - S)/(2 q^2)`, a series where q D is small. The field
+//!   of the substrate is (1, q/g), and its change (0, (q/g)').
 //!
 //! r is analytic in n + ik: the derivative by k is i times that by n.
 //!

@@ -21,9 +21,10 @@ use super::media::{Layer, Media, Medium, load};
 /// Smallest q^2: at 0, sin(delta)/q would be 0/0; 1e-60 changes nothing.
 const TINY: f64 = 1e-60;
 
-/// Number of thin layers, of up to a factor of 1e4 each, that enlarge the fields no more than one thick layer (1e16). The
-/// fields are scaled where they could have grown more than by two thick layers, and at the gap more than by one: the
-/// reflectance multiplies fourth powers of the factors above and below the gap and of the gap itself, which is below 1e190.
+/// Number of thin layers, of up to a factor of 1e4 each, that enlarge the fields no more than one thick layer
+/// (1e16). The fields are scaled where they could have grown more than by two thick layers, and at the gap
+/// more than by one: the reflectance multiplies fourth powers of the factors above and below the gap and of
+/// the gap itself, which is below 1e190.
 const GROWTH: u32 = 4;
 
 /// One call of [`GapFilm::reflectance`](super::GapFilm::reflectance), arguments checked.

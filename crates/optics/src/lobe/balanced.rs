@@ -1,12 +1,16 @@
 //! A lobe at a flat face, balanced so that it scatters exactly what the face transmits or reflects.
 //!
-//! **Model.** Light at a face between two media is scattered with the density `K(a, b) = x(|a|) x(|b|) L(|b - a|)` over direction cosines, L the
-//! lobe and x a factor that solves `x(a) ∫ x(b) L(|b - a|) d²b = F(a)` over the disc of directions, F being Fresnel's transmittance or reflectance
-//! of the flat face. It is reciprocal, loses nothing, and is the lobe itself where F is constant and the rim of the disc is far: x = sqrt(F).
+//! **Model.** Light at a face between two media is scattered with the density
+//! `K(a, b) = x(|a|) x(|b|) L(|b - a|)` over direction cosines, L the lobe and x a factor that solves
+//! `x(a) ∫ x(b) L(|b - a|) d²b = F(a)` over the disc of directions, F being Fresnel's transmittance or
+//! reflectance of the flat face. It is reciprocal, loses nothing, and is the lobe itself where F is constant
+//! and the rim of the disc is far: x = sqrt(F).
 //!
-//! **Domain.** Transmission connects the directions that both media have, `|beta| < min(n₁, n₂)`; reflection those of its medium.
+//! **Domain.** Transmission connects the directions that both media have, `|beta| < min(n₁, n₂)`; reflection
+//! those of its medium.
 //!
-//! **Accuracy.** x is tabulated over the arcsine of `|beta|` over the radius of the disc; the balance holds within 1e-4 of the light.
+//! **Accuracy.** x is tabulated over the arcsine of `|beta|` over the radius of the disc; the balance holds
+//! within 1e-4 of the light.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -80,7 +84,8 @@ impl FaceLobe {
         }
     }
 
-    /// Returns the mean of the density between directions of these `|beta|` over the difference of their azimuths.
+    /// Returns the mean of the density between directions of these `|beta|` over the difference of their
+    /// azimuths.
     pub fn mean_over_azimuth(&self, a: f64, b: f64) -> f64 {
         match self {
             Self::KCorrelation(lobe) => lobe.mean_over_azimuth(a, b),
@@ -88,7 +93,8 @@ impl FaceLobe {
         }
     }
 
-    /// Returns the direction at the distance within which a fraction of the light lies, and at a fraction of a turn.
+    /// Returns the direction at the distance within which a fraction of the light lies, and at a fraction of
+    /// a turn.
     pub fn direction_at(&self, from: Beta, fraction: f64, turn: f64) -> Beta {
         match self {
             Self::KCorrelation(lobe) => lobe.sample_direction(from, [1.0 - fraction, turn]),
@@ -200,8 +206,8 @@ impl BalancedLobe {
 mod tests {
     use super::*;
 
-    /// Light of all directions is scattered as the face transmits or reflects it, between the nodes, too; the means over azimuths are those
-    /// of the trapezoid rule.
+    /// Light of all directions is scattered as the face transmits or reflects it, between the nodes, too; the
+    /// means over azimuths are those of the trapezoid rule.
     #[test]
     fn nothing_is_lost() {
         for light in [

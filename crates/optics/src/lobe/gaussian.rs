@@ -1,13 +1,14 @@
 //! The Gaussian lobe.
 //!
-//! `exp(-|beta_o - beta_i|²/w²) / (pi w²)`: light behind heights with a Gaussian correlation (P. Beckmann, A. Spizzichino, *The Scattering of
-//! Electromagnetic Waves from Rough Surfaces*, 1963).
+//! `exp(-|beta_o - beta_i|²/w²) / (pi w²)`: light behind heights with a Gaussian correlation (P. Beckmann, A.
+//! Spizzichino, *The Scattering of Electromagnetic Waves from Rough Surfaces*, 1963).
 //!
-//! **Parameter.** `width` w, in direction cosines, above 0: the distance at which the density is 1/e of its largest value. A fraction
-//! 1 - 1/e of the light lies within it.
+//! **Parameter.** `width` w, in direction cosines, above 0: the distance at which the density is 1/e of its
+//! largest value. A fraction 1 - 1/e of the light lies within it.
 //!
-//! **Azimuth.** With `x = 2 a b/w²` for directions of `|beta|` a and b, the coefficients of `cos(m phi)` are `exp(-(a - b)²/w²) e^-x I_m(x) /
-//! (pi w²)`, I_m being the modified Bessel functions (Abramowitz and Stegun, 9.6.34).
+//! **Azimuth.** With `x = 2 a b/w²` for directions of `|beta|` a and b, the coefficients of `cos(m phi)` are
+//! `exp(-(a - b)²/w²) e^-x I_m(x) / (pi w²)`, I_m being the modified Bessel functions (Abramowitz and Stegun,
+//! 9.6.34).
 
 use std::f64::consts::PI;
 
@@ -18,7 +19,8 @@ pub struct Gaussian {
     pub width: f64,
 }
 
-/// Square of the distance over that of the width beyond which the density is left out: below 1e-19 of the largest value.
+/// Square of the distance over that of the width beyond which the density is left out: below 1e-19 of the
+/// largest value.
 const FARTHEST: f64 = 45.0;
 
 /// Argument from which on e^-x I_0(x) is its asymptotic series.
@@ -42,13 +44,15 @@ impl Gaussian {
         -(-(radius / self.width).powi(2)).exp_m1()
     }
 
-    /// Returns the mean of the density between directions of these `|beta|` over the difference of their azimuths.
+    /// Returns the mean of the density between directions of these `|beta|` over the difference of their
+    /// azimuths.
     pub fn mean_over_azimuth(&self, a: f64, b: f64) -> f64 {
         let area = self.width * self.width;
         self.at_squared_distance((a - b) * (a - b)) * scaled_i0(2.0 * a * b / area)
     }
 
-    /// Computes the means of the density times `cos(m phi)`, phi being the difference of azimuths: one for each m from 0 on.
+    /// Computes the means of the density times `cos(m phi)`, phi being the difference of azimuths: one for
+    /// each m from 0 on.
     pub fn orders(&self, a: f64, b: f64, values: &mut [f64]) {
         values.fill(0.0);
         let area = self.width * self.width;
@@ -80,7 +84,8 @@ fn scaled_i0(x: f64) -> f64 {
     sum * (-x).exp()
 }
 
-/// `e^-x I_m(x)` for each m from 0 on, x >= 0: downwards by the recurrence (Miller), scaled so that `I_0 + 2 (I_1 + I_2 + ...) = e^x`.
+/// `e^-x I_m(x)` for each m from 0 on, x >= 0: downwards by the recurrence (Miller), scaled so that
+/// `I_0 + 2 (I_1 + I_2 + ...) = e^x`.
 fn scaled_bessel(x: f64, values: &mut [f64]) {
     // Below this, all but I_0 are less than rounding.
     if x < 1e-17 {

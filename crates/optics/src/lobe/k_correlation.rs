@@ -42,8 +42,8 @@ impl KCorrelation {
         from + Beta { x, y }
     }
 
-    /// Returns the mean of the density between directions of these `|beta|` over the difference of their azimuths: a complete elliptic
-    /// integral of the second kind.
+    /// Returns the mean of the density between directions of these `|beta|` over the difference of their
+    /// azimuths: a complete elliptic integral of the second kind.
     pub fn mean_over_azimuth(&self, a: f64, b: f64) -> f64 {
         let Self { width } = *self;
         let (near, far) = (width * width + (a - b) * (a - b), width * width + (a + b) * (a + b));

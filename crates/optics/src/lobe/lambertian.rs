@@ -1,7 +1,7 @@
 //! The Lambertian lobe.
 //!
-//! `1/pi` for any two directions of the air hemisphere (`|beta| <= 1`), 0 elsewhere: the ideal diffuser whose BTDF,
-//! referred to air, is the constant T/pi.
+//! `1/pi` for any two directions of the air hemisphere (`|beta| <= 1`), 0 elsewhere: the ideal diffuser whose
+//! BTDF, referred to air, is the constant T/pi.
 
 use std::f64::consts::PI;
 

@@ -97,8 +97,8 @@ impl Microfacets {
         pair.map_or(0.0, |pair| pair.single((beta_o - beta_i).squared()))
     }
 
-    /// Returns the density of light that one microfacet refracts, including what other microfacets take: [`Self::single`]
-    /// is its product with [`Self::visible_across`].
+    /// Returns the density of light that one microfacet refracts, including what other microfacets take:
+    /// [`Self::single`] is its product with [`Self::visible_across`].
     pub(super) fn refracted(&self, above: Beta, below: Beta) -> f64 {
         let wave = |side, beta: Beta| normal_component(self.index(side), beta.squared());
         let Some((q_i, q_o)) = wave(Side::Above, above).zip(wave(Side::Below, below)) else { return 0.0 };
@@ -108,7 +108,8 @@ impl Microfacets {
         pair.single((below - above).squared())
     }
 
-    /// Returns the fraction of light between directions whose |beta| have these squares, across the interface, that no other microfacet takes.
+    /// Returns the fraction of light between directions whose |beta| have these squares, across the
+    /// interface, that no other microfacet takes.
     pub(super) fn visible_across(&self, above: f64, below: f64) -> f64 {
         let hidden = |side, squared: f64| {
             normal_component(self.index(side), squared).map(|q| self.hidden(q, squared) / q)
@@ -187,7 +188,8 @@ impl Microfacets {
     }
 }
 
-/// Returns the component along the normal of a wave vector in a medium of index n, given the square of its |beta|.
+/// Returns the component along the normal of a wave vector in a medium of index n, given the square of its
+/// |beta|.
 fn normal_component(n: f64, beta_squared: f64) -> Option<f64> {
     (beta_squared < n * n).then(|| (n * n - beta_squared).sqrt())
 }

@@ -32,8 +32,8 @@ pub(super) struct Fineness {
     pub(super) chance: f64,
 }
 
-/// First that of all results, with an error of the deficits below 1e-5; then those of the finer and of the coarser level of a
-/// first answer, below 0.002 and 0.005.
+/// First that of all results, with an error of the deficits below 1e-5; then those of the finer and of the
+/// coarser level of a first answer, below 0.002 and 0.005.
 pub(super) const FINENESS: [Fineness; 3] = [
     Fineness {
         order: 12,
@@ -274,8 +274,8 @@ mod tests {
         }
     }
 
-    /// The coarser tables are as close as they claim, and differ from each other: the two levels of a first answer do not
-    /// agree on their error.
+    /// The coarser tables are as close as they claim, and differ from each other: the two levels of a first
+    /// answer do not agree on their error.
     #[test]
     fn coarser_tables_are_within_their_errors() {
         let mut largest = [0.0_f64; 2];

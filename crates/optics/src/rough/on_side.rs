@@ -55,13 +55,13 @@ const LATTICE: usize = 8;
 const STEP: f64 = 5.0 / 8.0;
 
 impl Rough {
-    /// Samples a direction on each side of the interface: that of incidence first. With each comes a probability, whose mean
-    /// is the probability that [`sample`](Scatterer::sample) leaves to that side; it depends on the first two numbers alone.
-    /// Directions that carry no light are `None`.
+    /// Samples a direction on each side of the interface: that of incidence first. With each comes a
+    /// probability, whose mean is the probability that [`sample`](Scatterer::sample) leaves to that side; it
+    /// depends on the first two numbers alone. Directions that carry no light are `None`.
     ///
-    /// The probability is that of eight microfacets, at the points of a lattice that the first two numbers shift. It varies
-    /// far less than that of one, above all near the critical angle. The direction on each side is that of one of them,
-    /// chosen in proportion.
+    /// The probability is that of eight microfacets, at the points of a lattice that the first two numbers
+    /// shift. It varies far less than that of one, above all near the critical angle. The direction on each
+    /// side is that of one of them, chosen in proportion.
     pub fn sample_sides(&self, from: OnSide, u: [f64; 4]) -> [(Option<OnSide>, f64); 2] {
         let cosine = self.cosine(from.side, from.beta).unwrap_or(0.0);
         let back = self.deficits().share_back(from.side, cosine);

@@ -46,8 +46,8 @@ impl Albedos {
     }
 }
 
-/// Integrals interpolated on intervals of `|beta|`, by polynomials through Chebyshev nodes: with one more node in each
-/// interval the error decreases by about a factor of five.
+/// Integrals interpolated on intervals of `|beta|`, by polynomials through Chebyshev nodes: with one more
+/// node in each interval the error decreases by about a factor of five.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Totals {
     /// Ends of the intervals, ascending from 0.
@@ -93,8 +93,9 @@ fn chebyshev(k: usize, points: usize) -> (f64, f64) {
     (cos, if k.is_multiple_of(2) { sin } else { -sin })
 }
 
-/// Returns the ends of intervals from 0 to `last` on which the total of a lobe of this width is smooth: they contain
-/// `nodes`, are no longer than `longest`, and are graded towards the `edges`, where the lobe leaves its disc.
+/// Returns the ends of intervals from 0 to `last` on which the total of a lobe of this width is smooth: they
+/// contain `nodes`, are no longer than `longest`, and are graded towards the `edges`, where the lobe leaves
+/// its disc.
 pub(super) fn intervals(last: f64, edges: &[f64], width: f64, nodes: &[f64], longest: f64) -> Vec<f64> {
     let mut ends = vec![0.0, last];
     ends.extend_from_slice(nodes);

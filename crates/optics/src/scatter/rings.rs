@@ -1,13 +1,15 @@
 //! A scattering kernel between rings of directions, as a virtual goniometer measures it.
 //!
-//! **Model.** Each side has rings of directions with a middle in `|beta|²`. Light of a direction belongs to the two nearest rings, in proportion
-//! to its distances from their middles in `|beta|²` (hat functions h, which sum to 1), and likewise for the ring and the difference of azimuths
-//! to which it is scattered. With the light L_ij that goes from ring i to ring j, and the étendue w_i of a ring, `f(a, b) = sum of h_i(a) h_j(b)
-//! L_ij / (w_i w_j)`: continuous, reciprocal if L is symmetric, and of exactly the total that L has. Where a kernel may jump, at the limits of
-//! total reflection, hats end: rings do not reach across the ends of their segment.
+//! **Model.** Each side has rings of directions with a middle in `|beta|²`. Light of a direction belongs to
+//! the two nearest rings, in proportion to its distances from their middles in `|beta|²` (hat functions h,
+//! which sum to 1), and likewise for the ring and the difference of azimuths to which it is scattered. With
+//! the light L_ij that goes from ring i to ring j, and the étendue w_i of a ring,
+//! `f(a, b) = sum of h_i(a) h_j(b) L_ij / (w_i w_j)`: continuous, reciprocal if L is symmetric, and of
+//! exactly the total that L has. Where a kernel may jump, at the limits of total reflection, hats end: rings
+//! do not reach across the ends of their segment.
 //!
-//! **Along the normal** there is no azimuth: from the middle of the innermost ring inwards, the dependence on azimuth decreases to none,
-//! in proportion to `|beta|`.
+//! **Along the normal** there is no azimuth: from the middle of the innermost ring inwards, the dependence on
+//! azimuth decreases to none, in proportion to `|beta|`.
 //!
 //! **Resolution.** Features narrower than a ring are widened to it.
 
@@ -138,7 +140,8 @@ pub struct RingKernel {
     to: Rings,
     /// Number of equal cells of the difference of azimuths from 0 to π.
     azimuths: usize,
-    /// Light of each ring that goes to another ring and cell, `[from][to][azimuth]`, as shares of the light of the ring.
+    /// Light of each ring that goes to another ring and cell, `[from][to][azimuth]`, as shares of the light
+    /// of the ring.
     shares: Vec<f64>,
     /// Running sums of the shares of each ring.
     sums: Vec<f64>,
@@ -152,7 +155,8 @@ pub struct RingKernel {
 const ORDERS_OF_CELL: usize = 2;
 
 impl RingKernel {
-    /// A kernel of these shares of the light of each ring, `[from][to][azimuth]`, in cells of equal size from 0 to π.
+    /// A kernel of these shares of the light of each ring, `[from][to][azimuth]`, in cells of equal size from
+    /// 0 to π.
     pub fn new(from: Rings, to: Rings, azimuths: usize, shares: Vec<f64>) -> Self {
         let cells = to.count() * azimuths;
         let mut sums = shares.clone();
@@ -243,7 +247,8 @@ impl RingKernel {
         ORDERS_OF_CELL * self.azimuths
     }
 
-    /// The first azimuthal orders of the density between two `|beta|`: the means of the density times `cos(m phi)`.
+    /// The first azimuthal orders of the density between two `|beta|`: the means of the density times
+    /// `cos(m phi)`.
     pub fn fourier(&self, [a, b]: [f64; 2], out: &mut [f64]) {
         out.fill(0.0);
         if a > self.from.radius() || b > self.to.radius() {
@@ -383,7 +388,8 @@ mod tests {
         }
     }
 
-    /// The light scattered to all directions is that of the table; orders are those of the density; the reverse is the reverse.
+    /// The light scattered to all directions is that of the table; orders are those of the density; the
+    /// reverse is the reverse.
     #[test]
     fn densities_have_the_light_of_the_table() {
         let kernel = kernel();

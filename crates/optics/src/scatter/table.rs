@@ -202,9 +202,9 @@ impl Table {
         })
     }
 
-    /// Returns [`Self::albedo`] more accurately, the more so with every step of `fineness`: by more points in each
-    /// cell, and by interpolation between more nodes. All incidences together take as long as some hundred integrals,
-    /// once for each fineness.
+    /// Returns [`Self::albedo`] more accurately, the more so with every step of `fineness`: by more points in
+    /// each cell, and by interpolation between more nodes. All incidences together take as long as some
+    /// hundred integrals, once for each fineness.
     pub(super) fn albedo_by(&self, length: f64, reversed: bool, fineness: usize) -> f64 {
         let [end, to] = if reversed { [self.reach, self.end] } else { [self.end, self.reach] };
         if length > end {
@@ -215,8 +215,8 @@ impl Table {
             return self.integral(self.cells(), length, reversed, fineness);
         }
         let totals = self.totals[usize::from(reversed)][fineness - 1].get_or_init(|| {
-            // The kernel is smooth between its incidences. Its integral over them is smooth but for the normal, where
-            // it may be a cone.
+            // The kernel is smooth between its incidences. Its integral over them is smooth but for the
+            // normal, where it may be a cone.
             let (nodes, normal): (&[f64], _) =
                 if reversed { (&[], Some(0.0)) } else { (self.smooth.incidence.nodes(), None) };
             let edges: Vec<f64> = [end, to].into_iter().chain(normal).collect();

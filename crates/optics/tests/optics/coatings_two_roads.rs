@@ -184,8 +184,8 @@ fn invalid_coatings_are_refused() {
     assert!(matches!(short, Err(OpticsError::Length { expected: 2, found: 1, .. })));
 }
 
-/// Metals and dielectrics (n, k near 550 nm) on substrates of every usual index: no ordinary film is refused, and look-ups equal the
-/// reference, close to the horizons too.
+/// Metals and dielectrics (n, k near 550 nm) on substrates of every usual index: no ordinary film is refused,
+/// and look-ups equal the reference, close to the horizons too.
 #[test]
 fn absorbing_film_on_any_substrate_is_tabulated() {
     let films = [
@@ -228,8 +228,8 @@ fn absorbing_film_on_any_substrate_is_tabulated() {
     }
 }
 
-/// Single metal and ITO films on substrates from 1.3 to 2.4, from both sides and beyond the critical angle, against the table that PyPI
-/// `tmm` makes (`validation/films/tmm_oracle.py`).
+/// Single metal and ITO films on substrates from 1.3 to 2.4, from both sides and beyond the critical angle,
+/// against the table that PyPI `tmm` makes (`validation/films/tmm_oracle.py`).
 #[test]
 fn absorbing_films_on_any_substrate_equal_tmm() {
     let table = include_str!("../../../../validation/films/coatings.csv");

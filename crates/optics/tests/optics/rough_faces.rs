@@ -196,8 +196,8 @@ fn light_of_several_microfacets_is_sampled_with_its_probability() {
     }
 }
 
-/// Samples on both sides, with their probabilities, have the mean of samples on one: of the side, of the direction, and of
-/// light that has met several microfacets.
+/// Samples on both sides, with their probabilities, have the mean of samples on one: of the side, of the
+/// direction, and of light that has met several microfacets.
 #[test]
 fn samples_of_both_sides_have_the_mean_of_single_samples() {
     let face = Rough::new(0.5, 1.0, 1.5);

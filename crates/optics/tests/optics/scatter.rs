@@ -164,8 +164,8 @@ fn albedos_equal_quadrature() {
     }
 }
 
-/// Between the incidences of the quadrature above, too: each step of fineness has other points and other nodes, so that
-/// the difference of two shows the error of the coarser one.
+/// Between the incidences of the quadrature above, too: each step of fineness has other points and other
+/// nodes, so that the difference of two shows the error of the coarser one.
 #[test]
 fn albedos_by_successive_fineness_converge_at_all_incidences() {
     let ends_early: Scatter =

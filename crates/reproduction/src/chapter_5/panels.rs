@@ -15,10 +15,12 @@ const PRIMARIES: [(&str, f64); 3] = [("red", 275.9), ("green", 192.3), ("blue", 
 const TABLE_5_2: [[f64; 4]; 3] =
     [[613.0, 690.0, 665.0, 683.0], [472.0, 528.0, 498.0, 520.0], [400.0, 437.0, 407.0, 421.0]];
 
-/// Change of key for the diffused panel without front of screen: it differs from the bare panel by the diffuser only.
+/// Change of key for the diffused panel without front of screen: it differs from the bare panel by the
+/// diffuser only.
 const NO_FRONT: &str = "display.front=[]";
 
-/// Change of key for the reflectance of the pixel at the angle in air, as the thesis's tracer probably used it.
+/// Change of key for the reflectance of the pixel at the angle in air, as the thesis's tracer probably used
+/// it.
 const UNREFRACTED: &str = "solver.angle_medium=unrefracted";
 
 /// Change of key for the bare panel with angles in air.
@@ -193,7 +195,8 @@ pub(super) fn soap_film() -> Section {
     for theta in angles {
         let highest = nm.iter().copied().max_by(|a, b| exact(theta, *a).total_cmp(&exact(theta, *b)));
         let inside = (theta.to_radians().sin() / WATER).asin();
-        // Interference is constructive if the path is an odd number of half waves; 4 w n cos/3 is in the visible range.
+        // Interference is constructive if the path is an odd number of half waves; 4 w n cos/3 is in the
+        // visible range.
         let order = 4.0 * THICKNESS_NM * WATER * inside.cos() / 3.0;
         table.row([theta.to_string(), number(highest.unwrap_or(f64::NAN), 3), number(order, 3)]);
     }
@@ -226,8 +229,8 @@ pub(super) fn shift_at_20(bench: &Bench<'_>) -> Result<Section, ReproductionErro
         ))
 }
 
-/// Returns the peaks of the three sub-pixels, each computed as the only one, in several views of a panel, nm; NaN where
-/// the peak of blue is below 400 nm.
+/// Returns the peaks of the three sub-pixels, each computed as the only one, in several views of a panel, nm;
+/// NaN where the peak of blue is below 400 nm.
 fn peaks(
     bench: &Bench<'_>,
     scenario: &str,

@@ -8,8 +8,8 @@ use crate::displays::{Bench, ReproductionError, first, of};
 use crate::report::{Section, Table, number, off};
 use crate::table_5_3::TABLE_5_3;
 
-/// The two set-ups: illuminances of sky and sun, lx (that of the sun perpendicular to its beam), and inclinations of the
-/// sun and the eye, degrees.
+/// The two set-ups: illuminances of sky and sun, lx (that of the sun perpendicular to its beam), and
+/// inclinations of the sun and the eye, degrees.
 const SET_UPS: [(&str, f64, f64, f64, f64); 2] =
     [("45/0", 1e4, 1e5, -45.0, 0.0), ("35/20", 1e3, 1e4, -35.0, 20.0)];
 
@@ -175,8 +175,9 @@ fn chart_5_20(age_years: f64) -> String {
     map(x, y, value, &format!("{age_years} years"))
 }
 
-/// Draws the reading performance of a panel with a bare cover in diffuse light over illuminance and age, and returns the
-/// contrast of its text. The panel has no front light, so that its luminances are proportional to the illuminance.
+/// Draws the reading performance of a panel with a bare cover in diffuse light over illuminance and age, and
+/// returns the contrast of its text. The panel has no front light, so that its luminances are proportional to
+/// the illuminance.
 fn illuminance_and_age(bench: &Bench<'_>) -> Result<(String, f64), ReproductionError> {
     const AT_LX: f64 = 1e4;
     // Ten steps per decade, rounded (ISO 3, R 10).

@@ -9,9 +9,11 @@ use crate::grammar::{choice, forms, table};
 use crate::read::{Read, Spanned};
 
 table! {
-    /// The layers above the pixel, from top to bottom: front, surface or diffuser, glass; or `layers` in any order.
+    /// The layers above the pixel, from top to bottom: front, surface or diffuser, glass; or `layers` in any
+    /// order.
     Display later ["front_light"] {
-        /// Any layers in any order, 1 to 64, from the air down to the pixel, instead of `front`, `diffuser` and `glass`.
+        /// Any layers in any order, 1 to 64, from the air down to the pixel, instead of `front`, `diffuser`
+        /// and `glass`.
         layers: Option<Vec<Spanned<Layer>>>,
         /// Front-of-screen components, in air, outermost first.
         front: Option<Vec<Spanned<FrontComponent>>>,
@@ -67,10 +69,11 @@ table! {
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Surface of the glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
         surface: Option<Surface>,
-        /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Default: clear.
+        /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Default:
+        /// clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at most 1e-3)
-        /// absorbs along the path.
+        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at
+        /// most 1e-3) absorbs along the path.
         thickness_mm: Option<Thickness>,
     }
 }
@@ -78,7 +81,8 @@ table! {
 choice! {
     /// The interface between air and glass.
     Surface {
-        /// An ideal antireflection interface: light with |beta| <= 1 is transmitted, all other light is reflected.
+        /// An ideal antireflection interface: light with |beta| <= 1 is transmitted, all other light is
+        /// reflected.
         IdealAr = "ideal-ar",
         /// A bare interface, with Fresnel reflection.
         Fresnel = "fresnel",
@@ -86,7 +90,8 @@ choice! {
 }
 
 forms! {
-    /// A fraction of the light at every wavelength: a number from 0 to 1, or a spectrum file with two columns.
+    /// A fraction of the light at every wavelength: a number from 0 to 1, or a spectrum file with two
+    /// columns.
     ShareSpectrum, format!("{}, or a spectrum file", Share::in_words()); {
         /// The same at all wavelengths.
         Constant(Share) if Value::Integer(_) | Value::Float(_),
@@ -96,7 +101,8 @@ forms! {
 }
 
 forms! {
-    /// A refractive index: a number, `{ n, k }`, the name of a material, or a file (n-k CSV in nm, or refractiveindex.info YAML or CSV).
+    /// A refractive index: a number, `{ n, k }`, the name of a material, or a file (n-k CSV in nm, or
+    /// refractiveindex.info YAML or CSV).
     MaterialSpec, "a refractive index, { n, k }, a material or a file"; {
         /// A real index.
         Number(Index) if Value::Integer(_) | Value::Float(_),

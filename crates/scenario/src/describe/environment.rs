@@ -40,7 +40,8 @@ table! {
 }
 
 table! {
-    /// A cap of uniform radiance around the normal or any other direction, cut off at the horizon of the display.
+    /// A cap of uniform radiance around the normal or any other direction, cut off at the horizon of the
+    /// display.
     Cap {
         /// Fraction of `illuminance_lx`.
         share as "Light fraction": Share,
@@ -68,7 +69,8 @@ choice! {
 }
 
 table! {
-    /// Light that is the same at all azimuths. Its radiance is linear between the rows of a table, and 0 beyond them.
+    /// Light that is the same at all azimuths. Its radiance is linear between the rows of a table, and 0
+    /// beyond them.
     Profile {
         /// Fraction of `illuminance_lx`.
         share as "Light fraction": Share,
@@ -88,9 +90,11 @@ table! {
         share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Type of the sky: 1 to 15 as in ISO 15469 (1 overcast, 5 uniform, 12 clear), 16 for the traditional overcast sky.
+        /// Type of the sky: 1 to 15 as in ISO 15469 (1 overcast, 5 uniform, 12 clear), 16 for the traditional
+        /// overcast sky.
         number as "CIE sky number": Count<1, 16>,
-        /// Elevation of the sun above the horizon. Default: required, except for skies 1, 3, 5 and 16 without a sun.
+        /// Elevation of the sun above the horizon. Default: required, except for skies 1, 3, 5 and 16 without
+        /// a sun.
         sun_elevation_deg: Option<Elevation>,
         /// Azimuth of the sun, counterclockwise seen from above, from the display's x axis.
         sun_azimuth_deg: Azimuth = Azimuth(0.0),
@@ -112,15 +116,16 @@ table! {
         share as "Light fraction": Share,
         /// Relative spectrum of the map's white; not for a spectral map. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// A Radiance picture (.hdr) or an OpenEXR file (.exr), equirectangular, whose width is twice its height.
+        /// A Radiance picture (.hdr) or an OpenEXR file (.exr), equirectangular, whose width is twice its
+        /// height.
         file: String,
-        /// Rotation of the map about the vertical, counterclockwise seen from above; at 0 an upright display faces the centre of
-        /// the map.
+        /// Rotation of the map about the vertical, counterclockwise seen from above; at 0 an upright display
+        /// faces the centre of the map.
         rotate_deg: Azimuth = Azimuth(0.0),
         /// Tilt of the display: 0 is flat, facing the top of the map; 90 is upright.
         tilt_deg: FieldAngle = FieldAngle(0.0),
-        /// Regions of a colour map with spectra of their own; a pixel in several regions belongs to the first. Default:
-        /// none.
+        /// Regions of a colour map with spectra of their own; a pixel in several regions belongs to the
+        /// first. Default: none.
         regions: Vec<Spanned<Region>> = Vec::new(),
     }
 }
@@ -132,8 +137,8 @@ table! {
         spectrum: LightSpectrum,
         /// First and last elevation of the region above the horizon of the map.
         elevation_deg: Vec<Spanned<Latitude>> = vec![Spanned::without_span(Latitude(-90.0)), Spanned::without_span(Latitude(90.0))],
-        /// First and last azimuth of the region, counterclockwise from the display's x axis, seen from above; the centre of the map is
-        /// at -90. The region rotates with the map.
+        /// First and last azimuth of the region, counterclockwise from the display's x axis, seen from above;
+        /// the centre of the map is at -90. The region rotates with the map.
         azimuth_deg: Vec<Spanned<Azimuth>> = vec![Spanned::without_span(Azimuth(-180.0)), Spanned::without_span(Azimuth(180.0))],
     }
 }

@@ -16,14 +16,16 @@ table! {
     Image {
         /// The picture, a PNG or JPEG file. `papilio image` takes it as an argument, too.
         file: Option<String>,
-        /// Text in lines of the panel's width, black on white, with the bundled font; beside a `file` both are a page. It needs
-        /// `display.matrix.pixels`.
+        /// Text in lines of the panel's width, black on white, with the bundled font; beside a `file` both
+        /// are a page. It needs `display.matrix.pixels`.
         text: Option<String>,
-        /// Size of the text in points of 1/72 inch. Default: that at which the lower-case x is `viewer.text_height_mm` high, or 1.6 mm.
+        /// Size of the text in points of 1/72 inch. Default: that at which the lower-case x is
+        /// `viewer.text_height_mm` high, or 1.6 mm.
         text_size_pt as "Size of the text": Option<Points>,
         /// A test pattern of black and white instead of a picture. It needs `display.matrix.pixels`.
         pattern: Option<Word<TestPattern>>,
-        /// Period of stripes and squares, and of the star at its rim. Default: 8 pixels; 36 spokes of the star.
+        /// Period of stripes and squares, and of the star at its rim. Default: 8 pixels; 36 spokes of the
+        /// star.
         period_mm as "Period of the test pattern": Option<Millimetres>,
         /// How the picture is fitted to `display.matrix.pixels`, without which the panel has its size.
         fit: Word<Fit> = Word(Fit::Contain),
@@ -43,14 +45,17 @@ table! {
         seed: Seed = Count(0),
         /// States that are used, in the order of the palette of states.png. Default: all.
         states: Vec<Spanned<Title>> = Vec::new(),
-        /// The light for which the states are decided: `"this"`, a preset, or a CIE illuminant as the spectrum of this
-        /// light.
+        /// The light for which the states are decided: `"this"`, a preset, or a CIE illuminant as the
+        /// spectrum of this light.
         prepared_for: String = "this".to_owned(),
-        /// Whether the eye at `viewer.distance_mm` sees each part of the panel in its own direction (with `display.matrix`).
+        /// Whether the eye at `viewer.distance_mm` sees each part of the panel in its own direction (with
+        /// `display.matrix`).
         perspective: bool = true,
-        /// Samples along each side of a pixel in seen.png and seen.exr. With more than one, sub-pixels are seen at their places.
+        /// Samples along each side of a pixel in seen.png and seen.exr. With more than one, sub-pixels are
+        /// seen at their places.
         samples_per_pixel as "Samples along a pixel": Count<1, 32> = Count(1),
-        /// What lies beyond the borders of the picture. Below a flat face that lights Lambertian pixels, it repeats.
+        /// What lies beyond the borders of the picture. Below a flat face that lights Lambertian pixels, it
+        /// repeats.
         surround: Word<PictureSurround> = Word(PictureSurround::Repeat),
     }
 }

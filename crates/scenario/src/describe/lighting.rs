@@ -13,12 +13,14 @@ table! {
     Lighting {
         /// A preset of lighting and viewer (docs/light.md); keys of the scenario override it.
         preset as "Lighting preset": Option<Preset>,
-        /// Illuminance of the display plane, to which all shares refer; 0 is allowed with a front light; `"from-map"` takes it
-        /// from the absolute values of the scenario's one map. Default: `500`, or `0` if a front light is the only light.
+        /// Illuminance of the display plane, to which all shares refer; 0 is allowed with a front light;
+        /// `"from-map"` takes it from the absolute values of the scenario's one map. Default: `500`, or `0`
+        /// if a front light is the only light.
         illuminance_lx: Option<Illuminance>,
         /// Relative spectrum of all light without a spectrum of its own.
         spectrum as "Spectrum of the light": LightSpectrum = LightSpectrum::Text("D65".to_owned()),
-        /// Fraction of `illuminance_lx` that is uniform over the hemisphere. Default: `1`, or `0` if other light is given.
+        /// Fraction of `illuminance_lx` that is uniform over the hemisphere. Default: `1`, or `0` if other
+        /// light is given.
         diffuse as "Diffuse fraction": Option<Share>,
         /// Directed sources. Default: none.
         directed: Vec<Spanned<Directed>> = Vec::new(),
@@ -36,9 +38,10 @@ table! {
         illuminance_lx: Lux,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Light that the guide emits downwards: a file of inclination in degrees (0 to 90, increasing) and relative
-        /// radiance, or an IES or EULUMDAT file (.ies, .ldt) with its nadir along the display's normal and C = 0 along x.
-        /// Only for an ordinary panel with a diffuser given by a lobe. Default: diffuse.
+        /// Light that the guide emits downwards: a file of inclination in degrees (0 to 90, increasing) and
+        /// relative radiance, or an IES or EULUMDAT file (.ies, .ldt) with its nadir along the display's
+        /// normal and C = 0 along x. Only for an ordinary panel with a diffuser given by a lobe. Default:
+        /// diffuse.
         distribution: Option<String>,
         /// Fraction of all its light that the guide emits upwards, diffusely.
         upward_leak: Leak = Leak(0.0),
@@ -110,15 +113,18 @@ table! {
         share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Angular radius of a disc of uniform radiance, which must be above the horizon. Default: none: collimated light.
+        /// Angular radius of a disc of uniform radiance, which must be above the horizon. Default: none:
+        /// collimated light.
         radius_deg as "Angular radius": Option<AngularRadius>,
-        /// `true`: the share is that of a plane perpendicular to the beam; the display receives the share times cos(theta).
+        /// `true`: the share is that of a plane perpendicular to the beam; the display receives the share
+        /// times cos(theta).
         normal_to_beam: bool = false,
     }
 }
 
 forms! {
-    /// A relative spectrum of light: the name of a CIE illuminant, a file with two columns, a model, or a sum of models.
+    /// A relative spectrum of light: the name of a CIE illuminant, a file with two columns, a model, or a sum
+    /// of models.
     LightSpectrum, "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such"; {
         /// The name of an illuminant, or else a file, relative to the folder of the scenario.
         Text(String) if Value::Text(_),
@@ -130,8 +136,8 @@ forms! {
 }
 
 table! {
-    /// A model of light: an LED (Ohno 2005), CIE daylight, or a black body. Before the weight, an LED is 1 at its peak,
-    /// the others are 1 at 560 nm.
+    /// A model of light: an LED (Ohno 2005), CIE daylight, or a black body. Before the weight, an LED is 1 at
+    /// its peak, the others are 1 at 560 nm.
     LightModel {
         /// Peak wavelength of an LED.
         led_nm as "Peak of the LED": Option<Wavelength>,

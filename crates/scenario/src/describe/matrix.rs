@@ -16,16 +16,16 @@ table! {
         pixels: Option<Vec<Spanned<PixelCount>>>,
         /// Arrangement of the sub-pixels. Default: `"stripe"`, unless rectangles are given.
         layout: Option<Layout>,
-        /// Rectangles of each sub-pixel instead of a layout: `[x0, y0, x1, y1]` from the lower left corner of the pixel. The rest
-        /// is inactive. Default: the layout.
+        /// Rectangles of each sub-pixel instead of a layout: `[x0, y0, x1, y1]` from the lower left corner of
+        /// the pixel. The rest is inactive. Default: the layout.
         subpixel as "Sub-pixel rectangles": Option<Named<Vec<Spanned<Vec<Spanned<Fraction>>>>>>,
         /// The same rectangles from a CSV file with the columns name, x0, y0, x1, y1. Default: the layout.
         subpixel_file: Option<String>,
         /// A colour filter above the pixels, with the same rectangles. Default: none.
         filter: Option<Filter>,
-        /// With a filter, the states of the display: the state of the pixel below each part of the filter. Default: the eight states
-        /// white, black, red, green, blue, cyan, magenta and yellow, if the filter has red, green and blue, and the pixel has white and
-        /// black.
+        /// With a filter, the states of the display: the state of the pixel below each part of the filter.
+        /// Default: the eight states white, black, red, green, blue, cyan, magenta and yellow, if the filter
+        /// has red, green and blue, and the pixel has white and black.
         states: Option<Named<Named<String>>>,
     }
 }
@@ -64,8 +64,8 @@ table! {
     Filter {
         /// Height of the filter above the pixels, in the medium above them.
         height_um as "Height of the colour filter": Micrometres,
-        /// Transmittance of each part of the filter, by the names of the sub-pixels: one pass along the normal. Oblique light has a
-        /// longer path.
+        /// Transmittance of each part of the filter, by the names of the sub-pixels: one pass along the
+        /// normal. Oblique light has a longer path.
         transmittance: Named<ShareSpectrum>,
     }
 }

@@ -8,7 +8,8 @@ use crate::grammar::{choice, forms, table};
 use crate::read::Spanned;
 
 table! {
-    /// A virtual imaging sphere, for `papilio diffuser measure` only. The defaults are the grid of Feng 2012, section 3.3.
+    /// A virtual imaging sphere, for `papilio diffuser measure` only. The defaults are the grid of Feng 2012,
+    /// section 3.3.
     Measure {
         /// Name of the sample. Default: that of the output file.
         sample: Option<Title>,
@@ -24,7 +25,8 @@ table! {
         light: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
         /// Width b of the image of a collimated beam.
         blur: Blur = Blur(0.0),
-        /// `true`: values integrate to the total of the sample; `false`: light that the blur moves beyond the horizon is lost.
+        /// `true`: values integrate to the total of the sample; `false`: light that the blur moves beyond the
+        /// horizon is lost.
         renormalise: bool = true,
         /// Standard deviation of the noise relative to the value.
         noise: Noise = Noise(0.0),

@@ -1,4 +1,5 @@
-//! `[microgeometry]`: the geometry of a surface, for `papilio gonio`. Its files are not scenarios: they have a title and this table.
+//! `[microgeometry]`: the geometry of a surface, for `papilio gonio`. Its files are not scenarios: they have
+//! a title and this table.
 
 use super::Title;
 use super::display::MaterialSpec;
@@ -57,8 +58,8 @@ macro_rules! surface {
                 coating: Option<FaceCoating>,
                 /// Inclinations of the light, in its own medium. Default: 0 to 85 deg in steps of 5 deg.
                 incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
-                /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg. Default: the surface is turned about its
-                /// normal.
+                /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg.
+                /// Default: the surface is turned about its normal.
                 azimuth_deg as "Steps of azimuth": Option<AzimuthStep>,
                 /// By rays, by waves, or by both.
                 road as "Road": Road = Road::Rays,
@@ -95,7 +96,8 @@ surface! {
 surface! {
     /// Heights of a file, which repeat in both directions.
     HeightMap {
-        /// The file: that of a profilometer (SDF, X3P, .sur, .gsf, .opd, .plux, .vk4, .vk6), a text of rows or points, .npy, OpenEXR, a grey PNG or TIFF.
+        /// The file: that of a profilometer (SDF, X3P, .sur, .gsf, .opd, .plux, .vk4, .vk6), a text of rows
+        /// or points, .npy, OpenEXR, a grey PNG or TIFF.
         file: String,
         /// Distance of neighbouring heights, one number or along x and y. Default: that of the file.
         pixel_um: Option<HeightDistance>,
@@ -105,7 +107,8 @@ surface! {
         level: bool = true,
         /// How the map repeats.
         period: MapPeriod = MapPeriod::Mirror,
-        /// Cut-off of a Gaussian filter (ISO 16610) that removes shorter waves, as noise: half of a wave of this length remains.
+        /// Cut-off of a Gaussian filter (ISO 16610) that removes shorter waves, as noise: half of a wave of
+        /// this length remains.
         cutoff_um: Option<SurfaceLength>,
         /// Cut-off of a Gaussian filter that removes longer waves, as the form of the sample.
         longest_um: Option<SurfaceLength>,
@@ -145,12 +148,13 @@ surface! {
 }
 
 surface! {
-    /// A random face with the two-dimensional power spectral density A (1 + (B f)^2)^(-C/2), f in cycles per um, or with that of a file.
+    /// A random face with the two-dimensional power spectral density A (1 + (B f)^2)^(-C/2), f in cycles per
+    /// um, or with that of a file.
     Psd {
         /// A (um^4), B (um) and C. Either this or `file`.
         abc: Option<Vec<Spanned<SurfaceLength>>>,
-        /// A table with two columns: frequency in cycles per um, and density in um^4, as `psd.csv` of `papilio gonio`. Either this
-        /// or `abc`.
+        /// A table with two columns: frequency in cycles per um, and density in um^4, as `psd.csv` of
+        /// `papilio gonio`. Either this or `abc`.
         file: Option<String>,
         /// Shortest wavelength of the face.
         cutoff_um: SurfaceLength,
@@ -158,7 +162,8 @@ surface! {
 }
 
 surface! {
-    /// Triangles of a file, which repeat in both directions. They form one closed surface between the media, and may overhang.
+    /// Triangles of a file, which repeat in both directions. They form one closed surface between the media,
+    /// and may overhang.
     Mesh {
         /// The file: Wavefront OBJ, or STL in text or binary.
         file: String,
@@ -170,7 +175,8 @@ surface! {
 }
 
 table! {
-    /// Spheres or fibres at random places in a slab of a clear matrix, which is also the medium above and below.
+    /// Spheres or fibres at random places in a slab of a clear matrix, which is also the medium above and
+    /// below.
     Volume {
         /// Radius of the spheres or fibres.
         radius_um: SurfaceLength,
@@ -186,7 +192,8 @@ table! {
         matrix_index as "Index of the matrix": SurfaceIndex = SurfaceIndex(1.5),
         /// Inclinations of the light, in the matrix. Default: 0 to 85 deg in steps of 5 deg.
         incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
-        /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg. Default: the slab is turned about its normal.
+        /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg. Default: the
+        /// slab is turned about its normal.
         azimuth_deg as "Steps of azimuth": Option<AzimuthStep>,
         /// Rays from each side at each inclination.
         rays as "Rays": Count<64, { 1 << 36 }> = Count(200_000),

@@ -22,7 +22,8 @@ table! {
         off: Title = Title("black".to_owned()),
         /// Periods of the patterns.
         period_mm as "Periods of patterns": Vec<Spanned<Millimetres>> = Vec::new(),
-        /// Text whose contrast is computed, black on white on the pixels of the matrix; its size is `viewer.text_height_mm`.
+        /// Text whose contrast is computed, black on white on the pixels of the matrix; its size is
+        /// `viewer.text_height_mm`.
         text: Title = Title("Papilio".to_owned()),
     }
 }

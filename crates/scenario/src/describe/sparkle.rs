@@ -7,15 +7,17 @@ use crate::read::Spanned;
 table! {
     /// An antiglare face, for `papilio sparkle` only.
     Sparkle {
-        /// Root mean square slope of the face along one axis. Either `slope_rms` or `haze`, unless a `rough` layer has
-        /// `correlation_um`.
+        /// Root mean square slope of the face along one axis. Either `slope_rms` or `haze`, unless a `rough`
+        /// layer has `correlation_um`.
         slope_rms as "Slope of the face": Option<FaceSlope>,
-        /// Fraction of light along the normal that a plate with this face transmits beyond 2.5 deg. Either `haze` or `slope_rms`,
-        /// unless a `rough` layer has `correlation_um`.
+        /// Fraction of light along the normal that a plate with this face transmits beyond 2.5 deg. Either
+        /// `haze` or `slope_rms`, unless a `rough` layer has `correlation_um`.
         haze: Option<InnerShare>,
-        /// Distance at which the correlation of the heights exp(-r^2/xi^2) is 1/e, or several. Required with `slope_rms` or `haze`.
+        /// Distance at which the correlation of the heights exp(-r^2/xi^2) is 1/e, or several. Required with
+        /// `slope_rms` or `haze`.
         correlation_um as "Correlation length": Option<CorrelationLengths>,
-        /// Distance of face and pixels in the medium above the pixels, or several. Default: the media of the display below the face.
+        /// Distance of face and pixels in the medium above the pixels, or several. Default: the media of the
+        /// display below the face.
         gap_mm: Option<FaceGaps>,
         /// Diameter of the viewer's pupil at `viewer.distance_mm`, or of a camera's; 0 is a pinhole.
         pupil_mm as "Diameter of the pupil": Pupil = Pupil(4.0),

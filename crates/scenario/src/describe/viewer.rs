@@ -14,7 +14,8 @@ table! {
         phi_deg as "Azimuth of the view": Azimuths = Azimuths::One(Azimuth(0.0)),
         /// Full angle of the round field of view, which must be above the horizon.
         field_deg as "Field of view": FieldAngle = FieldAngle(0.1),
-        /// Viewing distance; it determines the angle of text (docs/readability.md), and has no effect on colours.
+        /// Viewing distance; it determines the angle of text (docs/readability.md), and has no effect on
+        /// colours.
         distance_mm as "Viewing distance": Millimetres = Millimetres(500.0),
         /// Age of the reader of black text (docs/readability.md); 25 if only the text is described.
         age_years as "Age of the reader": Option<Years>,

@@ -99,7 +99,8 @@ fn collect_raw(text: Option<&RawString>, found: &mut Vec<String>) {
     found.extend(comments(text).into_iter().map(|(_, comment)| comment.to_owned()));
 }
 
-/// Returns the text after an edit with the comments of the text before it that it lacks, except those of removed items.
+/// Returns the text after an edit with the comments of the text before it that it lacks, except those of
+/// removed items.
 pub(super) fn with_comments(before: &str, after: String, removed: &[String]) -> String {
     let lost = lost(before, &after, removed);
     if lost.is_empty() {
@@ -132,8 +133,8 @@ fn lost(before: &str, after: &str, removed: &[String]) -> Vec<(usize, String)> {
     lost
 }
 
-/// The lines of the text after at which comments are inserted, in ascending order: before the next line of the text before that is there, and
-/// at the end of the table above.
+/// The lines of the text after at which comments are inserted, in ascending order: before the next line of
+/// the text before that is there, and at the end of the table above.
 fn blocks(old: &[&str], after: &str, lost: Vec<(usize, String)>) -> Vec<(usize, Vec<String>)> {
     let new: Vec<&str> = after.lines().collect();
     let same = old.iter().zip(&new).take_while(|(old, new)| old == new).count();
@@ -158,7 +159,8 @@ fn blocks(old: &[&str], after: &str, lost: Vec<(usize, String)>) -> Vec<(usize, 
     blocks
 }
 
-/// Inserts lines before a line, or before the next one where they are comments and change nothing; at the top, nothing can change.
+/// Inserts lines before a line, or before the next one where they are comments and change nothing; at the
+/// top, nothing can change.
 fn inserted(text: &str, place: usize, block: &[String]) -> String {
     let lines: Vec<&str> = text.lines().collect();
     let meaning = toml::from_str::<toml::Table>(text).ok();

@@ -1,11 +1,13 @@
-//! Items of an array on several lines, each with the comments that belong to it: those above it, and the one at the end of its line.
+//! Items of an array on several lines, each with the comments that belong to it: those above it, and the one
+//! at the end of its line.
 
 use toml_edit::{Array, RawString, Value};
 
 /// An item of an array with its layout.
 pub(super) struct ArrayItem {
     pub(super) value: Value,
-    /// Line breaks, comments and blanks before it, from the end of the line of the item before; `None`: as usual.
+    /// Line breaks, comments and blanks before it, from the end of the line of the item before; `None`: as
+    /// usual.
     pub(super) lead: Option<String>,
     /// The comment on its line, after the comma.
     pub(super) tail: String,

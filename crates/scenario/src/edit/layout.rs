@@ -112,7 +112,8 @@ fn is_equal_value(own: &Value, value: &serde_json::Value) -> bool {
     }
 }
 
-/// Assigns the positions of the tables in the text to the tables in their new order; new tables follow the one before.
+/// Assigns the positions of the tables in the text to the tables in their new order; new tables follow the
+/// one before.
 pub(super) fn number_positions(tables: &mut ArrayOfTables) {
     let mut places: Vec<isize> = tables.iter().filter_map(Table::position).collect();
     places.sort_unstable();

@@ -116,16 +116,16 @@ pub fn preset_names() -> impl Iterator<Item = &'static str> {
     PRESETS.iter().map(|(name, _)| *name)
 }
 
-/// Returns a complete, commented scenario of an interferometric display with the light and viewer of a preset; `None` if there is no
-/// such preset.
+/// Returns a complete, commented scenario of an interferometric display with the light and viewer of a
+/// preset; `None` if there is no such preset.
 pub fn new_scenario(name: &str) -> Option<String> {
     let light = text(name)?;
     let (about, keys) = light.split_once("\n\n")?;
     Some(format!("{about}\n\ntitle = \"{name}\"\n\n{keys}\n{}", ExampleDisplay::IMOD.text))
 }
 
-/// Returns a complete, commented scenario of a display with the light and viewer of a preset; `None` if there is no such preset. The
-/// scenario may name [files](ExampleDisplay::files).
+/// Returns a complete, commented scenario of a display with the light and viewer of a preset; `None` if there
+/// is no such preset. The scenario may name [files](ExampleDisplay::files).
 ///
 /// ```
 /// use papilio_scenario::{ExampleDisplay, new_scenario_of};
@@ -178,8 +178,8 @@ pub struct UsedPreset {
     pub is_changed: bool,
 }
 
-/// Returns the preset that a scenario names, or else the first one whose light and viewer it has; `filled` is the scenario
-/// with all defaults.
+/// Returns the preset that a scenario names, or else the first one whose light and viewer it has; `filled` is
+/// the scenario with all defaults.
 pub(crate) fn used(root: &Node, filled: &Json) -> Option<UsedPreset> {
     static ALL: LazyLock<Vec<(&str, Json)>> = LazyLock::new(|| {
         PRESETS.iter().map(|(name, text)| (*name, Node::parse_document(text).0.to_json())).collect()

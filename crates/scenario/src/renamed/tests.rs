@@ -220,7 +220,8 @@ fn new_names_are_not_old_names() {
     }
 }
 
-/// The matrix once had a key that had to be 0: files and `--set` that have it still read, with one note; other values are an error.
+/// The matrix once had a key that had to be 0: files and `--set` that have it still read, with one note;
+/// other values are an error.
 #[test]
 fn keys_that_exist_no_more_are_ignored_where_they_had_their_only_value() {
     let text = format!("{PIXEL}[display.matrix]\nppi = 100\n");

@@ -18,8 +18,9 @@ struct CachedValue<T> {
 }
 
 impl Resolver<'_> {
-    /// Returns the value of `make` with its warnings and notes, from the cache if it is there. `key` must contain everything
-    /// that determines the value, except the wavelengths and the contents of files. Errors are not cached.
+    /// Returns the value of `make` with its warnings and notes, from the cache if it is there. `key` must
+    /// contain everything that determines the value, except the wavelengths and the contents of files. Errors
+    /// are not cached.
     pub(super) fn cached<T: Clone + Send + Sync + 'static>(
         &mut self,
         key: impl FnOnce() -> String,

@@ -48,7 +48,8 @@ impl Resolver<'_> {
         self.sources.folder().is_some() && (1..=self.sources.overrides()).contains(&origin.source)
     }
 
-    /// Adds a note if a path in a `--set` leads to a file in the folder of the scenario, and not in the current folder.
+    /// Adds a note if a path in a `--set` leads to a file in the folder of the scenario, and not in the
+    /// current folder.
     fn note_folder(&mut self, name: &str, origin: Origin) {
         let Library::Folder(folder) = self.library else { return };
         let used = folder.join(name);

@@ -37,7 +37,8 @@ pub(super) fn ward_kernel(alpha: f64, normalisation: Normalisation) -> Option<Sc
 }
 
 impl Resolver<'_> {
-    /// Resolves a diffuser between these media: its interface, and what is between a mounted foil and the medium below it.
+    /// Resolves a diffuser between these media: its interface, and what is between a mounted foil and the
+    /// medium below it.
     pub(super) fn btdf(&mut self, path: &str, diffuser: &Btdf, media: Neighbours<'_>) -> Option<Vec<Part>> {
         let (through, reflection) = match diffuser {
             Btdf::KCorrelation(lobe) => (self.k_correlation(lobe).map(Ready::Diffuser), &lobe.reflection),

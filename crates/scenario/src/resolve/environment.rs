@@ -17,7 +17,8 @@ use crate::mistake;
 use crate::origin::Origin;
 use crate::read::{Read, Spanned};
 
-/// Smallest distance of the far field, in widths of the luminaire (the five-times rule: CIE 70-1987; IES Lighting Handbook).
+/// Smallest distance of the far field, in widths of the luminaire (the five-times rule: CIE 70-1987; IES
+/// Lighting Handbook).
 const FAR: f64 = 5.0;
 
 /// Angular radius of the sun, degrees.
@@ -153,7 +154,8 @@ impl Resolver<'_> {
         self.notes.extend(light.notes.iter().map(|note| format!("{key}: {note}")));
         let pose = Pose { tilt_deg: luminaire.tilt_deg.0 };
         let (theta_deg, phi_deg) = pose.sees([luminaire.elevation_deg.0, luminaire.azimuth_deg.0]);
-        // Light towards the display leaves the luminaire at this angle from its nadir, in the opposite azimuth.
+        // Light towards the display leaves the luminaire at this angle from its nadir, in the opposite
+        // azimuth.
         let from_nadir_deg = 90.0 - luminaire.elevation_deg.0;
         let turn_deg = luminaire.azimuth_deg.0 + 180.0 - luminaire.rotation_deg.0;
         let intensity = light.intensity(from_nadir_deg, turn_deg);
@@ -187,8 +189,9 @@ impl Resolver<'_> {
         })
     }
 
-    /// Warns of a luminaire that is too close: its file is its far field, which is correct within 1 % from five times its
-    /// opening (the illuminance of a Lambertian disc of diameter D at distance d is 1/(1 + (D/2d)^2) of the inverse square law).
+    /// Warns of a luminaire that is too close: its file is its far field, which is correct within 1 % from
+    /// five times its opening (the illuminance of a Lambertian disc of diameter D at distance d is 1/(1 +
+    /// (D/2d)^2) of the inverse square law).
     fn check_far(&mut self, key: &str, distance_m: f64, widest: f64) {
         if distance_m < FAR * widest {
             self.warnings.push(format!(

@@ -143,7 +143,8 @@ impl Resolver<'_> {
         Some(states)
     }
 
-    /// Resolves the drive of each sub-pixel in a state of the user; sub-pixels that it does not name are dark.
+    /// Resolves the drive of each sub-pixel in a state of the user; sub-pixels that it does not name are
+    /// dark.
     fn drives(&mut self, state: &Item<StateSpec>, sub_pixels: &[SubPixel]) -> Option<Vec<Drive>> {
         let mut drives = vec![Drive::Share(0.0); sub_pixels.len()];
         for item in &state.value.0.0 {

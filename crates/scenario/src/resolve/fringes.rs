@@ -1,8 +1,9 @@
 //! Films whose interference fringes over wavelength are too narrow for the grid.
 //!
-//! There are two steps. The distance of the fringes, `lambda^2/(2 sum of n d)`, shows at no cost that almost all films are
-//! thin enough. For any other film the error is computed: the error of X, Y and Z for light along the normal if the
-//! reflectance is known only at the wavelengths of the grid and linear between them, as in the computation of colours.
+//! There are two steps. The distance of the fringes, `lambda^2/(2 sum of n d)`, shows at no cost that almost
+//! all films are thin enough. For any other film the error is computed: the error of X, Y and Z for light
+//! along the normal if the reflectance is known only at the wavelengths of the grid and linear between them,
+//! as in the computation of colours.
 
 use num_complex::Complex64;
 use papilio_colour::Observer;
@@ -13,17 +14,20 @@ use papilio_spectra::Grid;
 use super::Resolver;
 use super::film::distinct_gaps;
 
-/// Wavelengths per fringe that are sufficient: the error of Y is 0.04 % or less (docs/films.md, "Thick films").
+/// Wavelengths per fringe that are sufficient: the error of Y is 0.04 % or less (docs/films.md, "Thick
+/// films").
 const ENOUGH_PER_FRINGE: f64 = 12.0;
 
-/// Largest error of X, Y and Z, relative to a perfect white, that gives no warning: the default relative error.
+/// Largest error of X, Y and Z, relative to a perfect white, that gives no warning: the default relative
+/// error.
 const NEGLIGIBLE_ERROR: f64 = 1e-3;
 
 /// Samples of the true spectrum in each fringe, and the largest number of them in each step.
 const PER_FRINGE: f64 = 32.0;
 const MOST_PER_STEP: f64 = 512.0;
 
-/// Steps that may be recommended, nm. Colours are sums over integer nanometres, so that a finer step has no effect.
+/// Steps that may be recommended, nm. Colours are sums over integer nanometres, so that a finer step has no
+/// effect.
 const STEPS_NM: [f64; 3] = [2.5, 2.0, 1.0];
 
 /// A film of the scene, and the media on its two sides.
@@ -123,7 +127,8 @@ impl FilmStack<'_> {
         fringe_spacing_nm(layers, grid.wavelength_nm(bin))
     }
 
-    /// Reflectance along the normal, with indices that are interpolated linearly between the wavelengths of the grid.
+    /// Reflectance along the normal, with indices that are interpolated linearly between the wavelengths of
+    /// the grid.
     fn reflectance(&self, grid: &Grid, nm: f64) -> Option<f64> {
         let at = ((nm - grid.start_nm()) / grid.step_nm()).clamp(0.0, (grid.len() - 1) as f64);
         let bin = (at as usize).min(grid.len() - 2);
@@ -142,8 +147,8 @@ impl FilmStack<'_> {
         coherent(&film, nm, 0.0, Polarisation::S).ok().map(|film| film.reflectance)
     }
 
-    /// Largest error of X, Y and Z in equal-energy light, relative to a perfect white, if the reflectance is known only in
-    /// these steps.
+    /// Largest error of X, Y and Z in equal-energy light, relative to a perfect white, if the reflectance is
+    /// known only in these steps.
     fn colour_error(&self, grid: &Grid, step_nm: f64) -> Option<f64> {
         let step_nm = step_nm.max(1.0);
         let (first, last) = (grid.start_nm().ceil().max(380.0), grid.stop_nm().floor().min(780.0));

@@ -23,7 +23,8 @@ use crate::read::Spanned;
 
 /// Largest k of a clear medium.
 const CLEAR_K: f64 = 1e-6;
-/// Largest k of a medium that absorbs along its thickness; beyond it, Fresnel's equations need the complex index.
+/// Largest k of a medium that absorbs along its thickness; beyond it, Fresnel's equations need the complex
+/// index.
 const ABSORBING_K: f64 = 1e-3;
 /// Largest number of layers.
 const MOST_LAYERS: usize = 64;
@@ -146,7 +147,8 @@ impl Resolver<'_> {
         Some(stack.finish(&mut self.errors))
     }
 
-    /// Resolves the diffusers of a list, which may depend on the media next to them. Returns the parts of each layer.
+    /// Resolves the diffusers of a list, which may depend on the media next to them. Returns the parts of
+    /// each layer.
     fn with_diffusers(&mut self, layers: Vec<Resolved<'_>>) -> Option<Vec<Vec<Part>>> {
         let air = Spectrum::constant(&self.grid, 1.0);
         let mut diffusers = Vec::new();
@@ -183,7 +185,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Notes each bare face directly above a diffuser: the same medium is on both sides of it, so that it reflects nothing.
+    /// Notes each bare face directly above a diffuser: the same medium is on both sides of it, so that it
+    /// reflects nothing.
     fn note_idle_faces(&mut self, layers: &[Spanned<describe::Layer>]) {
         for (i, pair) in layers.windows(2).enumerate() {
             if let [describe::Layer::Fresnel(_), describe::Layer::Diffuser(_)] =
@@ -260,7 +263,8 @@ impl Resolver<'_> {
         Spectrum::from_values(index.iter().zip(self.grid.wavelengths_nm()).map(transmittance).collect())
     }
 
-    /// Notes that a thickness does not change colours, unless the display has a matrix, for which it is needed.
+    /// Notes that a thickness does not change colours, unless the display has a matrix, for which it is
+    /// needed.
     fn note_length(&mut self, path: &str, why: &str) {
         if !self.has_matrix {
             self.notes.push(format!("{path}.thickness_mm has no effect on colours: {why}"));

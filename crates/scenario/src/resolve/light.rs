@@ -72,7 +72,8 @@ fn all_on(parts: &[Part], grid: &Grid) -> Result<Spectrum, SpectraError> {
 }
 
 impl Resolver<'_> {
-    /// Resolves the relative spectrum at `key` on the grid, which has no negative values and some positive ones.
+    /// Resolves the relative spectrum at `key` on the grid, which has no negative values and some positive
+    /// ones.
     pub(super) fn light(&mut self, key: &str, light: &Spanned<Described>) -> Option<LightSpectrum> {
         let parts = match &light.value {
             Described::Text(name) => vec![self.named_light(name, light)?],
@@ -118,8 +119,8 @@ impl Resolver<'_> {
         Some(spectrum)
     }
 
-    /// Represents a light whose lines are too narrow for the grid by its means over 1 nm, with a note. On a grid of less than
-    /// 1 nm there is a warning instead.
+    /// Represents a light whose lines are too narrow for the grid by its means over 1 nm, with a note. On a
+    /// grid of less than 1 nm there is a warning instead.
     fn with_lines(&mut self, key: &str, parts: &[Part], loss: &Loss) -> Option<LightSpectrum> {
         let step = self.grid.step_nm();
         let means = |own: &Grid| {

@@ -130,7 +130,8 @@ impl Resolver<'_> {
         field
     }
 
-    /// Checks that there is a front light if there is no ambient light, and notes that results then have another meaning.
+    /// Checks that there is a front light if there is no ambient light, and notes that results then have
+    /// another meaning.
     fn check_front_light_alone(&mut self, lighting: &Spanned<describe::Lighting>) {
         if lighting.front_light.is_none() {
             let expected = format!("{}; 0 is allowed only with a front light", Lux::in_words());

@@ -1,4 +1,5 @@
-//! Maps of light: pictures of the whole sphere as radiance fields, one for each spectrum. Regions may have spectra of their own.
+//! Maps of light: pictures of the whole sphere as radiance fields, one for each spectrum. Regions may have
+//! spectra of their own.
 
 use std::sync::Arc;
 
@@ -151,8 +152,8 @@ struct Region {
 }
 
 impl Region {
-    /// Removes its pixels from the colour channels of the picture, which have these lm/W. Returns their luminances, 1 for
-    /// white, and 0 for all other pixels.
+    /// Removes its pixels from the colour channels of the picture, which have these lm/W. Returns their
+    /// luminances, 1 for white, and 0 for all other pixels.
     fn take(&self, picture: &mut LightMap, lm_per_w: &[f64]) -> Vec<f32> {
         let mut luminance = vec![0.0; picture.width * picture.height];
         for (channel, lm_per_w) in picture.channels.iter_mut().zip(lm_per_w) {
@@ -202,8 +203,8 @@ fn lifted(
     picture.channels.iter().enumerate().map(|(number, channel)| of(number, channel.colour)).collect()
 }
 
-/// Returns a spectrum that is 1 at wavelength `k` and decreases linearly to 0 at its neighbours: linear interpolation
-/// between channels.
+/// Returns a spectrum that is 1 at wavelength `k` and decreases linearly to 0 at its neighbours: linear
+/// interpolation between channels.
 fn hat(wavelengths: &[f64], k: usize, grid: &Grid) -> Result<Spectrum, SpectraError> {
     let values = (0..wavelengths.len()).map(|at| if at == k { 1.0 } else { 0.0 }).collect();
     Tabulated::new(wavelengths.to_vec(), values)?.on(grid)

@@ -261,7 +261,8 @@ fn no_states_below(names: &[String], known: &[String]) -> Diagnostic {
         .hint(format!("describe them in [display.matrix.states]: {one} = {{ {} }}", below.join(", ")))
 }
 
-/// Returns the eight default states, if the filter has red, green and blue, and the pixel has white and black.
+/// Returns the eight default states, if the filter has red, green and blue, and the pixel has white and
+/// black.
 fn default_states(names: &[String], known: &[String]) -> Vec<FilterState> {
     let is_one_of = |list: &[String], wanted: &str| list.iter().position(|name| name == wanted);
     let (Some(white), Some(black)) = (is_one_of(known, "white"), is_one_of(known, "black")) else {

@@ -112,8 +112,8 @@ pub(crate) fn measurement(
     Ok(VirtualMeasurement { warnings, notes, ..found })
 }
 
-/// A transmission or reflection of the diffuser: its lobe, scattered and regular fraction, and the spectrum of
-/// both.
+/// A transmission or reflection of the diffuser: its lobe, scattered and regular fraction, and the spectrum
+/// of both.
 type TrueWay = (ScatterMode, TrueLobe, [f64; 2], Spectrum);
 
 /// Returns the reflection of a sample in air.

@@ -34,8 +34,8 @@ enum Side {
 }
 
 impl Resolver<'_> {
-    /// Resolves a foil: its interface, and what is between it and the medium of this index below it. `None`: the next layer
-    /// below is no medium.
+    /// Resolves a foil: its interface, and what is between it and the medium of this index below it. `None`:
+    /// the next layer below is no medium.
     pub(super) fn foil(
         &mut self,
         path: &str,
@@ -129,8 +129,8 @@ impl Resolver<'_> {
         Some(interface)
     }
 
-    /// Resolves a foil in air, with either side up: its transmission and reflection of light from above, and its reflection of
-    /// light from below.
+    /// Resolves a foil in air, with either side up: its transmission and reflection of light from above, and
+    /// its reflection of light from below.
     pub(super) fn foil_in_air(
         &mut self,
         path: &str,
@@ -197,7 +197,8 @@ impl Resolver<'_> {
         Some(foil)
     }
 
-    /// Resolves a measured pixel: the BRDF of its states, with angles in air used as angles in the medium above.
+    /// Resolves a measured pixel: the BRDF of its states, with angles in air used as angles in the medium
+    /// above.
     pub(super) fn measured_pixel(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
         self.cached(|| format!("pixel {}", json!(pixel)), |this| this.measured_pixel_uncached(pixel))
     }

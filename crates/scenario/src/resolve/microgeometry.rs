@@ -1,4 +1,5 @@
-//! `model = "microgeometry"`: a face by its geometry: its kernel in a file, or a surface that is measured when the scene is prepared.
+//! `model = "microgeometry"`: a face by its geometry: its kernel in a file, or a surface that is measured
+//! when the scene is prepared.
 
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
@@ -23,7 +24,8 @@ use crate::surface::{ResolvedSurface, SurfaceScenario};
 /// Difference of refractive indices that counts as none.
 const SAME_INDEX: f64 = 1e-6;
 
-/// Most rays of a band of a surface that is a layer: 2 minutes on a processor. And for scenarios in memory: those that a server is given by anyone.
+/// Most rays of a band of a surface that is a layer: 2 minutes on a processor. And for scenarios in memory:
+/// those that a server is given by anyone.
 const MOST_RAYS: u64 = 1_000_000;
 const MOST_RAYS_IN_MEMORY: u64 = 50_000;
 

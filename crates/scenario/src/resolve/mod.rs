@@ -1,4 +1,5 @@
-//! Resolving: materials, files and lights are evaluated on the wavelength grid, and all keys are checked together.
+//! Resolving: materials, files and lights are evaluated on the wavelength grid, and all keys are checked
+//! together.
 
 mod cache;
 mod data;
@@ -147,8 +148,8 @@ pub(crate) enum PictureChoice<'a> {
     Given(&'a SourceImage),
 }
 
-/// Resolves a described scenario whose files are in `library`; the picture of `[image]` only if it is requested. Without `needs_light`, lights
-/// need not cover the wavelengths.
+/// Resolves a described scenario whose files are in `library`; the picture of `[image]` only if it is
+/// requested. Without `needs_light`, lights need not cover the wavelengths.
 pub(crate) fn resolve(
     file: &File,
     library: &Library,

@@ -16,7 +16,8 @@ use crate::describe::pixel::{PalettePixel, Pixel};
 use crate::mistake::{self, tidy};
 use crate::read::Spanned;
 
-/// Wavelengths at which spectra of CIELAB colours are computed: those of the observer. Beyond them, the values at the ends continue.
+/// Wavelengths at which spectra of CIELAB colours are computed: those of the observer. Beyond them, the
+/// values at the ends continue.
 const RANGE_NM: [f64; 2] = [380.0, 780.0];
 const STEP_NM: f64 = 5.0;
 
@@ -63,7 +64,8 @@ impl Resolver<'_> {
         Some(UniformPixel { kind: UniformKind::Lambertian, states, spread_mm })
     }
 
-    /// Warns if a palette, which was measured through a surface, has a second one, or if inks below a face have no face in the display.
+    /// Warns if a palette, which was measured through a surface, has a second one, or if inks below a face
+    /// have no face in the display.
     pub(super) fn check_surface(&mut self, file: &File) {
         let through = match &file.display.pixel.value {
             Pixel::Palette(palette) => palette.measured_through.as_ref(),
@@ -112,7 +114,8 @@ impl Resolver<'_> {
         let white = white * (1.0 / white.y);
         let mut colour = lab.xyz(white);
         if let Some(face) = face {
-            // Without the light that the face reflects itself: the smoothest spectrum is that of the light from below.
+            // Without the light that the face reflects itself: the smoothest spectrum is that of the light
+            // from below.
             if !(face.least()..=face.most()).contains(&colour.y) {
                 let wrong = impossible(
                     &format!("Y = {}", tidy((colour.y * 1e4).round() / 1e4)),

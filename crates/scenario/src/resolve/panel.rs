@@ -1,4 +1,5 @@
-//! The short form of the layers: front of screen, surface or diffuser, glass; and the checks of keys for the ordinary panel only.
+//! The short form of the layers: front of screen, surface or diffuser, glass; and the checks of keys for the
+//! ordinary panel only.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{AngleMedium, Display, Interface, Layer, Length, Medium, Ready, Scene};
@@ -152,8 +153,8 @@ impl Resolver<'_> {
         Some((medium, surface))
     }
 
-    /// Checks that a front light with a distribution is above a lobe, so that only the front of screen reflects it
-    /// specularly.
+    /// Checks that a front light with a distribution is above a lobe, so that only the front of screen
+    /// reflects it specularly.
     fn check_front_light(&mut self, file: &File, scene: &Scene) {
         let Some(guide) = &file.lighting.front_light.value else { return };
         let over_lobe = scene.display.panel().is_some_and(|panel| panel.diffuser().is_some());

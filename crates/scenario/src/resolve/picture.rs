@@ -312,7 +312,8 @@ impl Resolver<'_> {
     }
 }
 
-/// Place of a photograph at the beginning of an area along an axis, as wide as the area across it, or as long as is permitted.
+/// Place of a photograph at the beginning of an area along an axis, as wide as the area across it, or as long
+/// as is permitted.
 fn beside(area: Area, size: [usize; 2], pitch_mm: [f64; 2], along: usize) -> Area {
     let across = 1 - along;
     let room = [0, 1].map(|k| area.count[k] as f64 * pitch_mm[k]);

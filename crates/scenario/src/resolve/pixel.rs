@@ -73,7 +73,8 @@ impl Resolver<'_> {
         Some(TablePixel { angles: pixel.angles.0, theta_deg: table.theta_deg, states })
     }
 
-    /// Checks that the medium above a measured pixel has one index, because its directions are those of that medium.
+    /// Checks that the medium above a measured pixel has one index, because its directions are those of that
+    /// medium.
     pub(super) fn check_medium(&mut self, file: &File, scene: &Scene) {
         let Pixel::Scattering(_) = scene.display.pixel else { return };
         let index = scene.display.index_above_pixel();

@@ -117,7 +117,8 @@ impl Resolver<'_> {
         Some(LobeReflection::new(lobe?, &reflectance?, mirror.0))
     }
 
-    /// Returns R of the whole lobe; `leaving` is the fraction of it that leaves into the air at normal incidence.
+    /// Returns R of the whole lobe; `leaving` is the fraction of it that leaves into the air at normal
+    /// incidence.
     fn whole_reflectance(
         &mut self,
         reflection: &Reflection,
@@ -243,8 +244,8 @@ fn loses_light(through: &Ready) -> bool {
     }
 }
 
-/// Error: a diffuser between media of these indices transmits and reflects more light than arrives, or its reflection
-/// needs one index.
+/// Error: a diffuser between media of these indices transmits and reflects more light than arrives, or its
+/// reflection needs one index.
 pub(super) fn wrong_total(
     diffuser: &ReflectingDiffuser,
     above: &Spectrum,

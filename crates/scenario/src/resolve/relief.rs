@@ -47,22 +47,24 @@ impl SurfaceRelief {
             let Statistics { rms_um, slope_rms: [x, y], correlation_um, .. } = Statistics::of(&map);
             let slope_rms = (0.5 * (x * x + y * y)).sqrt();
             let rms_mm = UM * rms_um;
-            // If the heights do not lose their correlation within the map: the length of Gaussian heights with these slopes.
+            // If the heights do not lose their correlation within the map: the length of Gaussian heights
+            // with these slopes.
             let correlation_mm =
                 correlation_um.map_or(2.0_f64.sqrt() * rms_mm / slope_rms, |length| UM * length);
             Heights { map, rms_mm, slope_rms, correlation_mm }
         })
     }
 
-    /// Heights of a replicate, of a random surface over `wanted_mm` or more. The check of the surface has excluded that they cannot be made.
+    /// Heights of a replicate, of a random surface over `wanted_mm` or more. The check of the surface has
+    /// excluded that they cannot be made.
     fn realisation(&self, replicate: u64, wanted_mm: [f64; 2]) -> HeightMap {
         let least_um = wanted_mm[0].max(wanted_mm[1]) / UM;
         self.surface.heights_over(replicate, least_um).unwrap_or_else(|_| HeightMap::flat())
     }
 }
 
-/// A piece of a map, which repeats: the whole map if it is not larger than wanted, or else a part at a random place with its mirror
-/// images, of the wanted size together.
+/// A piece of a map, which repeats: the whole map if it is not larger than wanted, or else a part at a random
+/// place with its mirror images, of the wanted size together.
 fn piece(map: &HeightMap, numbers: &SampleStream, wanted_mm: [f64; 2]) -> HeightMap {
     let (pitch_um, all) = (map.pitch_um(), [map.columns(), map.rows()]);
     let wanted = [0, 1].map(|axis| (wanted_mm[axis] / (UM * pitch_um[axis])).ceil() as usize);

@@ -11,10 +11,11 @@
 use papilio_colour::{LUMENS_PER_WATT, Observer, UvPrime};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
 
-/// Largest distance in u'v' without a warning: a quarter of a just noticeable difference, 0.5 % of X/Y or Z/Y near white.
+/// Largest distance in u'v' without a warning: a quarter of a just noticeable difference, 0.5 % of X/Y or Z/Y
+/// near white.
 const COLOUR: f64 = 0.001;
-/// Largest relative difference of the luminous efficacy without a warning. Linear interpolation over 5 nm causes
-/// 0.7 % for light at 430 or 665 nm, however smooth, because ybar is curved there.
+/// Largest relative difference of the luminous efficacy without a warning. Linear interpolation over 5 nm
+/// causes 0.7 % for light at 430 or 665 nm, however smooth, because ybar is curved there.
 const EFFICACY: f64 = 0.01;
 /// Samples of the light itself per nanometre.
 const PER_NM: usize = 10;

@@ -18,7 +18,8 @@ use crate::tree::Node;
 const INDEX_NM: f64 = 555.0;
 
 impl Resolver<'_> {
-    /// Resolves the antiglare face: that of `[sparkle]`, or a layer whose heights are known; `None` if neither is described.
+    /// Resolves the antiglare face: that of `[sparkle]`, or a layer whose heights are known; `None` if
+    /// neither is described.
     pub(super) fn sparkle(&mut self, file: &File, scene: &Scene) -> Option<Antiglare> {
         let face = self.known_face(file, scene);
         let table = file.sparkle.value.as_ref();
@@ -148,12 +149,14 @@ impl Resolver<'_> {
             self.errors.push(second.origin, wrong.hint("sparkle is that of one face: remove one of them"));
             return None;
         }
-        // Surfaces by their geometry have heights whether or not anybody asks for sparkle: of several, none is preferred.
+        // Surfaces by their geometry have heights whether or not anybody asks for sparkle: of several, none
+        // is preferred.
         let (number, face) = match (&rough[..], &surfaces[..]) {
             ([one], _) | ([], [one]) => one.clone(),
             _ => return None,
         };
-        // Media without an interface above them have one in the scene: the face is found as the same among those of its kind.
+        // Media without an interface above them have one in the scene: the face is found as the same among
+        // those of its kind.
         let is_rough = matches!(layers[number].value, Layer::Rough(_));
         let in_file = |layer: &&Spanned<Layer>| match layer.value {
             Layer::Rough(_) => is_rough,

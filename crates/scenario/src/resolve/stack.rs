@@ -12,7 +12,8 @@ use crate::origin::Origin;
 /// A stack of layers that grows from the air downwards.
 pub(super) struct Stack {
     layers: Vec<Layer>,
-    /// An interface without a medium below it yet, and the thickness of the medium above it, should that continue below.
+    /// An interface without a medium below it yet, and the thickness of the medium above it, should that
+    /// continue below.
     waiting: Option<(Interface, Length, Origin)>,
     /// Index of the lowest medium so far, and its place.
     above: (Spectrum, Origin),
@@ -25,19 +26,21 @@ impl Stack {
         Self { layers: Vec::new(), waiting: None, above, mistakes: Vec::new() }
     }
 
-    /// Adds an interface. An interface directly above it is then inside the medium above both, at the same place.
+    /// Adds an interface. An interface directly above it is then inside the medium above both, at the same
+    /// place.
     pub(super) fn put(&mut self, interface: Interface, origin: Origin) {
         self.put_above(interface, Length::Mm(0.0), origin);
     }
 
-    /// Adds an interface inside a medium that continues for this length below it, unless another medium follows.
+    /// Adds an interface inside a medium that continues for this length below it, unless another medium
+    /// follows.
     pub(super) fn put_above(&mut self, interface: Interface, below: Length, origin: Origin) {
         self.close();
         self.waiting = Some((interface, below, origin));
     }
 
-    /// Adds a medium of this thickness; `index_at` is the place of its index. Without an interface above it, there is a
-    /// bare interface if the index changes.
+    /// Adds a medium of this thickness; `index_at` is the place of its index. Without an interface above it,
+    /// there is a bare interface if the index changes.
     pub(super) fn fill(&mut self, medium: Medium, thickness: Length, index_at: Origin) {
         let (interface, _, origin) =
             self.waiting.take().unwrap_or((Ready::Fresnel.into(), Length::Mm(0.0), Origin::FILE));

@@ -1,4 +1,5 @@
-//! Reflectances that were measured through a flat face: those of the pixel below it. How far light spreads within the pixel.
+//! Reflectances that were measured through a flat face: those of the pixel below it. How far light spreads
+//! within the pixel.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_optics::saunderson::DiffuseFace;

@@ -30,7 +30,8 @@ impl UnboundedLobe {
         self.transmittance * ((1.0 - self.regular_fraction) * lobe + self.regular_fraction)
     }
 
-    /// Largest exponential `exp(-tan^2 h / alpha^2)` between light of this inclination (degrees, air) and the horizon.
+    /// Largest exponential `exp(-tan^2 h / alpha^2)` between light of this inclination (degrees, air) and the
+    /// horizon.
     fn towards_horizon(&self, theta_deg: f64) -> f64 {
         let sine = theta_deg.to_radians().sin();
         (-(1.0 - sine) / ((1.0 + sine) * self.alpha * self.alpha)).exp()
@@ -47,8 +48,9 @@ fn is_mirror(pixel: &Pixel) -> bool {
 }
 
 impl Resolver<'_> {
-    /// Warns of lobes that scatter more light than they receive, at the inclinations of sources and views, and of those that light
-    /// passes twice near the horizon, between a view and a mirror-like pixel: its integral is infinite.
+    /// Warns of lobes that scatter more light than they receive, at the inclinations of sources and views,
+    /// and of those that light passes twice near the horizon, between a view and a mirror-like pixel: its
+    /// integral is infinite.
     pub(super) fn warn_of_unbounded(&mut self, scene: &Scene) {
         let sources = scene.lighting.directed.iter();
         let sources = sources.map(|source| source.theta_deg.abs() + source.radius_deg.unwrap_or(0.0));

@@ -249,7 +249,8 @@ impl Resolver<'_> {
         Some(())
     }
 
-    /// Refuses windows whose areas are not those of the pixel; `file` is the place of the first rectangle of a sub-pixel in a file.
+    /// Refuses windows whose areas are not those of the pixel; `file` is the place of the first rectangle of
+    /// a sub-pixel in a file.
     fn check_areas(
         &mut self,
         windows: &[Window],

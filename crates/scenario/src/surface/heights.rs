@@ -16,10 +16,12 @@ use crate::read::Spanned;
 /// Most heights of a map in memory, which a server is given by anyone: their mirror images take 128 MiB.
 const MOST_HEIGHTS_IN_MEMORY: usize = 1 << 22;
 
-/// Root mean square slope from which a map is doubted: 63 deg. Prisms of 45 deg have 1, lenses up to their rims somewhat more.
+/// Root mean square slope from which a map is doubted: 63 deg. Prisms of 45 deg have 1, lenses up to their
+/// rims somewhat more.
 const DOUBTFUL_SLOPE: f64 = 2.0;
 
-/// Relative difference from which a stated distance of heights contradicts that of the file: more than rounding.
+/// Relative difference from which a stated distance of heights contradicts that of the file: more than
+/// rounding.
 const OTHER_DISTANCE: f64 = 0.01;
 
 impl SurfaceScenario {
@@ -134,7 +136,8 @@ fn in_um(
     }
 }
 
-/// A warning of slopes that no instrument measures. Differences across the edges, which a period has and a map may not, do not count.
+/// A warning of slopes that no instrument measures. Differences across the edges, which a period has and a
+/// map may not, do not count.
 fn doubt(heights: &HeightMap, file: &str) -> Option<String> {
     let slopes = heights.inner_slopes();
     let (axis, slope) = if slopes[0] >= slopes[1] { ("x", slopes[0]) } else { ("y", slopes[1]) };

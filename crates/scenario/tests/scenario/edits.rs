@@ -1,5 +1,5 @@
-//! Edits lose no comment, except those of a table or an item that they remove: each line of the shipped scenarios gets a comment that no
-//! other has, and each key every kind of edit.
+//! Edits lose no comment, except those of a table or an item that they remove: each line of the shipped
+//! scenarios gets a comment that no other has, and each key every kind of edit.
 
 use papilio_scenario::{Edit, edit};
 use papilio_testing::sized;

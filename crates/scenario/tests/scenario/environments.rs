@@ -215,7 +215,8 @@ fn region_over_the_whole_map_has_its_spectrum() {
     assert!((even(5.0) - 1.0).abs() < 1e-6 && (even(80.0) - 1.0).abs() < 1e-6);
 }
 
-/// Regions conserve luminance, so that the illuminance does not change; a pixel in two regions belongs to the first.
+/// Regions conserve luminance, so that the illuminance does not change; a pixel in two regions belongs to the
+/// first.
 #[test]
 fn regions_keep_the_luminance_and_have_their_edges() {
     let office = "model = \"map\"\nfile = \"data/synthetic-office.hdr\"\nshare = 0.5\n";
@@ -245,7 +246,8 @@ fn regions_keep_the_luminance_and_have_their_edges() {
     assert!(at(270.0) > 0.0 && at(180.0) == 0.0);
 }
 
-/// The illuminance of a map is computed in two independent ways: from cells, and from pixels and their projected solid angles.
+/// The illuminance of a map is computed in two independent ways: from cells, and from pixels and their
+/// projected solid angles.
 #[test]
 fn spectral_map_sets_the_illuminance() {
     let map = "model = \"map\"\nfile = \"data/synthetic-hall.exr\"\nshare = 0.5";

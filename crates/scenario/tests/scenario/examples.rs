@@ -49,7 +49,8 @@ fn indoor_scenario_has_the_reference_display() {
     assert_eq!(scene.display.panel().unwrap().front.len(), 1);
     let diffuser = scene.display.panel().unwrap().diffuser().unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("not a k-correlation lobe") };
-    // Truncated at the hemisphere, haze 0.78 is b = 0.05667; T from the total transmittance 0.90 by the truncation of that lobe.
+    // Truncated at the hemisphere, haze 0.78 is b = 0.05667; T from the total transmittance 0.90 by the
+    // truncation of that lobe.
     assert!((width - 0.05667).abs() < 5e-6);
     let share = 1.0 - width / width.hypot(1.0);
     assert!((diffuser.transmittance[40] - 0.9 / share).abs() < 1e-12);

@@ -86,7 +86,8 @@ TIS 0.7
 DataEnd
 ";
 
-/// A folder `scenarios` with the data of the shipped ones, but small measurements instead of theirs, beside the shipped surfaces.
+/// A folder `scenarios` with the data of the shipped ones, but small measurements instead of theirs, beside
+/// the shipped surfaces.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -168,8 +169,8 @@ fn mutated_scenarios_do_not_panic() {
     };
     assert_eq!(texts.iter().filter(|text| !resolves(text)).count(), 1);
     for text in &texts {
-        // Even a small measurement, or map of light, takes a hundredth of a second. Where there is time to mutate files of BSDFs for
-        // long, there is time for 25 times as many of these.
+        // Even a small measurement, or map of light, takes a hundredth of a second. Where there is time to
+        // mutate files of BSDFs for long, there is time for 25 times as many of these.
         let is_slow = [".bsdf\"", ".hdr\"", "surface = "].iter().any(|end| text.contains(end));
         let has_time = std::env::var_os("PAPILIO_FUZZ_SECONDS").is_some();
         let times = if is_slow { sized(2, 6) } else { sized(20, 60) } * if has_time { 25 } else { 1 };

@@ -72,7 +72,8 @@ fn layers_of_all_kinds_resolve() {
     assert_eq!(resolved.notes, [note, NO_REFLECTION]);
 }
 
-/// A Ward diffuser, in a panel and as a layer: T is the total transmittance over the total of the kernel at normal incidence.
+/// A Ward diffuser, in a panel and as a layer: T is the total transmittance over the total of the kernel at
+/// normal incidence.
 #[test]
 fn ward_diffuser_in_panel_and_layer_has_its_transmittance() {
     let lobe = "model = \"k-correlation\"\nhaze = 0.78";
@@ -327,7 +328,8 @@ const WRONG: &[Case] = &[
     ),
 ];
 
-/// Adding accepts any optical thickness, Monte Carlo at most 200. The error is at the thickness, or at the `--set` that causes it.
+/// Adding accepts any optical thickness, Monte Carlo at most 200. The error is at the thickness, or at the
+/// `--set` that causes it.
 #[test]
 fn thick_slab_is_refused_for_monte_carlo() {
     let thick = changed_in(LAYERED, &[("optical_thickness = 2", "optical_thickness = 1000")]);

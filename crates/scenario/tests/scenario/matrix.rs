@@ -318,7 +318,8 @@ fn lengths_of_a_panel_are_its_gaps_and_its_glass() {
     );
 }
 
-/// The lowest missing length is reported first; interfaces without a medium between them are at the same place.
+/// The lowest missing length is reported first; interfaces without a medium between them are at the same
+/// place.
 #[test]
 fn lengths_of_general_layers_are_those_of_their_media() {
     let mut sets: Vec<String> = Vec::new();
@@ -358,7 +359,8 @@ fn foil_over_an_air_gap_needs_the_gap() {
     assert!(errors.to_string().contains("add mounting = \"air\""), "{errors}");
 }
 
-/// A layout of `--set` replaces rectangles of the file, and says so; a bare face directly above a diffuser is noted, too.
+/// A layout of `--set` replaces rectangles of the file, and says so; a bare face directly above a diffuser is
+/// noted, too.
 #[test]
 fn what_has_no_effect_is_noted() {
     let rectangles =

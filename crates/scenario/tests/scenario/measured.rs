@@ -152,7 +152,8 @@ fn changes_of_the_data_are_noted() {
     assert!(resolved.warnings[0].contains("beyond 75 deg"), "{:?}", resolved.warnings);
 }
 
-/// A Lambertian foil that transmits 0.3 of the light, measured at these incidences and up to this inclination of the receiver.
+/// A Lambertian foil that transmits 0.3 of the light, measured at these incidences and up to this inclination
+/// of the receiver.
 fn film(incidences: &[u32], to_deg: u32) -> String {
     let mut rows = "way,theta_i,phi_i,theta_o,phi_o,value\n".to_owned();
     for theta_i in incidences {
@@ -177,7 +178,8 @@ fn told(film: &str, extrapolate: &str) -> [String; 2] {
     [of_film(&resolved.notes), of_film(&resolved.warnings)]
 }
 
-/// `hold` is the default, with a note; with `none`, light beyond the last incidence is lost. The note is also there if the key is written.
+/// `hold` is the default, with a note; with `none`, light beyond the last incidence is lost. The note is also
+/// there if the key is written.
 #[test]
 fn last_incidence_is_held_by_default() {
     let [single, two] = [&[0][..], &[0, 30]].map(|incidences| film(incidences, 90));
@@ -198,8 +200,8 @@ fn last_incidence_is_held_by_default() {
     assert!(notes.is_empty() && warnings.contains("beyond 30 deg"), "{notes}\n{warnings}");
 }
 
-/// Light beyond the last measured angle is lost, or extrapolated with a key; its fraction is reported in both cases. For a
-/// Lambertian foil measured up to 60 deg it is cos^2 60, a quarter.
+/// Light beyond the last measured angle is lost, or extrapolated with a key; its fraction is reported in both
+/// cases. For a Lambertian foil measured up to 60 deg it is cos^2 60, a quarter.
 #[test]
 fn light_beyond_the_last_measured_angle_is_reported() {
     let film = film(&[0, 30], 60);
@@ -213,7 +215,8 @@ fn light_beyond_the_last_measured_angle_is_reported() {
     assert!((share - 25.0).abs() < 4.0, "{warnings}");
 }
 
-/// A BTDF that states no side of the light is of the side that `part` names: from the back it needs `flipped`.
+/// A BTDF that states no side of the light is of the side that `part` names: from the back it needs
+/// `flipped`.
 #[test]
 fn part_of_a_btdf_is_the_side_of_the_light() {
     let folder = tempfile::tempdir().unwrap();
@@ -233,7 +236,8 @@ fn part_of_a_btdf_is_the_side_of_the_light() {
     assert!(brdf.contains("no front transmission, which `part` names"), "{brdf}");
 }
 
-/// The level of a scan in relative units: the key that sets it, keys that do not, a faint film, and TIS in per cent.
+/// The level of a scan in relative units: the key that sets it, keys that do not, a faint film, and TIS in
+/// per cent.
 #[test]
 fn level_of_relative_values_has_one_key() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! No light is computed while a scenario is read: what takes time is prepared with the scene, with progress and Ctrl-C.
+//! No light is computed while a scenario is read: what takes time is prepared with the scene, with progress
+//! and Ctrl-C.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -108,7 +108,8 @@ metric = "METRIC"
 aim = "minimise"
 "#;
 
-/// The content of a picture belongs to a search that looks at it, and to its designs: a changed file is read again.
+/// The content of a picture belongs to a search that looks at it, and to its designs: a changed file is read
+/// again.
 #[test]
 fn a_changed_picture_is_another_search() {
     let folder = tempfile::tempdir().unwrap();

@@ -53,7 +53,8 @@ fn file(measurement: &Measurement) -> Vec<u8> {
     bytes
 }
 
-/// The shipped files equal those of this program. Files that differ are written to the temporary folder of the tests.
+/// The shipped files equal those of this program. Files that differ are written to the temporary folder of
+/// the tests.
 #[test]
 fn shipped_papers_equal_those_of_the_virtual_instrument() {
     let mut other = Vec::new();

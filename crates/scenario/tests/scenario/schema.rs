@@ -107,7 +107,8 @@ fn all_keys_have_descriptions() {
     assert!(seen > 50, "{seen}");
 }
 
-/// docs/scenario.md is the page of every key: its tables are made of the grammar. `cargo xtask docs` writes them.
+/// docs/scenario.md is the page of every key: its tables are made of the grammar. `cargo xtask docs` writes
+/// them.
 #[test]
 fn tables_of_keys_in_the_docs_are_those_of_the_grammar() {
     let path = shipped().join("../docs/scenario.md");

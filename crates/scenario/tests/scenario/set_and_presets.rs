@@ -185,7 +185,8 @@ fn presets_fill_lighting_and_viewer_and_keys_override_them() {
     assert_eq!(errors.iter().next().unwrap().place.line_column(), Some((7, 11)));
 }
 
-/// K-correlation lobe truncated at the hemisphere: T = TIS/(1 - b/sqrt(1 + b^2)); with a regular fraction only the rest is truncated.
+/// K-correlation lobe truncated at the hemisphere: T = TIS/(1 - b/sqrt(1 + b^2)); with a regular fraction
+/// only the rest is truncated.
 #[test]
 fn transmittances_of_a_diffuser_are_consistent() {
     let diffuser = |sets: &[&str]| {

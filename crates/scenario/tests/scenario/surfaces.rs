@@ -1,4 +1,5 @@
-//! Files of surfaces: the shipped ones resolve, maps of heights are read, and mistakes are named with their places.
+//! Files of surfaces: the shipped ones resolve, maps of heights are read, and mistakes are named with their
+//! places.
 
 use std::path::Path;
 
@@ -62,7 +63,8 @@ fn mistakes_have_their_places() {
     }
 }
 
-/// Mirrors, metals of the catalogue and of numbers, and films; what cannot be a coating is named with its place.
+/// Mirrors, metals of the catalogue and of numbers, and films; what cannot be a coating is named with its
+/// place.
 #[test]
 fn coatings_are_resolved() {
     let coating = |keys: &str| {
@@ -168,7 +170,8 @@ fn meshes_and_volumes_are_resolved() {
 fn maps_of_heights_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
-    // A plane of slope 1/2 and -1/4 per um along x and y with one bump: rows of a text begin at the top, profiles of ISO 25178-71 at the bottom.
+    // A plane of slope 1/2 and -1/4 per um along x and y with one bump: rows of a text begin at the top,
+    // profiles of ISO 25178-71 at the bottom.
     write("rows.csv", b"# um\n1.0 1.5 2.0\n0.75 4.25 1.75\n0.5 1.0 1.5\n");
     let sdf = "aISO-1.0\nManufacID = X\nNumPoints = 3\nNumProfiles = 3\nXscale = 1e-6\nYscale = 1e-6\nZscale = 1e-9\n*\n\
         500 1000 1500 750 4250 1750 1000 1500 2000\n*\n";
@@ -235,7 +238,8 @@ fn maps_of_heights_are_read() {
     }
 }
 
-/// A spike that would cost hours is refused before, and slopes that no instrument measures are doubted; so is a distance that contradicts the file.
+/// A spike that would cost hours is refused before, and slopes that no instrument measures are doubted; so is
+/// a distance that contradicts the file.
 #[test]
 fn implausible_heights_are_refused_or_doubted() {
     let folder = tempfile::tempdir().unwrap();
@@ -259,8 +263,9 @@ fn implausible_heights_are_refused_or_doubted() {
     let refused = wrong(&text("spike.csv", "pixel_um = 1\n"), folder.path());
     assert!(refused.contains("s.toml:3:8") && refused.contains("1000000 times the distance"), "{refused}");
     assert!(refused.contains("a spike?"), "{refused}");
-    // 39.99 um up and down again along y, on a grid of 1 um: two of 56 slopes. The mean plane, which is taken off, rises along y by the spike's
-    // moment about the middle of the 8 rows, half a row, over that of all heights, 8 x 42.
+    // 39.99 um up and down again along y, on a grid of 1 um: two of 56 slopes. The mean plane, which is taken
+    // off, rises along y by the spike's moment about the middle of the 8 rows, half a row, over that of all
+    // heights, 8 x 42.
     let doubted = notes("steep.csv", "pixel_um = 1\n");
     let plane = 0.5 * 39.99 / (8.0 * 42.0);
     let slope = (2.0_f64 * 39.99 * 39.99 / 56.0 + plane * plane).sqrt();
@@ -349,7 +354,8 @@ fn faces_are_layers_between_known_media() {
     }
 }
 
-/// A display may have several faces with Gaussian heights: none of them is the antiglare face then; a single one is.
+/// A display may have several faces with Gaussian heights: none of them is the antiglare face then; a single
+/// one is.
 #[test]
 fn several_gaussian_faces_are_no_antiglare_face() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../surfaces");

@@ -1,5 +1,6 @@
-//! `[[display.front]]`, `[display.diffuser]` and `[display.glass]` are a short form of `[[display.layers]]`: every example, written in
-//! both forms by the rule of docs/layers.md, is one scene, and its results have the same bits.
+//! `[[display.front]]`, `[display.diffuser]` and `[display.glass]` are a short form of `[[display.layers]]`:
+//! every example, written in both forms by the rule of docs/layers.md, is one scene, and its results have the
+//! same bits.
 
 use std::fs;
 use std::sync::atomic::AtomicBool;
@@ -118,8 +119,8 @@ fn panels_are_recognised_among_layers() {
         (&[lobe], true),
         (&[sheet, sheet, lobe, glass], true),
         (&[sheet, air, sheet, air, bare, glass], true),
-        // A second sheet of air, glass in two sheets, a component in glass, a lobe on the pixel, a component alone, an absorbing
-        // glass, a coating.
+        // A second sheet of air, glass in two sheets, a component in glass, a lobe on the pixel, a component
+        // alone, an absorbing glass, a coating.
         (&[sheet, air, air, bare, glass], false),
         (&[lobe, glass, glass], false),
         (&[bare, glass, sheet], false),

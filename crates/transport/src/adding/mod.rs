@@ -59,8 +59,8 @@ pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
 /// Returns the factor by which the difference between two levels must be multiplied to bound the error of
 /// the finer one. Refracted light of a rough interface ends abruptly in direction, and its error decreases
 /// by as little as a factor of 1.3 per level (the sum of the remaining differences is then up to 4 times the
-/// last). So does, irregularly, light that a front sends back through a lobe too narrow for a grid. All others
-/// gain 2 or far more.
+/// last). So does, irregularly, light that a front sends back through a lobe too narrow for a grid. All
+/// others gain 2 or far more.
 pub fn error_over_difference(stack: &Stack, sources: &[Source]) -> f64 {
     match stack.panel() {
         None => stack.elements().map(|(kind, _)| kind.error_over_difference()).fold(1.0, f64::max),
@@ -100,15 +100,15 @@ impl Kernel {
         Self { level: f64::from(level), ledger: true, kind: Kind::Empty, together: Arc::default() }
     }
 
-    /// Returns an empty kernel of a first answer: number 0 is coarser than number 1, and both are coarser than
-    /// level 0. They take a fraction of the work of levels 0 and 1, for an error of some per cent.
+    /// Returns an empty kernel of a first answer: number 0 is coarser than number 1, and both are coarser
+    /// than level 0. They take a fraction of the work of levels 0 and 1, for an error of some per cent.
     pub fn first(number: u32) -> Self {
         let coarser = f64::from(FIRST_LEVELS.saturating_sub(number));
         Self { level: -FIRST_STEP * coarser, ..Self::new(0) }
     }
 
-    /// Returns an empty kernel of the same level that computes the light of the views alone: their ledgers are zero.
-    /// Between general layers many views then take hardly more time than one.
+    /// Returns an empty kernel of the same level that computes the light of the views alone: their ledgers
+    /// are zero. Between general layers many views then take hardly more time than one.
     pub fn without_ledger(self) -> Self {
         Self { ledger: false, kind: Kind::Empty, ..self }
     }
@@ -267,9 +267,9 @@ impl Kernel {
         }
     }
 
-    /// Returns what a view sees as a function of few sums over the base's table, for each index of a dispersive medium:
-    /// its light is the sum over them. `None` where [`pull_back`](Self::pull_back) returns none, and where recycled light
-    /// depends on the reflectance at single angles.
+    /// Returns what a view sees as a function of few sums over the base's table, for each index of a
+    /// dispersive medium: its light is the sum over them. `None` where [`pull_back`](Self::pull_back) returns
+    /// none, and where recycled light depends on the reflectance at single angles.
     pub fn view_sums(&self, stack: &Stack, view: usize) -> Option<Vec<ViewSums>> {
         match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => kernel.view_sums(panel, view),

@@ -89,7 +89,8 @@ impl<'a> TableSums<'a> {
         self.of_states.len() / self.count.max(1)
     }
 
-    /// Adds to the gradient of a number with this derivative by each sum of each state, `[sum][state][wavelength]`.
+    /// Adds to the gradient of a number with this derivative by each sum of each state,
+    /// `[sum][state][wavelength]`.
     pub(super) fn pull_back(&self, by_sums: &[f64], gradient: &mut TableGradient) {
         let bins = self.values.common.len();
         let basis = self.of_basis.len() / (self.count * bins).max(1);

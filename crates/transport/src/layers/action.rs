@@ -1,4 +1,5 @@
-//! What a layer does to light at the nodes of *adding*, as numbers of scatterers, and how narrow its scattering is.
+//! What a layer does to light at the nodes of *adding*, as numbers of scatterers, and how narrow its
+//! scattering is.
 
 use papilio_optics::lobe::{BalancedLobe, Lobe};
 use papilio_optics::rough::Rough;
@@ -15,12 +16,13 @@ pub(crate) enum Action {
     Whole { number: usize },
     /// As `Whole`; this fraction of the absorption is absorption besides the scattering.
     Slab { number: usize, absorbing_share: f64 },
-    /// Sums of kernels, each with a factor, besides the regular part: transmission from above, reflection from above,
-    /// reflection from below.
+    /// Sums of kernels, each with a factor, besides the regular part: transmission from above, reflection
+    /// from above, reflection from below.
     Kernels([Vec<(usize, f64)>; 3]),
 }
 
-/// Context in which a layer determines its [`Action`] at one wavelength: it registers its scatterers, which get numbers.
+/// Context in which a layer determines its [`Action`] at one wavelength: it registers its scatterers, which
+/// get numbers.
 pub(crate) trait Preparation<'a> {
     /// Number of the wavelength.
     fn bin(&self) -> usize;
@@ -31,8 +33,8 @@ pub(crate) trait Preparation<'a> {
     /// The number of a lobe that transmits everything.
     fn lobe(&mut self, lobe: Lobe) -> usize;
 
-    /// The number of a lobe that reflects everything, of light from above (0) or from below (1): within the disc of the
-    /// medium there.
+    /// The number of a lobe that reflects everything, of light from above (0) or from below (1): within the
+    /// disc of the medium there.
     fn reflected_lobe(&mut self, lobe: Lobe, side: usize) -> usize;
 
     /// The number of a balanced lobe.

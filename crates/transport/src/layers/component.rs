@@ -1,5 +1,5 @@
-//! A front-of-screen component in a medium: it reflects and absorbs these fractions at every angle, the same from
-//! both sides. The media have the same index.
+//! A front-of-screen component in a medium: it reflects and absorbs these fractions at every angle, the same
+//! from both sides. The media have the same index.
 
 use papilio_spectra::Spectrum;
 

@@ -1,4 +1,5 @@
-//! A diffuser given by its BTDF, including its surfaces. It reflects nothing (see [`reflecting`](super::reflecting)).
+//! A diffuser given by its BTDF, including its surfaces. It reflects nothing (see
+//! [`reflecting`](super::reflecting)).
 //!
 //! Light that its lobe scatters beyond the index of the medium, above (1 in air) or below, is absorbed.
 

@@ -115,7 +115,8 @@ pub(crate) trait LayerKind: Debug + Sync {
         false
     }
 
-    /// [`regular`](Self::regular) and [`scattered`](Self::scattered) at every wavelength, between these media.
+    /// [`regular`](Self::regular) and [`scattered`](Self::scattered) at every wavelength, between these
+    /// media.
     fn parts(&self, media: [&Medium; 2], beta_squared: f64, out: &mut [Part]) {
         let at = |bin| Incidence::between(media, bin, beta_squared);
         let part = |at: &Incidence| Part { flat: self.regular(at), scattered: self.scattered(at) };
@@ -230,20 +231,22 @@ pub(crate) trait ScatteringInterface: Debug + Sync {
     /// A sampled direction; `None` if the light is absorbed.
     fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)>;
 
-    /// A sampled direction on each of two sides, `None` if the light is absorbed, with a probability. Its mean over the random
-    /// numbers is the probability that [`sample`](Self::sample) leaves to that side. `None` if light leaves to one side only.
+    /// A sampled direction on each of two sides, `None` if the light is absorbed, with a probability. Its
+    /// mean over the random numbers is the probability that [`sample`](Self::sample) leaves to that side.
+    /// `None` if light leaves to one side only.
     fn sample_sides(&self, _: Arrival, _: [f64; 4]) -> Option<Sides> {
         None
     }
 
     /// The density at a wavelength at which the medium of departure has this index, over that of
-    /// [`scatter`](Self::scatter), in directions that the medium has; given the largest index of that medium, and this
-    /// one. The mean over samples is 1.
+    /// [`scatter`](Self::scatter), in directions that the medium has; given the largest index of that medium,
+    /// and this one. The mean over samples is 1.
     fn spread(&self, _channel: Channel, _going: Propagation, [_largest, _index]: [f64; 2]) -> f64 {
         1.0
     }
 
-    /// The density at each wavelength over that of [`scatter`](Self::scatter). Not for channels that leave to both sides.
+    /// The density at each wavelength over that of [`scatter`](Self::scatter). Not for channels that leave to
+    /// both sides.
     fn colours(&self, _from: Arrival, _to: Beta) -> Colours {
         Colours::default()
     }

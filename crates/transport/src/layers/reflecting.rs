@@ -1,13 +1,14 @@
 //! A diffuser with a reflection that is described by lobes, besides its transmission.
 //!
-//! **Model.** Light that arrives in a direction `beta_i` (of propagation) is reflected with the density `R (1 - m)
-//! L(beta_o - beta_i)` over direction cosines, and `R m` of it keeps its direction: the mirror image. R is the
-//! reflectance of the whole lobe, m its regular fraction. Light that the lobe sends beyond the disc `|beta| < n` of the
-//! medium it came from is absorbed.
+//! **Model.** Light that arrives in a direction `beta_i` (of propagation) is reflected with the density
+//! `R (1 - m) L(beta_o - beta_i)` over direction cosines, and `R m` of it keeps its direction: the mirror
+//! image. R is the reflectance of the whole lobe, m its regular fraction. Light that the lobe sends beyond
+//! the disc `|beta| < n` of the medium it came from is absorbed.
 //!
-//! **Lobes in a medium of index n.** The k-correlation lobe is the same function of `beta_o - beta_i` in every medium.
-//! The Lambertian lobe has the same basic radiance in every direction of the medium: `1/(pi n^2)` within its disc. Ward's
-//! lobe connects direction cosines over n, as the same slopes do; the index must be constant.
+//! **Lobes in a medium of index n.** The k-correlation lobe is the same function of `beta_o - beta_i` in
+//! every medium. The Lambertian lobe has the same basic radiance in every direction of the medium:
+//! `1/(pi n^2)` within its disc. Ward's lobe connects direction cosines over n, as the same slopes do; the
+//! index must be constant.
 
 use papilio_optics::lobe::Lobe;
 use papilio_optics::scatter::Scatter;
@@ -45,8 +46,8 @@ pub struct LobeReflection {
 }
 
 impl LobeReflection {
-    /// Builds a reflection of this reflectance, 0 to 1, for the whole lobe including its regular part; `mirror` is the
-    /// regular fraction of it.
+    /// Builds a reflection of this reflectance, 0 to 1, for the whole lobe including its regular part;
+    /// `mirror` is the regular fraction of it.
     pub fn new(lobe: ReflectedLobe, reflectance: &Spectrum, mirror: f64) -> Self {
         Self {
             lobe,
@@ -76,8 +77,8 @@ impl LobeReflection {
         &self.mirrored
     }
 
-    /// Returns the fraction of the scattered part that the whole lobe has, for light with this `|beta|` in a medium of
-    /// index `n`.
+    /// Returns the fraction of the scattered part that the whole lobe has, for light with this `|beta|` in a
+    /// medium of index `n`.
     fn whole(&self, length: f64, n: f64) -> f64 {
         match &self.lobe {
             ReflectedLobe::Lobe(_) => 1.0,
@@ -148,8 +149,8 @@ fn over(beta: Beta, n: f64) -> Beta {
     Beta { x: beta.x / n, y: beta.y / n }
 }
 
-/// A diffuser that reflects light from above and from below by described lobes, and transmits light as another diffuser,
-/// which does not reflect.
+/// A diffuser that reflects light from above and from below by described lobes, and transmits light as
+/// another diffuser, which does not reflect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReflectingDiffuser {
     /// The transmission.
@@ -183,9 +184,9 @@ impl ReflectingDiffuser {
         &self.sides
     }
 
-    /// Returns the largest fraction of light that it transmits and reflects between media of these indices, over all
-    /// wavelengths and incidences, with the incidence: its `|beta|`, and whether the light comes from below. Light that a
-    /// lobe sends beyond the disc of a medium does not count: it is absorbed.
+    /// Returns the largest fraction of light that it transmits and reflects between media of these indices,
+    /// over all wavelengths and incidences, with the incidence: its `|beta|`, and whether the light comes
+    /// from below. Light that a lobe sends beyond the disc of a medium does not count: it is absorbed.
     pub fn largest_total(&self, above: &Spectrum, below: &Spectrum) -> (f64, f64, bool) {
         const STEPS: usize = 90;
         let mut largest = (0.0, 0.0, false);
@@ -193,7 +194,8 @@ impl ReflectingDiffuser {
             let indices = [above[bin], below[bin]];
             for (side, index) in indices.into_iter().enumerate() {
                 for step in 0..STEPS {
-                    // Uniform in angle, to 89 deg: at the horizon itself, formulas such as that of Ward (1992) diverge.
+                    // Uniform in angle, to 89 deg: at the horizon itself, formulas such as that of Ward
+                    // (1992) diverge.
                     let beta = index * (0.5 * PI * step as f64 / STEPS as f64).sin();
                     let total = self.total(bin, indices, side, beta);
                     if total > largest.0 {

@@ -73,8 +73,8 @@ impl ScatterFace {
         Self { straight, transmission: None, reflection: [None, None], disc: None, regular: None }
     }
 
-    /// The face of a surface between two media: kernels of light from above that is transmitted, of light that is reflected above and
-    /// below, and its regular light. All are the same at all `bins` wavelengths.
+    /// The face of a surface between two media: kernels of light from above that is transmitted, of light
+    /// that is reflected above and below, and its regular light. All are the same at all `bins` wavelengths.
     pub fn of_surface(
         through: Scatter,
         reflection: [Scatter; 2],

@@ -1,12 +1,15 @@
-//! A face with small heights, by waves: light that keeps its direction, and lobes whose widths depend on the wavelength.
+//! A face with small heights, by waves: light that keeps its direction, and lobes whose widths depend on the
+//! wavelength.
 //!
-//! **Model.** The face transmits and reflects what a flat one does (Fresnel, unpolarised). Of each of the three kinds of light (transmitted, reflected
-//! above, reflected below) a fraction of its own for each wavelength keeps its direction, and the rest is scattered by a mixture of
-//! [balanced lobes](BalancedLobe): the same lobes at all wavelengths, in proportions that depend on the wavelength. No light is lost, and both
-//! ways are the same.
+//! **Model.** The face transmits and reflects what a flat one does (Fresnel, unpolarised). Of each of the
+//! three kinds of light (transmitted, reflected above, reflected below) a fraction of its own for each
+//! wavelength keeps its direction, and the rest is scattered by a mixture of [balanced lobes](BalancedLobe):
+//! the same lobes at all wavelengths, in proportions that depend on the wavelength. No light is lost, and
+//! both ways are the same.
 //!
-//! **Limits.** The fractions are those along the normal. Transmission is scattered among the directions that both media have: light beyond the
-//! limit of total reflection leaves only after the face has reflected it within the limit.
+//! **Limits.** The fractions are those along the normal. Transmission is scattered among the directions that
+//! both media have: light beyond the limit of total reflection leaves only after the face has reflected it
+//! within the limit.
 
 use papilio_optics::Beta;
 use papilio_optics::lobe::BalancedLobe;
@@ -34,7 +37,8 @@ pub struct WaveLight {
 }
 
 impl WaveLight {
-    /// Light with these lobes, each with its fraction per wavelength; what they leave keeps its direction. All lobes scatter the same light.
+    /// Light with these lobes, each with its fraction per wavelength; what they leave keeps its direction.
+    /// All lobes scatter the same light.
     pub fn new(lobes: Vec<(BalancedLobe, Spectrum)>, bins: usize) -> Self {
         let (lobes, fractions): (Vec<_>, Vec<Spectrum>) = lobes.into_iter().unzip();
         let scattered: Vec<f64> = (0..bins).map(|bin| fractions.iter().map(|one| one[bin]).sum()).collect();
@@ -59,7 +63,8 @@ impl WaveLight {
         self.lobes.iter().map(move |lobe| lobe.evaluate(from, to))
     }
 
-    /// Density with which a direction is sampled: of each lobe, within the distance to the far end of the disc.
+    /// Density with which a direction is sampled: of each lobe, within the distance to the far end of the
+    /// disc.
     fn chance(&self, from: Beta, to: Beta) -> f64 {
         let squared = (to - from).squared();
         let lobes = self.lobes.iter().zip(&self.chances);

@@ -449,8 +449,8 @@ fn arc(cone: &Cone, angle: f64, turn: f64, half: f64, count: usize, weight: f64,
 mod tests {
     use super::*;
 
-    /// The light of cells, its centre and its extent equal those of many directions of a spiral, in air and in a
-    /// medium; the view may contain the normal, the horizon, or lie within a cell.
+    /// The light of cells, its centre and its extent equal those of many directions of a spiral, in air and
+    /// in a medium; the view may contain the normal, the horizon, or lie within a cell.
     #[test]
     fn cells_in_view_have_the_moments_of_a_spiral() {
         let radiance: Vec<f64> = (0..18 * 24).map(|k| ((k * k * 7919 + k) % 101) as f64).collect();

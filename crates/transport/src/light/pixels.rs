@@ -1,9 +1,10 @@
-//! Pixels of a sphere: radiances of a picture in equirectangular projection, in any orientation to the display.
+//! Pixels of a sphere: radiances of a picture in equirectangular projection, in any orientation to the
+//! display.
 //!
 //! # Model
-//! The picture has a frame of its own: rows are uniformly spaced in inclination from its pole, columns in azimuth about it. The
-//! radiance is uniform within a pixel. A direction of the display is rotated into that frame and looked up there, so that no
-//! orientation smooths the picture.
+//! The picture has a frame of its own: rows are uniformly spaced in inclination from its pole, columns in
+//! azimuth about it. The radiance is uniform within a pixel. A direction of the display is rotated into that
+//! frame and looked up there, so that no orientation smooths the picture.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -15,9 +16,11 @@ use crate::numerics::quadrature::gauss;
 pub struct Pixels {
     /// Number of columns.
     pub columns: usize,
-    /// Radiances by rows from the pole; column k contains the azimuths from k to k + 1 of `columns` parts of the circle.
+    /// Radiances by rows from the pole; column k contains the azimuths from k to k + 1 of `columns` parts of
+    /// the circle.
     pub radiance: Arc<[f32]>,
-    /// Axes of the picture (azimuth 0, azimuth 90 deg, pole) as unit vectors of the display, whose normal is z.
+    /// Axes of the picture (azimuth 0, azimuth 90 deg, pole) as unit vectors of the display, whose normal is
+    /// z.
     pub frame: [[f64; 3]; 3],
 }
 
@@ -40,9 +43,9 @@ impl Pixels {
         f64::from(self.radiance[row.min(rows - 1) * columns + column.min(columns - 1)])
     }
 
-    /// Returns the integrals over the hemisphere above the display: of the radiance by direction cosines (the irradiance of the
-    /// display plane), and by solid angle. Pixels above the horizon have closed forms; of those that it divides, the part above
-    /// it is integrated.
+    /// Returns the integrals over the hemisphere above the display: of the radiance by direction cosines (the
+    /// irradiance of the display plane), and by solid angle. Pixels above the horizon have closed forms; of
+    /// those that it divides, the part above it is integrated.
     pub fn light(&self) -> [f64; 2] {
         let normal = self.frame.map(|axis| axis[2]);
         let (rows, columns) = (self.rows(), self.columns);
@@ -80,8 +83,8 @@ impl Pixels {
         sums
     }
 
-    /// Returns the rows at inclinations from one to another, radians: the inclinations between which each lies, and its radiances;
-    /// from the opposite pole if `flipped`, with azimuths in the opposite sense.
+    /// Returns the rows at inclinations from one to another, radians: the inclinations between which each
+    /// lies, and its radiances; from the opposite pole if `flipped`, with azimuths in the opposite sense.
     pub(crate) fn rows_within(&self, [from, to]: [f64; 2], flipped: bool) -> Vec<([f64; 2], Vec<f64>)> {
         let rows = self.rows();
         let high = PI / rows as f64;

@@ -4,9 +4,9 @@
 //! view's mirror direction. A field is rough, down to its cells. Therefore the response of the view is
 //! interpolated (product integration): over inclination by polynomials on panels graded around the peaks,
 //! over azimuth by trigonometric polynomials. The weights of their nodes are integrals of the field: exact
-//! ones for cells (also those that represent pixels); for a formula, by rules that take into account where it is not smooth ([`Formula`]). The
-//! number of directions is that of the smooth response, however many cells there are; weights may be
-//! negative.
+//! ones for cells (also those that represent pixels); for a formula, by rules that take into account where it
+//! is not smooth ([`Formula`]). The number of directions is that of the smooth response, however many cells
+//! there are; weights may be negative.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -33,8 +33,8 @@ pub(crate) fn i0_i1(x: f64) -> [f64; 2] {
     sums.map(|sum| sum / f64::from(count))
 }
 
-/// Spherical Bessel functions `j_l(x)` of the orders l = 0, 1, ..., for x >= 0: upwards from j_0 and j_1 where that is
-/// stable, else downwards (Miller).
+/// Spherical Bessel functions `j_l(x)` of the orders l = 0, 1, ..., for x >= 0: upwards from j_0 and j_1
+/// where that is stable, else downwards (Miller).
 pub(crate) fn spherical(x: f64, out: &mut [f64]) {
     let count = out.len();
     if x < SMALL {
@@ -77,8 +77,8 @@ pub(crate) fn spherical(x: f64, out: &mut [f64]) {
 /// Arguments below which three terms of the power series are used.
 const SMALL: f64 = 0.02;
 
-/// The modified Bessel function `K_v(x) = integral of exp(-x cosh t) cosh(v t) dt` over t > 0, with the last factor given as
-/// a function of t and cosh(t). The trapezoidal rule converges exponentially (DLMF 10.32.9).
+/// The modified Bessel function `K_v(x) = integral of exp(-x cosh t) cosh(v t) dt` over t > 0, with the last
+/// factor given as a function of t and cosh(t). The trapezoidal rule converges exponentially (DLMF 10.32.9).
 fn modified(x: f64, last: impl Fn(f64, f64) -> f64) -> f64 {
     const STEP: f64 = 1.0 / 16.0;
     let mut sum = 0.5 * (-x).exp() * last(0.0, 1.0);
@@ -98,7 +98,8 @@ fn modified(x: f64, last: impl Fn(f64, f64) -> f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Abramowitz and Stegun, table 10.1, and the closed forms of the lowest orders; every way of computing them.
+    /// Abramowitz and Stegun, table 10.1, and the closed forms of the lowest orders; every way of computing
+    /// them.
     #[test]
     fn spherical_bessel_functions_have_tabulated_values() {
         let at = |x: f64, count: usize| {
@@ -118,7 +119,8 @@ mod tests {
         assert_eq!(at(0.0, 3), [1.0, 0.0, 0.0]);
     }
 
-    /// Abramowitz and Stegun, tables 9.8 and 9.9: K1(1) = 0.6019072302, K2(1) = 1.6248388986; and small and large arguments.
+    /// Abramowitz and Stegun, tables 9.8 and 9.9: K1(1) = 0.6019072302, K2(1) = 1.6248388986; and small and
+    /// large arguments.
     #[test]
     fn modified_bessel_functions_have_tabulated_values() {
         assert!((x_k1(1.0) - 0.601_907_230_2).abs() < 1e-10);

@@ -1,11 +1,14 @@
-//! Kernels of a picture's pixels: cells that are small where the light is, and few shapes that represent many kernels.
+//! Kernels of a picture's pixels: cells that are small where the light is, and few shapes that represent many
+//! kernels.
 //!
-//! **Cells.** A kernel is narrow at the view's own ray and at the mirrored rays of lamps, and smooth elsewhere. Squares of 3^k pixels about
-//! the pixel that is seen are divided into nine until they are smaller than a fraction of their distance from the nearest peak. Each square
-//! holds its light exactly; within it, the light is uniform.
+//! **Cells.** A kernel is narrow at the view's own ray and at the mirrored rays of lamps, and smooth
+//! elsewhere. Squares of 3^k pixels about the pixel that is seen are divided into nine until they are smaller
+//! than a fraction of their distance from the nearest peak. Each square holds its light exactly; within it,
+//! the light is uniform.
 //!
-//! **Shapes.** Kernels of several states in X, Y and Z differ little in shape: each is a mixture of a few, found by
-//! pivoted Gram-Schmidt orthogonalisation, with the largest light that a mixture misses as its error.
+//! **Shapes.** Kernels of several states in X, Y and Z differ little in shape: each is a mixture of a few,
+//! found by pivoted Gram-Schmidt orthogonalisation, with the largest light that a mixture misses as its
+//! error.
 
 use super::Peak;
 
@@ -25,7 +28,8 @@ impl PixelSquare {
     /// The pixel that is seen.
     pub const OWN: Self = Self { first: [0; 2], side: 1 };
 
-    /// Divides all places within `reach_mm` of the pixel that is seen, and those nearby. `peaks` are relative to the middle of the pixel.
+    /// Divides all places within `reach_mm` of the pixel that is seen, and those nearby. `peaks` are relative
+    /// to the middle of the pixel.
     pub fn about(peaks: &[Peak], pitch_mm: [f64; 2], reach_mm: f64) -> Vec<Self> {
         let mut side = 1;
         while 0.5 * side as f64 * pitch_mm[0].min(pitch_mm[1]) < reach_mm {

@@ -1,8 +1,8 @@
 //! Closed forms of the spread of light, for tests, estimates and documentation.
 //!
-//! **k-correlation lobe** of width b over a mirror, seen through a clear medium (thickness d, index n), for small angles and
-//! without the edge of the hemisphere: the blur of one pass has the width `c = b d/n` in the plane of the panel.
-//! **Lambertian plane** that sends light through a plate.
+//! **k-correlation lobe** of width b over a mirror, seen through a clear medium (thickness d, index n), for
+//! small angles and without the edge of the hemisphere: the blur of one pass has the width `c = b d/n` in the
+//! plane of the panel. **Lambertian plane** that sends light through a plate.
 
 use std::f64::consts::PI;
 
@@ -13,13 +13,15 @@ pub fn lobe_in_diffuse_light(frequency_per_mm: f64, width_mm: f64) -> f64 {
     (-2.0 * PI * frequency_per_mm * width_mm).exp()
 }
 
-/// Modulation transfer of a k-correlation lobe that is seen in the mirror direction of a beam: `x^2 K_2(x)/2`, x = 2 pi f c.
+/// Modulation transfer of a k-correlation lobe that is seen in the mirror direction of a beam:
+/// `x^2 K_2(x)/2`, x = 2 pi f c.
 pub fn lobe_in_mirrored_beam(frequency_per_mm: f64, width_mm: f64) -> f64 {
     x2_k2_half(2.0 * PI * frequency_per_mm * width_mm)
 }
 
-/// Fraction of the light seen at a point, in diffuse light through a k-correlation lobe, that comes from a rectangle
-/// `[x0, x1] x [y0, y1]` (mm, relative to the point): the solid angle of the rectangle from a height c, over 2 pi.
+/// Fraction of the light seen at a point, in diffuse light through a k-correlation lobe, that comes from a
+/// rectangle `[x0, x1] x [y0, y1]` (mm, relative to the point): the solid angle of the rectangle from a
+/// height c, over 2 pi.
 pub fn lobe_from_rectangle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], width_mm: f64) -> f64 {
     let corner = |x: f64, y: f64| {
         let slant = (width_mm * width_mm + x * x + y * y).sqrt();
@@ -28,8 +30,8 @@ pub fn lobe_from_rectangle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], width_mm: f64
     corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0)
 }
 
-/// Integral over a rectangle `[x, y]` (mm) of the fraction of the light seen at its points, in diffuse light through a k-correlation
-/// lobe, that comes from another rectangle, mm^2. Exchanging the two changes nothing.
+/// Integral over a rectangle `[x, y]` (mm) of the fraction of the light seen at its points, in diffuse light
+/// through a k-correlation lobe, that comes from another rectangle, mm^2. Exchanging the two changes nothing.
 pub fn lobe_between_rectangles(seen: [[f64; 2]; 2], source: [[f64; 2]; 2], width_mm: f64) -> f64 {
     let c = width_mm;
     // Derived twice by x and by y, it is the lobe's spread.
@@ -48,34 +50,36 @@ pub fn lobe_between_rectangles(seen: [[f64; 2]; 2], source: [[f64; 2]; 2], width
     pairs.map(|((x, sign), (y, other))| sign * other * corner(x, y)).sum()
 }
 
-/// Fraction of the light that reaches a stripe from the hemisphere of the air, through an ideal antireflection face, that
-/// entered above the stripe itself: through the stripe of the same width at this height. The height is at most
-/// `sqrt(index^2 - 1)` widths, so that no light comes from beyond the next stripe.
+/// Fraction of the light that reaches a stripe from the hemisphere of the air, through an ideal
+/// antireflection face, that entered above the stripe itself: through the stripe of the same width at this
+/// height. The height is at most `sqrt(index^2 - 1)` widths, so that no light comes from beyond the next
+/// stripe.
 pub fn entrance_own_stripe(stripe_mm: f64, height_mm: f64, index: f64) -> f64 {
     let mean_shift = 2.0 / PI * (index * index * (1.0 / index).asin() - (index * index - 1.0).sqrt());
     1.0 - mean_shift * height_mm / stripe_mm
 }
 
-/// Mean over a stripe of this width of the fraction of light that comes from the stripe itself, in diffuse light through
-/// a k-correlation lobe.
+/// Mean over a stripe of this width of the fraction of light that comes from the stripe itself, in diffuse
+/// light through a k-correlation lobe.
 pub fn lobe_own_stripe(stripe_mm: f64, width_mm: f64) -> f64 {
     let ratio = stripe_mm / width_mm;
     2.0 / PI * (ratio.atan() - (ratio * ratio).ln_1p() / (2.0 * ratio))
 }
 
-/// Modulation transfer of a plate of this thickness between a Lambertian plane and one that collects all its light:
-/// `a K_1(a)`, a = 2 pi f d.
+/// Modulation transfer of a plate of this thickness between a Lambertian plane and one that collects all its
+/// light: `a K_1(a)`, a = 2 pi f d.
 pub fn plate(frequency_per_mm: f64, thickness_mm: f64) -> f64 {
     x_k1(2.0 * PI * frequency_per_mm * thickness_mm)
 }
 
-/// Edge profile of such a plate: the fraction of light at a distance x (mm) inside the edge of a lit half-plane.
+/// Edge profile of such a plate: the fraction of light at a distance x (mm) inside the edge of a lit
+/// half-plane.
 pub fn plate_edge(x_mm: f64, thickness_mm: f64) -> f64 {
     0.5 * (1.0 + x_mm / thickness_mm.hypot(x_mm))
 }
 
-/// View factor from a point to a rectangle `[x0, x1] x [y0, y1]` (mm, relative to its foot) in a parallel plane at a
-/// height of `height_mm`.
+/// View factor from a point to a rectangle `[x0, x1] x [y0, y1]` (mm, relative to its foot) in a parallel
+/// plane at a height of `height_mm`.
 pub fn plate_from_rectangle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], height_mm: f64) -> f64 {
     let corner = |x: f64, y: f64| {
         let (p, q) = (height_mm.hypot(x), height_mm.hypot(y));

@@ -1,11 +1,11 @@
 //! Light that a flat face returns to a Lambertian plane below it.
 //!
-//! **What.** Light that leaves the plane at an inclination theta in a medium of thickness d comes back at a distance of
-//! `2 d tan(theta)`, weakened by the reflectance F of the face (1 beyond the critical angle):
+//! **What.** Light that leaves the plane at an inclination theta in a medium of thickness d comes back at a
+//! distance of `2 d tan(theta)`, weakened by the reflectance F of the face (1 beyond the critical angle):
 //! `A(f) = 2 integral of F(theta) J_0(4 pi f d tan(theta)) sin(theta) cos(theta) dtheta`.
 //!
-//! If all light came back, the integral would be `a K_1(a)`, a = 4 pi f d. What the face lets through is subtracted: an
-//! integral up to the critical angle, in which the transmittance ends as a square root.
+//! If all light came back, the integral would be `a K_1(a)`, a = 4 pi f d. What the face lets through is
+//! subtracted: an integral up to the critical angle, in which the transmittance ends as a square root.
 //!
 //! **Intuition.** A(0) of bare glass is 0.596. Most of it is totally reflected, beyond a circle of radius
 //! `2 d tan(critical angle)`: A(f) is negative where that circle is half a period.
@@ -17,22 +17,26 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use crate::numerics::bessel::{j0, x_k1};
 use crate::numerics::quadrature::{Node, gauss};
 
-/// Width of a panel of the rule in radians of the phase `4 pi f d tan(theta)`: 16 points then integrate to 1e-14.
+/// Width of a panel of the rule in radians of the phase `4 pi f d tan(theta)`: 16 points then integrate to
+/// 1e-14.
 const PHASE_OF_PANEL: f64 = 8.0;
 const POINTS: usize = 16;
 
-/// Width of a panel of the table of what leaves, in radians of the phase at the critical angle, and the points on each.
+/// Width of a panel of the table of what leaves, in radians of the phase at the critical angle, and the
+/// points on each.
 const PHASE_OF_TABLE: f64 = 4.0;
 pub(super) const POINTS_OF_TABLE: usize = 16;
 
-/// Highest frequency times the thickness. Beyond, about 1e-6 of the light comes back from a bare face of glass, 1e-5 from one that reflects nothing
-/// within the critical angle.
+/// Highest frequency times the thickness. Beyond, about 1e-6 of the light comes back from a bare face of
+/// glass, 1e-5 from one that reflects nothing within the critical angle.
 const HIGHEST: f64 = 100.0;
 
-/// Highest phase `4 pi f d tan(theta)` at the critical angle: at low indices it is far away, and little comes back of high frequencies.
+/// Highest phase `4 pi f d tan(theta)` at the critical angle: at low indices it is far away, and little comes
+/// back of high frequencies.
 const MOST_PHASE: f64 = 2000.0;
 
-/// Largest phase of a panel, and its largest width over its distance to the place where the transmittance and the tangent are not analytic.
+/// Largest phase of a panel, and its largest width over its distance to the place where the transmittance and
+/// the tangent are not analytic.
 const MOST_PHASE_OF_PANEL: f64 = 16.0;
 const WIDEST_PANEL: f64 = 2.0;
 
@@ -59,8 +63,9 @@ pub struct FaceReturn {
 struct Table {
     /// Width of a panel.
     panel: f64,
-    /// Coefficients on each panel: of what leaves on the first, where `a K_1(a)` is not analytic, of A on all others. What leaves is
-    /// limited to the band of the critical angle, so that 16 points on a panel determine it to 1e-13.
+    /// Coefficients on each panel: of what leaves on the first, where `a K_1(a)` is not analytic, of A on all
+    /// others. What leaves is limited to the band of the critical angle, so that 16 points on a panel
+    /// determine it to 1e-13.
     coefficients: Vec<[f64; POINTS_OF_TABLE]>,
 }
 
@@ -68,7 +73,8 @@ impl FaceReturn {
     /// Prepares a face over a medium.
     ///
     /// - `transmittance`: of the face for light from below, 0 to 1, as a function of `|beta|` from 0 to 1.
-    /// - `most_per_mm`: the highest frequency at which light comes back, cycles per mm: none does at higher ones, nor above 100/thickness.
+    /// - `most_per_mm`: the highest frequency at which light comes back, cycles per mm: none does at higher
+    ///   ones, nor above 100/thickness.
     pub fn new(index: f64, thickness_mm: f64, most_per_mm: f64, transmittance: impl Fn(f64) -> f64) -> Self {
         if index <= 1.0 + NO_INDEX_STEP {
             let nothing = Vec::new();
@@ -107,8 +113,8 @@ impl FaceReturn {
         Self { thickness_mm, most, edge, leaving, table: None, is_open: false }
     }
 
-    /// Tabulates the return up to the highest frequency, for callers that ask many frequencies: a value then takes 16 terms
-    /// instead of an integral.
+    /// Tabulates the return up to the highest frequency, for callers that ask many frequencies: a value then
+    /// takes 16 terms instead of an integral.
     #[must_use]
     pub fn tabulated(mut self) -> Self {
         if self.is_open {
@@ -129,7 +135,8 @@ impl FaceReturn {
         self
     }
 
-    /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back, with its sign.
+    /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back,
+    /// with its sign.
     pub fn at(&self, frequency_per_mm: f64) -> f64 {
         if self.is_open {
             return 0.0;
@@ -187,15 +194,16 @@ pub(super) fn chebyshev_of(values: &[f64; POINTS_OF_TABLE]) -> [f64; POINTS_OF_T
     })
 }
 
-/// Light that passes the face, is returned to it by a front of screen above an air gap, and passes it again, by spatial
-/// frequency; of a front that reflects everything.
+/// Light that passes the face, is returned to it by a front of screen above an air gap, and passes it again,
+/// by spatial frequency; of a front that reflects everything.
 #[derive(Debug, Clone)]
 pub(super) struct FrontReturn {
     /// Way in the plane of the panel, mm, and weight.
     ways: Vec<[f64; 2]>,
 }
 
-/// Light beyond this way, in units of the thickness and the gap, is taken as not modulated at any frequency but 0.
+/// Light beyond this way, in units of the thickness and the gap, is taken as not modulated at any frequency
+/// but 0.
 const LONGEST_WAY: f64 = 30.0;
 
 impl FrontReturn {
@@ -236,7 +244,8 @@ impl FrontReturn {
         Self { ways: panels.map(node).collect() }
     }
 
-    /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back, with its sign.
+    /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back,
+    /// with its sign.
     pub(super) fn at(&self, frequency_per_mm: f64) -> f64 {
         let f = 2.0 * PI * frequency_per_mm.abs();
         self.ways.iter().map(|[way, weight]| weight * j0(f * way)).sum()
@@ -277,7 +286,8 @@ mod tests {
         }
     }
 
-    /// Air, nearly: the critical angle is at up to 89.7 deg, and the transmittance ends steeply there. The same integral by mpmath.
+    /// Air, nearly: the critical angle is at up to 89.7 deg, and the transmittance ends steeply there. The
+    /// same integral by mpmath.
     #[test]
     fn low_indices_return_known_fractions() {
         for (index, known) in [
@@ -306,8 +316,8 @@ mod tests {
         }
     }
 
-    /// Without transmittance everything comes back, as between two plates; with an ideal antireflection face, only what
-    /// is totally reflected.
+    /// Without transmittance everything comes back, as between two plates; with an ideal antireflection face,
+    /// only what is totally reflected.
     #[test]
     fn limits_of_the_face_have_closed_forms() {
         let mirror = FaceReturn::new(1.5, 1.0, 2.0, |_| 0.0);

@@ -1,10 +1,12 @@
-//! What a view sees of Lambertian pixels below general layers, and what these return to them, tabulated over the frequency.
+//! What a view sees of Lambertian pixels below general layers, and what these return to them, tabulated over
+//! the frequency.
 //!
-//! **What.** [`LayeredSpread::paper`] has the transform V of what is seen and the return A of the layers at one frequency. Both are smooth:
-//! Chebyshev polynomials on panels that widen with the frequency, up to where both have decreased. V has three parts: a sharp image, which
-//! does not depend on the frequency; light that layers scatter; and side images, which flat faces above each other add in an oblique
-//! view. Side images do not decrease: they are resolved up to a frequency of [`SIDE`] over the height of the layers. Beyond the tables
-//! scattered light decreases exponentially, as at their end.
+//! **What.** [`LayeredSpread::paper`] has the transform V of what is seen and the return A of the layers at
+//! one frequency. Both are smooth: Chebyshev polynomials on panels that widen with the frequency, up to where
+//! both have decreased. V has three parts: a sharp image, which does not depend on the frequency; light that
+//! layers scatter; and side images, which flat faces above each other add in an oblique view. Side images do
+//! not decrease: they are resolved up to a frequency of [`SIDE`] over the height of the layers. Beyond the
+//! tables scattered light decreases exponentially, as at their end.
 //!
 //! Along other azimuths V is a Fourier series through those of the table; A is the same along all.
 
@@ -29,14 +31,15 @@ const FAINTER: f64 = 0.2;
 /// Scattered light that a table may leave, as a fraction, if it decreases exponentially.
 const TAIL: f64 = 0.3;
 
-/// Frequency at which all tables end at level 0, times the height, and how much farther those of each further level reach: the time of a
-/// frequency increases with its square.
+/// Frequency at which all tables end at level 0, times the height, and how much farther those of each further
+/// level reach: the time of a frequency increases with its square.
 const HIGHEST: f64 = 20.0;
 
 /// Highest frequency of scattered light at which a table may end, times the height.
 const LEAST: f64 = 4.0;
 
-/// Highest frequency of side images, times the height, the width of the panels of their table, and the number of frequencies over which they are averaged.
+/// Highest frequency of side images, times the height, the width of the panels of their table, and the number
+/// of frequencies over which they are averaged.
 const SIDE: f64 = 32.0;
 const WIDTH_OF_SIDE: f64 = 1.0;
 const SAMPLES: usize = 1024;
@@ -77,7 +80,8 @@ struct Set {
 }
 
 impl LayeredPaper {
-    /// Tabulates the light of a view. `is_round`: the view is along the normal. `height_mm`: all layers together.
+    /// Tabulates the light of a view. `is_round`: the view is along the normal. `height_mm`: all layers
+    /// together.
     ///
     /// # Errors
     /// If scatterers return too much light to each other, or the computation was stopped.
@@ -134,7 +138,8 @@ impl LayeredPaper {
         self.groups[group].sets.iter().map(|(set, factor)| factor * self.sets[*set].sharp).sum()
     }
 
-    /// All other light at a frequency, cycles per mm, along the azimuths of the table: from 0 on, in equal steps over half a circle.
+    /// All other light at a frequency, cycles per mm, along the azimuths of the table: from 0 on, in equal
+    /// steps over half a circle.
     pub fn others(&self, group: usize, frequency_per_mm: f64) -> Vec<Complex64> {
         let mut sums = vec![Complex64::ZERO; self.azimuths];
         for (set, factor) in &self.groups[group].sets {
@@ -143,7 +148,8 @@ impl LayeredPaper {
         sums
     }
 
-    /// Fraction of the light that the layers scatter, and the frequency at which half of it is left; `None` without such light.
+    /// Fraction of the light that the layers scatter, and the frequency at which half of it is left; `None`
+    /// without such light.
     pub fn half_of_scattered_per_mm(&self) -> Option<f64> {
         let of_set = |set: &Set| {
             let [re, im] = set.scattered.first()?;
@@ -158,7 +164,8 @@ impl LayeredPaper {
     }
 }
 
-/// Value at an azimuth (radians) from those at equal steps over half a circle: those of the other half are conjugate.
+/// Value at an azimuth (radians) from those at equal steps over half a circle: those of the other half are
+/// conjugate.
 pub fn turned(values: &[Complex64], azimuth: f64) -> Complex64 {
     if let [only] = values {
         return *only;

@@ -1,7 +1,8 @@
 //! Arrangements of sub-pixels in a pixel, as windows with given areas.
 //!
-//! Areas are fractions of the active area; their sum is 1 (nearly: other sums are scaled). The active area is first divided
-//! without gaps; each part is then shrunk about its middle, so that the sub-pixel covers its area times the fill factor.
+//! Areas are fractions of the active area; their sum is 1 (nearly: other sums are scaled). The active area is
+//! first divided without gaps; each part is then shrunk about its middle, so that the sub-pixel covers its
+//! area times the fill factor.
 
 use super::{Rectangle, Window};
 
@@ -28,11 +29,12 @@ pub fn stripes(areas: &[f64], fill_factor: f64) -> Vec<Window> {
     areas.iter().map(stripe).collect()
 }
 
-/// Rows of cells, the first row at the top: each cell is a part of a sub-pixel (its number, from 0) with an area. The height of a
-/// row and the widths of its cells are such that every cell has its area. Shrinking reduces the width and the height of cells by the same factor.
+/// Rows of cells, the first row at the top: each cell is a part of a sub-pixel (its number, from 0) with an
+/// area. The height of a row and the widths of its cells are such that every cell has its area. Shrinking
+/// reduces the width and the height of cells by the same factor.
 ///
-/// A quad is two rows of two; a PenTile pixel is red and half of green over the other half of green and blue; a single
-/// sub-pixel is one row of one.
+/// A quad is two rows of two; a PenTile pixel is red and half of green over the other half of green and blue;
+/// a single sub-pixel is one row of one.
 pub fn rows(rows: &[Vec<(usize, f64)>], sub_pixels: usize, fill_factor: f64) -> Vec<Window> {
     let of_row = |row: &[(usize, f64)]| row.iter().map(|(_, area)| area).sum::<f64>();
     let sum: f64 = rows.iter().map(|row| of_row(row)).sum();

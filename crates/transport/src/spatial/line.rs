@@ -1,16 +1,19 @@
 //! Line and edge spread as polynomials, and their exact transforms.
 //!
-//! **What.** The light of all places with the same x, `L(x)`, is smooth between the features of a spread. On each panel of a graded rule
-//! it is the polynomial through the values at Gauss's nodes, a sum of Legendre polynomials `P_l`. Everything about one axis follows from
-//! the coefficients:
+//! **What.** The light of all places with the same x, `L(x)`, is smooth between the features of a spread. On
+//! each panel of a graded rule it is the polynomial through the values at Gauss's nodes, a sum of Legendre
+//! polynomials `P_l`. Everything about one axis follows from the coefficients:
 //!
 //! - the edge spread, from `integral of P_l = (P_(l+1) - P_(l-1))/(2l + 1)`;
-//! - the transform at any frequency, from `integral of P_l(t) exp(-i k t) dt = 2 (-i)^l j_l(k)`, with spherical Bessel functions `j_l`.
+//! - the transform at any frequency, from `integral of P_l(t) exp(-i k t) dt = 2 (-i)^l j_l(k)`, with
+//!   spherical Bessel functions `j_l`.
 //!
-//! **Intuition.** A transform by summing phases over directions must resolve the phase of the highest frequency, in two dimensions. Here
-//! no phase is resolved: panels follow the light alone, and a high frequency costs as little as a low one.
+//! **Intuition.** A transform by summing phases over directions must resolve the phase of the highest
+//! frequency, in two dimensions. Here no phase is resolved: panels follow the light alone, and a high
+//! frequency costs as little as a low one.
 //!
-//! **Source.** Bakhvalov and Vasil'eva, USSR Comput. Math. Math. Phys. 8, 241 (1968): Legendre expansions of oscillating integrals.
+//! **Source.** Bakhvalov and Vasil'eva, USSR Comput. Math. Math. Phys. 8, 241 (1968): Legendre expansions of
+//! oscillating integrals.
 
 use std::f64::consts::PI;
 
@@ -42,8 +45,8 @@ struct Piece {
 }
 
 impl LineSpread {
-    /// Integrates a spread along the other axis (axis 0: light by x). `reflectance` writes the reflectance of each state
-    /// at a `|beta|^2`.
+    /// Integrates a spread along the other axis (axis 0: light by x). `reflectance` writes the reflectance of
+    /// each state at a `|beta|^2`.
     pub fn new(
         points: &PointSpread<'_>,
         axis: usize,
@@ -79,7 +82,8 @@ impl LineSpread {
         Self { states, pieces, images: points.images().iter().map(image).collect() }
     }
 
-    /// Adds the transform `integral of L(x) exp(-2 pi i f x) dx` of each state at a frequency in cycles per mm.
+    /// Adds the transform `integral of L(x) exp(-2 pi i f x) dx` of each state at a frequency in cycles per
+    /// mm.
     pub fn add_transfer(&self, frequency_per_mm: f64, sums: &mut [Complex64]) {
         let wave = 2.0 * PI * frequency_per_mm;
         let mut bessel = [0.0; MOST_POINTS];

@@ -1,23 +1,25 @@
 //! Light and place: how far from where it entered light leaves again.
 //!
 //! A crossing of a medium (thickness d, index n) moves light that propagates with direction cosines beta by
-//! `D(beta) = d beta / sqrt(n^2 - |beta|^2)` in the plane of the panel ([`displacement`]). Layers are uniform,
-//! so that the response of the panel to a pattern is a convolution; its Fourier transform, at f cycles per
-//! mm, replaces D by the phase `exp(-2 pi i f.D)`.
+//! `D(beta) = d beta / sqrt(n^2 - |beta|^2)` in the plane of the panel ([`displacement`]). Layers are
+//! uniform, so that the response of the panel to a pattern is a convolution; its Fourier transform, at f
+//! cycles per mm, replaces D by the phase `exp(-2 pi i f.D)`.
 //!
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
-//! - [`LambertianReturn`]: the same with a front of screen above an air gap or a diffuser, for many frequencies.
+//! - [`LambertianReturn`]: the same with a front of screen above an air gap or a diffuser, for many
+//!   frequencies.
 //! - [`LayeredPaper`]: what a view sees of Lambertian pixels below general layers, and what returns to them.
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`PointSpread`]: the same by place: strips, rings and cells.
 //! - [`LineSpread`]: its light along one axis, with exact transforms.
-//! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all directions.
+//! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all
+//!   directions.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
 //! - [`LitPage`]: the same for pictures of many states, pixels and wavelengths.
 //! - [`PixelSpread`]: light that spreads sideways inside Lambertian pixels.
 //! - [`PixelSquare`], [`Shapes`]: kernels of pictures below a lobe.
-//! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
-//!   of one through another: [`shares_by_transfer`].
+//! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange
+//!   them. What is seen of one through another: [`shares_by_transfer`].
 //! - [`TwoPlanes`]: Lambertian pixels below a colour filter at a height, through all orders.
 //! - [`sparkle`]: random brightness of pixels below a rough face.
 //! - [`closed`]: closed forms of lobes and plates, a second method for all of these.

@@ -1,9 +1,10 @@
 //! Light of a spread by place: strips, rings and cells of the pixel plane.
 //!
-//! Every place r of the pixel plane is seen along one direction in the glass, `beta = n r / sqrt(d^2 + r^2)`, with
-//! `d2beta = n^2 d^2/(d^2 + r^2)^2 d2r`. A density over beta is therefore one over places. It is integrated between given borders,
-//! so that a bin holds its light exactly, however narrow the lobe; the pixel's reflectance, a function of `|beta|^2`, is applied
-//! last, so that one rule serves all states and wavelengths.
+//! Every place r of the pixel plane is seen along one direction in the glass, `beta = n r / sqrt(d^2 + r^2)`,
+//! with `d2beta = n^2 d^2/(d^2 + r^2)^2 d2r`. A density over beta is therefore one over places. It is
+//! integrated between given borders, so that a bin holds its light exactly, however narrow the lobe; the
+//! pixel's reflectance, a function of `|beta|^2`, is applied last, so that one rule serves all states and
+//! wavelengths.
 //!
 //! Places are relative to that of the view's own ray, in mm.
 
@@ -17,7 +18,8 @@ use crate::numerics::quadrature::{MULTIPLE_POLES, Node, Pole, gauss, panels, poi
 /// Distance, in thicknesses of the glass, beyond which light is neglected: within 0.06 deg of grazing.
 const REACH: f64 = 1000.0;
 
-/// Cells of a picture are divided until they are this much smaller than their distance to a peak and its width.
+/// Cells of a picture are divided until they are this much smaller than their distance to a peak and its
+/// width.
 const SMALL_CELL: f64 = 0.75;
 
 /// Largest ellipse assumed about a cell: besides the peaks there are functions of direction.
@@ -88,7 +90,8 @@ pub struct Binned {
 }
 
 impl Binned {
-    /// Light of each bin for several states, `[state][bin]`; `reflectance` writes that of each state at a `|beta|^2`.
+    /// Light of each bin for several states, `[state][bin]`; `reflectance` writes that of each state at a
+    /// `|beta|^2`.
     pub fn sums_of(&self, states: usize, reflectance: impl Fn(f64, &mut [f64])) -> Vec<Vec<f64>> {
         let mut sums = vec![vec![0.0; self.bins]; states];
         let mut rho = vec![0.0; states];
@@ -135,8 +138,8 @@ impl PointSpread<'_> {
         &self.images
     }
 
-    /// Strips along one axis (0: x) between ascending places, mm; the first bin is everything below the first place, the last
-    /// everything above the last. Images at a border count half on each side.
+    /// Strips along one axis (0: x) between ascending places, mm; the first bin is everything below the first
+    /// place, the last everything above the last. Images at a border count half on each side.
     pub fn strips(&self, axis: usize, edges_mm: &[f64]) -> Binned {
         let mut parts = Vec::new();
         let reach = self.reach();
@@ -154,8 +157,8 @@ impl PointSpread<'_> {
         Binned { bins: edges_mm.len() + 1, parts }
     }
 
-    /// Calls `each` with the panels along an axis on which the light of lines across it is smooth, and the nodes of a rule on each: enough
-    /// for the polynomial through them.
+    /// Calls `each` with the panels along an axis on which the light of lines across it is smooth, and the
+    /// nodes of a rule on each: enough for the polynomial through them.
     pub(super) fn panels_along(&self, axis: usize, mut each: impl FnMut([f64; 2], &[Node])) {
         let reach = self.reach();
         if reach == 0.0 {
@@ -179,7 +182,8 @@ impl PointSpread<'_> {
         });
     }
 
-    /// Rings about the view's own ray between ascending radii, mm, above 0; the last bin is everything outside.
+    /// Rings about the view's own ray between ascending radii, mm, above 0; the last bin is everything
+    /// outside.
     pub fn rings(&self, radii_mm: &[f64]) -> Binned {
         let mut parts = Vec::new();
         let rim = self.rim_radius();
@@ -232,7 +236,8 @@ impl PointSpread<'_> {
         Binned { bins: columns * y_mm.len().saturating_sub(1), parts }
     }
 
-    /// Rectangles, each with its borders along x and y, mm. An image at a border belongs to the one above and to the right.
+    /// Rectangles, each with its borders along x and y, mm. An image at a border belongs to the one above and
+    /// to the right.
     pub fn rectangles(&self, rectangles: &[[[f64; 2]; 2]]) -> Binned {
         let mut parts = Vec::new();
         for (bin, [x, y]) in rectangles.iter().enumerate() {
@@ -300,7 +305,8 @@ impl PointSpread<'_> {
         REACH * self.gap.thickness_mm + length(self.own_mm)
     }
 
-    /// Radius of the circle about the foot of the normal where `|beta| = 1`, and the width over which the density drops there, mm.
+    /// Radius of the circle about the foot of the normal where `|beta| = 1`, and the width over which the
+    /// density drops there, mm.
     fn rim_radius(&self) -> Option<(f64, f64)> {
         let Gap { index, thickness_mm: d } = self.gap;
         let rest = index * index - 1.0;
@@ -308,7 +314,8 @@ impl PointSpread<'_> {
         self.rim.filter(|_| rest > 1e-6).map(|width| (d / rest.sqrt(), width * per_beta))
     }
 
-    /// Distance of a cell to the circle where `|beta| = 1`, with the width of the drop of the density there, mm.
+    /// Distance of a cell to the circle where `|beta| = 1`, with the width of the drop of the density there,
+    /// mm.
     fn to_rim(&self, x: [f64; 2], y: [f64; 2]) -> f64 {
         let Some((radius, width)) = self.rim_radius() else { return f64::INFINITY };
         let middle = [x, y].map(|ends| 0.5 * (ends[0] + ends[1]));

@@ -1,13 +1,15 @@
 //! A pattern of Lambertian reflectances under a face that returns light to it, through all orders.
 //!
 //! **What.** The irradiance of a pattern rho(x), relative to that of the light from outside, is
-//! `E = 1 + A * (rho E)`, with the return A of the layers above ([`FaceReturn`](super::FaceReturn), [`LambertianReturn`](super::LambertianReturn)); what leaves upwards is `rho E`. In the Fourier domain
-//! A multiplies, between x and f the fast Fourier transform. A is below 0.6, so that repeating converges.
+//! `E = 1 + A * (rho E)`, with the return A of the layers above ([`FaceReturn`](super::FaceReturn),
+//! [`LambertianReturn`](super::LambertianReturn)); what leaves upwards is `rho E`. In the Fourier domain A
+//! multiplies, between x and f the fast Fourier transform. A is below 0.6, so that repeating converges.
 //!
-//! **Limits.** Features much larger than the thickness: `rho/(1 - A(0) rho)` for each point. Much smaller: the mean reflectance
-//! in the place of rho in the denominator (Clapper and Yule).
+//! **Limits.** Features much larger than the thickness: `rho/(1 - A(0) rho)` for each point. Much smaller:
+//! the mean reflectance in the place of rho in the denominator (Clapper and Yule).
 //!
-//! **Spread inside the pixel.** With a [`PixelSpread`] P, `rho E` becomes `sqrt(rho) P * (sqrt(rho) E)`, between the means of cells.
+//! **Spread inside the pixel.** With a [`PixelSpread`] P, `rho E` becomes `sqrt(rho) P * (sqrt(rho) E)`,
+//! between the means of cells.
 
 use num_complex::Complex64;
 use papilio_fourier::Plane;
@@ -59,7 +61,8 @@ pub struct Recycling {
 }
 
 impl Recycling {
-    /// Prepares the layers above for patterns of these cells. `returned`: fraction that comes back at a frequency, cycles per mm.
+    /// Prepares the layers above for patterns of these cells. `returned`: fraction that comes back at a
+    /// frequency, cycles per mm.
     pub fn new(cells: Cells, returned: impl Fn(f64) -> f64) -> Self {
         let [columns, rows] = cells.count;
         let scale = 1.0 / cells.len() as f64;
@@ -92,10 +95,11 @@ impl Recycling {
         Self { spread: spread.map(factors), ..self }
     }
 
-    /// Irradiance of each cell relative to that of the light from outside, for the mean reflectance of each cell. Ends when
-    /// a repetition changes no cell by more than `tolerance`.
+    /// Irradiance of each cell relative to that of the light from outside, for the mean reflectance of each
+    /// cell. Ends when a repetition changes no cell by more than `tolerance`.
     ///
-    /// Where light spreads inside the pixels, it is the irradiance that a cell would need for the same light without spread.
+    /// Where light spreads inside the pixels, it is the irradiance that a cell would need for the same light
+    /// without spread.
     pub fn irradiance(&self, reflectance: &[f64], tolerance: f64) -> Vec<f64> {
         let mut irradiance = vec![1.0; reflectance.len()];
         // Uniform patterns have E = 1/(1 - A(0) rho).
@@ -168,8 +172,8 @@ mod tests {
         SEEN * rho.iter().zip(irradiance).map(|(rho, e)| rho * e).sum::<f64>() / rho.len() as f64
     }
 
-    /// Means over a period, by the ratio of period to thickness: a dense Fourier solution of a separate program. Between
-    /// 3 and 5 they are below the limit of fine patterns.
+    /// Means over a period, by the ratio of period to thickness: a dense Fourier solution of a separate
+    /// program. Between 3 and 5 they are below the limit of fine patterns.
     #[test]
     fn stripes_have_known_means() {
         for (period, expected) in [
@@ -217,8 +221,9 @@ mod tests {
         assert!((mean_seen(&rho, &irradiance) - SEEN * mean / (1.0 - a * mean)).abs() < 1e-6);
     }
 
-    /// Light that spreads inside the pixels: a small modulation of the reflectance has half of its light from places that it leaves, and no
-    /// return or all of it at once gives the formulae of print: Yule and Nielsen's with n = 2, and Clapper and Yule's.
+    /// Light that spreads inside the pixels: a small modulation of the reflectance has half of its light from
+    /// places that it leaves, and no return or all of it at once gives the formulae of print: Yule and
+    /// Nielsen's with n = 2, and Clapper and Yule's.
     #[test]
     fn spread_inside_pixels_has_limits_of_print() {
         let rho: Vec<f64> = (0..64).map(|k| PAPER[usize::from(k >= 32)]).collect();

@@ -28,7 +28,8 @@
 //! sums everything that happens between two scattering events in closed form. It is the reference for all
 //! stacks that a panel cannot describe.
 //!
-//! [`Plain`] is none of these: it is the walk without any shortcut, in 170 lines (paths and slabs apart, in `plain/`). Read it first; the others are tested against it.
+//! [`Plain`] is none of these: it is the walk without any shortcut, in 170 lines (paths and slabs apart, in
+//! `plain/`). Read it first; the others are tested against it.
 //!
 //! # Ledger
 //! The same path also describes a unit beam that enters from the view direction (all kernels are
@@ -164,8 +165,8 @@ impl<'a> Walk<'a> {
         of_paths.min(images.rarest())
     }
 
-    /// Returns true if the error is smallest for numbers of paths that are powers of two, so that runs should double them: the
-    /// tracers of panels take all their decisions from one low-discrepancy set.
+    /// Returns true if the error is smallest for numbers of paths that are powers of two, so that runs should
+    /// double them: the tracers of panels take all their decisions from one low-discrepancy set.
     pub fn prefers_powers_of_two(&self) -> bool {
         !matches!(self.kind, Kind::Layered(..))
     }
@@ -182,8 +183,8 @@ impl<'a> Walk<'a> {
         Replicate { paths: 0, tally }
     }
 
-    /// Returns the number of paths that are traced together, a power of two: calls of [`Self::trace`] with fewer have more
-    /// noise.
+    /// Returns the number of paths that are traced together, a power of two: calls of [`Self::trace`] with
+    /// fewer have more noise.
     pub fn batch(&self) -> u64 {
         match &self.kind {
             Kind::Layered(layered, _) => layered.batch_size(),
@@ -192,8 +193,8 @@ impl<'a> Walk<'a> {
     }
 
     /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the
-    /// total number of paths; for layers in any order, whose paths are traced in batches, also on how the paths are divided
-    /// among calls, unless each call ends at a multiple of [`Self::batch`].
+    /// total number of paths; for layers in any order, whose paths are traced in batches, also on how the
+    /// paths are divided among calls, unless each call ends at a multiple of [`Self::batch`].
     pub fn trace(&self, replicate: &mut Replicate, numbers: &SampleStream, count: u64) {
         let paths = replicate.paths..replicate.paths + count;
         let of = |path| PathNumbers::new(numbers, path);

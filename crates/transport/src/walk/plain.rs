@@ -1,12 +1,15 @@
-//! The reference tracer: light through any layers, one event at a time, at one wavelength and in one state. Read this first.
+//! The reference tracer: light through any layers, one event at a time, at one wavelength and in one state.
+//! Read this first.
 //!
-//! It has no shortcut: no closed form, no importance sampling, no groups of paths. Both solvers compute the same faster, and are tested
-//! against it. A path starts at the viewer and follows light backwards, which all layers permit, because they are reciprocal. It goes
-//! from *plane* to plane: plane 0 is in the air, plane e above element e (interface, medium, interface, medium ...), the last one on the
-//! pixel. An interface transmits, reflects, scatters or absorbs it, in proportion to the light that does; a scattering medium
-//! deflects it after random flights (`slab`); the pixel reflects or scatters it; in the air it finds the light of its direction. A beam
-//! has no width, so that no path finds it by chance: each event that scatters sends a second path towards it. The mean weight
-//! with which paths find a source is the reflectance factor `pi L / E` under that source alone.
+//! It has no shortcut: no closed form, no importance sampling, no groups of paths. Both solvers compute the
+//! same faster, and are tested against it. A path starts at the viewer and follows light backwards, which all
+//! layers permit, because they are reciprocal. It goes from *plane* to plane: plane 0 is in the air, plane e
+//! above element e (interface, medium, interface, medium ...), the last one on the pixel. An interface
+//! transmits, reflects, scatters or absorbs it, in proportion to the light that does; a scattering medium
+//! deflects it after random flights (`slab`); the pixel reflects or scatters it; in the air it finds the
+//! light of its direction. A beam has no width, so that no path finds it by chance: each event that scatters
+//! sends a second path towards it. The mean weight with which paths find a source is the reflectance factor
+//! `pi L / E` under that source alone.
 
 mod path;
 mod slab;
@@ -74,8 +77,8 @@ impl<'a> Plain<'a> {
         }
     }
 
-    /// Scatters light at an element: sends a path to each beam, by the density of scattered light over direction cosines, and goes on in a
-    /// sampled direction with a weight (`None`: the light is absorbed).
+    /// Scatters light at an element: sends a path to each beam, by the density of scattered light over
+    /// direction cosines, and goes on in a sampled direction with a weight (`None`: the light is absorbed).
     fn scatter(
         &self,
         (element, ways): (usize, &[Propagation]),

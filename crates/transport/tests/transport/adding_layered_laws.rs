@@ -145,8 +145,8 @@ fn rough_interface_errors_decrease_with_level() {
     }
 }
 
-/// In the mirror direction of a beam all azimuthal orders contribute: a number of orders that is too small at both
-/// levels would not show in their difference. The stated error is four times that.
+/// In the mirror direction of a beam all azimuthal orders contribute: a number of orders that is too small at
+/// both levels would not show in their difference. The stated error is four times that.
 #[test]
 fn rough_interface_in_mirror_direction_has_the_error_of_two_levels() {
     for (alpha, distribution) in
@@ -161,8 +161,8 @@ fn rough_interface_in_mirror_direction_has_the_error_of_two_levels() {
     }
 }
 
-/// One scatterer below flat layers is followed kernel by kernel. A slab that hardly scatters turns it into one of
-/// two, whose operators are composed.
+/// One scatterer below flat layers is followed kernel by kernel. A slab that hardly scatters turns it into
+/// one of two, whose operators are composed.
 #[test]
 fn single_scatterer_equals_composed_operators() {
     let faces = [(diffuser(0.15, 0.9, 0.1), 1.5), (Interface::Rough(Rough::new(0.3, 1.0, 1.5)), 1.0)];

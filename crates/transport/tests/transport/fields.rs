@@ -70,8 +70,8 @@ fn stacks() -> Vec<(&'static str, Stack, f64)> {
     ]
 }
 
-/// Many views that share the light below the diffuser show what each of them shows alone, at a finer level and
-/// with rules of its own.
+/// Many views that share the light below the diffuser show what each of them shows alone, at a finer level
+/// and with rules of its own.
 #[test]
 fn views_prepared_together_equal_views_alone() {
     let stacks = [

@@ -1,11 +1,12 @@
-//! The order of floors: no module of the crate uses one of a higher floor, and the solvers do not use each other, by paths from `crate` or by
-//! `super`.
+//! The order of floors: no module of the crate uses one of a higher floor, and the solvers do not use each
+//! other, by paths from `crate` or by `super`.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The modules of the crate from the lowest floor to the highest; a module may use those of its own floor and of lower ones.
+/// The modules of the crate from the lowest floor to the highest; a module may use those of its own floor and
+/// of lower ones.
 const FLOORS: [&[&str]; 5] = [
     &["numerics"],
     &["light"],
@@ -27,7 +28,8 @@ const FLOORS: [&[&str]; 5] = [
     &["spatial"],
 ];
 
-/// Modules of one floor, or of neighbouring ones, that must not use each other: two roads to the same numbers.
+/// Modules of one floor, or of neighbouring ones, that must not use each other: two roads to the same
+/// numbers.
 const APART: [[&str; 2]; 3] = [["adding", "walk"], ["walk", "adding"], ["spatial", "walk"]];
 
 #[test]
@@ -86,7 +88,8 @@ fn depth(name: &str) -> usize {
     name.split('/').filter(|part| *part != "mod.rs").count()
 }
 
-/// Returns the first names of all paths that begin with `crate::`, or with as many times `super::` as lead to the root.
+/// Returns the first names of all paths that begin with `crate::`, or with as many times `super::` as lead to
+/// the root.
 fn used(code: &str, depth: usize) -> Vec<String> {
     let root = "super::".repeat(depth);
     let after = code.split("crate::").skip(1).chain(code.split(&root).skip(1));

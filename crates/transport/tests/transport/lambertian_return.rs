@@ -25,17 +25,19 @@ fn panel(top: Top, index: &[f64], front: &[f64]) -> Panel {
 
 const ACCURACY: Accuracy = Accuracy { digits: 12.0, most_per_mm: 40.0 };
 
-/// The table resolves ways of up to 30 lengths. Through a face that transmits grazing light, too, (2/30)^2 = 4e-3 of it go farther.
+/// The table resolves ways of up to 30 lengths. Through a face that transmits grazing light, too, (2/30)^2 =
+/// 4e-3 of it go farther.
 ///
-/// Through a clear face the integral over the directions of air has a closed form: all light of one pass returns the fraction of the
-/// front, 1/n^2 of all.
+/// Through a clear face the integral over the directions of air has a closed form: all light of one pass
+/// returns the fraction of the front, 1/n^2 of all.
 #[test]
 fn uniform_light_has_the_return_of_colours() {
     let ideal = panel(Top::IdealAr, &[1.5], &[0.3]);
     let all = LambertianReturn::all(ideal.stack().panel().unwrap(), &[0.4, 0.6], ACCURACY).unwrap();
     let expected = 1.0 - 1.0 / 2.25 + 0.3 / 2.25;
     assert!((all[0].at(0.0) - expected).abs() < 1e-6, "{} {expected}", all[0].at(0.0));
-    // Of a plate without glass the way is 2 g tan(theta): f K_1(f) as between two plates, here with a thin glass of index near 1.
+    // Of a plate without glass the way is 2 g tan(theta): f K_1(f) as between two plates, here with a thin
+    // glass of index near 1.
     let thin = panel(Top::IdealAr, &[1.0 + 1e-9], &[1.0]);
     let all = LambertianReturn::all(thin.stack().panel().unwrap(), &[1.0, 1e-9], ACCURACY).unwrap();
     for (fd, expected) in [(0.05, 0.768_495), (0.1, 0.500_191), (0.2, 0.182_669)] {
@@ -82,8 +84,9 @@ fn table_equals_the_sum_over_directions() {
     }
 }
 
-/// What a front returns through a lobe over 0.4 mm of glass, relative to uniform light: sums over 60 to 200 rings of directions in the air and
-/// 7680 to 51200 directions in the glass for each, of a separate program (numpy).
+/// What a front returns through a lobe over 0.4 mm of glass, relative to uniform light: sums over 60 to 200
+/// rings of directions in the air and 7680 to 51200 directions in the glass for each, of a separate program
+/// (numpy).
 #[test]
 fn lobe_returns_known_fractions() {
     const FREQUENCIES: [f64; 5] = [0.2, 0.6, 1.2, 1.6, 2.4];
@@ -100,16 +103,18 @@ fn lobe_returns_known_fractions() {
         let uniform = all[0].at(0.0);
         assert!((uniform - 0.2 * 0.81 * zero).abs() < 1e-4 * uniform, "{width} {gap}: {uniform}");
         for (f, known) in FREQUENCIES.into_iter().zip(known) {
-            // Phases of grazing light in the air, 2 % of all, are not resolved: it may add or subtract a part of itself. An error of A is that
-            // of a transfer function times the reflectances of front and pixel, some 1e-4 here.
+            // Phases of grazing light in the air, 2 % of all, are not resolved: it may add or subtract a part
+            // of itself. An error of A is that of a transfer function times the reflectances of front and
+            // pixel, some 1e-4 here.
             let found = all[0].at(f) / uniform;
             assert!((found - known).abs() < 5e-3, "{width} {gap} {f}: {found} {known}");
         }
     }
 }
 
-/// High frequencies through a lobe with unscattered light, of which alone something comes back: sums over 140 rings and 60 azimuths of the air and
-/// 204800 directions in the glass for each, of a separate program (numpy), the same to 1e-5 with two thirds of them.
+/// High frequencies through a lobe with unscattered light, of which alone something comes back: sums over 140
+/// rings and 60 azimuths of the air and 204800 directions in the glass for each, of a separate program
+/// (numpy), the same to 1e-5 with two thirds of them.
 #[test]
 fn unscattered_light_returns_known_fractions_of_fine_patterns() {
     let lobe = Lobe::KCorrelation { width: 0.057 };
@@ -128,8 +133,9 @@ fn unscattered_light_returns_known_fractions_of_fine_patterns() {
     }
 }
 
-/// The same over 0.4 mm of a medium that is nearly air, in which light goes far: sums over 72 rings and 28 azimuths of the air and 145600
-/// directions in the medium for each, of a separate program (numpy), with errors of about 3e-4. Grazing light is not resolved, 1e-3 of all here.
+/// The same over 0.4 mm of a medium that is nearly air, in which light goes far: sums over 72 rings and 28
+/// azimuths of the air and 145600 directions in the medium for each, of a separate program (numpy), with
+/// errors of about 3e-4. Grazing light is not resolved, 1e-3 of all here.
 #[test]
 fn lobe_over_air_returns_known_fractions() {
     const FREQUENCIES: [f64; 6] = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6];

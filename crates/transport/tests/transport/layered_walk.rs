@@ -393,7 +393,8 @@ fn errors_of_thin_slabs_are_honest() {
     }
 }
 
-/// The sums depend on the random numbers and the number of paths, not on how whole batches are divided among calls.
+/// The sums depend on the random numbers and the number of paths, not on how whole batches are divided among
+/// calls.
 #[test]
 fn sums_of_split_calls_are_bit_identical() {
     let stack = everything(1.0, mirror(0.7));

@@ -1,5 +1,5 @@
-//! Bases of many states and wavelengths below a scatterer, and many views, by *adding*: their light is computed together. A
-//! base of a single wavelength and state, or a single view, is computed alone.
+//! Bases of many states and wavelengths below a scatterer, and many views, by *adding*: their light is
+//! computed together. A base of a single wavelength and state, or a single view, is computed alone.
 
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::{Distribution, Rough};
@@ -36,8 +36,8 @@ fn medium(index: f64, bins: &[usize]) -> Medium {
     Medium::new(vec![index; bins.len()].into())
 }
 
-/// The film under rough glass; a gap of air on top, if there is one, conceals from the solver that the rough interface is
-/// the surface.
+/// The film under rough glass; a gap of air on top, if there is one, conceals from the solver that the rough
+/// interface is the surface.
 fn display(alpha: f64, air: bool, bins: &[usize], states: &[f64]) -> Stack {
     let rough = Rough::with(Distribution::Ggx, alpha, 1.0, 1.5);
     let mut layers = vec![Layer { interface: Interface::Rough(rough), medium: medium(1.5, bins) }];
@@ -47,7 +47,8 @@ fn display(alpha: f64, air: bool, bins: &[usize], states: &[f64]) -> Stack {
     Stack::general(layers, film(bins, states))
 }
 
-/// The film under a cover glass with a diffuser below it and a foil that reflects differently at each wavelength.
+/// The film under a cover glass with a diffuser below it and a foil that reflects differently at each
+/// wavelength.
 fn covered(bins: &[usize], states: &[f64]) -> Stack {
     let reflectance: Vec<f64> = bins.iter().map(|bin| 0.02 + 0.1 * *bin as f64 / BINS as f64).collect();
     let foil = Component { reflectance: reflectance.into(), absorptance: vec![0.01; bins.len()].into() };
@@ -98,8 +99,8 @@ fn many_states_and_wavelengths_together_equal_each_alone() {
     }
 }
 
-/// Light of several wavelengths is followed in blocks. Orders are counted for the views together, and so is the order from
-/// which light is left out that meets the base more than once.
+/// Light of several wavelengths is followed in blocks. Orders are counted for the views together, and so is
+/// the order from which light is left out that meets the base more than once.
 #[test]
 fn many_wavelengths_and_views_together_equal_each_alone() {
     let (states, bins): (_, Vec<usize>) = ([0.1, 0.8], (0..BINS).step_by(2).collect());

@@ -91,8 +91,8 @@ fn errors_do_not_exceed_claimed_errors() {
     }
 }
 
-/// The same for views up to grazing ones, where light is lost beyond the rim of the disc of air. The reference
-/// is the Monte Carlo solver: a finer level has the same formulation.
+/// The same for views up to grazing ones, where light is lost beyond the rim of the disc of air. The
+/// reference is the Monte Carlo solver: a finer level has the same formulation.
 #[test]
 fn oblique_views_equal_monte_carlo_within_claimed_errors() {
     for (number, view_deg, light_deg, reflectance) in

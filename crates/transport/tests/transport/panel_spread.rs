@@ -1,5 +1,5 @@
-//! The spread of a panel: without places it is what colours are computed from (the mean law); with places, published and closed
-//! forms, and one of its forms against another.
+//! The spread of a panel: without places it is what colours are computed from (the mean law); with places,
+//! published and closed forms, and one of its forms against another.
 
 use std::sync::Arc;
 
@@ -154,7 +154,8 @@ fn mean_under_a_narrow_lobe_is_todays_first_order() {
     assert!(errors.iter().all(|error| *error < 1e-6), "{}", shown(&errors));
 }
 
-/// All orders: a Lambertian pixel under a diffuser and a front, and mirror-like ones where the front reflects nothing.
+/// All orders: a Lambertian pixel under a diffuser and a front, and mirror-like ones where the front reflects
+/// nothing.
 #[test]
 fn mean_of_paper_under_a_diffuser_and_a_front_is_todays_reflectance_in_all_orders() {
     for regular in [0.0, 0.3] {
@@ -278,7 +279,8 @@ fn ghosts_of_a_mirror_have_a_closed_form() {
     }
 }
 
-/// Light of each cell between these borders over all light, for a pixel of this reflectance as a function of `|beta|^2`.
+/// Light of each cell between these borders over all light, for a pixel of this reflectance as a function of
+/// `|beta|^2`.
 fn fractions_of_cells(spread: &PanelSpread, borders: [&[f64]; 2], rho: impl Fn(f64) -> f64) -> Vec<f64> {
     let mut cells = vec![0.0; (borders[0].len() - 1) * (borders[1].len() - 1)];
     let mut all = 0.0;
@@ -329,8 +331,8 @@ fn squares_do_not_depend_on_their_cells() {
     }
 }
 
-/// A view of 5 deg through a lobe that is much narrower: the transform of a disc, 2 J1(x)/x, by values of Abramowitz and Stegun's table 9.1, with few
-/// samples.
+/// A view of 5 deg through a lobe that is much narrower: the transform of a disc, 2 J1(x)/x, by values of
+/// Abramowitz and Stegun's table 9.1, with few samples.
 #[test]
 fn lobes_much_narrower_than_the_view_are_a_disc() {
     let panel = one_bin(h78(1e-6), super::common::lambertian(0.6));

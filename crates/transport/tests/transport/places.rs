@@ -82,8 +82,8 @@ fn tally(frequencies_per_mm: Vec<[f64; 2]>, sources: usize) -> KernelTally {
     KernelTally { frequencies_per_mm, channels: vec![vec![vec![1.0]]; sources], ..KernelTally::default() }
 }
 
-/// Modulation transfer of the lobe H78 over 0.5 mm of glass at 1, 2, 5, 5.9055 and 10 cycles per mm: an independent radial
-/// integral, for diffuse light and for a beam in the mirror direction.
+/// Modulation transfer of the lobe H78 over 0.5 mm of glass at 1, 2, 5, 5.9055 and 10 cycles per mm: an
+/// independent radial integral, for diffuse light and for a beam in the mirror direction.
 #[test]
 fn transfer_of_a_lobe_is_known() {
     let stack = over(Interface::Diffuser(diffuser()), mirrors(&[1.0]));
@@ -109,8 +109,8 @@ fn transfer_of_a_lobe_is_known() {
     }
 }
 
-/// Seen obliquely, a beam that is not in the mirror direction makes a double image: complex transfer of the deterministic first
-/// order, which also has the light of cells.
+/// Seen obliquely, a beam that is not in the mirror direction makes a double image: complex transfer of the
+/// deterministic first order, which also has the light of cells.
 #[test]
 fn transfer_of_lamps_equals_that_of_the_first_order() {
     let stack = over(Interface::Diffuser(diffuser()), mirrors(&[0.7]));
@@ -144,8 +144,8 @@ fn transfer_of_lamps_equals_that_of_the_first_order() {
     }
 }
 
-/// Paper of 0.6 and 0.03 under a flat face: means of stripes at periods of 5, 10 and 50 thicknesses (a dense Fourier sum), and of
-/// a checkerboard (fast Fourier transform).
+/// Paper of 0.6 and 0.03 under a flat face: means of stripes at periods of 5, 10 and 50 thicknesses (a dense
+/// Fourier sum), and of a checkerboard (fast Fourier transform).
 #[test]
 fn recycled_light_of_patterns_is_known() {
     let (stack, thickness) = (over(Interface::Fresnel, paper(&[0.6, 0.03])), 0.2);
@@ -175,8 +175,8 @@ fn recycled_light_of_patterns_is_known() {
     seen(TwoStates { shape: Shape::Checkerboard, period_mm, states: [1, 0] }, through * mean);
 }
 
-/// A bare face over a mirror-like pixel conserves directions: each order is a ghost of the stripes, shifted by twice the
-/// displacement of the view. All orders, summed over a period.
+/// A bare face over a mirror-like pixel conserves directions: each order is a ghost of the stripes, shifted
+/// by twice the displacement of the view. All orders, summed over a period.
 #[test]
 fn mirror_ghosts_beat_with_the_stripes() {
     const POINTS: usize = 1000;
@@ -209,8 +209,8 @@ fn mirror_ghosts_beat_with_the_stripes() {
     }
 }
 
-/// A stripe pattern that is seen at given places: far inside wide stripes each state is seen as if it were everywhere, and the
-/// mean over the places of a period is the mean over the period.
+/// A stripe pattern that is seen at given places: far inside wide stripes each state is seen as if it were
+/// everywhere, and the mean over the places of a period is the mean over the period.
 #[test]
 fn patterns_seen_at_places_have_their_own_light() {
     let stack = over(Interface::Fresnel, paper(&[0.6, 0.03]));
@@ -227,7 +227,8 @@ fn patterns_seen_at_places_have_their_own_light() {
     }
 }
 
-/// The response of paper to small changes: `(1 - rho A(0))/(1 - rho A(f))`; and the light that is seen at once is sharp.
+/// The response of paper to small changes: `(1 - rho A(0))/(1 - rho A(f))`; and the light that is seen at
+/// once is sharp.
 #[test]
 fn response_of_paper_has_a_closed_form() {
     let stack = over(Interface::Fresnel, paper(&[0.6]));
@@ -255,8 +256,8 @@ fn response_of_paper_has_a_closed_form() {
     assert!((once.cells[0] - once.transfer[3].re).abs() < 1e-7 * once.cells[0]);
 }
 
-/// Uniform states look as they do to the walk without places: slabs, rough surfaces, gaps in front, mirrors, paper, lamps and
-/// discs.
+/// Uniform states look as they do to the walk without places: slabs, rough surfaces, gaps in front, mirrors,
+/// paper, lamps and discs.
 #[test]
 fn uniform_states_equal_the_uniform_walk() {
     let beam = Source::Beam(-Cone::new(-30.0, 20.0, 0.0, 1.0).axis_towards());
@@ -316,8 +317,8 @@ fn bad_lengths_are_refused() {
     assert_eq!(error, Some(PlaceError::Channels));
 }
 
-/// Paths that are traced together have the means of single ones, which an open interface above the display asks for: a pattern in mixed
-/// light, and the sums by frequency, cell, strip and ring.
+/// Paths that are traced together have the means of single ones, which an open interface above the display
+/// asks for: a pattern in mixed light, and the sums by frequency, cell, strip and ring.
 #[test]
 fn paths_in_groups_equal_single_paths() {
     let lobe = |medium| Layer { interface: Interface::Diffuser(diffuser()), medium };
@@ -366,7 +367,8 @@ fn paths_in_groups_equal_single_paths() {
     assert_eq!(whole, parts);
 }
 
-/// A window that is seen from all its places, in diffuse light through a narrow lobe: the light of the window itself.
+/// A window that is seen from all its places, in diffuse light through a narrow lobe: the light of the window
+/// itself.
 #[test]
 fn window_has_its_own_share_of_light() {
     struct Window([f64; 2]);

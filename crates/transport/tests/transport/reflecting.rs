@@ -51,8 +51,8 @@ fn assert_both(what: &str, stack: &Stack, eye: Cone, source: &Source, truth: f64
     });
 }
 
-/// Over black only the diffuser's own light returns: R in Lambertian light of any kind, R times the fraction of a lobe
-/// that does not leave the hemisphere.
+/// Over black only the diffuser's own light returns: R in Lambertian light of any kind, R times the fraction
+/// of a lobe that does not leave the hemisphere.
 #[test]
 fn black_pixel_returns_the_reflectance_of_the_diffuser() {
     for theta in [0.0, 40.0, 75.0] {
@@ -89,8 +89,8 @@ fn reflected_beam_has_its_peak_in_the_mirror_direction() {
     }
 }
 
-/// A Lambertian diffuser over paint in glass of index n: R + T^2 r/n^2 / (1 - r R'), since paint fills the disc of the
-/// glass, and only the disc of air leaves it.
+/// A Lambertian diffuser over paint in glass of index n: R + T^2 r/n^2 / (1 - r R'), since paint fills the
+/// disc of the glass, and only the disc of air leaves it.
 #[test]
 fn lambertian_diffuser_over_paint_is_a_geometric_series() {
     for (n, above, below, paint) in [(1.0, 0.3, 0.3, 1.0), (1.5, 0.08, 0.08, 0.8), (1.7, 0.05, 0.4, 0.9)] {
@@ -203,7 +203,8 @@ fn lambertian_lobe_fills_the_disc_of_each_wavelength() {
     }
 }
 
-/// Transmittance and reflectance are at most 1 at every incidence; what a lobe sends beyond a disc does not count.
+/// Transmittance and reflectance are at most 1 at every incidence; what a lobe sends beyond a disc does not
+/// count.
 #[test]
 fn largest_total_counts_what_leaves() {
     let of = |transmission: Interface, lobe: ReflectedLobe, r: f64| {

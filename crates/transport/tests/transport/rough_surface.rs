@@ -1,4 +1,5 @@
-//! A rough surface over flat layers and a specular or Lambertian base, which *adding* treats by product integration.
+//! A rough surface over flat layers and a specular or Lambertian base, which *adding* treats by product
+//! integration.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -14,7 +15,8 @@ fn surface(distribution: Distribution, alpha: f64, base: Base) -> Stack {
     stack([(Interface::Rough(Rough::with(distribution, alpha, 1.0, 1.5)), clear(1.5))], base)
 }
 
-/// The same display with a gap of air on top, which the solver does not recognise as one with a rough surface.
+/// The same display with a gap of air on top, which the solver does not recognise as one with a rough
+/// surface.
 fn below_air(stack: &Stack) -> Stack {
     let mut layers = stack.layers().to_vec();
     layers.insert(0, Layer { interface: Interface::Open, medium: clear(1.0) });
@@ -28,8 +30,9 @@ fn sources() -> [Source; 3] {
     [Source::Diffuse, beam(-20.0, 0.0), Source::Disc(Cone::new(45.0, 90.0, 3.0, 1.0))]
 }
 
-/// Two roads: product integration on a coarse grid, and a fine grid that resolves both lobes. That grid converges slowly
-/// for light refracted along the interface, which matters where a view sees faint light: its levels are compared, too.
+/// Two roads: product integration on a coarse grid, and a fine grid that resolves both lobes. That grid
+/// converges slowly for light refracted along the interface, which matters where a view sees faint light: its
+/// levels are compared, too.
 #[test]
 fn surface_equals_a_grid_that_resolves_its_lobes() {
     let cases = [(Distribution::Ggx, 0.1), (Distribution::Beckmann, 0.15), (Distribution::Ggx, 0.4)];
@@ -55,8 +58,8 @@ fn surface_equals_a_grid_that_resolves_its_lobes() {
     }
 }
 
-/// The stated error is four times the difference of two levels. A number of azimuthal orders, or of directions around two
-/// narrow lobes, that is too small at both levels would not show in it.
+/// The stated error is four times the difference of two levels. A number of azimuthal orders, or of
+/// directions around two narrow lobes, that is too small at both levels would not show in it.
 #[test]
 fn surface_has_the_error_of_two_levels() {
     for alpha in everyday(2, [0.1, 0.3, 0.04]) {
@@ -73,7 +76,8 @@ fn surface_has_the_error_of_two_levels() {
     }
 }
 
-/// A nearly flat surface over a mirror, against random paths. Rare ones carry the light of source 2: few seeds do not find enough of them.
+/// A nearly flat surface over a mirror, against random paths. Rare ones carry the light of source 2: few
+/// seeds do not find enough of them.
 #[test]
 fn narrow_surface_equals_monte_carlo() {
     let stack = surface(Distribution::Ggx, 0.02, mirror(0.9));

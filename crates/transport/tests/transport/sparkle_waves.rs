@@ -1,8 +1,8 @@
 //! Rays through random faces compared with Fresnel waves through the same faces.
 //!
-//! By reciprocity, the light that an eye receives from the pixel plane through a spot of the face, of amplitude A, is that which
-//! a wave from the eye sends there: `Q(u) = |Fresnel(A exp(i k (n - 1) h))|²` over the reduced distance d/n; with rays it is
-//! `|A|²` at `u = x + K m(x)`.
+//! By reciprocity, the light that an eye receives from the pixel plane through a spot of the face, of
+//! amplitude A, is that which a wave from the eye sends there: `Q(u) = |Fresnel(A exp(i k (n - 1) h))|²` over
+//! the reduced distance d/n; with rays it is `|A|²` at `u = x + K m(x)`.
 
 use std::f64::consts::PI;
 
@@ -74,9 +74,10 @@ fn light(sampler: &FaceSampler, replicate: u64) -> [f64; 2] {
     [rays, waves / (COUNT as f64).powi(4)]
 }
 
-/// Correlation length; deviations of a separate program by rays and by waves, each of 60 faces (9 %); range of the ratio of waves to
-/// rays on the same faces. Over 200 faces it is 0.983, 0.990, 0.983, 0.993: rays hold within 2 % where the correlation length is at
-/// least sqrt(0.5 lambda d/n), 11 um here. Below, the ratio scatters more from face to face; the separate program found 1.17.
+/// Correlation length; deviations of a separate program by rays and by waves, each of 60 faces (9 %); range
+/// of the ratio of waves to rays on the same faces. Over 200 faces it is 0.983, 0.990, 0.983, 0.993: rays
+/// hold within 2 % where the correlation length is at least sqrt(0.5 lambda d/n), 11 um here. Below, the
+/// ratio scatters more from face to face; the separate program found 1.17.
 #[test]
 fn rays_hold_above_the_correlation_length_of_diffraction() {
     for (correlation_mm, known, ratio) in [

@@ -22,7 +22,8 @@ type Shape = fn(f64) -> FaceLobe;
 const SHAPES: [Shape; 2] =
     [|width| FaceLobe::KCorrelation(KCorrelation { width }), |width| FaceLobe::Gaussian(Gaussian { width })];
 
-/// A face between air and glass whose lobes scatter more and wider light at each wavelength: `fractions[lobe][wavelength]`.
+/// A face between air and glass whose lobes scatter more and wider light at each wavelength:
+/// `fractions[lobe][wavelength]`.
 fn face(shape: Shape, widths: [f64; 2], fractions: [[f64; BINS]; 2]) -> Interface {
     let kinds = [
         (FaceLight::Transmitted([1.0, GLASS]), 1.0),
@@ -56,7 +57,8 @@ fn seen(estimate: &Estimate, source: usize, bin: usize) -> f64 {
 
 const COLOURED: [[f64; BINS]; 2] = [[0.2, 0.5, 0.3], [0.7, 0.1, 0.0]];
 
-/// White paper below a face returns all diffuse light, in every direction; a face that scatters nothing is a flat one.
+/// White paper below a face returns all diffuse light, in every direction; a face that scatters nothing is a
+/// flat one.
 #[test]
 fn nothing_is_lost() {
     let eyes = [view(0.0), view(35.0), view(70.0)];
@@ -78,7 +80,8 @@ fn nothing_is_lost() {
     }
 }
 
-/// Both solvers find the same light at each wavelength, above paper and above a mirror, where the lamp is seen through the lobes alone.
+/// Both solvers find the same light at each wavelength, above paper and above a mirror, where the lamp is
+/// seen through the lobes alone.
 #[test]
 fn both_solvers_agree_at_each_wavelength() {
     let Base { reflector: Reflector::Specular(mut table), .. } = mirror(0.7) else { panic!("no mirror") };

@@ -1,9 +1,9 @@
-//! Comparison of the two solvers on random scenario *files*, read by the project's own reader: panels and layers, all
-//! diffusers and pixels, all kinds of light. The deviations of X, Y, Z of each state and of the entries of its ledger must
-//! agree with the Monte Carlo standard errors.
+//! Comparison of the two solvers on random scenario *files*, read by the project's own reader: panels and
+//! layers, all diffusers and pixels, all kinds of light. The deviations of X, Y, Z of each state and of the
+//! entries of its ledger must agree with the Monte Carlo standard errors.
 //!
-//! `PAPILIO_SCENARIOS=300` sets their number, `PAPILIO_SCENARIOS=17..18` selects some; `PAPILIO_SCENARIO_SEEDS=2..6`
-//! selects other Monte Carlo seeds.
+//! `PAPILIO_SCENARIOS=300` sets their number, `PAPILIO_SCENARIOS=17..18` selects some;
+//! `PAPILIO_SCENARIO_SEEDS=2..6` selects other Monte Carlo seeds.
 
 pub(crate) mod draw;
 mod scores;
@@ -20,8 +20,8 @@ use solvers::{MonteCarloRuns, Pair, SLOW, monte_carlo_runs, scene};
 /// Number of scenarios by default: a few seconds.
 const EVERYDAY: usize = 12;
 
-/// Largest fraction of scenarios that are refused for documented reasons. Some are drawn against the laws (a Ward lobe that reflects more
-/// light than arrives, one in a dispersive medium): 4 of 300.
+/// Largest fraction of scenarios that are refused for documented reasons. Some are drawn against the laws (a
+/// Ward lobe that reflects more light than arrives, one in a dispersive medium): 4 of 300.
 const MAX_REFUSED: f64 = 0.02;
 
 /// Reads a range from an environment variable: only its end, or `FROM..TO`.
@@ -35,8 +35,8 @@ fn seeds() -> Range<u64> {
     range("PAPILIO_SCENARIO_SEEDS").unwrap_or(0..2)
 }
 
-/// Returns `f` of each item, in order, computed on all processors. (rayon is unsuitable: its threads start other work
-/// while a run waits for its own.)
+/// Returns `f` of each item, in order, computed on all processors. (rayon is unsuitable: its threads start
+/// other work while a run waits for its own.)
 pub(crate) fn each<T: Sync, R: Send>(all: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let found: Mutex<Vec<(usize, R)>> = Mutex::new(Vec::new());
@@ -58,8 +58,8 @@ pub(crate) fn each<T: Sync, R: Send>(all: &[T], f: impl Fn(&T) -> R + Sync) -> V
     found.into_iter().map(|(_, one)| one).collect()
 }
 
-/// Returns the Monte Carlo runs of the default scenarios, for all tests of this file: the first scenarios that are fast
-/// with adding.
+/// Returns the Monte Carlo runs of the default scenarios, for all tests of this file: the first scenarios
+/// that are fast with adding.
 fn everyday() -> &'static [Result<MonteCarloRuns, String>] {
     static RUNS: OnceLock<Vec<Result<MonteCarloRuns, String>>> = OnceLock::new();
     RUNS.get_or_init(|| {
@@ -95,7 +95,8 @@ fn outcome(monte_carlo: &Result<MonteCarloRuns, String>) -> Outcome {
 }
 
 impl Outcome {
-    /// Describes the outcome in one line, followed by large deviations and the text of the scenario, if there are any.
+    /// Describes the outcome in one line, followed by large deviations and the text of the scenario, if there
+    /// are any.
     fn description(&self) -> String {
         let (name, text, runs, seconds) = match self {
             Self::Refused(why) => return format!("refused: {why}"),
@@ -152,7 +153,8 @@ fn deviations_of_random_scenarios_agree_with_errors() {
     ledgers.check().unwrap();
 }
 
-/// Compares adding of slightly wrong scenarios (`wrong` of their texts) with the Monte Carlo runs of the correct ones.
+/// Compares adding of slightly wrong scenarios (`wrong` of their texts) with the Monte Carlo runs of the
+/// correct ones.
 fn of_wrong<'a>(
     all: impl Iterator<Item = &'a MonteCarloRuns>,
     wrong: impl Fn(&str) -> String,

@@ -1,5 +1,5 @@
-//! Statistics of z-scores. The numbers of a run come from the same paths, so that those of a run count as one, as if they
-//! were all equal.
+//! Statistics of z-scores. The numbers of a run come from the same paths, so that those of a run count as
+//! one, as if they were all equal.
 
 use super::solvers::Pair;
 
@@ -7,12 +7,13 @@ use super::solvers::Pair;
 const STUDENT: f64 = 31.0 / 29.0;
 const OF_SQUARES: f64 = 2.55;
 
-/// Number of runs (300 scenarios with two seeds, minus those without noise) from which the mean square is known
-/// accurately enough to be within `WITHIN`.
+/// Number of runs (300 scenarios with two seeds, minus those without noise) from which the mean square is
+/// known accurately enough to be within `WITHIN`.
 const MANY: usize = 500;
 const WITHIN: std::ops::RangeInclusive<f64> = 0.85..=1.15;
 
-/// Deviation in standard errors, and the largest fraction of numbers that may exceed it (Student's t: 0.04 %).
+/// Deviation in standard errors, and the largest fraction of numbers that may exceed it (Student's t: 0.04
+/// %).
 pub(crate) const FAR: f64 = 4.0;
 const MAX_FAR_FRACTION: f64 = 0.005;
 
@@ -39,8 +40,8 @@ impl Scores {
         self.runs.iter().flatten().map(|z| of(*z)).sum::<f64>() / self.count()
     }
 
-    /// Returns the variance of the mean for numbers of unit variance: one over the number of runs, or more if the runs
-    /// have different counts.
+    /// Returns the variance of the mean for numbers of unit variance: one over the number of runs, or more if
+    /// the runs have different counts.
     fn of_means(&self) -> f64 {
         self.runs.iter().map(|run| (run.len() as f64).powi(2)).sum::<f64>() / self.count().powi(2)
     }

@@ -40,13 +40,14 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// Returns the largest total error of the tables of films and coatings, as a fraction of the light, or of the value
-    /// if it is larger.
+    /// Returns the largest total error of the tables of films and coatings, as a fraction of the light, or of
+    /// the value if it is larger.
     fn tables(&self) -> f64 {
         1e-7 * self.adding.abs().max(1.0)
     }
 
-    /// Returns whether the Monte Carlo noise is most of the expected difference; only then is z distributed as Student's t.
+    /// Returns whether the Monte Carlo noise is most of the expected difference; only then is z distributed
+    /// as Student's t.
     pub(crate) fn is_noisy(&self) -> bool {
         self.standard_error > 3.0 * self.discretisation_error.hypot(self.tables())
     }
@@ -78,8 +79,8 @@ fn busy() -> Option<f64> {
     nanoseconds.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
 }
 
-/// Runs a scene for at most `LONGEST`, and returns the time that it took: for adding, which runs on this thread, the CPU
-/// time.
+/// Runs a scene for at most `LONGEST`, and returns the time that it took: for adding, which runs on this
+/// thread, the CPU time.
 pub(crate) fn timed(scene: &Scene) -> (Result<RunResult, DisplayError>, f64) {
     let stop = AtomicBool::new(false);
     let (done, wait) = channel::<()>();
@@ -118,8 +119,8 @@ pub(crate) fn monte_carlo_runs(drawn: Drawn, seeds: std::ops::Range<u64>) -> Res
 }
 
 impl MonteCarloRuns {
-    /// Returns the target of adding, the largest relative error of Y over states, such that the Monte Carlo noise is most of
-    /// the difference.
+    /// Returns the target of adding, the largest relative error of Y over states, such that the Monte Carlo
+    /// noise is most of the difference.
     fn target(&self) -> f64 {
         let of_state = |state: &papilio_display::result::State| {
             let part = [

@@ -1,8 +1,9 @@
-//! Random displays with places: layers with their thicknesses, pixels on a matrix, light, a view and patterns, as scenario files. A number
-//! identifies a file permanently.
+//! Random displays with places: layers with their thicknesses, pixels on a matrix, light, a view and
+//! patterns, as scenario files. A number identifies a file permanently.
 //!
-//! **Excluded**: what one of the solvers refuses by its nature (slabs and pixels with a measured kernel by adding; narrow lobes between
-//! layers, which take minutes), and lamps behind the view, whose images no path finds.
+//! **Excluded**: what one of the solvers refuses by its nature (slabs and pixels with a measured kernel by
+//! adding; narrow lobes between layers, which take minutes), and lamps behind the view, whose images no path
+//! finds.
 
 use papilio_testing::Dice;
 

@@ -1,7 +1,9 @@
-//! Comparison of the two solvers on random displays with places: `papilio mtf` and `papilio crosstalk` by adding against paths. The
-//! deviations must agree with the standard errors, and stated errors of adding must hold for 99 % of all numbers.
+//! Comparison of the two solvers on random displays with places: `papilio mtf` and `papilio crosstalk` by
+//! adding against paths. The deviations must agree with the standard errors, and stated errors of adding must
+//! hold for 99 % of all numbers.
 //!
-//! `PAPILIO_SCENARIOS=300` sets the number of displays, `PAPILIO_SCENARIOS=17..18` selects some; `PAPILIO_PATHS=65536` the paths.
+//! `PAPILIO_SCENARIOS=300` sets the number of displays, `PAPILIO_SCENARIOS=17..18` selects some;
+//! `PAPILIO_PATHS=65536` the paths.
 
 mod draw;
 mod numbers;
@@ -29,7 +31,8 @@ const PATHS: [u64; 2] = [1 << 12, 1 << 14];
 /// Longest time of one command for one display, seconds.
 const LONGEST: f64 = 60.0;
 
-/// Standard errors beyond a stated error from which on this does not hold, and the largest fraction of such numbers.
+/// Standard errors beyond a stated error from which on this does not hold, and the largest fraction of such
+/// numbers.
 const FAR: f64 = 4.0;
 const MAX_FAR: f64 = 0.01;
 

@@ -14,7 +14,8 @@ pub(super) struct Number {
     pub(super) error: f64,
 }
 
-/// Numbers by their names. Those of errors that are bounds, not standard errors, have names that end with `*`.
+/// Numbers by their names. Those of errors that are bounds, not standard errors, have names that end with
+/// `*`.
 pub(super) type Numbers = HashMap<String, Number>;
 
 fn add(all: &mut Numbers, what: String, value: Option<f64>, error: Option<f64>) {
@@ -33,8 +34,8 @@ fn add_curves(all: &mut Numbers, what: &str, curves: &Curves, frequencies: &[(f6
     }
 }
 
-/// Numbers of sharpness. Below `from_per_mm` most of what is missing to 1 is rare light from far away, of which few paths find neither
-/// mean nor error.
+/// Numbers of sharpness. Below `from_per_mm` most of what is missing to 1 is rare light from far away, of
+/// which few paths find neither mean nor error.
 pub(super) fn of_sharpness(result: &MtfResult, highest: [f64; 2]) -> Numbers {
     let mut all = Numbers::new();
     let view = &result.views[0];

@@ -13,8 +13,9 @@ fn threshold(luminance: f64, diameter_arcmin: f64, age_years: f64) -> f64 {
     task(diameter_arcmin, age_years, Polarity::Darker).threshold_cd_m2(luminance).unwrap()
 }
 
-/// Luminance of the background, cd/m2, diameter, minutes of arc, age, years, and the thresholds of dark and bright
-/// details, cd/m2: values of the expressions in the visibility level script of Radiance, evaluated in Python.
+/// Luminance of the background, cd/m2, diameter, minutes of arc, age, years, and the thresholds of dark and
+/// bright details, cd/m2: values of the expressions in the visibility level script of Radiance, evaluated in
+/// Python.
 const OF_RADIANCE: [[f64; 5]; 11] = [
     [0.1, 3.0, 25.0, 0.136_035_016, 0.168_483_359],
     [0.3, 10.0, 40.0, 0.029_678_179_6, 0.049_072_626_6],
@@ -42,9 +43,9 @@ fn thresholds_agree_with_the_expressions_of_radiance() {
     }
 }
 
-/// Log10 of the threshold contrasts of Blackwell, J. Opt. Soc. Am. 36, 624 (1946), for discs of 0.595, 3.60, 9.68 and
-/// 18.2 minutes of arc on backgrounds of 4 to 12 mag per square second of arc, as tabulated by Clark, *Visual Astronomy of
-/// the Deep Sky* (1990).
+/// Log10 of the threshold contrasts of Blackwell, J. Opt. Soc. Am. 36, 624 (1946), for discs of 0.595, 3.60,
+/// 9.68 and 18.2 minutes of arc on backgrounds of 4 to 12 mag per square second of arc, as tabulated by
+/// Clark, *Visual Astronomy of the Deep Sky* (1990).
 const OF_BLACKWELL: [[f64; 4]; 9] = [
     [-0.3769, -1.8064, -2.3368, -2.4601],
     [-0.3315, -1.7747, -2.3337, -2.4608],
@@ -57,9 +58,9 @@ const OF_BLACKWELL: [[f64; 4]; 9] = [
     [0.2934, -1.2256, -1.9674, -2.1965],
 ];
 
-/// Blackwell's discs were shown for 6 s to young readers and seen in half of all cases. Adrian's formula averages his data
-/// with others: it is within a factor of 1.8 of them, and within 7 % for 3.6 minutes of arc in moderate light. In brighter
-/// light it is higher (see the head of this module).
+/// Blackwell's discs were shown for 6 s to young readers and seen in half of all cases. Adrian's formula
+/// averages his data with others: it is within a factor of 1.8 of them, and within 7 % for 3.6 minutes of arc
+/// in moderate light. In brighter light it is higher (see the head of this module).
 #[test]
 fn thresholds_agree_with_the_data_of_blackwell() {
     for (row, logs) in OF_BLACKWELL.iter().enumerate() {
@@ -95,8 +96,8 @@ fn larger_details_and_younger_readers_have_lower_thresholds() {
     }
 }
 
-/// Up to 350 cd/m2, brighter text of the same contrast is easier to see. The threshold contrast of coarse details is
-/// constant within 7 % from 10 cd/m2 (Weber's law).
+/// Up to 350 cd/m2, brighter text of the same contrast is easier to see. The threshold contrast of coarse
+/// details is constant within 7 % from 10 cd/m2 (Weber's law).
 #[test]
 fn light_improves_vision() {
     for step in 0..35 {

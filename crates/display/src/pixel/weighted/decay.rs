@@ -17,8 +17,9 @@ pub(super) struct Decay {
 const SLOWEST: f64 = 0.95;
 
 impl Decay {
-    /// Returns the decay of magnitudes. They oscillate where a structure has the same angle at all wavelengths, and a pair may be
-    /// small by chance: the bound has the size of the largest pair and the slowest decay between any two.
+    /// Returns the decay of magnitudes. They oscillate where a structure has the same angle at all
+    /// wavelengths, and a pair may be small by chance: the bound has the size of the largest pair and the
+    /// slowest decay between any two.
     pub(super) fn of(last: [f64; LAST]) -> Self {
         let [first, second, third] = [0, 2, 4].map(|k: usize| last[k] + last[k + 1]);
         let quotient = |next: f64, before: f64| if next > 0.0 { next / before } else { 0.0 };
@@ -84,7 +85,8 @@ pub(super) fn weighted_rows(values: &[f64], weights: &[Vec<f64>; LAST]) -> Vec<f
     sums
 }
 
-/// Adds weighted rows to columns from the first one on, `N` at a time, whose sums remain in registers; returns the next column.
+/// Adds weighted rows to columns from the first one on, `N` at a time, whose sums remain in registers;
+/// returns the next column.
 #[inline(always)]
 fn add_columns<const N: usize>(sum: &mut [f64], rows: &[f64], weights: &[f64], first: usize) -> usize {
     let columns = sum.len();

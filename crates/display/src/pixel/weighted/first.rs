@@ -31,9 +31,9 @@ struct Own<'a, F> {
 }
 
 impl WeightedNodes {
-    /// Chooses the first panels so that they suffice for this film, with a margin. `critical` is the cosine of the critical angle of
-    /// the film's gap: there, films have structure that is sharp and at the same angle at all wavelengths. A panel resolves it best
-    /// at its ends.
+    /// Chooses the first panels so that they suffice for this film, with a margin. `critical` is the cosine
+    /// of the critical angle of the film's gap: there, films have structure that is sharp and at the same
+    /// angle at all wavelengths. A panel resolves it best at its ends.
     pub(crate) fn fit<E>(
         &mut self,
         fractions: Fractions<'_>,
@@ -62,7 +62,8 @@ impl WeightedNodes {
         Ok(())
     }
 
-    /// Returns panels of this number of nodes, each as wide as its share of the error allows; `None` if the narrowest are too wide.
+    /// Returns panels of this number of nodes, each as wide as its share of the error allows; `None` if the
+    /// narrowest are too wide.
     fn equally_accurate<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>>(
         &mut self,
         own: &Own<'_, F>,

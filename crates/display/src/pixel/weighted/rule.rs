@@ -1,4 +1,5 @@
-//! Quadrature rules for known light on a panel of cosines: the integral of the polynomial through Chebyshev points.
+//! Quadrature rules for known light on a panel of cosines: the integral of the polynomial through Chebyshev
+//! points.
 
 use std::f64::consts::PI;
 
@@ -10,7 +11,8 @@ pub(super) const LAST: usize = 6;
 /// Degrees up to this multiple of the number of nodes have aliases of their own.
 const DEGREES: usize = 3;
 
-/// Effects of the missing coefficients N and N + 1, N + 2 and N + 3, ... on the error; the last one is a bound for all others.
+/// Effects of the missing coefficients N and N + 1, N + 2 and N + 3, ... on the error; the last one is a
+/// bound for all others.
 pub(super) type Aliases = Vec<f64>;
 
 /// Panel with this number of nodes, which is even; its borders are given in parts of 0 to 1.
@@ -101,8 +103,8 @@ fn polynomials(degrees: usize, angles: impl Iterator<Item = f64> + Clone) -> Vec
     (0..degrees).map(|degree| angles.clone().map(|angle| (degree as f64 * angle).cos()).collect()).collect()
 }
 
-/// Returns weights of the light that a perfect diffuser sends everywhere, on the fine nodes of a panel (Chebyshev points on each
-/// part, whose weights are exact to 0.2 %).
+/// Returns weights of the light that a perfect diffuser sends everywhere, on the fine nodes of a panel
+/// (Chebyshev points on each part, whose weights are exact to 0.2 %).
 fn by_projected_area(cosines: &[f64], panel: Panel) -> Vec<f64> {
     let of_part = cosines.len() / (panel.end - panel.start) as usize;
     let weight = |(node, cosine): (usize, &f64)| {

@@ -1,8 +1,8 @@
 //! Figures on pages of pixels to which flat faces, or a front above a diffuser, return light.
 //!
-//! A figure of reflectance rho on a page of another has the irradiance E(rho, page) of [`Recycling`]; 1/E is almost linear in
-//! both, so that a few pairs serve all states and wavelengths. Where light spreads inside the pixels, `sqrt(rho) E` is a smooth function of
-//! both roots instead.
+//! A figure of reflectance rho on a page of another has the irradiance E(rho, page) of [`Recycling`]; 1/E is
+//! almost linear in both, so that a few pairs serve all states and wavelengths. Where light spreads inside
+//! the pixels, `sqrt(rho) E` is a smooth function of both roots instead.
 
 use papilio_imaging::text::Bitmap;
 use papilio_transport::spatial::Cells;
@@ -39,8 +39,8 @@ struct Known {
     spreads: bool,
     /// 1/E of the figure; `sqrt(rho) E` where light spreads inside the pixels.
     own: Table,
-    /// Further images of the pixels in an oblique view: the fraction of each at the wavelengths of the grid, and the light of the cells in
-    /// it. The first fraction is that of the figure itself.
+    /// Further images of the pixels in an oblique view: the fraction of each at the wavelengths of the grid,
+    /// and the light of the cells in it. The first fraction is that of the figure itself.
     fractions: Vec<Vec<f64>>,
     images: Vec<Table>,
 }
@@ -103,7 +103,8 @@ impl Irradiance {
         Ok(Some(Self { returns }))
     }
 
-    /// Irradiance of a figure on a page over that of a page of a state, for each wavelength, from their reflectances.
+    /// Irradiance of a figure on a page over that of a page of a state, for each wavelength, from their
+    /// reflectances.
     pub(super) fn over_page(&self, pair: [&[f64]; 2], of: &[f64]) -> Vec<f64> {
         let mut factors = vec![1.0; of.len()];
         for Known { bins, of_page, own, .. } in &self.returns {
@@ -114,7 +115,8 @@ impl Irradiance {
         factors
     }
 
-    /// Colour of a figure on a page, from the light of pages and the reflectance of two states, `[state][wavelength]`.
+    /// Colour of a figure on a page, from the light of pages and the reflectance of two states,
+    /// `[state][wavelength]`.
     pub(super) fn colour(&self, light: &[[&[f64]; 3]; 2], rho: [&[f64]; 2]) -> Colour {
         let mut sum = [0.0; 3];
         for Known { bins, of_page, spreads, own, fractions, images } in &self.returns {

@@ -12,10 +12,11 @@ use crate::setup::{Setup, ViewPoint};
 #[derive(Default)]
 pub(super) struct Measured {
     pub(super) names: Vec<String>,
-    /// Y of the page through each window from each sub-pixel and the inactive area, `[light][window][sub-pixel]`.
+    /// Y of the page through each window from each sub-pixel and the inactive area,
+    /// `[light][window][sub-pixel]`.
     pub(super) page: Vec<Vec<Vec<f64>>>,
-    /// Y that arrives at each sub-pixel through each window of a filter and, last, between them, `[light][window][sub-pixel]`; empty
-    /// without filter.
+    /// Y that arrives at each sub-pixel through each window of a filter and, last, between them,
+    /// `[light][window][sub-pixel]`; empty without filter.
     pub(super) entered: Vec<Vec<Vec<f64>>>,
     /// Colour of each state as a figure on the page, `[figure][state]`; empty without such a figure.
     pub(super) figures: [Vec<Colour>; 4],
@@ -24,8 +25,8 @@ pub(super) struct Measured {
     pub(super) from_faces: Colour,
 }
 
-/// What a view sees. The errors are the differences from the other level, if `others` is one, or else those of a jackknife: `others` are
-/// then all replicates but one.
+/// What a view sees. The errors are the differences from the other level, if `others` is one, or else those
+/// of a jackknife: `others` are then all replicates but one.
 pub(super) fn assembled(
     setup: &Setup,
     view: &ViewPoint,

@@ -1,7 +1,7 @@
 //! `papilio crosstalk`: which sub-pixel lights which, and the colours and contrast of fine figures.
 //!
-//! By adding every number is computed at two levels of discretisation; the finer one is the result, the difference its error. By Monte Carlo
-//! (`paths`) errors are standard errors.
+//! By adding every number is computed at two levels of discretisation; the finer one is the result, the
+//! difference its error. By Monte Carlo (`paths`) errors are standard errors.
 
 mod filter;
 mod flat;
@@ -41,8 +41,8 @@ use crate::setup::{Setup, ViewPoint};
 /// X, Y and Z relative to a perfect white.
 type Colour = [f64; 3];
 
-/// Natural digits of the first level and how many more each further one has, the highest order of the sub-pixels' pattern that the first
-/// level resolves (each further one twice as many), and the finest level.
+/// Natural digits of the first level and how many more each further one has, the highest order of the
+/// sub-pixels' pattern that the first level resolves (each further one twice as many), and the finest level.
 const DIGITS: f64 = 8.0;
 const MORE_DIGITS: f64 = 3.0;
 const ORDERS: f64 = 2.0;
@@ -58,7 +58,8 @@ const BLACK: &str = "black";
 /// Computes who lights whom in each view, and the colours of figures on a page. Text is `text`.
 ///
 /// # Errors
-/// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered, or the computation was stopped.
+/// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered,
+/// or the computation was stopped.
 pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<CrosstalkResult, DisplayError> {
     let setup = Setup::with_filter(scene, control)?;
     if scene.display.filter().is_some() && scene.display.pixel_spread().is_some() {
@@ -140,7 +141,8 @@ fn refined(
     if found.finished { Ok(of([&found.finer, &found.coarser])) } else { Err(DisplayError::Interrupted) }
 }
 
-/// Returns the number with the largest error, and this error: of the shares, or a relative one of a contrast ratio.
+/// Returns the number with the largest error, and this error: of the shares, or a relative one of a contrast
+/// ratio.
 fn largest_error(view: &CrosstalkView) -> (&'static str, f64) {
     let of_pattern = |pattern: &PatternColours| {
         Some((pattern.name.name(), pattern.error.contrast_ratio? / pattern.values.contrast_ratio?))
@@ -219,7 +221,8 @@ impl<'a> Frame<'a> {
             let finer = level.saturating_sub(1) as u32;
             self.measure(view, Level { digits, most_per_mm, is_fine: level > 0, finer })
         };
-        // The estimate for mirror-like pixels is bounded by the coarse level only: no further level is computed.
+        // The estimate for mirror-like pixels is bounded by the coarse level only: no further level is
+        // computed.
         let is_estimated = self.returns() && !self.is_flat() && self.panel.base.is_specular();
         refined(self.setup, view, if is_estimated { 1 } else { MOST_LEVEL }, at)
     }
@@ -363,7 +366,8 @@ impl<'a> Frame<'a> {
         Ok(Orders { once, pages, diffuse, own: Default::default() })
     }
 
-    /// Y of light that returns to mirror-like figures, and what of it comes from the figure itself, `[figure][state]`.
+    /// Y of light that returns to mirror-like figures, and what of it comes from the figure itself,
+    /// `[figure][state]`.
     fn own_light(
         &self,
         lit: Lit<'_>,
@@ -401,7 +405,8 @@ impl<'a> Frame<'a> {
         }))
     }
 
-    /// Colours of figures that are blurred: the page, less its light from the places of the figure and more of that of the figure.
+    /// Colours of figures that are blurred: the page, less its light from the places of the figure and more
+    /// of that of the figure.
     fn blurred(
         &self,
         figure: Figure,
@@ -457,7 +462,8 @@ impl<'a> Frame<'a> {
         Ok((colours, Some(beside)))
     }
 
-    /// Light of each part from the places of text, the mean over the middles of its strokes; `None` without text.
+    /// Light of each part from the places of text, the mean over the middles of its strokes; `None` without
+    /// text.
     fn strokes(&self, gathered: &Gathered) -> Option<Vec<Colour>> {
         let bitmap = self.text.as_ref()?;
         let middles = bitmap.middles().strokes;
@@ -479,8 +485,8 @@ impl<'a> Frame<'a> {
         (!middles.is_empty()).then_some(light)
     }
 
-    /// Reflectance of the states in the direction of the view, `[state][wavelength]`, and the irradiance of a figure; `None` without such
-    /// a figure.
+    /// Reflectance of the states in the direction of the view, `[state][wavelength]`, and the irradiance of a
+    /// figure; `None` without such a figure.
     fn irradiance(
         &self,
         figure: Figure,

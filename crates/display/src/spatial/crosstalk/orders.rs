@@ -1,12 +1,13 @@
 //! Light that meets the pixels once, and light that a front above a diffuser returned to them before.
 //!
-//! **What.** Of light that a front returns to mirror-like pixels, the last meeting with the pixels is seen as in diffuse light: it comes
-//! from all directions of the lobe, whatever the source. Of the meetings before, a figure has the part that its sharpness says
-//! (`returned.rs`); all others have the reflectance of the page, or the mean of two columns of stripes. How much returns is known from pages.
-//! Lambertian pixels have the irradiance of the figure itself (`flat.rs`), which hardly changes over the width of a lobe.
+//! **What.** Of light that a front returns to mirror-like pixels, the last meeting with the pixels is seen as
+//! in diffuse light: it comes from all directions of the lobe, whatever the source. Of the meetings before, a
+//! figure has the part that its sharpness says (`returned.rs`); all others have the reflectance of the page,
+//! or the mean of two columns of stripes. How much returns is known from pages. Lambertian pixels have the
+//! irradiance of the figure itself (`flat.rs`), which hardly changes over the width of a lobe.
 //!
-//! **Error.** For mirror-like pixels the coarse level takes all meetings to be at the places that are seen directly. The difference is
-//! stated as the error.
+//! **Error.** For mirror-like pixels the coarse level takes all meetings to be at the places that are seen
+//! directly. The difference is stated as the error.
 
 use super::places::Gathered;
 use super::{Colour, Figure};
@@ -17,9 +18,11 @@ pub(super) struct Orders {
     pub(super) once: Gathered,
     /// Uniform pages in this light, `[state]`.
     pub(super) pages: Vec<Colour>,
-    /// Both for diffuse light of this spectrum, where light of the source is seen from other places and a front returns some.
+    /// Both for diffuse light of this spectrum, where light of the source is seen from other places and a
+    /// front returns some.
     pub(super) diffuse: Option<(Gathered, Vec<Colour>)>,
-    /// Y of light that returns to a figure on its own page, and what of it comes from the figure, `[figure][state]`.
+    /// Y of light that returns to a figure on its own page, and what of it comes from the figure,
+    /// `[figure][state]`.
     pub(super) own: [Vec<[f64; 2]>; 4],
 }
 
@@ -46,7 +49,8 @@ impl Orders {
         own.for_each(|(sum, more)| (0..2).for_each(|k| sum[k] += more[k]));
     }
 
-    /// Adds what is returned to the light of the page by window and sub-pixel; `all` is Y of the page through all orders.
+    /// Adds what is returned to the light of the page by window and sub-pixel; `all` is Y of the page through
+    /// all orders.
     pub(super) fn add_returned(&mut self, page: usize, all: f64, is_fine: bool) {
         let over = |part: f64, whole: f64| if whole > 0.0 { (part / whole).max(0.0) } else { 0.0 };
         let once = self.pages[page][1];
@@ -60,8 +64,8 @@ impl Orders {
         }
     }
 
-    /// Colour of a figure on a page. `pages` are uniform pages through all orders; `within` is the light that comes from the places of a
-    /// figure in a state, if true in diffuse light.
+    /// Colour of a figure on a page. `pages` are uniform pages through all orders; `within` is the light that
+    /// comes from the places of a figure in a state, if true in diffuse light.
     pub(super) fn figure(
         &self,
         figure: Figure,

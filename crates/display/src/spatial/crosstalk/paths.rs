@@ -1,8 +1,10 @@
-//! Crosstalk by Monte Carlo: all layers and lights of the [walk with places](crate::spatial::walk), with standard errors.
+//! Crosstalk by Monte Carlo: all layers and lights of the [walk with places](crate::spatial::walk), with
+//! standard errors.
 //!
-//! The own ray of a path meets the pixels anywhere in a column. The first meeting of the path, followed back from the viewer, is the sub-pixel
-//! that the light left; through a filter, the window is where the path passed it before. Figures are patterns of the pixels, seen through all orders. What
-//! enters through a filter is followed back from the pixels.
+//! The own ray of a path meets the pixels anywhere in a column. The first meeting of the path, followed back
+//! from the viewer, is the sub-pixel that the light left; through a filter, the window is where the path
+//! passed it before. Figures are patterns of the pixels, seen through all orders. What enters through a
+//! filter is followed back from the pixels.
 //!
 //! Errors are those of a jackknife: each number is computed with each of the replicates left out in turn.
 
@@ -34,7 +36,8 @@ struct Scenes<'a> {
     windows: Windows,
     /// True if the windows are those of a filter.
     has_filter: bool,
-    /// Reflecting surfaces of each state in each window and between them, with the fractions that they cover: `[state][window]`.
+    /// Reflecting surfaces of each state in each window and between them, with the fractions that they cover:
+    /// `[state][window]`.
     shown: Vec<Vec<Vec<(usize, f64)>>>,
     /// States whose figures are measured.
     figures: Vec<usize>,
@@ -166,7 +169,8 @@ impl<'a> Scenes<'a> {
 
 /// Figures on a page, and the page by window and sub-pixel: the images of one view.
 ///
-/// Image 0 is the page. Then follow each figure in its states, the page beside a black stripe, and the light of the page by window and sub-pixel.
+/// Image 0 is the page. Then follow each figure in its states, the page beside a black stripe, and the light
+/// of the page by window and sub-pixel.
 struct Page<'a> {
     scenes: &'a Scenes<'a>,
     /// State of the page, and black.

@@ -1,7 +1,7 @@
 //! Light of each surface by the place where it leaves the pixels: sums over the directions that a view sees.
 //!
-//! A direction that a view sees shows the pixels, shifted by a vector: what a window or a pixel shows of another is the area
-//! that they share. Areas are exact; only the directions are a sum.
+//! A direction that a view sees shows the pixels, shifted by a vector: what a window or a pixel shows of
+//! another is the area that they share. Areas are exact; only the directions are a sum.
 
 use papilio_transport::spatial::{PanelSpread, Part as Directions, Window};
 use papilio_transport::{Base, Medium};
@@ -66,7 +66,8 @@ impl Windows {
     }
 }
 
-/// Sums what is seen along all directions of a spread. `weights` are those of the light at each wavelength in X, Y and Z.
+/// Sums what is seen along all directions of a spread. `weights` are those of the light at each wavelength in
+/// X, Y and Z.
 pub(super) fn gather(
     spread: &PanelSpread,
     (base, medium): (&Base, &Medium),

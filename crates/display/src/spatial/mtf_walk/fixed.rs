@@ -10,12 +10,14 @@ use crate::spatial::patterns;
 /// Most middles of strokes that are seen.
 const MOST_STROKES: usize = 256;
 
-/// Images: lines, strokes of black text on white, the white and the black page, and half of the area of each in the finest pattern.
+/// Images: lines, strokes of black text on white, the white and the black page, and half of the area of each
+/// in the finest pattern.
 pub(super) struct Fixed {
     white: usize,
     black: usize,
     pitch_mm: [f64; 2],
-    /// Axis that the line is across, states of line and surround, and half of its width, mm; in the order of [`LineContrast`].
+    /// Axis that the line is across, states of line and surround, and half of its width, mm; in the order of
+    /// [`LineContrast`].
     lines: Vec<(usize, [usize; 2], f64)>,
     text: Option<Bitmap>,
     /// Numbers of the pixels in the middle of strokes.

@@ -1,8 +1,9 @@
-//! `papilio mtf` by Monte Carlo: all layers and lights of the [walk with places](super::walk), with standard errors.
+//! `papilio mtf` by Monte Carlo: all layers and lights of the [walk with places](super::walk), with standard
+//! errors.
 //!
-//! The kernel of a state is the response of all orders to a small change at a place: for mirror-like pixels below a lobe it is the
-//! light of the state itself. Each source has its Y. Errors are those of a jackknife: each number is computed with each of the replicates left
-//! out in turn.
+//! The kernel of a state is the response of all orders to a small change at a place: for mirror-like pixels
+//! below a lobe it is the light of the state itself. Each source has its Y. Errors are those of a jackknife:
+//! each number is computed with each of the replicates left out in turn.
 
 mod fixed;
 mod sums;
@@ -38,7 +39,8 @@ const SEARCHED: f64 = 8.0;
 /// Extent of tables of places, in thicknesses of all layers.
 const EXTENT: f64 = 20.0;
 
-/// Width about the view's own ray and the mirror rays of lamps in which tables are dense, in thicknesses of all layers.
+/// Width about the view's own ray and the mirror rays of lamps in which tables are dense, in thicknesses of
+/// all layers.
 const DENSE: f64 = 0.03;
 
 /// Distance from the view's own ray, in thicknesses, within which a table has all light of a sharp image.

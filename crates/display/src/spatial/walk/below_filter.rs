@@ -4,8 +4,8 @@ use papilio_transport::walk::places::{FilterPlane, Meeting, Pattern};
 
 use crate::scene::FilterState;
 
-/// A pattern of states of a display with a filter, about the view's own ray, which is anywhere below the filter: below each window the state
-/// that the pixel has there, black between them.
+/// A pattern of states of a display with a filter, about the view's own ray, which is anywhere below the
+/// filter: below each window the state that the pixel has there, black between them.
 pub(super) struct BelowFilter<'a> {
     pub(super) plane: &'a FilterPlane,
     pub(super) states: &'a [FilterState],
@@ -16,7 +16,8 @@ pub(super) struct BelowFilter<'a> {
 const MOST_PERIODS: u32 = 1000;
 
 impl BelowFilter<'_> {
-    /// Length over which own rays are distributed along an axis: whole periods of the pattern that are whole periods of the filter, or very many.
+    /// Length over which own rays are distributed along an axis: whole periods of the pattern that are whole
+    /// periods of the filter, or very many.
     fn whole_periods(&self, axis: usize) -> f64 {
         let (own, filter) = (self.pattern.period_mm()[axis], self.plane.period_mm[axis]);
         let fits = |periods: &u32| {

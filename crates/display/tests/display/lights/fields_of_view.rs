@@ -93,7 +93,8 @@ fn mirror_image_is_the_mean_over_the_field_of_view() {
     }
 }
 
-/// For paper under glass, the mean over a field of view near the horizon differs from the value at its centre.
+/// For paper under glass, the mean over a field of view near the horizon differs from the value at its
+/// centre.
 #[test]
 fn field_of_view_near_the_horizon_is_the_mean_over_its_directions() {
     let out: f64 = rule(0.0, FRAC_PI_2).iter().map(|(x, w)| w * (2.0 * x).sin() * entering(x.cos())).sum();
@@ -140,7 +141,8 @@ fn common_rotation_of_light_and_view_has_no_effect() {
     }
 }
 
-/// Front light alone over a lobe, by a profile (linear between angles) and by a luminaire's table (intensity over the cosine).
+/// Front light alone over a lobe, by a profile (linear between angles) and by a luminaire's table (intensity
+/// over the cosine).
 #[test]
 fn front_light_equals_the_quadrature_of_its_distribution() {
     let folder = folder();

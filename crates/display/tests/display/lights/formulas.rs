@@ -50,7 +50,8 @@ pub(super) struct Light {
 }
 
 impl Light {
-    /// Returns the mean of a function of direction, weighted by irradiance on the display, and the irradiance.
+    /// Returns the mean of a function of direction, weighted by irradiance on the display, and the
+    /// irradiance.
     pub(super) fn mean(&self, seen: impl Fn(Direction) -> f64) -> (f64, f64) {
         let (mut sum, mut whole) = (0.0, 0.0);
         for (towards, solid) in &self.points {
@@ -64,8 +65,8 @@ impl Light {
     }
 }
 
-/// Directions above the display in a box of angles from an axis and azimuths about it, degrees; boxes also end at the mirror image
-/// of the view, where lobes have their peak.
+/// Directions above the display in a box of angles from an axis and azimuths about it, degrees; boxes also
+/// end at the mirror image of the view, where lobes have their peak.
 pub(super) fn boxes(frame: [Direction; 3], angles: &[f64], turns: &[f64]) -> Vec<(Direction, f64)> {
     let [x, y, z] = frame.map(|axis| dot(axis, image()));
     let cut = |ends: &[f64], at: f64| {
@@ -154,7 +155,8 @@ pub(super) fn apart(a: Direction, b: Direction) -> f64 {
     2.0 * (0.5 * chord).min(1.0).asin()
 }
 
-/// Converts a direction of the world, such as that of a sun, to the frame of a display that is tilted about the x axis.
+/// Converts a direction of the world, such as that of a sun, to the frame of a display that is tilted about
+/// the x axis.
 pub(super) fn tilted(world: Direction, tilt: f64) -> Direction {
     let (s, c) = tilt.to_radians().sin_cos();
     [world[0], c * world[1] + s * world[2], c * world[2] - s * world[1]]

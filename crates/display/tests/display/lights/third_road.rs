@@ -1,11 +1,13 @@
-//! A third method for all kinds of light: quadrature of their formulas, implemented independently, against both solvers.
+//! A third method for all kinds of light: quadrature of their formulas, implemented independently, against
+//! both solvers.
 //!
-//! No code of the library is used: radiances are the formulas of the standards, and directions are summed by the
-//! double-exponential rule in spherical coordinates about a *horizontal* axis (so that the limits of display and horizon are
-//! azimuths), divided at the sun.
+//! No code of the library is used: radiances are the formulas of the standards, and directions are summed by
+//! the double-exponential rule in spherical coordinates about a *horizontal* axis (so that the limits of
+//! display and horizon are azimuths), divided at the sun.
 //!
 //! Three displays: a mirror, which shows the radiance itself; Lambertian paper under glass, which weights
-//! directions by Fresnel's formulas; and a mirror under a k-correlation diffuser, whose two passes equal one of twice the width.
+//! directions by Fresnel's formulas; and a mirror under a k-correlation diffuser, whose two passes equal one
+//! of twice the width.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -68,7 +70,8 @@ pub(super) fn truth(name: &str, light: &Light) -> f64 {
             by_base * light.mean(|towards| entering(towards[2])).0 + (1.0 - entering(cosine)) * in_mirror()
         }
         _ => {
-            // Two passes of the lobe equal one of twice the width, minus the light outside the disc of the glass.
+            // Two passes of the lobe equal one of twice the width, minus the light outside the disc of the
+            // glass.
             let peak = image();
             let beyond = |towards: Direction| {
                 let sum = (towards[0] + peak[0]).powi(2) + (towards[1] + peak[1]).powi(2);
@@ -119,8 +122,8 @@ pub(super) fn text_seen(display: &str, light: &str, solver: &str, (view, field):
     )
 }
 
-/// All kinds of light over all displays, by both solvers. The error of the reference is that of its lobe: 1e-7 at the peak, 1e-6
-/// at grazing angles.
+/// All kinds of light over all displays, by both solvers. The error of the reference is that of its lobe:
+/// 1e-7 at the peak, 1e-6 at grazing angles.
 #[test]
 fn reflectance_under_every_light_equals_the_quadrature_of_its_formula() {
     let folder = folder();

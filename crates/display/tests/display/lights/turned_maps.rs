@@ -1,7 +1,7 @@
 //! Light maps in any orientation, by both solvers, against the map's own pixels.
 //!
-//! No code of the library is used for the expected values: a direction is rotated into the picture by the angles' definition, and
-//! the irradiance and a lobe's light are sums over the sphere.
+//! No code of the library is used for the expected values: a direction is rotated into the picture by the
+//! angles' definition, and the irradiance and a lobe's light are sums over the sphere.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -147,7 +147,8 @@ fn lobe_gathers_the_light_of_a_map_in_any_orientation() {
              [display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = {{ white = {PIXEL}, black = 0.05 }}\n"
         );
         let peak = direction(view[0], view[1] + 180.0);
-        // Two passes of the lobe equal one of twice the width; the light outside the disc of the glass is some 1e-4.
+        // Two passes of the lobe equal one of twice the width; the light outside the disc of the glass is
+        // some 1e-4.
         let lobe = |[x, y, _]: [f64; 3]| {
             let wide = 2.0 * width;
             wide / (TAU * (wide * wide + (x - peak[0]).powi(2) + (y - peak[1]).powi(2)).powf(1.5))

@@ -6,8 +6,8 @@ use papilio_goniometry::{Channel, Direction, ScatterMode};
 use super::samples::ASTM;
 use super::{read, refused, refused_bsdf};
 
-/// Angles are in radians, and inclinations beyond 90 deg are on the back: unscattered light from 30 deg at azimuth 180 leaves at
-/// 150 deg, azimuth 0.
+/// Angles are in radians, and inclinations beyond 90 deg are on the back: unscattered light from 30 deg at
+/// azimuth 180 leaves at 150 deg, azimuth 0.
 #[test]
 fn astm_angles_are_radians_from_the_normal_of_the_front() {
     let measurement = read(ASTM);

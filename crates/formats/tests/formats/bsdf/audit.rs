@@ -70,8 +70,8 @@ fn flat40() -> Measurement {
     read(made.text(|_, _| 0.3, |_| 0.3 / PI))
 }
 
-/// Integral of the cosine over the part of a cap of 40 deg that lies in the hemisphere, divided by pi: by quadrature about the
-/// centre of the cap.
+/// Integral of the cosine over the part of a cap of 40 deg that lies in the hemisphere, divided by pi: by
+/// quadrature about the centre of the cap.
 fn cap(incidence_deg: f64) -> f64 {
     let (sin, cos) = incidence_deg.to_radians().sin_cos();
     let (rings, around) = (800, 800);
@@ -87,7 +87,8 @@ fn cap(incidence_deg: f64) -> f64 {
     sum / PI
 }
 
-/// Nothing is extrapolated without a key for it. Where the cap lies in the hemisphere, its integral is sin^2 40 cos(i).
+/// Nothing is extrapolated without a key for it. Where the cap lies in the hemisphere, its integral is sin^2
+/// 40 cos(i).
 #[test]
 fn light_beyond_the_last_measured_angle_is_reported_but_not_included() {
     let measurement = flat40();
@@ -121,7 +122,8 @@ fn kernel_extrapolates_only_on_request() {
     for (k, theta) in [0.0_f64, 20.0, 40.0, 60.0, 80.0].into_iter().enumerate() {
         let beta = theta.to_radians().sin();
         let known = 0.3 * cap(theta);
-        // The end of the lobe is between nodes, so that its totals are smooth in the incidence only to some thousandths.
+        // The end of the lobe is between nodes, so that its totals are smooth in the incidence only to some
+        // thousandths.
         let total = none.0.albedo_at(beta);
         assert!((total - known).abs() < 5e-3 * known, "{theta}: {total} {known}");
         assert!((hold.0.albedo_at(beta) - 0.3).abs() < 1e-3, "{theta}: {}", hold.0.albedo_at(beta));
@@ -151,8 +153,8 @@ fn complete_hemisphere_has_no_light_beyond() {
     );
 }
 
-/// Lambertian lobes whose reflectance varies with the rotation of the sample, with the mean 0.3 over a full turn, whose first and last
-/// rotation are the same; the instrument reports twice the integral as TIS.
+/// Lambertian lobes whose reflectance varies with the rotation of the sample, with the mean 0.3 over a full
+/// turn, whose first and last rotation are the same; the instrument reports twice the integral as TIS.
 fn rotated() -> Measurement {
     let made = SpecularTable {
         rotations: &[0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0, 360.0],
@@ -209,7 +211,8 @@ fn rotated_table_written_as_csv_reads_back() {
     }
 }
 
-/// The integral is the sum of value x projected solid angle, pi (cos^2 t0 - cos^2 t1)/n, computed independently.
+/// The integral is the sum of value x projected solid angle, pi (cos^2 t0 - cos^2 t1)/n, computed
+/// independently.
 #[test]
 fn integral_of_patches_is_their_weighted_sum() {
     let bounds = [0.0, 5.0, 15.0, 25.0, 35.0, 45.0, 55.0, 65.0, 75.0, 90.0];
@@ -249,7 +252,8 @@ fn integral_of_patches_is_their_weighted_sum() {
     assert_eq!(audit.incidences.len(), 9);
 }
 
-/// 1 on one side of the plane of incidence, 0.1 on the other: the mean is 0.9/ln 10 with logarithmic interpolation, 0.55 with linear.
+/// 1 on one side of the plane of incidence, 0.1 on the other: the mean is 0.9/ln 10 with logarithmic
+/// interpolation, 0.55 with linear.
 #[test]
 fn coarse_azimuth_grid_is_a_warning() {
     let made = SpecularTable {
@@ -301,7 +305,8 @@ fn azimuths_of_either_sign_give_the_same_audit() {
     assert!(text.contains("azimuths are 60 to 160 deg"), "{text}");
 }
 
-/// A white with a reflectance factor of 0.8, as an RGL table on a regular grid of half vectors that extends beyond the horizon.
+/// A white with a reflectance factor of 0.8, as an RGL table on a regular grid of half vectors that extends
+/// beyond the horizon.
 #[test]
 fn rgl_table_of_a_white_has_its_reflectance() {
     let (size, lights) = (64, 19);
@@ -336,7 +341,8 @@ fn rgl_table_of_a_white_has_its_reflectance() {
     for found in audit.incidences.iter().filter(|i| i.theta_deg <= 75.0) {
         assert!((found.integral / 0.8 - 1.0).abs() < 5e-3, "{found:?}");
     }
-    // Between the nodes of this grid, the error of f cos is up to 1e-3 of its largest value: a third of f where the cosine is 0.1.
+    // Between the nodes of this grid, the error of f cos is up to 1e-3 of its largest value: a third of f
+    // where the cosine is 0.1.
     let [rms, worst] = audit.reciprocity.unwrap();
     assert!(rms < 0.05 && worst < 0.4, "{rms} {worst}");
 }

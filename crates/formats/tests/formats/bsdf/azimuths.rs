@@ -170,8 +170,8 @@ fn rounded_radians_of_a_scan_are_degrees() {
     assert!(total < shape && total > 0.8 * shape);
 }
 
-/// More than half a circle, and no whole one: both sides were measured at some azimuths. Their means are taken with a note; sides that differ are
-/// refused.
+/// More than half a circle, and no whole one: both sides were measured at some azimuths. Their means are
+/// taken with a note; sides that differ are refused.
 #[test]
 fn azimuths_on_both_sides_are_averaged_with_a_note() {
     let table = |tilt: f64| {

@@ -6,8 +6,9 @@ use papilio_goniometry::{Channel, Direction, ScatterMode};
 use super::samples::{self, MATRIX, TREE_3, klems, merl, papilio, rgl, singles, tensors};
 use super::{file, read, refused, refused_bsdf, written};
 
-/// Light from 30 deg and a viewer at 30 deg, at azimuth 90 from it: theta_h = atan(tan 30 / sqrt 2) = 22.2077 deg,
-/// theta_d = acos(sqrt(5/8 + 3/8 ...)) from the vectors. In the mirror direction, theta_h = 0, theta_d = 30.
+/// Light from 30 deg and a viewer at 30 deg, at azimuth 90 from it: theta_h = atan(tan 30 / sqrt 2) = 22.2077
+/// deg, theta_d = acos(sqrt(5/8 + 3/8 ...)) from the vectors. In the mirror direction, theta_h = 0, theta_d =
+/// 30.
 #[test]
 fn merl_cell_is_found_by_its_index() {
     let measurement = read(merl());
@@ -43,7 +44,8 @@ fn merl_file_of_the_wrong_length_is_refused() {
     assert!(matches!(refused(nan).1, Problem::NotFinite { .. }));
 }
 
-/// The worked direction of the geometry's tests: 1/9 x 3/(4 x 0.5) / cos 50 deg; the value of the other wavelength is 5.
+/// The worked direction of the geometry's tests: 1/9 x 3/(4 x 0.5) / cos 50 deg; the value of the other
+/// wavelength is 5.
 #[test]
 fn rgl_value_agrees_with_the_definition_of_its_authors() {
     let measurement = read(rgl());
@@ -65,7 +67,8 @@ fn inconsistent_rgl_file_is_refused() {
         assert!(matches!(refused_bsdf(&whole[..length]).1, BsdfProblem::Ends { .. }), "{length}");
     }
     let mut huge = whole.clone();
-    // The shape of `phi_i`: after the header, the entry `description` (32 bytes), and its own name, type and offset.
+    // The shape of `phi_i`: after the header, the entry `description` (32 bytes), and its own name, type and
+    // offset.
     let at = 18 + 32 + 2 + 5 + 2 + 1 + 8;
     huge[at..at + 8].copy_from_slice(&u64::MAX.to_le_bytes());
     assert!(matches!(refused_bsdf(&huge).1, BsdfProblem::Ends { .. }));
@@ -128,8 +131,8 @@ fn loss_of_information_is_reported() {
     assert_eq!(csv.unwrap_err().to_string(), "CSV cannot hold a warped grid");
 }
 
-/// Cells of the file are [theta_i][theta_o][dphi][wavelength]. Light from 10 deg and a viewer at 20 deg, 180 deg of azimuth apart,
-/// are the last cell.
+/// Cells of the file are [theta_i][theta_o][dphi][wavelength]. Light from 10 deg and a viewer at 20 deg, 180
+/// deg of azimuth apart, are the last cell.
 #[test]
 fn bsdf_of_a_display_is_read_as_its_first_state() {
     let read = read_bsdf(&file(samples::display())).unwrap();

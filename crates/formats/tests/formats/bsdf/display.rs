@@ -1,4 +1,5 @@
-//! Exports of a display's BSDF, read back: RGL tensor files, tables of Radiant and Zemax, CSV and Klems matrices.
+//! Exports of a display's BSDF, read back: RGL tensor files, tables of Radiant and Zemax, CSV and Klems
+//! matrices.
 
 use std::f64::consts::PI;
 
@@ -14,7 +15,8 @@ use papilio_goniometry::{Direction, Fill, Geometry, MeasuredPart, ScatterMode, S
 
 const SOURCE: BsdfSource<'_> = BsdfSource { papilio: "0", title: "a \"panel\"", hash: "00" };
 
-/// Table of a display with f(theta_i, theta_o, dphi), degrees, at two wavelengths; twice as much at the second.
+/// Table of a display with f(theta_i, theta_o, dphi), degrees, at two wavelengths; twice as much at the
+/// second.
 fn table(step_deg: f64, size: usize, f: impl Fn(f64, f64, f64) -> f64) -> HalfVectorTable {
     // The lobe has a half-width of 12.6 deg, and half vectors half of it.
     let grid = HalfVectorGrid::new(step_deg, size, &LobeWidths::constant(6.3));
@@ -133,7 +135,8 @@ fn rgl_file_read_back_is_reciprocal() {
     }
 }
 
-/// Readers normalise the densities: there is one for each light, also where nothing is scattered (a bare panel).
+/// Readers normalise the densities: there is one for each light, also where nothing is scattered (a bare
+/// panel).
 #[test]
 fn rgl_file_has_a_density_of_directions_for_each_light() {
     for f in [lambertian as fn(f64, f64, f64) -> f64, lobe, |_, _, _| 0.0] {
@@ -201,7 +204,8 @@ fn csv_has_a_row_for_each_pair_of_directions_and_wavelength() {
     assert_eq!(text.lines().count(), 1 + 3 * 9);
 }
 
-/// A lobe, read back: X, Y, Z of a grey display are equal, their integral is the TIS, and the mirror part is in neither.
+/// A lobe, read back: X, Y, Z of a grey display are equal, their integral is the TIS, and the mirror part is
+/// in neither.
 #[test]
 fn radiant_file_read_back_has_the_values_and_the_total_integrated_scatter() {
     let lights: Vec<f64> = (0..6).map(|k| 15.0 * f64::from(k)).collect();
@@ -249,7 +253,8 @@ fn radiant_file_read_back_has_the_values_and_the_total_integrated_scatter() {
                 let at_node = ratio(viewer.theta_o_deg, viewer.dphi_deg);
                 assert!((at_node - 1.0).abs() < 1e-5, "{theta}, {azimuth}, {radial}: {at_node}");
             }
-            // Between nodes, `evaluate` is linear: least accurate on the flank of the lobe at 75 deg, by 0.9 %.
+            // Between nodes, `evaluate` is linear: least accurate on the flank of the lobe at 75 deg, by 0.9
+            // %.
             for (theta_o, dphi) in [(20.0, 180.0), (40.0, 150.0), (10.0, 30.0)] {
                 let between = ratio(theta_o, dphi);
                 assert!(
@@ -269,8 +274,9 @@ fn scene_script_contains_the_title_as_a_string_of_python() {
     assert!(!script.contains("@TITLE@"));
 }
 
-/// The weights of the nested blends of `scene.py` multiply back to the coverages of the states, in pictures of red, green and blue, in
-/// those of black and white, and in those of any states, which are read from the files of `papilio image`.
+/// The weights of the nested blends of `scene.py` multiply back to the coverages of the states, in pictures
+/// of red, green and blue, in those of black and white, and in those of any states, which are read from the
+/// files of `papilio image`.
 #[test]
 fn blends_of_the_scene_script_multiply_back_to_the_coverages() {
     let folder = tempfile::tempdir().unwrap();

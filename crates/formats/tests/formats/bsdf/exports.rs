@@ -1,6 +1,7 @@
-//! Exports of a display's BSDF between their nodes, by readers that are written here from the descriptions of the formats and share no
-//! code with the program: a tensor file whose density is integrated numerically, a tabular BSDF, a CSV and Klems matrices. The display
-//! is a lobe with a formula, as narrow as that of a diffuser of 5 % haze, and as wide as that of an ordinary one.
+//! Exports of a display's BSDF between their nodes, by readers that are written here from the descriptions of
+//! the formats and share no code with the program: a tensor file whose density is integrated numerically, a
+//! tabular BSDF, a CSV and Klems matrices. The display is a lobe with a formula, as narrow as that of a
+//! diffuser of 5 % haze, and as wide as that of an ordinary one.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -101,7 +102,8 @@ fn stated_error(exported: Exported<'_>, lobe: Lobe, lights: &[f64], read: &Reade
     stated
 }
 
-/// The sum over viewers, relative to the light that leaves, by equal parts of the lobe: the fraction within r is 1 - b / sqrt(b^2 + r^2).
+/// The sum over viewers, relative to the light that leaves, by equal parts of the lobe: the fraction within r
+/// is 1 - b / sqrt(b^2 + r^2).
 fn furnace(lobe: Lobe, theta_i: f64, read: &Reader) -> f64 {
     let (n, sin) = (40, theta_i.to_radians().sin());
     let (mut sum, mut exact) = (0.0, 0.0);
@@ -158,8 +160,9 @@ fn tensors(bytes: &[u8]) -> Vec<(String, Vec<usize>, Vec<f64>)> {
     found
 }
 
-/// Reads the wavelength of 550 nm as Dupuy & Jakob 2018 describe it. The uniform number of a half vector on its row is the part of the
-/// density below it: here, an integral of the interpolated density in steps, not a table of cumulative sums.
+/// Reads the wavelength of 550 nm as Dupuy & Jakob 2018 describe it. The uniform number of a half vector on
+/// its row is the part of the density below it: here, an integral of the interpolated density in steps, not a
+/// table of cumulative sums.
 fn rgl_reader(bytes: &[u8]) -> Reader {
     let tensors = tensors(bytes);
     let get = |name: &str| tensors.iter().find(|(own, ..)| own == name).unwrap().clone();
@@ -328,7 +331,8 @@ fn csv_reader(text: &str) -> (Reader, Vec<f64>) {
     (Box::new(reader), lights)
 }
 
-/// A grid of fixed directions doubles the peak of a narrow lobe between its directions of the light: the error is stated.
+/// A grid of fixed directions doubles the peak of a narrow lobe between its directions of the light: the
+/// error is stated.
 #[test]
 fn csv_states_the_error_that_a_reader_has_between_nodes() {
     for (lobe, step, least) in [(WIDE, 5.0, 0.02), (Lobe { b: 1.0 }, 5.0, 0.0), (NARROW, 15.0, 1.0)] {
@@ -388,7 +392,8 @@ fn klems_patches() -> Vec<(usize, usize, f64)> {
     (0..9).flat_map(of_ring).collect()
 }
 
-/// Mean of the lobe between two patches, whose mirror directions have the same number, by points of equal projected solid angle.
+/// Mean of the lobe between two patches, whose mirror directions have the same number, by points of equal
+/// projected solid angle.
 fn patch_mean(lobe: Lobe, incoming: usize, outgoing: usize, points: usize) -> f64 {
     let patches = klems_patches();
     let point = |(ring, number, _): (usize, usize, f64), k: usize| {
@@ -436,17 +441,19 @@ fn klems_matrices_are_means_over_both_patches_and_reciprocal() {
         for (first, (_, count)) in [1, 9, 25, 45, 69, 93, 117, 133].into_iter().zip(&RINGS[1..]) {
             assert!((first..first + count).all(|row| (matrix[row][0] / matrix[first][0] - 1.0).abs() < 1e-5));
         }
-        // Means of the wide lobe; those of the narrow one between patches that do not touch, which points resolve.
+        // Means of the wide lobe; those of the narrow one between patches that do not touch, which points
+        // resolve.
         let apart = [(0, 12), (30, 12), (50, 75), (100, 125), (3, 60)];
         let touching = [(0, 0), (0, 3), (10, 10), (10, 11)];
         for (incoming, outgoing) in apart.into_iter().chain(touching.into_iter().filter(|_| lobe.b > 0.1)) {
-            // The error of equal parts falls as the square of their number along an axis: 14 leave 3.5 % of the narrow lobe between rings that are
-            // neighbours, and 0.2 % remain of both together.
+            // The error of equal parts falls as the square of their number along an axis: 14 leave 3.5 % of
+            // the narrow lobe between rings that are neighbours, and 0.2 % remain of both together.
             let [few, many] = [14, 28].map(|points| patch_mean(lobe, incoming, outgoing, points));
             let ratio = matrix[outgoing][incoming] / ((4.0 * many - few) / 3.0);
             assert!((ratio - 1.0).abs() < 0.03, "{}, {incoming} to {outgoing}: {ratio}", lobe.b);
         }
-        // The fraction of light from the patch about the normal that arrives in the next ring, by equal parts of patch and lobe.
+        // The fraction of light from the patch about the normal that arrives in the next ring, by equal parts
+        // of patch and lobe.
         if lobe.b < 0.1 {
             let [near, far] = [5.0_f64, 15.0].map(|theta| theta.to_radians().sin());
             let (n, mut count) = (160_u32, 0);

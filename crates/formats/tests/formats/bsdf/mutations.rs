@@ -1,6 +1,8 @@
-//! Randomly damaged files are refused or read without a panic, and a measurement that was read can be written.
+//! Randomly damaged files are refused or read without a panic, and a measurement that was read can be
+//! written.
 //!
-//! `PAPILIO_FUZZ_SECONDS` (default 0.2) is the time for each format, and `PAPILIO_FUZZ_SEED` (default 1) the seed of the mutations.
+//! `PAPILIO_FUZZ_SECONDS` (default 0.2) is the time for each format, and `PAPILIO_FUZZ_SEED` (default 1) the
+//! seed of the mutations.
 
 use std::io::{Read, Write};
 use std::time::{Duration, Instant};
@@ -77,7 +79,8 @@ fn mutated(bytes: &[u8], others: &[(&str, Vec<u8>)], numbers: &mut Dice) -> Vec<
     bytes
 }
 
-/// Reads a file. A measurement that was read has values for all of its cells, can be evaluated, and can be written and read again.
+/// Reads a file. A measurement that was read has values for all of its cells, can be evaluated, and can be
+/// written and read again.
 fn exercise(bytes: Vec<u8>, writes: bool) -> bool {
     let file = DataFile { name: "x".to_owned(), bytes };
     let read = match read_bsdf(&file) {
@@ -138,7 +141,8 @@ macro_rules! formats {
 
 formats!(radiant, table, astm, klems, tree, rgl, papilio);
 
-/// The checksums of an archive detect mutations of its arrays. Here an array is mutated and then packed again.
+/// The checksums of an archive detect mutations of its arrays. Here an array is mutated and then packed
+/// again.
 #[test]
 fn papilio_archive_with_mutated_arrays() {
     let seeds: Vec<Vec<(String, Vec<u8>)>> = samples::all()

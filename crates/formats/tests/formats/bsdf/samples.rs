@@ -98,7 +98,8 @@ pub(super) fn singles(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// An RGL file with two wavelengths. The density of visible normals increases with theta, the values with the first coordinate.
+/// An RGL file with two wavelengths. The density of visible normals increases with theta, the values with the
+/// first coordinate.
 pub(super) fn rgl() -> Vec<u8> {
     tensors(&[
         ("description", 1, &[4], b"film".to_vec()),

@@ -101,7 +101,8 @@ fn scan_is_written_in_the_other_formats() {
     }
 }
 
-/// A table of four angles that names its values BTDF, with inclinations up to 90 deg, is a transmission (it was read as a reflection).
+/// A table of four angles that names its values BTDF, with inclinations up to 90 deg, is a transmission (it
+/// was read as a reflection).
 #[test]
 fn table_of_btdf_values_is_a_transmission() {
     let table =
@@ -137,7 +138,8 @@ fn table_of_btdf_values_is_a_transmission() {
     assert!(refused.to_string().contains("one of its parts: front transmission"), "{refused}");
 }
 
-/// A list of FRED: blocks of a direction of the light and rows; the pole is listed once; missing directions were not measured.
+/// A list of FRED: blocks of a direction of the light and rows; the pole is listed once; missing directions
+/// were not measured.
 #[test]
 fn fred_list_is_a_grid_about_the_light() {
     let list = read_part(FRED, None);
@@ -155,7 +157,8 @@ fn fred_list_is_a_grid_about_the_light() {
     assert!(part.evaluate(0, light, Direction::new(30.0, 180.0)).is_none_or(f64::is_nan), "not measured");
 }
 
-/// In the plane of incidence, positive angles are on the specular side. The other sense of azimuths is detected from the values.
+/// In the plane of incidence, positive angles are on the specular side. The other sense of azimuths is
+/// detected from the values.
 #[test]
 fn fred_list_in_the_plane_of_incidence_and_with_the_other_azimuth_is_read() {
     let plane = read(

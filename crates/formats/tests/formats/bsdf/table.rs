@@ -65,7 +65,8 @@ fn specular_grid_written_as_csv_becomes_pairs() {
     let (bytes, lost) = written(BsdfFormat::Csv, &measurement);
     assert_eq!(lost.len(), 2, "{lost:?}");
     let pairs = read(&bytes);
-    // Centre once, azimuths 0 and 180 once each, azimuth 90 with its mirror image: 1 + 2 + 2, at two incidences.
+    // Centre once, azimuths 0 and 180 once each, azimuth 90 with its mirror image: 1 + 2 + 2, at two
+    // incidences.
     assert_eq!(pairs.parts[0].values.len(), 10);
 }
 

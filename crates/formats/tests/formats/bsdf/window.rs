@@ -8,8 +8,9 @@ use papilio_goniometry::{
 use super::samples::{MATRIX, TREE_3, klems};
 use super::{file, read, refused, refused_bsdf, written};
 
-/// With `Columns`, the rows of the file are outgoing directions. Light from azimuth 0 (67 deg) belongs to the second patch of its
-/// ring, because incident patches are rotated by 180 deg; the patch of its specular direction has the same number.
+/// With `Columns`, the rows of the file are outgoing directions. Light from azimuth 0 (67 deg) belongs to the
+/// second patch of its ring, because incident patches are rotated by 180 deg; the patch of its specular
+/// direction has the same number.
 #[test]
 fn klems_matrix_is_read_by_columns_or_rows() {
     let block = [("Visible", "Transmission Front", MATRIX)];
@@ -79,8 +80,9 @@ fn constant_grid_averaged_over_patches_has_its_integral() {
     assert!((sum - 0.25 * std::f64::consts::PI).abs() < 1e-12, "{sum}");
 }
 
-/// Equivalent pairs of patches are averaged once, over all differences of azimuth. A second, equal rotation hides the equivalence and
-/// gives nearly the same result by points of both patches, of which there are fewer.
+/// Equivalent pairs of patches are averaged once, over all differences of azimuth. A second, equal rotation
+/// hides the equivalence and gives nearly the same result by points of both patches, of which there are
+/// fewer.
 #[test]
 fn equivalent_pairs_of_patches_have_the_same_mean() {
     let mut measurement = read(super::samples::RADIANT);
@@ -105,7 +107,8 @@ fn equivalent_pairs_of_patches_have_the_same_mean() {
     assert_eq!((once.len(), each.len()), (145 * 145, 145 * 145));
     let off = once.iter().zip(&each).map(|(once, each)| (once - each).abs());
     assert!(off.sum::<f64>() / (145.0 * 145.0) < 0.05);
-    // A quarter of a turn: 2 of 8 patches in the ring that begins with patch 1, and 5 of 20 in that of patch 25.
+    // A quarter of a turn: 2 of 8 patches in the ring that begins with patch 1, and 5 of 20 in that of patch
+    // 25.
     for k in 0..6 {
         assert_eq!(once[(1 + k % 6) * 145 + 25 + k], once[(3 + k % 6) * 145 + 30 + k]);
     }
@@ -113,7 +116,8 @@ fn equivalent_pairs_of_patches_have_the_same_mean() {
     assert!((25..45).all(|patch| once[patch] == once[25] && once[patch * 145] == once[25 * 145]));
 }
 
-/// For f proportional to the viewer's inclination, the mean over a ring, weighted with the cosine, is known in closed form.
+/// For f proportional to the viewer's inclination, the mean over a ring, weighted with the cosine, is known
+/// in closed form.
 #[test]
 fn average_over_a_patch_is_weighted_with_the_cosine() {
     let table: String =
@@ -139,8 +143,8 @@ fn tree_is_read_in_the_order_of_its_braces() {
     let measurement = read(klems("TensorTree3", &[("Visible", "Transmission Front", TREE_3)]));
     let part = &measurement.parts[0];
     assert_eq!(part.values.len(), 15);
-    // Bit 0 of a child's number is the half of the first side, (1 - sin theta_i)/2; bits 1 and 2 are the halves of the
-    // square: towards the specular direction (azimuth 180 from the light), and to its left.
+    // Bit 0 of a child's number is the half of the first side, (1 - sin theta_i)/2; bits 1 and 2 are the
+    // halves of the square: towards the specular direction (azimuth 180 from the light), and to its left.
     let light = Direction::new(30.0, 20.0);
     let f = |azimuth| part.evaluate(0, light, Direction::new(40.0, 20.0 + azimuth));
     assert_eq!((f(170.0), f(190.0)), (Some(3.0), Some(7.0)));
@@ -172,8 +176,8 @@ fn tree_of_rank_four_has_the_squares_of_light_and_viewer() {
     let values: Vec<String> = (0..16).map(|k| k.to_string()).collect();
     let text = klems("TensorTree4", &[("Visible", "Reflection Front", &format!("{{{}}}", values.join(" ")))]);
     let part = read(text).parts.remove(0);
-    // The square of the direction of the unscattered light: (0, 1) for light from azimuth -45, and correspondingly for others; the
-    // viewer's square is the lower digit.
+    // The square of the direction of the unscattered light: (0, 1) for light from azimuth -45, and
+    // correspondingly for others; the viewer's square is the lower digit.
     let square = |azimuth| Direction::new(50.0, azimuth);
     assert_eq!(part.evaluate(0, square(-45.0), square(45.0)), Some(4.0 + 3.0));
     assert_eq!(part.evaluate(0, square(-135.0), square(-45.0)), Some(12.0 + 2.0));
@@ -221,7 +225,8 @@ fn malformed_xml_file_is_an_error_with_its_place() {
     assert!(matches!(refused(huge).1, Problem::OutOfRange { what: "nPhis", .. }));
 }
 
-/// Some programs write a line of their own before the declaration: it is ignored, with a warning. Other text is an error as before.
+/// Some programs write a line of their own before the declaration: it is ignored, with a warning. Other text
+/// is an error as before.
 #[test]
 fn one_line_before_the_declaration_is_ignored() {
     let text = klems("Columns", &[("Visible", "Transmission Front", MATRIX)]);

@@ -1,5 +1,5 @@
-//! Files of one surface in each format, written byte by byte from its document: heights 1 to 12 nm in three rows of four from the top,
-//! 0.5 um apart, unless said.
+//! Files of one surface in each format, written byte by byte from its document: heights 1 to 12 nm in three
+//! rows of four from the top, 0.5 um apart, unless said.
 
 use std::io::{Cursor, Write};
 
@@ -93,7 +93,8 @@ pub(super) fn sur(is_compressed: bool) -> Vec<u8> {
     bytes
 }
 
-/// A file of Wyko: the given blocks before those that it needs, of which the reader takes the first of a name.
+/// A file of Wyko: the given blocks before those that it needs, of which the reader takes the first of a
+/// name.
 pub(super) fn opd(given: &[(&str, (i16, Vec<u8>))]) -> Vec<u8> {
     // Along y first, from the lowest y.
     let heights = (0..4).flat_map(|x| (0..3).rev().map(move |y| FROM_TOP[4 * y + x])).collect::<Vec<i16>>();
@@ -136,7 +137,8 @@ pub(super) fn keyence() -> Vec<u8> {
     bytes
 }
 
-/// A TIFF file of 4 x 3 heights: bits and format of its samples, its heights, and further entries: tag, type, number and value.
+/// A TIFF file of 4 x 3 heights: bits and format of its samples, its heights, and further entries: tag, type,
+/// number and value.
 pub(super) fn tiff(bits: u32, format: u32, heights: &[u8], more: &[(u16, u16, u32, u32)]) -> Vec<u8> {
     let mut bytes = b"II*\0".to_vec();
     let table = 8 + heights.len() as u32;

@@ -43,7 +43,8 @@ fn one_surface_is_the_same_map_in_every_format() {
     }
 }
 
-/// The marks of missing heights of the revisions of SDF: the smallest number of a type in ISO, the largest in BCR, or `BAD`.
+/// The marks of missing heights of the revisions of SDF: the smallest number of a type in ISO, the largest in
+/// BCR, or `BAD`.
 #[test]
 fn marks_of_missing_heights_in_sdf_are_those_of_the_revision() {
     let with = |word: &[u8], height: i16| {
@@ -133,7 +134,8 @@ fn formats_that_are_not_read_are_named_with_what_to_export() {
     }
 }
 
-/// No change of a few bytes makes a reader panic, take memory that the file does not have, or give a height that is no number.
+/// No change of a few bytes makes a reader panic, take memory that the file does not have, or give a height
+/// that is no number.
 #[test]
 fn damaged_files_of_all_formats_are_errors() {
     let mut dice = Dice::new(0x4e1f, 0);

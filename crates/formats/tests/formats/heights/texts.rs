@@ -29,7 +29,8 @@ fn is_the_surface(name: &str, map: &HeightFile, pitch_um: Option<[f64; 2]>, unit
     }
 }
 
-/// Headers of programs, encodings, separators and decimal commas. Sizes are those of all heights: 2 um over 4, 1.5 um over 3.
+/// Headers of programs, encodings, separators and decimal commas. Sizes are those of all heights: 2 um over
+/// 4, 1.5 um over 3.
 #[test]
 fn texts_with_headers_are_read_with_their_sizes_and_units() {
     let gwyddion = "# Channel: Topography\n# Width: 2.0 \u{b5}m\n# Height: 1.5 \u{b5}m\n# Value units: nm\n1\t2\t3\t4\n5\t6\t7\t8\n9\t10\t11\t12\n";

@@ -187,7 +187,8 @@ fn fixed(values: &[f64]) -> impl Iterator<Item = u8> {
     values.iter().flat_map(|value| ((value * 65536.0).round() as i32).to_be_bytes())
 }
 
-/// A profile named `Test profile` with primaries moved by `by`, and one power or the parameters of sRGB as transfer functions.
+/// A profile named `Test profile` with primaries moved by `by`, and one power or the parameters of sRGB as
+/// transfer functions.
 pub(super) fn profile(by: [f64; 3], transfer: &[f64]) -> Vec<u8> {
     // sRGB's primaries adapted to D50.
     let columns = [[0.43607, 0.22249, 0.01392], [0.38515, 0.71687, 0.09708], [0.14307, 0.06061, 0.71410]];
@@ -227,7 +228,8 @@ pub(super) enum Table {
     Matrix,
 }
 
-/// A profile that is a table: for each corner of the cube of numbers, linear light of `decoded`, its colour from 0 to 1.
+/// A profile that is a table: for each corner of the cube of numbers, linear light of `decoded`, its colour
+/// from 0 to 1.
 pub(super) fn table_profile(
     table: Table,
     [device, colours]: [&[u8; 4]; 2],

@@ -2,8 +2,8 @@
 //! in which all formulas have other forms (slopes drawn one after the other, Fresnel by angles, Lambda by
 //! angles).
 //!
-//! E. Heitz, J. Hanika, E. d'Eon, C. Dachsbacher, "Multiple-Scattering Microfacet BSDFs with the Smith Model", ACM
-//! Trans. Graph. 35 (4), 58 (2016): heights, algorithm 1; refraction turns the face over.
+//! E. Heitz, J. Hanika, E. d'Eon, C. Dachsbacher, "Multiple-Scattering Microfacet BSDFs with the Smith
+//! Model", ACM Trans. Graph. 35 (4), 58 (2016): heights, algorithm 1; refraction turns the face over.
 
 use std::f64::consts::{PI, TAU};
 
@@ -78,7 +78,8 @@ impl Face {
         Shares { one: mean(0), several_back: mean(1) }
     }
 
-    /// Shares of light from above that leave after one, two and more microfacets of a white metal, each with its standard error.
+    /// Shares of light from above that leave after one, two and more microfacets of a white metal, each with
+    /// its standard error.
     pub(super) fn orders_of_metal(&self, theta_deg: f64, walkers: u64, seed: u64) -> [[f64; 2]; 3] {
         let numbers = SampleStream::new(Sampler::Random, seed, 0);
         let theta = theta_deg.to_radians();
@@ -93,7 +94,8 @@ impl Face {
                 let leaves = self.leaves(&walker);
                 *share = left * leaves;
                 left -= *share;
-                // Little light goes on by chance: a walker that leaves almost surely hardly meets a microfacet.
+                // Little light goes on by chance: a walker that leaves almost surely hardly meets a
+                // microfacet.
                 if left < 0.1 {
                     left = if draws.draw() < 10.0 * left { 0.1 } else { 0.0 };
                 }
@@ -207,7 +209,8 @@ impl Face {
         let across = x.hypot(y);
         let (sin, cos) = (across / length, z / length);
         let (along, beside) = match self.distribution {
-            // The slope along x has the density (cos + sin t)/(1 + t^2)^(3/2): with t = tan a, that of a is cos(a - theta).
+            // The slope along x has the density (cos + sin t)/(1 + t^2)^(3/2): with t = tan a, that of a is
+            // cos(a - theta).
             Distribution::Ggx => {
                 let theta = sin.atan2(cos);
                 let angle = theta + (draws.draw() * (1.0 + cos) - 1.0).asin();

@@ -82,8 +82,9 @@ fn returned_light_equals_random_walk_over_microfacets() {
     }
 }
 
-/// Light along the normal of a white metal: shares that leave after one, two and more microfacets, from a separate code of Heitz's algorithm, with standard
-/// errors of about 0.0008, against the walk of these tests. The solution on a grid is one of dielectric faces, and has no white metal.
+/// Light along the normal of a white metal: shares that leave after one, two and more microfacets, from a
+/// separate code of Heitz's algorithm, with standard errors of about 0.0008, against the walk of these tests.
+/// The solution on a grid is one of dielectric faces, and has no white metal.
 #[test]
 fn orders_of_a_white_metal_equal_random_walk_over_microfacets() {
     use Distribution::{Beckmann, Ggx};

@@ -20,7 +20,8 @@ fn unblurred(error: &GoniometryError) -> Diagnostic {
 }
 
 impl Resolver<'_> {
-    /// Returns the part's luminous channel without the instrument's blur; `Some(None)` if there is no blur to remove.
+    /// Returns the part's luminous channel without the instrument's blur; `Some(None)` if there is no blur to
+    /// remove.
     pub(super) fn without_blur(
         &mut self,
         source: &Source<'_>,

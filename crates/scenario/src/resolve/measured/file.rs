@@ -155,8 +155,8 @@ impl Resolver<'_> {
         self.factors(spectrum, &d65, Channels::Monochrome)?.first().copied()
     }
 
-    /// Returns the kernel of a part, and reports all changes; `level` is the mean of the spectrum that multiplies it, `largest`
-    /// the maximum of the spectrum over this mean.
+    /// Returns the kernel of a part, and reports all changes; `level` is the mean of the spectrum that
+    /// multiplies it, `largest` the maximum of the spectrum over this mean.
     fn kernel(
         &mut self,
         source: &Source<'_>,

@@ -51,7 +51,8 @@ impl Resolver<'_> {
         Some((Some(total), Some(level)))
     }
 
-    /// Returns the level of each wavelength of the grid relative to the luminous channel of a part, whose lobe is used, and notes it.
+    /// Returns the level of each wavelength of the grid relative to the luminous channel of a part, whose
+    /// lobe is used, and notes it.
     pub(super) fn levels(&mut self, source: &Source<'_>, part: &MeasuredPart) -> Spectrum {
         let ones = Spectrum::constant(&self.grid, 1.0);
         let (path, way) = (source.path, part.way.name());

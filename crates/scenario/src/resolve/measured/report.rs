@@ -12,7 +12,8 @@ const ABOVE_ONE: f64 = 1e-3;
 const REPORTED_CHANGE: f64 = 1e-3;
 /// Excess of a total above 1 that is an error.
 const FAR_ABOVE_ONE: f64 = 0.2;
-/// Uncertainty of a total due to the grid that gives a warning: more is too much for the default relative error.
+/// Uncertainty of a total due to the grid that gives a warning: more is too much for the default relative
+/// error.
 const COARSE: f64 = 0.005;
 /// Extrapolated fraction of the light that gives a warning.
 const MUCH_BEYOND: f64 = 0.05;
@@ -150,7 +151,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Reports the treatment and the amount of light beyond the last measured distance from the specular direction.
+    /// Reports the treatment and the amount of light beyond the last measured distance from the specular
+    /// direction.
     fn report_beyond(&mut self, path: &str, way: &str, changes: &Changes) {
         let by_share = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
         let ends = changes.beyond.iter().min_by(by_share).zip(changes.beyond.iter().max_by(by_share));

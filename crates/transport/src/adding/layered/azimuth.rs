@@ -29,8 +29,8 @@ const RADIANS: f64 = 16.0;
 /// Longest panel, so that the values of tabulated kernels off their peaks are resolved.
 const LONGEST: f64 = 0.5;
 
-/// Returns a number of orders of at least this, 8, 12, 16, 24, 32, ...: few numbers, so that similar directions
-/// need equally many.
+/// Returns a number of orders of at least this, 8, 12, 16, 24, 32, ...: few numbers, so that similar
+/// directions need equally many.
 pub(super) fn rounded_up(orders: usize) -> usize {
     let power = orders.max(8).next_power_of_two();
     if orders <= power / 4 * 3 { power / 4 * 3 } else { power }

@@ -45,8 +45,8 @@ pub(super) struct Above {
     below_extras: Matrix,
     /// The same between extra nodes and lights, `[extra, light]`.
     below_light: Matrix,
-    /// Upper bound of the light between a view and a light, if everything below is white, `[extra, light]`: in
-    /// total, and via other directions.
+    /// Upper bound of the light between a view and a light, if everything below is white, `[extra, light]`:
+    /// in total, and via other directions.
     most: [Matrix; 2],
 }
 
@@ -87,8 +87,8 @@ impl Back {
         }
     }
 
-    /// Adds the reflection of light, `[node, column]`, or its transpose; `layers` is one for each column, and all share
-    /// their kernels.
+    /// Adds the reflection of light, `[node, column]`, or its transpose; `layers` is one for each column, and
+    /// all share their kernels.
     fn add(layers: &[&Above], rising: &Matrix, sum: &mut Matrix, reversed: bool) {
         let Some(first) = layers.first() else { return };
         match &first.below {
@@ -191,8 +191,8 @@ impl Above {
         all
     }
 
-    /// Composes the same of a single scatterer, whose kernels are shared; beams enter from extra nodes `entering`,
-    /// which contain those of [`Ends::beams`].
+    /// Composes the same of a single scatterer, whose kernels are shared; beams enter from extra nodes
+    /// `entering`, which contain those of [`Ends::beams`].
     pub(super) fn of_single(
         single: &Single<'_>,
         ends: Ends<'_>,
@@ -252,8 +252,8 @@ impl Above {
         [at_all, often]
     }
 
-    /// Returns the upper bound of the light between a view's extra node and a light in this order, if everything
-    /// below is white, and the part of it that takes other directions in between.
+    /// Returns the upper bound of the light between a view's extra node and a light in this order, if
+    /// everything below is white, and the part of it that takes other directions in between.
     pub(super) fn at_most(&self, extra: usize, light: usize) -> [f64; 2] {
         self.most.each_ref().map(|most| most[(extra, light)])
     }
@@ -321,8 +321,9 @@ impl Above {
         Falling { scattered, beam, extra: rising.extra, once: None, is_once_alone: false }
     }
 
-    /// Returns the kernel of the whole display between a view's extra node and a light, for some columns: the beam
-    /// entered at one of them and leaves at `to`, the other; `sums` are those of [`Block::scattered_to`].
+    /// Returns the kernel of the whole display between a view's extra node and a light, for some columns: the
+    /// beam entered at one of them and leaves at `to`, the other; `sums` are those of
+    /// [`Block::scattered_to`].
     fn leaves(
         &self,
         rising: &Rising,

@@ -93,7 +93,8 @@ impl Again {
 
     /// Ends an order, given the tolerance.
     fn end_order(&mut self, order: usize, tolerance: f64) {
-        // What remains of a series that decreases by e^14 up to an order, in units of its last term, as for all light.
+        // What remains of a series that decreases by e^14 up to an order, in units of its last term, as for
+        // all light.
         let rest = 1.0 + order as f64 / 14.0;
         let is_small = self.now.iter().zip(&self.sums).all(|(now, sum)| now * rest <= tolerance * sum);
         self.quiet = if is_small && !self.now.is_empty() { self.quiet + 1 } else { 0 };
@@ -114,8 +115,8 @@ impl BeamResponse {
         Self { base: stack.base().clone(), beams: beams.collect(), families: Vec::new(), known: Vec::new() }
     }
 
-    /// Takes over what `before`, a response of the same layers, knows of this base: diffuse light and ledgers depend on
-    /// no source.
+    /// Takes over what `before`, a response of the same layers, knows of this base: diffuse light and ledgers
+    /// depend on no source.
     pub(super) fn knowing(mut self, before: &Self) -> Self {
         if before.base == self.base {
             self.known = before.families.iter().map(|family| family.seen.clone()).collect();
@@ -375,7 +376,8 @@ impl Followed {
         self.known.groups.get(group)?.get(known)
     }
 
-    /// Adds the response of a view to diffuse light, unless it is known; `rising` is the light of its beam, if it is not.
+    /// Adds the response of a view to diffuse light, unless it is known; `rising` is the light of its beam,
+    /// if it is not.
     fn see(
         &mut self,
         view: usize,

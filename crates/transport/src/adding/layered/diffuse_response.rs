@@ -34,9 +34,9 @@ impl DiffuseResponse {
         seen
     }
 
-    /// Computes the responses of views, without ledgers. The diffuse light that leaves towards a view is the fraction
-    /// that leaves of a beam which enters there: a functional of the light that rises, which is the same for all views.
-    /// So one solution of the transposed problem serves all.
+    /// Computes the responses of views, without ledgers. The diffuse light that leaves towards a view is the
+    /// fraction that leaves of a beam which enters there: a functional of the light that rises, which is the
+    /// same for all views. So one solution of the transposed problem serves all.
     pub(super) fn of_views(
         group: &Group,
         columns: &Columns,

@@ -31,8 +31,8 @@ struct Registry<'p, 'a> {
     indices: [f64; 2],
     grid: &'p Grid,
     precision: &'p Precision,
-    /// Azimuthal orders beyond the first are needed only where there are lights with an azimuth: the largest `|beta|`
-    /// of views and of those.
+    /// Azimuthal orders beyond the first are needed only where there are lights with an azimuth: the largest
+    /// `|beta|` of views and of those.
     beyond_first: Option<[f64; 2]>,
     /// Whether no other layer scatters.
     alone: bool,
@@ -133,7 +133,8 @@ pub(super) fn elements<'a>(
     stack.elements().zip(actions).filter_map(element).collect()
 }
 
-/// Returns the effect of each element of the stack in the same way; `surface`: a rough surface scatters light once only.
+/// Returns the effect of each element of the stack in the same way; `surface`: a rough surface scatters light
+/// once only.
 pub(super) fn actions<'a>(
     stack: &'a Stack,
     bin: usize,
@@ -168,8 +169,8 @@ pub(super) fn indices(media: [Option<&crate::Medium>; 2], bin: usize) -> [f64; 2
     media.map(|medium| medium.map_or(1.0, |medium| medium.index()[bin]))
 }
 
-/// Returns whether light can meet the scatterers of the stack more than once at wavelength number `bin`: there are
-/// several of them, one scatters in its volume, or flat layers reflect.
+/// Returns whether light can meet the scatterers of the stack more than once at wavelength number `bin`:
+/// there are several of them, one scatters in its volume, or flat layers reflect.
 pub(super) fn scatters_again(stack: &Stack, bin: usize, grid: &Grid) -> bool {
     let mut faces = 0;
     let mut again = |(kind, media): (&dyn LayerKind, [Option<&crate::Medium>; 2])| {
@@ -224,8 +225,8 @@ impl<'a> Elements<'a> {
         self.last.as_ref().map_or_else(nothing, |last| last.in_order(scattered, order, grid))
     }
 
-    /// Returns the layers down to the last scatterer below the flat part `upper`, if their round trips keep the
-    /// direction of light; `regular` is the regular part of the last scatterer.
+    /// Returns the layers down to the last scatterer below the flat part `upper`, if their round trips keep
+    /// the direction of light; `regular` is the regular part of the last scatterer.
     pub(super) fn single<'u>(
         &self,
         upper: &'u Part,
@@ -261,8 +262,8 @@ impl<'a> Elements<'a> {
     }
 }
 
-/// Returns the regular part of an element between media of these indices, for light with this `|beta|`. On a side that does
-/// not carry such light there is nothing to reflect.
+/// Returns the regular part of an element between media of these indices, for light with this `|beta|`. On a
+/// side that does not carry such light there is nothing to reflect.
 pub(super) fn regular(kind: &dyn LayerKind, bin: usize, indices: [f64; 2], beta: f64) -> Flat {
     let Flat { t, above, below } = kind.regular(&Incidence { bin, indices, beta, beta_squared: beta * beta });
     let carried = |index: f64, share: f64| if beta < index { share } else { 0.0 };
@@ -333,7 +334,8 @@ impl Element<'_> {
         regular(self.kind, self.bin, [self.above, self.below], beta)
     }
 
-    /// Returns transmission from above, reflection from above and reflection from below; `None` of a flat layer.
+    /// Returns transmission from above, reflection from above and reflection from below; `None` of a flat
+    /// layer.
     fn faces(&self, scattered: &[Scattered], regular: &[Flat]) -> Option<[Face; 3]> {
         match &self.action {
             Action::Regular | Action::Clear { .. } => None,
@@ -385,7 +387,8 @@ impl Element<'_> {
     }
 }
 
-/// Returns the sum of kernels times their factors, as an operator and a factor: that of a single kernel is shared; `None` if there is none.
+/// Returns the sum of kernels times their factors, as an operator and a factor: that of a single kernel is
+/// shared; `None` if there is none.
 pub(super) fn sum_of<'s>(
     kernels: &[(usize, f64)],
     scattered: &'s [Scattered],

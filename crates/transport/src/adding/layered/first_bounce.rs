@@ -1,14 +1,16 @@
 //! Light that the layers below a rough surface reflect once, between two refractions by the surface
 //! ([`rough`](super::rough)).
 //!
-//! `K(v, l) = integral of T(v, b) B(|b|) T(b, l) db` over the disc of the medium, T the kernel of refraction and B the
-//! reflectance below. Both kernels may be narrow, around v and around l; B is smooth. B is therefore interpolated
-//! between the nodes, and the integral is a factor for each of them, whatever the states and wavelengths.
+//! `K(v, l) = integral of T(v, b) B(|b|) T(b, l) db` over the disc of the medium, T the kernel of refraction
+//! and B the reflectance below. Both kernels may be narrow, around v and around l; B is smooth. B is
+//! therefore interpolated between the nodes, and the integral is a factor for each of them, whatever the
+//! states and wavelengths.
 //!
 //! The integral is divided in two by a smooth partition of unity, `S_l/(S_v + S_l)` and the reverse, with
-//! `S_v = (|b - v|^2 + w_v^2)^2` and w_v the width of the lobe around v: the first part has no peak at l, and is
-//! integrated in polar coordinates around v. In `s = asinh(r/w_v)` the lobe is analytic within i pi/2 of the radius, and
-//! so is all that changes over any other distance. Panels end where B has square roots, at |b| = 1.
+//! `S_v = (|b - v|^2 + w_v^2)^2` and w_v the width of the lobe around v: the first part has no peak at l, and
+//! is integrated in polar coordinates around v. In `s = asinh(r/w_v)` the lobe is analytic within i pi/2 of
+//! the radius, and so is all that changes over any other distance. Panels end where B has square roots, at
+//! |b| = 1.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,7 +34,8 @@ pub(super) struct FirstBounce {
     factors: Matrix,
 }
 
-/// Extra nodes of a view and a light, and the azimuth between them in units of [`TURN`]; the largest for its mean.
+/// Extra nodes of a view and a light, and the azimuth between them in units of [`TURN`]; the largest for its
+/// mean.
 type Pair = (usize, usize, i64);
 
 /// Azimuths that differ by less are the same.
@@ -40,8 +43,9 @@ const TURN: f64 = 1e-11;
 
 /// Pole of a lobe in s.
 const OWN: Pole = Pole { at: 0.0, off: FRAC_PI_2 };
-/// Poles of the partition, where `|b - l|^2 = i |b - v|^2`: at this fraction of the distance of both directions, and at
-/// this distance from the real axis in s on rays that deviate by less than 60 deg from the other direction, and on others.
+/// Poles of the partition, where `|b - l|^2 = i |b - v|^2`: at this fraction of the distance of both
+/// directions, and at this distance from the real axis in s on rays that deviate by less than 60 deg from the
+/// other direction, and on others.
 const BETWEEN: f64 = 0.6;
 const TOWARDS: f64 = 0.39;
 const ASIDE: f64 = 0.785;
@@ -49,8 +53,8 @@ const ASIDE: f64 = 0.785;
 const DIGITS_OF_AN_AZIMUTH: f64 = 0.5;
 
 impl FirstBounce {
-    /// Computes the factors for all pairs of directions, to this number of natural digits; incomplete if `stop` is
-    /// set.
+    /// Computes the factors for all pairs of directions, to this number of natural digits; incomplete if
+    /// `stop` is set.
     pub(super) fn new(
         face: &Rough,
         directions: &Directions,
@@ -105,7 +109,8 @@ struct Lobes<'a> {
     face: &'a Rough,
     digits: f64,
     interpolation: Interpolation,
-    /// `|beta|` of each node with weight, and the fraction of its light from below that crosses after several microfacets.
+    /// `|beta|` of each node with weight, and the fraction of its light from below that crosses after several
+    /// microfacets.
     nodes: Vec<(f64, f64)>,
 }
 
@@ -124,8 +129,8 @@ impl<'a> Refracted<'a> {
         Self { face, above, several }
     }
 
-    /// Returns the kernel towards a direction below; `several` is the fraction of its light that crosses after several
-    /// microfacets.
+    /// Returns the kernel towards a direction below; `several` is the fraction of its light that crosses
+    /// after several microfacets.
     fn towards(&self, below: Beta, several: f64) -> f64 {
         self.face.single(Side::Above, self.above, Side::Below, below) + self.several * several
     }
@@ -138,9 +143,9 @@ impl<'a> Lobes<'a> {
         Self { face, digits, interpolation: grid.interpolation(), nodes }
     }
 
-    /// Adds the integral for two directions above to the factors of the nodes. What depends on |b| alone, shadowing and
-    /// the light of several microfacets, is taken at the nodes, as the reflectance is: of each lobe `k g + c t`, only the
-    /// light k of one microfacet is evaluated in all directions.
+    /// Adds the integral for two directions above to the factors of the nodes. What depends on |b| alone,
+    /// shadowing and the light of several microfacets, is taken at the nodes, as the reflectance is: of each
+    /// lobe `k g + c t`, only the light k of one microfacet is evaluated in all directions.
     fn between(&self, ends: [Beta; 2], factors: &mut [f64]) {
         let inside = self.face.index(Side::Below);
         // Beyond this, microfacets would have to be steeper than vertical.
@@ -194,8 +199,9 @@ impl<'a> Lobes<'a> {
         }
     }
 
-    /// Adds the light beyond the radius that one microfacet reaches from both ends: that of several microfacets is there,
-    /// and that of one from the end with the larger edge. Neither has a peak there: its azimuths are averaged.
+    /// Adds the light beyond the radius that one microfacet reaches from both ends: that of several
+    /// microfacets is there, and that of one from the end with the larger edge. Neither has a peak there: its
+    /// azimuths are averaged.
     fn beyond(&self, radius: f64, ends: [(f64, f64); 2], sums: &mut [Vec<f64>; 4]) {
         let inside = self.face.index(Side::Below);
         let poles = ends.map(|(end, _)| Pole { at: end, off: refraction_width(self.face, end) });
@@ -227,7 +233,8 @@ impl<'a> Lobes<'a> {
         (refraction_width(self.face, above) / (above * below).sqrt().max(1e-9)).clamp(1e-9, 0.4)
     }
 
-    /// Adds the mean of the integral over all azimuths between them: the integral of the product of both means.
+    /// Adds the mean of the integral over all azimuths between them: the integral of the product of both
+    /// means.
     fn mean(&self, ends: [f64; 2], factors: &mut [f64]) {
         let inside = self.face.index(Side::Below);
         let edges = ends.map(|end| (end * end + inside * inside - 1.0).sqrt());

@@ -1,9 +1,9 @@
 //! Light of sources that the views see: kernels between inclinations, summed over the azimuths of both.
 //!
-//! Views at one inclination share the kernels, and so do the rays of a source at one inclination. Of an azimuthal order
-//! m a source contributes `sum w cos m psi` and `sum w sin m psi` at each of its inclinations; the products of these
-//! with the kernels, summed over inclinations, are shared by all views at one inclination, whose azimuth phi is only a
-//! factor cos m phi or sin m phi.
+//! Views at one inclination share the kernels, and so do the rays of a source at one inclination. Of an
+//! azimuthal order m a source contributes `sum w cos m psi` and `sum w sin m psi` at each of its
+//! inclinations; the products of these with the kernels, summed over inclinations, are shared by all views at
+//! one inclination, whose azimuth phi is only a factor cos m phi or sin m phi.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -75,7 +75,8 @@ impl Gathering<'_> {
         }
     }
 
-    /// Adds the light that one scatterer scatters once: `kernels` contain the factors for all pairs of directions.
+    /// Adds the light that one scatterer scatters once: `kernels` contain the factors for all pairs of
+    /// directions.
     pub(super) fn add_once(&mut self, kernels: &Kernels, way: &ScatterMode, stop: &AtomicBool) {
         let by_inclination = self.views_by_inclination();
         let (directions, lights) = (self.directions, self.lights);
@@ -137,7 +138,8 @@ impl Gathering<'_> {
         all
     }
 
-    /// Returns the kernels between a view's extra node and some lights, weighted: `[base, front]`; `None` without light.
+    /// Returns the kernels between a view's extra node and some lights, weighted: `[base, front]`; `None`
+    /// without light.
     fn sums(
         &self,
         kernels: &Kernels,
@@ -195,7 +197,8 @@ impl Circle<'_> {
         (0..=self.rays.len() / 2).map(|order| self.harmonic(order)).collect()
     }
 
-    /// Returns whether its rays are uniformly spaced in azimuth, as those that represent light up to an order are.
+    /// Returns whether its rays are uniformly spaced in azimuth, as those that represent light up to an order
+    /// are.
     fn is_uniform(&self) -> bool {
         const LEAST: usize = 5;
         let step = TAU / self.rays.len() as f64;
@@ -213,8 +216,8 @@ impl Circle<'_> {
     }
 }
 
-/// Returns the factors of cos m t, m = 0 and on, of an even function of the azimuth t, from as many uniform samples:
-/// exact for functions of at most half as many orders.
+/// Returns the factors of cos m t, m = 0 and on, of an even function of the azimuth t, from as many uniform
+/// samples: exact for functions of at most half as many orders.
 fn cosines(count: usize, function: impl Fn(f64) -> f64) -> Vec<f64> {
     let steps: Vec<f64> = (0..count).map(|k| (TAU * k as f64 / count as f64).cos()).collect();
     let samples: Vec<f64> = (0..=count / 2).map(|k| function(TAU * k as f64 / count as f64)).collect();

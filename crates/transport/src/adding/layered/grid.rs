@@ -4,8 +4,8 @@
 //! n (1 for air). Between two of them, a and b, `beta^2 = a^2 + (b^2 - a^2) sin^2(pi t/2)` removes the root
 //! at either end, and the Gauss-Legendre rule in t converges exponentially.
 //!
-//! The kernel of a surface is linear in `beta^2` between many kinks. Between two of these the rule in `beta^2` has few nodes: two are exact for
-//! the products of two such kernels.
+//! The kernel of a surface is linear in `beta^2` between many kinks. Between two of these the rule in
+//! `beta^2` has few nodes: two are exact for the products of two such kernels.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -130,10 +130,10 @@ impl Grid {
 /// Number of nodes between which a value is interpolated.
 pub(super) const NEAREST: usize = 14;
 
-/// Interpolation of a function of `|beta|` from its values at the nodes with weight: by the polynomial through the
-/// nearest nodes of the range between two indices, in the variable of its rule. A function with a peak may be smaller
-/// elsewhere by many orders of magnitude. Its error there is in proportion to its own values, whereas the polynomial
-/// through all nodes of the range would spread the error of the peak.
+/// Interpolation of a function of `|beta|` from its values at the nodes with weight: by the polynomial
+/// through the nearest nodes of the range between two indices, in the variable of its rule. A function with a
+/// peak may be smaller elsewhere by many orders of magnitude. Its error there is in proportion to its own
+/// values, whereas the polynomial through all nodes of the range would spread the error of the peak.
 #[derive(Debug)]
 pub(super) struct Interpolation(Vec<Range>);
 
@@ -174,7 +174,8 @@ impl Interpolation {
         (some, factors.map(|factor| factor / sum))
     }
 
-    /// Adds `weight` times the factor of each node's value at this `|beta|` to `sum`; returns the nodes that have one.
+    /// Adds `weight` times the factor of each node's value at this `|beta|` to `sum`; returns the nodes that
+    /// have one.
     pub(super) fn add(&self, beta: f64, weight: f64, sum: &mut [f64]) -> std::ops::Range<usize> {
         let (some, factors) = self.factors(beta);
         sum[some.clone()].iter_mut().zip(factors).for_each(|(sum, factor)| *sum += weight * factor);
@@ -183,8 +184,8 @@ impl Interpolation {
 }
 
 impl Range {
-    /// Returns the first of the nodes between which the function is interpolated at `x`: as many on either side, but
-    /// at the ends of the range.
+    /// Returns the first of the nodes between which the function is interpolated at `x`: as many on either
+    /// side, but at the ends of the range.
     fn window(&self, x: f64) -> usize {
         let Some(windows) = self.windows.len().checked_sub(1) else { return 0 };
         let next = self.nodes.partition_point(|node| *node < x);

@@ -1,9 +1,10 @@
 //! Azimuthal orders of diffusers' lobes on a grid.
 //!
-//! Those of the k-correlation lobe follow from order 0, a complete elliptic integral, by a recurrence that is run
-//! backwards, for several nodes at once ([`side_by_side`]). It begins beyond the orders that are wanted, and all orders
-//! below come with them: batches of orders grow with their number, so that all of them take little more than the last. Faces have
-//! dozens of lobes, each with its orders: a batch is then stored in pieces, and computed again for each of them.
+//! Those of the k-correlation lobe follow from order 0, a complete elliptic integral, by a recurrence that is
+//! run backwards, for several nodes at once ([`side_by_side`]). It begins beyond the orders that are wanted,
+//! and all orders below come with them: batches of orders grow with their number, so that all of them take
+//! little more than the last. Faces have dozens of lobes, each with its orders: a batch is then stored in
+//! pieces, and computed again for each of them.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -20,8 +21,8 @@ use crate::adding::panel::lobes::{LANES, side_by_side};
 const LEAST_BATCH: usize = 16;
 /// Size in bytes, as square matrices, above which no further orders are computed together.
 const MOST_BYTES: usize = 32 << 20;
-/// Largest number of stored orders of a face's lobe: in the piece that begins with order 0, whose operators take most memory, and in later
-/// pieces.
+/// Largest number of stored orders of a face's lobe: in the piece that begins with order 0, whose operators
+/// take most memory, and in later pieces.
 const MOST_OF_FACE: [usize; 2] = [4, 32];
 /// Natural digits by which the error at the start of the recurrence decreases before the last order.
 const DIGITS: f64 = 20.0;
@@ -126,7 +127,8 @@ impl LobeOrders {
     }
 }
 
-/// Number of the order after the last one of a batch that begins with `first`. Those before are computed again.
+/// Number of the order after the last one of a batch that begins with `first`. Those before are computed
+/// again.
 fn end_of_batch(first: usize, len: usize) -> usize {
     let fits = MOST_BYTES / (8 * len * len).max(1);
     first + first.clamp(LEAST_BATCH, fits.max(LEAST_BATCH))

@@ -144,8 +144,8 @@ impl Matrix {
         }
     }
 
-    /// Adds `factor left right`: as many rows of `left` as this matrix has, and as many of its columns as `right`
-    /// has rows.
+    /// Adds `factor left right`: as many rows of `left` as this matrix has, and as many of its columns as
+    /// `right` has rows.
     pub(super) fn add_scaled_product(&mut self, left: &Self, right: &Self, factor: f64) {
         if right.rows > 0 && !self.values.is_empty() {
             let left = left.view().submatrix(0, 0, self.rows, right.rows);
@@ -153,8 +153,8 @@ impl Matrix {
         }
     }
 
-    /// Adds `factor left' right`, with the transpose of `left`: as many of its columns as this matrix has rows, and
-    /// as many of its rows as `right` has.
+    /// Adds `factor left' right`, with the transpose of `left`: as many of its columns as this matrix has
+    /// rows, and as many of its rows as `right` has.
     pub(super) fn add_transposed_product(&mut self, left: &Self, right: &Self, factor: f64) {
         if right.rows > 0 && !self.values.is_empty() {
             let left = left.view().submatrix(0, 0, right.rows, self.rows).transpose();
@@ -162,8 +162,8 @@ impl Matrix {
         }
     }
 
-    /// Adds `factor left' right`, with the transpose of some columns of `left`: as many as this matrix has rows, from
-    /// `first` on, and as many of its rows as `right` has.
+    /// Adds `factor left' right`, with the transpose of some columns of `left`: as many as this matrix has
+    /// rows, from `first` on, and as many of its rows as `right` has.
     pub(super) fn add_transposed_product_of_columns(
         &mut self,
         left: &Self,
@@ -177,7 +177,8 @@ impl Matrix {
         }
     }
 
-    /// Adds the product of a square matrix, or of its transpose, with the rows of `right` from `first` on, to the rows from there on.
+    /// Adds the product of a square matrix, or of its transpose, with the rows of `right` from `first` on, to
+    /// the rows from there on.
     pub(super) fn add_block_product(&mut self, (block, first): (&Self, usize), right: &Self, reversed: bool) {
         if block.rows > 0 && !self.values.is_empty() {
             let left = if reversed { block.view().transpose() } else { block.view() };

@@ -17,9 +17,9 @@
 //!   scatters only once, which needs none;
 //! - [`first_bounce`]: light between two narrow lobes of a rough surface;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
-//!   it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of beams
-//!   that the views then see, summed over azimuths in [`gather`]; [`diffuse_response`]: diffuse light, and the
-//!   ledger.
+//!   it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of
+//!   beams that the views then see, summed over azimuths in [`gather`]; [`diffuse_response`]: diffuse light,
+//!   and the ledger.
 //!
 //! # Discretisation
 //! A level determines the nodes, Legendre terms, azimuthal orders, and points of fields of view and round

@@ -52,8 +52,8 @@ impl Part {
         Self::flat(grid, |_| Flat { t: 0.0, above: 0.0, below: 0.0 })
     }
 
-    /// Returns the light that is neither reflected nor transmitted, from above and from below, of light that the
-    /// media of these indices carry.
+    /// Returns the light that is neither reflected nor transmitted, from above and from below, of light that
+    /// the media of these indices carry.
     pub(super) fn lost(&self, grid: &Grid, [above, below]: [f64; 2]) -> [Vec<f64>; 2] {
         let ones = vec![1.0; grid.len()];
         let lost = |back: &Operator, through: &Operator, index: f64| -> Vec<f64> {

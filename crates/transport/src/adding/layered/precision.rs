@@ -11,8 +11,8 @@ use crate::adding::{FIRST_STEP, Narrowest, Narrowness};
 use crate::layers::LayerKind;
 use crate::{Interface, Medium, Reflector, Stack};
 
-/// Density of nodes for interpolation between them over that for integration, which is exact for polynomials of twice
-/// the degree.
+/// Density of nodes for interpolation between them over that for integration, which is exact for polynomials
+/// of twice the degree.
 const INTERPOLATION: f64 = 2.0;
 
 /// The same where light between two scatterers is interpolated, which the second one smooths.
@@ -31,10 +31,12 @@ pub(super) struct Precision {
     pub(super) tolerance: f64,
     /// Tolerance of the iteration between layers and base.
     pub(super) iteration: f64,
-    /// Largest spacing of nodes at a rough interface that is not the surface of a display. Light that microfacets refract along the interface
-    /// jumps to zero there: it is resolved only in proportion to the number of nodes.
+    /// Largest spacing of nodes at a rough interface that is not the surface of a display. Light that
+    /// microfacets refract along the interface jumps to zero there: it is resolved only in proportion to the
+    /// number of nodes.
     jump: f64,
-    /// Largest number of wavelengths over a film, and of different operators; at others, light is interpolated.
+    /// Largest number of wavelengths over a film, and of different operators; at others, light is
+    /// interpolated.
     pub(super) wavelengths: usize,
     /// Coarseness of tables of rough interfaces.
     pub(super) coarseness: usize,
@@ -107,8 +109,8 @@ pub(super) fn density_between(stack: &Stack, bin: usize, precision: &Precision) 
     density
 }
 
-/// Returns the rough interface between air and the first medium, if nothing else scatters and the medium is the denser
-/// one: light that is reflected inside then needs fewer nodes than the light that it refracts.
+/// Returns the rough interface between air and the first medium, if nothing else scatters and the medium is
+/// the denser one: light that is reflected inside then needs fewer nodes than the light that it refracts.
 pub(super) fn rough_surface(stack: &Stack) -> Option<&Rough> {
     let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
     let scattering_base = matches!(stack.base().reflector, Reflector::Scattering(_));
@@ -118,8 +120,8 @@ pub(super) fn rough_surface(stack: &Stack) -> Option<&Rough> {
     }
 }
 
-/// Returns the scatterers, each with its medium or the medium below it; without those that nodes between their kinks resolve, if there are such
-/// nodes.
+/// Returns the scatterers, each with its medium or the medium below it; without those that nodes between
+/// their kinks resolve, if there are such nodes.
 fn scatterers(stack: &Stack, between_kinks: bool) -> impl Iterator<Item = (Narrowness, &Medium)> {
     let narrow = move |(kind, [_, below]): (&dyn LayerKind, [Option<_>; 2])| {
         kind.narrowness().filter(|_| !between_kinks || kind.kinks().is_empty()).zip(below)

@@ -143,8 +143,8 @@ impl Prepared {
         self.known
     }
 
-    /// Prepares a stack, with the kernels of the preparation before, and the response `before` if it is that of the
-    /// same layers; incomplete if `stop` is set during the computation.
+    /// Prepares a stack, with the kernels of the preparation before, and the response `before` if it is that
+    /// of the same layers; incomplete if `stop` is set during the computation.
     pub(super) fn new(
         stack: &Stack,
         directions: &Directions,

@@ -47,9 +47,10 @@ const WAYS: [(Side, Side); 3] =
     [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
 
 impl RoughOrders {
-    /// Computes the orders; those beyond the first only if they are requested, for light scattered on circles of this
-    /// `|beta|`. Light that one microfacet scatters from one extra node to another is left out
-    /// ([`once`](super::once)). What `known`, the orders for other extra nodes, contains is not computed again.
+    /// Computes the orders; those beyond the first only if they are requested, for light scattered on circles
+    /// of this `|beta|`. Light that one microfacet scatters from one extra node to another is left out
+    /// ([`once`](super::once)). What `known`, the orders for other extra nodes, contains is not computed
+    /// again.
     pub(super) fn new(
         face: &Rough,
         beyond_first: Option<f64>,
@@ -89,7 +90,8 @@ impl RoughOrders {
         all
     }
 
-    /// Returns this number of orders, of zeros but between nodes with weight if `known` has as many; and `known` if so.
+    /// Returns this number of orders, of zeros but between nodes with weight if `known` has as many; and
+    /// `known` if so.
     fn between_nodes<'k>(grid: &Grid, count: usize, known: Option<&'k Self>) -> (Self, Option<&'k Self>) {
         let known = known.filter(|known| known.orders() == count);
         let mut all = blank(grid, count);
@@ -121,8 +123,8 @@ impl RoughOrders {
         }
     }
 
-    /// Determines the light that crosses, from both sides, by a rule of this order: finer from level to level,
-    /// so that its error shows in their difference.
+    /// Determines the light that crosses, from both sides, by a rule of this order: finer from level to
+    /// level, so that its error shows in their difference.
     fn balance(&mut self, face: &Rough, grid: &Grid, order: usize, known: Option<&Self>) {
         let len = grid.len();
         // Light that single microfacets should send across, of which the nodes miss some.

@@ -39,10 +39,10 @@ pub(super) struct ScatterOrders {
 }
 
 impl ScatterOrders {
-    /// Computes the orders in a disc of this radius for that of air; those beyond the first only if there are lights
-    /// with an azimuth, given the largest `|beta|` of views and of those. Light scattered from one extra node to
-    /// another is left out ([`once`](super::once)). What `known`, the orders for other extra nodes, contains is not
-    /// computed again.
+    /// Computes the orders in a disc of this radius for that of air; those beyond the first only if there are
+    /// lights with an azimuth, given the largest `|beta|` of views and of those. Light scattered from one
+    /// extra node to another is left out ([`once`](super::once)). What `known`, the orders for other extra
+    /// nodes, contains is not computed again.
     pub(super) fn new(
         (scatter, disc): (&Scatter, f64),
         beyond_first: Option<[f64; 2]>,
@@ -90,8 +90,8 @@ impl ScatterOrders {
         all
     }
 
-    /// Copies what `known` contains between nodes with weight, and between them and the same extra ones; returns for
-    /// each node its number there.
+    /// Copies what `known` contains between nodes with weight, and between them and the same extra ones;
+    /// returns for each node its number there.
     fn copied(&mut self, known: Option<&Self>) -> Vec<Option<usize>> {
         let Some(known) = known else { return vec![None; self.beta.len()] };
         let (len, before, regular) = (self.beta.len(), known.beta.len(), self.regular);

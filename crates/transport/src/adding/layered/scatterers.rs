@@ -93,8 +93,8 @@ impl<'a> Scatterers<'a> {
         self.find(known, || Scatterer::Slab(Slab::new(model, terms, grid)))
     }
 
-    /// Returns the number of a lobe between media of these indices; adds it if it is new. `disc` is the radius of the
-    /// Lambertian lobe.
+    /// Returns the number of a lobe between media of these indices; adds it if it is new. `disc` is the
+    /// radius of the Lambertian lobe.
     pub(super) fn lobe(&mut self, lobe: Lobe, disc: f64, indices: [f64; 2], grid: &Grid) -> usize {
         let disc = if lobe == Lobe::Lambertian { disc } else { 1.0 };
         let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Diffuser(d) if d.lobe == lobe && d.disc == disc && d.indices == indices);
@@ -159,7 +159,8 @@ impl<'a> Scatterers<'a> {
         self.all.iter().map(orders).max().unwrap_or(0)
     }
 
-    /// Returns the same scatterers for the extra nodes of the grid alone; `known` keeps the kernels between others.
+    /// Returns the same scatterers for the extra nodes of the grid alone; `known` keeps the kernels between
+    /// others.
     pub(super) fn extras(self, grid: &Grid, known: &mut Known) -> Self {
         let mut extras = |scatterer| match scatterer {
             Scatterer::Slab(slab) => Scatterer::Slab(slab.extras(grid)),

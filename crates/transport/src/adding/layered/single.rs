@@ -59,8 +59,8 @@ impl Face {
         pulled
     }
 
-    /// Returns the share of light that is neither returned by `back` nor transmitted, on the side of a medium of
-    /// this index.
+    /// Returns the share of light that is neither returned by `back` nor transmitted, on the side of a medium
+    /// of this index.
     fn lost(&self, back: &Self, reversed: bool, grid: &Grid, index: f64) -> Vec<f64> {
         let ones = vec![1.0; grid.len()];
         let (back, through) = (back.pull_back(&ones, grid, false), self.pull_back(&ones, grid, reversed));
@@ -100,7 +100,8 @@ impl<'a> Single<'a> {
         self.upper.down.straight[i] * self.trips[i]
     }
 
-    /// Returns the light that returns to the scatterer in direction number `i`, per unit that leaves it upwards.
+    /// Returns the light that returns to the scatterer in direction number `i`, per unit that leaves it
+    /// upwards.
     pub(super) fn returns(&self, i: usize) -> f64 {
         self.upper.below.straight[i] * self.trips[i]
     }
@@ -110,8 +111,8 @@ impl<'a> Single<'a> {
         self.upper.down.straight[out] * self.above.at(out, from) * self.arrives(from)
     }
 
-    /// Returns the upper bound of the light that is scattered twice between each view and light, `[extra, light]`, if
-    /// everything below is white: it takes each direction in between.
+    /// Returns the upper bound of the light that is scattered twice between each view and light,
+    /// `[extra, light]`, if everything below is white: it takes each direction in between.
     pub(super) fn often(&self, ends: Ends<'_>, regular: usize) -> Matrix {
         let Ends { views, lights } = ends;
         let passes: Vec<f64> = self.upper.down.straight[..regular].iter().map(|t| t.abs()).collect();
@@ -138,8 +139,8 @@ impl<'a> Single<'a> {
         [self.down.lost(&self.above, false, grid, above), self.down.lost(&self.below, true, grid, below)]
     }
 
-    /// Computes the fractions of light above a medium of this index, below flat layers `lower` that return no light
-    /// to the scatterer; `books` are the absorbed fractions of the scatterer itself.
+    /// Computes the fractions of light above a medium of this index, below flat layers `lower` that return no
+    /// light to the scatterer; `books` are the absorbed fractions of the scatterer itself.
     pub(super) fn shares(
         &self,
         books: &[Absorbed; 2],
@@ -152,7 +153,8 @@ impl<'a> Single<'a> {
         let times =
             |a: &dyn Fn(usize) -> f64, b: &[f64]| -> Vec<f64> { (0..len).map(|i| a(i) * b[i]).collect() };
         let arrives = |share: &[f64]| times(&|i| self.arrives(i), share);
-        // Functionals of light: that arrives from above, that arrives from below; of what then falls, of what rises.
+        // Functionals of light: that arrives from above, that arrives from below; of what then falls, of what
+        // rises.
         let through = |share: &[f64]| self.down.pull_back(share, grid, false);
         let up = |share: &[f64]| self.down.pull_back(share, grid, true);
         let below = |falls: &[f64]| {
@@ -273,8 +275,8 @@ impl Chain {
             && (self.carried, self.regular) == (other.carried, other.regular)
     }
 
-    /// Adds the reflection of light by kernels to light on the nodes with weight: what keeps its direction is left
-    /// out. `chains` is one for each column; they share their kernels. `reversed`: its transpose.
+    /// Adds the reflection of light by kernels to light on the nodes with weight: what keeps its direction is
+    /// left out. `chains` is one for each column; they share their kernels. `reversed`: its transpose.
     pub(super) fn add(chains: &[&Self], rising: &Matrix, sum: &mut Matrix, reversed: bool) {
         let Some(first) = chains.first() else { return };
         match &first.below {
@@ -314,16 +316,17 @@ impl Chain {
         }
     }
 
-    /// Adds to light that leaves by the kernel that which passes the scatterer regularly, and sends both back to it.
+    /// Adds to light that leaves by the kernel that which passes the scatterer regularly, and sends both back
+    /// to it.
     fn send_back(&self, rising: &[f64], leaves: &mut [f64]) {
         let passes = rising.iter().zip(&self.down.straight).take(self.carried);
         leaves.iter_mut().zip(passes).for_each(|(back, (rises, d))| *back += d * rises);
         leaves.iter_mut().zip(self.returns.iter().flatten()).for_each(|(back, r)| *back *= r);
     }
 
-    /// Returns light on the nodes with weight, times the kernels towards every extra node, `[extra, column]`: of light
-    /// that leaves, and of light that is reflected once more. All are read out of one product, which depends on the
-    /// light alone. `chains` is one for each column.
+    /// Returns light on the nodes with weight, times the kernels towards every extra node, `[extra, column]`:
+    /// of light that leaves, and of light that is reflected once more. All are read out of one product, which
+    /// depends on the light alone. `chains` is one for each column.
     pub(super) fn towards_extras(chains: &[&Self], rising: &Matrix) -> [Matrix; 2] {
         let Some(first) = chains.first() else { return [Matrix::zeros(0, 0), Matrix::zeros(0, 0)] };
         let n = first.regular;
@@ -357,7 +360,8 @@ impl Chain {
         leaves
     }
 
-    /// Returns the light that the scatterer transmits upwards by its kernel towards every extra node, `[extra, column]`.
+    /// Returns the light that the scatterer transmits upwards by its kernel towards every extra node,
+    /// `[extra, column]`.
     fn scattered_to_extras(&self, rising: &Matrix) -> Matrix {
         let mut leaves = Matrix::zeros(self.arrives.len(), rising.columns());
         if let Some((kernel, factor)) = &self.down.kernel {
@@ -372,7 +376,8 @@ impl Chain {
         }
     }
 
-    /// Returns the reflection of light from extra nodes `entering` to the nodes with weight, and to all extra ones.
+    /// Returns the reflection of light from extra nodes `entering` to the nodes with weight, and to all extra
+    /// ones.
     pub(super) fn entering(&self, entering: &[usize]) -> [Matrix; 2] {
         let (n, beams) = (self.regular, entering.len());
         let direct = |out: usize, from: usize| {

@@ -1,4 +1,5 @@
-//! The directions between which the nodes of a grid are placed: indices of media, and where the kernels of layers jump or have kinks.
+//! The directions between which the nodes of a grid are placed: indices of media, and where the kernels of
+//! layers jump or have kinks.
 
 use super::grid::Density;
 use super::prepare::indices;

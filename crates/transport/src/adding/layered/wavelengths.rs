@@ -1,12 +1,13 @@
 //! The wavelengths at which a first answer is computed, and the light between them.
 //!
-//! Over a film, each wavelength of each state is a column of its own, and where the layers differ by wavelength, so do
-//! their operators. A first answer takes some of the wavelengths, from the first to the last at equal steps. Between
-//! them, what is interpolated (a cubic through the four nearest) is not the light itself, but what remains of it
-//! without a multiple of the light that the film and the media alone return along the normal, which is known at all
-//! wavelengths: so the narrow features of both are in the result. The multiple is that which leaves the smallest
-//! remainder. Where the film alone could not be interpolated, because of narrow fringes, all wavelengths are computed. The
-//! coarser level of a first answer has half as many wavelengths: the difference contains this error.
+//! Over a film, each wavelength of each state is a column of its own, and where the layers differ by
+//! wavelength, so do their operators. A first answer takes some of the wavelengths, from the first to the
+//! last at equal steps. Between them, what is interpolated (a cubic through the four nearest) is not the
+//! light itself, but what remains of it without a multiple of the light that the film and the media alone
+//! return along the normal, which is known at all wavelengths: so the narrow features of both are in the
+//! result. The multiple is that which leaves the smallest remainder. Where the film alone could not be
+//! interpolated, because of narrow fringes, all wavelengths are computed. The coarser level of a first answer
+//! has half as many wavelengths: the difference contains this error.
 
 use super::prepare::optics;
 use crate::{Estimate, Reflector, Stack};
@@ -14,8 +15,8 @@ use crate::{Estimate, Reflector, Stack};
 /// Largest error of the film alone, relative to its mean, with which wavelengths are left out.
 const FRINGES: f64 = 0.05;
 
-/// Returns the wavelengths to compute, ascending: at most `most`, unless fewer would save nothing or would miss fringes of the
-/// film.
+/// Returns the wavelengths to compute, ascending: at most `most`, unless fewer would save nothing or would
+/// miss fringes of the film.
 pub(super) fn computed(stack: &Stack, most: usize) -> Vec<usize> {
     let bins = stack.base().bins();
     let all = || (0..bins).collect();
@@ -74,7 +75,8 @@ pub(super) fn interpolate(stack: &Stack, known: &[usize], estimate: &mut Estimat
     }
 }
 
-/// Returns the light that the base returns along the normal through absorbing media alone, `[state][wavelength]`.
+/// Returns the light that the base returns along the normal through absorbing media alone,
+/// `[state][wavelength]`.
 fn film_alone(stack: &Stack) -> Vec<f64> {
     let bins = stack.base().bins();
     let mut all = vec![0.0; stack.base().states() * bins];
@@ -115,7 +117,8 @@ impl Between<'_> {
         }
     }
 
-    /// Returns the cubic through the four known wavelengths nearest to a gap, or a polynomial through all of fewer.
+    /// Returns the cubic through the four known wavelengths nearest to a gap, or a polynomial through all of
+    /// fewer.
     fn cubic(&self, rest: &[f64], first: usize, bin: usize) -> f64 {
         let few = self.known.len().min(4);
         let begin = first.saturating_sub(1).min(self.known.len() - few);

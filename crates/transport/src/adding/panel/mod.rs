@@ -36,8 +36,8 @@ pub(super) fn narrows(panel: &Panel) -> bool {
     *width < recycling::NARROWEST && !panel.single_pass && panel.front.reflectance_below.max() > 0.0
 }
 
-/// Returns the largest ratio of the error of a level to its difference from the level before, under a narrow lobe
-/// ([`narrows`]); the ratios seen in `tests/transport/narrow_lobes.rs` are in brackets.
+/// Returns the largest ratio of the error of a level to its difference from the level before, under a narrow
+/// lobe ([`narrows`]); the ratios seen in `tests/transport/narrow_lobes.rs` are in brackets.
 pub(super) fn error_over_difference_of_narrow(panel: &Panel, sources: &[Source]) -> f64 {
     const STRONG: f64 = 0.1;
     match &panel.base.reflector {
@@ -47,7 +47,8 @@ pub(super) fn error_over_difference_of_narrow(panel: &Panel, sources: &[Source])
         {
             10.0
         }
-        // Passes of fields are interpolated between directions; as strict as when they were corrected by a grid.
+        // Passes of fields are interpolated between directions; as strict as when they were corrected by a
+        // grid.
         _ if sources.iter().any(|source| matches!(source, Source::Field(_))) => 10.0,
         // The second level computes the third pass, too; late ones matter (4.6).
         _ if panel.front.reflectance_below.max() >= STRONG => 6.0,

@@ -1,15 +1,16 @@
 //! The product of two k-correlation lobes, integrated over the azimuth of a circle in closed form.
 //!
-//! On a circle of radius r, the squared distance from a lobe's centre at radius a, plus `b²`, is `A - C cos phi` with
-//! `A = a² + b² + r²` and `C = 2 a r`. Divided by `S = sqrt(A² - C²)` it is the product, in the metric `(+, -, -)`, of the null
-//! vector `(1, cos phi, sin phi)` with the unit vector `X = (A, C, 0)/S`, for a centre at azimuth 0. A Lorentz transformation
-//! that brings the middle of two such vectors to rest moves their poles in azimuth symmetrically about the circle:
+//! On a circle of radius r, the squared distance from a lobe's centre at radius a, plus `b²`, is
+//! `A - C cos phi` with `A = a² + b² + r²` and `C = 2 a r`. Divided by `S = sqrt(A² - C²)` it is the product,
+//! in the metric `(+, -, -)`, of the null vector `(1, cos phi, sin phi)` with the unit vector
+//! `X = (A, C, 0)/S`, for a centre at azimuth 0. A Lorentz transformation that brings the middle of two such
+//! vectors to rest moves their poles in azimuth symmetrically about the circle:
 //!
 //! `integral of (X1 N)^(-3/2) (X2 N)^(-3/2) dphi = integral of (M - T1 cos psi - T2 sin psi)² (cosh² - sinh² cos² psi)^(-3/2) dpsi`,
 //!
-//! with d the distance of X1 and X2 (`X1 X2 = cosh d`), hyperbolic functions of d/2, and `(M, T1, T2)` the transformed vector
-//! (1, 0, 0). This is a complete elliptic integral, which Bulirsch's `cel` computes without cancellation (Numer. Math. 13, 305
-//! (1969)).
+//! with d the distance of X1 and X2 (`X1 X2 = cosh d`), hyperbolic functions of d/2, and `(M, T1, T2)` the
+//! transformed vector (1, 0, 0). This is a complete elliptic integral, which Bulirsch's `cel` computes
+//! without cancellation (Numer. Math. 13, 305 (1969)).
 
 use std::f64::consts::PI;
 

@@ -5,8 +5,8 @@
 //! it is as smooth as the lobe: [`Projected`] holds its Fourier orders at the nodes of one rule over the
 //! radius, which is graded for all views together. By Parseval's theorem the integral over azimuth is the sum
 //! of products of orders. A view's own orders depend on its azimuth only by the factors `cos m phi` and
-//! `sin m phi`: the weights of each order ([`Pass::by_order`]) serve all views at one inclination, and each of
-//! them is a short sum.
+//! `sin m phi`: the weights of each order ([`Pass::by_order`]) serve all views at one inclination, and each
+//! of them is a short sum.
 
 use std::f64::consts::PI;
 
@@ -96,8 +96,8 @@ impl Pass<'_> {
         Projected { chunks: rule.chunks(LANES).zip(orders).map(chunk).collect(), rule, circles }
     }
 
-    /// Returns `pi` times the kernel between a view and a field, without the light that is never scattered, as
-    /// weights on the nodes of the table for each azimuthal order that matters: `[order][node]`.
+    /// Returns `pi` times the kernel between a view and a field, without the light that is never scattered,
+    /// as weights on the nodes of the table for each azimuthal order that matters: `[order][node]`.
     pub(super) fn by_order(&self, view: &[Point], azimuth: f64, light: &Projected) -> Vec<f64> {
         let (count, s) = (light.orders(), self.straight());
         let circles = Circle::of_points(view, azimuth, count);

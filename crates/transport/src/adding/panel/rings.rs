@@ -25,9 +25,9 @@ const FEW_STEPS: usize = 100;
 
 /// Integral over azimuth of the product of two sums of lobes, at any radius.
 ///
-/// The product of two lobes has a closed form ([`Pairs`]). Sums of many points have many pairs. By Parseval's theorem
-/// their product is a sum over Fourier orders, which needs only half as many as either of its factors has. If these are
-/// too many, too, the integral is computed by panels around the lobes.
+/// The product of two lobes has a closed form ([`Pairs`]). Sums of many points have many pairs. By Parseval's
+/// theorem their product is a sum over Fourier orders, which needs only half as many as either of its factors
+/// has. If these are too many, too, the integral is computed by panels around the lobes.
 pub(super) struct RingOfProducts<'a> {
     lobe: Lobe,
     digits: f64,
@@ -43,7 +43,8 @@ pub(super) struct RingOfProducts<'a> {
 #[derive(Debug, Clone, Copy)]
 enum Method {
     Pairs,
-    /// The number of orders of the product, and the orders from which the recurrences of the two factors start.
+    /// The number of orders of the product, and the orders from which the recurrences of the two factors
+    /// start.
     Orders(usize, [usize; 2]),
     Panels,
 }
@@ -282,8 +283,8 @@ mod tests {
     use super::*;
     use papilio_optics::{Beta, Scatterer};
 
-    /// All methods of integrating over azimuth agree, for lobes down to a width of 1e-4: one pair of points, also on one
-    /// axis, and sums of points.
+    /// All methods of integrating over azimuth agree, for lobes down to a width of 1e-4: one pair of points,
+    /// also on one axis, and sums of points.
     #[test]
     fn products_of_narrow_lobes_agree_by_all_methods() {
         let point = |x, y| Point { beta: Beta { x, y }, weight: 0.7 };

@@ -1,24 +1,26 @@
 //! Colours of a picture of Lambertian pixels under a face that returns light to them, through all orders.
 //!
-//! **What.** Pixel x is in a state s(x) with a reflectance at each wavelength. Its irradiance relative to that of the light from
-//! outside is E = 1 + A * (rho E), as in [`Recycling`](super::Recycling), at every wavelength; what is seen is a sum over
-//! wavelengths of light that is proportional to E.
+//! **What.** Pixel x is in a state s(x) with a reflectance at each wavelength. Its irradiance relative to
+//! that of the light from outside is E = 1 + A * (rho E), as in [`Recycling`](super::Recycling), at every
+//! wavelength; what is seen is a sum over wavelengths of light that is proportional to E.
 //!
 //! **How.** Three reductions, each with an error that [`Precision`] sets:
-//! - E is smooth, because A(f) is small where f d is above 1: it is solved in cells of a fraction of the thickness, which hold the mean
-//!   reflectance; the mean over a pixel is that of cubics through the cells.
-//! - E depends on the wavelength only through the reflectances of the states. A few wavelengths represent all: those with which
-//!   polynomials and fractions of the reflectances are interpolated best (pivoted Gram-Schmidt), at the light's weights.
-//! - With `m` in the middle of the reflectances, `E = (1 - m A)^-1 * (1 + A * ((rho - m) E))` converges in few repetitions ([`Approach`]). Two
-//!   wavelengths are real and imaginary part of one transform.
+//! - E is smooth, because A(f) is small where f d is above 1: it is solved in cells of a fraction of the
+//!   thickness, which hold the mean reflectance; the mean over a pixel is that of cubics through the cells.
+//! - E depends on the wavelength only through the reflectances of the states. A few wavelengths represent
+//!   all: those with which polynomials and fractions of the reflectances are interpolated best (pivoted
+//!   Gram-Schmidt), at the light's weights.
+//! - With `m` in the middle of the reflectances, `E = (1 - m A)^-1 * (1 + A * ((rho - m) E))` converges in
+//!   few repetitions ([`Approach`]). Two wavelengths are real and imaginary part of one transform.
 //!
-//! Where light spreads inside the pixels ([`PixelSpread`]), the light inside on its way out, `P * (sqrt(rho) E)`, takes the place of E in
-//! what is seen. It changes within a few of these lengths: the cells are the pixels, or parts of them.
+//! Where light spreads inside the pixels ([`PixelSpread`]), the light inside on its way out,
+//! `P * (sqrt(rho) E)`, takes the place of E in what is seen. It changes within a few of these lengths: the
+//! cells are the pixels, or parts of them.
 //!
 //! **Limits.** The picture repeats at its borders. What returns light is the same at all wavelengths.
 //!
-//! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953), for both limits; Cheng, Gimbutas, Martinsson, Rokhlin, SIAM J. Sci. Comput. 26,
-//! 1389 (2005), for rows that represent a matrix.
+//! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953), for both limits; Cheng, Gimbutas, Martinsson,
+//! Rokhlin, SIAM J. Sci. Comput. 26, 1389 (2005), for rows that represent a matrix.
 
 use num_complex::Complex64;
 use papilio_fourier::Plane;
@@ -45,7 +47,8 @@ pub struct Page<'a> {
 pub struct Precision {
     /// Largest cell in thicknesses of the medium.
     pub cell: f64,
-    /// Most cells across a pixel. Under a thinner medium light returns to its own place: cells then need not be smaller.
+    /// Most cells across a pixel. Under a thinner medium light returns to its own place: cells then need not
+    /// be smaller.
     pub most_per_pixel: usize,
     /// Largest error of the irradiance after the last repetition, relative to that of white.
     pub change: f64,
@@ -75,8 +78,8 @@ pub struct LitPage {
     cells: Cells,
     /// Whether pixels consist of whole cells, along x and y.
     whole: [bool; 2],
-    /// Irradiance of each cell over that of the light from outside, one plane for each representative. Light inside the pixels instead, if it
-    /// spreads there.
+    /// Irradiance of each cell over that of the light from outside, one plane for each representative. Light
+    /// inside the pixels instead, if it spreads there.
     irradiance: Vec<Vec<f32>>,
     found: Representatives,
     spreads: bool,
@@ -84,8 +87,8 @@ pub struct LitPage {
 }
 
 impl LitPage {
-    /// Solves the irradiance of a picture. `face` is the fraction that comes back of light that is modulated at a frequency (cycles per
-    /// mm). States without reflectances are black.
+    /// Solves the irradiance of a picture. `face` is the fraction that comes back of light that is modulated
+    /// at a frequency (cycles per mm). States without reflectances are black.
     pub fn new(
         page: &Page<'_>,
         face: &dyn Fn(f64) -> f64,
@@ -148,7 +151,8 @@ impl LitPage {
         self.found.bins.len()
     }
 
-    /// Largest error of the irradiance because repetitions ended, relative to that of a page of the largest reflectance.
+    /// Largest error of the irradiance because repetitions ended, relative to that of a page of the largest
+    /// reflectance.
     pub fn left(&self) -> f64 {
         self.left
     }
@@ -237,7 +241,8 @@ fn coverage(page: &Page<'_>, count: [usize; 2], states: usize) -> Vec<Vec<f32>> 
     coverage
 }
 
-/// Cells that each of `from` equal parts of a length overlaps, among `to` cells, with the fraction of the part.
+/// Cells that each of `from` equal parts of a length overlaps, among `to` cells, with the fraction of the
+/// part.
 fn overlaps(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     let ratio = to as f64 / from as f64;
     let of = |part: usize| {
@@ -292,7 +297,8 @@ impl Taps {
         taps
     }
 
-    /// Means over the cells of which each part consists: the light of large cells jumps at the border of a pixel.
+    /// Means over the cells of which each part consists: the light of large cells jumps at the border of a
+    /// pixel.
     fn of_parts(parts: usize, cells: usize) -> Self {
         let width = (cells / parts).max(1);
         let first = (0..parts).map(|part| part * width).collect();
@@ -337,14 +343,16 @@ struct Kernel {
     returned: Vec<f64>,
 }
 
-/// Most repetitions. Each divides the error of white of 0.95 under glass by two or more; a mirror that returns 97 % of the light needs some 400.
+/// Most repetitions. Each divides the error of white of 0.95 under glass by two or more; a mirror that
+/// returns 97 % of the light needs some 400.
 const MOST_REPETITIONS: usize = 1000;
 
 /// How repetitions approach the solution of a pattern.
 ///
-/// `E = 1 + A K E`, K being the pattern, becomes `(1 - m A) E = 1 + A (K - m) E`. K lies between the least and the largest reflectance; with m
-/// in the middle of them each repetition multiplies the error by at most `A h / (1 - m A)`, h being half their difference. That is below 1
-/// wherever the largest reflectance times A is, which no other m achieves.
+/// `E = 1 + A K E`, K being the pattern, becomes `(1 - m A) E = 1 + A (K - m) E`. K lies between the least
+/// and the largest reflectance; with m in the middle of them each repetition multiplies the error by at most
+/// `A h / (1 - m A)`, h being half their difference. That is below 1 wherever the largest reflectance times A
+/// is, which no other m achieves.
 #[derive(Debug, Clone, Copy)]
 struct Approach {
     /// m.
@@ -363,8 +371,8 @@ impl Approach {
         Self { middle, rate, largest: 1.0 / (1.0 - range[1] * most).max(f64::EPSILON) }
     }
 
-    /// Error that is left after a repetition that changed the irradiance so much, at least that change, and with a margin of two; relative to the
-    /// largest irradiance.
+    /// Error that is left after a repetition that changed the irradiance so much, at least that change, and
+    /// with a margin of two; relative to the largest irradiance.
     fn left(&self, change: f64) -> f64 {
         2.0 * change * (self.rate / (1.0 - self.rate).max(f64::EPSILON)).max(1.0) / self.largest
     }
@@ -380,7 +388,8 @@ fn range(rho: [&[f32]; 2]) -> [f64; 2] {
 type Solved = ([Vec<f32>; 2], f64);
 
 impl Kernel {
-    /// Light inside the pixels of two patterns of reflectances, on its way out. `inside`: factor of the spread at each bin.
+    /// Light inside the pixels of two patterns of reflectances, on its way out. `inside`: factor of the
+    /// spread at each bin.
     fn solved_inside(&self, inside: &[f64], rho: [&[f32]; 2], tolerance: f64) -> Solved {
         let cells = self.returned.len();
         let scale = 1.0 / cells as f64;

@@ -7,8 +7,8 @@ use super::PageLight;
 pub(super) struct Representatives {
     /// Their numbers.
     pub(super) bins: Vec<usize>,
-    /// A function of the reflectances at a wavelength is the sum of its values at the representatives times these,
-    /// `[wavelength][representative]`.
+    /// A function of the reflectances at a wavelength is the sum of its values at the representatives times
+    /// these, `[wavelength][representative]`.
     shares: Vec<Vec<f64>>,
 }
 
@@ -18,8 +18,8 @@ const MIXTURES: usize = 16;
 /// Most states that are functions of their own.
 const MOST_STATES: usize = 16;
 
-/// Chooses wavelengths until the rest of all others, weighted by their light, is at most `missed` of the whole. `returned` is the part
-/// of the light of a uniform page that the face returns.
+/// Chooses wavelengths until the rest of all others, weighted by their light, is at most `missed` of the
+/// whole. `returned` is the part of the light of a uniform page that the face returns.
 pub(super) fn representatives(
     light: PageLight<'_>,
     returned: f64,
@@ -66,7 +66,8 @@ pub(super) fn representatives(
     Representatives { shares: shares.collect(), bins: chosen }
 }
 
-/// Coefficients of the chosen rows that sum to a row, all by their coordinates: those of chosen row k end at axis k.
+/// Coefficients of the chosen rows that sum to a row, all by their coordinates: those of chosen row k end at
+/// axis k.
 fn solved(row: &[f64], chosen: &[usize], along: &[Vec<f64>]) -> Vec<f64> {
     let count = row.len();
     let mut rest = row.to_vec();
@@ -85,8 +86,9 @@ fn weight(light: PageLight<'_>, bin: usize) -> f64 {
     light.seen.iter().map(of_state).fold(0.0, f64::max)
 }
 
-/// Functions of the reflectances at a wavelength like those of which the irradiance is composed: reflectances of mixtures, their light
-/// through all orders, and products of both; for light that spreads inside the pixels, also their products with the roots of reflectances.
+/// Functions of the reflectances at a wavelength like those of which the irradiance is composed: reflectances
+/// of mixtures, their light through all orders, and products of both; for light that spreads inside the
+/// pixels, also their products with the roots of reflectances.
 fn features(light: PageLight<'_>, bin: usize, returned: f64, spreads: bool) -> Vec<f64> {
     let states = light.reflectance.len();
     let rho = |state: usize| returned * light.reflectance[state][bin];

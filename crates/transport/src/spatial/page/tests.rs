@@ -160,8 +160,8 @@ fn unit(face: &FaceReturn) -> f64 {
     (1.0 - BRIGHT[0] * face.at(0.0)) / BRIGHT[0]
 }
 
-/// Light that leaves each of a row of cells, by elimination: `(1 - K A) B = K`, A from its transform by sums of cosines, K the reflectances or
-/// `sqrt(rho) P sqrt(rho)`.
+/// Light that leaves each of a row of cells, by elimination: `(1 - K A) B = K`, A from its transform by sums
+/// of cosines, K the reflectances or `sqrt(rho) P sqrt(rho)`.
 fn dense(rho: &[f64], period_mm: f64, inside: Option<&dyn Fn(f64) -> f64>) -> Vec<f64> {
     let (count, face) = (rho.len(), dense_face());
     let between = |transform: &dyn Fn(f64) -> f64| -> Vec<f64> {
@@ -207,7 +207,8 @@ fn stroke(pixel: usize) -> usize {
     usize::from((12..17).contains(&pixel))
 }
 
-/// White of 0.95 and n = 1.7: 0.72 of the light comes back, so that repetitions about the mean reflectance would diverge in the stroke.
+/// White of 0.95 and n = 1.7: 0.72 of the light comes back, so that repetitions about the mean reflectance
+/// would diverge in the stroke.
 #[test]
 fn stroke_on_bright_paper_equals_a_linear_solution() {
     let (count, pitch, parts) = (40, 0.1, 5);
@@ -216,7 +217,8 @@ fn stroke_on_bright_paper_equals_a_linear_solution() {
     let rho: Vec<f64> = (0..count * parts).map(|k| BRIGHT[stroke(k / parts)]).collect();
     let light = dense(&rho, count as f64 * pitch, None);
     let unit = unit(&dense_face());
-    // A fast picture's cells are a third of the thickness: in dense glass, near the edge, they miss a little more than below glass of 1.5.
+    // A fast picture's cells are a third of the thickness: in dense glass, near the edge, they miss a little
+    // more than below glass of 1.5.
     for (precision, tolerance) in [(Precision::FAST, 1.5e-3), (Precision::FINE, 1e-4)] {
         let (lit, found) = seen_of_bright(&page, None, precision);
         assert!(lit.left() <= precision.change, "{}", lit.left());

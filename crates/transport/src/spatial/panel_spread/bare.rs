@@ -9,8 +9,8 @@ use crate::light::images::{Mirror, image_points};
 use crate::specular::FlatTop;
 use crate::{Cone, Panel, Source};
 
-/// Orders of light between a face and a front of screen above it, on the way to the viewer. The last stands for all that
-/// follow.
+/// Orders of light between a face and a front of screen above it, on the way to the viewer. The last stands
+/// for all that follow.
 const ORDERS: usize = 4;
 
 /// Returns the parts: one for each direction, index of the glass and order.
@@ -76,8 +76,9 @@ fn seen_points(panel: &Panel, view: &Cone, source: &Source, digits: f64) -> Vec<
     cone_points_of(view, smooth_at(view, SMOOTH), digits, nodes)
 }
 
-/// Returns, for a Lambertian pixel, what reaches it of the light, times that which leaves into the directions of the light, over
-/// what is emitted; none for a mirror, which sees the light in the direction of view. Shape `[wavelength]`.
+/// Returns, for a Lambertian pixel, what reaches it of the light, times that which leaves into the directions
+/// of the light, over what is emitted; none for a mirror, which sees the light in the direction of view.
+/// Shape `[wavelength]`.
 fn light_of(panel: &Panel, source: &Source, digits: f64) -> Option<Vec<f64>> {
     if panel.base.is_specular() {
         return None;

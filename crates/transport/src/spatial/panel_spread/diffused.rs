@@ -120,8 +120,8 @@ impl Diffused<'_> {
         }
     }
 
-    /// Returns what reaches a Lambertian pixel times the density of its directions, or what leaves of its light into diffuse light;
-    /// 1 for a mirror.
+    /// Returns what reaches a Lambertian pixel times the density of its directions, or what leaves of its
+    /// light into diffuse light; 1 for a mirror.
     fn received(&self, light: &Incoming, index: f64) -> f64 {
         if self.panel.base.is_specular() {
             return 1.0;

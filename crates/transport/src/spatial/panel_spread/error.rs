@@ -7,8 +7,8 @@ use std::fmt;
 pub enum SpreadError {
     /// There is no length, not even that of the glass.
     Lengths,
-    /// Several components of the front of screen at different heights may reflect light to the pixel; their common reflectance does
-    /// not tell how much each of them does.
+    /// Several components of the front of screen at different heights may reflect light to the pixel; their
+    /// common reflectance does not tell how much each of them does.
     SeveralFronts,
     /// The pixel scatters by a kernel of its own.
     ScatteringPixel,

@@ -1,5 +1,5 @@
-//! Light that flat faces return to a mirror-like pixel: it keeps its direction, and comes back at twice the shift of one crossing of the
-//! glass, `F(theta) exp(-2 pi i f.2D)`.
+//! Light that flat faces return to a mirror-like pixel: it keeps its direction, and comes back at twice the
+//! shift of one crossing of the glass, `F(theta) exp(-2 pi i f.2D)`.
 
 use std::f64::consts::PI;
 
@@ -17,8 +17,8 @@ pub(super) struct Ghosts {
     /// Shift of a return trip through the glass, `[wavelength]`, and through the air above it, mm.
     glass_mm: Vec<[f64; 2]>,
     air_mm: [f64; 2],
-    /// Reflectance of the face, its transmittance squared times the reflectance of the front above it, and the product of the
-    /// reflectances between them, `[wavelength]`.
+    /// Reflectance of the face, its transmittance squared times the reflectance of the front above it, and
+    /// the product of the reflectances between them, `[wavelength]`.
     face: Vec<[f64; 3]>,
 }
 

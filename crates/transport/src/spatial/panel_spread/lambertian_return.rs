@@ -1,9 +1,11 @@
-//! Light that the layers above the glass return to Lambertian pixels, tabulated for callers that ask many frequencies.
+//! Light that the layers above the glass return to Lambertian pixels, tabulated for callers that ask many
+//! frequencies.
 //!
-//! **What.** A flat face alone returns `A(f)` of [`FaceReturn`]; a front of screen above an air gap adds the orders of light between
-//! the two, each a [`FrontReturn`] with a longer way. Below a diffuser only the front returns light, through its lobe ([`lobe_return`]). These
-//! decrease quickly with the frequency: light through a gap has no sharp edge. They are Chebyshev polynomials on panels that widen with the
-//! frequency, up to [`HIGHEST`].
+//! **What.** A flat face alone returns `A(f)` of [`FaceReturn`]; a front of screen above an air gap adds the
+//! orders of light between the two, each a [`FrontReturn`] with a longer way. Below a diffuser only the front
+//! returns light, through its lobe ([`lobe_return`]). These decrease quickly with the frequency: light
+//! through a gap has no sharp edge. They are Chebyshev polynomials on panels that widen with the frequency,
+//! up to [`HIGHEST`].
 
 use std::sync::Arc;
 
@@ -15,8 +17,9 @@ use super::{Heights, SpreadError, lobe_return};
 use crate::layers::Indices;
 use crate::{Diffuser, Panel, Top};
 
-/// Frequencies of the table, times the length of the way: that of the first panel, the ratio of the ends of each of the next ones, and the
-/// greatest width of a panel. The last panel ends at `HIGHEST`; less than 1e-5 of a front's reflectance comes back beyond.
+/// Frequencies of the table, times the length of the way: that of the first panel, the ratio of the ends of
+/// each of the next ones, and the greatest width of a panel. The last panel ends at `HIGHEST`; less than 1e-5
+/// of a front's reflectance comes back beyond.
 const FIRST: f64 = 0.02;
 const GROWTH: f64 = 1.25;
 const WIDEST: f64 = 0.4;
@@ -25,7 +28,8 @@ const HIGHEST: f64 = 8.0;
 /// Highest frequencies of the rules, times the length.
 const RULES: [f64; 3] = [0.125, 1.0, HIGHEST];
 
-/// Frequency times the length from which on nothing comes back through a lobe: there less than 1e-3 of what returns of uniform light.
+/// Frequency times the length from which on nothing comes back through a lobe: there less than 1e-3 of what
+/// returns of uniform light.
 const HIGHEST_OF_LOBE: f64 = 3.0;
 
 /// Orders whose light is below this fraction are left out, the last one standing for all that follow.
@@ -101,7 +105,8 @@ impl LambertianReturn {
         Self { bins, index: 1.0, front: 1.0, face: None, orders: tables }
     }
 
-    /// Fraction that comes back of the light from the pixels that is modulated at this frequency (cycles per mm), with its sign.
+    /// Fraction that comes back of the light from the pixels that is modulated at this frequency (cycles per
+    /// mm), with its sign.
     pub fn at(&self, frequency_per_mm: f64) -> f64 {
         let by_face = self.face.as_ref().map_or(0.0, |face| face.at(frequency_per_mm));
         by_face + self.by_front(frequency_per_mm)
@@ -125,7 +130,8 @@ fn face_reflectance(panel: &Panel, index: f64, beta: f64) -> f64 {
     }
 }
 
-/// Tabulates the orders between the face and a front that reflects everything; the factor of the front is missing in each.
+/// Tabulates the orders between the face and a front that reflects everything; the factor of the front is
+/// missing in each.
 fn orders(panel: &Panel, index: f64, heights: Heights, largest: f64) -> Arc<[Tabulated]> {
     // What the face reflects from above is at most 1, of grazing light; without a face, there is one order.
     let count = match panel.top {

@@ -1,12 +1,14 @@
-//! Light of a Lambertian pixel that leaves through a diffuser, and that a front of screen sends back through it.
+//! Light of a Lambertian pixel that leaves through a diffuser, and that a front of screen sends back through
+//! it.
 //!
-//! **What.** What leaves the diffuser along beta is spread by `B(beta, f)`, the transform of the lobe around beta over the directions in the
-//! glass, and again on its way down; of a front that reflects everything
+//! **What.** What leaves the diffuser along beta is spread by `B(beta, f)`, the transform of the lobe around
+//! beta over the directions in the glass, and again on its way down; of a front that reflects everything
 //! `A(f) = 1/(pi n^2) integral of B(beta, f)^2 exp(-2 pi i f.2D_air(beta)) d^2 beta` over the disc of air.
 //!
-//! **How.** At low frequencies B is the sum over all directions in the glass. At high ones, where little comes back, the shift is
-//! taken as linear in the direction over the width of a lobe: B is then the transform of the lobe in the plane, `exp(-b |w|)` of a k-correlation
-//! lobe of width b, w being the phase per direction cosine. What a Lambertian diffuser returns there is neglected.
+//! **How.** At low frequencies B is the sum over all directions in the glass. At high ones, where little
+//! comes back, the shift is taken as linear in the direction over the width of a lobe: B is then the
+//! transform of the lobe in the plane, `exp(-b |w|)` of a k-correlation lobe of width b, w being the phase
+//! per direction cosine. What a Lambertian diffuser returns there is neglected.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -20,12 +22,14 @@ use super::Heights;
 use crate::Diffuser;
 use crate::numerics::quadrature::{MOST_POINTS, Node, gauss};
 
-/// Places farther than this, in thicknesses of the glass, count as this far: little light goes there. Where the index is so low that light of the
-/// air goes farther, its way is resolved up to the second one over `1 + 2 f d`: far light matters at low frequencies alone.
+/// Places farther than this, in thicknesses of the glass, count as this far: little light goes there. Where
+/// the index is so low that light of the air goes farther, its way is resolved up to the second one over
+/// `1 + 2 f d`: far light matters at low frequencies alone.
 const FARTHEST: f64 = 4.0;
 const FARTHEST_OF_AIR: f64 = 30.0;
 
-/// Number of places in addition to the phase, in radians, from the middle to the farthest place at the highest frequency.
+/// Number of places in addition to the phase, in radians, from the middle to the farthest place at the
+/// highest frequency.
 const MORE_PLACES: f64 = 10.0;
 
 /// Fewest natural digits, and how many fewer than for other light: little comes back.
@@ -140,8 +144,8 @@ fn about(diffuser: &Diffuser, Gap { index, thickness_mm }: Gap, beta: Beta, widt
     }
 }
 
-/// Few places along x, none farther than a distance (mm), that have the same transform up to a frequency (radians per mm): by polynomials through
-/// Chebyshev's points.
+/// Few places along x, none farther than a distance (mm), that have the same transform up to a frequency
+/// (radians per mm): by polynomials through Chebyshev's points.
 fn places(samples: &[Sample], farthest: f64, wave: f64) -> Vec<[f64; 2]> {
     let x = |sample: &Sample| sample.shift_mm[0].clamp(-farthest, farthest);
     let [low, high] = samples

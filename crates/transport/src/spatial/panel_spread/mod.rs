@@ -1,22 +1,24 @@
-//! What a view sees of the pixel plane through the layers of an ordinary panel: directions, places and their light.
+//! What a view sees of the pixel plane through the layers of an ordinary panel: directions, places and their
+//! light.
 //!
-//! **What.** A [`PanelSpread`] belongs to a view and a source. It is a list of [`Part`]s, each a list of [`Sample`]s (direction,
-//! place, weight) with one factor for each wavelength. Light that has met the pixel once adds up to
-//! `sum of through(wavelength) x weight x reflectance(beta, wavelength)`, the reflectance factor of that light: the same number as
-//! that of colours, now with a place for each of its terms.
+//! **What.** A [`PanelSpread`] belongs to a view and a source. It is a list of [`Part`]s, each a list of
+//! [`Sample`]s (direction, place, weight) with one factor for each wavelength. Light that has met the pixel
+//! once adds up to `sum of through(wavelength) x weight x reflectance(beta, wavelength)`, the reflectance
+//! factor of that light: the same number as that of colours, now with a place for each of its terms.
 //!
-//! **All orders.** The layers return light to the pixel ([`LambertianReturn`], [`ghosts`]). A small modulation of the pixel about a state of
-//! reflectance rho is then seen as `V(f) rho/(1 - rho A(f))`, with V the transform of the samples; at f = 0 this is the reflectance
-//! factor of a uniform state in all orders ([`PanelSpread::transfer`]). A mirror-like pixel under a flat face
-//! has its own ghosts in A, a Lambertian one a halo.
+//! **All orders.** The layers return light to the pixel ([`LambertianReturn`], [`ghosts`]). A small
+//! modulation of the pixel about a state of reflectance rho is then seen as `V(f) rho/(1 - rho A(f))`, with V
+//! the transform of the samples; at f = 0 this is the reflectance factor of a uniform state in all orders
+//! ([`PanelSpread::transfer`]). A mirror-like pixel under a flat face has its own ghosts in A, a Lambertian
+//! one a halo.
 //!
 //! | above the pixel | Lambertian pixel | mirror-like pixel |
 //! |---|---|---|
 //! | a flat face | one place for each direction of view; halo | the same; ghosts |
 //! | a diffuser | the lobe towards the viewer; halo by the front | lobes towards viewer and light; light that the front returns is missing |
 //!
-//! What is missing in the last case is the difference between the reflectance factor of colours and that of the spread at f = 0: a
-//! bound of the error of both.
+//! What is missing in the last case is the difference between the reflectance factor of colours and that of
+//! the spread at f = 0: a bound of the error of both.
 
 mod bare;
 mod diffused;
@@ -42,8 +44,8 @@ use crate::{Cone, Panel, Reflector, Source, Top};
 pub struct Part {
     /// What is seen, for a pixel that reflects everything and layers that transmit everything.
     pub samples: Vec<Sample>,
-    /// Factor of these samples, `[wavelength]`: the transmittance of the layers on both ways. It may be negative where
-    /// results are interpolated between indices of the glass.
+    /// Factor of these samples, `[wavelength]`: the transmittance of the layers on both ways. It may be
+    /// negative where results are interpolated between indices of the glass.
     pub through: Vec<f64>,
     /// Index of the glass.
     index: f64,
@@ -110,7 +112,8 @@ impl Heights {
     }
 }
 
-/// Returns the length of the air between the front of screen and what is below it, mm; 0 if the front returns no light.
+/// Returns the length of the air between the front of screen and what is below it, mm; 0 if the front returns
+/// no light.
 ///
 /// # Errors
 /// If several components of the front reflect at different heights.
@@ -136,7 +139,8 @@ impl PanelSpread {
         Self::build((panel, lengths_mm), view, source, accuracy, Sampled::Yes)
     }
 
-    /// Prepares the spread without samples of scattered light, for [`point_spread`](Self::point_spread) alone.
+    /// Prepares the spread without samples of scattered light, for [`point_spread`](Self::point_spread)
+    /// alone.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
@@ -207,8 +211,8 @@ impl PanelSpread {
         }
     }
 
-    /// Returns the fraction that comes back to a Lambertian pixel of its light that is modulated at this frequency (cycles
-    /// per mm), `[wavelength]`; empty for other pixels.
+    /// Returns the fraction that comes back to a Lambertian pixel of its light that is modulated at this
+    /// frequency (cycles per mm), `[wavelength]`; empty for other pixels.
     pub fn returned(&self, frequency_per_mm: f64) -> Vec<f64> {
         let mut all = vec![0.0; self.returned.iter().map(|one| one.bins.len()).sum()];
         for one in &self.returned {

@@ -9,9 +9,9 @@ use crate::adding::first_pass::Weights;
 use crate::{AngularTable, Panel, Reflector};
 
 impl PanelSpread {
-    /// Returns what is seen of a small modulation of the pixel about each of its states at each of these frequencies (cycles per
-    /// mm along x and y), as a reflectance factor: at f = 0 that of the uniform state. Its phase is about the
-    /// view's own ray. Shape `[frequency][state][wavelength]`.
+    /// Returns what is seen of a small modulation of the pixel about each of its states at each of these
+    /// frequencies (cycles per mm along x and y), as a reflectance factor: at f = 0 that of the uniform
+    /// state. Its phase is about the view's own ray. Shape `[frequency][state][wavelength]`.
     ///
     /// Frequencies that follow each other in equal steps take the least time.
     pub fn transfer(&self, panel: &Panel, frequencies_per_mm: &[[f64; 2]]) -> Vec<Complex64> {
@@ -53,7 +53,8 @@ impl PanelSpread {
         }
     }
 
-    /// Adds a part that sees each state in one direction, with its ghosts, or in which all directions are the same.
+    /// Adds a part that sees each state in one direction, with its ghosts, or in which all directions are the
+    /// same.
     fn over_states(&self, part: &Part, panel: &Panel, frequencies: &[[f64; 2]], out: &mut [Complex64]) {
         let Some(first) = part.samples.first() else { return };
         let (bins, len) = (part.through.len(), out.len() / frequencies.len().max(1));

@@ -1,16 +1,16 @@
 //! The matrix term of Gaussian faces in closed form.
 //!
-//! **All deflections** ([`pixel_power_deviation`]). With the Fourier series of the windows, the mean of the product of two
-//! points' light is a sum over pairs of reciprocal vectors G and G' of Gaussians,
+//! **All deflections** ([`pixel_power_deviation`]). With the Fourier series of the windows, the mean of the
+//! product of two points' light is a sum over pairs of reciprocal vectors G and G' of Gaussians,
 //!
 //! `E[N²] = p⁻⁴ sum of M_G M_G'* integral over the pixel, twice, of exp(2πi (G·x - G'·y) - 2π² [K²σ² (G² + G'²) - 2 G·C(x-y)·G'])`,
 //!
-//! C being the correlation of `K m`. Expanded in powers of C, each power of G is a derivative of a window that is blurred by
-//! `Kσ`: a Hermite function at each of its edges. The powers of the correlation along x and along y separate. The sum needs few
-//! terms, and no reciprocal vectors.
+//! C being the correlation of `K m`. Expanded in powers of C, each power of G is a derivative of a window
+//! that is blurred by `Kσ`: a Hermite function at each of its edges. The powers of the correlation along x
+//! and along y separate. The sum needs few terms, and no reciprocal vectors.
 //!
-//! **Small deflections** ([`of_one_window`]). For `Kσ << ξ << w`, only the first power contributes, as an integral along the edges of the
-//! window.
+//! **Small deflections** ([`of_one_window`]). For `Kσ << ξ << w`, only the first power contributes, as an
+//! integral along the edges of the window.
 
 use std::f64::consts::PI;
 
@@ -19,21 +19,22 @@ use papilio_optics::RandomFace;
 use super::{Matrix, Window};
 use crate::numerics::quadrature::gauss;
 
-/// Mean modulation transfer of a Gaussian face at a spatial frequency, cycles per mm, for the deflection per slope `K`
-/// (mm: xx, xy, yy): `exp(-2 π² σ² |K f|²)`.
+/// Mean modulation transfer of a Gaussian face at a spatial frequency, cycles per mm, for the deflection per
+/// slope `K` (mm: xx, xy, yy): `exp(-2 π² σ² |K f|²)`.
 pub fn mean_transfer(face: RandomFace, per_slope_mm: [f64; 3], frequency_per_mm: [f64; 2]) -> f64 {
     let [x, y] = super::deflection::applied(per_slope_mm, frequency_per_mm);
     (-2.0 * (PI * face.slope_rms).powi(2) * (x * x + y * y)).exp()
 }
 
-/// Largest deflection over the correlation length, and correlation length over the smaller side of the window, at which [`of_one_window`] is within 5 % of [`pixel_power_deviation`].
+/// Largest deflection over the correlation length, and correlation length over the smaller side of the
+/// window, at which [`of_one_window`] is within 5 % of [`pixel_power_deviation`].
 const SMALL: [f64; 2] = [0.16, 0.5];
 
 /// Pixel power deviation of one dark-bordered window of each pixel, for small deflections along the normal:
 /// `K σ sqrt(2 sqrt(π) ξ (w_x + w_y))/(w_x w_y)`.
 ///
-/// `None` where this is in error by more than 5 %: for `Kσ > 0.16 ξ`, for `ξ` above half of the smaller side, and for
-/// windows that are nearer to the border of the pixel than `1.5 Kσ`.
+/// `None` where this is in error by more than 5 %: for `Kσ > 0.16 ξ`, for `ξ` above half of the smaller side,
+/// and for windows that are nearer to the border of the pixel than `1.5 Kσ`.
 pub fn of_one_window(
     face: RandomFace,
     deflection_mm: f64,
@@ -49,10 +50,13 @@ pub fn of_one_window(
     in_range.then(|| moved * edges.sqrt() / (width_mm * height_mm))
 }
 
-/// Pixel power deviation of a matrix seen through a pinhole or a small pupil, by the sum over all powers of the correlation.
+/// Pixel power deviation of a matrix seen through a pinhole or a small pupil, by the sum over all powers of
+/// the correlation.
 ///
-/// - `per_slope_mm`: the deflection per slope, mm, xx, xy, yy ([`per_slope_mm`](super::Deflection::per_slope_mm)).
-/// - `blur_mm`: root mean square along x and along y of the places that a pupil sees, mm: half of the disc's radius.
+/// - `per_slope_mm`: the deflection per slope, mm, xx, xy, yy
+///   ([`per_slope_mm`](super::Deflection::per_slope_mm)).
+/// - `blur_mm`: root mean square along x and along y of the places that a pupil sees, mm: half of the disc's
+///   radius.
 ///
 /// `None` unless the plane of view is along x or y (`xy` is 0), and the mean of the matrix is above 0.
 pub fn pixel_power_deviation(
@@ -79,8 +83,8 @@ pub fn pixel_power_deviation(
     Some(variance.max(0.0).sqrt() / mean)
 }
 
-/// Highest power of the correlation of the same component, and of different ones (at most 1/e), for errors below 5e-4 of the
-/// result; 2e-3 where deflections are larger than the correlation length.
+/// Highest power of the correlation of the same component, and of different ones (at most 1/e), for errors
+/// below 5e-4 of the result; 2e-3 where deflections are larger than the correlation length.
 fn powers_for(face: RandomFace, per_slope_mm: f64) -> [usize; 2] {
     let moved = per_slope_mm * face.slope_rms / face.correlation_mm;
     match moved {
@@ -125,7 +129,8 @@ impl Axis {
     fn distances(&self, correlation: f64, series: &Series) -> Vec<Distance> {
         const REACH: f64 = 8.0;
         let (end, blur) = (self.pitch.min(4.0 * correlation), self.blur());
-        // Where an edge meets another, the overlap changes within the blur; the correlation changes quickly at z = 0.
+        // Where an edge meets another, the overlap changes within the blur; the correlation changes quickly
+        // at z = 0.
         let meetings = self.meetings();
         let mut ends = vec![0.0];
         let mut from = 0.0;
@@ -154,8 +159,8 @@ impl Axis {
         all
     }
 
-    /// Integrals over y of derivative a of one window at y + z times derivative b of another at y, both points within the
-    /// pixel.
+    /// Integrals over y of derivative a of one window at y + z times derivative b of another at y, both
+    /// points within the pixel.
     fn overlaps(&self, z: f64) -> Vec<Vec<f64>> {
         let count = self.windows.len();
         let mut overlaps = vec![vec![0.0; self.orders * self.orders]; count * count];
@@ -177,7 +182,8 @@ impl Axis {
         overlaps
     }
 
-    /// Ends of panels over y: as wide as the blur near the edges of windows, at y or at y + z, as wide as possible elsewhere.
+    /// Ends of panels over y: as wide as the blur near the edges of windows, at y or at y + z, as wide as
+    /// possible elsewhere.
     fn panels(&self, z: f64) -> Vec<f64> {
         let (blur, length) = (self.blur(), self.pitch - z);
         let edges = self.windows.iter().flatten().flat_map(|edge| {
@@ -305,7 +311,8 @@ impl Series {
         [0, 1, 2].map(powers)
     }
 
-    /// The sum for the [`terms`](Self::terms) along x and y; `is_exchanged`: the first derivative along y is that of the second point.
+    /// The sum for the [`terms`](Self::terms) along x and y; `is_exchanged`: the first derivative along y is
+    /// that of the second point.
     fn sum(&self, [xx, xy, yy]: &[Vec<f64>; 3], x: &[Vec<f64>], y: &[Vec<f64>], is_exchanged: bool) -> f64 {
         let dot =
             |powers: &[f64], terms: &[f64]| -> f64 { powers.iter().zip(terms).map(|(a, b)| a * b).sum() };

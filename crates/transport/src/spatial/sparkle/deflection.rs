@@ -4,11 +4,13 @@ use papilio_optics::Beta;
 
 use super::super::{Gap, displacement};
 
-/// Change of the place on the pixel plane with the slope of the face, for one direction of the light, to first order.
+/// Change of the place on the pixel plane with the slope of the face, for one direction of the light, to
+/// first order.
 ///
-/// A slope m changes the direction cosines in the medium below the face by `-Γ m`, `Γ = sqrt(n² - b²) - sqrt(1 - b²)`,
-/// b = `|beta|`. The place changes by `K m`, with `K = Γ d/sqrt(n² - b²)` across the plane of incidence and `n²/(n² - b²)` times
-/// that along it; the normal direction has `K = d (n - 1)/n`.
+/// A slope m changes the direction cosines in the medium below the face by `-Γ m`,
+/// `Γ = sqrt(n² - b²) - sqrt(1 - b²)`, b = `|beta|`. The place changes by `K m`, with `K = Γ d/sqrt(n² - b²)`
+/// across the plane of incidence and `n²/(n² - b²)` times that along it; the normal direction has
+/// `K = d (n - 1)/n`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deflection {
     /// Direction cosines of the light in the air.
@@ -22,8 +24,8 @@ pub struct Deflection {
 }
 
 impl Deflection {
-    /// Returns the deflection for the media between face and pixel plane, that of the face first. `|beta| < 1`; indices are
-    /// above 1.
+    /// Returns the deflection for the media between face and pixel plane, that of the face first.
+    /// `|beta| < 1`; indices are above 1.
     ///
     /// ```
     /// use papilio_optics::Beta;
@@ -90,7 +92,8 @@ impl Pupil {
     }
 }
 
-/// Directions that fill a disc around one, foreshortened along its plane of incidence, with equal weights. `rings` 0 is the centre alone.
+/// Directions that fill a disc around one, foreshortened along its plane of incidence, with equal weights.
+/// `rings` 0 is the centre alone.
 pub(super) fn directions(around: Beta, radius: f64, rings: usize) -> Vec<Beta> {
     let points = disc(if radius > 0.0 { rings } else { 0 });
     points.into_iter().map(|point| foreshortened(around, radius, point)).collect()
@@ -102,7 +105,8 @@ pub(super) fn direction(around: Beta, radius: f64, [s, t]: [f64; 2]) -> Beta {
     foreshortened(around, radius, [s.sqrt() * cos, s.sqrt() * sin])
 }
 
-/// The change of a direction to a point of the unit disc around it, foreshortened along its plane of incidence.
+/// The change of a direction to a point of the unit disc around it, foreshortened along its plane of
+/// incidence.
 fn foreshortened(around: Beta, radius: f64, [u, v]: [f64; 2]) -> Beta {
     let b = around.length();
     let along = if b > 0.0 { [around.x / b, around.y / b] } else { [1.0, 0.0] };

@@ -14,8 +14,8 @@ pub(super) const HIGHEST: f64 = 1.6;
 
 /// Draws periodic Gaussian faces of given statistics.
 ///
-/// The wave of each frequency has a random amplitude that depends on the frequency and on the numbers of the replicate
-/// alone: finer cells show the same face at more points.
+/// The wave of each frequency has a random amplitude that depends on the frequency and on the numbers of the
+/// replicate alone: finer cells show the same face at more points.
 pub struct FaceSampler {
     face: RandomFace,
     cells: Cells,
@@ -23,7 +23,8 @@ pub struct FaceSampler {
 }
 
 impl FaceSampler {
-    /// Prepares faces on these cells, at most 0.3 correlation lengths wide; a period should have 8 or more of these lengths.
+    /// Prepares faces on these cells, at most 0.3 correlation lengths wide; a period should have 8 or more of
+    /// these lengths.
     pub fn new(face: RandomFace, cells: Cells) -> Self {
         Self { face, cells, plane: Plane::new(cells.count) }
     }

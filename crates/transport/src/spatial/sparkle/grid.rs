@@ -59,7 +59,8 @@ impl<T> Grid<T> {
     }
 }
 
-/// The largest whole number that is not above a number of less than 2^63: without the call that `f64::floor` is on old processors.
+/// The largest whole number that is not above a number of less than 2^63: without the call that `f64::floor`
+/// is on old processors.
 #[inline]
 pub(super) fn floor(value: f64) -> f64 {
     let whole = value as i64 as f64;
@@ -74,7 +75,8 @@ impl<T: Copy + std::ops::Mul<f64, Output = T> + std::iter::Sum> Grid<T> {
 }
 
 impl Grid<Complex64> {
-    /// Value at a place by cubic interpolation (Catmull and Rom), which keeps the mean square of waves of a few cells.
+    /// Value at a place by cubic interpolation (Catmull and Rom), which keeps the mean square of waves of a
+    /// few cells.
     #[inline]
     pub(super) fn smooth_at(&self, place: [f64; 2]) -> Complex64 {
         let (columns, rows) = (self.nearest(0, place[0]), self.nearest(1, place[1]));

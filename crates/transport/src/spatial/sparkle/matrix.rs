@@ -5,7 +5,8 @@ use super::grid::floor;
 /// A lit rectangle of each pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
-    /// x0, y0, x1, y1 (mm), relative to the lower left corner of the pixel; x0 <= x1, y0 <= y1, no larger than the pixel.
+    /// x0, y0, x1, y1 (mm), relative to the lower left corner of the pixel; x0 <= x1, y0 <= y1, no larger
+    /// than the pixel.
     pub rectangle_mm: [f64; 4],
     /// Reflectance of the window in the state that is shown, or any multiple of it.
     pub weight: f64,
@@ -110,7 +111,8 @@ mod tests {
         for place in [[0.042, 0.042], [0.05, -0.3], [-7.123, 4.56]] {
             assert!((matrix.over([0.084, 0.084]).at(place) - matrix.mean()).abs() < 1e-12);
         }
-        // A quarter of a small square on the lower left corner of the window of the next pixel; within the other window.
+        // A quarter of a small square on the lower left corner of the window of the next pixel; within the
+        // other window.
         let small = matrix.over([0.002, 0.002]);
         assert!((small.at([0.029 + 0.084, 0.004 - 0.168]) - 0.5).abs() < 1e-12);
         assert!((small.at([0.005, 0.05]) - 0.75).abs() < 1e-12);

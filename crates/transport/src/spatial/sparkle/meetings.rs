@@ -1,12 +1,13 @@
 //! Where on the face the light of one pixel meets it, and the period that a drawn face needs for that.
 //!
-//! **Why.** A drawn face repeats. Light leaves through one place of the face and has entered through another, `2D` away from it over a
-//! mirror-like pixel. If this way is about a period, both are the same place of the drawn face, with the same slope, which light in a real face
-//! finds only where it returns to where it was.
+//! **Why.** A drawn face repeats. Light leaves through one place of the face and has entered through another,
+//! `2D` away from it over a mirror-like pixel. If this way is about a period, both are the same place of the
+//! drawn face, with the same slope, which light in a real face finds only where it returns to where it was.
 //!
-//! **How.** The rays of a pixel meet the face in a few regions: above the pixel, and where their light entered. Regions that are far from each
-//! other have faces of their own, drawn independently. Those that touch share a face, whose period contains both and the distance at which
-//! slopes are independent, so that no two rays of a pixel meet the same place unless they do in a face without end.
+//! **How.** The rays of a pixel meet the face in a few regions: above the pixel, and where their light
+//! entered. Regions that are far from each other have faces of their own, drawn independently. Those that
+//! touch share a face, whose period contains both and the distance at which slopes are independent, so that
+//! no two rays of a pixel meet the same place unless they do in a face without end.
 
 use super::deflection::Deflection;
 use super::{Extent, Panel, Pixel};
@@ -45,7 +46,8 @@ impl Meetings {
         }
         let pitch = panel.matrix.pitch_mm;
         let apart = panel.face.independent_mm();
-        // Largest distance along an axis at which rays of two regions may meet the face at places that are not independent.
+        // Largest distance along an axis at which rays of two regions may meet the face at places that are
+        // not independent.
         let touches = |a: &Region, b: &Region, axis: usize| {
             pitch[axis] + apart + FEW * a.scatter_mm[axis].hypot(b.scatter_mm[axis])
         };
@@ -81,7 +83,8 @@ impl Meetings {
         self.faces.iter().max().map_or(1, |most| most + 1)
     }
 
-    /// Number of the face that light met on its way in: for mirror-like pixels at `entrance` 0, for others at that of its source.
+    /// Number of the face that light met on its way in: for mirror-like pixels at `entrance` 0, for others at
+    /// that of its source.
     pub(super) fn entered(&self, entrance: usize) -> usize {
         self.faces[entrance + 1]
     }

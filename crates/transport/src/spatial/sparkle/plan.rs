@@ -42,7 +42,8 @@ pub struct Effort {
     pub replicates: usize,
     /// Least number of pixels in total. The relative standard error of a PPD is about `1/sqrt(2 pixels)`.
     pub pixels: usize,
-    /// Least number of cells in a correlation length, 4 or more. Cells lower a PPD by about `0.2/samples²` of itself.
+    /// Least number of cells in a correlation length, 4 or more. Cells lower a PPD by about `0.2/samples²` of
+    /// itself.
     pub samples: usize,
     /// Seed of the faces.
     pub seed: u64,
@@ -186,8 +187,8 @@ impl Plan {
 
     /// Sparkle of the [`Moments`] of all replicates, in their order.
     ///
-    /// Of a face of which a certain area is known, replicates are not independent: the errors contain those of the pixels that this
-    /// area holds.
+    /// Of a face of which a certain area is known, replicates are not independent: the errors contain those
+    /// of the pixels that this area holds.
     pub fn sparkle(&self, replicates: &[[Moments; 3]]) -> Sparkle {
         let apart = self.panel.matrix.pitch_mm.map(|pitch| pitch.max(2.0 * self.panel.face.correlation_mm()));
         let independent = match self.panel.face.extent() {
@@ -288,7 +289,8 @@ fn cells(
     if least[0] * least[1] > affordable {
         return Err(too_fine(least[0] * least[1]));
     }
-    // Directions beyond the period of the face find other parts of it again, of which the mean is one of many.
+    // Directions beyond the period of the face find other parts of it again, of which the mean is one of
+    // many.
     if best[0] * best[1] <= affordable {
         least = best;
     }
@@ -306,8 +308,8 @@ fn cells(
         }
         Face::Relief(relief) => relief,
     };
-    // The cells are as large as a piece of the face, which is no whole number of pixels: the rest of the last ones is not used. A piece
-    // that is smaller than a pixel repeats.
+    // The cells are as large as a piece of the face, which is no whole number of pixels: the rest of the last
+    // ones is not used. A piece that is smaller than a pixel repeats.
     let tile = relief.tile(&SampleStream::new(Sampler::Random, effort.seed, 0), period_mm).cells;
     if relief.extent() == Extent::Drawn
         && let Some(axis) = (0..2).find(|axis| tile.period_mm[*axis] < meetings.least_mm[*axis])

@@ -22,8 +22,8 @@ pub struct Tile {
 
 /// A face whose heights are not those of [`RandomFace`].
 pub trait Relief: fmt::Debug + Send + Sync {
-    /// A random piece of the face, always of the same size for the same `wanted_mm`: about as large, or more, if the face is; of a drawn
-    /// face, as large or larger if it can be.
+    /// A random piece of the face, always of the same size for the same `wanted_mm`: about as large, or more,
+    /// if the face is; of a drawn face, as large or larger if it can be.
     fn tile(&self, numbers: &SampleStream, wanted_mm: [f64; 2]) -> Tile;
 
     /// Root mean square height, mm, above 0.
@@ -89,7 +89,8 @@ impl Face {
         }
     }
 
-    /// Size of the structures that bend light, mm: sqrt(2) times the rms height over the rms slope, the correlation length of the Gaussian face of the same heights and slopes.
+    /// Size of the structures that bend light, mm: sqrt(2) times the rms height over the rms slope, the
+    /// correlation length of the Gaussian face of the same heights and slopes.
     pub fn detail_mm(&self) -> f64 {
         match self {
             Self::Gaussian(face) => face.correlation_mm,
@@ -104,8 +105,9 @@ impl Face {
 
     /// Distance at which slopes are independent, mm.
     ///
-    /// The correlation of the slopes of Gaussian heights is below 4e-6 there. If a period is longer than a distance by this much, slopes
-    /// at that distance have the correlation of a face without end: waves that are longer than the period are not missing.
+    /// The correlation of the slopes of Gaussian heights is below 4e-6 there. If a period is longer than a
+    /// distance by this much, slopes at that distance have the correlation of a face without end: waves that
+    /// are longer than the period are not missing.
     pub(super) fn independent_mm(&self) -> f64 {
         match self {
             Self::Gaussian(face) => 4.0 * face.correlation_mm,
@@ -147,10 +149,11 @@ impl ReliefSampler {
         Self { relief, wanted_mm, tile, repeats, cells, of_tile, of_cells }
     }
 
-    /// Slopes of one replicate: along x the real parts, along y the imaginary parts. The tile begins at a random place.
+    /// Slopes of one replicate: along x the real parts, along y the imaginary parts. The tile begins at a
+    /// random place.
     ///
-    /// They are those of the waves of the heights, so that finer cells show the same face at more points, and coarser ones lack only
-    /// the waves that they cannot show.
+    /// They are those of the waves of the heights, so that finer cells show the same face at more points, and
+    /// coarser ones lack only the waves that they cannot show.
     pub(super) fn slopes(&self, numbers: &SampleStream) -> Vec<Complex64> {
         let tile = self.relief.tile(&numbers.part(0x7469_6c65), self.wanted_mm);
         assert_eq!(tile.cells, self.tile, "all tiles of a face have the same size");
@@ -250,8 +253,8 @@ mod tests {
         Effort { replicates: 4 * seeds, pixels: papilio_testing::sized(400, 640), samples: 6, seed: 5 }
     }
 
-    /// Heights of a Gaussian face, cut into pieces that are no whole number of pixels, have the sparkle of the closed form; and with a
-    /// lamp that of rays through Gaussian faces, on pixels of both kinds.
+    /// Heights of a Gaussian face, cut into pieces that are no whole number of pixels, have the sparkle of
+    /// the closed form; and with a lamp that of rays through Gaussian faces, on pixels of both kinds.
     #[test]
     fn heights_of_gaussian_faces_have_their_sparkle() {
         let light = Source {
@@ -285,7 +288,8 @@ mod tests {
         }
     }
 
-    /// Of a small piece of a face, the errors are those of the pixels that it holds, however often it is used.
+    /// Of a small piece of a face, the errors are those of the pixels that it holds, however often it is
+    /// used.
     #[test]
     fn errors_contain_that_of_the_known_area() {
         let plan =
@@ -327,7 +331,8 @@ mod tests {
         }
     }
 
-    /// Lenticular lenses over pixels of 2.8 times their period: the deviation over all offsets of the lenses, by quadrature.
+    /// Lenticular lenses over pixels of 2.8 times their period: the deviation over all offsets of the lenses,
+    /// by quadrature.
     #[test]
     fn waves_shorter_than_pixels_have_their_deviation() {
         let panel = panel(Face::Relief(Arc::new(Wave)));

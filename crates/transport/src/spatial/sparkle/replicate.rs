@@ -19,8 +19,8 @@ const RAYS: u64 = 0x7261_7973;
 pub type PixelLight = [f64; 2];
 
 impl Plan {
-    /// Sums over the pixels below one face: of the light of the room through the windows, of uniform light through the
-    /// windows, of the light of the room from a uniform pixel plane.
+    /// Sums over the pixels below one face: of the light of the room through the windows, of uniform light
+    /// through the windows, of the light of the room from a uniform pixel plane.
     pub fn replicate(&self, replicate: u64) -> [Moments; 3] {
         Self::moments(&self.light_of_pixels(replicate))
     }
@@ -39,8 +39,8 @@ impl Plan {
         [0, 1].map(|axis| self.cells.count[axis] / self.of_pixel[axis])
     }
 
-    /// Light of each pixel below one face, from the lower left: of the room through the windows, of uniform light through the
-    /// windows, of the room from a uniform pixel plane.
+    /// Light of each pixel below one face, from the lower left: of the room through the windows, of uniform
+    /// light through the windows, of the room from a uniform pixel plane.
     pub fn light_of_pixels(&self, replicate: u64) -> Vec<[PixelLight; 3]> {
         let numbers = SampleStream::new(Sampler::Random, self.effort.seed, replicate);
         let faces = self.faces(&numbers);
@@ -56,7 +56,8 @@ impl Plan {
         sums
     }
 
-    /// Slopes of the faces of a replicate: of that above the pixels, and of those which light enters far from there.
+    /// Slopes of the faces of a replicate: of that above the pixels, and of those which light enters far from
+    /// there.
     fn faces(&self, numbers: &SampleStream) -> Vec<Grid<Complex64>> {
         let of = |face: usize| match face {
             0 => self.slopes(numbers),
@@ -75,8 +76,8 @@ impl Plan {
 
     /// Sums over the cells of each pixel, for light that depends on the place of the pixel plane alone.
     ///
-    /// Each cell of the face is seen at a cell of the same size on the pixel plane, whose overlap with the windows is
-    /// exact: the mean over many faces is exact for cells of any size.
+    /// Each cell of the face is seen at a cell of the same size on the pixel plane, whose overlap with the
+    /// windows is exact: the mean over many faces is exact for cells of any size.
     fn by_cells(&self, face: &Grid<Complex64>, light: &Light) -> Vec<[PixelLight; 3]> {
         let windows = self.panel.matrix.over(self.cells.size());
         let per_slope = self.view.per_slope_mm();
@@ -97,10 +98,12 @@ impl Plan {
         sums
     }
 
-    /// Adds the light of the room in mirror-like pixels: in each cell two rays at random places, to random places of the pupil.
+    /// Adds the light of the room in mirror-like pixels: in each cell two rays at random places, to random
+    /// places of the pupil.
     ///
-    /// Neighbouring rays enter far from each other where the face spreads them widely. No average over a cell would be right there; the
-    /// product of two independent estimates has the expectation of the square of the light.
+    /// Neighbouring rays enter far from each other where the face spreads them widely. No average over a cell
+    /// would be right there; the product of two independent estimates has the expectation of the square of
+    /// the light.
     fn add_images(&self, faces: &[Grid<Complex64>], numbers: &SampleStream, sums: &mut [[PixelLight; 3]]) {
         let (leaves, enters) = (&faces[0], &faces[self.meetings.entered(0)]);
         let windows = self.panel.matrix.over(self.cells.size());

@@ -126,10 +126,11 @@ struct Received<'a> {
 }
 
 impl Received<'_> {
-    /// Irradiance of each cell of the pixel plane below a face: the light of each cell of the face falls on a cell elsewhere.
+    /// Irradiance of each cell of the pixel plane below a face: the light of each cell of the face falls on a
+    /// cell elsewhere.
     ///
-    /// Places are those at which the undeflected view rays pass the face. All directions of the source make the same pattern, each at
-    /// another place.
+    /// Places are those at which the undeflected view rays pass the face. All directions of the source make
+    /// the same pattern, each at another place.
     fn on_cells(&self, face: &Grid<Complex64>, plane: &Plane) -> Vec<f64> {
         let shift = [0, 1].map(|k| self.beam.displacement_mm[k] + self.view.displacement_mm[k]);
         let mut pattern = vec![Complex64::ZERO; face.cells.len()];

@@ -16,7 +16,8 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Adds the light of a pixel, of which there are two estimates with independent errors: their product has no mean error.
+    /// Adds the light of a pixel, of which there are two estimates with independent errors: their product has
+    /// no mean error.
     pub(super) fn add(&mut self, [one, other]: PixelLight) {
         self.count += 1.0;
         self.sum += 0.5 * (one + other);
@@ -75,7 +76,8 @@ impl Deviation {
         }
     }
 
-    /// The same deviation with the errors that this number of independent pixels has besides: `ppd/sqrt(2 pixels)`, and that of their mean.
+    /// The same deviation with the errors that this number of independent pixels has besides:
+    /// `ppd/sqrt(2 pixels)`, and that of their mean.
     pub(super) fn of_independent(self, pixels: f64) -> Self {
         Self {
             standard_error: self.standard_error.hypot(self.ppd / (2.0 * pixels).sqrt()),
@@ -90,14 +92,15 @@ impl Deviation {
 pub struct Sparkle {
     /// Of the panel in the light of the room.
     pub all: Deviation,
-    /// Matrix term: of the same windows in uniform light. Its mean is that of the matrix, within the standard error.
+    /// Matrix term: of the same windows in uniform light. Its mean is that of the matrix, within the standard
+    /// error.
     pub matrix: Deviation,
     /// Source term: of a uniform pixel plane in the light of the room.
     pub source: Deviation,
 }
 
-/// Contrast (root mean square) of sparkle within an octave around a spatial frequency, cycles per mm: multiplied by the eye's
-/// contrast sensitivity there, it is above 1 where sparkle is above threshold.
+/// Contrast (root mean square) of sparkle within an octave around a spatial frequency, cycles per mm:
+/// multiplied by the eye's contrast sensitivity there, it is above 1 where sparkle is above threshold.
 ///
 /// Pixels are independent squares of uniform light, so that the spectrum is that of one pixel.
 pub fn band_contrast(ppd: f64, pitch_mm: [f64; 2], frequency_per_mm: f64) -> f64 {

@@ -52,8 +52,8 @@ fn assert_deviation(what: &str, found: &Deviation, expected: f64) {
     assert!(found.standard_error < 0.08 * expected, "{what}: {found:?}");
 }
 
-/// Thickness, slope, correlation length; PPD of a separate Monte Carlo program (640 pixels: 2.8 %), and for small
-/// deflections.
+/// Thickness, slope, correlation length; PPD of a separate Monte Carlo program (640 pixels: 2.8 %), and for
+/// small deflections.
 const KNOWN: [(f64, f64, f64, f64, f64); 6] = [
     (0.1, 0.01, 0.008, 0.0090, 0.0091),
     (0.2, 0.01, 0.008, 0.0181, 0.0181),
@@ -111,7 +111,8 @@ fn form_for_small_deflections_is_refused_beyond_its_range() {
     assert!(answers >= 6, "{answers}");
 }
 
-/// Stripes of different weight with narrow gaps, seen obliquely: light that misses one window lands on another.
+/// Stripes of different weight with narrow gaps, seen obliquely: light that misses one window lands on
+/// another.
 #[test]
 fn windows_of_several_weights_have_deviation_of_their_series() {
     let mut panel = panel(0.7, 0.02, 0.012);
@@ -130,8 +131,8 @@ fn windows_of_several_weights_have_deviation_of_their_series() {
     assert!(closed::pixel_power_deviation(gaussian(&panel), between, &panel.matrix, [0.0; 2]).is_none());
 }
 
-/// Small deflections have deviations in proportion, also where edges of windows meet within the correlation length: their overlaps
-/// change within the deflection there, which the rule has to resolve.
+/// Small deflections have deviations in proportion, also where edges of windows meet within the correlation
+/// length: their overlaps change within the deflection there, which the rule has to resolve.
 #[test]
 fn closed_form_is_linear_in_small_deflections() {
     let stripe = |k: f64, weight| Window {
@@ -198,7 +199,8 @@ fn mirrored(panel: &Panel, radius_deg: f64) -> Room {
 }
 
 /// Along the normal, light enters where it leaves: both refractions add, and the slopes of rays have a normal
-/// distribution of 2 (n - 1) times the slope. The mean is the fraction of rays that find the source, over its solid angle.
+/// distribution of 2 (n - 1) times the slope. The mean is the fraction of rays that find the source, over its
+/// solid angle.
 #[test]
 fn image_of_source_along_normal_has_known_mean() {
     let mut panel = panel(0.05, 0.01, 0.02);
@@ -216,8 +218,8 @@ fn image_of_source_along_normal_has_known_mean() {
     }
 }
 
-/// Obliquely, light leaves far from where it entered: slopes are independent, and the directions have the variance of two
-/// faces.
+/// Obliquely, light leaves far from where it entered: slopes are independent, and the directions have the
+/// variance of two faces.
 #[test]
 fn image_of_source_at_20_deg_has_known_mean() {
     let mut panel = panel(0.7, 0.02, 0.015);
@@ -269,8 +271,8 @@ fn larger_sources_and_pupils_sparkle_less() {
     assert!(last < 1e-6, "{last}");
 }
 
-/// The irradiance below a face has the mean of the light on it, where light and view meet different facets. Where they meet the
-/// same ones, bright places are seen more often.
+/// The irradiance below a face has the mean of the light on it, where light and view meet different facets.
+/// Where they meet the same ones, bright places are seen more often.
 #[test]
 fn paper_in_directed_light_has_known_mean() {
     let mut panel = panel(0.7, 0.03, 0.015);

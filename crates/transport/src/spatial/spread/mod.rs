@@ -1,16 +1,18 @@
 //! First-order spread through a diffuser: which directions in the glass, and so which places, a viewer sees.
 //!
-//! **What.** Light that reaches a viewer along `beta_v` has met the pixel with some direction beta in the glass, at the place
-//! `D(beta)` from where it leaves the diffuser. Its density over beta is the product of the lobe towards the viewer and
-//! of what arrives along beta:
+//! **What.** Light that reaches a viewer along `beta_v` has met the pixel with some direction beta in the
+//! glass, at the place `D(beta)` from where it leaves the diffuser. Its density over beta is the product of
+//! the lobe towards the viewer and of what arrives along beta:
 //!
-//! - diffuse light over a mirror: `K(beta_v - beta) S(beta)`, S the fraction of a lobe around beta that lies within the disc of the air;
-//! - a beam over a mirror: `pi K(beta_v - beta) K(beta - beta_s)`: a double image, one half around each of the two directions;
+//! - diffuse light over a mirror: `K(beta_v - beta) S(beta)`, S the fraction of a lobe around beta that lies
+//!   within the disc of the air;
+//! - a beam over a mirror: `pi K(beta_v - beta) K(beta - beta_s)`: a double image, one half around each of
+//!   the two directions;
 //! - discs and fields over a mirror: the same, summed over their directions;
 //! - a Lambertian pixel: `K(beta_v - beta)`, whatever the light.
 //!
-//! The part s of the light that the diffuser does not scatter adds sharp images. Seen through the table of the
-//! pixel's reflectance over |beta|, every place has a colour of its own.
+//! The part s of the light that the diffuser does not scatter adds sharp images. Seen through the table of
+//! the pixel's reflectance over |beta|, every place has a colour of its own.
 //!
 //! `pair.rs` holds this density, `rule.rs` the directions at which it is taken.
 
@@ -50,9 +52,11 @@ pub struct Gap {
 pub struct Sample {
     /// Direction cosines of light that leaves the pixel.
     pub beta: Beta,
-    /// Way from the place on the pixel to the place where the light leaves the diffuser, in the plane of the panel, mm.
+    /// Way from the place on the pixel to the place where the light leaves the diffuser, in the plane of the
+    /// panel, mm.
     pub shift_mm: [f64; 2],
-    /// Part of the reflectance factor, for a pixel that reflects everything and a diffuser that absorbs nothing.
+    /// Part of the reflectance factor, for a pixel that reflects everything and a diffuser that absorbs
+    /// nothing.
     pub weight: f64,
 }
 
@@ -144,8 +148,9 @@ impl Spread {
         (self.samples.split_off(self.sharp), self.pair)
     }
 
-    /// Integral of the spread, weighted by the pixel's reflectance as a function of `|beta|^2`, times `exp(-2 pi i f.r)`; the
-    /// place r is relative to the view's own ray. At f = 0 it is the reflectance factor.
+    /// Integral of the spread, weighted by the pixel's reflectance as a function of `|beta|^2`, times
+    /// `exp(-2 pi i f.r)`; the place r is relative to the view's own ray. At f = 0 it is the reflectance
+    /// factor.
     pub fn transfer(&self, frequency_per_mm: [f64; 2], reflectance: impl Fn(f64) -> f64) -> Complex64 {
         let of = |sample: &Sample| {
             let turns: f64 =
@@ -181,8 +186,8 @@ mod tests {
 
     const NORMAL: Beta = Beta { x: 0.0, y: 0.0 };
 
-    /// H78 over 0.5 mm of glass, along the normal: the radial integral by 40-point panels (numpy), and values of a separate
-    /// program for the beam.
+    /// H78 over 0.5 mm of glass, along the normal: the radial integral by 40-point panels (numpy), and values
+    /// of a separate program for the beam.
     #[test]
     fn exact_modulation_is_known() {
         let diffuse = Spread::new(&diffuser(WIDTH), GAP, NORMAL, Light::Diffuse, ACCURACY);
@@ -203,8 +208,8 @@ mod tests {
         }
     }
 
-    /// For a narrow lobe the closed form of small angles holds: two images of a beam, whose distance and form are those of
-    /// Feynman's integral.
+    /// For a narrow lobe the closed form of small angles holds: two images of a beam, whose distance and form
+    /// are those of Feynman's integral.
     #[test]
     fn narrow_lobe_has_closed_forms() {
         let b = 5e-3;

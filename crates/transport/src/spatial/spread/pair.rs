@@ -10,8 +10,9 @@ use super::{Accuracy, Bundle, Gap, Incoming, Sample};
 use crate::Diffuser;
 use crate::light::cone_points::Point;
 
-/// Largest radius of the directions of a view or a source in widths of the lobe: a narrower lobe is taken as so wide, which blurs the edge of the
-/// directions by a thousandth of their radius. The number of samples is proportional to this ratio.
+/// Largest radius of the directions of a view or a source in widths of the lobe: a narrower lobe is taken as
+/// so wide, which blurs the edge of the directions by a thousandth of their radius. The number of samples is
+/// proportional to this ratio.
 const MOST_WIDTHS: f64 = 1000.0;
 
 /// What determines a spread.
@@ -97,8 +98,8 @@ impl Pair {
         straight + (1.0 - self.straight) * self.lobe.fraction_in_disc(radius, 1.0)
     }
 
-    /// Images of light that passes the diffuser at least once without being scattered. (Light of a beam, a disc or a field that
-    /// is never scattered is an image of the source, not part of the spread.)
+    /// Images of light that passes the diffuser at least once without being scattered. (Light of a beam, a
+    /// disc or a field that is never scattered is an image of the source, not part of the spread.)
     pub(in crate::spatial) fn sharp(&self) -> Vec<Sample> {
         let s = self.straight;
         if s == 0.0 {

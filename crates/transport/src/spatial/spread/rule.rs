@@ -1,7 +1,8 @@
 //! Directions at which the density of a spread is taken.
 //!
-//! **Rule.** The plane is divided into the cells of points that are nearer to one peak than to the others; each is integrated
-//! in polar coordinates about its peak, with panels that are graded towards the peaks and the rim of the disc of air.
+//! **Rule.** The plane is divided into the cells of points that are nearer to one peak than to the others;
+//! each is integrated in polar coordinates about its peak, with panels that are graded towards the peaks and
+//! the rim of the disc of air.
 
 use std::f64::consts::PI;
 
@@ -42,8 +43,8 @@ impl Pair {
         2.0 * PI * self.accuracy.most_per_mm * self.gap.thickness_mm
     }
 
-    /// Largest shift whose phase azimuths resolve, in thicknesses: shifts grow without limit towards grazing light, of which there
-    /// is little.
+    /// Largest shift whose phase azimuths resolve, in thicknesses: shifts grow without limit towards grazing
+    /// light, of which there is little.
     fn around(&self) -> f64 {
         AROUND[usize::from(self.width() > WIDE)]
     }
@@ -150,7 +151,8 @@ impl Pair {
         ray
     }
 
-    /// Adds the singularities of lobes around a disc of this radius whose centre is at `at` along a ray, and `aside` of it.
+    /// Adds the singularities of lobes around a disc of this radius whose centre is at `at` along a ray, and
+    /// `aside` of it.
     fn add_poles(&self, at: f64, aside: f64, radius: f64, poles: &mut Vec<Pole>) {
         let width = self.width();
         let half = (radius * radius - aside * aside).max(0.0).sqrt();
@@ -181,7 +183,8 @@ impl Pair {
     }
 }
 
-/// Adds a rule on an interval: at least so many points in so many panels, and as many more as resolve this phase (radians).
+/// Adds a rule on an interval: at least so many points in so many panels, and as many more as resolve this
+/// phase (radians).
 fn add_resolved([from, to]: [f64; 2], points: f64, phase: f64, panels: f64, nodes: &mut Vec<Node>) {
     let wanted = points + POINTS_PER_RADIAN * phase;
     let panels = (wanted / MOST_POINTS as f64).ceil().max(panels);
@@ -195,8 +198,8 @@ fn add_resolved([from, to]: [f64; 2], points: f64, phase: f64, panels: f64, node
 /// Points of Gauss's rules for each radian of phase.
 const POINTS_PER_RADIAN: f64 = 0.6;
 
-/// Shifts up to which azimuths resolve the phase, in thicknesses of the glass: beyond, light of a lobe that is narrower than
-/// [`WIDE`] is weak.
+/// Shifts up to which azimuths resolve the phase, in thicknesses of the glass: beyond, light of a lobe that
+/// is narrower than [`WIDE`] is weak.
 const AROUND: [f64; 2] = [2.0, 5.0];
 const WIDE: f64 = 0.1;
 

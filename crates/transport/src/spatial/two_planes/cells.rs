@@ -19,7 +19,8 @@ pub struct Division {
     pub per_period: usize,
     /// Least number of cells of each window between `near`, graded towards its edges.
     pub per_window: usize,
-    /// Fractions of the period along x between which windows have graded cells; below 0 and above 1 in the periods beside it.
+    /// Fractions of the period along x between which windows have graded cells; below 0 and above 1 in the
+    /// periods beside it.
     pub near: [f64; 2],
 }
 
@@ -62,8 +63,8 @@ pub(super) struct Piece {
 const SAME: f64 = 1e-12;
 
 impl PeriodCells {
-    /// Divides a period with these windows into cells along each axis that the windows depend on. Near the edges of windows, light
-    /// changes over lengths of `reach`, a fraction of the period along each axis.
+    /// Divides a period with these windows into cells along each axis that the windows depend on. Near the
+    /// edges of windows, light changes over lengths of `reach`, a fraction of the period along each axis.
     pub(super) fn new(windows: &[Window], division: &Division, reach: [f64; 2]) -> Self {
         let axes = [0, 1].map(|axis| Axis::new(windows, axis, division, reach[axis]));
         let [columns, rows] = axes.each_ref().map(|axis| axis.fields.len() - 1);
@@ -155,8 +156,8 @@ impl Axis {
         self.cells[cell + 1] - self.cells[cell]
     }
 
-    /// Divides the period at the edges of cells, and of fields shifted by this many periods: those of light that passes the filter
-    /// the shift before it is at a place.
+    /// Divides the period at the edges of cells, and of fields shifted by this many periods: those of light
+    /// that passes the filter the shift before it is at a place.
     pub(super) fn pieces(&self, [shift]: &[f64; 1], out: &mut Vec<Piece>) {
         self.divide(&[(&self.cells, 0.0), (&self.fields, *shift)], out, |at| {
             let field = locate(&self.fields, at - shift);
@@ -213,7 +214,8 @@ fn graded(part: f64, grade: f64) -> f64 {
     }
 }
 
-/// Grading with which the first of some cells has this length, a fraction of the window; 0 if equal cells are as short.
+/// Grading with which the first of some cells has this length, a fraction of the window; 0 if equal cells are
+/// as short.
 fn grade(parts: usize, first: f64) -> f64 {
     let length = |grade: f64| graded(1.0 / parts as f64, grade);
     if parts < 3 || length(0.0) <= first {

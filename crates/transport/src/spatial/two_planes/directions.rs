@@ -40,8 +40,8 @@ const PANELS: usize = 3;
 const POINTS: usize = 8;
 const MOST_OF_PANEL: usize = 16;
 
-/// Directions in a medium of light from the whole hemisphere of the air, or towards it: `passes` is the fraction of light that
-/// passes as a function of `|beta|`. A higher level has more.
+/// Directions in a medium of light from the whole hemisphere of the air, or towards it: `passes` is the
+/// fraction of light that passes as a function of `|beta|`. A higher level has more.
 pub fn diffuse_directions(level: u32, passes: impl Fn(f64) -> f64) -> Vec<Direction> {
     let azimuths = 24 << level;
     let mut all = Vec::new();
@@ -79,8 +79,8 @@ fn towards_rim(v: f64) -> (f64, f64) {
     (1.0 - rest * rest, 2.0 * rest)
 }
 
-/// Directions of a ring with their fractions: Gaussian rules in each quadrant, because windows have edges along x and y. `mirrored`:
-/// only those above the x axis.
+/// Directions of a ring with their fractions: Gaussian rules in each quadrant, because windows have edges
+/// along x and y. `mirrored`: only those above the x axis.
 pub(super) fn azimuths(ring: &Ring, mirrored: bool) -> impl Iterator<Item = (Beta, f64)> + use<> {
     let radius = ring.beta;
     let quadrants = if mirrored { 2 } else { 4 };
@@ -96,8 +96,8 @@ pub(super) fn azimuths(ring: &Ring, mirrored: bool) -> impl Iterator<Item = (Bet
     })
 }
 
-/// Rings of the light of a Lambertian plane that a face returns; `way` is the way to the face and back per tangent of the inclination, in
-/// periods.
+/// Rings of the light of a Lambertian plane that a face returns; `way` is the way to the face and back per
+/// tangent of the inclination, in periods.
 pub(super) fn return_rings(
     index: f64,
     way: f64,
@@ -128,7 +128,8 @@ pub(super) fn return_rings(
             add(beta, 2.0 * beta * slope * node.weight / area * face(beta));
         }
     }
-    // Total reflection, by the tangent of the inclination as far as the phase matters, and by the inclination beyond.
+    // Total reflection, by the tangent of the inclination as far as the phase matters, and by the inclination
+    // beyond.
     let end = (farthest / rate).max(rim);
     let panels = (rate * (end - rim) / panel_phase).ceil() as usize;
     for panel in 0..panels {
@@ -151,8 +152,8 @@ fn farthest(level: u32, is_plane: bool) -> f64 {
     most * (1.0 + 0.5 * f64::from(level))
 }
 
-/// Rings of the light that a front above the face returns: `weight` is the fraction of it at `|beta|`, `lengths_mm` are the medium and the air
-/// on half of the way, `period_mm` the shortest period.
+/// Rings of the light that a front above the face returns: `weight` is the fraction of it at `|beta|`,
+/// `lengths_mm` are the medium and the air on half of the way, `period_mm` the shortest period.
 pub(super) fn front_rings(
     index: f64,
     (lengths_mm, period_mm): ([f64; 2], f64),

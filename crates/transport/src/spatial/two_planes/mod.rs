@@ -1,15 +1,19 @@
-//! Lambertian pixels below a second pattern: a colour filter at a height above them, under a face that returns light to both.
+//! Lambertian pixels below a second pattern: a colour filter at a height above them, under a face that
+//! returns light to both.
 //!
-//! **What.** Light that enters along beta passes the filter at one place and reaches the pixel `D_h(beta)` further; what leaves the
-//! pixel passes the filter at another place. The face returns a part of it, which passes the filter twice more. With the irradiance E
-//! of the pixels, their reflectance rho and the transmittance t of the filter at its places,
+//! **What.** Light that enters along beta passes the filter at one place and reaches the pixel `D_h(beta)`
+//! further; what leaves the pixel passes the filter at another place. The face returns a part of it, which
+//! passes the filter twice more. With the irradiance E of the pixels, their reflectance rho and the
+//! transmittance t of the filter at its places,
 //! `E(x) = sum over beta of w L t(x - D_h)^s + sum over beta of w F t(x - D_h)^s t(x - 2D + D_h)^s rho E (x - 2D)`,
-//! s = 1/cos(theta), D the shift of the whole way to the face, w the weight of a direction in the irradiance. All orders are solved.
+//! s = 1/cos(theta), D the shift of the whole way to the face, w the weight of a direction in the irradiance.
+//! All orders are solved.
 //!
-//! **How.** A period is divided into cells along the edges of the windows, shorter towards these edges, beside which E changes over
-//! lengths of the height. E is constant in a cell; all areas on which a cell,
-//! shifted, lies below or above others are exact. Directions are sums: rings of inclinations with azimuths. Where the way to the
-//! face and back is many periods, cells and shifts are taken as independent: the limit of Clapper and Yule.
+//! **How.** A period is divided into cells along the edges of the windows, shorter towards these edges,
+//! beside which E changes over lengths of the height. E is constant in a cell; all areas on which a cell,
+//! shifted, lies below or above others are exact. Directions are sums: rings of inclinations with azimuths.
+//! Where the way to the face and back is many periods, cells and shifts are taken as independent: the limit
+//! of Clapper and Yule.
 //!
 //! **Limits.** One refractive index. Between the windows the filter is clear.
 //!
@@ -57,8 +61,8 @@ pub struct TwoPlanes {
     returned_uniform: f64,
 }
 
-/// Light that passes the filter above each cell, as an integral over the cell in fractions of the period: `[cell][window][wavelength]`. The
-/// last window is the area between the windows.
+/// Light that passes the filter above each cell, as an integral over the cell in fractions of the period:
+/// `[cell][window][wavelength]`. The last window is the area between the windows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Passed {
     values: Vec<f64>,
@@ -88,13 +92,14 @@ const TOLERANCE: f64 = 1e-13;
 /// The same relative to the largest irradiance, where that is above 50: rounding never falls below it.
 const ROUNDING: f64 = 2e-15;
 
-/// Orders of light between the face and a front above it that have less than this fraction belong to the one before.
+/// Orders of light between the face and a front above it that have less than this fraction belong to the one
+/// before.
 const FAINTEST: f64 = 1e-5;
 const MOST_ORDERS: i32 = 5;
 
 impl TwoPlanes {
-    /// Prepares pixels and filter. `face` is the reflectance of the face from below as a function of `|beta|` up to 1; beyond,
-    /// all light returns; `None`: nothing returns. A higher `level` is finer: 0, 1, ...
+    /// Prepares pixels and filter. `face` is the reflectance of the face from below as a function of `|beta|`
+    /// up to 1; beyond, all light returns; `None`: nothing returns. A higher `level` is finer: 0, 1, ...
     pub fn new(pixels: &FilteredPixels<'_>, face: Option<&dyn Fn(f64) -> f64>, level: u32) -> Self {
         Self::with_cells(pixels, face, level, &Division::everywhere(10 << level, 0))
     }
@@ -169,8 +174,8 @@ impl TwoPlanes {
         self.returned_uniform
     }
 
-    /// Light that reaches each cell from outside along these directions of propagation, through the filter; the sum of the weights is
-    /// taken as 1.
+    /// Light that reaches each cell from outside along these directions of propagation, through the filter;
+    /// the sum of the weights is taken as 1.
     pub fn entering(&self, directions: &[Direction]) -> Passed {
         self.passed(directions, 1.0)
     }
@@ -205,8 +210,8 @@ impl TwoPlanes {
         Passed { values, windows, bins: self.bins }
     }
 
-    /// Irradiance of each cell through all orders, `[cell][wavelength]`, relative to that without filter and pixels. `reflectance` is
-    /// that of the window of a cell; between windows it is 0.
+    /// Irradiance of each cell through all orders, `[cell][wavelength]`, relative to that without filter and
+    /// pixels. `reflectance` is that of the window of a cell; between windows it is 0.
     pub fn irradiance(&self, entering: &Passed, reflectance: &[&[f64]]) -> Vec<f64> {
         let (count, bins) = (self.cells.count(), self.bins);
         let mut first = Vec::with_capacity(count * bins);
@@ -303,7 +308,8 @@ impl TwoPlanes {
         }
     }
 
-    /// Light whose way is so long that where it returns does not depend on where it left: only its passes of the filter are known.
+    /// Light whose way is so long that where it returns does not depend on where it left: only its passes of
+    /// the filter are known.
     fn add_far(&mut self, ring: &Ring, passes: &[Vec<f64>]) {
         let (count, bins) = (self.cells.count(), self.bins);
         let mut pieces = [Vec::new(), Vec::new()];

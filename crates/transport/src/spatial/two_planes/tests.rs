@@ -19,8 +19,8 @@ fn clear(windows: usize) -> Vec<Vec<f64>> {
     vec![vec![1.0]; windows]
 }
 
-/// Fraction of the light that reaches the third of five stripes through the window above it, and of the light that leaves it towards
-/// a view through the window above it: values of a separate program.
+/// Fraction of the light that reaches the third of five stripes through the window above it, and of the light
+/// that leaves it towards a view through the window above it: values of a separate program.
 #[test]
 fn shares_of_own_windows_are_known() {
     let (windows, transmittance) = (stripes(&[0.2; 5], 1.0), clear(5));
@@ -135,7 +135,8 @@ impl Paths<'_> {
         self.window(place).map_or(1.0, |window| self.plan.transmittance[window][0].powf(slant))
     }
 
-    /// Light of a path that ends through one of the windows, over that of a white page without filter and return.
+    /// Light of a path that ends through one of the windows, over that of a white page without filter and
+    /// return.
     fn path(&mut self, view: Beta, windows: &Range<usize>) -> f64 {
         let FilteredPixels { pitch_mm, height_mm, thickness_mm, index, .. } = self.plan;
         let moved = |place: [f64; 2], beta: Beta, length: f64| {
@@ -180,8 +181,8 @@ fn traced(plan: FilteredPixels<'_>, rho: &[f64], view: Beta, windows: &Range<usi
     (mean, error)
 }
 
-/// A black pixel beside a white one, seen obliquely through its own windows: what comes from the white pixel left it beside the edge, where the
-/// irradiance changes within the height of the filter.
+/// A black pixel beside a white one, seen obliquely through its own windows: what comes from the white pixel
+/// left it beside the edge, where the irradiance changes within the height of the filter.
 #[test]
 fn black_stripe_beside_white_is_seen_through_its_own_windows() {
     let (windows, transmittance) =

@@ -1,17 +1,17 @@
 //! A path inside a scattering medium: flights and deflections until it leaves.
 //!
-//! Depth is optical depth from the top and counts scattering and its losses alone. The internal transmittance of the
-//! medium is a weight along the path. The length of a flight is exponential; that of the first flight is conditioned on
-//! ending in the medium, since the regular part is known without it. In a thin medium later flights end there with a
-//! probability of at least [`LEAST_AGAIN`] and weigh less accordingly: otherwise light that is scattered twice would be
-//! so rare that all replicates could miss it. For the same reason a fraction of the first deflections in a thin medium
-//! is directed to where the light of a source is bright: around the direction of the source, by the phase function.
-//! (Without this, light from a source at 80 deg that is seen along the normal after two deflections of a narrow phase
-//! function needed a path in 20 000, and was a tenth of the light.) Survival of absorption is never so improbable that
-//! few paths see it.
+//! Depth is optical depth from the top and counts scattering and its losses alone. The internal transmittance
+//! of the medium is a weight along the path. The length of a flight is exponential; that of the first flight
+//! is conditioned on ending in the medium, since the regular part is known without it. In a thin medium later
+//! flights end there with a probability of at least [`LEAST_AGAIN`] and weigh less accordingly: otherwise
+//! light that is scattered twice would be so rare that all replicates could miss it. For the same reason a
+//! fraction of the first deflections in a thin medium is directed to where the light of a source is bright:
+//! around the direction of the source, by the phase function. (Without this, light from a source at 80 deg
+//! that is seen along the normal after two deflections of a narrow phase function needed a path in 20 000,
+//! and was a tenth of the light.) Survival of absorption is never so improbable that few paths see it.
 //!
-//! Where the albedo is the same at every wavelength and nothing else absorbs, nothing inside the medium depends on
-//! wavelength: a few numbers change along the path, and the spectra once, when it leaves.
+//! Where the albedo is the same at every wavelength and nothing else absorbs, nothing inside the medium
+//! depends on wavelength: a few numbers change along the path, and the spectra once, when it leaves.
 
 use papilio_optics::Beta;
 use papilio_optics::phase::HenyeyGreenstein;
@@ -29,7 +29,8 @@ use crate::skeleton::{Propagation, Ray};
 const LEAST_AGAIN: f64 = 0.05;
 /// The least probability of surviving absorption in an early event.
 const LEAST_SURVIVAL: f64 = 0.1;
-/// Fraction of the first deflections that is directed to sources, and the number of events that count as first.
+/// Fraction of the first deflections that is directed to sources, and the number of events that count as
+/// first.
 const TO_LAMPS: f64 = 0.25;
 const FIRST_EVENTS: u32 = 4;
 /// Media below this optical thickness direct some light to sources, if their phase function is narrow:
@@ -210,8 +211,8 @@ impl<'a> Bulk<'a> {
         Outcome::Within
     }
 
-    /// Place in the medium as numbers from 0 to 1, close to each other for close places: depth, and the components of
-    /// the direction.
+    /// Place in the medium as numbers from 0 to 1, close to each other for close places: depth, and the
+    /// components of the direction.
     pub(super) fn place(&self, stay: &Stay) -> [f64; 4] {
         let [x, y, z] = stay.direction.map(|component| 0.5 * (1.0 + component));
         [stay.depth / self.optical_thickness, z, x, y]
@@ -318,12 +319,14 @@ impl<'a> Bulk<'a> {
         }
     }
 
-    /// A density per steradian per unit area of direction cosines, in a direction with this cosine to the normal.
+    /// A density per steradian per unit area of direction cosines, in a direction with this cosine to the
+    /// normal.
     pub(super) fn over_cosines(&self, density: f64, cosine: f64) -> f64 {
         density / (self.index * self.index * cosine.abs().max(f64::MIN_POSITIVE))
     }
 
-    /// Adds the light of each source that this event scatters into the branch; [`Self::settle`] adds it to the sums.
+    /// Adds the light of each source that this event scatters into the branch; [`Self::settle`] adds it to
+    /// the sums.
     fn gather(&self, stay: &Stay, part: f64, workspace: &mut Workspace) {
         let Workspace { lamps, gathered, .. } = workspace;
         let lamps = lamps.now();
@@ -349,8 +352,8 @@ impl<'a> Bulk<'a> {
         }
     }
 
-    /// Adds the control variates of light from sources ([`orders`]) for a flight with this scale, and for the deflection
-    /// before it.
+    /// Adds the control variates of light from sources ([`orders`]) for a flight with this scale, and for the
+    /// deflection before it.
     fn balance(&self, direction: [f64; 3], flight: &Flight, scale: f64, workspace: &mut Workspace) {
         let Workspace { lamps, gathered, .. } = workspace;
         let lamps = lamps.now();

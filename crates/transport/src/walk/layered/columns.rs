@@ -1,14 +1,15 @@
 //! Fewer spectra: the values of the pixel's reflectance at which light is followed.
 //!
-//! If the layers are the same at every wavelength and the pixel at every angle, then all that a state or wavelength can
-//! change is one number, the reflectance r of the pixel. Light that leaves, or that is absorbed anywhere, is a smooth
-//! function of r: a series of r^m, with the light that meets the pixel m times. Paths carry its values at a few r, the
-//! columns: those that occur, if they are few, else Chebyshev nodes between the smallest and the largest. Every mean over
-//! paths is then interpolated by one polynomial, which is the same as interpolating every path.
+//! If the layers are the same at every wavelength and the pixel at every angle, then all that a state or
+//! wavelength can change is one number, the reflectance r of the pixel. Light that leaves, or that is
+//! absorbed anywhere, is a smooth function of r: a series of r^m, with the light that meets the pixel m
+//! times. Paths carry its values at a few r, the columns: those that occur, if they are few, else Chebyshev
+//! nodes between the smallest and the largest. Every mean over paths is then interpolated by one polynomial,
+//! which is the same as interpolating every path.
 //!
-//! The series converges for |r| < 1, since no display returns more light to its pixel than the pixel reflects. This bounds
-//! the error of interpolation (L. N. Trefethen, *Approximation Theory and Approximation Practice*, theorem 8.2), and
-//! determines the number of nodes.
+//! The series converges for |r| < 1, since no display returns more light to its pixel than the pixel
+//! reflects. This bounds the error of interpolation (L. N. Trefethen, *Approximation Theory and Approximation
+//! Practice*, theorem 8.2), and determines the number of nodes.
 
 use std::f64::consts::PI;
 

@@ -1,20 +1,22 @@
 //! Control variates: quantities of a path whose mean is zero, and which explain a large part of its noise.
 //!
-//! Where a path draws a direction, the mean of some functions of it is known. A phase function of Henyey and Greenstein
-//! multiplies the Legendre polynomial `P_l` of the cosine to the normal by `g^l`, so that `P_l(after) - g^l P_l(before)` has
-//! mean zero. So have the indicator of a flight that leaves the medium less its probability, powers of the depth that a flight
-//! reaches less their means, and the Legendre polynomials
-//! of a uniform random number that selects the inclination of light from a Lambertian base. Each is multiplied by the
-//! light of the path before the decision and summed over the path.
+//! Where a path draws a direction, the mean of some functions of it is known. A phase function of Henyey and
+//! Greenstein multiplies the Legendre polynomial `P_l` of the cosine to the normal by `g^l`, so that
+//! `P_l(after) - g^l P_l(before)` has mean zero. So have the indicator of a flight that leaves the medium
+//! less its probability, powers of the depth that a flight reaches less their means, and the Legendre
+//! polynomials of a uniform random number that selects the inclination of light from a Lambertian base. Each
+//! is multiplied by the light of the path before the decision and summed over the path.
 //!
-//! The results of a replicate are reduced by the linear combination of its controls that explains most of the noise. The
-//! coefficients of one half of the replicates come from **the other half**. They do not depend on a replicate's own random
-//! numbers: its mean stays unbiased, and the spread of the half remains that of independent estimates (cross-fitting; P.
-//! W. Glynn, R. Szechtman, *Some New Perspectives on the Method of Control Variates*, MCQMC 2000). A combination is used as
-//! far as it would have reduced the spread of the half that it comes from, with each replicate left out in turn: with few
-//! paths, or rare bright ones, that is hardly at all.
+//! The results of a replicate are reduced by the linear combination of its controls that explains most of the
+//! noise. The coefficients of one half of the replicates come from **the other half**. They do not depend on
+//! a replicate's own random numbers: its mean stays unbiased, and the spread of the half remains that of
+//! independent estimates (cross-fitting; P. W. Glynn, R. Szechtman, *Some New Perspectives on the Method of
+//! Control Variates*, MCQMC 2000). A combination is used as far as it would have reduced the spread of the
+//! half that it comes from, with each replicate left out in turn: with few paths, or rare bright ones, that
+//! is hardly at all.
 //!
-//! In a slab of optical thickness 2 and g = 0.9 over a mirror, the controls remove 80 to 97 % of the variance.
+//! In a slab of optical thickness 2 and g = 0.9 over a mirror, the controls remove 80 to 97 % of the
+//! variance.
 
 use papilio_optics::with_widest_simd;
 
@@ -23,14 +25,15 @@ use super::ledger::Received;
 /// Number of Legendre polynomials of a deflection, and of powers of the depth that multiply them.
 const ORDERS: usize = 8;
 const POWERS: usize = 3;
-/// Controls of a flight that leaves, for each sense, and of the depth of one that does not: products of Legendre
-/// polynomials of the cosine and powers of the depth.
+/// Controls of a flight that leaves, for each sense, and of the depth of one that does not: products of
+/// Legendre polynomials of the cosine and powers of the depth.
 const LEAVING: usize = 3;
 const FLIGHT_ORDERS: usize = 3;
 const FLIGHT_POWERS: usize = 2;
 const FLIGHTS: usize = 2 * LEAVING + FLIGHT_ORDERS * FLIGHT_POWERS;
-/// Lights that multiply the controls of a medium: light that has not met the base, and that which has, of the brightest and of
-/// the faintest column. The results of columns between them are close to combinations of both.
+/// Lights that multiply the controls of a medium: light that has not met the base, and that which has, of the
+/// brightest and of the faintest column. The results of columns between them are close to combinations of
+/// both.
 const LIGHTS: usize = 3;
 /// Controls of a medium, for each of the lights.
 const OF_MEDIUM: usize = ORDERS * POWERS + FLIGHTS;
@@ -38,15 +41,15 @@ const OF_MEDIUM: usize = ORDERS * POWERS + FLIGHTS;
 const EMISSIONS: usize = 4;
 const COUNT: usize = LIGHTS * OF_MEDIUM + 2 * EMISSIONS;
 
-/// One path in this many contributes to the regression, or one in as many as there are results divided by `RESULTS_PER_PATH`,
-/// up to the last number: then the sums of the regression take less time than the paths.
+/// One path in this many contributes to the regression, or one in as many as there are results divided by
+/// `RESULTS_PER_PATH`, up to the last number: then the sums of the regression take less time than the paths.
 const EVERY: usize = 4;
 const RESULTS_PER_PATH: usize = 64;
 const SELDOM: usize = 64;
 /// Deflections and flights before this generation of branches have controls: later ones explain little.
 pub(super) const GENERATIONS: u32 = 64;
-/// Results up to which each replicate is left out alone to find how useful a combination is; of more results, each of so many
-/// groups of replicates.
+/// Results up to which each replicate is left out alone to find how useful a combination is; of more results,
+/// each of so many groups of replicates.
 const FEW_RESULTS: usize = 64;
 const GROUPS: usize = 4;
 
@@ -103,8 +106,8 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    /// Returns the probability that it ends in the medium, and the means of the first two powers of the depth at its end, 0
-    /// if it leaves.
+    /// Returns the probability that it ends in the medium, and the means of the first two powers of the depth
+    /// at its end, 0 if it leaves.
     fn moments(&self) -> [f64; 3] {
         let Self { from, slope, edge, .. } = *self;
         // Integrals of s^k exp(-s) up to the boundary.
@@ -179,8 +182,9 @@ impl Controls {
         &mut self.of_paths[self.path * COUNT..][..COUNT]
     }
 
-    /// Adds a deflection from one cosine to the normal to another, at a depth from -1 to 1, by a phase function of this
-    /// anisotropy; `ratio` is its value over the density with which the direction was sampled.
+    /// Adds a deflection from one cosine to the normal to another, at a depth from -1 to 1, by a phase
+    /// function of this anisotropy; `ratio` is its value over the density with which the direction was
+    /// sampled.
     pub(super) fn deflection(
         &mut self,
         light: Brightness,
@@ -234,8 +238,8 @@ impl Controls {
         }
     }
 
-    /// Adds light from a Lambertian base, whose inclination was selected by the uniform number `u`; followed in one
-    /// direction or in two.
+    /// Adds light from a Lambertian base, whose inclination was selected by the uniform number `u`; followed
+    /// in one direction or in two.
     pub(super) fn emission(&mut self, light: f64, u: f64, in_two: bool) {
         let start = LIGHTS * OF_MEDIUM + if in_two { EMISSIONS } else { 0 };
         let x = 2.0 * u - 1.0;
@@ -247,7 +251,8 @@ impl Controls {
         }
     }
 
-    /// Returns what is to be subtracted from the results of each replicate, in the order of [`Received::values`].
+    /// Returns what is to be subtracted from the results of each replicate, in the order of
+    /// [`Received::values`].
     pub(super) fn corrections(replicates: &[(&Self, &Received)]) -> Vec<Vec<f64>> {
         let halves = [0, 1].map(|parity| {
             let half: Vec<_> = replicates.iter().skip(parity).step_by(2).copied().collect();
@@ -268,7 +273,8 @@ impl Controls {
     }
 }
 
-/// Returns the coefficients that some replicates suggest to others, shape `[control][result]`; `None` from too few.
+/// Returns the coefficients that some replicates suggest to others, shape `[control][result]`; `None` from
+/// too few.
 fn coefficients(replicates: &[(&Controls, &Received)]) -> Option<Vec<f64>> {
     let count = replicates.first()?.0.moments.results.len();
     let mut all = Moments::new(count);
@@ -335,8 +341,8 @@ impl Moments {
         add_scaled(&mut self.products, &other.products, sign);
     }
 
-    /// Returns the coefficients of the regression, shape `[control][result]`: the solution of the normal equations by
-    /// Cholesky's method. Controls that are combinations of others have none.
+    /// Returns the coefficients of the regression, shape `[control][result]`: the solution of the normal
+    /// equations by Cholesky's method. Controls that are combinations of others have none.
     fn regression(mut self) -> Vec<f64> {
         let count = self.results.len();
         let mut solution = vec![0.0; COUNT * count];

@@ -1,11 +1,12 @@
 //! Branches of many paths, followed side by side.
 //!
-//! All branches of a batch of paths advance together, one event at a time: a *generation*. Branches of a generation are
-//! ordered by where they are, and the points of a low-discrepancy set are given to them in this order. Neighbours, whose
-//! futures are distributed almost equally, then take decisions that complement each other, in every generation and not only
-//! in the first few (array-RQMC: P. L'Ecuyer, C. Lécot, B. Tuffin, Oper. Res. 56, 958 (2008)). Each branch by itself has
-//! uniform numbers that are independent of its past, since the set of each generation of each batch is randomized again: estimates
-//! are unbiased, and the errors of batches are independent. Roulette is systematic for the same reason ([`Roulette`]).
+//! All branches of a batch of paths advance together, one event at a time: a *generation*. Branches of a
+//! generation are ordered by where they are, and the points of a low-discrepancy set are given to them in
+//! this order. Neighbours, whose futures are distributed almost equally, then take decisions that complement
+//! each other, in every generation and not only in the first few (array-RQMC: P. L'Ecuyer, C. Lécot, B.
+//! Tuffin, Oper. Res. 56, 958 (2008)). Each branch by itself has uniform numbers that are independent of its
+//! past, since the set of each generation of each batch is randomized again: estimates are unbiased, and the
+//! errors of batches are independent. Roulette is systematic for the same reason ([`Roulette`]).
 
 use papilio_sampling::SampleStream;
 
@@ -105,9 +106,10 @@ impl Generation {
 
 /// Random numbers of a generation of a batch.
 ///
-/// Each generation of each batch has a set with a scramble of its own. A set that continued over the batches would give a branch of
-/// the same rank nearly the same number in every batch (the leading digits of a Sobol point follow from the last digits of its
-/// index), and the error of these pairs of rank and number would not fall with the number of batches.
+/// Each generation of each batch has a set with a scramble of its own. A set that continued over the batches
+/// would give a branch of the same rank nearly the same number in every batch (the leading digits of a Sobol
+/// point follow from the last digits of its index), and the error of these pairs of rank and number would not
+/// fall with the number of batches.
 #[derive(Debug)]
 pub(super) struct GenerationNumbers(SampleStream);
 
@@ -129,8 +131,8 @@ impl GenerationNumbers {
     }
 }
 
-/// Systematic roulette: of consecutive branches, the number that survive differs from the sum of their probabilities by less
-/// than one. (Each survives with exactly its own probability.)
+/// Systematic roulette: of consecutive branches, the number that survive differs from the sum of their
+/// probabilities by less than one. (Each survives with exactly its own probability.)
 #[derive(Debug, Clone)]
 pub(super) struct Roulette(f64);
 
@@ -148,8 +150,8 @@ impl Roulette {
     }
 }
 
-/// Order of branches by a coarse class, and by several numbers from 0 to 1 so that neighbours are close in all of them
-/// (Morton order).
+/// Order of branches by a coarse class, and by several numbers from 0 to 1 so that neighbours are close in
+/// all of them (Morton order).
 pub(super) fn key<const N: usize>(class: usize, place: [f64; N]) -> u64 {
     let bits = (48 / N).min(16);
     let cells = place.map(|number| ((number * f64::from(1_u32 << bits)) as u64).min((1 << bits) - 1));

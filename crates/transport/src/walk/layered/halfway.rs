@@ -1,10 +1,11 @@
 //! Directions half way between the view and a source.
 //!
-//! Between two lobes that fall as fast as Gaussians, light mostly travels in directions half way between the view and the source:
-//! two lobes `exp(-r²/s²)` at a distance d have a product that is largest there, `exp(-d²/(2 s²))`, whereas it is `exp(-d²/s²)`
-//! at the ends. A path, which samples from the view's end, and a relay, which samples from the source's, rarely find these
-//! directions, and the variance of both grows like `exp(d²/(4 s²))`. So relays sample a part of their directions from their kernel
-//! for light that would arrive half way; the balance heuristic then uses the density of the mixture.
+//! Between two lobes that fall as fast as Gaussians, light mostly travels in directions half way between the
+//! view and the source: two lobes `exp(-r²/s²)` at a distance d have a product that is largest there,
+//! `exp(-d²/(2 s²))`, whereas it is `exp(-d²/s²)` at the ends. A path, which samples from the view's end, and
+//! a relay, which samples from the source's, rarely find these directions, and the variance of both grows
+//! like `exp(d²/(4 s²))`. So relays sample a part of their directions from their kernel for light that would
+//! arrive half way; the balance heuristic then uses the density of the mixture.
 //!
 //! Lobes with heavier tails do not need it: the product is largest at the ends.
 
@@ -51,7 +52,8 @@ impl HalfWay {
         self.0.get(place as usize).copied()
     }
 
-    /// Returns the mean density from these directions, given that from one; `None` if there are no directions.
+    /// Returns the mean density from these directions, given that from one; `None` if there are no
+    /// directions.
     pub(super) fn density(&self, from: impl Fn(Beta) -> Option<f64>) -> Option<f64> {
         let sum: f64 = self.0.iter().filter_map(|middle| from(*middle)).sum();
         (!self.0.is_empty()).then(|| sum / self.0.len() as f64)

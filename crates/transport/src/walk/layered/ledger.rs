@@ -73,8 +73,8 @@ pub(super) struct Absorbed {
 pub(super) struct Workspace {
     /// The light that takes part in an event.
     pub(super) light: Light,
-    /// The light of each source that the event scatters into the path, upwards and downwards, and that is not in the sums
-    /// yet.
+    /// The light of each source that the event scatters into the path, upwards and downwards, and that is not
+    /// in the sums yet.
     pub(super) gathered: Gathered,
     /// Number of the branch's meetings with a pixel that scatters, on its way to the event.
     pub(super) meetings: u32,
@@ -87,7 +87,8 @@ pub(super) struct Workspace {
     pub(super) field: Field,
     pub(super) share: Share,
     pub(super) lamps: SourcesOfPaths,
-    /// For each scattering event, the largest fraction of light of any state and wavelength that takes part in it.
+    /// For each scattering event, the largest fraction of light of any state and wavelength that takes part
+    /// in it.
     pub(super) chances: Vec<f64>,
     /// Roulettes of this generation for the two sides of each event.
     pub(super) side_roulettes: Vec<Roulette>,
@@ -126,7 +127,8 @@ impl Workspace {
         self.next.depart((self.lamps.path, self.meetings), sent, &self.light);
     }
 
-    /// Lets a branch with this light stay in its medium. The workspace takes over the memory of the branch's light.
+    /// Lets a branch with this light stay in its medium. The workspace takes over the memory of the branch's
+    /// light.
     pub(super) fn stay(&mut self, branch: &mut Arrived) {
         std::mem::swap(&mut self.light, &mut branch.light);
         let light = std::mem::take(&mut branch.light);

@@ -1,8 +1,8 @@
 //! Light with its spectra, and its transport by the flat skeleton.
 //!
-//! Directions are drawn once for all states and wavelengths. What depends on these is a product of a few numbers for each
-//! state and wavelength, in the widest registers; what depends on layers alone has one number for each band of the
-//! [skeleton](crate::skeleton), which [`Share`] repeats for the wavelengths.
+//! Directions are drawn once for all states and wavelengths. What depends on these is a product of a few
+//! numbers for each state and wavelength, in the widest registers; what depends on layers alone has one
+//! number for each band of the [skeleton](crate::skeleton), which [`Share`] repeats for the wavelengths.
 
 use papilio_optics::with_widest_simd;
 
@@ -81,7 +81,8 @@ impl Light {
         [largest(&self.fresh), largest(&self.met), least]
     }
 
-    /// Reflection by a base with these reflectances, shape `[state][wavelength]`: all of it has met the base then.
+    /// Reflection by a base with these reflectances, shape `[state][wavelength]`: all of it has met the base
+    /// then.
     pub(super) fn meet(&mut self, reflectance: &[f64]) {
         let bins = self.fresh.len();
         for (row, reflectance) in self.met.chunks_exact_mut(bins).zip(reflectance.chunks_exact(bins)) {
@@ -152,7 +153,8 @@ impl Light {
         }
     }
 
-    /// Adds the product of two pieces of light and the fraction that connects them; `rising` includes all of `before`.
+    /// Adds the product of two pieces of light and the fraction that connects them; `rising` includes all of
+    /// `before`.
     pub(super) fn add_joined(&mut self, of: &Self, before: &Self, share: &Share, rising: &[f64]) {
         let bins = self.fresh.len();
         for bin in 0..bins {

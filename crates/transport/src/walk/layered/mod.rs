@@ -1,26 +1,27 @@
 //! The general tracer: any layers in any order, over a mirror or a base that scatters.
 //!
-//! Between two scattering events light keeps its direction cosines. Its transport is then known in closed form, with all
-//! inter-reflections of flat parts and of a specular base ([`Skeleton`](crate::skeleton)): the light that leaves, the
-//! light that each layer absorbs, and the light that arrives at each scatterer from either side. The first two are
-//! added to the sums directly. Random are only the directions of scattered light, the flights in a scattering medium, and
-//! the choice of the next scatterer where the light is faint.
+//! Between two scattering events light keeps its direction cosines. Its transport is then known in closed
+//! form, with all inter-reflections of flat parts and of a specular base ([`Skeleton`](crate::skeleton)): the
+//! light that leaves, the light that each layer absorbs, and the light that arrives at each scatterer from
+//! either side. The first two are added to the sums directly. Random are only the directions of scattered
+//! light, the flights in a scattering medium, and the choice of the next scatterer where the light is faint.
 //!
-//! A path is a tree of branches. A choice between bright alternatives is not drawn: light that a scatterer reflects
-//! and light that it transmits, light that can leave and light that is trapped, are all followed with their weights
-//! ([`BRIGHT`]). Results then depend smoothly on the random numbers. Faint branches are chosen by Russian roulette, so
-//! that the expected number of branches is bounded.
+//! A path is a tree of branches. A choice between bright alternatives is not drawn: light that a scatterer
+//! reflects and light that it transmits, light that can leave and light that is trapped, are all followed
+//! with their weights ([`BRIGHT`]). Results then depend smoothly on the random numbers. Faint branches are
+//! chosen by Russian roulette, so that the expected number of branches is bounded.
 //!
 //! Many paths are followed side by side, so that their decisions complement each other ([`generation`]).
 //!
-//! Directions do not depend on state or wavelength; a branch carries a factor for each ([`Light`](light::Light)). What the
-//! layers do is computed once where they are the same at every wavelength. Light that has met the base and light that has
-//! not are separate.
+//! Directions do not depend on state or wavelength; a branch carries a factor for each
+//! ([`Light`](light::Light)). What the layers do is computed once where they are the same at every
+//! wavelength. Light that has met the base and light that has not are separate.
 //!
 //! # A pixel that is the same everywhere
-//! Two things rely on a pixel that is the same at all points of its plane: [`columns`], and the closed form of
-//! inter-reflections, which does not know where light meets the pixel. Light over a pixel with a pattern is followed by
-//! [`places`](super::places). The tracer without any closed form, which tests this one, is [`Plain`](super::Plain).
+//! Two things rely on a pixel that is the same at all points of its plane: [`columns`], and the closed form
+//! of inter-reflections, which does not know where light meets the pixel. Light over a pixel with a pattern
+//! is followed by [`places`](super::places). The tracer without any closed form, which tests this one, is
+//! [`Plain`](super::Plain).
 
 mod bulk;
 mod columns;
@@ -54,19 +55,21 @@ use light::Light;
 use pixel::Pixel;
 use scatterers::{Kind, ScatterEvent, at_lambertian_base, events};
 
-/// Light of which at least this fraction takes part in an event, in any state and wavelength, is followed to this event,
-/// and in addition to others. Fainter light continues by roulette, with at least this weight.
+/// Light of which at least this fraction takes part in an event, in any state and wavelength, is followed to
+/// this event, and in addition to others. Fainter light continues by roulette, with at least this weight.
 const BRIGHT: f64 = 0.1;
 
-/// The same fraction for the two directions of one event. It is lower, since one of them often leaves the display.
+/// The same fraction for the two directions of one event. It is lower, since one of them often leaves the
+/// display.
 const BRIGHT_SIDE: f64 = 0.01;
 
-/// After its first event a path continues with at least this probability, if it can continue at all: otherwise
-/// light from sources at faint scatterers would make rare bright paths.
+/// After its first event a path continues with at least this probability, if it can continue at all:
+/// otherwise light from sources at faint scatterers would make rare bright paths.
 const LEAST_SURVIVAL: f64 = 0.05;
 
-/// In the first events of a path this much of the probability is divided equally among the scatterers, whatever light
-/// they receive: some light may be seen through a faint one only, and no replicate may miss it.
+/// In the first events of a path this much of the probability is divided equally among the scatterers,
+/// whatever light they receive: some light may be seen through a faint one only, and no replicate may miss
+/// it.
 const WITHOUT_REGARD: f64 = 0.1;
 const FIRST_EVENTS: u32 = 4;
 
@@ -132,14 +135,16 @@ impl OutgoingRay {
 /// Light of each source that a branch has gathered in a scattering medium, upwards and downwards.
 type Gathered = Vec<[f64; 2]>;
 
-/// Largest number of paths that are followed side by side, and of the numbers that their sampled sources occupy.
+/// Largest number of paths that are followed side by side, and of the numbers that their sampled sources
+/// occupy.
 const LARGEST_BATCH: usize = 1 << 10;
 const MOST_NUMBERS: usize = 1 << 20;
 
 /// Largest probability with which a branch may continue.
 ///
-/// The number of events in thick layers that absorb nothing has a long tail, n^(-1/2). Roulette that ends paths like
-/// n^(-0.45) from there on bounds their mean cost and leaves the variance finite; any fixed probability would not.
+/// The number of events in thick layers that absorb nothing has a long tail, n^(-1/2). Roulette that ends
+/// paths like n^(-0.45) from there on bounds their mean cost and leaves the variance finite; any fixed
+/// probability would not.
 fn most_survival(generation: u32) -> f64 {
     if generation < FREE_EVENTS { 1.0 } else { 1.0 - 0.45 / f64::from(generation) }
 }
@@ -186,8 +191,8 @@ impl<'a> Layered<'a> {
         if self.events.is_empty() {
             return 1.0;
         }
-        // Light that a thin layer traps by total internal reflection is scattered again with a low probability, and mostly
-        // into other trapped directions: it leaves after three improbable decisions.
+        // Light that a thin layer traps by total internal reflection is scattered again with a low
+        // probability, and mostly into other trapped directions: it leaves after three improbable decisions.
         let is_thin = |medium: &Medium| {
             medium.scattering().is_some_and(|scattering| scattering.optical_thickness < bulk::THIN)
         };
@@ -313,7 +318,8 @@ impl<'a> Layered<'a> {
         key(class, [sent.beta.squared() / self.largest_index.powi(2), light.brightest()])
     }
 
-    /// Position of a branch among others at an event: those at the same event are neighbours if they are at similar places.
+    /// Position of a branch among others at an event: those at the same event are neighbours if they are at
+    /// similar places.
     fn key_of_event(&self, branch: &Arrived) -> u64 {
         let Arrived { event, sent, stay, light, .. } = branch;
         let kind = &self.events[*event].kind;
@@ -343,11 +349,12 @@ impl<'a> Layered<'a> {
         }
     }
 
-    /// Lets a branch's light arrive at the events that it takes part in: at each of the bright ones, and at others by
-    /// roulette.
+    /// Lets a branch's light arrive at the events that it takes part in: at each of the bright ones, and at
+    /// others by roulette.
     ///
-    /// The probability of a faint event is proportional to the largest fraction of any state's and wavelength's light that
-    /// takes part in it. In the first events it has a lower limit, so that weights grow by a tenth at most.
+    /// The probability of a faint event is proportional to the largest fraction of any state's and
+    /// wavelength's light that takes part in it. In the first events it has a lower limit, so that weights
+    /// grow by a tenth at most.
     fn arrive(
         &self,
         (sent, light): (OutgoingRay, &Light),

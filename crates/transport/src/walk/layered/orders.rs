@@ -1,15 +1,18 @@
-//! Control variates for the light of beams and small discs in a medium: the orders of scattering by a narrow phase function.
+//! Control variates for the light of beams and small discs in a medium: the orders of scattering by a narrow
+//! phase function.
 //!
-//! Deflections by the phase function of Henyey and Greenstein with anisotropies g and h, one after the other, are one
-//! deflection with g h. Let `s` be the direction of a source. The mean of `p_h(after . s)` over a deflection by `p_g` is therefore
-//! `p_gh(before . s)`, exactly. If light kept the cosine of the source, then light that has an optical length T to go before it
-//! leaves for the source would be scattered m more times with the probability `T^m exp(-T) / m!`, and m deflections would lead it
-//! to the source with the density `p_(g^m)`. This is close to the truth for the light that matters: that near `s`.
+//! Deflections by the phase function of Henyey and Greenstein with anisotropies g and h, one after the other,
+//! are one deflection with g h. Let `s` be the direction of a source. The mean of `p_h(after . s)` over a
+//! deflection by `p_g` is therefore `p_gh(before . s)`, exactly. If light kept the cosine of the source, then
+//! light that has an optical length T to go before it leaves for the source would be scattered m more times
+//! with the probability `T^m exp(-T) / m!`, and m deflections would lead it to the source with the density
+//! `p_(g^m)`. This is close to the truth for the light that matters: that near `s`.
 //!
-//! The series over m is therefore an approximation of all that a path still contributes, from any depth and direction. Along the
-//! path, its value after each random decision is subtracted, and its exact mean over this decision is added. The sum has mean
-//! zero whatever the quality of the approximation, and removes the noise of decisions as far as the approximation is good. Its
-//! coefficients follow from the medium alone; no regression is needed, and it serves all states and wavelengths at once.
+//! The series over m is therefore an approximation of all that a path still contributes, from any depth and
+//! direction. Along the path, its value after each random decision is subtracted, and its exact mean over
+//! this decision is added. The sum has mean zero whatever the quality of the approximation, and removes the
+//! noise of decisions as far as the approximation is good. Its coefficients follow from the medium alone; no
+//! regression is needed, and it serves all states and wavelengths at once.
 //!
 //! The mean over a flight is exact because the coefficients are polynomials of the depth.
 
@@ -26,14 +29,16 @@ const TERMS: usize = DEGREE + 1;
 const MOST: usize = 16;
 /// Optical length beyond which little light of few orders arrives.
 const LONGEST: f64 = 12.0;
-/// Connections to a disc carry nearly all of its light if its density is this many times that of the phase function's peak.
+/// Connections to a disc carry nearly all of its light if its density is this many times that of the phase
+/// function's peak.
 const SMALL: f64 = 4.0;
 /// Anisotropy from which on the approximation is good.
 const NARROW: f64 = 0.5;
 /// Optical length of a flight up to which Gauss quadrature is exact.
 const SHORT: f64 = 2.0;
 
-/// Powers of the depth that a flight reaches, integrated over the flight: `exp(-t) x(t)^k dt` up to the boundary.
+/// Powers of the depth that a flight reaches, integrated over the flight: `exp(-t) x(t)^k dt` up to the
+/// boundary.
 pub(super) type Moments = [f64; TERMS];
 
 /// The orders of a source's light in a medium.
@@ -69,8 +74,8 @@ pub(super) struct Expected {
 }
 
 impl Orders {
-    /// Builds the orders of light for this target; `None` where they would not reduce noise. `mirror`: light that leaves the
-    /// medium downwards returns.
+    /// Builds the orders of light for this target; `None` where they would not reduce noise. `mirror`: light
+    /// that leaves the medium downwards returns.
     pub(super) fn new(bulk: &Bulk<'_>, target: Target, mirror: bool) -> Option<Self> {
         let index = bulk.index();
         if !bulk.is_grey() || bulk.anisotropy() < NARROW || target.beta.squared() >= index * index {
@@ -90,8 +95,8 @@ impl Orders {
         Some(Self { ways: [way(Propagation::Up)?, way(Propagation::Down)?] })
     }
 
-    /// Evaluates the approximation for light of this direction at this depth, from -1 to 1; `moments` are those of its flight,
-    /// and `leaves` is the probability with which it leaves the medium.
+    /// Evaluates the approximation for light of this direction at this depth, from -1 to 1; `moments` are
+    /// those of its flight, and `leaves` is the probability with which it leaves the medium.
     pub(super) fn expected(
         &self,
         direction: [f64; 3],
@@ -123,8 +128,8 @@ impl Orders {
 }
 
 impl Expected {
-    /// Value at the end of the flight: at this depth from -1 to 1, or outside of the medium. What the event there adds, and
-    /// its mean over the deflection there, are left out of it.
+    /// Value at the end of the flight: at this depth from -1 to 1, or outside of the medium. What the event
+    /// there adds, and its mean over the deflection there, are left out of it.
     pub(super) fn after(&self, reached: Option<f64>) -> [f64; 2] {
         reached.map_or(self.left, |depth| {
             let powers = powers(depth);
@@ -173,7 +178,8 @@ impl Way {
     }
 }
 
-/// Returns the moments of a flight that begins at this depth, from -1 to 1, with this change over a mean free path.
+/// Returns the moments of a flight that begins at this depth, from -1 to 1, with this change over a mean free
+/// path.
 pub(super) fn moments(depth: f64, slope: f64, edge: f64) -> Moments {
     let mut moments = [0.0; TERMS];
     if edge <= SHORT {
@@ -188,7 +194,8 @@ pub(super) fn moments(depth: f64, slope: f64, edge: f64) -> Moments {
         }
         return moments;
     }
-    // By parts. The slope is below 1: rounding errors do not grow. A longer flight than this ends in the medium.
+    // By parts. The slope is below 1: rounding errors do not grow. A longer flight than this ends in the
+    // medium.
     let edge = edge.min(1e3);
     let (left, last) = ((-edge).exp(), depth + slope * edge);
     let (mut start, mut end, mut before) = (1.0, left, 0.0);
@@ -209,7 +216,8 @@ fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Returns the coefficients of powers of the polynomial with these values at these nodes (Newton's divided differences).
+/// Returns the coefficients of powers of the polynomial with these values at these nodes (Newton's divided
+/// differences).
 fn interpolated(nodes: &[f64; TERMS], values: &[f64; TERMS]) -> [f64; TERMS] {
     let mut differences = *values;
     for j in 1..TERMS {

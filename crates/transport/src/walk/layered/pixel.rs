@@ -1,7 +1,7 @@
 //! A base that scatters by one kernel per state.
 //!
-//! One direction serves all states: it is sampled from the kernel of one of them, and the light of each state is
-//! multiplied by its own kernel over the mean of all densities.
+//! One direction serves all states: it is sampled from the kernel of one of them, and the light of each state
+//! is multiplied by its own kernel over the mean of all densities.
 
 use papilio_optics::{Beta, Scatterer};
 

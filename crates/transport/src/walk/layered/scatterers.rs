@@ -22,7 +22,8 @@ pub(super) struct ScatterEvent<'a> {
     pub(super) element: usize,
     pub(super) going: Propagation,
     pub(super) kind: Kind<'a>,
-    /// Directions half way to sources: of light that it relays, and of light that the event of the way back relays.
+    /// Directions half way to sources: of light that it relays, and of light that the event of the way back
+    /// relays.
     half_way: [HalfWay; 2],
 }
 
@@ -56,7 +57,8 @@ impl<'a> ScatterEvent<'a> {
         self.half_way = both.map(|both| both.map(of)).unwrap_or_default();
     }
 
-    /// Density of sampling a direction from the kernel of an interface; `None` unless light leaves an interface to one side.
+    /// Density of sampling a direction from the kernel of an interface; `None` unless light leaves an
+    /// interface to one side.
     pub(super) fn density(&self, from: Beta, to: Beta) -> Option<f64> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
         let [going] = *channel.leaves(self.going) else { return None };
@@ -96,7 +98,8 @@ impl<'a> ScatterEvent<'a> {
         share.set(field, ray, |bin| parts[bin].scattered[self.going as usize]);
     }
 
-    /// Samples the light that an interface scatters, without connections to sources; `None` if it is absorbed.
+    /// Samples the light that an interface scatters, without connections to sources; `None` if it is
+    /// absorbed.
     pub(super) fn send(&self, beta: Beta, u: [f64; 4]) -> Option<OutgoingRay> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
         let (to, scattered) = interface.sample(self.arrival(beta, channel), u)?;
@@ -116,7 +119,8 @@ impl<'a> ScatterEvent<'a> {
         media[self.going as usize].map_or(1.0, Medium::largest_index)
     }
 
-    /// [Colours](ScatteringInterface::colours) of light that is scattered by an interface from one direction to another.
+    /// [Colours](ScatteringInterface::colours) of light that is scattered by an interface from one direction
+    /// to another.
     pub(super) fn colours(&self, from: Beta, to: Beta) -> Colours {
         let Kind::Interface(interface, channel, _) = self.kind else { return Colours::default() };
         interface.colours(self.arrival(from, channel), to)
@@ -134,7 +138,8 @@ impl<'a> ScatterEvent<'a> {
         interface.spread(channel, self.going, [largest, index(to, bin)])
     }
 
-    /// Factor on sampled light at a wavelength: 0 if the medium that the light is scattered into has no such direction.
+    /// Factor on sampled light at a wavelength: 0 if the medium that the light is scattered into has no such
+    /// direction.
     pub(super) fn carried(&self, sent: OutgoingRay, bin: usize) -> f64 {
         match self.kind {
             Kind::Interface(interface, _, media) if interface.scatters_beyond_media() => {
@@ -185,7 +190,8 @@ impl<'a> ScatterEvent<'a> {
                     sums.absorbed.diffuser.add(&workspace.light, probability);
                     continue;
                 };
-                // Sampled in proportion to the kernel, whose value matters only if there are directed sources.
+                // Sampled in proportion to the kernel, whose value matters only if there are directed
+                // sources.
                 let scattered = if directed { interface.scatter(from, to) } else { Scattered::exactly(1.0) };
                 let next =
                     OutgoingRay { rival: sent.density, weight: probability, ..self.outgoing(to, scattered) };
@@ -263,9 +269,11 @@ fn index(medium: Option<&Medium>, bin: usize) -> f64 {
     medium.map_or(1.0, |medium| medium.index()[bin])
 }
 
-/// Reflection by a Lambertian base, under this medium: the same basic radiance in every direction of the medium.
+/// Reflection by a Lambertian base, under this medium: the same basic radiance in every direction of the
+/// medium.
 ///
-/// Bright light is followed in two directions: one that a flat interface lets out into the air, and one beyond.
+/// Bright light is followed in two directions: one that a flat interface lets out into the air, and one
+/// beyond.
 pub(super) fn at_lambertian_base(
     (reflectance, medium): (&[f64], Option<&Medium>),
     element: usize,

@@ -1,13 +1,14 @@
 //! Directed sources: connections to all of them, and chance hits of discs.
 //!
-//! The unscattered light of a source is known everywhere in closed form ([`Skeleton`]). Each scattering event adds the
-//! light of a source that it scatters into the path: every way from the source whose first event, counted from the
-//! source, is this one, exactly once.
+//! The unscattered light of a source is known everywhere in closed form ([`Skeleton`]). Each scattering event
+//! adds the light of a source that it scatters into the path: every way from the source whose first event,
+//! counted from the source, is this one, exactly once.
 //!
-//! If that first event has a narrow lobe, the path rarely finds it. So each scattering interface also relays the light
-//! of the source, once per path, in a direction sampled from its own kernel; events connect to the relayed light in the
-//! same way. A direction that both the path and the interface may sample is weighted by the balance heuristic
-//! ([`SourceLight::weight`]). Some directions are sampled from its kernel for other light ([`halfway`](super::halfway)).
+//! If that first event has a narrow lobe, the path rarely finds it. So each scattering interface also relays
+//! the light of the source, once per path, in a direction sampled from its own kernel; events connect to the
+//! relayed light in the same way. A direction that both the path and the interface may sample is weighted by
+//! the balance heuristic ([`SourceLight::weight`]). Some directions are sampled from its kernel for other
+//! light ([`halfway`](super::halfway)).
 
 use papilio_optics::Beta;
 
@@ -53,8 +54,8 @@ pub(super) struct SourceLight {
     target: Target,
     /// The direction of this light.
     pub(super) beta: Beta,
-    /// Densities with which an interface sampled this direction and would sample the way back; `None` for the light
-    /// of the source itself.
+    /// Densities with which an interface sampled this direction and would sample the way back; `None` for the
+    /// light of the source itself.
     drawn: Option<[f64; 2]>,
     field: Field,
     /// Fraction of the light that was relayed as `field`; what met the base before is also in the

@@ -75,8 +75,8 @@ fn results(walk: &Layered<'_>, tallies: &[Accumulator], paths: u64) -> Vec<Vec<f
     walk.estimates(&tallies).into_iter().map(of).collect()
 }
 
-/// A display whose results are interpolated from columns has those of paths that carry all spectra, in both states and over
-/// all wavelengths; also the light that the pixel absorbs.
+/// A display whose results are interpolated from columns has those of paths that carry all spectra, in both
+/// states and over all wavelengths; also the light that the pixel absorbs.
 #[test]
 fn columns_have_the_means_of_full_spectra() {
     let view = Cone::new(8.0, 0.0, 0.0, 1.0);
@@ -106,8 +106,9 @@ fn columns_have_the_means_of_full_spectra() {
     }
 }
 
-/// On the same paths, control variates reduce the variance between replicates of a slab over two mirrors at least to a
-/// third (0.03 to 0.14 in runs of 32 768 paths), and change the mean by no more than the noise that they remove.
+/// On the same paths, control variates reduce the variance between replicates of a slab over two mirrors at
+/// least to a third (0.03 to 0.14 in runs of 32 768 paths), and change the mean by no more than the noise
+/// that they remove.
 #[test]
 fn control_variates_reduce_variance_and_keep_the_mean() {
     for index in [1.0, 1.5] {
@@ -148,8 +149,8 @@ fn with_and_without_orders(walk: &Layered<'_>, seed: u64, paths: u64) -> [Vec<Ve
     })
 }
 
-/// The orders of a beam's light through a narrow phase function keep the mean, in thin and thick media, with and without
-/// absorption and a surface, over mirrors and paper.
+/// The orders of a beam's light through a narrow phase function keep the mean, in thin and thick media, with
+/// and without absorption and a surface, over mirrors and paper.
 #[test]
 fn orders_of_beams_keep_the_mean() {
     let cases = [
@@ -179,8 +180,8 @@ fn orders_of_beams_keep_the_mean() {
     }
 }
 
-/// Orders reduce the variance of a beam through a slab with g = 0.9 to a tenth and less, also where it is seen through a surface
-/// and far from the lobe's centre.
+/// Orders reduce the variance of a beam through a slab with g = 0.9 to a tenth and less, also where it is
+/// seen through a surface and far from the lobe's centre.
 #[test]
 fn orders_of_beams_reduce_variance() {
     let cases =
@@ -199,8 +200,8 @@ fn orders_of_beams_reduce_variance() {
     }
 }
 
-/// Light that passes a narrow Gaussian lobe, a mirror and the lobe again travels half way between view and source in between. The
-/// result equals the sum over these directions, and few paths find it.
+/// Light that passes a narrow Gaussian lobe, a mirror and the lobe again travels half way between view and
+/// source in between. The result equals the sum over these directions, and few paths find it.
 #[test]
 fn directions_half_way_are_sampled() {
     const STEP: f64 = 0.01;
@@ -227,8 +228,8 @@ fn directions_half_way_are_sampled() {
     });
 }
 
-/// The same with several sources, each of which has its own directions half way, and with a disc of light, whose light is the mean over its
-/// directions.
+/// The same with several sources, each of which has its own directions half way, and with a disc of light,
+/// whose light is the mean over its directions.
 #[test]
 fn directions_half_way_to_several_sources_are_sampled() {
     const STEP: f64 = 0.02;

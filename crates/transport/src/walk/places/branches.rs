@@ -1,11 +1,11 @@
 //! Branches of light that has not been scattered.
 //!
-//! Before light is scattered, all paths meet the same interfaces and media at nearly the same angle: a choice between
-//! reflection and transmission has nearly the same probability for each of them. With points of low discrepancy, the number of
-//! paths of a replicate that take an alternative is then one of the two integers next to its mean. Where one of the two is
-//! improbable, all replicates often have the other, and their spread does not show the error. Nothing is therefore chosen: such
-//! light follows all bright alternatives, with their weights. Faint ones are followed by roulette, with numbers that are
-//! independent for each path.
+//! Before light is scattered, all paths meet the same interfaces and media at nearly the same angle: a choice
+//! between reflection and transmission has nearly the same probability for each of them. With points of low
+//! discrepancy, the number of paths of a replicate that take an alternative is then one of the two integers
+//! next to its mean. Where one of the two is improbable, all replicates often have the other, and their
+//! spread does not show the error. Nothing is therefore chosen: such light follows all bright alternatives,
+//! with their weights. Faint ones are followed by roulette, with numbers that are independent for each path.
 
 use super::dice::{Counts, Dice};
 use super::path::Path;

@@ -10,8 +10,8 @@ use super::tracer::{FlatWork, PixelWork, Tracer, Workspace};
 use crate::layers::{Departure, Scattered};
 use crate::skeleton::Propagation;
 
-/// Fraction of the directions that are sampled around the directions of sources, where light passes a scatterer above a
-/// mirror for the first time.
+/// Fraction of the directions that are sampled around the directions of sources, where light passes a
+/// scatterer above a mirror for the first time.
 const TO_SOURCES: f64 = 0.5;
 
 /// The last part of a connection to a source.

@@ -40,7 +40,8 @@ impl<'a> Face<'a> {
         self.channel == Channel::Through
     }
 
-    /// Fraction of light of this `|beta|` that takes the channel at a wavelength; `all` is the scattered fraction of the interface.
+    /// Fraction of light of this `|beta|` that takes the channel at a wavelength; `all` is the scattered
+    /// fraction of the interface.
     pub(super) fn fraction(&self, length: f64, out: &mut [f64], all: impl Fn(usize) -> f64) {
         match self.interface.fraction(self.channel, self.going, length, self.disc()) {
             Some((total, factor)) => {
@@ -71,7 +72,8 @@ impl<'a> Face<'a> {
         self.interface.colours(self.arrival(from), to)
     }
 
-    /// Factor on sampled light at a wavelength: 0 if the medium that the light is scattered into has no such direction.
+    /// Factor on sampled light at a wavelength: 0 if the medium that the light is scattered into has no such
+    /// direction.
     pub(super) fn carried(&self, to: Departure, bin: usize) -> f64 {
         if !self.interface.scatters_beyond_media() {
             return 1.0;

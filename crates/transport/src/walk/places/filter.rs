@@ -14,7 +14,8 @@ pub struct FilterPlane {
     pub period_mm: [f64; 2],
     /// Windows in fractions of the period; no two overlap.
     pub windows: Vec<Window>,
-    /// Transmittance of each window along the normal, `[window][wavelength]`; an oblique pass has its power 1/cos(theta).
+    /// Transmittance of each window along the normal, `[window][wavelength]`; an oblique pass has its power
+    /// 1/cos(theta).
     pub transmittance: Vec<Vec<f64>>,
 }
 

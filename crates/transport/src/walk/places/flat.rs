@@ -75,7 +75,8 @@ impl Tracer<'_> {
         self.take((number, first), chosen, dice, path, &mut flat.factors)
     }
 
-    /// Adds branches for all alternatives of an interface, by roulette where they are faint; see [`branches`].
+    /// Adds branches for all alternatives of an interface, by roulette where they are faint; see
+    /// [`branches`].
     fn divide(
         &self,
         (number, first): (usize, bool),
@@ -183,7 +184,8 @@ impl Tracer<'_> {
         Some(chosen)
     }
 
-    /// Light that each of the first alternatives of an interface takes, and all light that arrives, in one unit.
+    /// Light that each of the first alternatives of an interface takes, and all light that arrives, in one
+    /// unit.
     fn weights(&self, alternatives: usize, path: &Path, flat: &mut FlatWork) -> ([f64; MOST], f64) {
         let FlatWork { fractions, totals, .. } = flat;
         if self.bands > 1 {

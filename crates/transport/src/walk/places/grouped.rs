@@ -1,9 +1,10 @@
 //! Many paths at once: a lobe over a mirror-like pixel.
 //!
-//! Below a diffuser that reflects nothing, light meets a mirror-like pixel once, and all paths take the same steps: arithmetic without
-//! branches, for the widest registers available, as in the walk without places. Diffuse light is added in closed form, with the fraction of the
-//! lobe that leaves. Light of a beam is found by two techniques, with directions sampled from the lobe about the viewer's ray
-//! and about the beam (balance heuristic); each direction has a place of its own.
+//! Below a diffuser that reflects nothing, light meets a mirror-like pixel once, and all paths take the same
+//! steps: arithmetic without branches, for the widest registers available, as in the walk without places.
+//! Diffuse light is added in closed form, with the fraction of the lobe that leaves. Light of a beam is found
+//! by two techniques, with directions sampled from the lobe about the viewer's ray and about the beam
+//! (balance heuristic); each direction has a place of its own.
 //!
 //! The borders of the groups do not depend on how many paths are requested at a time.
 
@@ -86,7 +87,8 @@ pub(super) fn leaving(tracer: &Tracer<'_>) -> Option<Escape> {
     lobe(tracer).map(|(diffuser, _, index)| Escape::new(diffuser.lobe, index))
 }
 
-/// The diffuser, the width of its lobe and the index of the medium below it, if all paths take the same steps.
+/// The diffuser, the width of its lobe and the index of the medium below it, if all paths take the same
+/// steps.
 fn lobe<'a>(tracer: &Tracer<'a>) -> Option<(&'a Diffuser, f64, f64)> {
     let [layer] = &tracer.stack.layers[..] else { return None };
     let Interface::Diffuser(diffuser) = &layer.interface else { return None };

@@ -1,10 +1,11 @@
 //! Light of a path: one number, one number and a look-up, or spectra.
 //!
-//! Directions do not depend on wavelength. Under layers that are the same at every wavelength, light is one number until it meets
-//! the pixel; until it meets the pixel a second time, it is one number, the angle of the first meeting and what the pattern shows
-//! there. What such light contributes is added to the nodes of the pixel's angular table, and spectra are formed from
-//! the sums once, for all paths ([`tally`](super::tally)). Light has spectra from the second meeting on, and from its start
-//! under layers with colour or over a pixel that scatters by a kernel.
+//! Directions do not depend on wavelength. Under layers that are the same at every wavelength, light is one
+//! number until it meets the pixel; until it meets the pixel a second time, it is one number, the angle of
+//! the first meeting and what the pattern shows there. What such light contributes is added to the nodes of
+//! the pixel's angular table, and spectra are formed from the sums once, for all paths
+//! ([`tally`](super::tally)). Light has spectra from the second meeting on, and from its start under layers
+//! with colour or over a pixel that scatters by a kernel.
 
 use super::pattern::{Meeting, Pattern};
 use crate::angular::Stencil;
@@ -19,7 +20,8 @@ pub(super) struct Light {
     meetings: u32,
     /// Factor on the look-up or the spectra.
     scale: f64,
-    /// `[image][wavelength]` after the first meeting with the pixel, `[wavelength]` before; valid in this form.
+    /// `[image][wavelength]` after the first meeting with the pixel, `[wavelength]` before; valid in this
+    /// form.
     spectra: Vec<f64>,
     first: FirstMeeting,
     /// The brightness is 1 at the first meeting.
@@ -129,7 +131,8 @@ impl Light {
         }
     }
 
-    /// Its spectra, `[wavelength]` or `[image][wavelength]`, with the factor on them; it must have started as spectra.
+    /// Its spectra, `[wavelength]` or `[image][wavelength]`, with the factor on them; it must have started as
+    /// spectra.
     pub(super) fn as_spectra(&mut self) -> &[f64] {
         let scale = std::mem::replace(&mut self.scale, 1.0);
         self.valid_mut().iter_mut().for_each(|value| *value *= scale);
@@ -157,7 +160,8 @@ impl Light {
         self.valid().chunks_exact(self.bins).for_each(|row| add_scaled(out, row, self.scale));
     }
 
-    /// The largest light of any image and wavelength, over that at the first meeting; before it, over that at the start.
+    /// The largest light of any image and wavelength, over that at the first meeting; before it, over that at
+    /// the start.
     pub(super) fn brightness(&self) -> f64 {
         let largest = if self.form == Form::Spectra { largest(self.valid()) } else { 1.0 };
         self.scale * largest / self.reference
@@ -189,7 +193,8 @@ impl Light {
         self.reference *= largest(&self.spectra).max(f64::MIN_POSITIVE);
     }
 
-    /// Reflection by the pixel, of light that has spectra, with the reflectance of each image; `[image][wavelength]`.
+    /// Reflection by the pixel, of light that has spectra, with the reflectance of each image;
+    /// `[image][wavelength]`.
     pub(super) fn reflect(&mut self, reflectance: &[f64]) {
         if self.meetings == 0 {
             let (fresh, others) = self.spectra.split_at_mut(self.bins);

@@ -1,36 +1,40 @@
 //! Monte Carlo with places: what a viewer sees of a pixel that is not the same everywhere.
 //!
-//! A path carries the place (x, y) at which it is, in the plane of the panel. A crossing of a medium (thickness d, index n) moves
-//! light of direction cosines beta by `d beta / sqrt(n^2 - |beta|^2)`, a flight in a scattering medium by its own length; layers are
-//! uniform and act at one place. Where the path meets the pixel, it reads there what the pattern shows. All orders of
-//! recycled light, all layers and all sources are included. Estimates are unbiased for any pattern: this is the reference
-//! for the kernels and transfer functions of [`spatial`](crate::spatial).
+//! A path carries the place (x, y) at which it is, in the plane of the panel. A crossing of a medium
+//! (thickness d, index n) moves light of direction cosines beta by `d beta / sqrt(n^2 - |beta|^2)`, a flight
+//! in a scattering medium by its own length; layers are uniform and act at one place. Where the path meets
+//! the pixel, it reads there what the pattern shows. All orders of recycled light, all layers and all sources
+//! are included. Estimates are unbiased for any pattern: this is the reference for the kernels and transfer
+//! functions of [`spatial`](crate::spatial).
 //!
 //! # What is estimated
-//! - [`What::Pattern`]: the reflectance factor of an actual [`Pattern`], at given places or as a mean over a period.
-//! - [`What::Kernel`]: where uniform states are seen: `exp(-2 pi i f.r)` at chosen frequencies, and light in the cells of a grid.
-//!   ([`Spreads`]: light that met the pixel once, and the response of all orders to a small change.)
+//! - [`What::Pattern`]: the reflectance factor of an actual [`Pattern`], at given places or as a mean over a
+//!   period.
+//! - [`What::Kernel`]: where uniform states are seen: `exp(-2 pi i f.r)` at chosen frequencies, and light in
+//!   the cells of a grid. ([`Spreads`]: light that met the pixel once, and the response of all orders to a
+//!   small change.)
 //! - [`exits`](PlacedWalk::exits): where light that enters at one place leaves.
 //! - [`entries`](PlacedWalk::entries): where light that reaches a place of the pixel entered.
 //!
 //! # Method
-//! A plain path tracer, backwards from the viewer; nothing is summed in closed form, since a closed form does not know where
-//! light meets the pixel. One event at a time is chosen in proportion to its light; until light is scattered, all bright
-//! alternatives are followed (`branches`). At each scattering event the path is
-//! connected to every directed source; the last part of a connection passes flat layers and mirrors by one route, chosen like
-//! those of paths. Discs and fields are also found by chance (balance heuristic). A scatterer above a mirror is sampled around the
-//! viewer's ray and around the rays of lamps: light of a lamp is seen around both. A path carries all images and wavelengths; where
-//! an index depends on wavelength, it has a place for each. Under layers without colour it carries one number until it meets the
-//! pixel a second time (`light`). Below a lobe that reflects nothing, it meets a mirror-like pixel once, and many paths take their steps
-//! together (`grouped`).
+//! A plain path tracer, backwards from the viewer; nothing is summed in closed form, since a closed form does
+//! not know where light meets the pixel. One event at a time is chosen in proportion to its light; until
+//! light is scattered, all bright alternatives are followed (`branches`). At each scattering event the path
+//! is connected to every directed source; the last part of a connection passes flat layers and mirrors by one
+//! route, chosen like those of paths. Discs and fields are also found by chance (balance heuristic). A
+//! scatterer above a mirror is sampled around the viewer's ray and around the rays of lamps: light of a lamp
+//! is seen around both. A path carries all images and wavelengths; where an index depends on wavelength, it
+//! has a place for each. Under layers without colour it carries one number until it meets the pixel a second
+//! time (`light`). Below a lobe that reflects nothing, it meets a mirror-like pixel once, and many paths take
+//! their steps together (`grouped`).
 //!
-//! The place of a meeting refers to that of the view's own ray. A field of view of some width is focused on the pixel: own
-//! rays of all its directions meet the pixel at the same place.
+//! The place of a meeting refers to that of the view's own ray. A field of view of some width is focused on
+//! the pixel: own rays of all its directions meet the pixel at the same place.
 //!
 //! Transforms cost a path the same at any number of frequencies (`waves`).
 //!
-//! Except for the groups, this tracer shares no estimator with [`Walk`](super::Walk): it is an independent check of the uniform results,
-//! too.
+//! Except for the groups, this tracer shares no estimator with [`Walk`](super::Walk): it is an independent
+//! check of the uniform results, too.
 
 mod bins;
 mod branches;
@@ -143,7 +147,8 @@ pub struct Entry<'p> {
     pub source: usize,
     /// Where it meets the pixel, mm.
     pub place_mm: [f64; 2],
-    /// Where it passed the plane of the filter, mm: one place for all wavelengths, or one for each; empty without filter.
+    /// Where it passed the plane of the filter, mm: one place for all wavelengths, or one for each; empty
+    /// without filter.
     pub passed_mm: &'p [[f64; 2]],
     /// Irradiance over that of the source above the display, by wavelength.
     pub light: &'p [f64],
@@ -172,11 +177,12 @@ impl PlacedReplicate<'_> {
 }
 
 impl<'a> PlacedWalk<'a> {
-    /// Prepares a solver. `lengths_mm` is the thickness of the medium of each layer; `view` and `sources` are those of
-    /// [`Walk::new`](super::Walk::new).
+    /// Prepares a solver. `lengths_mm` is the thickness of the medium of each layer; `view` and `sources` are
+    /// those of [`Walk::new`](super::Walk::new).
     ///
     /// # Errors
-    /// If the lengths do not match the layers or are negative, or channels do not match the sources and wavelengths.
+    /// If the lengths do not match the layers or are negative, or channels do not match the sources and
+    /// wavelengths.
     pub fn new(
         stack: &'a Stack,
         lengths_mm: &[f64],
@@ -190,8 +196,8 @@ impl<'a> PlacedWalk<'a> {
     /// Prepares a solver for pixels below a filter, which is inside the lowest medium.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new); if the lowest medium scatters, is not above the whole filter, or its wavelengths are not those of the
-    /// filter.
+    /// Those of [`new`](Self::new); if the lowest medium scatters, is not above the whole filter, or its
+    /// wavelengths are not those of the filter.
     pub fn filtered(
         filter: FilterPlane,
         stack: &'a Stack,
@@ -262,8 +268,8 @@ impl<'a> PlacedWalk<'a> {
         PlacedReplicate { paths: 0, sums, work: self.tracer.workspace(false) }
     }
 
-    /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the total number of
-    /// paths, of which powers of two have the smallest error.
+    /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the
+    /// total number of paths, of which powers of two have the smallest error.
     pub fn trace(&self, replicate: &mut PlacedReplicate<'_>, numbers: &SampleStream, count: u64) {
         let PlacedReplicate { paths, sums, work } = replicate;
         let wanted = *paths..*paths + count;
@@ -279,10 +285,11 @@ impl<'a> PlacedWalk<'a> {
         replicate.sums.means(1.0 / replicate.paths as f64)
     }
 
-    /// Follows light that enters from where the viewer is, at one place, to where it leaves; `paths` are numbers of paths.
+    /// Follows light that enters from where the viewer is, at one place, to where it leaves; `paths` are
+    /// numbers of paths.
     ///
-    /// All layers are reciprocal: light that reaches the viewer at this place comes from the same places. The sum over the exits
-    /// above, over the number of paths, is what returns.
+    /// All layers are reciprocal: light that reaches the viewer at this place comes from the same places. The
+    /// sum over the exits above, over the number of paths, is what returns.
     pub fn exits(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, exit: impl FnMut(Exit<'_>)) {
         let (mut work, mut exits) = (self.tracer.workspace(true), Exits { exit });
         paths.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), &mut work, &mut exits));
@@ -290,8 +297,9 @@ impl<'a> PlacedWalk<'a> {
 }
 
 impl PlacedWalk<'_> {
-    /// Follows light that reaches the pixel for the first time back to where it entered; `paths` are numbers of paths. Places on the pixel are
-    /// distributed as those of the view's own ray. The sum over the entries, over the number of paths, is the mean irradiance.
+    /// Follows light that reaches the pixel for the first time back to where it entered; `paths` are numbers
+    /// of paths. Places on the pixel are distributed as those of the view's own ray. The sum over the
+    /// entries, over the number of paths, is the mean irradiance.
     ///
     /// The pixel of the stack must be Lambertian: a mirror-like one would be part of the way to a beam.
     pub fn entries(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, entry: impl FnMut(Entry<'_>)) {

@@ -23,9 +23,11 @@ pub(super) struct Path {
     pub(super) entry_mm: [f64; 2],
     /// Where the view's own ray meets the pixel.
     pub(super) own_mm: [f64; 2],
-    /// Where it passed the plane of the filter before its first meeting with the pixel, as `place_mm`; empty without filter.
+    /// Where it passed the plane of the filter before its first meeting with the pixel, as `place_mm`; empty
+    /// without filter.
     pub(super) passed_mm: Vec<[f64; 2]>,
-    /// Density over direction cosines with which the direction was sampled; infinite if the path was never scattered.
+    /// Density over direction cosines with which the direction was sampled; infinite if the path was never
+    /// scattered.
     pub(super) density: f64,
     pub(super) light: Light,
     pub(super) trace: Trace,

@@ -2,19 +2,21 @@
 
 use crate::window::Window;
 
-/// A pattern, or several *images*: at each place of the plane of the pixel, the fraction that each state covers.
+/// A pattern, or several *images*: at each place of the plane of the pixel, the fraction that each state
+/// covers.
 ///
-/// One path serves all images, whose estimates are therefore correlated. An image that is shifted is the same pattern seen from
-/// another place.
+/// One path serves all images, whose estimates are therefore correlated. An image that is shifted is the same
+/// pattern seen from another place.
 pub trait Pattern: Sync {
     /// Number of images.
     fn images(&self) -> usize;
 
-    /// Period over which the place that the view's own ray meets is uniformly distributed, mm; 0: always the origin.
+    /// Period over which the place that the view's own ray meets is uniformly distributed, mm; 0: always the
+    /// origin.
     fn period_mm(&self) -> [f64; 2];
 
-    /// Calls `covered` with the number of each image, of each state that it shows at a place (mm, in the plane of the panel), and the
-    /// fraction that the state covers.
+    /// Calls `covered` with the number of each image, of each state that it shows at a place (mm, in the
+    /// plane of the panel), and the fraction that the state covers.
     fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64));
 
     /// The same for a pattern that depends on more of a meeting than its place.
@@ -140,7 +142,8 @@ fn fraction(x: f64) -> f64 {
     x - x.floor()
 }
 
-/// A pattern seen from several places: image `k * pattern.images() + i` is image i seen where the view's own ray meets place k.
+/// A pattern seen from several places: image `k * pattern.images() + i` is image i seen where the view's own
+/// ray meets place k.
 pub struct SeenFrom<'a> {
     /// The pattern.
     pub pattern: &'a dyn Pattern,

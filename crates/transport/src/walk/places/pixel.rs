@@ -60,8 +60,9 @@ impl Tracer<'_> {
         }
     }
 
-    /// Reflection by a Lambertian pixel inside which light spreads: it leaves at the place of the path and has entered at another one, each
-    /// time through the root of the reflectance there. Its place is recorded as either of them, by chance: that of a small change of the state.
+    /// Reflection by a Lambertian pixel inside which light spreads: it leaves at the place of the path and
+    /// has entered at another one, each time through the root of the reflectance there. Its place is recorded
+    /// as either of them, by chance: that of a small change of the state.
     fn reflect_spread(
         &self,
         spread: PixelSpread,

@@ -1,7 +1,7 @@
 //! What a walk with places records.
 //!
-//! Light that has met the pixel once is added to the nodes of the pixel's angular table; spectra are formed from the sums at the
-//! end, once for all paths.
+//! Light that has met the pixel once is added to the nodes of the pixel's angular table; spectra are formed
+//! from the sums at the end, once for all paths.
 
 use std::ops::Range;
 
@@ -29,15 +29,16 @@ pub(super) trait Record {
 
 /// What is tallied of the spread of uniform states.
 ///
-/// The place r of a meeting is where it is seen, relative to the place on which the view's own ray meets the pixel: the pixel at
-/// `-r` of that place.
+/// The place r of a meeting is where it is seen, relative to the place on which the view's own ray meets the
+/// pixel: the pixel at `-r` of that place.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct KernelTally {
     /// Frequencies at which `exp(-2 pi i f.r)` is tallied, cycles per mm.
     pub frequencies_per_mm: Vec<[f64; 2]>,
     /// Cells in which light is tallied; `None`: no cells.
     pub cells: Option<CellGrid>,
-    /// Ascending borders along x and along y between which light is tallied, mm; the first and last strip have no outer border.
+    /// Ascending borders along x and along y between which light is tallied, mm; the first and last strip
+    /// have no outer border.
     pub strips_mm: [Vec<f64>; 2],
     /// Ascending radii between which light is tallied, mm; the last ring has no outer border.
     pub rings_mm: Vec<f64>,
@@ -50,7 +51,8 @@ pub struct KernelTally {
 pub struct Spreads {
     /// Light that meets the pixel once: the kernel of the first order.
     pub once: Kernel,
-    /// Response of all orders to a small change of the pixel's reflectance at a place, relative to its reflectance.
+    /// Response of all orders to a small change of the pixel's reflectance at a place, relative to its
+    /// reflectance.
     pub response: Kernel,
 }
 
@@ -59,7 +61,8 @@ pub struct Spreads {
 pub struct Kernel {
     /// Mean of `w exp(-2 pi i f.r)`; shape `[channel][state][frequency]`.
     pub transfer: Vec<Complex64>,
-    /// Mean of w in each cell, and at last that beyond all cells; shape `[channel][state][cell]`. Empty without cells.
+    /// Mean of w in each cell, and at last that beyond all cells; shape `[channel][state][cell]`. Empty
+    /// without cells.
     pub cells: Vec<f64>,
     /// Mean of w in each strip along x and along y; `[channel][state][strip]`.
     pub strips: [Vec<f64>; 2],

@@ -293,7 +293,8 @@ impl<'a> Tracer<'a> {
     }
 }
 
-/// What a medium of this thickness moves light by, per unit of direction cosines, mm; 0 where it has no such direction.
+/// What a medium of this thickness moves light by, per unit of direction cosines, mm; 0 where it has no such
+/// direction.
 pub(super) fn per_beta(medium: &Medium, place: usize, beta: Beta, thickness_mm: f64) -> f64 {
     let index = medium.constant_index().unwrap_or_else(|| medium.index()[place]);
     let squared = index * index - beta.squared();

@@ -1,10 +1,10 @@
 //! Sums of `exp(-2 pi i f.r)` over many places at many frequencies.
 //!
-//! Frequencies on a line through the origin depend on one coordinate of a place. Between the nodes of a grid along it,
-//! `exp(-2 pi i f s)` is a polynomial of degree 7 with an error below 1e-7, so that light is added to eight nodes and the transform is
-//! computed from the grid once, for all paths: a path costs the same at any number of frequencies. (The type 1 transform of
-//! A. Dutt, V. Rokhlin, SIAM J. Sci. Comput. 14, 1368 (1993).) Few frequencies, and places beyond the grid, are
-//! summed directly.
+//! Frequencies on a line through the origin depend on one coordinate of a place. Between the nodes of a grid
+//! along it, `exp(-2 pi i f s)` is a polynomial of degree 7 with an error below 1e-7, so that light is added
+//! to eight nodes and the transform is computed from the grid once, for all paths: a path costs the same at
+//! any number of frequencies. (The type 1 transform of A. Dutt, V. Rokhlin, SIAM J. Sci. Comput. 14, 1368
+//! (1993).) Few frequencies, and places beyond the grid, are summed directly.
 
 use std::f64::consts::TAU;
 

@@ -38,7 +38,8 @@ impl Path {
         (self.beta, self.going, self.plane) = (beta, going, element + usize::from(going == Down));
     }
 
-    /// Russian roulette, which changes no mean: faint light continues by chance, and all light after many events.
+    /// Russian roulette, which changes no mean: faint light continues by chance, and all light after many
+    /// events.
     pub(super) fn survives(&mut self, run: &mut Run<'_>) -> bool {
         self.events += 1;
         let survival = (self.weight / 0.1).min(if self.events > 1000 { 0.95 } else { 1.0 });

@@ -11,7 +11,8 @@ use crate::layers::Departure;
 use crate::skeleton::Propagation::{Down, Up};
 
 impl Plain<'_> {
-    /// A scattering medium: exponential flights and deflections until light leaves. Depth is optical depth, with absorption.
+    /// A scattering medium: exponential flights and deflections until light leaves. Depth is optical depth,
+    /// with absorption.
     pub(super) fn cross_slab(&self, element: usize, slab: &Scattering, path: &mut Path, run: &mut Run<'_>) {
         let medium = &self.stack.layers[element / 2].medium;
         let (n, phase) = (medium.index()[self.bin], HenyeyGreenstein { anisotropy: slab.anisotropy });

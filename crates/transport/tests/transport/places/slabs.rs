@@ -9,7 +9,8 @@ use papilio_transport::{Base, Interface, Layer, Medium, Reflector, Scattering, S
 use super::{clear, paper};
 use crate::common::{REPLICATES, assert_unbiased, mean_and_error, one, view};
 
-/// Slab of index 1 over black, isotropic or not: what returns and what passes (van de Hulst), and a semi-infinite one.
+/// Slab of index 1 over black, isotropic or not: what returns and what passes (van de Hulst), and a
+/// semi-infinite one.
 #[test]
 fn exits_of_slabs_are_known() {
     let slab = |index: f64, thickness: f64, g: f64, albedo: f64| {
@@ -41,8 +42,9 @@ fn exits_of_slabs_are_known() {
     }
 }
 
-/// A pencil beam on semi-infinite isotropic media, lengths in transport mean free paths: half and 0.9 of what returns are within
-/// known radii; and the transfer of a layer of 20 of them. Values of a separate program, to a few units of their last digit.
+/// A pencil beam on semi-infinite isotropic media, lengths in transport mean free paths: half and 0.9 of what
+/// returns are within known radii; and the transfer of a layer of 20 of them. Values of a separate program,
+/// to a few units of their last digit.
 #[test]
 fn pencil_beams_spread_as_is_known() {
     let medium = |index: f64, thickness: f64, albedo: f64| {
@@ -103,8 +105,8 @@ fn pencil_beams_spread_as_is_known() {
     }
 }
 
-/// A pencil beam that is scattered once by a semi-infinite isotropic medium, by distance in mean free paths. Two albedos tell how often
-/// light was scattered.
+/// A pencil beam that is scattered once by a semi-infinite isotropic medium, by distance in mean free paths.
+/// Two albedos tell how often light was scattered.
 #[test]
 fn single_scattering_has_a_closed_form() {
     // Light per area and albedo: integral of exp(-z - r) z/r^3 over the depth z, over 4 pi.

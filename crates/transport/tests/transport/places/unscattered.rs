@@ -1,4 +1,5 @@
-//! Light before it is scattered: with points of low discrepancy, replicates may agree by chance where paths choose.
+//! Light before it is scattered: with points of low discrepancy, replicates may agree by chance where paths
+//! choose.
 
 use papilio_transport::walk::places::{PlacedWalk, Uniform, What};
 use papilio_transport::{Base, Component, Interface, Layer, Medium, Scattering, Source, Stack};
@@ -21,14 +22,16 @@ fn absorber(optical_thickness: f64) -> Medium {
     clear(1.5).with_scattering(scattering)
 }
 
-/// Sums of the reflections of a front of parts (reflectance from above, transmittance, reflectance from below), and a mirror.
+/// Sums of the reflections of a front of parts (reflectance from above, transmittance, reflectance from
+/// below), and a mirror.
 fn round_trips(front: f64, transmittance: f64, below: f64, mirror: f64) -> f64 {
     front + transmittance.powi(2) * mirror / (1.0 - below * mirror)
 }
 
-/// With 1024 paths for each replicate, a choice with a probability of 40.96/1024 (a face of index 1.5) or 20.02/1024 is made by the same number
-/// of paths in nearly all replicates: their spread is zero, and the error is not. Light of most of these displays is known without noise
-/// if it follows all alternatives; that of faint ones has honest errors.
+/// With 1024 paths for each replicate, a choice with a probability of 40.96/1024 (a face of index 1.5) or
+/// 20.02/1024 is made by the same number of paths in nearly all replicates: their spread is zero, and the
+/// error is not. Light of most of these displays is known without noise if it follows all alternatives; that
+/// of faint ones has honest errors.
 #[test]
 fn replicates_do_not_agree_by_chance_on_light_that_is_not_scattered() {
     let paths = 1024.0;

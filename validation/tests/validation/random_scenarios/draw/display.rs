@@ -92,7 +92,8 @@ pub(super) fn diffuser(dice: &mut Dice, text: &mut String, model: &str, narrowes
         _ => "lambertian".to_owned(),
     };
     match dice.below(4) {
-        // The total of a lobe is below 1 if a part of it cannot leave; the requested totals are below those of all lobes.
+        // The total of a lobe is below 1 if a part of it cannot leave; the requested totals are below those
+        // of all lobes.
         0 if model != "ward" => between(dice, text, "total_transmittance", [0.2, 0.4]),
         1 => key(text, "transmittance", "\"data/H65-transmission.csv\""),
         _ => between(dice, text, "transmittance", [0.3, 0.95]),
@@ -111,8 +112,8 @@ fn measured(dice: &mut Dice, text: &mut String) -> String {
     format!("{file} {mounting}")
 }
 
-/// Writes the keys of a measured diffuser, except its mounting, and returns its name. `"glass"` is only for a panel with
-/// the diffuser as measured.
+/// Writes the keys of a measured diffuser, except its mounting, and returns its name. `"glass"` is only for a
+/// panel with the diffuser as measured.
 pub(super) fn measured_keys(dice: &mut Dice, text: &mut String, may_extend: bool) -> String {
     let file = dice.of(MEASURED);
     *text += "model = \"measured\"\n";

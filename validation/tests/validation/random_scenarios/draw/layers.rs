@@ -47,7 +47,8 @@ impl Stack {
         self.is_component_last = kind == "component";
     }
 
-    /// A component has the same index on both sides. A medium without an interface of its own needs one below a component.
+    /// A component has the same index on both sides. A medium without an interface of its own needs one below
+    /// a component.
     fn interface_below_component(&mut self) {
         if self.is_component_last {
             self.entry("fresnel");

@@ -5,8 +5,8 @@ use papilio_testing::Dice;
 use super::pixel::{azimuth, spectrum};
 use super::{between, key, number};
 
-/// Draws the sources and the viewer, and returns their name. `is_lobe`: over the lobe of a panel, a front light may have a
-/// distribution.
+/// Draws the sources and the viewer, and returns their name. `is_lobe`: over the lobe of a panel, a front
+/// light may have a distribution.
 pub(super) fn lighting(dice: &mut Dice, is_lobe: bool) -> (String, String) {
     let mut text = String::from("[lighting]\n");
     if dice.one_in(12) {

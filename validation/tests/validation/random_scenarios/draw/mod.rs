@@ -1,9 +1,9 @@
 //! Random scenario files, drawn from the whole grammar. A number identifies a file permanently.
 //!
-//! **Excluded**: lobes narrower than 0.07 between general layers, Ward lobes below alpha 0.1 and rough interfaces below
-//! alpha 0.2, for which *adding* takes minutes or refuses; values of `sampler` and `scattering` whose errors are known to
-//! be too small with few paths ([sampling](../../../../docs/sampling.md)); sweeps and searches, which are many runs of such
-//! files.
+//! **Excluded**: lobes narrower than 0.07 between general layers, Ward lobes below alpha 0.1 and rough
+//! interfaces below alpha 0.2, for which *adding* takes minutes or refuses; values of `sampler` and
+//! `scattering` whose errors are known to be too small with few paths
+//! ([sampling](../../../../docs/sampling.md)); sweeps and searches, which are many runs of such files.
 
 mod display;
 mod layers;
@@ -39,7 +39,8 @@ enum Form {
     Bare,
     /// The ordinary panel with a lobe.
     Lobe,
-    /// General layers: those of `[[display.layers]]`, and panels with measured kernels, slabs or absorbing glass.
+    /// General layers: those of `[[display.layers]]`, and panels with measured kernels, slabs or absorbing
+    /// glass.
     Layers,
 }
 
@@ -80,13 +81,15 @@ pub(crate) fn drawn(number: u64) -> Drawn {
     text += &pixel;
     text += &light;
     text += &solver;
-    // Few paths meet the light that a thin slab traps by total reflection: with fewer paths, the errors would be too small.
+    // Few paths meet the light that a thin slab traps by total reflection: with fewer paths, the errors would
+    // be too small.
     let paths = match () {
         () if is_panel => 1 << 15,
         () if text.contains("\"slab\"") => 1 << 14,
         () => 1 << 12,
     };
-    // Between general layers, each level of adding costs a factor of ten; for rough interfaces and BRDFs, it gains little.
+    // Between general layers, each level of adding costs a factor of ten; for rough interfaces and BRDFs, it
+    // gains little.
     let is_slow = text.contains("\"rough\"") || of_pixel == "paper";
     let least_error = match above.form {
         _ if is_slow => 2e-3,

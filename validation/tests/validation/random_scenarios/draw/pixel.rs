@@ -4,8 +4,8 @@ use papilio_testing::Dice;
 
 use super::{between, key, number};
 
-/// Draws a pixel, and returns its name. `is_constant`: the medium above has the same index at all wavelengths, as a BRDF
-/// needs.
+/// Draws a pixel, and returns its name. `is_constant`: the medium above has the same index at all
+/// wavelengths, as a BRDF needs.
 pub(super) fn pixel(dice: &mut Dice, is_constant: bool) -> (&'static str, String) {
     let mut text = String::from("[display.pixel]\n");
     let name = match dice.below(9) {

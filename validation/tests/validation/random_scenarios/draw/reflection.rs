@@ -1,4 +1,5 @@
-//! The reflection of a diffuser, from a stream of random numbers of its own: the rest of a file does not depend on it.
+//! The reflection of a diffuser, from a stream of random numbers of its own: the rest of a file does not
+//! depend on it.
 
 use papilio_testing::Dice;
 
@@ -8,8 +9,9 @@ const FAMILY: u64 = 7;
 /// Largest reflectance: with the largest transmittance, no diffuser returns more light than arrives.
 const MOST: f64 = 0.045;
 
-/// Returns the text of layers in which the diffusers given by formulas reflect, in half of all scenarios. (Ward's lobe with
-/// Duer's normalisation transmits more than all light near the horizon, and is refused with a reflection.)
+/// Returns the text of layers in which the diffusers given by formulas reflect, in half of all scenarios.
+/// (Ward's lobe with Duer's normalisation transmits more than all light near the horizon, and is refused with
+/// a reflection.)
 pub(super) fn with_reflection(number: u64, text: &str) -> String {
     let mut dice = Dice::new(FAMILY, number);
     let mut drawn = String::with_capacity(text.len());

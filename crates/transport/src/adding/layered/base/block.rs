@@ -3,9 +3,10 @@
 //! Behind a single scatterer, wavelengths differ by factors for each direction and share their kernels
 //! ([`single`](super::super::single)): one product serves the columns of many groups.
 //!
-//! Each scattering event makes a lobe wider and its series of azimuthal orders shorter. Light that has met the base more
-//! than once has been scattered twice as often as light that has met it once: it is negligible from about half of the
-//! orders on, where light that has met the base once takes no iteration, but a sum over the nodes.
+//! Each scattering event makes a lobe wider and its series of azimuthal orders shorter. Light that has met
+//! the base more than once has been scattered twice as often as light that has met it once: it is negligible
+//! from about half of the orders on, where light that has met the base once takes no iteration, but a sum
+//! over the nodes.
 
 use std::ops::Range;
 
@@ -29,8 +30,8 @@ pub(in super::super) struct Block<'a> {
 }
 
 impl<'a> Block<'a> {
-    /// Divides groups into blocks: for each group its number, its layers, and the reflectance below them, `[node,
-    /// column]`. Each block is built when it is needed.
+    /// Divides groups into blocks: for each group its number, its layers, and the reflectance below them,
+    /// `[node, column]`. Each block is built when it is needed.
     pub(in super::super) fn divide(
         groups: impl IntoIterator<Item = (usize, &'a Above, &'a Matrix)>,
     ) -> impl Iterator<Item = Self> {
@@ -75,9 +76,9 @@ impl<'a> Block<'a> {
         self.layers[columns.start]
     }
 
-    /// Returns the light of a beam that rises from the base, to this error relative to the largest density or to
-    /// `floor`, by column; `floor` is raised to the largest density found. `once_alone`: only light that has met the
-    /// base once, where that is known apart.
+    /// Returns the light of a beam that rises from the base, to this error relative to the largest density or
+    /// to `floor`, by column; `floor` is raised to the largest density found. `once_alone`: only light that
+    /// has met the base once, where that is known apart.
     pub(in super::super) fn rise(
         &self,
         extra: usize,
@@ -95,8 +96,8 @@ impl<'a> Block<'a> {
         Rising { scattered, beam, extra, once: Some(once), is_once_alone: false }
     }
 
-    /// Returns the regular light of a beam that rises, by column, and its scattered light that arrives at the base for
-    /// the first time or after the regular light.
+    /// Returns the regular light of a beam that rises, by column, and its scattered light that arrives at the
+    /// base for the first time or after the regular light.
     fn arrives(&self, extra: usize) -> (Vec<f64>, Matrix) {
         let n = self.layers.first().map_or(0, |above| above.carried);
         let mut beam = Vec::with_capacity(self.layers.len());
@@ -113,9 +114,9 @@ impl<'a> Block<'a> {
         (beam, arrives)
     }
 
-    /// Returns the solution of the transposed problem: light on the nodes whose product with the light that arrives at
-    /// the base, scattered, is the total of a functional of the light that rises; `functional` is its value at each
-    /// node with weight, scaled.
+    /// Returns the solution of the transposed problem: light on the nodes whose product with the light that
+    /// arrives at the base, scattered, is the total of a functional of the light that rises; `functional` is
+    /// its value at each node with weight, scaled.
     pub(in super::super) fn functional_of_arriving(&self, functional: &[f64], tolerance: f64) -> Matrix {
         let n = self.layers.first().map_or(0, |above| above.carried);
         let values = Matrix::from_fn(n, self.layers.len(), |i, _| functional[i]);
@@ -123,8 +124,8 @@ impl<'a> Block<'a> {
         reflections.rising(values, tolerance, &mut vec![0.0; self.layers.len()])
     }
 
-    /// Returns scattered light that rises, times the kernels towards each of these extra nodes, `[column, node]`:
-    /// of light that leaves, and of light that is reflected once more.
+    /// Returns scattered light that rises, times the kernels towards each of these extra nodes,
+    /// `[column, node]`: of light that leaves, and of light that is reflected once more.
     pub(in super::super) fn scattered_to(&self, scattered: &Matrix, extras: &[usize]) -> [Matrix; 2] {
         let Some(first) = self.layers.first() else { return [Matrix::zeros(0, 0), Matrix::zeros(0, 0)] };
         match &first.below {
@@ -140,7 +141,8 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Returns the same of the light of a beam. What the base has reflected only once does not leave if it is apart.
+    /// Returns the same of the light of a beam. What the base has reflected only once does not leave if it is
+    /// apart.
     pub(in super::super) fn rising_to(&self, rising: &Rising, extras: &[usize]) -> [Matrix; 2] {
         if rising.is_once_alone {
             return self.once_to(&rising.scattered, extras);
@@ -156,8 +158,8 @@ impl<'a> Block<'a> {
         [leaving, again]
     }
 
-    /// Returns, of the light of a beam, that which has met the base once, as [`Self::rising_to`] does; `None` where the
-    /// light of each order is needed as a whole.
+    /// Returns, of the light of a beam, that which has met the base once, as [`Self::rising_to`] does; `None`
+    /// where the light of each order is needed as a whole.
     pub(in super::super) fn met_once(&self, rising: &Rising, extras: &[usize]) -> Option<[Matrix; 2]> {
         let is_apart = self.layers.iter().any(|above| above.first_apart);
         rising
@@ -177,8 +179,9 @@ impl<'a> Block<'a> {
         self.layers.iter().filter_map(|above| above.below.chain()).collect()
     }
 
-    /// Returns the kernel of the whole display between a view's extra node and a light, for the columns of a group: the
-    /// beam entered at one of them and leaves at `to`, the other; `sums` are those of [`Self::rising_to`].
+    /// Returns the kernel of the whole display between a view's extra node and a light, for the columns of a
+    /// group: the beam entered at one of them and leaves at `to`, the other; `sums` are those of
+    /// [`Self::rising_to`].
     pub(in super::super) fn leaves(
         &self,
         rising: &Rising,

@@ -1,7 +1,7 @@
 //! Scattered light between the base and the layers above, after all orders of reflection.
 //!
-//! All columns are iterated at once, with one matrix product for each order. Where light is nearly trapped, a direct
-//! solution is cheaper.
+//! All columns are iterated at once, with one matrix product for each order. Where light is nearly trapped, a
+//! direct solution is cheaper.
 
 use super::super::algebra::Operator;
 use super::super::matrix::Matrix;
@@ -38,9 +38,9 @@ impl<'a> Reflections<'a> {
         arrives.times_each(&self.gain)
     }
 
-    /// Returns the scattered light that rises from the base, to this error relative to the largest density; `floor` is,
-    /// by column, the density to which errors are relative if it is larger than the largest one found, and is raised to
-    /// that.
+    /// Returns the scattered light that rises from the base, to this error relative to the largest density;
+    /// `floor` is, by column, the density to which errors are relative if it is larger than the largest one
+    /// found, and is raised to that.
     pub(super) fn rising(&self, arrives: Matrix, tolerance: f64, floor: &mut [f64]) -> Matrix {
         let mut rising = Matrix::zeros(arrives.rows(), arrives.columns());
         if arrives.rows() == 0 {
@@ -103,8 +103,8 @@ impl<'a> Reflections<'a> {
         open
     }
 
-    /// Replaces light that arrives in a column by the light that rises, by direct solution, given the reflection of light
-    /// from below as one kernel.
+    /// Replaces light that arrives in a column by the light that rises, by direct solution, given the
+    /// reflection of light from below as one kernel.
     fn solve(&self, column: usize, below: &Matrix, right: &mut Matrix) {
         let n = right.rows();
         // 1 - B G acts on the light that rises.

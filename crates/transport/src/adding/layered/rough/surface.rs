@@ -1,16 +1,19 @@
-//! A rough interface that is the surface of a display, with flat layers below it alone: orders on a coarse grid.
+//! A rough interface that is the surface of a display, with flat layers below it alone: orders on a coarse
+//! grid.
 //!
-//! A surface of small roughness alpha refracts light into a lobe of width `alpha |q_1 - q_2|` around its own `beta`, a
-//! third of the width `alpha (q + q)` of the lobe into which it reflects light back inside. Nothing above sends light
-//! back, so that light crosses the surface twice: when it enters and when it leaves. All light that is reflected inside
-//! in between is as smooth as the wide lobe and needs a grid for that alone. The narrow lobe of a beam acts on it by
-//! *product integration*: the factor of a node is the integral of the lobe times the polynomial that interpolates
-//! between the nodes ([`Interpolation`](super::super::grid::Interpolation)), by a rule around the beam. Only light that
-//! the layers below reflect once, between two narrow lobes, would need more: it has a rule of its own
+//! A surface of small roughness alpha refracts light into a lobe of width `alpha |q_1 - q_2|` around its own
+//! `beta`, a third of the width `alpha (q + q)` of the lobe into which it reflects light back inside. Nothing
+//! above sends light back, so that light crosses the surface twice: when it enters and when it leaves. All
+//! light that is reflected inside in between is as smooth as the wide lobe and needs a grid for that alone.
+//! The narrow lobe of a beam acts on it by *product integration*: the factor of a node is the integral of the
+//! lobe times the polynomial that interpolates between the nodes
+//! ([`Interpolation`](super::super::grid::Interpolation)), by a rule around the beam. Only light that the
+//! layers below reflect once, between two narrow lobes, would need more: it has a rule of its own
 //! ([`first_bounce`](super::super::first_bounce)).
 //!
-//! Between nodes only the fraction of refracted light matters, of light that falls from or leaves to all directions. Its
-//! kernel there is the product of both fractions over the total, and reflection outside is entered as regular.
+//! Between nodes only the fraction of refracted light matters, of light that falls from or leaves to all
+//! directions. Its kernel there is the product of both fractions over the total, and reflection outside is
+//! entered as regular.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -23,20 +26,22 @@ use super::transforms::Transforms;
 use super::{RoughOrders, missing, refraction_width};
 use crate::numerics::quadrature::{Pole, radial};
 
-/// Natural digits of orders beyond those of the nodes: the poles of each of three lobes are double, `(1 + m y) exp(-m y)`.
+/// Natural digits of orders beyond those of the nodes: the poles of each of three lobes are double,
+/// `(1 + m y) exp(-m y)`.
 const MORE_DIGITS: f64 = 10.0;
 /// Natural digits of the rule around a beam, beyond those of the nodes.
 const MORE_DIGITS_OF_LOBES: f64 = 4.0;
 /// Largest number of orders.
 const MOST_ORDERS: usize = 400;
 
-/// Returns the width of the lobe into which the surface of a medium reflects light inside, at the critical angle.
+/// Returns the width of the lobe into which the surface of a medium reflects light inside, at the critical
+/// angle.
 pub(in super::super) fn inside_width(alpha: f64, index: f64) -> f64 {
     2.0 * alpha * (index * index - 1.0).max(0.0).sqrt()
 }
 
-/// Returns the number of orders of light that is reflected inside at least once, between a view and a light with
-/// these `|beta|`: it decreases as `exp(-m y)`, y the sum of the distances of the poles of its lobes.
+/// Returns the number of orders of light that is reflected inside at least once, between a view and a light
+/// with these `|beta|`: it decreases as `exp(-m y)`, y the sum of the distances of the poles of its lobes.
 fn orders(face: &Rough, [a, b]: [f64; 2], digits: f64) -> usize {
     let [a, b] = [a, b].map(|radius| radius.max(1e-3));
     let inside = inside_width(face.alpha(), face.index(Side::Below));
@@ -90,8 +95,8 @@ impl RoughOrders {
         }
     }
 
-    /// Returns the fraction of light that one microfacet must send across the interface, besides that which several send
-    /// to the nodes on the other side.
+    /// Returns the fraction of light that one microfacet must send across the interface, besides that which
+    /// several send to the nodes on the other side.
     fn crosses(&self, face: &Rough, grid: &Grid, side: Side, node: usize) -> f64 {
         let beta = grid.beta[node];
         if beta >= face.index(side) {

@@ -5,8 +5,8 @@
 //! `|beta_o - beta_i|/z` of the microfacet depends on the azimuth, z the change of the wave vector along the
 //! normal of the interface. GGX slopes have a double pole at the slope `i alpha`: `cosh y = 1 + ((a - b)^2 +
 //! (alpha z)^2)/(2 a b)`. A pair of nodes off the diagonal a = b thus needs few azimuths, the fewer as its
-//! values are smaller by the fourth power of the same distance. Gaussian slopes have no pole: their order m is
-//! `exp(-(m alpha z)^2/(4 a b))`, and their values decrease as `exp(-((a - b)/(alpha z))^2)`.
+//! values are smaller by the fourth power of the same distance. Gaussian slopes have no pole: their order m
+//! is `exp(-(m alpha z)^2/(4 a b))`, and their values decrease as `exp(-((a - b)/(alpha z))^2)`.
 
 use std::f64::consts::PI;
 
@@ -32,14 +32,14 @@ const LEAST_DIGITS: f64 = 4.0;
 /// Smallest number of intervals, per natural digit.
 const LEAST_INTERVALS: f64 = 3.0;
 
-/// Returns the number of intervals of a rule from 0 to pi, 8, 12, 16, 24, 32, ...: few rules, so that pairs of
-/// directions share them, and their sums are matrix products.
+/// Returns the number of intervals of a rule from 0 to pi, 8, 12, 16, 24, 32, ...: few rules, so that pairs
+/// of directions share them, and their sums are matrix products.
 fn intervals(rule: usize) -> usize {
     (if rule.is_multiple_of(2) { 8 } else { 12 }) << (rule / 2)
 }
 
-/// Returns the number of orders that contain this many natural digits of the light scattered on circles of this
-/// `|beta|`.
+/// Returns the number of orders that contain this many natural digits of the light scattered on circles of
+/// this `|beta|`.
 pub(super) fn orders(face: &Rough, radius: f64, digits: f64) -> usize {
     rounded_up(((digits + MORE_DIGITS_OF_ORDERS) * radius / rough_width(face)).ceil() as usize)
         .min(MOST_ORDERS)
@@ -63,8 +63,8 @@ impl Transforms {
         self.digits
     }
 
-    /// Computes coefficients of the kernel from one direction to the nodes `rows` on the side `to`: for each of
-    /// them as many as are not negligible.
+    /// Computes coefficients of the kernel from one direction to the nodes `rows` on the side `to`: for each
+    /// of them as many as are not negligible.
     pub(super) fn column(
         &mut self,
         face: &Rough,
@@ -80,8 +80,8 @@ impl Transforms {
         self.between(face, (from, a), to, rows)
     }
 
-    /// Computes coefficients from light of one `|beta|` to others on the side `to`, each with a number that it
-    /// keeps; in any order.
+    /// Computes coefficients from light of one `|beta|` to others on the side `to`, each with a number that
+    /// it keeps; in any order.
     pub(super) fn between(
         &mut self,
         face: &Rough,
@@ -171,8 +171,9 @@ mod tests {
     use super::super::super::splits::Splits;
     use super::*;
 
-    /// Compared with a rule of many intervals, relative to the largest value of order 0. Reflection from the denser
-    /// medium has a square root at the critical angle: there, errors decrease slowly, and have either sign.
+    /// Compared with a rule of many intervals, relative to the largest value of order 0. Reflection from the
+    /// denser medium has a square root at the critical angle: there, errors decrease slowly, and have either
+    /// sign.
     #[test]
     fn few_azimuths_give_the_coefficients_of_many() {
         let digits = 7.0;

@@ -1,7 +1,7 @@
 //! Flat elements at one `|beta|`, with the phases of the places that light crosses.
 //!
-//! A medium multiplies light by `exp(-2 pi i f.D(beta))`, whether it goes up or down. All inter-reflections between flat elements are
-//! summed in closed form, above a black base; scatterers have their regular part.
+//! A medium multiplies light by `exp(-2 pi i f.D(beta))`, whether it goes up or down. All inter-reflections
+//! between flat elements are summed in closed form, above a black base; scatterers have their regular part.
 
 use num_complex::Complex64;
 
@@ -54,7 +54,8 @@ impl Chain {
         self.reflects
     }
 
-    /// Returns the light of a ray that arrives as another if nothing reflects: its fraction, and by how much it is moved.
+    /// Returns the light of a ray that arrives as another if nothing reflects: its fraction, and by how much
+    /// it is moved.
     pub(super) fn link(&self, from: Ray, to: Ray) -> (f64, f64) {
         let passed = match (from.going, to.going) {
             (Propagation::Up, Propagation::Up) if to.plane <= from.plane => to.plane..from.plane,
@@ -65,7 +66,8 @@ impl Chain {
         (t, self.moves_mm[passed].iter().sum())
     }
 
-    /// Computes the light of each ray that arrives as each other, `[from][to]`, at a wave of so many radians per mm along it.
+    /// Computes the light of each ray that arrives as each other, `[from][to]`, at a wave of so many radians
+    /// per mm along it.
     pub(super) fn links(
         &self,
         [from, to]: [&[Ray]; 2],

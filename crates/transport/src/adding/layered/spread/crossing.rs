@@ -1,7 +1,7 @@
 //! Light of a frequency that crosses flat elements, on one ring after the other.
 //!
-//! Orders become values at equal steps of the azimuth, these are multiplied by transmittances and phases, and become orders again. A
-//! ring has as many steps as its own orders and phases need.
+//! Orders become values at equal steps of the azimuth, these are multiplied by transmittances and phases, and
+//! become orders again. A ring has as many steps as its own orders and phases need.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -87,7 +87,8 @@ pub(super) struct Links {
     numbers: usize,
 }
 
-/// What crosses: values of light that arrives along some rays, of which light that leaves along others is made.
+/// What crosses: values of light that arrives along some rays, of which light that leaves along others is
+/// made.
 pub(super) struct Crossing<'c> {
     pub(super) wave: &'c Wave,
     pub(super) receivers: &'c [(Ray, Value<'c>)],
@@ -116,8 +117,8 @@ impl Crossing<'_> {
         self.wave.rings.iter().enumerate().map(of_ring).collect()
     }
 
-    /// Computes the light of each emitter on each ring with these orders; `take` receives the number of the ring and of the emitter, and
-    /// the orders. Links are remembered in `known`.
+    /// Computes the light of each emitter on each ring with these orders; `take` receives the number of the
+    /// ring and of the emitter, and the orders. Links are remembered in `known`.
     pub(super) fn compute(
         &self,
         orders: &[[usize; 2]],

@@ -17,8 +17,8 @@ use super::orders::Orders;
 use crate::Stack;
 use crate::layers::Action;
 
-/// Light at each site: two for each scatterer. Of light that arrives from above and from below, or that it emits upwards and
-/// downwards. `None` without light.
+/// Light at each site: two for each scatterer. Of light that arrives from above and from below, or that it
+/// emits upwards and downwards. `None` without light.
 pub(super) type Light = Vec<Option<Orders>>;
 
 /// Largest `|beta|` whose azimuthal orders are resolved.
@@ -89,8 +89,8 @@ impl Kernels {
         let mut scatterers = Scatterers::default();
         let farthest = grid.beta[grid.regular..].iter().copied().fold(0.0, f64::max);
         let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
-        // Of a single scatterer, orders of light on both circles are those of one with half of their radius. Along the
-        // layers kernels have no largest order, and there is no light.
+        // Of a single scatterer, orders of light on both circles are those of one with half of their radius.
+        // Along the layers kernels have no largest order, and there is no light.
         let circle = if alone { (2.0 * farthest).max(ALONG) } else { ALONG };
         let (both, of) = ([circle; 2], (grid, precision));
         let actions = actions(stack, bin, of, (Some(both), false), &known, &mut scatterers, stop);
@@ -126,7 +126,8 @@ impl Kernels {
         for order in 0..scatterers.orders() {
             let scattered = scatterers.scattered(order, grid);
             let of_order: Vec<[Given; 3]> = ways.iter().map(|action| ways_of(action, &scattered)).collect();
-            // Each kernel has a scale of its own, and so has its light of beams: a weak one beside a narrow lobe matters, too.
+            // Each kernel has a scale of its own, and so has its light of beams: a weak one beside a narrow
+            // lobe matters, too.
             let mut matters = false;
             for (given, largest) in of_order.iter().flatten().zip(largest.iter_mut().flatten()) {
                 let Some(given) = given else { continue };
@@ -188,7 +189,8 @@ impl Kernels {
         self.scale.len() - self.regular
     }
 
-    /// Returns the effect on light of what scatterers emit, for light in several problems: what it has when it arrives there.
+    /// Returns the effect on light of what scatterers emit, for light in several problems: what it has when
+    /// it arrives there.
     pub(super) fn arriving(&self, emitted: &[Light]) -> Vec<Light> {
         let mut arriving: Vec<Light> = emitted.iter().map(|_| vec![None; 2 * self.elements.len()]).collect();
         for site in 0..self.elements.len() {
@@ -239,7 +241,8 @@ impl Kernels {
         }
     }
 
-    /// Returns an order and its negative of light in some problems, real and imaginary parts, scaled, at the nodes from `first` on.
+    /// Returns an order and its negative of light in some problems, real and imaginary parts, scaled, at the
+    /// nodes from `first` on.
     fn columns(
         &self,
         light: &[Light],
@@ -286,8 +289,8 @@ impl Kernels {
         }
     }
 
-    /// Adds what a beam sees: what light has when it arrives at a scatterer and is emitted towards an extra node, upwards and downwards
-    /// with these factors, at an azimuth.
+    /// Adds what a beam sees: what light has when it arrives at a scatterer and is emitted towards an extra
+    /// node, upwards and downwards with these factors, at an azimuth.
     pub(super) fn add_beam(
         &self,
         site: usize,

@@ -1,27 +1,29 @@
 //! Spread of light in general layers: what a view sees of the pixel plane at chosen spatial frequencies.
 //!
 //! # Method
-//! The value of light at the pixel for a view is followed backwards, from the view down. A pattern of frequency f multiplies
-//! light by `exp(-2 pi i f.D(beta))` in each medium. Scatterers are diagonal in azimuthal orders, phases in the azimuth: neither
-//! is formed as a matrix between all directions. A problem of N nodes and M orders takes N^2 M for each scattering, for all
-//! frequencies at once, instead of (N M)^3.
+//! The value of light at the pixel for a view is followed backwards, from the view down. A pattern of
+//! frequency f multiplies light by `exp(-2 pi i f.D(beta))` in each medium. Scatterers are diagonal in
+//! azimuthal orders, phases in the azimuth: neither is formed as a matrix between all directions. A problem
+//! of N nodes and M orders takes N^2 M for each scattering, for all frequencies at once, instead of (N M)^3.
 //!
 //! With the light E that falls on the pixel (uniform), its reflectance rho and the return A of the layers,
 //!
 //! `L(f) = V(f) (1 - rho A(f))^-1 rho E`
 //!
-//! is the response of all orders to a small change of the reflectance, relative to it. A Lambertian pixel sends the same light in all
-//! directions: A(f) is a number, and E needs no directions; light that spreads inside it has the factor P on rho A, and (1 + P)/2 on all. A mirror-like pixel below layers that return nothing to it has A = 0; E is
-//! the value of its light for the sources, without phases. Light that layers return to it is followed from meeting to meeting
-//! ([`returned`]). Without scatterers its light keeps its direction, and A is a number there.
+//! is the response of all orders to a small change of the reflectance, relative to it. A Lambertian pixel
+//! sends the same light in all directions: A(f) is a number, and E needs no directions; light that spreads
+//! inside it has the factor P on rho A, and (1 + P)/2 on all. A mirror-like pixel below layers that return
+//! nothing to it has A = 0; E is the value of its light for the sources, without phases. Light that layers
+//! return to it is followed from meeting to meeting ([`returned`]). Without scatterers its light keeps its
+//! direction, and A is a number there.
 //!
-//! - [`chain`]: flat elements between scatterers; [`kernels`]: scatterers by order; [`orders`]: light by order; [`rings`]: directions
-//!   that resolve phases; [`crossing`]: light that crosses flat elements; [`waves`]: values of light between scatterers; [`pixels`]: the
-//!   light of each kind of pixel.
+//! - [`chain`]: flat elements between scatterers; [`kernels`]: scatterers by order; [`orders`]: light by
+//!   order; [`rings`]: directions that resolve phases; [`crossing`]: light that crosses flat elements;
+//!   [`waves`]: values of light between scatterers; [`pixels`]: the light of each kind of pixel.
 //!
 //! # Limits
-//! Interfaces that scatter, and clear or absorbing media. Media that scatter, faces by waves and pixels with kernels of their own are left
-//! to Monte Carlo.
+//! Interfaces that scatter, and clear or absorbing media. Media that scatter, faces by waves and pixels with
+//! kernels of their own are left to Monte Carlo.
 
 mod chain;
 mod crossing;
@@ -194,7 +196,8 @@ struct Set {
 }
 
 impl<'a> LayeredSpread<'a> {
-    /// Prepares a level. `lengths_mm` is the thickness of the medium of each layer. Nothing is computed any more once `stop` is set.
+    /// Prepares a level. `lengths_mm` is the thickness of the medium of each layer. Nothing is computed any
+    /// more once `stop` is set.
     ///
     /// # Errors
     /// If its layers, its pixel or its number of directions are not covered, or `stop` was set.
@@ -302,8 +305,9 @@ impl<'a> LayeredSpread<'a> {
         }
     }
 
-    /// Returns the light that the view sees via the pixel at spatial frequencies, cycles per mm: the response of all orders to a small
-    /// change of the pixel's reflectance, relative to it, in the unit of `via_pixel`; `[source][state][frequency]`.
+    /// Returns the light that the view sees via the pixel at spatial frequencies, cycles per mm: the response
+    /// of all orders to a small change of the pixel's reflectance, relative to it, in the unit of
+    /// `via_pixel`; `[source][state][frequency]`.
     ///
     /// # Errors
     /// If scatterers return too much light to each other, or `stop` was set.

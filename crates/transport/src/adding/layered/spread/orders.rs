@@ -1,7 +1,7 @@
 //! Light by azimuthal order: at each place the orders that it has.
 //!
-//! Kernels of a narrow lobe have hundreds of orders almost along the layers, where light of a view is far from its peak and has few. Orders
-//! that are small compared with the others of the same node are dropped.
+//! Kernels of a narrow lobe have hundreds of orders almost along the layers, where light of a view is far
+//! from its peak and has few. Orders that are small compared with the others of the same node are dropped.
 
 use num_complex::Complex64;
 

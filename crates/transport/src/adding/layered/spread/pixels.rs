@@ -28,8 +28,8 @@ pub(super) struct Fallen {
 }
 
 impl LayeredSpread<'_> {
-    /// Light over that without regard to places, below scatterers; `[source][state * wavelength][frequency]`; those with light of
-    /// `seen` and the wavelengths of `members` alone.
+    /// Light over that without regard to places, below scatterers; `[source][state * wavelength][frequency]`;
+    /// those with light of `seen` and the wavelengths of `members` alone.
     pub(super) fn mirrored(
         &self,
         set: &Set,
@@ -106,8 +106,8 @@ impl LayeredSpread<'_> {
         Fallen { rings: Rc::clone(&wave.rings), falling, again, further, reflectance }
     }
 
-    /// Light of each source that meets the pixel once, given the values of light that leaves it and of light that falls on it;
-    /// `[source][state * wavelength]`.
+    /// Light of each source that meets the pixel once, given the values of light that leaves it and of light
+    /// that falls on it; `[source][state * wavelength]`.
     pub(super) fn met(
         &self,
         set: &Set,
@@ -249,7 +249,8 @@ impl LayeredSpread<'_> {
         Ok(vec![all_orders(&relative_to_first(totals), &returned, reflectance, members)])
     }
 
-    /// What a view sees of a Lambertian pixel at a wave, in any unit, and what returns to it, if that is wanted.
+    /// What a view sees of a Lambertian pixel at a wave, in any unit, and what returns to it, if that is
+    /// wanted.
     fn paper_at(&self, set: &Set, wave: &Wave, with_return: bool) -> Result<PaperLight, NotCovered> {
         let between = self.between(set);
         let starts = [Start::Beams(&self.view), Start::Pixel];
@@ -269,8 +270,8 @@ impl LayeredSpread<'_> {
         })
     }
 
-    /// Returns what the view sees of a Lambertian pixel of the wavelengths of a set at a frequency along some azimuths (radians), and what
-    /// of its light returns to it there; in any unit.
+    /// Returns what the view sees of a Lambertian pixel of the wavelengths of a set at a frequency along some
+    /// azimuths (radians), and what of its light returns to it there; in any unit.
     ///
     /// # Errors
     /// Those of [`light`](Self::light).
@@ -289,8 +290,8 @@ impl LayeredSpread<'_> {
         azimuths.iter().enumerate().map(at).collect()
     }
 
-    /// Returns the unscattered part of what the view sees of a Lambertian pixel of the wavelengths of a set, in the unit of
-    /// [`paper`](Self::paper).
+    /// Returns the unscattered part of what the view sees of a Lambertian pixel of the wavelengths of a set,
+    /// in the unit of [`paper`](Self::paper).
     pub fn straight(&self, set: usize, frequencies_per_mm: &[[f64; 2]]) -> Vec<Complex64> {
         let set = &self.sets[set];
         let still = self.wave(set, [0.0; 2]);
@@ -302,7 +303,8 @@ impl LayeredSpread<'_> {
         frequencies_per_mm.iter().map(at).collect()
     }
 
-    /// Number of sets of wavelengths that are computed, and by wavelength those that represent it, with their factors.
+    /// Number of sets of wavelengths that are computed, and by wavelength those that represent it, with their
+    /// factors.
     pub fn sets(&self) -> (usize, &[Vec<(usize, f64)>]) {
         (self.sets.len(), &self.of_bins)
     }
@@ -338,7 +340,8 @@ fn relative_to_first(values: Vec<Complex64>) -> Vec<Complex64> {
     values[1..].iter().map(relative).collect()
 }
 
-/// Returns `seen/(1 - rho A)` for the reflectances of the members, given A at the first, zero, frequency and at all others.
+/// Returns `seen/(1 - rho A)` for the reflectances of the members, given A at the first, zero, frequency and
+/// at all others.
 fn all_orders(
     seen: &[Complex64],
     returned: &[Complex64],

@@ -1,13 +1,14 @@
 //! Light that returns to a mirror-like pixel below scatterers.
 //!
-//! Of light that meets the pixel twice, `V(f) rho A(f) rho S` has the places of the first meeting and `V(f) rho A rho S` those of
-//! the second one. The reflectances of all states and wavelengths are sums of a few of them, for which A is applied: two meetings are known
-//! for all.
+//! Of light that meets the pixel twice, `V(f) rho A(f) rho S` has the places of the first meeting and
+//! `V(f) rho A rho S` those of the second one. The reflectances of all states and wavelengths are sums of a
+//! few of them, for which A is applied: two meetings are known for all.
 //!
-//! Light that meets the pixel more often does not follow from these: what a rough face reflects totally stays in the glass. It is
-//! followed meeting by meeting for one of the reflectances (`V_i rho S_j` for all i and j: the places are those of meeting i + 1 from the
-//! view). Others have it in proportion to the power of their own light of two meetings. This is exact for reflectances that are multiples
-//! of one another; levels take two different ones by turns, so that their difference contains the error.
+//! Light that meets the pixel more often does not follow from these: what a rough face reflects totally stays
+//! in the glass. It is followed meeting by meeting for one of the reflectances (`V_i rho S_j` for all i and
+//! j: the places are those of meeting i + 1 from the view). Others have it in proportion to the power of
+//! their own light of two meetings. This is exact for reflectances that are multiples of one another; levels
+//! take two different ones by turns, so that their difference contains the error.
 
 use num_complex::Complex64;
 
@@ -50,7 +51,8 @@ pub(super) struct Returned {
 pub(super) struct Meetings {
     /// Twice, with the places of the first and of the second meeting.
     pub(super) twice: [Vec<Lit>; 2],
-    /// For the reflectance that is followed, relative to light that meets the pixel once; `[source][view meetings][light meetings]`.
+    /// For the reflectance that is followed, relative to light that meets the pixel once;
+    /// `[source][view meetings][light meetings]`.
     pub(super) followed: Vec<Vec<Vec<Complex64>>>,
 }
 
@@ -97,8 +99,8 @@ impl LayeredSpread<'_> {
         Ok(Returned { some, factors, lit, followed, further })
     }
 
-    /// Values of light that has met the pixel with each of the reflectances and falls on it again, without phases;
-    /// `[reflectance][source]`.
+    /// Values of light that has met the pixel with each of the reflectances and falls on it again, without
+    /// phases; `[reflectance][source]`.
     pub(super) fn fallen(
         &self,
         (set, returned): (&Set, &Returned),
@@ -202,7 +204,8 @@ impl LayeredSpread<'_> {
         Ok(Meetings { twice, followed })
     }
 
-    /// Returns the number of another reflectance that is nearly as large as the first one, or that of the first one, 0.
+    /// Returns the number of another reflectance that is nearly as large as the first one, or that of the
+    /// first one, 0.
     fn another_bright(&self, some: &[usize], index: f64) -> usize {
         let mut means = vec![0.0; some.len()];
         let mut all = vec![0.0; self.stack.base().states() * self.stack.base().bins()];
@@ -271,8 +274,9 @@ impl Set {
 }
 
 impl Meetings {
-    /// Light of all orders of a source, state and wavelength over that of one meeting, which is `once`; `still` without regard to places.
-    /// `power` is its light of two meetings over that of the reflectance that is followed, without regard to places.
+    /// Light of all orders of a source, state and wavelength over that of one meeting, which is `once`;
+    /// `still` without regard to places. `power` is its light of two meetings over that of the reflectance
+    /// that is followed, without regard to places.
     pub(super) fn series(
         &self,
         (source, at): (usize, usize),

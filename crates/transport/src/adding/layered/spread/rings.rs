@@ -1,8 +1,9 @@
 //! Directions at which the phases of a frequency are resolved.
 //!
-//! Light between scatterers is smooth in `|beta|` but for the phases. It is known at the nodes of the grid; between them it is
-//! interpolated at the rings, on which the phases are resolved. Light that leaves almost along the layers has phases that no rule
-//! resolves, and too little weight to matter: beyond a largest phase there are no rings.
+//! Light between scatterers is smooth in `|beta|` but for the phases. It is known at the nodes of the grid;
+//! between them it is interpolated at the rings, on which the phases are resolved. Light that leaves almost
+//! along the layers has phases that no rule resolves, and too little weight to matter: beyond a largest phase
+//! there are no rings.
 
 use std::f64::consts::PI;
 
@@ -42,7 +43,8 @@ pub(super) struct Resolution<'a> {
 }
 
 impl Resolution<'_> {
-    /// Returns the rings for a frequency in radians per mm, and at last those of the extra nodes of the grid, without weight.
+    /// Returns the rings for a frequency in radians per mm, and at last those of the extra nodes of the grid,
+    /// without weight.
     pub(super) fn rings(&self, per_mm: f64) -> Vec<Ring> {
         let mut rings = Vec::new();
         // Light up to 76 degrees in a medium has its phases, however large they are.

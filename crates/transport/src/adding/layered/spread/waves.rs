@@ -1,8 +1,8 @@
 //! Light of a frequency between scatterers, backwards from where it is seen.
 //!
-//! The value of light is what of it reaches the view (or the room, or the pixel). A scatterer gives light that arrives the value of
-//! what it emits, order by order ([`Kernels`]); between scatterers values are multiplied by transmittances and phases at each azimuth. Both
-//! alternate until nothing is left.
+//! The value of light is what of it reaches the view (or the room, or the pixel). A scatterer gives light
+//! that arrives the value of what it emits, order by order ([`Kernels`]); between scatterers values are
+//! multiplied by transmittances and phases at each azimuth. Both alternate until nothing is left.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -67,7 +67,8 @@ pub(super) struct Between<'a> {
     pub(super) circles: RefCell<Circles>,
 }
 
-/// Value of light that leaves the pixel, on the rings of a wave, by azimuthal order; and of the beams themselves.
+/// Value of light that leaves the pixel, on the rings of a wave, by azimuthal order; and of the beams
+/// themselves.
 pub(super) struct Leaving {
     pub(super) rings: OnRings,
     /// By beam of the start, its weight included.
@@ -205,7 +206,8 @@ impl Between<'_> {
         sums
     }
 
-    /// Adds the value of light that is scattered into a beam, given the parts of the beam that come from the scatterers.
+    /// Adds the value of light that is scattered into a beam, given the parts of the beam that come from the
+    /// scatterers.
     fn add_beam(&self, wave: &Wave, beam: &Beam, factors: &[Complex64], light: &mut Light) {
         for site in 0..self.kernels.elements.len() {
             let factors = [factors[2 * site], factors[2 * site + 1]];
@@ -220,7 +222,8 @@ impl Between<'_> {
         }
     }
 
-    /// Returns the part of a beam in the air that comes from each of some rays without scattering, its weight included.
+    /// Returns the part of a beam in the air that comes from each of some rays without scattering, its weight
+    /// included.
     fn of_beam(&self, wave: &Wave, beam: &Beam, emitters: &[Ray]) -> Vec<Complex64> {
         let along = wave.per_mm * (beam.turn - wave.turn).cos();
         let own = Complex64::from_polar(beam.weight, along * self.ring(wave, beam).chain.moves_mm());
@@ -249,7 +252,8 @@ impl Between<'_> {
         &wave.rings[wave.rings.len() - self.kernels.extras() + beam.extra]
     }
 
-    /// Returns the values of light that leaves the pixel, given those of light that arrives at the scatterers.
+    /// Returns the values of light that leaves the pixel, given those of light that arrives at the
+    /// scatterers.
     pub(super) fn leaving(
         &self,
         (wave, start): (&Wave, Start<'_>),

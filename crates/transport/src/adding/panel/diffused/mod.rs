@@ -264,8 +264,8 @@ impl Kernel {
         Some(Pass { diffuser: &self.diffuser, table, index, digits: self.digits })
     }
 
-    /// Computes the view of a cone, across which lie this many nodes of the base's table; `many` others are at
-    /// its inclination.
+    /// Computes the view of a cone, across which lie this many nodes of the base's table; `many` others are
+    /// at its inclination.
     fn view(
         &self,
         (cone, across, many): (&Cone, f64, bool),
@@ -399,8 +399,9 @@ impl Kernel {
         AtIndex { alone, pairs, fields, recycled }
     }
 
-    /// Returns the exact passes between the groups of a view and of each source of points under a narrow lobe, by
-    /// source, group of the view and of the source; `None` for others, and for sources that are known.
+    /// Returns the exact passes between the groups of a view and of each source of points under a narrow
+    /// lobe, by source, group of the view and of the source; `None` for others, and for sources that are
+    /// known.
     fn exact_passes(
         &self,
         recycling: Option<&Recycling>,

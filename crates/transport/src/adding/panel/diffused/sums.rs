@@ -1,11 +1,13 @@
 //! What a view sees under a diffuser as a function of few sums over the base's table, and its derivatives.
 //!
-//! These sums are those of the first pass, one for each source, in which the result is linear, and the terms of recycled light,
-//! in which it is a polynomial. A sum is a set of weights on the nodes of the table. The same sums on other nodes, fewer or
-//! better placed, give the same result where these integrate the reflectance as well.
+//! These sums are those of the first pass, one for each source, in which the result is linear, and the terms
+//! of recycled light, in which it is a polynomial. A sum is a set of weights on the nodes of the table. The
+//! same sums on other nodes, fewer or better placed, give the same result where these integrate the
+//! reflectance as well.
 //!
-//! The gradient is propagated backwards in the same way: from the result to the sums of each state ([`Recycling::slopes`]),
-//! from these to the sums of each basis, and from there to all nodes at once, by one matrix product.
+//! The gradient is propagated backwards in the same way: from the result to the sums of each state
+//! ([`Recycling::slopes`]), from these to the sums of each basis, and from there to all nodes at once, by one
+//! matrix product.
 
 use std::sync::Arc;
 
@@ -14,16 +16,16 @@ use super::super::recycling::{Forms, Recycling, is_fitted};
 use super::{AtIndex, Kernel, View, sent_back};
 use crate::{Diffuser, Panel, Reflector, Source};
 
-/// What a view sees of each source as a function of sums over the base's table; for a dispersive medium, at one of the indices
-/// between which results are interpolated.
+/// What a view sees of each source as a function of sums over the base's table; for a dispersive medium, at
+/// one of the indices between which results are interpolated.
 #[derive(Debug, Clone)]
 pub struct ViewSums {
     /// `[sum][node]`: light of each source after one reflection, then the terms of recycled light.
     rows: Vec<Vec<f64>>,
     /// Number of sources.
     sources: usize,
-    /// Factor of the result, `[wavelength]`: `(t T)^2`, the transmittance of front and diffuser on both ways, and the weight
-    /// of the index.
+    /// Factor of the result, `[wavelength]`: `(t T)^2`, the transmittance of front and diffuser on both ways,
+    /// and the weight of the index.
     through: Vec<f64>,
     /// Fraction of light that the front sends back, `[wavelength]`.
     sent_back: Vec<f64>,
@@ -41,8 +43,8 @@ struct Recycled {
 }
 
 impl ViewSums {
-    /// Returns the weights of each sum on the nodes of the table for which the kernel was prepared. The first ones are those of
-    /// each source.
+    /// Returns the weights of each sum on the nodes of the table for which the kernel was prepared. The first
+    /// ones are those of each source.
     pub fn rows(&self) -> &[Vec<f64>] {
         &self.rows
     }
@@ -94,7 +96,8 @@ impl ViewSums {
         }
     }
 
-    /// Adds the gradients of numbers with these derivatives by what the view sees, `[number][source][state][wavelength]`.
+    /// Adds the gradients of numbers with these derivatives by what the view sees,
+    /// `[number][source][state][wavelength]`.
     pub fn pull_back(&self, sums: &TableSums<'_>, seen: &[f64], gradients: &mut [TableGradient]) {
         let columns = sums.columns();
         let size = self.sources * columns;

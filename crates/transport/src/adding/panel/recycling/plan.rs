@@ -35,8 +35,9 @@ pub(super) struct NarrowPlan {
     pub(super) orders: usize,
     /// Natural digits of its nodes.
     pub(super) digits: f64,
-    /// Exact passes: order 2 of the series, and order 3 if it matters. None if there are no directed sources, the table has
-    /// kinks, or there is a grid with the lobe itself and the later orders matter too much to be extrapolated.
+    /// Exact passes: order 2 of the series, and order 3 if it matters. None if there are no directed sources,
+    /// the table has kinks, or there is a grid with the lobe itself and the later orders matter too much to
+    /// be extrapolated.
     pub(super) exact: [Option<ExactPlan>; 2],
     /// How the error of the closed form is extrapolated from the exact orders.
     pub(super) extrapolation: Extrapolation,
@@ -55,12 +56,12 @@ pub(super) struct ExactPlan {
     pub(super) terms: usize,
 }
 
-/// Ratio of order j of the series to its closed form, from that of an exact order, by its exponent: rules that
-/// differ from level to level, so that the differences of levels show their error.
+/// Ratio of order j of the series to its closed form, from that of an exact order, by its exponent: rules
+/// that differ from level to level, so that the differences of levels show their error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Extrapolation {
-    /// 0: the closed form itself. Where the next level has one exact order more, its difference is then the error
-    /// of the closed form, and not by chance much smaller.
+    /// 0: the closed form itself. Where the next level has one exact order more, its difference is then the
+    /// error of the closed form, and not by chance much smaller.
     None,
     /// 1: the same ratio.
     Constant,
@@ -72,8 +73,8 @@ pub(super) enum Extrapolation {
 }
 
 impl Extrapolation {
-    /// Returns the rule for the level with this number of digits; `is_next_exact`: it is the first level, and the
-    /// next one has one exact order more.
+    /// Returns the rule for the level with this number of digits; `is_next_exact`: it is the first level, and
+    /// the next one has one exact order more.
     fn at(digits: f64, is_next_exact: bool) -> Self {
         match ((digits - DIGITS_OF_SECOND_LEVEL) / DIGITS_A_LEVEL).round() as i32 {
             // The two levels of a first answer.
@@ -103,8 +104,8 @@ impl Extrapolation {
 /// Number of terms below which a polynomial does not follow the oscillations of a film's reflectance over
 /// angle at all: about half its phase, 9 rad for a gap of 280 nm at 380 nm.
 const TERMS_OF_SWINGS: f64 = 5.0;
-/// The same of exact passes under strong fronts: with fewer terms, the error of light that meets the base more than once
-/// decreases slowly and irregularly.
+/// The same of exact passes under strong fronts: with fewer terms, the error of light that meets the base
+/// more than once decreases slowly and irregularly.
 const TERMS_UNDER_STRONG_FRONTS: f64 = 12.0;
 /// Natural digits gained by each further term of the reflectance (films, over 0 to 90 deg).
 const DIGITS_A_TERM: f64 = 1.2;
@@ -314,24 +315,25 @@ const DIGITS_OF_SECOND_LEVEL: f64 = 15.0;
 const DIGITS_OF_FIRST_ANSWERS: [f64; 2] = [7.8, 10.25];
 /// Natural digits of each further level.
 const DIGITS_A_LEVEL: f64 = 3.5;
-/// Natural digits that the correction needs less than the light that it corrects, at the second level; half of
-/// the digits of each further one are added.
+/// Natural digits that the correction needs less than the light that it corrects, at the second level; half
+/// of the digits of each further one are added.
 const DIGITS_LESS_OF_CORRECTION: f64 = 4.0;
-/// Natural digits that the terms of exact passes need less than these: only their difference from the closed form is
-/// computed with terms.
+/// Natural digits that the terms of exact passes need less than these: only their difference from the closed
+/// form is computed with terms.
 const DIGITS_LESS_OF_TERMS: f64 = 5.5;
-/// Natural digits up to which the orders after the exact ones are extrapolated, if passes did not weaken them. Beyond, all
-/// orders are those of the grid, from the fourth level on, if it can have the lobe itself.
+/// Natural digits up to which the orders after the exact ones are extrapolated, if passes did not weaken
+/// them. Beyond, all orders are those of the grid, from the fourth level on, if it can have the lobe itself.
 const DIGITS_OF_EXTRAPOLATION: f64 = 10.5;
 const DIGITS_OF_GRID: f64 = 20.0;
-/// Natural digits up to which order 2 alone is exact, if passes did not weaken the others; always at the first level,
-/// so that its error is the larger one.
+/// Natural digits up to which order 2 alone is exact, if passes did not weaken the others; always at the
+/// first level, so that its error is the larger one.
 const DIGITS_OF_TWO: f64 = 8.0;
 const DIGITS_WITHOUT_THREE: f64 = 13.0;
 /// Largest number of orders under a narrow lobe; the rest is a geometric series.
 const MOST_ORDERS: f64 = 24.0;
 
-/// Natural digits of the exact passes, as a fraction of all, at the levels of a first answer; finer levels have more.
+/// Natural digits of the exact passes, as a fraction of all, at the levels of a first answer; finer levels
+/// have more.
 const SHARE_OF_EXACT: f64 = 0.5;
 const MOST_OF_LEAST: f64 = 4.5;
 

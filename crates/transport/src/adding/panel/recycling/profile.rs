@@ -107,7 +107,8 @@ impl Profile {
     }
 }
 
-/// Natural digits of the rule for fits: it integrates the table's polynomials exactly, however fast they change.
+/// Natural digits of the rule for fits: it integrates the table's polynomials exactly, however fast they
+/// change.
 const DIGITS_OF_FITS: f64 = 43.0;
 
 fn look_up(pass: &Pass<'_>, cosine: f64) -> Stencil {

@@ -35,8 +35,8 @@ impl Default for OnGrid {
 }
 
 impl Recycling {
-    /// Computes the base's part of recycled light; it can be used under all fronts, and takes the least time under one that
-    /// sends back the fraction `g` of each column.
+    /// Computes the base's part of recycled light; it can be used under all fronts, and takes the least time
+    /// under one that sends back the fraction `g` of each column.
     pub(in super::super) fn reflectances(
         &self,
         base: &Base,
@@ -145,8 +145,8 @@ impl Recycling {
         slopes
     }
 
-    /// Adds the recycled light of a view's group under a narrow lobe. `sources`: for each source its groups as
-    /// seen by the view, and their round trips; light towards them is that of the grid, and is replaced.
+    /// Adds the recycled light of a view's group under a narrow lobe. `sources`: for each source its groups
+    /// as seen by the view, and their round trips; light towards them is that of the grid, and is replaced.
     pub(in super::super) fn add_narrow(
         &self,
         view: &Seen,

@@ -147,9 +147,9 @@ impl Basis {
 /// Number of nodes in addition to those that the rim requires.
 const LEAST: usize = 4;
 
-/// Returns the number of nodes for the table of the base: one for two of its nodes, and many where a polynomial
-/// converges slowly. A film has few fringes over the disc; its table has more nodes than this number of digits
-/// needs, where a resonance is narrow.
+/// Returns the number of nodes for the table of the base: one for two of its nodes, and many where a
+/// polynomial converges slowly. A film has few fringes over the disc; its table has more nodes than this
+/// number of digits needs, where a resonance is narrow.
 pub(super) fn for_table(pass: &Pass<'_>, disc: Disc, digits: f64) -> usize {
     let nodes = 0.5 * pass.table.between([0.0, disc.radius(disc.end())], pass.index);
     match pass.table {
@@ -167,8 +167,8 @@ const FOR_KINKS: f64 = 40.0;
 /// Largest number of nodes for a table with kinks.
 const MOST_FOR_TABLE: f64 = 80.0;
 
-/// Number of nodes below which a polynomial does not follow the fringes of a film near the normal, where nodes are
-/// sparse, and natural digits gained by each further one.
+/// Number of nodes below which a polynomial does not follow the fringes of a film near the normal, where
+/// nodes are sparse, and natural digits gained by each further one.
 const FOR_FRINGES: f64 = 15.0;
 const DIGITS_A_NODE: f64 = 1.2;
 

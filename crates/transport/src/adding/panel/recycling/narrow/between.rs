@@ -2,11 +2,12 @@
 //!
 //! The plane is divided between both ends by factors that are one at one of them and vanish at the other,
 //! with the sixth power of the distance: enough to remove the peak there. Around each end it is integrated in
-//! polar coordinates, with the radius stretched as for a rim ([`super::basis`]), and the azimuth counted from the line
-//! between both ends. If the centre of the disc is on that line, one half of the disc is the mirror image of the other, and
-//! only one is computed: the smooth function depends on the distances from the centre and from the ends. Weights at the ends complete
-//! the rule, so that linear functions along the line between them are integrated exactly over the plane: what
-//! it has to resolve is only how the smooth function differs from a linear one, and the rim.
+//! polar coordinates, with the radius stretched as for a rim ([`super::basis`]), and the azimuth counted from
+//! the line between both ends. If the centre of the disc is on that line, one half of the disc is the mirror
+//! image of the other, and only one is computed: the smooth function depends on the distances from the centre
+//! and from the ends. Weights at the ends complete the rule, so that linear functions along the line between
+//! them are integrated exactly over the plane: what it has to resolve is only how the smooth function differs
+//! from a linear one, and the rim.
 
 use std::f64::consts::TAU;
 
@@ -106,8 +107,8 @@ fn axis([one, other]: [Beta; 2]) -> Beta {
     Beta { x: along.x / length, y: along.y / length }
 }
 
-/// Distance of the centre of the disc from the line between both ends below which it is on the line, and of ends at the same
-/// place.
+/// Distance of the centre of the disc from the line between both ends below which it is on the line, and of
+/// ends at the same place.
 const ON_THE_LINE: f64 = 1e-9;
 const SAME_PLACE: f64 = 1e-9;
 

@@ -7,8 +7,8 @@ use super::Narrow;
 use super::light::LARGEST_RATIO;
 use crate::numerics::product::add_product;
 
-/// Diffuse light that a direction sees: that leaves, is reflected by the base, and the fraction of the direction's own light that
-/// arrives there.
+/// Diffuse light that a direction sees: that leaves, is reflected by the base, and the fraction of the
+/// direction's own light that arrives there.
 #[derive(Debug, Clone)]
 pub(in super::super::super) struct Own<T> {
     pub(in super::super::super) leaving: T,
@@ -43,8 +43,8 @@ impl Diffuse {
         Self { glass: r.glass.to_vec(), last: Mutex::new(first.into()) }
     }
 
-    /// Returns what `view` returns for the light under a front that sends back these fractions; `air` is the reflectance at the
-    /// nodes in air. Under another front than before, the light is computed first.
+    /// Returns what `view` returns for the light under a front that sends back these fractions; `air` is the
+    /// reflectance at the nodes in air. Under another front than before, the light is computed first.
     pub(super) fn under<T>(
         &self,
         of: &Narrow,
@@ -75,7 +75,8 @@ struct Room {
 }
 
 impl Narrow {
-    /// Returns the sum of the series of diffuse light over a base, under a front that sends back the fraction `g` of each column.
+    /// Returns the sum of the series of diffuse light over a base, under a front that sends back the fraction
+    /// `g` of each column.
     fn diffuse(&self, r: Columns<'_>, g: &[f64]) -> Own<Vec<f64>> {
         let s = self.straight;
         let reaching = |row: &[f64]| s + (1.0 - s) * row.iter().sum::<f64>();
@@ -108,8 +109,8 @@ impl Narrow {
         light
     }
 
-    /// Returns the sum of this light after 1, 2, ... passes, in the last of which it was scattered, times g, g², ...; the orders
-    /// that are not computed are a geometric series.
+    /// Returns the sum of this light after 1, 2, ... passes, in the last of which it was scattered, times g,
+    /// g², ...; the orders that are not computed are a geometric series.
     fn summed(&self, mut light: Vec<f64>, r: Columns<'_>, g: &[f64]) -> Vec<f64> {
         let (n, s) = (r.count, self.straight);
         let zeros = || vec![0.0; light.len()];

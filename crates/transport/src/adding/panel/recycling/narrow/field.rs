@@ -1,9 +1,9 @@
 //! Exact passes between a view and a field, under a narrow lobe.
 //!
-//! Divided by the lobe of all its passes, the light that reaches a view from a direction is the closed form and a
-//! difference from it that changes slowly with the direction ([`Passes`]). A few directions around the view represent
-//! the difference, whatever the field. Over azimuth it is a sum of few cosines, so that its product with the lobe has
-//! orders that are means of those of the lobe, `n` before and after.
+//! Divided by the lobe of all its passes, the light that reaches a view from a direction is the closed form
+//! and a difference from it that changes slowly with the direction ([`Passes`]). A few directions around the
+//! view represent the difference, whatever the field. Over azimuth it is a sum of few cosines, so that its
+//! product with the lobe has orders that are means of those of the lobe, `n` before and after.
 
 use std::f64::consts::PI;
 
@@ -59,8 +59,8 @@ impl Passes {
         out
     }
 
-    /// Returns `pi` times the difference from the closed form of all passes between a view and a part of a field (and
-    /// whether it is odd in azimuth), a coefficient for each product of terms.
+    /// Returns `pi` times the difference from the closed form of all passes between a view and a part of a
+    /// field (and whether it is odd in azimuth), a coefficient for each product of terms.
     pub(super) fn of_field(
         &self,
         (view, around): (&[Point], &[Surroundings]),
@@ -87,8 +87,8 @@ impl Passes {
         self.folded(&form)
     }
 
-    /// Returns `pi` times the light of each circle that reaches points of a view by the lobe of all passes times
-    /// `cos n phi`: `[circle][n]`.
+    /// Returns `pi` times the light of each circle that reaches points of a view by the lobe of all passes
+    /// times `cos n phi`: `[circle][n]`.
     fn lit(&self, view: &[Point], (circles, odd): (&[Circle], bool)) -> Vec<f64> {
         let turns = self.turns.len();
         let nodes: Vec<Node> = circles.iter().map(|circle| Node { x: circle.radius, weight: 1.0 }).collect();

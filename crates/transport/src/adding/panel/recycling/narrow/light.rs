@@ -1,5 +1,5 @@
-//! Light of every column over a base: diffuse light at the nodes, and the sum of the series between a view and a
-//! source.
+//! Light of every column over a base: diffuse light at the nodes, and the sum of the series between a view
+//! and a source.
 
 use papilio_optics::with_widest_simd;
 
@@ -30,8 +30,8 @@ pub(in super::super::super) struct Light {
 }
 
 impl Narrow {
-    /// Computes the light over a base; `terms` are its reflectances at [`Self::squares`]. Light under a front that sends
-    /// back the fraction `g` of each column takes the least time.
+    /// Computes the light over a base; `terms` are its reflectances at [`Self::squares`]. Light under a front
+    /// that sends back the fraction `g` of each column takes the least time.
     pub(in super::super) fn light(&self, r: Columns<'_>, terms: Vec<Vec<f64>>, g: &[f64]) -> Light {
         let products = terms.into_iter().zip(2..).map(|(terms, order)| Products::new(terms, r.count, order));
         Light {
@@ -62,7 +62,8 @@ impl Light {
         self.diffuse.under(of, &self.reflectance, g, |light| Self::at(light, &view.weights))
     }
 
-    /// Returns `pi` times the recycled kernel between a view and the groups of a source, each with its round trips.
+    /// Returns `pi` times the recycled kernel between a view and the groups of a source, each with its round
+    /// trips.
     pub(in super::super) fn between(
         &self,
         view: &Seen,
@@ -85,8 +86,8 @@ impl Light {
         rows.flat_map(|row| row.iter().zip(g).map(|(r, g)| 1.0 / (1.0 - g * self.unscattered * r))).collect()
     }
 
-    /// Adds the difference of the exact orders from their closed form, and multiplies the later ones by a power of the
-    /// ratio. It is that of all groups together.
+    /// Adds the difference of the exact orders from their closed form, and multiplies the later ones by a
+    /// power of the ratio. It is that of all groups together.
     fn correct(&self, source: &[(&Towards, &[f64])], orders: &mut [Vec<f64>]) {
         let Some(last) = self.products.len().checked_sub(1) else { return };
         if source.iter().any(|(group, _)| group.exact.is_empty()) {
@@ -127,8 +128,8 @@ impl Light {
         Some(series(&self.orders(view, source.wider.as_ref()?, &[]), g, truncated))
     }
 
-    /// Returns orders 2, 3, ... of the series, without the powers of g; light of the source makes these round trips
-    /// (at the nodes; none if empty).
+    /// Returns orders 2, 3, ... of the series, without the powers of g; light of the source makes these round
+    /// trips (at the nodes; none if empty).
     fn orders(&self, view: &Seen, weights: &Weights, round_trips: &[f64]) -> Vec<Vec<f64>> {
         let count = weights.rows.len();
         let of_view = if view.is_one_ring {
@@ -165,8 +166,8 @@ impl Light {
         (0..count).map(order).collect()
     }
 
-    /// Returns powers 0, 1, ... of the reflectance, and the round trips, at rows of weights on the nodes: for each power
-    /// `[row][column]`, as many as this number of orders needs.
+    /// Returns powers 0, 1, ... of the reflectance, and the round trips, at rows of weights on the nodes: for
+    /// each power `[row][column]`, as many as this number of orders needs.
     fn powers_of(&self, rows: &[f64], round_trips: &[f64], orders: usize) -> Vec<Vec<f64>> {
         let columns = self.columns;
         let nodes = self.reflectance.len() / columns.max(1);
@@ -184,7 +185,8 @@ impl Light {
         all
     }
 
-    /// Returns the same for a row that belongs to one |beta|, where powers are those of the reflectance there.
+    /// Returns the same for a row that belongs to one |beta|, where powers are those of the reflectance
+    /// there.
     fn powers_on_ring(&self, row: &[f64], round_trips: &[f64], orders: usize) -> Vec<Vec<f64>> {
         let weight: f64 = row.iter().sum();
         let mut reflectance = Self::at(&self.reflectance, row);

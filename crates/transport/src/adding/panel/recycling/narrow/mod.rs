@@ -17,14 +17,15 @@
 //!
 //! exactly for b = 0 and, over a uniform base without rims, for any b. Its error is of the order of b.
 //!
-//! Order 2, and under strong fronts order 3, are computed without this approximation: between points of light (beams and
-//! discs) and a view ([`passes`]), and between a view and some directions around it, for fields ([`field`]). Only the
-//! difference from the closed form is computed in this way, so that a few terms of the reflectance are enough. The ratio
-//! to the closed form corrects the later orders ([`Extrapolation`]), which are weaker by a factor of about g R each.
+//! Order 2, and under strong fronts order 3, are computed without this approximation: between points of light
+//! (beams and discs) and a view ([`passes`]), and between a view and some directions around it, for fields
+//! ([`field`]). Only the difference from the closed form is computed in this way, so that a few terms of the
+//! reflectance are enough. The ratio to the closed form corrects the later orders ([`Extrapolation`]), which
+//! are weaker by a factor of about g R each.
 //!
 //! Over a table with kinks, from the second level on a grid for a wider lobe W shows the error of
-//! the closed form instead. The error at b is estimated from it ([`weights`]) and added, so that the rest is of the
-//! order of b (W - b). The finer the level, the narrower W, down to b.
+//! the closed form instead. The error at b is estimated from it ([`weights`]) and added, so that the rest is
+//! of the order of b (W - b). The finer the level, the narrower W, down to b.
 
 mod basis;
 mod between;
@@ -76,7 +77,8 @@ pub(in super::super) struct Narrow {
     extrapolation: Extrapolation,
 }
 
-/// For each order 2, 3, ... that is exact, the difference from the closed form: a coefficient for each product of terms.
+/// For each order 2, 3, ... that is exact, the difference from the closed form: a coefficient for each
+/// product of terms.
 pub(in super::super) type Exact = Vec<Vec<f64>>;
 
 /// A view: its weights on the nodes of air, and if there are fields its surroundings, for each exact order.
@@ -144,8 +146,8 @@ impl Narrow {
         self.passes.iter().map(|passes| passes.once.squares())
     }
 
-    /// Returns `pi` times the difference of the exact orders from their closed form between groups of points of a view and of a source, by group of the
-    /// view and of the source.
+    /// Returns `pi` times the difference of the exact orders from their closed form between groups of points
+    /// of a view and of a source, by group of the view and of the source.
     pub(super) fn between(&self, views: &[&[Point]], sources: &[&[Point]]) -> Vec<Vec<Exact>> {
         let mut all = vec![vec![Vec::new(); sources.len()]; views.len()];
         for passes in &self.passes {

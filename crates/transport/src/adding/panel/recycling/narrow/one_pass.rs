@@ -56,8 +56,9 @@ pub(super) struct Here {
     turns: Vec<f64>,
 }
 
-/// Range of the polynomials beyond the disc of air, in widths of the lobe: light in the glass that passes between two
-/// directions in air hardly leaves that disc, and over all of the glass a film needs many more terms.
+/// Range of the polynomials beyond the disc of air, in widths of the lobe: light in the glass that passes
+/// between two directions in air hardly leaves that disc, and over all of the glass a film needs many more
+/// terms.
 const WIDTHS_BEYOND_RIM: f64 = 3.0;
 
 /// Digits of the interpolation of rho for each further node, and terms of the reflectance for each node.
@@ -114,7 +115,8 @@ impl OnePass {
         self.terms.nodes().iter().map(|cosine| self.index * self.index * (1.0 - cosine * cosine)).collect()
     }
 
-    /// Returns the fractions of light that is scattered twice in a pass, or once, and the widths of the lobes.
+    /// Returns the fractions of light that is scattered twice in a pass, or once, and the widths of the
+    /// lobes.
     pub(super) fn ways(&self) -> Vec<(f64, f64)> {
         let (s, b) = (self.straight, self.width);
         let all = [((1.0 - s) * (1.0 - s), 2.0 * b), (s * (1.0 - s), b)];
@@ -199,8 +201,8 @@ impl OnePass {
         self.radii.at(at.length(), &mut here.radial);
     }
 
-    /// Adds the light of one pass from an end to here, in padded terms, given the densities of light scattered twice and
-    /// once.
+    /// Adds the light of one pass from an end to here, in padded terms, given the densities of light
+    /// scattered twice and once.
     #[inline(always)]
     pub(super) fn add_light(&self, end: &End, here: &mut Here, [twice, once]: [f64; 2], out: &mut [f64]) {
         let scale = 0.5 * twice + once;

@@ -1,13 +1,13 @@
 //! Light between a view and a source that meets the base two or three times, under a narrow lobe.
 //!
-//! With S one pass in which light is scattered ([`OnePass`]) and `d = s² R` one in which it is not, two passes
-//! are the integral of `S(v, a) S(a, l)` over the disc of air, and three that of `S(v, a) N(a, l)`, where N is d S
-//! or two passes. Each is the product of two lobes, around v and around l, and a smooth function ([`Between`]).
-//! The reflectance is a sum of terms, so that it is a form of degree 2 or 3 in these.
+//! With S one pass in which light is scattered ([`OnePass`]) and `d = s² R` one in which it is not, two
+//! passes are the integral of `S(v, a) S(a, l)` over the disc of air, and three that of `S(v, a) N(a, l)`,
+//! where N is d S or two passes. Each is the product of two lobes, around v and around l, and a smooth
+//! function ([`Between`]). The reflectance is a sum of terms, so that it is a form of degree 2 or 3 in these.
 //!
 //! Divided by the lobe of all its passes, such light is itself smooth: it differs from the closed form
-//! ([`super`]) by the order of b, and around the rim, over a distance of b, by what is lost there. The difference
-//! is interpolated between a few directions, for the third pass and for fields.
+//! ([`super`]) by the order of b, and around the rim, over a distance of b, by what is lost there. The
+//! difference is interpolated between a few directions, for the third pass and for fields.
 
 use std::f64::consts::PI;
 
@@ -109,7 +109,8 @@ impl Passes {
         Around { end: end.clone(), differences }
     }
 
-    /// Returns the difference from the closed form of all passes between a direction of azimuth 0 and all directions.
+    /// Returns the difference from the closed form of all passes between a direction of azimuth 0 and all
+    /// directions.
     pub(super) fn differences_around(&self, end: &End) -> Vec<f64> {
         if self.count == 2 {
             return self.between_rings(2, |one| self.form(one, &Far::Once(end)), end);
@@ -176,8 +177,8 @@ impl Passes {
         work.into_form()
     }
 
-    /// Returns the fractions and widths of the lobes around the other end: after two passes, first those of light
-    /// scattered in both.
+    /// Returns the fractions and widths of the lobes around the other end: after two passes, first those of
+    /// light scattered in both.
     fn ways(&self, far: &Far<'_>) -> Vec<(f64, f64)> {
         match far {
             Far::Once(_) => self.once.ways(),
@@ -189,9 +190,9 @@ impl Passes {
         }
     }
 
-    /// Returns `pi` times the difference from the closed form of all passes between groups of points of a view and of
-    /// a source: for each group of the view and of the source a coefficient for each product of terms. Directions close together differ only by
-    /// the lobe.
+    /// Returns `pi` times the difference from the closed form of all passes between groups of points of a
+    /// view and of a source: for each group of the view and of the source a coefficient for each product of
+    /// terms. Directions close together differ only by the lobe.
     pub(super) fn between(&self, views: &[&[Point]], sources: &[&[Point]]) -> Vec<Vec<Vec<f64>>> {
         let [of_view, of_source] = [views, sources].map(|groups| clusters(groups, self.digits));
         let mut all = vec![vec![vec![0.0; self.places.count()]; sources.len()]; views.len()];
@@ -220,7 +221,8 @@ impl Passes {
     }
 }
 
-/// Adds the closed form of two or three passes between directions with these terms, for each sequence of terms.
+/// Adds the closed form of two or three passes between directions with these terms, for each sequence of
+/// terms.
 #[inline(always)]
 pub(super) fn add_closed(count: usize, [one, other]: [&[f64]; 2], scale: f64, out: &mut [f64]) {
     let terms = one.len();
@@ -259,7 +261,8 @@ struct Workspace {
     here: Here,
     rings: Vec<f64>,
     turns: Vec<f64>,
-    /// Light of one pass, of the same without the last reflection, and from the other end; padded to a multiple of [`LANES`].
+    /// Light of one pass, of the same without the last reflection, and from the other end; padded to a
+    /// multiple of [`LANES`].
     near: Vec<f64>,
     once: Vec<f64>,
     far: Vec<f64>,
@@ -267,8 +270,8 @@ struct Workspace {
     size: usize,
     /// `[near][far]`, with padding.
     form: Vec<f64>,
-    /// Factors of the differences of two passes here, `[|a|][azimuth]`, and the sum of their products with the light of
-    /// one pass, `[near][|a|][azimuth]`.
+    /// Factors of the differences of two passes here, `[|a|][azimuth]`, and the sum of their products with
+    /// the light of one pass, `[near][|a|][azimuth]`.
     factors: Vec<f64>,
     moments: Vec<f64>,
 }
@@ -324,8 +327,9 @@ impl Workspace {
         }
     }
 
-    /// Adds the differences of two passes from the closed form. They are interpolated linearly: their products with the
-    /// moments of the light of one pass take much less than an interpolation at each direction.
+    /// Adds the differences of two passes from the closed form. They are interpolated linearly: their
+    /// products with the moments of the light of one pass take much less than an interpolation at each
+    /// direction.
     #[inline(always)]
     fn add_differences(&mut self, far: &Far<'_>) {
         if let Far::Twice(around) = far {
@@ -344,8 +348,8 @@ impl Workspace {
         rows.flat_map(|row| &row[..self.size]).copied().collect()
     }
 
-    /// Computes the light that arrives here after two passes, without its differences from the closed form, and the
-    /// factors of these.
+    /// Computes the light that arrives here after two passes, without its differences from the closed form,
+    /// and the factors of these.
     #[inline(always)]
     fn add_twice(&mut self, of: &Passes, around: &Around, densities: [f64; MOST_WAYS]) {
         let lobes = of.lobes(2).count();
@@ -403,8 +407,8 @@ pub(super) fn clusters(groups: &[&[Point]], digits: f64) -> Vec<Cluster> {
 /// Size of a cluster at no digits.
 const LARGEST_CLUSTER: f64 = 0.5;
 
-/// Natural digits of the interpolation of differences from the closed form, which are small, as a fraction of those
-/// of all light; rings in addition to those that the rim requires, and digits for each azimuth.
+/// Natural digits of the interpolation of differences from the closed form, which are small, as a fraction of
+/// those of all light; rings in addition to those that the rim requires, and digits for each azimuth.
 const DIGITS_OF_DIFFERENCES: f64 = 0.6;
 const MORE_RINGS: usize = 2;
 const DIGITS_A_TURN: f64 = 1.5;

@@ -2,8 +2,8 @@
 
 use crate::adding::panel::lobes::LANES;
 
-/// Polynomials that are one at one of the nodes and zero at the others, by the barycentric formula. They are padded with zeros to
-/// a multiple of [`LANES`].
+/// Polynomials that are one at one of the nodes and zero at the others, by the barycentric formula. They are
+/// padded with zeros to a multiple of [`LANES`].
 #[derive(Debug, Clone)]
 pub(super) struct Polynomials {
     nodes: Vec<f64>,

@@ -137,11 +137,12 @@ fn closed_form_of_circles_equals_sum_over_points() {
     }
 }
 
-/// Exact passes between a view and a field, interpolated between a few directions, equal those between the view and all
-/// its directions, which are integrals.
+/// Exact passes between a view and a field, interpolated between a few directions, equal those between the
+/// view and all its directions, which are integrals.
 ///
-/// An integral has the digits of its plan. Of the difference from the closed form, which alone is interpolated, 0.6 of
-/// these are represented. Orders after the exact ones are extrapolated from the last of them, which has the fewest.
+/// An integral has the digits of its plan. Of the difference from the closed form, which alone is
+/// interpolated, 0.6 of these are represented. Orders after the exact ones are extrapolated from the last of
+/// them, which has the fewest.
 #[test]
 fn passes_of_fields_equal_sum_over_points() {
     for (width, regular_fraction, g, digits) in
@@ -167,8 +168,8 @@ fn passes_of_fields_equal_sum_over_points() {
     }
 }
 
-/// Powers of the reflectance on one ring equal interpolated powers, for a field of view of 0.05 deg and a beam, up to the
-/// square of the relative change of the reflectance over the field of view.
+/// Powers of the reflectance on one ring equal interpolated powers, for a field of view of 0.05 deg and a
+/// beam, up to the square of the relative change of the reflectance over the field of view.
 #[test]
 fn powers_on_one_ring_equal_interpolated_powers() {
     for regular_fraction in [0.0, 0.3] {
@@ -205,7 +206,8 @@ fn powers_on_one_ring_equal_interpolated_powers() {
 #[test]
 fn light_equals_series_on_grid() {
     let width = 0.03;
-    // Under a strong front, the first level has the closed form of the third pass, the second the pass itself.
+    // Under a strong front, the first level has the closed form of the third pass, the second the pass
+    // itself.
     for (regular_fraction, g, digits, most) in [
         (0.0, 0.02, 15.0, 8e-3),
         (0.0, 0.3, 11.5, 5e-2),

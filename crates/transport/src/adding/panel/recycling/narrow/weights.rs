@@ -64,8 +64,8 @@ impl Weights {
     }
 }
 
-/// Returns whether points are so close to one |beta| that a power of the mean reflectance is the mean of the power: the
-/// difference is of the second order.
+/// Returns whether points are so close to one |beta| that a power of the mean reflectance is the mean of the
+/// power: the difference is of the second order.
 pub(super) fn are_one_ring(points: &[Point]) -> bool {
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for radius in points.iter().map(|point| point.beta.length()) {
@@ -74,8 +74,8 @@ pub(super) fn are_one_ring(points: &[Point]) -> bool {
     most - least <= WIDTH_OF_RING
 }
 
-/// Largest difference of |beta| on one ring. Where a film's reflectance changes by twice itself over 0.1, recycled light is
-/// wrong by 1e-3 at most, and all light by 1e-3 of the fraction that the front sends back.
+/// Largest difference of |beta| on one ring. Where a film's reflectance changes by twice itself over 0.1,
+/// recycled light is wrong by 1e-3 at most, and all light by 1e-3 of the fraction that the front sends back.
 const WIDTH_OF_RING: f64 = 2e-3;
 
 impl Towards {
@@ -220,7 +220,8 @@ pub(super) fn by_order(circles: &[Circle], count: usize) -> Vec<f64> {
     (0..count).flat_map(order).collect()
 }
 
-/// Natural digits of the orders of a lobe, relative to its peak: far from it, light is fainter by a factor of 1e4.
+/// Natural digits of the orders of a lobe, relative to its peak: far from it, light is fainter by a factor of
+/// 1e4.
 const DIGITS_OF_ORDERS: f64 = 24.0;
 
 /// Difference below which two radii belong to one ring.
