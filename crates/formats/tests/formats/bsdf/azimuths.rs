@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use papilio_formats::{BsdfProblem, read_bsdf_file};
 use papilio_goniometry::{Audit, ScatterMode};
+use papilio_testing::everyday;
 
 use super::{file, refused_bsdf};
 
@@ -131,7 +132,7 @@ fn radians(deg: f64, digits: i32) -> String {
 #[test]
 fn rounded_radians_are_the_degrees_that_were_meant() {
     for (phi_i, from) in [(0.0, 0), (180.0, 0), (0.0, -180)] {
-        for digits in [3, 4, 5, 6, 7, 9, 12, -5, -7] {
+        for digits in everyday(3, [4, -5, 7, 3, 5, 6, 9, 12, -7]) {
             let mut astm = "ASTM E1392\nVARS theta_i,phi_i,theta_s,phi_s,BSDF\n".to_owned();
             let mut table = "theta_i (rad),phi_i (rad),theta_o (rad),phi_o (rad),btdf\n".to_owned();
             let mut fred = "type bsdf_data\nformat angles=rad bsdf=value scale=1\n".to_owned();
