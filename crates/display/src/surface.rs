@@ -149,8 +149,8 @@ impl SurfaceFace {
         Ok(kernels.insert(found).clone())
     }
 
-    /// A face by waves: lobes that differ by wavelength, each made by `balance`, which is told how many are
-    /// made.
+    /// A face by waves: lobes that differ by wavelength, each computed by `balance`, which is told how many lobes
+    /// there are.
     fn by_waves(
         &self,
         grid: &Grid,
