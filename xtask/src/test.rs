@@ -23,12 +23,6 @@ const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
 /// Number of random displays, read by validation's comparison of the two solvers.
 const STACKS_VARIABLE: &str = "PAPILIO_STACKS";
 
-/// Number of random scenario files, read by validation's comparison of the two solvers.
-const SCENARIOS_VARIABLE: &str = "PAPILIO_SCENARIOS";
-
-/// With this number, the mean square of the z-scores is known to 10 %.
-const SCENARIOS: &str = "300";
-
 /// Duration for each format, read by the mutation tests of BSDF files and of pictures in `crates/formats`. If
 /// it is set, the mutation tests of scenarios use 25 times as many mutations.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
@@ -77,7 +71,6 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
             .arg(features(page::ALL))
             .env(SEEDS_VARIABLE, seeds.to_string())
             .env(STACKS_VARIABLE, stacks.to_string())
-            .env(SCENARIOS_VARIABLE, SCENARIOS)
             .env(FUZZ_VARIABLE, FUZZ_SECONDS)
             .env(SEARCH_VARIABLE, "10")
             .env(LOAD_VARIABLE, LOAD_SECONDS)

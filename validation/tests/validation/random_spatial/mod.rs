@@ -2,7 +2,7 @@
 //! adding against paths. The deviations must agree with the standard errors, and stated errors of adding must
 //! hold for 99 % of all numbers.
 //!
-//! `PAPILIO_SCENARIOS=300` sets the number of displays, `PAPILIO_SCENARIOS=17..18` selects some;
+//! `PAPILIO_SCENARIOS=100` sets the number of displays, `PAPILIO_SCENARIOS=17..18` selects some;
 //! `PAPILIO_PATHS=65536` the paths.
 
 mod draw;
