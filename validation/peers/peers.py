@@ -83,10 +83,13 @@ def shown(seconds):
     return f"{value:.0f} {unit}" if value >= 100 else f"{value:.3g} {unit}"
 
 
-def row(task, peer, ours, theirs, difference):
+def speed_up(ours, theirs):
     ratio = theirs / ours
-    times = f"{ratio:,.0f}" if ratio >= 10 else f"{ratio:.2g}"
-    return f"| {task} | {peer} | {shown(theirs)} | {shown(ours)} | {times} | {difference} |"
+    return f"{ratio:,.0f}" if ratio >= 10 else f"{ratio:.2g}"
+
+
+def row(task, peer, ours, theirs, difference):
+    return f"| {task} | {peer} | {shown(theirs)} | {shown(ours)} | {speed_up(ours, theirs)} | {difference} |"
 
 
 def largest_difference(a, b):
@@ -131,11 +134,13 @@ def scene_rows(program, given, case, task):
     ours = [Papilio(program, "scenes", kind, light, solver) for solver in solvers]
     theirs = [partial(scenes.measured, variant, given, luminous, light) for variant in variants]
     measured = in_turn(*ours, *theirs, rounds=3)
-    for solver, (papilio, a) in zip(("adding", "Monte Carlo"), measured):
-        a = a[-1] if luminous else a[:-1]
-        for variant, (peer, b) in zip(variants, measured[len(solvers) :]):
-            far = 100 * (np.mean(b) / np.mean(a) - 1)
-            yield row(f"{task}, {solver}", f"Mitsuba 3 {variant}", papilio, peer, f"{far:+.1f} %")
+    for variant, (peer, b) in zip(variants, measured[len(solvers) :]):
+        both = measured[: len(solvers)]
+        means = [np.mean(a[-1] if luminous else a[:-1]) for _, a in both]
+        far = " / ".join(f"{100 * (np.mean(b) / mean - 1):+.1f}" for mean in means)
+        seconds = " / ".join(shown(papilio) for papilio, _ in both)
+        ratios = " / ".join(speed_up(papilio, peer) for papilio, _ in both)
+        yield f"| {task} | Mitsuba 3 {variant} | {shown(peer)} | {seconds} | {ratios} | {far} % |"
 
 
 def versions():

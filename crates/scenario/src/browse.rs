@@ -185,28 +185,23 @@ pub fn with_catalogue_tables(page: &str) -> Option<String> {
 }
 
 fn material_table() -> String {
-    let mut text = "| name | what | n, k at 550 nm | data, nm | source |\n|---|---|---|---|---|\n".to_owned();
+    let mut text = "| name | what | n, k at 550 nm | data, nm |\n|---|---|---|---|\n".to_owned();
     for entry in materials() {
         let range = entry.measured_nm.map_or("all".to_owned(), |[a, b]| format!("{a:.0} to {b:.0}"));
         let k = if entry.k_550 >= 5e-4 { format!(", {:.3}", entry.k_550) } else { String::new() };
-        text += &format!(
-            "| `{}` | {} | {:.3}{k} | {range} | {} |\n",
-            entry.name, entry.what, entry.n_550, entry.source
-        );
+        text += &format!("| `{}` | {} | {:.3}{k} | {range} |\n", entry.name, entry.what, entry.n_550);
     }
     text
 }
 
 fn illuminant_table() -> String {
-    let mut text = "| name | light | x | y | CCT, K | Ra |\n|---|---|---|---|---|---|\n".to_owned();
+    let mut text = "| name | light | CCT, K | Ra |\n|---|---|---|---|\n".to_owned();
     for entry in illuminants() {
         let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));
         text += &format!(
-            "| `{}` | {} | {:.4} | {:.4} | {} | {} |\n",
+            "| `{}` | {} | {} | {} |\n",
             entry.name,
             entry.what,
-            entry.x,
-            entry.y,
             number(entry.cct_K),
             number(entry.Ra)
         );
