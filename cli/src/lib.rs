@@ -88,8 +88,7 @@ commands! {
     /// Export the spectral BRDF of the whole display, for each state
     #[command(after_help = "Examples:\n  papilio brdf scenarios/indoor.toml --out out/brdf\n  \
                       papilio brdf scenarios/indoor.toml --format rgl --states white,black --out out/mitsuba\n\n\
-                      docs/brdf.md describes the files: display-bsdf.npz for NumPy; CSV; RGL tensor files and a scene for the \
-                      renderer Mitsuba.")]
+                      docs/brdf.md describes the files.")]
     Brdf(arguments::Brdf) => brdf::brdf,
     /// Compute the sparkle of an antiglare face over the pixels: random brightness of equal pixels
     #[command(
@@ -116,32 +115,28 @@ commands! {
                       papilio image scenarios/six-ink.toml photograph.jpg\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n  \
                       papilio image scenarios/page.toml --rooms FL11,D65\n\n\
-                      It writes seen.png and seen.exr, what the reader sees; states.png, the state of each pixel; and image.json. \
-                      docs/image.md describes them.")]
+                      docs/image.md describes the files.")]
     Image(arguments::ImageCommand) => image::command,
     /// Compute the palette of a display: the colours of all states in this light and in other rooms, for
     /// other programs too
     #[command(after_help = "Examples:\n  \
                       papilio palette scenarios/six-ink.toml\n  \
                       papilio palette scenarios/six-ink.toml --rooms D65,FL11 --relative-to display\n\n\
-                      It writes palette.json, and the colours as .gpl, .css, .ase, .act and for dithering tools. docs/palette.md \
-                      describes them.")]
+                      docs/palette.md describes the files.")]
     Palette(arguments::PaletteCommand) => palette::palette,
     /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light; can
     /// be resumed
     #[command(after_help = "Examples:\n  \
                       papilio gonio surfaces/hemispheres.toml\n  \
                       papilio gonio surfaces/etched.toml --preview --set microgeometry.rms_nm=400\n\n\
-                      It writes totals.csv, audit.json and the kernel of both sides, face.npz. docs/gonio.md describes them. \
-                      Each finished part is saved: to resume an interrupted measurement, run the same command again.")]
+                      docs/gonio.md describes the files. To resume an interrupted measurement, run the same command again.")]
     Gonio(arguments::Gonio) => gonio::gonio,
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
                       papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
-                      MEASURED needs the columns state, optionally theta_deg and phi_deg, and either wavelength_nm \
-                      and reflectance_factor, or X, Y and Z, or L, a and b; files of instruments are read too. \
-                      docs/compare.md describes them.")]
+                      MEASURED has the columns state, theta_deg, phi_deg, and wavelength_nm and reflectance_factor, or X, Y, Z, or \
+                      L, a, b; or it is the file of an instrument. docs/compare.md describes it.")]
     Compare(arguments::Compare) => compare::run,
     /// Write a commented scenario to start from: a display in the light of a preset
     #[command(
@@ -150,24 +145,21 @@ commands! {
     #[command(after_help = "Examples:\n  \
                       papilio new office office.toml && papilio run office.toml\n  \
                       papilio new --display epaper --light living-room reader.toml\n\n\
-                      Presets are rooms, daylight, and measuring geometries of standards. docs/light.md describes them.\n\
-                      The error for an unknown preset lists all names.")]
+                      docs/light.md describes the presets.")]
     New(arguments::New) => new::run,
     /// List the named materials, or show one: source, n and k, a figure
     #[command(
         after_help = "Examples: papilio materials\n          papilio materials TiO2\n          papilio materials oxide\n\n\
-                      Any other n and k can be given as a number, { n, k } or a file. docs/films.md describes them."
+                      docs/films.md describes other materials."
     )]
     Materials(arguments::Catalogue) => catalogue::list_materials,
     /// List the CIE illuminants, or show one: colour, colour temperature, Ra, spectrum, a figure
     #[command(after_help = "Examples: papilio illuminants\n          papilio illuminants FL11\n\n\
-                      Daylight and black bodies of any temperature, LEDs and files are spectra, too. docs/light.md describes \
-                      them.")]
+                      docs/light.md describes other spectra.")]
     Illuminants(arguments::Catalogue) => catalogue::list_illuminants,
     /// Replace old names of keys and values in a scenario file
     #[command(after_help = "Example: papilio migrate old.toml\n\n\
-                      Every command accepts old names; this command replaces them in the file. Comments, order and layout \
-                      do not change.")]
+                      Every command accepts old names, too. Comments, order and layout do not change.")]
     Migrate(arguments::Migrate) => migrate::run,
     /// Inspect, convert and fit files of measured scattering (BSDF)
     #[command(subcommand)]
@@ -175,25 +167,22 @@ commands! {
     /// Compute a scenario over a grid of values (`[sweep]`): sweep.csv and figures; can be resumed
     #[command(after_help = "Examples: papilio sweep scenarios/sweep.toml\n          \
                       papilio sweep scenarios/indoor.toml --axis display.diffuser.haze=0.3:0.8:0.1 --axis viewer.theta_deg=0,30\n\n\
-                      Each finished point is saved. To resume an interrupted sweep, run the same command again. If the \
-                      sweep has changed, only new points are computed.")]
+                      To resume an interrupted sweep, run the same command again.")]
     Sweep(arguments::Sweep) => sweep::sweep,
     /// Search for better designs (`[optimize]`): best.toml or a Pareto front; can be resumed
     #[command(after_help = "Example: papilio optimize scenarios/optimize.toml\n\n\
-                      Finished work is saved. To resume an interrupted search, run the same command again: the final files \
-                      are the same as without the interruption.")]
+                      To resume an interrupted search, run the same command again.")]
     Optimize(arguments::Optimize) => optimize::run,
     /// Run a tolerance analysis (`[tolerance]`): percentiles, yield, sensitivities; can be resumed
     #[command(after_help = "Example: papilio tolerance scenarios/tolerance.toml\n\n\
-                      Each finished sample is saved. To resume an interrupted analysis, run the same command again. If the \
-                      number of samples is increased, only the additional ones are computed.")]
+                      To resume an interrupted analysis, run the same command again.")]
     Tolerance(arguments::Tolerance) => tolerance::run,
     /// Study the numerical methods on a scenario
     #[command(subcommand)]
     Study(arguments::Study) => study::sampling,
     /// Reproduce the tables and figures of Feng (2012), and write them next to Papilio's results as HTML
     #[command(after_help = "Example: papilio validate --out out/validate\n\n\
-                      Then open out/validate/report.html in a browser. Feng (2012) is the dissertation that Papilio follows.")]
+                      Then open out/validate/report.html in a browser.")]
     Validate(arguments::Validate) => validate::validate,
     /// Start the web app: edit a display and see its result in the browser (local access only)
     #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\

@@ -157,6 +157,10 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
         let same: Vec<&str> = same.iter().filter_map(|line| line.split('`').nth(1)).collect();
         let same = match same.as_slice() {
             [] => String::new(),
+            // A whole table of many keys, from its first one to its last one.
+            [first, .., last] if same.len() == shared.len() && same.len() > 5 => {
+                format!("\nAs above: `{first}` to `{last}`.\n")
+            }
             keys => format!("\nAs above: `{}`.\n", keys.join("`, `")),
         };
         seen.push(of);
