@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use papilio_colour::{LUMENS_PER_WATT, Standard, Xyz, peak_nm};
-use papilio_spectra::{Grid, sum_of_products};
+use papilio_spectra::{Grid, StateSpectra, sum_of_products};
 use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
 use crate::readability::Reader;
@@ -260,7 +260,7 @@ impl<'a> Meter<'a> {
         for (light, rho) in self.lights.iter().zip(self.seen_of(seen)) {
             let from_front = sum_of_products(&rho.front, &light.xyz[1]);
             for state in 0..layout.states {
-                let base = &rho.via_pixel[state * layout.bins..][..layout.bins];
+                let base = rho.via_pixel.state(state);
                 let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
                 let radiance = sample[layout.radiance(state)].iter_mut().zip(&light.radiance);
                 radiance.zip(both.clone()).for_each(|((sum, white), rho)| *sum += white * rho);
@@ -298,7 +298,7 @@ impl<'a> Meter<'a> {
             let lights = &self.lights[self.white_lights.clone()];
             (0..self.grid.len()).map(|bin| lights.iter().map(|light| light.xyz[1][bin]).sum()).collect()
         };
-        let parts: [&[f64]; Layout::LEDGER] = [
+        let parts: [&StateSpectra; Layout::LEDGER] = [
             &ledger.returned,
             &ledger.front,
             &ledger.diffuser,
@@ -309,8 +309,7 @@ impl<'a> Meter<'a> {
         ];
         for state in 0..self.layout.states {
             for (slot, part) in self.layout.ledger(state).zip(parts) {
-                let row = &part[state * self.layout.bins..][..self.layout.bins];
-                sample[slot] = sum_of_products(row, &luminous);
+                sample[slot] = sum_of_products(part.state(state), &luminous);
             }
         }
     }

@@ -282,12 +282,7 @@ impl<'a> Survey<'a> {
             Source::Beam(beta) => Some(specular_image(&self.setup.stack, *beta)),
             _ => None,
         };
-        let images: Vec<ReflectanceFactor> = self
-            .beams
-            .iter()
-            .filter_map(image)
-            .map(|image| ReflectanceFactor { via_pixel: image.base, front: image.front })
-            .collect();
+        let images: Vec<ReflectanceFactor> = self.beams.iter().filter_map(image).collect();
         self.of_state(state, images.iter())
     }
 

@@ -219,7 +219,7 @@ impl Run<'_> {
         let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
         directed.iter().any(|source| {
             let image = specular_image(&self.setup.stack, centre(source));
-            image.base.iter().any(|base| *base > 0.0)
+            image.via_pixel.iter().any(|pixel| *pixel > 0.0)
         })
     }
 
@@ -230,7 +230,7 @@ impl Run<'_> {
             // Lambertian pixels have no image; a display with a filter has other states than its pixel.
             return image.front.repeat(self.setup.states.len());
         }
-        image.base.iter().zip(image.front.iter().cycle()).map(|(base, front)| base + front).collect()
+        brdf::total(&image).collect()
     }
 
     /// Assembles the result; `unreached` explains why a target was not reached.

@@ -345,7 +345,7 @@ impl<'a> Placed<'a> {
     ) -> Result<Vec<Vec<f64>>, DisplayError> {
         let Scene { solver, grid, .. } = &self.setup.scene;
         let white = Base {
-            reflector: Reflector::Lambertian(vec![1.0; grid.len()]),
+            reflector: Reflector::lambertian(vec![1.0; grid.len()], grid.len()),
             inactive_absorptance: vec![0.0; grid.len()].into(),
         };
         let stack = Stack::general(self.stack.layers().to_vec(), white);
@@ -418,7 +418,7 @@ impl<'a> Placed<'a> {
     /// X, Y and Z of an image via the pixel in one light, by its number.
     pub(super) fn colour(&self, estimate: &Estimate, light: usize, image: usize) -> [f64; 3] {
         let (weights, rho) = (&self.lights[light].weights, &estimate.rho[light]);
-        let seen = &rho.via_pixel[image * self.bins()..][..self.bins()];
+        let seen = rho.via_pixel.state(image);
         weights.each_ref().map(|weights| weights.iter().zip(seen).map(|(weight, seen)| weight * seen).sum())
     }
 

@@ -242,14 +242,14 @@ impl<'a> Frame<'a> {
             let (weights, factor) = (&light.weights, &factors[light.source]);
             measured.names.push(name_of_light(setup, light));
             for (state, page) in pages.iter_mut().enumerate() {
-                add(page, flat::colour(weights, &factor.via_pixel[state * bins..][..bins]));
+                add(page, flat::colour(weights, factor.via_pixel.state(state)));
             }
             for (sum, weights) in by_wavelength.iter_mut().zip(weights) {
                 let light = factor.via_pixel.iter().enumerate().map(|(at, light)| weights[at % bins] * light);
                 sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
             }
             if is_flat {
-                let page = &factor.via_pixel[self.page * bins..][..bins];
+                let page = factor.via_pixel.state(self.page);
                 let mut rows =
                     vec![vec![0.0; self.matrix.sub_pixels.len() + 1]; self.matrix.sub_pixels.len()];
                 for (at_mm, fraction) in &images {
@@ -265,7 +265,7 @@ impl<'a> Frame<'a> {
                         let (lit, source) = (self.lit(view, level), &setup.sources[light.source]);
                         more.own = self.own_light(lit, source, &weights[1], &factor.via_pixel)?;
                     }
-                    let all = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
+                    let all = flat::colour(weights, factor.via_pixel.state(self.page))[1];
                     more.add_returned(self.page, all, level.is_fine);
                 }
                 measured.page.push(more.once.page.clone());
