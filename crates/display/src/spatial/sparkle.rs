@@ -2,7 +2,7 @@
 //!
 //! The face is the rough layer whose correlation length is known, or the uppermost interface of the display. Rays through random
 //! faces give the estimate and its standard error; the matrix term is also known in closed form
-//! ([`papilio_transport::spatial::sparkle`] has the model, its validity and sources).
+//! ([`papilio_sparkle`] has the model, its validity and sources).
 //!
 //! **From the scene.** The windows of the matrix have the luminous reflectance of their sub-pixels in the state `white`, along the
 //! view. Films, mirrors and tables are mirror-like pixels, all others Lambertian. Skies, maps and front lights count as
@@ -11,12 +11,12 @@
 use papilio_colour::Observer;
 use papilio_colour::reader::contrast_sensitivity;
 use papilio_optics::Beta;
-use papilio_spectra::Spectrum;
-use papilio_transport::spatial::Gap;
-use papilio_transport::spatial::sparkle::{
+use papilio_sparkle::{
     Deflection, Effort, Face, Matrix, Panel, Pixel, PixelLight, Plan, Pupil, Room, Source, Window,
     band_contrast, closed,
 };
+use papilio_spectra::Spectrum;
+use papilio_transport::spatial::Gap;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -161,7 +161,7 @@ pub struct SparkleMap {
 /// # Errors
 /// If the scene is invalid; without a matrix, without a state `white`; if a length between face and pixels is missing; if another layer
 /// scatters between face and pixels; for collimated sources; for faces and sources that are too fine
-/// ([`papilio_transport::spatial::sparkle::SparkleError`]); if the computation was stopped.
+/// ([`papilio_sparkle::SparkleError`]); if the computation was stopped.
 pub fn sparkle(
     scene: &Scene,
     face: &Antiglare,
