@@ -64,13 +64,10 @@ const PAGE: f64 = 0.5;
 /// Estimate of reflectance factors, the first of which is that in diffuse light: by reciprocity, it is what
 /// returns of a beam from the view. What is absorbed where is not known.
 pub(crate) fn by_reciprocity(rho: Vec<ReflectanceFactor>) -> Estimate {
-    let ReflectanceFactor { via_pixel, front } = &rho[0];
-    let mut ledger = Ledger::zeros(via_pixel.states(), front.len());
-    ledger.returned = via_pixel.clone();
-    for row in ledger.returned.rows_mut() {
-        row.iter_mut().zip(front).for_each(|(seen, front)| *seen += front);
-    }
-    ledger.unaccounted = ledger.returned.map(|returned| 1.0 - returned);
+    let returned = rho[0].total();
+    let mut ledger = Ledger::zeros(returned.states(), rho[0].front.len());
+    ledger.unaccounted = returned.map(|returned| 1.0 - returned);
+    ledger.returned = returned;
     Estimate { rho, ledger }
 }
 

@@ -45,6 +45,15 @@ impl ReflectanceFactor {
         Self { via_pixel: StateSpectra::zeros(states, wavelengths), front: vec![0.0; wavelengths] }
     }
 
+    /// Returns all light, whether it has met the pixel or not.
+    pub fn total(&self) -> StateSpectra {
+        let mut total = self.via_pixel.clone();
+        for row in total.rows_mut() {
+            row.iter_mut().zip(&self.front).for_each(|(sum, front)| *sum += front);
+        }
+        total
+    }
+
     /// Adds another one, times a weight.
     pub(crate) fn add(&mut self, other: &Self, weight: f64) {
         let add = |sum: &mut [f64], values: &[f64]| {

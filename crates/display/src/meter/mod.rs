@@ -353,13 +353,13 @@ impl<'a> Meter<'a> {
 
     /// Computes the peak wavelength of each state of the pixel alone in the direction of a view, nm.
     pub(crate) fn bare_peaks(&self, at: &ViewPoint, base: &Base) -> Vec<Option<f64>> {
-        let mut reflectance = vec![0.0; self.layout.states * self.layout.bins];
+        let mut reflectance = StateSpectra::zeros(self.layout.states, self.layout.bins);
         // Below a colour filter the display has other states than its pixel.
         let is_filtered = self.setup.scene.display.filter().is_some();
         if is_filtered || !self.setup.pixel_alone(base, at, &mut reflectance) {
             return vec![None; self.layout.states];
         }
-        reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()
+        reflectance.rows().map(|one| peak_nm(&self.grid, one)).collect()
     }
 
     /// Returns the references of the states: a perfect white, or the display's white state if the front light
@@ -435,10 +435,10 @@ impl<'a> Meter<'a> {
     }
 
     /// Computes the image luminance ratios of the directed sources, `[state][light]`.
-    pub(crate) fn specular(&self, images: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    pub(crate) fn specular(&self, images: &[StateSpectra]) -> Vec<Vec<f64>> {
         let lights = &self.setup.lights[1..];
-        let one = |state: usize, (light, image): (&Light, &Vec<f64>)| {
-            let row = &image[state * self.layout.bins..][..self.layout.bins];
+        let one = |state: usize, (light, image): (&Light, &StateSpectra)| {
+            let row = image.state(state);
             if let Some(LineWeights { y_1931, .. }) = &light.lines {
                 let source: f64 = y_1931.iter().sum();
                 return if source > 0.0 { sum_of_products(row, y_1931) / source } else { 0.0 };

@@ -23,10 +23,10 @@ use serde::Serialize;
 
 use super::target::target;
 use crate::metrics::SparkleMetrics;
-use crate::run::{Workers, run};
+use crate::run::Workers;
 use crate::scene::{self, Drive, FilmPixel, FilmState, Interface, Method, Ready, Scene, Stop, UniformKind};
 use crate::setup::{Setup, ViewPoint};
-use crate::{Control, DisplayError, Progress, pixel};
+use crate::{Control, DisplayError, Prepared, Progress, pixel};
 
 /// State whose pixels are compared.
 const STATE: &str = "white";
@@ -171,7 +171,7 @@ pub fn sparkle(
     scene.display.has_sharp_pixels()?;
     let setup = Setup::new(scene, control)?;
     let room = room(scene, &setup)?;
-    let luminances = luminances(scene, control)?;
+    let luminances = luminances(&setup, control)?;
     let mut workers = None;
     let pool = Workers::wanted(&mut workers, control.threads.unwrap_or(0))?;
     let media = gaps(scene, face)?;
@@ -239,9 +239,8 @@ fn row(
     control: &Control<'_>,
 ) -> Result<(SparkleRow, SparkleMap), DisplayError> {
     let plan = Plan::new(panel.clone(), effort)?;
-    let one = |replicate: u64| if control.stopped() { None } else { Some(plan.light_of_pixels(replicate)) };
-    let faces: Option<Vec<_>> = (0..effort.replicates as u64).into_par_iter().map(one).collect();
-    let faces = faces.ok_or(DisplayError::Interrupted)?;
+    let one = |replicate: u64| control.check().map(|()| plan.light_of_pixels(replicate));
+    let faces: Vec<_> = (0..effort.replicates as u64).into_par_iter().map(one).collect::<Result<_, _>>()?;
     let found = plan.sparkle(&faces.iter().map(|light| Plan::moments(light)).collect::<Vec<_>>());
     let deflection = Deflection::new(&panel.media, panel.view);
     // The image of the pupil on the pixels: a disc, whose mean square along an axis is a quarter of its radius squared.
@@ -302,12 +301,13 @@ impl SparkleMap {
 }
 
 /// Luminance of the state `white` in each view, cd/m2.
-fn luminances(scene: &Scene, control: &Control<'_>) -> Result<Vec<f64>, DisplayError> {
-    let mut coarse = scene.clone();
+fn luminances(setup: &Setup, control: &Control<'_>) -> Result<Vec<f64>, DisplayError> {
+    let mut coarse = setup.scene.clone();
     coarse.solver.method = Method::Auto;
-    let target = target(&scene.solver.stop).unwrap_or(LUMINANCE_TARGET).max(LUMINANCE_TARGET);
+    let target = target(&coarse.solver.stop).unwrap_or(LUMINANCE_TARGET).max(LUMINANCE_TARGET);
     coarse.solver.stop = Stop::RelativeError { target, per_wavelength: false };
-    let result = run(&coarse, &Control { progress: &|_| {}, ..*control })?;
+    let quiet = Control { progress: &|_| {}, ..*control };
+    let result = Prepared::of(setup.clone()).run(&coarse, &quiet)?;
     let white = result.views.iter().map(|view| view.states.get(STATE));
     let luminances = white.map(|state| state.map(|state| state.value.luminance_cd_m2));
     let missing = || DisplayError::NoSuchQuantity { what: format!("state `{STATE}`"), quantity: "sparkle" };
