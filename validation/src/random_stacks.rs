@@ -223,7 +223,7 @@ fn base(dice: &mut Dice) -> Base {
     let most = if dice.one_in(8) { 1.0 } else { 0.85 };
     if dice.one_in(3) {
         let reflectance = (0..STATES * bins).map(|_| dice.between(0.0, most)).collect();
-        let reflector = Reflector::Lambertian(reflectance);
+        let reflector = Reflector::lambertian(reflectance, bins);
         return Base { reflector, inactive_absorptance: constant(0.0) };
     }
     // The reflectance is smooth over the cosine, as that of films.

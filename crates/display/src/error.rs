@@ -3,7 +3,7 @@
 use papilio_colour::ColourError;
 use papilio_microgeometry::MicrogeometryError;
 use papilio_optics::OpticsError;
-use papilio_transport::spatial::sparkle::SparkleError;
+use papilio_sparkle::SparkleError;
 
 /// Reason why a scene cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

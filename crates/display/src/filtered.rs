@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use papilio_optics::interface::fresnel_reflectance;
+use papilio_spectra::StateSpectra;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{
     Accuracy, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, TwoPlanes,
@@ -33,8 +34,8 @@ pub(crate) struct Filtered<'a> {
     index: f64,
     /// Air below the front, mm, and its reflectance for light from below.
     front: (f64, f64),
-    /// Reflectance of the pixel's states, `[state][wavelength]`.
-    rho: &'a [f64],
+    /// Reflectance of the pixel's states.
+    rho: &'a StateSpectra,
 }
 
 /// Light of all sources at a level.
@@ -63,11 +64,9 @@ const PAGE: f64 = 0.5;
 /// Estimate of reflectance factors, the first of which is that in diffuse light: by reciprocity, it is what
 /// returns of a beam from the view. What is absorbed where is not known.
 pub(crate) fn by_reciprocity(rho: Vec<ReflectanceFactor>) -> Estimate {
-    let ReflectanceFactor { via_pixel, front } = &rho[0];
-    let returned: Vec<f64> =
-        via_pixel.iter().enumerate().map(|(at, seen)| seen + front[at % front.len()]).collect();
-    let mut ledger = Ledger::zeros(returned.len());
-    ledger.unaccounted = returned.iter().map(|returned| 1.0 - returned).collect();
+    let returned = rho[0].total();
+    let mut ledger = Ledger::zeros(returned.states(), rho[0].front.len());
+    ledger.unaccounted = returned.map(|returned| 1.0 - returned);
     ledger.returned = returned;
     Estimate { rho, ledger }
 }
@@ -175,7 +174,7 @@ impl<'a> Filtered<'a> {
         let entering = entering.collect::<Result<Vec<Passed>, DisplayError>>()?;
         let bins = self.setup.scene.grid.len();
         let base = Base {
-            reflector: Reflector::Lambertian(vec![PAGE; bins]),
+            reflector: Reflector::lambertian(vec![PAGE; bins], bins),
             inactive_absorptance: vec![0.0; bins].into(),
         };
         let stack = self.setup.stack.with_base(base);
@@ -203,9 +202,8 @@ impl<'a> Filtered<'a> {
 
     /// Reflectance below each window of a period whose pixels are in these states of the display.
     pub(crate) fn reflectance(&self, states: &[usize]) -> Vec<&'a [f64]> {
-        let bins = self.setup.scene.grid.len();
         let below = states.iter().flat_map(|state| &self.filter.states[*state].pixel_states);
-        below.map(|state| &self.rho[state * bins..][..bins]).collect()
+        below.map(|state| self.rho.state(*state)).collect()
     }
 
     /// Irradiance of each cell in the light of a source, for a period whose pixels are in these states.
@@ -221,9 +219,10 @@ impl<'a> Filtered<'a> {
     /// What a view sees of all sources without the filter: light of the first order for a reflectance of 1,
     /// and that of faces.
     pub(crate) fn unfiltered(&self, lit: &Lit, view: usize) -> Vec<ReflectanceFactor> {
+        let bins = self.setup.scene.grid.len();
         let base = Base {
-            reflector: Reflector::Lambertian(vec![PAGE; self.setup.scene.grid.len()]),
-            inactive_absorptance: vec![0.0; self.setup.scene.grid.len()].into(),
+            reflector: Reflector::lambertian(vec![PAGE; bins], bins),
+            inactive_absorptance: vec![0.0; bins].into(),
         };
         let stack = self.setup.stack.with_base(base);
         let mut all = lit.kernel.seen(&stack, view);
@@ -242,7 +241,8 @@ impl<'a> Filtered<'a> {
     ) -> Estimate {
         let mut rho = self.unfiltered(lit, number);
         for (factor, irradiance) in rho.iter_mut().zip(irradiance) {
-            let first = std::mem::take(&mut factor.via_pixel);
+            let bins = self.setup.scene.grid.len();
+            let first = std::mem::replace(&mut factor.via_pixel, StateSpectra::zeros(0, bins));
             for (state, irradiance) in irradiance.iter().enumerate() {
                 let seen = self.mean(lit, leaving, irradiance, &self.reflectance(&vec![state; lit.columns]));
                 factor.via_pixel.extend(seen.iter().zip(&first).map(|(seen, first)| seen * first));

@@ -4,7 +4,7 @@
 //! other light, which changes slowly with the direction, in few directions.
 
 use papilio_spectra::sum_of_products;
-use papilio_transport::{Cone, Image, Source, disc_image, specular_image};
+use papilio_transport::{Cone, ReflectanceFactor, Source, disc_image, specular_image};
 
 use crate::meter::Meter;
 use crate::setup::Setup;
@@ -23,7 +23,8 @@ pub(crate) struct LampXyz {
 pub(crate) fn in_view(setup: &Setup) -> Vec<LampXyz> {
     let Some(view) = setup.views.first() else { return Vec::new() };
     let images = discs(setup).map(|(light, disc)| (light, disc_image(&setup.stack, &view.field, disc)));
-    let seen = |image: &Image| image.front.iter().chain(&image.base).any(|part| *part != 0.0);
+    let seen =
+        |image: &ReflectanceFactor| image.front.iter().chain(&image.via_pixel).any(|part| *part != 0.0);
     images.filter(|(_, image)| seen(image)).map(|(light, image)| xyz(setup, light, &image)).collect()
 }
 
@@ -34,7 +35,7 @@ pub(crate) fn whole(setup: &Setup) -> Vec<LampXyz> {
         let mut image = specular_image(&setup.stack, -disc.axis_towards());
         // Reflectance factor of a perfect mirror: its luminance over that of a perfect white.
         let factor = std::f64::consts::PI / disc.projected_solid_angle();
-        image.front.iter_mut().chain(&mut image.base).for_each(|part| *part *= factor);
+        image.front.iter_mut().chain(&mut image.via_pixel).for_each(|part| *part *= factor);
         xyz(setup, light, &image)
     };
     discs(setup).map(of_disc).collect()
@@ -48,15 +49,14 @@ fn discs(setup: &Setup) -> impl Iterator<Item = (usize, &Cone)> {
     })
 }
 
-fn xyz(setup: &Setup, light: usize, image: &Image) -> LampXyz {
+fn xyz(setup: &Setup, light: usize, image: &ReflectanceFactor) -> LampXyz {
     let meter = Meter::new(setup);
     let [x, y, z] = meter.weights(1 + light);
     let of = |reflected: &[f64]| [x, y, z].map(|weights| sum_of_products(reflected, weights));
-    let bins = image.front.len();
     let pixel = match setup.scene.display.filter() {
         // Lambertian pixels have no image; a display with a filter has other states than its pixel.
         Some(_) => vec![[0.0; 3]; setup.states.len()],
-        None => image.base.chunks_exact(bins).map(of).collect(),
+        None => image.via_pixel.rows().map(of).collect(),
     };
     LampXyz { light, front: of(&image.front), pixel }
 }

@@ -14,7 +14,7 @@ use crate::setup::Setup;
 /// to those of [`run`](crate::run()).
 #[derive(Debug)]
 pub struct Prepared {
-    /// `None` after an invalid scene.
+    /// `None` before the first scene, and after an invalid one.
     setup: Option<Setup>,
     kernels: Kernels,
     workers: Option<Workers>,
@@ -31,7 +31,12 @@ impl Prepared {
 
     /// A series of scenes similar to this one.
     pub(crate) fn of(setup: Setup) -> Self {
-        Self { setup: Some(setup), kernels: Kernels::default(), workers: None }
+        Self { setup: Some(setup), ..Self::empty() }
+    }
+
+    /// A series of scenes of which none is prepared yet.
+    pub(crate) fn empty() -> Self {
+        Self { setup: None, kernels: Kernels::default(), workers: None }
     }
 
     /// Runs a scene; an interrupted run returns the same as [`run`](crate::run()).

@@ -17,8 +17,9 @@
 use papilio_spectra::Spectrum;
 
 use crate::DisplayError;
+use crate::prepared::Prepared;
 use crate::result::{RunResult, State};
-use crate::run::{Control, run};
+use crate::run::Control;
 use crate::scene::{AngleMedium, DirectedLight, Method, Scene, Stop};
 use crate::setup::Setup;
 
@@ -72,24 +73,26 @@ pub fn reflection(
     theta_deg: &[f64],
     control: &Control<'_>,
 ) -> Result<Vec<Reflection>, DisplayError> {
-    let light = ambient_spectrum(scene, control)?;
+    let mut ambient = scene.clone();
+    ambient.lighting.front_light = None;
+    let setup = Setup::new(&ambient, control)?;
+    let light = total_spectrum(&setup);
+    let mut prepared = Prepared::of(setup);
     let one = |(number, theta): (usize, &f64)| {
         let part = [number, number + 1].map(|done| done as f64 / theta_deg.len() as f64);
         let scene = reflection_scene(scene, *theta, &light);
-        let result = control.within(part, |control| run(&scene, control))?;
+        let result = control.within(part, |control| prepared.run(&scene, control))?;
         Ok(Reflection { theta_deg: *theta, states: split(&result, *theta) })
     };
     theta_deg.iter().enumerate().map(one).collect()
 }
 
-/// Relative spectrum of the total ambient light; an equal-energy spectrum if there is none.
-fn ambient_spectrum(scene: &Scene, control: &Control<'_>) -> Result<Spectrum, DisplayError> {
-    let mut ambient = scene.clone();
-    ambient.lighting.front_light = None;
-    let setup = Setup::new(&ambient, control)?;
-    let zero = Spectrum::constant(&scene.grid, 0.0);
+/// Relative spectrum of all light; an equal-energy spectrum if there is none.
+fn total_spectrum(setup: &Setup) -> Spectrum {
+    let grid = &setup.scene.grid;
+    let zero = Spectrum::constant(grid, 0.0);
     let sum = setup.lights.iter().fold(zero, |sum, light| sum.zip_map(&light.irradiance, |a, b| a + b));
-    Ok(if sum.max() > 0.0 { sum } else { Spectrum::constant(&scene.grid, 1.0) })
+    if sum.max() > 0.0 { sum } else { Spectrum::constant(grid, 1.0) }
 }
 
 /// Scene of the display viewed from `theta_deg` in diffuse light, under a disc in the mirror direction, and

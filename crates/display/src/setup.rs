@@ -170,7 +170,7 @@ impl Setup {
         let was_panel = self.stack.panel().is_some();
         if !scene.display.has_layers_of(&last.display) || was_panel != scene.display.panel().is_some() {
             let placeholder = Base {
-                reflector: Reflector::Lambertian(Vec::new()),
+                reflector: Reflector::lambertian(Vec::new(), 0),
                 inactive_absorptance: Vec::new().into(),
             };
             let base = std::mem::replace(self.stack.base_mut(), placeholder);
@@ -262,7 +262,7 @@ fn stack(
 /// answer.
 pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
     let inactive_absorptance = vec![0.0; scene.grid.len()].into();
-    let base = Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance };
+    let base = Base { reflector: Reflector::lambertian(Vec::new(), 0), inactive_absorptance };
     Ok(Stack::general(layers(scene, None, Surfaces::Estimated)?, base))
 }
 

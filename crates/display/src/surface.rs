@@ -86,9 +86,7 @@ impl SurfaceFace {
                 Ok(face_by_rays(kernels, grid.len()))
             }
             SurfaceModel::Waves { .. } => self.by_waves(grid, |lobe, light, done| {
-                if control.stopped() {
-                    return Err(DisplayError::Interrupted);
-                }
+                control.check()?;
                 (control.progress)(Progress { unit: "lobes", ..done }.within(PART));
                 Ok(balanced(lobe, light))
             }),

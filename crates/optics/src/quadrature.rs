@@ -11,7 +11,7 @@ static RULES: LazyLock<Vec<Vec<(f64, f64)>>> =
     LazyLock::new(|| (0..=MOST_POINTS).map(|points| legendre(points, 0.0)).collect());
 
 /// Returns nodes and weights of the rule of this many points, 1 to 40, on an interval.
-pub(crate) fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = (f64, f64)> {
+pub fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = (f64, f64)> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     RULES[points.clamp(1, MOST_POINTS)].iter().map(move |(x, weight)| (middle + half * x, half * weight))
 }

@@ -1,6 +1,7 @@
 //! Wavelength grids, spectra, dispersion (n + ik) and illuminants.
 //!
-//! - [`Grid`]: the wavelengths of one computation; [`Spectrum`]: a value at each;
+//! - [`Grid`]: the wavelengths of one computation; [`Spectrum`]: a value at each,
+//!   [`StateSpectra`]: one for each state of a pixel;
 //! - [`Tabulated`]: a table from which spectra are interpolated, never extrapolated;
 //! - [`Dispersion`]: the complex refractive index of a medium; [`material`]: named materials;
 //! - [`illuminant`], [`daylight`], [`planck`], [`ohno_led`]: spectra of light; [`LightSpectrum`]: a light
@@ -30,6 +31,7 @@ mod light;
 mod material;
 mod primaries;
 mod spectrum;
+mod state_spectra;
 mod table;
 
 pub use catalogue::MaterialInfo;
@@ -44,3 +46,4 @@ pub use light::{LightSpectrum, LineSpectrum};
 pub use material::{material, material_info, material_names, materials_called};
 pub use primaries::srgb_primaries;
 pub use spectrum::{Spectrum, Tabulated, sum_of_products};
+pub use state_spectra::StateSpectra;

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use papilio_optics::with_widest_simd;
-use papilio_spectra::Spectrum;
+use papilio_spectra::{Spectrum, StateSpectra};
 
 use crate::{AngularTable, Cone, Medium, ScatterKernel};
 
@@ -22,8 +22,8 @@ pub struct Base {
 pub enum Reflector {
     /// Like a mirror.
     Specular(AngularTable),
-    /// The same basic radiance in every direction of the medium; shape `[state][wavelength]`.
-    Lambertian(Vec<f64>),
+    /// The same basic radiance in every direction of the medium.
+    Lambertian(StateSpectra),
     /// By a kernel for each state, with directions in the medium: cosines over its index, which should be
     /// constant; made by [`Reflector::scattering`]. The pixel absorbs all light that it does not send back.
     /// Only general layers can be above it, not a panel.
@@ -31,6 +31,11 @@ pub enum Reflector {
 }
 
 impl Reflector {
+    /// Builds a diffuse reflector from the reflectances of its states, `[state][wavelength]`.
+    pub fn lambertian(reflectance: Vec<f64>, wavelengths: usize) -> Self {
+        Self::Lambertian(StateSpectra::new(reflectance, wavelengths))
+    }
+
     /// Builds the reflection by a kernel for each state; each is replaced by the mean of its two readings,
     /// which is reciprocal.
     pub fn scattering(kernels: impl IntoIterator<Item = ScatterKernel>) -> Self {
@@ -59,7 +64,7 @@ impl Base {
     pub fn states(&self) -> usize {
         match &self.reflector {
             Reflector::Specular(table) => table.state_count(),
-            Reflector::Lambertian(reflectance) => reflectance.len() / self.bins(),
+            Reflector::Lambertian(reflectance) => reflectance.states(),
             Reflector::Scattering(kernels) => kernels.len(),
         }
     }

@@ -1,5 +1,7 @@
 //! Results of a solver: reflectance factors under each source alone, and an energy ledger.
 
+use papilio_spectra::StateSpectra;
+
 /// Result of a solver for one view.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Estimate {
@@ -9,38 +11,63 @@ pub struct Estimate {
     pub ledger: Ledger,
 }
 
-/// Reflectance factor under one source alone.
+/// Reflectance factor under one source alone; or, of a mirror image, its radiance relative to the source's.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReflectanceFactor {
-    /// Light that has met the pixel; shape `[state][wavelength]`.
-    pub via_pixel: Vec<f64>,
+    /// Light that has met the pixel.
+    pub via_pixel: StateSpectra,
     /// Light reflected before it met the pixel, the same in all states; shape `[wavelength]`.
     pub front: Vec<f64>,
 }
 
-/// Fractions of a unit beam, per state and wavelength (shape `[state][wavelength]`).
+/// Fractions of a unit beam.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ledger {
     /// Returned into the air.
-    pub returned: Vec<f64>,
+    pub returned: StateSpectra,
     /// Absorbed in the front of screen.
-    pub front: Vec<f64>,
+    pub front: StateSpectra,
     /// Absorbed in the diffuser, or scattered beyond the disc of directions.
-    pub diffuser: Vec<f64>,
+    pub diffuser: StateSpectra,
     /// Absorbed in the glass and other clear layers, coatings included.
-    pub glass: Vec<f64>,
+    pub glass: StateSpectra,
     /// Absorbed in the active pixel.
-    pub pixel: Vec<f64>,
+    pub pixel: StateSpectra,
     /// Absorbed in the inactive area of the panel.
-    pub inactive: Vec<f64>,
+    pub inactive: StateSpectra,
     /// Not attributed: light that was not followed to its end.
-    pub unaccounted: Vec<f64>,
+    pub unaccounted: StateSpectra,
+}
+
+impl ReflectanceFactor {
+    /// Returns the factor of a dark display.
+    pub fn zeros(states: usize, wavelengths: usize) -> Self {
+        Self { via_pixel: StateSpectra::zeros(states, wavelengths), front: vec![0.0; wavelengths] }
+    }
+
+    /// Returns all light, whether it has met the pixel or not.
+    pub fn total(&self) -> StateSpectra {
+        let mut total = self.via_pixel.clone();
+        for row in total.rows_mut() {
+            row.iter_mut().zip(&self.front).for_each(|(sum, front)| *sum += front);
+        }
+        total
+    }
+
+    /// Adds another one, times a weight.
+    pub(crate) fn add(&mut self, other: &Self, weight: f64) {
+        let add = |sum: &mut [f64], values: &[f64]| {
+            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+        };
+        add(&mut self.via_pixel, &other.via_pixel);
+        add(&mut self.front, &other.front);
+    }
 }
 
 impl Ledger {
-    /// Returns an account of no light. `len` is the number of states times that of wavelengths.
-    pub fn zeros(len: usize) -> Self {
-        let zeros = || vec![0.0; len];
+    /// Returns an account of no light.
+    pub fn zeros(states: usize, wavelengths: usize) -> Self {
+        let zeros = || StateSpectra::zeros(states, wavelengths);
         Self {
             returned: zeros(),
             front: zeros(),

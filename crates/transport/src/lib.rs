@@ -68,5 +68,5 @@ pub use layers::*;
 pub use light::{Cone, Edge, Field, Pixels, Radiance, Source};
 pub use panel::{Approximation, Described, Panel, PanelParts, Top};
 pub use pixel_spread::PixelSpread;
-pub use specular::{Image, disc_image, specular_image};
+pub use specular::{disc_image, specular_image};
 pub use stack::{Layer, NotAPanel, Stack};

@@ -2,40 +2,27 @@
 
 use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
+use papilio_spectra::StateSpectra;
 
 use crate::front::Flat;
 use crate::light::images::{Mirror, image_points};
 use crate::skeleton::{Ray, Skeleton};
-use crate::{Cone, Diffuser, Panel, Reflector, Source, Stack, Top};
-
-/// Radiance of a mirror image, relative to that of the source.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Image {
-    /// Reflected before the base, the same in all states; shape `[wavelength]`.
-    pub front: Vec<f64>,
-    /// Via the base; shape `[state][wavelength]`.
-    pub base: Vec<f64>,
-}
+use crate::{Cone, Diffuser, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
 
 /// Returns the specular reflectance of the whole display for light with these direction cosines,
 /// `|beta| <= 1`: the luminance of its mirror image over its own.
-pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
+pub fn specular_image(stack: &Stack, beta: Beta) -> ReflectanceFactor {
     stack.panel().map_or_else(|| layered_image(stack, beta), |panel| panel_image(panel, beta))
 }
 
 /// Returns the mirror image of a round source in a field of view, as a reflectance factor: [`specular_image`]
 /// times the light of the source in the view. 0 where the view does not look into the image.
-pub fn disc_image(stack: &Stack, view: &Cone, disc: &Cone) -> Image {
+pub fn disc_image(stack: &Stack, view: &Cone, disc: &Cone) -> ReflectanceFactor {
     let (bins, states) = (stack.base().bins(), stack.base().states());
-    let mut sum = Image { front: vec![0.0; bins], base: vec![0.0; states * bins] };
+    let mut sum = ReflectanceFactor::zeros(states, bins);
     for image in image_points(view, &[Source::Disc(*disc)], DIGITS, Mirror::Across(across(stack, view))) {
         for point in &image.points {
-            let one = specular_image(stack, point.beta);
-            let add = |sum: &mut [f64], more: &[f64]| {
-                sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += point.weight * more);
-            };
-            add(&mut sum.front, &one.front);
-            add(&mut sum.base, &one.base);
+            sum.add(&specular_image(stack, point.beta), point.weight);
         }
     }
     sum
@@ -50,22 +37,24 @@ fn across(stack: &Stack, view: &Cone) -> f64 {
 }
 
 /// [`specular_image`] of general layers: the reflection of their specular skeleton.
-pub(crate) fn layered_image(stack: &Stack, beta: Beta) -> Image {
+pub(crate) fn layered_image(stack: &Stack, beta: Beta) -> ReflectanceFactor {
     let mut skeleton = Skeleton::new(stack, stack.base());
     skeleton.set(stack, stack.base(), beta.squared());
     let mut field = skeleton.field();
     skeleton.emit(Ray::ENTERING, &mut field);
     let (front, risen) = field.at(Ray::LEAVING);
     let base = field.rising.iter().enumerate().map(|(k, rising)| rising * risen[k % risen.len()]);
-    Image { front: front.iter().copied().cycle().take(stack.base().bins()).collect(), base: base.collect() }
+    let bins = stack.base().bins();
+    let front = front.iter().copied().cycle().take(bins).collect();
+    ReflectanceFactor { via_pixel: StateSpectra::new(base.collect(), bins), front }
 }
 
 /// [`specular_image`] of a panel.
-pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> Image {
+pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> ReflectanceFactor {
     let base = &stack.base;
     let mut flat_top = FlatTop::new(base.bins());
     flat_top.set(stack, beta.squared());
-    let mut r = vec![0.0; base.states() * base.bins()];
+    let mut r = StateSpectra::zeros(base.states(), base.bins());
     match &base.reflector {
         Reflector::Specular(_) => base.reflectance(beta.squared(), &stack.medium, &mut r),
         Reflector::Lambertian(_) | Reflector::Scattering(_) => {}
@@ -82,7 +71,7 @@ pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> Image {
         };
         *value = flat.t * flat.t * below * round_trip(stack, flat.below * below);
     }
-    Image { front: (0..base.bins()).map(|bin| flat(bin).above).collect(), base: r }
+    ReflectanceFactor { via_pixel: r, front: (0..base.bins()).map(|bin| flat(bin).above).collect() }
 }
 
 /// Sums all orders of a round trip that preserves this fraction of the light.

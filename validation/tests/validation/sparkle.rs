@@ -2,11 +2,9 @@
 //! (`validation/sparkle/sparkle_oracle.py`).
 
 use papilio_optics::{Beta, RandomFace};
+use papilio_sparkle::{Deviation, Effort, Face, Matrix, Panel, Pixel, Plan, Pupil, Room, Source};
 use papilio_testing::{everyday, sized};
 use papilio_transport::spatial::Gap;
-use papilio_transport::spatial::sparkle::{
-    Deviation, Effort, Face, Matrix, Panel, Pixel, Plan, Pupil, Room, Source,
-};
 
 const TABLE: &str = include_str!("../../sparkle/sparkle.csv");
 

@@ -237,7 +237,7 @@ fn standard_errors_include_improbable_events() {
 fn light_just_above_horizon_is_included_by_all_tracers() {
     let bins = WAVELENGTHS_NM.len();
     let base = || Base {
-        reflector: Reflector::Lambertian(vec![0.5; STATES * bins]),
+        reflector: Reflector::lambertian(vec![0.5; STATES * bins], bins),
         inactive_absorptance: vec![0.0; bins].into(),
     };
     let air = || Medium::new(vec![1.0; bins].into());

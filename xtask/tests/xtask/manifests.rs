@@ -1,13 +1,13 @@
 //! The manifests of the workspace, as cargo reads them.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 
 use serde_json::Value;
 
-use crate::root;
+use crate::{read, root};
 
 /// A package of the workspace.
 pub(crate) struct Manifest {
@@ -82,4 +82,31 @@ fn tests_wheel_and_documentation_compile_the_same_packages() {
         let others: Vec<&String> = all.difference(&tests).collect();
         assert!(all.len() > 100 && others.is_empty(), "{selection:?}: {others:?}");
     }
+}
+
+/// The code map of ARCHITECTURE.md lists the crates from the lowest to the highest.
+#[test]
+fn crates_depend_only_on_crates_above_them_in_the_code_map() {
+    let page = read("ARCHITECTURE.md");
+    let (_, map) = page.split_once("\n## Code map\n").unwrap();
+    let rows = map.split("\n## ").next().unwrap().lines().filter_map(|line| line.strip_prefix("| "));
+    let cells: Vec<&str> = rows.map(|row| row.split(" |").next().unwrap().trim_matches('`')).collect();
+    let row = |folder: &Path| {
+        let folder = folder.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
+        let listed = |cell: &&str| **cell == folder || (folder.is_empty() && cell.starts_with("the top"));
+        cells.iter().position(|cell| listed(&cell)).unwrap_or_else(|| panic!("ARCHITECTURE.md: {folder}?"))
+    };
+    let (mut wrong, mut found) = (Vec::new(), 0);
+    for package in all() {
+        for dependency in package.about["dependencies"].as_array().unwrap() {
+            let Some(path) = dependency["path"].as_str().filter(|_| dependency["kind"] != "dev") else {
+                continue;
+            };
+            found += 1;
+            if row(Path::new(path)) >= row(&package.folder) {
+                wrong.push(format!("{} depends on {}", package.name, dependency["name"]));
+            }
+        }
+    }
+    assert!(found > 50 && wrong.is_empty(), "{found} dependencies: {wrong:?}");
 }

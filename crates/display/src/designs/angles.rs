@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use papilio_spectra::{Grid, Spectrum};
+use papilio_spectra::{Grid, Spectrum, StateSpectra};
 use papilio_transport::adding::{TableGradient, TableSums, TableValues, ViewSums};
 use papilio_transport::{Cone, Nodes, ReflectanceFactor, Reflector};
 
@@ -126,7 +126,7 @@ impl ColourViews {
         }
         let by_source = seen.chunks_exact(columns).zip(&view.fronts);
         let factor = |(via_pixel, front): (&[f64], &Vec<f64>)| ReflectanceFactor {
-            via_pixel: via_pixel.to_vec(),
+            via_pixel: StateSpectra::new(via_pixel.to_vec(), bins),
             front: front.clone(),
         };
         Some(by_source.map(factor).collect())

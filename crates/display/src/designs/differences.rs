@@ -37,7 +37,7 @@ impl Tangents<'_> {
             let Some((moved, step)) = self.moved(table, &of_film, change) else { return Vec::new() };
             stack.base_mut().reflector = Reflector::Specular(moved);
             let seen = kernel.seen(&stack, view);
-            let slope = |base: &Vec<f64>| {
+            let slope = |base: &[f64]| {
                 let mut slope = vec![0.0; columns];
                 for ((_, count), row) in MOVES.iter().zip(base.chunks_exact(columns)) {
                     slope.iter_mut().zip(row).for_each(|(slope, seen)| *slope += count / step * seen);

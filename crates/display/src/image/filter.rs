@@ -12,17 +12,19 @@ use crate::DisplayError;
 use crate::prepared::Prepared;
 use crate::run::Control;
 use crate::scene::{Filter, FilterState, Pixel, Scene};
+use crate::setup::Setup;
 
 /// The largest difference, in X, Y and Z relative to a perfect white, between a fine mixture of states by the
 /// fractions `shown` and the mean of their pages, whose X, Y, Z are given. 0 without a filter.
 pub(super) fn error_of_mixture(
-    scene: &Scene,
+    setup: &Setup,
     pages: &[[f64; 3]],
     shown: &[f64],
     control: &Control<'_>,
 ) -> Result<f64, DisplayError> {
-    let Some(mixed) = mixed(scene, shown)? else { return Ok(0.0) };
-    let lit = Lit::new(&mixed, &ImageSettings::default(), &mut Prepared::new(&mixed, control)?, control)?;
+    let Some(mixed) = mixed(&setup.scene, shown)? else { return Ok(0.0) };
+    let mut prepared = Prepared::of(setup.clone());
+    let lit = Lit::new(&mixed, &ImageSettings::default(), &mut prepared, control)?;
     let fine = lit.palette.pages()[0];
     let mean = |k: usize| pages.iter().zip(shown).map(|(page, share)| share * page[k]).sum::<f64>();
     Ok((0..3).map(|k| (fine[k] - mean(k)).abs()).fold(0.0, f64::max))

@@ -8,7 +8,7 @@ use super::lamps::{LampImage, drawn_lamps};
 use super::light::each_alone;
 use super::rendering::{Rendered, Rendering};
 use super::search::REACH_OF_LAYERS;
-use super::{ImageSettings, PictureSurround, SourceImage, stopped};
+use super::{ImageSettings, PictureSurround, SourceImage};
 use crate::DisplayError;
 use crate::palette::Palette;
 use crate::prepared::Prepared;
@@ -99,7 +99,7 @@ impl Lit {
         let no_white = DisplayError::NoWhite { what: "a picture" };
         let palette = Palette::of(&result, 0).ok_or(no_white)?.with_states(&settings.states)?;
         let [x, y, z] = palette.white_XYZ;
-        stopped(control)?;
+        control.check()?;
         let setup = prepared.setup(scene, control)?.clone();
         Ok(Self { setup, view, result, palette, white: Xyz { x, y, z } })
     }
@@ -116,7 +116,7 @@ impl Brought {
         let mapping = (settings.intent, settings.space);
         let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
         let rendered = rendering.rendered(&source.pixels);
-        stopped(control)?;
+        control.check()?;
         let spread = match settings.halftone {
             Halftone::DirectBinarySearch => Blur::spread_of_white(&lit.setup, REACH_OF_LAYERS, control)?,
             _ => None,
@@ -129,7 +129,7 @@ impl Brought {
             spread,
         };
         let (states, cut) = halftone::states(settings, &rendered.mapped, &panel, control)?;
-        stopped(control)?;
+        control.check()?;
         Ok(Self { rendering, rendered, states, cut })
     }
 }
@@ -145,12 +145,22 @@ impl HeldPicture {
         settings: &ImageSettings,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
+        Self::with(scene, source, settings, &mut Prepared::empty(), control)
+    }
+
+    /// [`new`](Self::new) with a prepared display.
+    pub(super) fn with(
+        scene: &Scene,
+        source: &SourceImage,
+        settings: &ImageSettings,
+        prepared: &mut Prepared,
+        control: &Control<'_>,
+    ) -> Result<Self, DisplayError> {
         if settings.halftone == Halftone::None && settings.given.is_none() {
             return Err(DisplayError::NoHalftone);
         }
         let size = source.size_on(scene)?;
-        let mut prepared = Prepared::new(scene, control)?;
-        let lit = control.within([0.0, 0.3], |control| Lit::new(scene, settings, &mut prepared, control))?;
+        let lit = control.within([0.0, 0.3], |control| Lit::new(scene, settings, prepared, control))?;
         let brought = control.within([0.3, 1.0], |control| Brought::new(&lit, source, settings, control))?;
         Ok(Self { size, states: brought.states, names: lit.palette.names(), surround: settings.surround })
     }
@@ -169,7 +179,7 @@ impl HeldPicture {
     /// As [`run`](crate::run()); if the scene does not have exactly one view, a state does not exist, or the
     /// light has no colour.
     pub fn factors(&self, scene: &Scene, control: &Control<'_>) -> Result<Factors, DisplayError> {
-        self.factors_of(scene, &mut Prepared::new(scene, control)?, control)
+        self.factors_of(scene, &mut Prepared::empty(), control)
     }
 
     /// [`factors`](Self::factors) with a prepared display, which is quicker for a series of scenes.

@@ -38,7 +38,7 @@ pub(super) fn masked(
     let mut states = Vec::with_capacity(mapped.len());
     // Bands of as many rows as the mask has: each begins with its first row.
     for band in mapped.chunks((panel.columns * mask.rows()).max(1)) {
-        super::stopped(control)?;
+        control.check()?;
         states.extend(mixer.states(band, panel)?);
     }
     Ok(states)

@@ -222,18 +222,20 @@ pub fn image(
     control: &Control<'_>,
 ) -> Result<ImageResult, DisplayError> {
     let size = source.size_on(scene)?;
+    let mut prepared = Prepared::empty();
     let held;
     let settings = match &settings.prepared_for {
         Some(there) if settings.given.is_none() && settings.halftone != Halftone::None => {
             let given = control.within([0.0, 0.3], |control| {
-                Ok::<_, DisplayError>(HeldPicture::new(there, source, settings, control)?.states)
+                Ok::<_, DisplayError>(
+                    HeldPicture::with(there, source, settings, &mut prepared, control)?.states,
+                )
             })?;
             held = ImageSettings { given: Some(given), ..settings.clone() };
             &held
         }
         _ => settings,
     };
-    let mut prepared = Prepared::new(scene, control)?;
     let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
     let Brought { rendering, rendered: Rendered { wanted, mapped, photograph, inside }, states, cut } =
         control.within([0.4, 0.6], |control| Brought::new(&lit, source, settings, control))?;
@@ -244,7 +246,7 @@ pub fn image(
         true => Seen { pixels: mapped.clone(), error: lit.palette.error(), neighbours_light: false },
         false => control.within([0.6, 0.8], |control| seen_by_reader(&lit, picture, settings, control))?,
     };
-    stopped(control)?;
+    control.check()?;
     let shown_as = match screen.white {
         ScreenWhite::Perfect => to_screen,
         ScreenWhite::Display => Adaptation::between(rendering.white, D65_WHITE).unwrap_or(to_screen),
@@ -430,10 +432,6 @@ fn coverage(palette: &Palette, states: &[u8]) -> Named<f64> {
     states.iter().for_each(|state| counts[usize::from(*state)] += 1);
     let fractions = counts.into_iter().map(|count| count as f64 / states.len() as f64);
     Named(palette.colours.iter().map(|colour| colour.state.clone()).zip(fractions).collect())
-}
-
-fn stopped(control: &Control<'_>) -> Result<(), DisplayError> {
-    if control.stopped() { Err(DisplayError::Interrupted) } else { Ok(()) }
 }
 
 fn colour([x, y, z]: [f32; 3]) -> Xyz {

@@ -13,10 +13,10 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use super::ImageSettings;
 use super::held::Lit;
 use super::lamps::lamp_images;
 use super::stack::{Layers, Picture, Seen, Several, colours_of_pages};
-use super::{ImageSettings, stopped};
 use crate::DisplayError;
 use crate::prepared::Prepared;
 use crate::run::Control;
@@ -117,7 +117,7 @@ impl Eye {
         let several = Several { missed: CLOSE, without_lamps: true, by_paths: true };
         let Picture { size, states, .. } = picture;
         let layers = Layers::new(&lit_by, picture, settings.surround, several, &mut None, control)?;
-        stopped(control)?;
+        control.check()?;
         let shares = [0, 1].map(|k| {
             let polynomials = Polynomials::new(counts[k]);
             (0..size[k]).map(move |pixel| polynomials.at(place(pixel, size[k]))).collect::<Vec<Vec<f64>>>()

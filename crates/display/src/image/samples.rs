@@ -61,7 +61,7 @@ pub(super) fn seen(
     let size = picture.size.map(|pixels| per_pixel * pixels);
     // All states of the divided panel are needed, not only those of the palette.
     let settings = ImageSettings { states: Vec::new(), ..settings.clone() };
-    let mut prepared = Prepared::new(&divided.scene, control)?;
+    let mut prepared = Prepared::of(lit.setup.clone());
     let lit =
         control.within([0.0, 0.3], |control| Lit::new(&divided.scene, &settings, &mut prepared, control))?;
     let picture = Picture { size, states: &states, wholes: &divided.wholes };

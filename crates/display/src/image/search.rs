@@ -76,7 +76,7 @@ pub(super) fn searched(
         ControlFlow::Continue(())
     };
     let found = direct_binary_search(&wanted, panel.columns, &states, &filters, start, &stop, &mut watch)?;
-    super::stopped(control)?;
+    control.check()?;
     Ok(found.states)
 }
 

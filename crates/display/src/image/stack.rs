@@ -136,7 +136,7 @@ impl Layers {
             Ok::<_, DisplayError>(blurred(blur, error))
         };
         let (kind, rows) = if scene.display.filter().is_some() {
-            error += error_of_mixture(scene, &pages[0], &shares_of(&states, names.len()), control)?;
+            error += error_of_mixture(setup, &pages[0], &shares_of(&states, names.len()), control)?;
             (Kind::Pages, of_pages(&pages))
         } else if let Some(blur) = Blur::new(&setups, several.missed, without_lamps, control)? {
             blurred(blur, &mut error)

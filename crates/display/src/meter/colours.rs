@@ -18,7 +18,7 @@ impl Meter<'_> {
                 Xyz { x, y, z }
             };
             let front = seen(&rho.front);
-            for (colour, base) in colours.iter_mut().zip(rho.via_pixel.chunks_exact(self.layout.bins)) {
+            for (colour, base) in colours.iter_mut().zip(rho.via_pixel.rows()) {
                 *colour = *colour + seen(base) + front;
             }
         }

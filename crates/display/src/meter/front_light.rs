@@ -8,6 +8,7 @@
 //! crossing the front once instead of twice. Light that leaks upwards adds a veil of t times its luminance,
 //! and the part of it that the front reflects is diffuse light on the panel.
 
+use papilio_spectra::StateSpectra;
 use papilio_transport::{Front, ReflectanceFactor, Stack};
 
 use crate::scene::{FrontLight, Scene};
@@ -84,6 +85,7 @@ impl BelowFront {
             let it = if self.is_diffuse { diffuse } else { 0.0 };
             gain(bin) * (it + sent_back(bin) * diffuse) + self.leak * transmittance[bin]
         });
-        ReflectanceFactor { via_pixel: base.collect(), front: front.collect() }
+        let via_pixel = StateSpectra::new(base.collect(), bins);
+        ReflectanceFactor { via_pixel, front: front.collect() }
     }
 }

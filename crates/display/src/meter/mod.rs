@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use papilio_colour::{LUMENS_PER_WATT, Standard, Xyz, peak_nm};
-use papilio_spectra::{Grid, sum_of_products};
+use papilio_spectra::{Grid, StateSpectra, sum_of_products};
 use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
 use crate::readability::Reader;
@@ -260,7 +260,7 @@ impl<'a> Meter<'a> {
         for (light, rho) in self.lights.iter().zip(self.seen_of(seen)) {
             let from_front = sum_of_products(&rho.front, &light.xyz[1]);
             for state in 0..layout.states {
-                let base = &rho.via_pixel[state * layout.bins..][..layout.bins];
+                let base = rho.via_pixel.state(state);
                 let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
                 let radiance = sample[layout.radiance(state)].iter_mut().zip(&light.radiance);
                 radiance.zip(both.clone()).for_each(|((sum, white), rho)| *sum += white * rho);
@@ -298,7 +298,7 @@ impl<'a> Meter<'a> {
             let lights = &self.lights[self.white_lights.clone()];
             (0..self.grid.len()).map(|bin| lights.iter().map(|light| light.xyz[1][bin]).sum()).collect()
         };
-        let parts: [&[f64]; Layout::LEDGER] = [
+        let parts: [&StateSpectra; Layout::LEDGER] = [
             &ledger.returned,
             &ledger.front,
             &ledger.diffuser,
@@ -309,8 +309,7 @@ impl<'a> Meter<'a> {
         ];
         for state in 0..self.layout.states {
             for (slot, part) in self.layout.ledger(state).zip(parts) {
-                let row = &part[state * self.layout.bins..][..self.layout.bins];
-                sample[slot] = sum_of_products(row, &luminous);
+                sample[slot] = sum_of_products(part.state(state), &luminous);
             }
         }
     }
@@ -354,13 +353,13 @@ impl<'a> Meter<'a> {
 
     /// Computes the peak wavelength of each state of the pixel alone in the direction of a view, nm.
     pub(crate) fn bare_peaks(&self, at: &ViewPoint, base: &Base) -> Vec<Option<f64>> {
-        let mut reflectance = vec![0.0; self.layout.states * self.layout.bins];
+        let mut reflectance = StateSpectra::zeros(self.layout.states, self.layout.bins);
         // Below a colour filter the display has other states than its pixel.
         let is_filtered = self.setup.scene.display.filter().is_some();
         if is_filtered || !self.setup.pixel_alone(base, at, &mut reflectance) {
             return vec![None; self.layout.states];
         }
-        reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()
+        reflectance.rows().map(|one| peak_nm(&self.grid, one)).collect()
     }
 
     /// Returns the references of the states: a perfect white, or the display's white state if the front light
@@ -436,10 +435,10 @@ impl<'a> Meter<'a> {
     }
 
     /// Computes the image luminance ratios of the directed sources, `[state][light]`.
-    pub(crate) fn specular(&self, images: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    pub(crate) fn specular(&self, images: &[StateSpectra]) -> Vec<Vec<f64>> {
         let lights = &self.setup.lights[1..];
-        let one = |state: usize, (light, image): (&Light, &Vec<f64>)| {
-            let row = &image[state * self.layout.bins..][..self.layout.bins];
+        let one = |state: usize, (light, image): (&Light, &StateSpectra)| {
+            let row = image.state(state);
             if let Some(LineWeights { y_1931, .. }) = &light.lines {
                 let source: f64 = y_1931.iter().sum();
                 return if source > 0.0 { sum_of_products(row, y_1931) / source } else { 0.0 };

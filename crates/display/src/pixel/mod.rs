@@ -137,7 +137,7 @@ pub(crate) fn base(
 fn uniform_base(pixel: &UniformPixel, bins: usize) -> Base {
     let values: Vec<f64> = pixel.states.iter().flat_map(|(_, r)| r.iter().copied()).collect();
     let reflector = match pixel.kind {
-        UniformKind::Lambertian => Reflector::Lambertian(values),
+        UniformKind::Lambertian => Reflector::lambertian(values, bins),
         UniformKind::Mirror => {
             Reflector::Specular(states_as_table(Nodes::Constant, values, pixel.states.len(), bins))
         }

@@ -230,7 +230,7 @@ impl<'a> Survey<'a> {
             };
             for view in first..first + azimuths {
                 for rho in &kernel.estimate_unless(stack, view, self.control.stop)?.rho {
-                    rows.0.extend(total(rho).map(|r| (r / PI) as f32));
+                    rows.0.extend(rho.total().iter().map(|r| (r / PI) as f32));
                     self.add_luminous(rho, &mut rows.1);
                 }
             }
@@ -282,12 +282,7 @@ impl<'a> Survey<'a> {
             Source::Beam(beta) => Some(specular_image(&self.setup.stack, *beta)),
             _ => None,
         };
-        let images: Vec<ReflectanceFactor> = self
-            .beams
-            .iter()
-            .filter_map(image)
-            .map(|image| ReflectanceFactor { via_pixel: image.base, front: image.front })
-            .collect();
+        let images: Vec<ReflectanceFactor> = self.beams.iter().filter_map(image).collect();
         self.of_state(state, images.iter())
     }
 
@@ -297,14 +292,8 @@ impl<'a> Survey<'a> {
         state: usize,
         all: impl Iterator<Item = &'r ReflectanceFactor>,
     ) -> Vec<f64> {
-        let bins = self.setup.scene.grid.len();
-        all.flat_map(|rho| total(rho).skip(state * bins).take(bins)).collect()
+        all.flat_map(|rho| rho.total().state(state).to_vec()).collect()
     }
-}
-
-/// Total reflectance factor, via the pixel and from the front, [state][wavelength].
-pub(super) fn total(rho: &ReflectanceFactor) -> impl Iterator<Item = f64> {
-    rho.via_pixel.iter().zip(rho.front.iter().cycle()).map(|(base, front)| base + front)
 }
 
 /// Returns the direction of a viewer in air.

@@ -6,7 +6,7 @@ use papilio_transport::walk::places::Estimate as PlacedEstimate;
 
 use super::adding::run_levels;
 use super::rounds::paths_for_a_tenth;
-use super::{Progress, REPLICATES, Round, Run, missed, until};
+use super::{Control, REPLICATES, Round, Run, each_view, missed, until};
 use crate::DisplayError;
 use crate::filtered::{Filtered, by_reciprocity};
 use crate::meter::Sample;
@@ -41,9 +41,7 @@ fn samples(
     nodes.set(lit.nodes());
     let mut irradiance = Vec::with_capacity(setup.sources.len());
     for source in 0..setup.sources.len() {
-        if run.control.stopped() {
-            return Err(DisplayError::Interrupted);
-        }
+        run.control.check()?;
         let states = 0..setup.states.len();
         irradiance.push(states.map(|state| filtered.irradiance(&lit, source, &[state])).collect());
     }
@@ -67,19 +65,20 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
         });
     }
     let specular = run.specular();
-    let (mut views, mut all_paths, mut reached, mut over) = (Vec::new(), 0, 0.0_f64, 0.0_f64);
-    let mut for_a_tenth = [0.0; 2];
-    for view in &setup.views {
-        let mut rounds = Vec::new();
+    let per_wavelength = matches!(solver.stop, Stop::RelativeError { per_wavelength: true, .. });
+    let of_view = |number: usize, control: &Control<'_>| {
+        let (view, mut rounds) = (&setup.views[number], Vec::new());
+        let before = placed.traced();
         let seen = |samples: &[Sample]| run.meter.view_of_replicates(view, samples, 0.0, &specular);
-        let per_wavelength = matches!(solver.stop, Stop::RelativeError { per_wavelength: true, .. });
-        let ((samples, error, of_view), paths) = until(&solver.stop, MOST_PATHS, |paths| {
+        let ((samples, error, missed), paths) = until(&solver.stop, MOST_PATHS, |paths| {
             let of = |estimate: PlacedEstimate| {
                 let mut rho = estimate.rho;
                 rho.truncate(setup.sources.len());
                 run.meter.sample(&by_reciprocity(rho))
             };
-            let estimates = placed.filtered(view, paths, run.control)?;
+            let all = placed.traced() - before + paths;
+            let estimates =
+                placed.with_share([before, all], control, |control| placed.filtered(view, paths, control))?;
             let samples: Vec<Sample> = estimates.into_iter().map(of).collect();
             let error = run.meter.standard_error(&samples, per_wavelength);
             let missed = match &solver.stop {
@@ -93,11 +92,14 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
         if !samples.iter().all(Sample::is_finite) {
             return Err(DisplayError::NotFinite);
         }
-        (all_paths, reached, over) = (all_paths + paths, reached.max(error), over.max(of_view));
-        let more = paths_for_a_tenth(&rounds, paths);
+        Ok((seen(&samples), paths, error, missed, paths_for_a_tenth(&rounds, paths)))
+    };
+    let (mut views, mut all_paths, mut reached, mut over) = (Vec::new(), 0, 0.0_f64, 0.0_f64);
+    let mut for_a_tenth = [0.0; 2];
+    for (view, paths, error, missed, more) in each_view(setup, true, run.control, of_view)? {
+        (all_paths, reached, over) = (all_paths + paths, reached.max(error), over.max(missed));
         for_a_tenth.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
-        views.push(seen(&samples));
-        (run.control.progress)(Progress::of_views(views.len(), setup.views.len()));
+        views.push(view);
     }
     let target = matches!(solver.stop, Stop::Target(_)).then_some(TargetReport {
         error_over_tolerance: Some(over).filter(|over| over.is_finite()),

@@ -13,9 +13,10 @@ mod study;
 mod viewers;
 mod walk;
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use papilio_optics::Beta;
+use papilio_spectra::StateSpectra;
 use papilio_transport::{Source, specular_image};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -27,7 +28,7 @@ pub use brdf::brdf;
 pub use cone::{always_by_adding, cone};
 pub use progress::{Progress, ProgressFraction};
 pub use refine::adding_seconds;
-pub(crate) use refine::{finest, largest, level_error, refine_or_fail};
+pub(crate) use refine::{Refined, finest, largest, level_error, refine_or_fail};
 pub use rounds::REPLICATES;
 pub(crate) use rounds::{PILOT, Round, missed, until};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
@@ -70,6 +71,12 @@ pub struct Control<'a> {
 impl Control<'_> {
     pub(crate) fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
+    }
+
+    /// # Errors
+    /// [`DisplayError::Interrupted`] if the caller has stopped the computation.
+    pub(crate) fn check(&self) -> Result<(), DisplayError> {
+        if self.stopped() { Err(DisplayError::Interrupted) } else { Ok(()) }
     }
 
     /// Calls `compute` with a control that reports its progress as a part of this computation, from one
@@ -137,6 +144,34 @@ pub(crate) fn each<T: Send, R: Send>(
         None => items.iter_mut().enumerate().map(f).collect(),
         Some(pool) => pool.install(|| items.par_iter_mut().enumerate().map(f).collect()),
     }
+}
+
+/// Computes something of each view of a setup, on all threads unless one by one. Reports each finished view;
+/// what `compute` reports counts them, too.
+///
+/// # Errors
+/// Those of `compute`; [`DisplayError::Interrupted`].
+pub(crate) fn each_view<T: Send>(
+    setup: &Setup,
+    one_by_one: bool,
+    control: &Control<'_>,
+    compute: impl Fn(usize, &Control<'_>) -> Result<T, DisplayError> + Sync + Send,
+) -> Result<Vec<T>, DisplayError> {
+    let (mut workers, views) = (None, setup.views.len());
+    let one_by_one = one_by_one || views == 1;
+    let pool = if one_by_one { None } else { Workers::unless_one(&mut workers, control.threads)? };
+    let done = AtomicUsize::new(0);
+    let progress = |now: Progress<'_>| {
+        (control.progress)(Progress { views_done: (done.load(Ordering::Relaxed), views), ..now });
+    };
+    let within = Control { progress: &progress, ..*control };
+    let one = |(number, ()): (usize, &mut ())| {
+        control.check()?;
+        let found = compute(number, &within)?;
+        (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, views));
+        Ok(found)
+    };
+    each(pool, &mut vec![(); views], one).into_iter().collect()
 }
 
 /// Runs the scene of a setup.
@@ -210,7 +245,7 @@ impl Run<'_> {
     /// Computes the image luminance ratio of each directed source, `[state][light]`.
     fn specular(&self) -> Vec<Vec<f64>> {
         let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
-        let images: Vec<Vec<f64>> = directed.iter().map(|source| self.image(source)).collect();
+        let images: Vec<StateSpectra> = directed.iter().map(|source| self.image(source)).collect();
         self.meter.specular(&images)
     }
 
@@ -219,18 +254,18 @@ impl Run<'_> {
         let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
         directed.iter().any(|source| {
             let image = specular_image(&self.setup.stack, centre(source));
-            image.base.iter().any(|base| *base > 0.0)
+            image.via_pixel.iter().any(|pixel| *pixel > 0.0)
         })
     }
 
     /// Computes the specular reflectance for a directed source (for a disc, at its centre).
-    fn image(&self, source: &Source) -> Vec<f64> {
+    fn image(&self, source: &Source) -> StateSpectra {
         let image = specular_image(&self.setup.stack, centre(source));
         if self.scene.display.filter().is_some() {
             // Lambertian pixels have no image; a display with a filter has other states than its pixel.
-            return image.front.repeat(self.setup.states.len());
+            return StateSpectra::new(image.front.repeat(self.setup.states.len()), image.front.len());
         }
-        image.base.iter().zip(image.front.iter().cycle()).map(|(base, front)| base + front).collect()
+        image.total()
     }
 
     /// Assembles the result; `unreached` explains why a target was not reached.

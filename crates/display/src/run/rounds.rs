@@ -70,13 +70,19 @@ pub(crate) fn until<T>(
 pub(super) fn paths_for_a_tenth(missed: &[(u64, f64)], paths: u64) -> [f64; 2] {
     let logs = missed.iter().filter(|(_, missed)| *missed > 0.0 && missed.is_finite());
     let logs: Vec<(f64, f64)> = logs.map(|(paths, missed)| ((*paths as f64).ln(), missed.ln())).collect();
-    let n = logs.len().max(1) as f64;
-    let (x, y) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
-    let xx: f64 = logs.iter().map(|p| (p.0 - x).powi(2)).sum();
-    let xy: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
     // The slope of few rounds is uncertain: it is limited to the range of possible methods.
-    let power = if xx > 0.0 { (-xy / xx).clamp(0.5, 1.5) } else { 0.5 };
+    let power = slope(&logs).map_or(0.5, |(slope, _)| (-slope).clamp(0.5, 1.5));
     [10.0_f64.powf(1.0 / power), 100.0].map(|times| times * paths as f64)
+}
+
+/// Slope of the line through points by least squares, and the sum of the squares of x about their mean; `None`
+/// unless there are two different x.
+pub(super) fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let n = points.len().max(1) as f64;
+    let (x, y) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+    let xx: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let xy: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    (xx > 0.0).then(|| (xy / xx, xx))
 }
 
 #[cfg(test)]

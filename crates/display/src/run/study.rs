@@ -5,6 +5,7 @@ use papilio_sampling::SampleStream;
 use papilio_transport::walk::Walk;
 
 use super::REPLICATES;
+use super::rounds::slope;
 use super::walk::{Confidence, round_size};
 use super::{Control, Progress};
 use crate::DisplayError;
@@ -58,11 +59,7 @@ impl StudyCurve {
         let positive = self.points.iter().filter(|point| point.relative_error > 0.0);
         let logs: Vec<(f64, f64)> =
             positive.map(|point| ((point.paths as f64).ln(), point.relative_error.ln())).collect();
-        let n = logs.len() as f64;
-        let (x, y) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
-        let xx: f64 = logs.iter().map(|p| (p.0 - x).powi(2)).sum();
-        let xy: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-        (xx > 0.0).then(|| (-xy / xx, KNOWN_TO / xx.sqrt()))
+        slope(&logs).map(|(slope, xx)| (-slope, KNOWN_TO / xx.sqrt()))
     }
 }
 
@@ -180,9 +177,7 @@ impl Study<'_> {
             let each = paths / REPLICATES;
             let started = (self.seconds)();
             for (stream, replicate) in replicates.iter_mut().enumerate() {
-                if self.control.stopped() {
-                    return Err(DisplayError::Interrupted);
-                }
+                self.control.check()?;
                 let numbers = SampleStream::new(sampler, self.setup.scene.solver.seed, stream as u64);
                 let left = each - replicate.paths();
                 walk.trace(replicate, &numbers, left);

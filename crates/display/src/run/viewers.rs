@@ -12,7 +12,7 @@ use papilio_transport::Cone;
 use papilio_transport::adding::{Kernel, error_over_difference};
 use rayon::ThreadPool;
 
-use super::brdf::{Luminous, Survey, total, view};
+use super::brdf::{Luminous, Survey, view};
 use super::cone::DEFAULT_TARGET;
 use super::refine::{finest, largest, largest_of_states, row_errors, slowness};
 use super::{Control, Progress, Workers, each};
@@ -181,7 +181,7 @@ impl OfViewers<'_> {
                 own.prepare_part(&common, stack, &fields, beam, stop).then_some(())?;
                 for number in 0..fields.len() {
                     for rho in &own.estimate_unless(stack, number, stop)?.rho {
-                        found.spectra.extend(total(rho).map(|r| (r / PI) as f32));
+                        found.spectra.extend(rho.total().iter().map(|r| (r / PI) as f32));
                         survey.add_luminous(rho, &mut found.luminous);
                     }
                 }

@@ -11,11 +11,11 @@ use papilio_transport::{ReflectanceFactor, Source, Stack};
 use super::measured::{Light, Measured, sum};
 use super::mtf::Frame;
 use super::response::name_of_light;
-use super::target::{USUAL_TARGET, target};
+use super::target::refined;
 use super::{LineContrast, MtfView, Refused};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
-use crate::run::{Workers, each, finest, refine_or_fail};
+use crate::run::{Control, Workers, each, finest};
 use crate::setup::ViewPoint;
 
 /// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles
@@ -75,7 +75,12 @@ struct Prepared<'a> {
 
 impl Frame<'_> {
     /// Computes how sharp the display is in a view.
-    pub(super) fn layered_view(&self, stack: &Stack, view: &ViewPoint) -> Result<MtfView, DisplayError> {
+    pub(super) fn layered_view(
+        &self,
+        stack: &Stack,
+        view: &ViewPoint,
+        control: &Control<'_>,
+    ) -> Result<MtfView, DisplayError> {
         if !self.patterns().is_empty() {
             return Err(Refused::PatternsBelowLayers.into());
         }
@@ -98,13 +103,9 @@ impl Frame<'_> {
             Ok(found)
         };
         let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
-        let error = |[fine, coarse]: [&Measured; 2], _: Option<&_>| factor * self.largest_error(coarse, fine);
-        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
+        let error = |[fine, coarse]: [&Measured; 2]| factor * self.largest_error(coarse, fine);
         let finest = finest(self.setup)?.min(MOST_LEVEL);
-        let found = refine_or_fail(target, finest, at, error, |_, _| {})?;
-        if !found.finished {
-            return Err(DisplayError::Interrupted);
-        }
+        let found = refined(self.setup, finest, at, error, control)?;
         let (mut coarse, fine) = (found.coarser, found.finer);
         widen(&mut coarse, &fine, factor);
         let states = self.setup.states.iter().enumerate();
@@ -201,11 +202,9 @@ impl Frame<'_> {
         let mut pieces: Vec<Vec<usize>> =
             (0..parts).map(|part| (part..frequencies.len()).step_by(parts).collect()).collect();
         let found = each(pool, &mut pieces, |(_, piece)| {
-            if control.stopped() {
-                return Err(DisplayError::Interrupted);
-            }
+            control.check()?;
             let some: Vec<[f64; 2]> = piece.iter().flat_map(|k| along(&frequencies[*k])).collect();
-            Ok((piece.clone(), spread.light(&seen, &some).map_err(Refused::Layered)?))
+            Ok::<_, DisplayError>((piece.clone(), spread.light(&seen, &some).map_err(Refused::Layered)?))
         });
         let blank = || vec![Complex64::ZERO; frequencies.len()];
         let mut light = vec![vec![[blank(), blank()]; setup.states.len()]; seen.len()];

@@ -81,11 +81,11 @@ impl Frame<'_> {
         radii.retain(|radius| *radius > 0.0);
         let mut lights: Vec<Vec<Light>> = self.setup.states.iter().map(|_| Vec::new()).collect();
         for Seen { response, .. } in &seen {
-            self.continues()?;
+            self.control.check()?;
             let transfers = [0, 1].map(|axis| -> Vec<Vec<Complex64>> {
                 frequencies.iter().map(|f| response.transfer(axis, *f)).collect()
             });
-            self.continues()?;
+            self.control.check()?;
             let strips = [0, 1].map(|axis| response.strips(axis, &places[axis]));
             let rings = response.rings(&radii);
             for (state, lights) in lights.iter_mut().enumerate() {
@@ -113,19 +113,13 @@ impl Frame<'_> {
             from_faces,
             seen,
         };
-        self.continues()?;
+        self.control.check()?;
         measured.line_contrast = self.line_contrast(&measured, level);
-        self.continues()?;
+        self.control.check()?;
         measured.text_contrast = self.text_contrast(&measured, level);
         measured.patterns =
             self.patterns().iter().map(|pattern| patterns::mean(&measured.seen, *pattern, level)).collect();
         Ok(measured)
-    }
-}
-
-impl Frame<'_> {
-    fn continues(&self) -> Result<(), DisplayError> {
-        if self.control.stopped() { Err(DisplayError::Interrupted) } else { Ok(()) }
     }
 }
 

@@ -62,7 +62,7 @@ pub use crosstalk::{
 };
 pub use mtf::mtf;
 pub(crate) use mtf::sharpness;
-pub use papilio_transport::spatial::sparkle::{Extent, Face, Relief, Tile};
+pub use papilio_sparkle::{Extent, Face, Relief, Tile};
 pub use papilio_transport::spatial::{Cells, Precision};
 pub use patterns::{PatternKind, PatternMean, Patterns};
 pub(crate) use picture::LitPicture;

@@ -3,8 +3,6 @@
 //! Every number is computed at two levels of discretisation; the finer one is the result, the difference its
 //! error. By Monte Carlo (`mtf_walk`), errors are standard errors.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use num_complex::Complex64;
 use papilio_transport::adding;
 
@@ -15,13 +13,13 @@ use super::mtf_walk;
 use super::patterns::too_large;
 use super::response::responses;
 use super::scalars::eye_limit;
-use super::target::{USUAL_TARGET, missed_target, target};
+use super::target::{missed_target, refined};
 use super::walk::Placed;
 use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Patterns, Refused, Sharpness};
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::result::Named;
-use crate::run::{Control, Progress, Workers, each, finest, refine_or_fail};
+use crate::run::{Control, each_view, finest};
 use crate::scene::{Method, Scene};
 use crate::setup::{Setup, ViewPoint};
 
@@ -64,27 +62,14 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
     let setup = Setup::with_filter(scene, control)?;
     let frame = Frame::new(&setup, patterns, control)?;
     let placed = paths.then(|| Placed::new(&setup)).transpose()?;
-    let mut workers = None;
     // Paths of one view run on all threads.
-    let one_by_one = setup.views.len() == 1 || placed.is_some();
-    let pool = if one_by_one { None } else { Workers::unless_one(&mut workers, control.threads)? };
-    let done = AtomicUsize::new(0);
-    let mut numbers: Vec<usize> = (0..setup.views.len()).collect();
-    let views = each(pool, &mut numbers, |(_, number)| {
-        if control.stopped() {
-            return Err(DisplayError::Interrupted);
+    let views = each_view(&setup, placed.is_some(), control, |number, control| match &placed {
+        Some(placed) => mtf_walk::view(&frame, placed, number, control),
+        None if setup.stack.panel().is_some() || below_layers::covers(&setup) => {
+            frame.view(&setup.views[number], control)
         }
-        let view = match &placed {
-            Some(placed) => mtf_walk::view(&frame, placed, *number, control)?,
-            None if setup.stack.panel().is_some() || below_layers::covers(&setup) => {
-                frame.view(&setup.views[*number])?
-            }
-            None => frame.layered_view(&setup.stack, &setup.views[*number])?,
-        };
-        (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
-        Ok(view)
-    });
-    let views = views.into_iter().collect::<Result<Vec<MtfView>, _>>()?;
+        None => frame.layered_view(&setup.stack, &setup.views[number], control),
+    })?;
     let error_reached =
         largest_error(views.iter().flat_map(|view| view.states.iter()).map(|(_, state)| state));
     if !error_reached.is_finite() {
@@ -222,7 +207,7 @@ impl<'a> Frame<'a> {
         Ok(if first > searched { self.highest() } else { last.clamp(self.highest(), searched) })
     }
 
-    fn view(&self, view: &ViewPoint) -> Result<MtfView, DisplayError> {
+    fn view(&self, view: &ViewPoint, control: &Control<'_>) -> Result<MtfView, DisplayError> {
         // The tables of general layers serve all frequencies.
         let is_panel = self.setup.stack.panel().is_some();
         let most_per_mm = if is_panel { self.reach(view)? } else { SEARCHED * self.highest() };
@@ -249,15 +234,11 @@ impl<'a> Frame<'a> {
                 (factor, finest(self.setup)?.min(MOST_LEVEL))
             }
         };
-        let error = |[finer, coarser]: [&Levelled; 2], _: Option<&Levelled>| {
+        let error = |[finer, coarser]: [&Levelled; 2]| {
             let states = states(finer.coarse(coarser), &finer.fine);
             factor * largest_error(states.iter().map(|(_, state)| state))
         };
-        let target = target(&self.setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
-        let mut found = refine_or_fail(target, finest, pair, error, |_, _| {})?;
-        if !found.finished {
-            return Err(DisplayError::Interrupted);
-        }
+        let mut found = refined(self.setup, finest, pair, error, control)?;
         if factor != 1.0 {
             let coarse = found.finer.coarse.as_mut().unwrap_or(&mut found.coarser.fine);
             layered::widen(coarse, &found.finer.fine, factor);

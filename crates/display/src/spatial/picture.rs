@@ -167,9 +167,7 @@ impl LitPicture {
         whole.error = shifted(panel, &lengths_mm, &setup.views);
         for face in faces {
             let bins = face.bins.clone();
-            if control.stopped() {
-                return Err(DisplayError::Interrupted);
-            }
+            control.check()?;
             let reflectance: Vec<Vec<f64>> =
                 (0..states).map(|state| bins.iter().map(|bin| rho[state * count + bin]).collect()).collect();
             // A page of one state has 1/(1 - rho A(0)) times the light of an irradiance of 1.

@@ -2,7 +2,7 @@
 //!
 //! The face is the rough layer whose correlation length is known, or the uppermost interface of the display. Rays through random
 //! faces give the estimate and its standard error; the matrix term is also known in closed form
-//! ([`papilio_transport::spatial::sparkle`] has the model, its validity and sources).
+//! ([`papilio_sparkle`] has the model, its validity and sources).
 //!
 //! **From the scene.** The windows of the matrix have the luminous reflectance of their sub-pixels in the state `white`, along the
 //! view. Films, mirrors and tables are mirror-like pixels, all others Lambertian. Skies, maps and front lights count as
@@ -11,22 +11,22 @@
 use papilio_colour::Observer;
 use papilio_colour::reader::contrast_sensitivity;
 use papilio_optics::Beta;
-use papilio_spectra::Spectrum;
-use papilio_transport::spatial::Gap;
-use papilio_transport::spatial::sparkle::{
+use papilio_sparkle::{
     Deflection, Effort, Face, Matrix, Panel, Pixel, PixelLight, Plan, Pupil, Room, Source, Window,
     band_contrast, closed,
 };
+use papilio_spectra::Spectrum;
+use papilio_transport::spatial::Gap;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::target::target;
 use crate::metrics::SparkleMetrics;
-use crate::run::{Workers, run};
+use crate::run::Workers;
 use crate::scene::{self, Drive, FilmPixel, FilmState, Interface, Method, Ready, Scene, Stop, UniformKind};
 use crate::setup::{Setup, ViewPoint};
-use crate::{Control, DisplayError, Progress, pixel};
+use crate::{Control, DisplayError, Prepared, Progress, pixel};
 
 /// State whose pixels are compared.
 const STATE: &str = "white";
@@ -161,7 +161,7 @@ pub struct SparkleMap {
 /// # Errors
 /// If the scene is invalid; without a matrix, without a state `white`; if a length between face and pixels is missing; if another layer
 /// scatters between face and pixels; for collimated sources; for faces and sources that are too fine
-/// ([`papilio_transport::spatial::sparkle::SparkleError`]); if the computation was stopped.
+/// ([`papilio_sparkle::SparkleError`]); if the computation was stopped.
 pub fn sparkle(
     scene: &Scene,
     face: &Antiglare,
@@ -171,7 +171,7 @@ pub fn sparkle(
     scene.display.has_sharp_pixels()?;
     let setup = Setup::new(scene, control)?;
     let room = room(scene, &setup)?;
-    let luminances = luminances(scene, control)?;
+    let luminances = luminances(&setup, control)?;
     let mut workers = None;
     let pool = Workers::wanted(&mut workers, control.threads.unwrap_or(0))?;
     let media = gaps(scene, face)?;
@@ -239,9 +239,8 @@ fn row(
     control: &Control<'_>,
 ) -> Result<(SparkleRow, SparkleMap), DisplayError> {
     let plan = Plan::new(panel.clone(), effort)?;
-    let one = |replicate: u64| if control.stopped() { None } else { Some(plan.light_of_pixels(replicate)) };
-    let faces: Option<Vec<_>> = (0..effort.replicates as u64).into_par_iter().map(one).collect();
-    let faces = faces.ok_or(DisplayError::Interrupted)?;
+    let one = |replicate: u64| control.check().map(|()| plan.light_of_pixels(replicate));
+    let faces: Vec<_> = (0..effort.replicates as u64).into_par_iter().map(one).collect::<Result<_, _>>()?;
     let found = plan.sparkle(&faces.iter().map(|light| Plan::moments(light)).collect::<Vec<_>>());
     let deflection = Deflection::new(&panel.media, panel.view);
     // The image of the pupil on the pixels: a disc, whose mean square along an axis is a quarter of its radius squared.
@@ -302,12 +301,13 @@ impl SparkleMap {
 }
 
 /// Luminance of the state `white` in each view, cd/m2.
-fn luminances(scene: &Scene, control: &Control<'_>) -> Result<Vec<f64>, DisplayError> {
-    let mut coarse = scene.clone();
+fn luminances(setup: &Setup, control: &Control<'_>) -> Result<Vec<f64>, DisplayError> {
+    let mut coarse = setup.scene.clone();
     coarse.solver.method = Method::Auto;
-    let target = target(&scene.solver.stop).unwrap_or(LUMINANCE_TARGET).max(LUMINANCE_TARGET);
+    let target = target(&coarse.solver.stop).unwrap_or(LUMINANCE_TARGET).max(LUMINANCE_TARGET);
     coarse.solver.stop = Stop::RelativeError { target, per_wavelength: false };
-    let result = run(&coarse, &Control { progress: &|_| {}, ..*control })?;
+    let quiet = Control { progress: &|_| {}, ..*control };
+    let result = Prepared::of(setup.clone()).run(&coarse, &quiet)?;
     let white = result.views.iter().map(|view| view.states.get(STATE));
     let luminances = white.map(|state| state.map(|state| state.value.luminance_cd_m2));
     let missing = || DisplayError::NoSuchQuantity { what: format!("state `{STATE}`"), quantity: "sparkle" };

@@ -1,9 +1,12 @@
 //! `solver.relative_error` for results that depend on places: its value, and the warning where it is not met.
 
+use crate::DisplayError;
+use crate::run::{Control, Progress, Refined, refine_or_fail};
 use crate::scene::{Method, Scene, Stop};
+use crate::setup::Setup;
 
 /// Target of a scene whose stopping rule has none.
-pub(super) const USUAL_TARGET: f64 = 0.001;
+const USUAL_TARGET: f64 = 0.001;
 
 /// The target of a stopping rule, if it has one.
 pub(super) fn target(stop: &Stop) -> Option<f64> {
@@ -11,6 +14,26 @@ pub(super) fn target(stop: &Stop) -> Option<f64> {
         Stop::RelativeError { target, .. } => Some(*target),
         Stop::Paths(_) | Stop::Target(_) => None,
     }
+}
+
+/// Refines what is seen of a view until the target of the scene, or the finest level, is met; reports the error
+/// of each level.
+///
+/// # Errors
+/// Those of a level; [`DisplayError::Interrupted`] if it was stopped before.
+pub(super) fn refined<T>(
+    setup: &Setup,
+    finest: usize,
+    at: impl FnMut(usize) -> Result<T, DisplayError>,
+    error: impl Fn([&T; 2]) -> f64,
+    control: &Control<'_>,
+) -> Result<Refined<T>, DisplayError> {
+    let target = target(&setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
+    let report = |error, _| {
+        (control.progress)(Progress::of_views(0, setup.views.len()).with_error(error, target));
+    };
+    let found = refine_or_fail(target, finest, at, |levels, _| error(levels), report)?;
+    if found.finished { Ok(found) } else { Err(DisplayError::Interrupted) }
 }
 
 /// A warning if the largest error of a result, `what`, is above the target of the scene.

@@ -297,8 +297,23 @@ impl<'a> Placed<'a> {
         self.stack.base().bins()
     }
 
+    /// Calls `trace` with a control that reports how many of `all` paths are traced, from `before` traced ones
+    /// on.
+    pub(crate) fn with_share<T>(
+        &self,
+        [before, all]: [u64; 2],
+        control: &Control<'_>,
+        trace: impl FnOnce(&Control<'_>) -> T,
+    ) -> T {
+        let progress = |now: Progress<'_>| {
+            let share = (self.traced() - before) as f64 / all as f64;
+            (control.progress)(Progress { share_of_view: Some(share.min(1.0)), ..now });
+        };
+        trace(&Control { progress: &progress, ..*control })
+    }
+
     /// Number of paths traced so far.
-    pub(super) fn traced(&self) -> u64 {
+    pub(crate) fn traced(&self) -> u64 {
         self.traced.load(Ordering::Relaxed)
     }
 
@@ -345,7 +360,7 @@ impl<'a> Placed<'a> {
     ) -> Result<Vec<Vec<f64>>, DisplayError> {
         let Scene { solver, grid, .. } = &self.setup.scene;
         let white = Base {
-            reflector: Reflector::Lambertian(vec![1.0; grid.len()]),
+            reflector: Reflector::lambertian(vec![1.0; grid.len()], grid.len()),
             inactive_absorptance: vec![0.0; grid.len()].into(),
         };
         let stack = Stack::general(self.stack.layers().to_vec(), white);
@@ -399,9 +414,7 @@ impl<'a> Placed<'a> {
         let steps = |trace: &mut dyn FnMut(Range<u64>)| {
             let mut next = 0;
             while next < all {
-                if control.stopped() {
-                    return Err(DisplayError::Interrupted);
-                }
+                control.check()?;
                 let paths = next..all.min(next + AT_ONCE);
                 next = paths.end;
                 let count = paths.end - paths.start;
@@ -418,7 +431,7 @@ impl<'a> Placed<'a> {
     /// X, Y and Z of an image via the pixel in one light, by its number.
     pub(super) fn colour(&self, estimate: &Estimate, light: usize, image: usize) -> [f64; 3] {
         let (weights, rho) = (&self.lights[light].weights, &estimate.rho[light]);
-        let seen = &rho.via_pixel[image * self.bins()..][..self.bins()];
+        let seen = rho.via_pixel.state(image);
         weights.each_ref().map(|weights| weights.iter().zip(seen).map(|(weight, seen)| weight * seen).sum())
     }
 

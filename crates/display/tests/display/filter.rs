@@ -2,11 +2,12 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::image::{ImageResult, ImageSettings, Screen, SourceImage, image};
 use papilio_display::spatial::{CrosstalkResult, Figure, crosstalk, walk};
-use papilio_display::{Control, DisplayError};
+use papilio_display::{Control, DisplayError, Progress, run};
 use papilio_scenario::{Resolved, Scenario};
 use papilio_testing::{everyday, sized};
 
@@ -205,12 +206,18 @@ fn colours_below_filters_are_those_of_paths() {
             );
         }
     }
-    // A run has the same paths, with errors.
-    let overrides = ["solver.method=monte-carlo", "solver.paths=4096"].map(str::to_owned);
+    // A run has the same paths, with errors, and reports which part of them is traced.
+    let overrides =
+        ["solver.method=monte-carlo", "solver.paths=4096", "viewer.theta_deg=[0, 20]"].map(str::to_owned);
     let by_paths =
         resolved_with(&[lobe, &super::filter::glass("coated", 0.2), &mirror, light, &gray, view], &overrides);
-    let run = run_on(&by_paths.scene, Some(2));
-    assert!(run.is_ok_and(|run| run.views[0].states.iter().count() == 8));
+    let shares = Mutex::new(Vec::new());
+    let progress = |now: Progress<'_>| shares.lock().unwrap().push((now.views_done.1, now.share_of_view));
+    let run = run(&by_paths.scene, &Control { progress: &progress, ..control }).unwrap();
+    assert_eq!(run.views[0].states.iter().count(), 8);
+    let shares = shares.into_inner().unwrap();
+    assert!(shares.iter().all(|(views, _)| *views == 2), "{shares:?}");
+    assert!(shares.iter().any(|(_, share)| *share == Some(1.0)), "{shares:?}");
 }
 
 /// Below a gray filter without gaps, mirror-like pixels are as sharp as below glass that absorbs as much,

@@ -2,10 +2,10 @@
 //! refused.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use papilio_display::spatial::{MtfResult, mtf};
-use papilio_display::{Control, DisplayError};
+use papilio_display::{Control, DisplayError, Progress};
 use papilio_scenario::{Resolved, Scenario};
 use papilio_testing::everyday;
 
@@ -42,8 +42,14 @@ fn resolved(parts: &[&str]) -> Resolved {
 }
 
 fn computed(resolved: &Resolved) -> Result<MtfResult, DisplayError> {
-    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
-    mtf(&resolved.scene, &resolved.patterns, &control)
+    let levels = AtomicUsize::new(0);
+    let progress = |now: Progress<'_>| {
+        levels.fetch_add(usize::from(now.relative_error.is_some()), Ordering::Relaxed);
+    };
+    let control = Control { threads: Some(1), progress: &progress, stop: &AtomicBool::new(false) };
+    let result = mtf(&resolved.scene, &resolved.patterns, &control);
+    assert!(result.is_err() || levels.into_inner() > 0, "the error of each level is reported");
+    result
 }
 
 /// Modulation transfer of white along x and y at the frequency of the list that is nearest, and that

@@ -91,11 +91,6 @@ impl ScatterFace {
         Self { regular: Some(regular), ..face }
     }
 
-    /// Radii of the discs of directions above and below, if it is the face of a surface.
-    pub fn surface_indices(&self) -> Option<[f64; 2]> {
-        self.regular.as_ref().map(|regular| regular.rings.each_ref().map(Rings::radius))
-    }
-
     /// Adds scattered transmission of light from above.
     pub fn with_transmission(mut self, ScatterKernel { scatter, factor }: ScatterKernel) -> Self {
         let up = ScatterKernel { scatter: scatter.reversed(), factor: factor.clone() };

@@ -21,7 +21,6 @@
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange
 //!   them. What is seen of one through another: [`shares_by_transfer`].
 //! - [`TwoPlanes`]: Lambertian pixels below a colour filter at a height, through all orders.
-//! - [`sparkle`]: random brightness of pixels below a rough face.
 //! - [`closed`]: closed forms of lobes and plates, a second method for all of these.
 //!
 //! Lengths are in mm, spatial frequencies in cycles per mm, both in the plane of the panel.
@@ -36,7 +35,6 @@ mod page;
 mod panel_spread;
 mod places;
 mod recycling;
-pub mod sparkle;
 mod spread;
 mod two_planes;
 

@@ -36,6 +36,18 @@ impl Cells {
         self.len() == 0
     }
 
+    /// Width and height of a cell, mm.
+    pub fn size(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.period_mm[axis] / self.count[axis] as f64)
+    }
+
+    /// Middle of a cell, mm.
+    pub fn middle(&self, cell: usize) -> [f64; 2] {
+        let [x, y] = [cell % self.count[0], cell / self.count[0]];
+        let size = self.size();
+        [(x as f64 + 0.5) * size[0], (y as f64 + 0.5) * size[1]]
+    }
+
     /// Highest frequency of these cells, cycles per mm.
     pub fn most_per_mm(&self) -> f64 {
         let [x, y] = [0, 1].map(|k| 0.5 * self.count[k] as f64 / self.period_mm[k]);

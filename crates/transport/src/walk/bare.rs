@@ -9,6 +9,7 @@
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;
+use papilio_spectra::StateSpectra;
 
 use super::{PathNumbers, Target, add_rows_times, add_scaled, scale_rows};
 use crate::Reflector;
@@ -36,7 +37,7 @@ pub(super) struct Accumulator {
     workspace: Workspace,
 }
 
-/// Sums of shape `[state][wavelength]`; where all states are equal, of shape `[wavelength]`.
+/// Sums by state and wavelength; where all states are equal, by wavelength.
 #[derive(Debug, Clone)]
 struct Sums {
     rho: Vec<ReflectanceFactor>,
@@ -44,19 +45,19 @@ struct Sums {
     mirrored: Vec<f64>,
     absorbed_entering: Vec<f64>,
     /// Light that reaches the base, is reflected by it, leaves, is absorbed in the front, continues.
-    arriving: Vec<f64>,
-    reflected: Vec<f64>,
-    leaving: Vec<f64>,
-    absorbed: Vec<f64>,
-    going_on: Vec<f64>,
+    arriving: StateSpectra,
+    reflected: StateSpectra,
+    leaving: StateSpectra,
+    absorbed: StateSpectra,
+    going_on: StateSpectra,
 }
 
 #[derive(Debug, Clone)]
 struct Workspace {
     /// Spectra of the current path.
-    carried: Vec<f64>,
+    carried: StateSpectra,
     /// Reflectance of the base.
-    reflectance: Vec<f64>,
+    reflectance: StateSpectra,
     /// Front and surface at the angle of the path, and at that of a source.
     flat: FlatTop,
     towards: FlatTop,
@@ -78,14 +79,11 @@ impl<'a> Bare<'a> {
 
     pub(super) fn tally(&self) -> Accumulator {
         let bins = self.stack.base.bins();
-        let (all, one) = (|| vec![0.0; self.stack.base.states() * bins], || vec![0.0; bins]);
+        let states = self.stack.base.states();
+        let (all, one) = (|| StateSpectra::zeros(states, bins), || vec![0.0; bins]);
         Accumulator {
             sums: Sums {
-                rho: self
-                    .sources
-                    .iter()
-                    .map(|_| ReflectanceFactor { via_pixel: all(), front: one() })
-                    .collect(),
+                rho: self.sources.iter().map(|_| ReflectanceFactor::zeros(states, bins)).collect(),
                 mirrored: one(),
                 absorbed_entering: one(),
                 arriving: all(),
@@ -240,17 +238,15 @@ impl<'a> Bare<'a> {
 
     pub(super) fn estimate(&self, tally: &Accumulator, scale: f64) -> Estimate {
         let sums = &tally.sums;
-        let mean = |sum: &[f64]| sum.iter().map(|s| s * scale).collect::<Vec<f64>>();
-        let rho = sums
-            .rho
-            .iter()
-            .map(|rho| ReflectanceFactor { via_pixel: mean(&rho.via_pixel), front: mean(&rho.front) })
-            .collect();
-        Estimate { rho, ledger: self.ledger(sums, scale) }
+        let mean = |rho: &ReflectanceFactor| ReflectanceFactor {
+            via_pixel: rho.via_pixel.map(|sum| sum * scale),
+            front: rho.front.iter().map(|sum| sum * scale).collect(),
+        };
+        Estimate { rho: sums.rho.iter().map(mean).collect(), ledger: self.ledger(sums, scale) }
     }
 
     fn ledger(&self, sums: &Sums, scale: f64) -> Ledger {
-        let mut ledger = Ledger::zeros(sums.arriving.len());
+        let mut ledger = Ledger::zeros(sums.arriving.states(), self.stack.base.bins());
         let inactive = &self.stack.base.inactive_absorptance;
         for k in 0..sums.arriving.len() {
             let bin = k % inactive.len();

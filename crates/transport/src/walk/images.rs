@@ -8,8 +8,8 @@
 use papilio_sampling::{SampleStream, Sampler};
 
 use super::{PathNumbers, Target};
-use crate::specular::{Image, specular_image};
-use crate::{Cone, Estimate, Panel, Reflector, Source, Stack, Top};
+use crate::specular::specular_image;
+use crate::{Cone, Estimate, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
 
 /// Points of the view at which fields are evaluated before the first path.
 const POINTS: u64 = 1 << 13;
@@ -36,7 +36,7 @@ struct VisibleSource<'a> {
 
 /// Sums over the paths of a replicate: an image for each source that may be visible.
 #[derive(Debug, Clone)]
-pub(super) struct Sums(Vec<Image>);
+pub(super) struct Sums(Vec<ReflectanceFactor>);
 
 impl<'a> Images<'a> {
     pub(super) fn new(stack: &'a Stack, view: Cone, sources: &'a [Source]) -> Self {
@@ -83,8 +83,7 @@ impl<'a> Images<'a> {
 
     pub(super) fn sums(&self) -> Sums {
         let base = self.stack.base();
-        let empty = || Image { front: vec![0.0; base.bins()], base: vec![0.0; base.states() * base.bins()] };
-        Sums(self.seen.iter().map(|_| empty()).collect())
+        Sums(self.seen.iter().map(|_| ReflectanceFactor::zeros(base.states(), base.bins())).collect())
     }
 
     /// Adds a point of each overlap for each path.
@@ -102,17 +101,14 @@ impl<'a> Images<'a> {
                 continue;
             };
             let (image, weight) = (specular_image(self.stack, beta), seen.share * target.strength);
-            super::add_scaled(&mut sum.front, &image.front, weight);
-            super::add_scaled(&mut sum.base, &image.base, weight);
+            sum.add(&image, weight);
         }
     }
 
     /// Adds the mean images to the estimate of each source.
     pub(super) fn add_to(&self, estimate: &mut Estimate, sums: &Sums, scale: f64) {
         for (seen, sum) in self.seen.iter().zip(&sums.0) {
-            let rho = &mut estimate.rho[seen.source];
-            super::add_scaled(&mut rho.front, &sum.front, scale);
-            super::add_scaled(&mut rho.via_pixel, &sum.base, scale);
+            estimate.rho[seen.source].add(sum, scale);
         }
     }
 }

@@ -374,7 +374,9 @@ fn dispersive_glass_equals_glass_of_each_index() {
                 table.basis = table.basis.iter().flat_map(|v| all(*v)).collect();
                 table.common = all(0.0);
             }
-            Reflector::Lambertian(reflectance) => *reflectance = all(0.7),
+            reflector @ Reflector::Lambertian(_) => {
+                *reflector = Reflector::lambertian(all(0.7), indices.len())
+            }
             Reflector::Scattering(_) => unreachable!("no panel has one"),
         }
         let found = solve(&many, view(8.0), &lights(), 1);

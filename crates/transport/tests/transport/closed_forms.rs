@@ -56,7 +56,7 @@ fn double_pass_with_regular_fraction_equals_closed_form() {
     let truth = std::f64::consts::PI * t * t * 0.7 * scattered;
     check("straight-through", &stack, view(8.0), &[Source::Beam(beam)], 256, truth);
     let image = specular_image(&stack.stack(), beam);
-    assert!((image.base[0] - (s * t).powi(2) * 0.7).abs() < 1e-15 && image.front[0] == 0.0);
+    assert!((image.via_pixel[0] - (s * t).powi(2) * 0.7).abs() < 1e-15 && image.front[0] == 0.0);
 }
 
 /// A round source of growing radius over the same panel: its `rho` is that of a beam, averaged over the disc
@@ -298,7 +298,7 @@ fn dispersive_medium_agrees_with_constant_one() {
                 table.basis = vec![0.8; 2].into();
                 table.common = vec![0.0; 2];
             }
-            Reflector::Lambertian(reflectance) => *reflectance = vec![0.8; 2],
+            reflector @ Reflector::Lambertian(_) => *reflector = Reflector::lambertian(vec![0.8; 2], 2),
             Reflector::Scattering(_) => unreachable!(),
         }
         let a = replicates(&constant, view(8.0), &sources, 5, 128, Sampler::Sobol);

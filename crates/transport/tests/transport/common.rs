@@ -27,7 +27,7 @@ pub(crate) fn mirror(reflectance: f64) -> Base {
 }
 
 pub(crate) fn lambertian(reflectance: f64) -> Base {
-    Base { reflector: Reflector::Lambertian(vec![reflectance]), inactive_absorptance: one(0.0) }
+    Base { reflector: Reflector::lambertian(vec![reflectance], 1), inactive_absorptance: one(0.0) }
 }
 
 /// An ordinary panel, which tests change part by part; [`Self::stack`] writes it as layers.

@@ -280,7 +280,9 @@ fn images_of_nonuniform_light_equal_means_over_view() {
             let (theta, phi) = (40.0, 25.0);
             let view = Cone::new(theta, phi, half, 1.0);
             let mean = |radiance: &dyn Fn(Beta) -> f64| {
-                mean_over([theta, phi, half], |beta| radiance(beta) * specular_image(&stack, beta).base[0])
+                mean_over([theta, phi, half], |beta| {
+                    radiance(beta) * specular_image(&stack, beta).via_pixel[0]
+                })
             };
             let found = estimate(1, &stack, view, &[slope.clone(), Source::Disc(disc)]);
             let truth = std::f64::consts::PI * mean(&|beta| field.radiance(beta));

@@ -16,7 +16,7 @@ fn panel(top: Top, index: &[f64], front: &[f64]) -> Panel {
         top,
         medium: Medium::new(index.to_vec().into()),
         base: Base {
-            reflector: Reflector::Lambertian(vec![0.5; bins]),
+            reflector: Reflector::lambertian(vec![0.5; bins], bins),
             inactive_absorptance: vec![0.0; bins].into(),
         },
         single_pass: false,

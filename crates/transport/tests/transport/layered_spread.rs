@@ -49,7 +49,7 @@ fn transfer(
     } else {
         let mut kernel = adding::Kernel::new(1);
         kernel.prepare(stack, &[view], sources);
-        kernel.seen(stack, 0).into_iter().map(|rho| rho.via_pixel).collect()
+        kernel.seen(stack, 0).into_iter().map(|rho| rho.via_pixel.to_vec()).collect()
     };
     let seen = |source: usize| Seen { source, weights: &WEIGHTS[..bins], via_pixel: &via_pixel[source] };
     let mut all = vec![[0.0; 2]];

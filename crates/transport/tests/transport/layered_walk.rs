@@ -110,12 +110,12 @@ fn flat_layers_equal_closed_forms() {
         let (panel, layers) = both_forms(panel(top, mirror(0.5)), &components);
         let beta = Beta::towards(50.0, 20.0, 1.0);
         let (a, b) = (specular_image(&panel, beta), specular_image(&layers, beta));
-        assert!((a.front[0] - b.front[0]).abs() < 1e-14 && (a.base[0] - b.base[0]).abs() < 1e-14);
+        assert!((a.front[0] - b.front[0]).abs() < 1e-14 && (a.via_pixel[0] - b.via_pixel[0]).abs() < 1e-14);
         let from = Cone::new(50.0, 20.0, 0.0, 1.0);
         for e in replicates_of(&layers, from, &[Source::Diffuse], 0, 3, Sampler::Sobol) {
             assert!((e.rho[0].front[0] - a.front[0]).abs() < 1e-14);
-            assert!((e.rho[0].via_pixel[0] - a.base[0]).abs() < 1e-14);
-            assert!((e.ledger.returned[0] - a.front[0] - a.base[0]).abs() < 1e-14);
+            assert!((e.rho[0].via_pixel[0] - a.via_pixel[0]).abs() < 1e-14);
+            assert!((e.ledger.returned[0] - a.front[0] - a.via_pixel[0]).abs() < 1e-14);
             assert!(e.ledger.unaccounted[0] == 0.0);
         }
     }
@@ -321,7 +321,8 @@ pub(crate) fn coloured(bins: &[usize], lambertian: bool) -> Stack {
     });
     let whole = of([0.8, 0.5, 0.3]);
     let reflector = if lambertian {
-        Reflector::Lambertian(whole.iter().copied().chain(whole.iter().map(|r| 0.3 * r)).collect())
+        let of_states = whole.iter().copied().chain(whole.iter().map(|r| 0.3 * r)).collect();
+        Reflector::lambertian(of_states, bins.len())
     } else {
         let (basis, common) = (whole.to_vec().into(), of([0.0, 0.1, 0.2]).to_vec());
         Reflector::Specular(AngularTable { nodes: Nodes::Constant, basis, mixture: vec![1.0, 0.3], common })

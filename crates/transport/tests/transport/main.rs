@@ -29,6 +29,5 @@ mod plain;
 mod reflecting;
 mod rough_surface;
 mod scatter_faces;
-mod sparkle_waves;
 mod strategies;
 mod wave_faces;

@@ -32,7 +32,7 @@ fn film() -> Base {
 
 fn paper() -> Base {
     let reflectance = vec![0.7, 0.6, 0.5, 0.02, 0.03, 0.05];
-    Base { reflector: Reflector::Lambertian(reflectance), inactive_absorptance: vec![0.0; BINS].into() }
+    Base { reflector: Reflector::lambertian(reflectance, BINS), inactive_absorptance: vec![0.0; BINS].into() }
 }
 
 fn diffuser(lobe: Lobe, regular_fraction: f64) -> Top {

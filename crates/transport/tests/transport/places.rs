@@ -60,7 +60,7 @@ fn over(interface: Interface, base: Base) -> Stack {
 
 /// States of one wavelength.
 fn paper(reflectance: &[f64]) -> Base {
-    Base { reflector: Reflector::Lambertian(reflectance.to_vec()), inactive_absorptance: one(0.0) }
+    Base { reflector: Reflector::lambertian(reflectance.to_vec(), 1), inactive_absorptance: one(0.0) }
 }
 
 fn mirrors(reflectance: &[f64]) -> Base {

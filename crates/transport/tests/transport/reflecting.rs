@@ -128,7 +128,7 @@ fn mirror_images_pass_between_diffuser_and_pixel() {
     let image = specular_image(&display, view(10.0).axis_towards());
     assert_close("front", image.front[0], 0.1, 1e-12);
     let straight = 0.7_f64 * 0.4;
-    assert_close("base", image.base[0], straight.powi(2) * 0.8 / (1.0 - 0.8 * 0.27), 1e-12);
+    assert_close("base", image.via_pixel[0], straight.powi(2) * 0.8 / (1.0 - 0.8 * 0.27), 1e-12);
 }
 
 /// Without reflectance, the diffuser is that without reflection.
@@ -183,7 +183,7 @@ fn lambertian_lobe_fills_the_disc_of_each_wavelength() {
         regular_fraction: 0.0,
     });
     let diffuser = reflecting(transmission, [side.clone(), side]);
-    let base = Base { reflector: Reflector::Lambertian(vec![paint; 2]), inactive_absorptance: all(0.0) };
+    let base = Base { reflector: Reflector::lambertian(vec![paint; 2], 2), inactive_absorptance: all(0.0) };
     let layers = vec![Layer { interface: diffuser, medium: Medium::new(indices.to_vec().into()) }];
     let display = Stack::general(layers, base);
     let sources = [Source::Diffuse];

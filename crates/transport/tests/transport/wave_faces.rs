@@ -46,7 +46,7 @@ fn display(interface: Interface, base: Base) -> Stack {
 
 fn paper(reflectance: f64) -> Base {
     Base {
-        reflector: Reflector::Lambertian(vec![reflectance; BINS]),
+        reflector: Reflector::lambertian(vec![reflectance; BINS], BINS),
         inactive_absorptance: Spectrum::from_values(vec![0.0; BINS]),
     }
 }

@@ -57,15 +57,13 @@ pub(super) fn views(
     let mut views = Vec::with_capacity(setup.views.len());
     for (number, view) in setup.views.iter().enumerate() {
         let at = |level: usize| {
-            if control.stopped() {
-                return Err(DisplayError::Interrupted);
-            }
+            control.check()?;
             if levels.len() == level {
                 levels.push(levelled(filtered, setup, level)?);
             }
             seen(filtered, setup, &levels[level], (number, view))
         };
-        let mut found = refined(setup, view, FINEST, at)?;
+        let mut found = refined(setup, view, FINEST, at, control)?;
         for pattern in &mut found.patterns {
             pattern.why_null = match pattern.name {
                 Figure::Stripe | Figure::Line if filtered.is_diffused() => Some(DIFFUSED),

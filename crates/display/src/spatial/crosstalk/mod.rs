@@ -13,8 +13,6 @@ mod result;
 mod shares;
 mod surfaces;
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use papilio_imaging::text::Bitmap;
 use papilio_transport::spatial::{Accuracy, PanelSpread};
 use papilio_transport::{Panel, Reflector, Source, Top};
@@ -29,12 +27,12 @@ use super::irradiance::images;
 use super::patterns::Text;
 use super::response::{Lit, name_of_light};
 use super::returned::Returned;
-use super::target::{USUAL_TARGET, missed_target, target};
+use super::target::{self, missed_target};
 use super::{Level, PatternKind, Refused, lobe, patterns};
 use crate::DisplayError;
 use crate::filtered::Filtered;
 use crate::meter::Meter;
-use crate::run::{Control, Progress, Workers, each, refine_or_fail};
+use crate::run::{Control, each_view};
 use crate::scene::{Matrix, Method, SPREAD_KEY, Scene};
 use crate::setup::{Setup, ViewPoint};
 
@@ -78,20 +76,9 @@ pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<Cro
         return result(&setup, matrix, filter::views(&filtered, &setup, control)?);
     }
     let frame = Frame::new(&setup, text, control)?;
-    let mut workers = None;
-    let pool =
-        if setup.views.len() == 1 { None } else { Workers::unless_one(&mut workers, control.threads)? };
-    let done = AtomicUsize::new(0);
-    let mut numbers: Vec<usize> = (0..setup.views.len()).collect();
-    let views = each(pool, &mut numbers, |(_, number)| {
-        if control.stopped() {
-            return Err(DisplayError::Interrupted);
-        }
-        let view = frame.view(&setup.views[*number])?;
-        (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
-        Ok(view)
-    });
-    result(&setup, frame.matrix, views.into_iter().collect::<Result<_, _>>()?)
+    let views =
+        each_view(&setup, false, control, |number, control| frame.view(&setup.views[number], control))?;
+    result(&setup, frame.matrix, views)
 }
 
 fn matrix(setup: &Setup) -> Result<&Matrix, DisplayError> {
@@ -127,18 +114,17 @@ fn result(
     })
 }
 
-/// Refines a view until the target of the scene, or the finest level, is met.
+/// Refines a view.
 fn refined(
     setup: &Setup,
     view: &ViewPoint,
     finest: usize,
     at: impl FnMut(usize) -> Result<Measured, DisplayError>,
+    control: &Control<'_>,
 ) -> Result<CrosstalkView, DisplayError> {
     let of = |[fine, coarse]: [&Measured; 2]| assembled(setup, view, fine, &[coarse]);
-    let target = target(&setup.scene.solver.stop).unwrap_or(USUAL_TARGET);
-    let error = |levels: [&Measured; 2], _: Option<&Measured>| largest_error(&of(levels)).1;
-    let found = refine_or_fail(target, finest, at, error, |_, _| {})?;
-    if found.finished { Ok(of([&found.finer, &found.coarser])) } else { Err(DisplayError::Interrupted) }
+    let found = target::refined(setup, finest, at, |levels| largest_error(&of(levels)).1, control)?;
+    Ok(of([&found.finer, &found.coarser]))
 }
 
 /// Returns the number with the largest error, and this error: of the shares, or a relative one of a contrast
@@ -212,7 +198,7 @@ impl<'a> Frame<'a> {
         })
     }
 
-    fn view(&self, view: &ViewPoint) -> Result<CrosstalkView, DisplayError> {
+    fn view(&self, view: &ViewPoint, control: &Control<'_>) -> Result<CrosstalkView, DisplayError> {
         let pitch = self.matrix.pitch_mm;
         let finest = pitch[0].min(pitch[1]);
         let at = |level: usize| {
@@ -224,7 +210,7 @@ impl<'a> Frame<'a> {
         // The estimate for mirror-like pixels is bounded by the coarse level only: no further level is
         // computed.
         let is_estimated = self.returns() && !self.is_flat() && self.panel.base.is_specular();
-        refined(self.setup, view, if is_estimated { 1 } else { MOST_LEVEL }, at)
+        refined(self.setup, view, if is_estimated { 1 } else { MOST_LEVEL }, at, control)
     }
 
     fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
@@ -242,14 +228,14 @@ impl<'a> Frame<'a> {
             let (weights, factor) = (&light.weights, &factors[light.source]);
             measured.names.push(name_of_light(setup, light));
             for (state, page) in pages.iter_mut().enumerate() {
-                add(page, flat::colour(weights, &factor.via_pixel[state * bins..][..bins]));
+                add(page, flat::colour(weights, factor.via_pixel.state(state)));
             }
             for (sum, weights) in by_wavelength.iter_mut().zip(weights) {
                 let light = factor.via_pixel.iter().enumerate().map(|(at, light)| weights[at % bins] * light);
                 sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
             }
             if is_flat {
-                let page = &factor.via_pixel[self.page * bins..][..bins];
+                let page = factor.via_pixel.state(self.page);
                 let mut rows =
                     vec![vec![0.0; self.matrix.sub_pixels.len() + 1]; self.matrix.sub_pixels.len()];
                 for (at_mm, fraction) in &images {
@@ -265,7 +251,7 @@ impl<'a> Frame<'a> {
                         let (lit, source) = (self.lit(view, level), &setup.sources[light.source]);
                         more.own = self.own_light(lit, source, &weights[1], &factor.via_pixel)?;
                     }
-                    let all = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
+                    let all = flat::colour(weights, factor.via_pixel.state(self.page))[1];
                     more.add_returned(self.page, all, level.is_fine);
                 }
                 measured.page.push(more.once.page.clone());

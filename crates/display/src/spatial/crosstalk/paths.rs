@@ -21,7 +21,7 @@ use super::surfaces::Surfaces;
 use super::{BLACK, Colour, CrosstalkView, Figure, PAGE, largest_error, page, state};
 use crate::DisplayError;
 use crate::meter::{PRIMARIES, jackknife};
-use crate::run::{Control, Progress, Round, missed, until};
+use crate::run::{Control, Round, each_view, missed, until};
 use crate::scene::Matrix;
 use crate::setup::{Setup, ViewPoint};
 
@@ -55,12 +55,7 @@ pub(super) fn views(
     control: &Control<'_>,
 ) -> Result<Vec<CrosstalkView>, DisplayError> {
     let scenes = Scenes::new(setup, matrix, text)?;
-    let mut views = Vec::with_capacity(setup.views.len());
-    for number in 0..setup.views.len() {
-        views.push(scenes.view(number, control)?);
-        (control.progress)(Progress::of_views(number + 1, setup.views.len()));
-    }
-    Ok(views)
+    each_view(setup, true, control, |number, control| scenes.view(number, control))
 }
 
 impl<'a> Scenes<'a> {
@@ -115,12 +110,9 @@ impl<'a> Scenes<'a> {
         let passes = 1 + u64::from(self.has_filter);
         let (found, _) = until(stop, MOST_PATHS, |paths| {
             let all = self.panel.traced() - before + passes * paths;
-            let progress = |now: Progress<'_>| {
-                let share = (self.panel.traced() - before) as f64 / all as f64;
-                let views_done = (number, self.setup.views.len());
-                (control.progress)(Progress { share_of_view: Some(share.min(1.0)), views_done, ..now });
-            };
-            let (found, others) = self.found(view, paths, &Control { progress: &progress, ..*control })?;
+            let found =
+                self.panel.with_share([before, all], control, |control| self.found(view, paths, control));
+            let (found, others) = found?;
             let means = self.luminous_means(&found, &others);
             let found = assembled(self.setup, view, &found, &others.iter().collect::<Vec<_>>());
             let missed = missed(stop, largest_error(&found).1)?;

@@ -24,7 +24,7 @@ use super::{Curves, Kernel, LineContrast, MtfState, MtfView, PatternKind, Patter
 use crate::DisplayError;
 use crate::meter::jackknife;
 use crate::result::Named;
-use crate::run::{Control, PILOT, Progress, Round, missed, until};
+use crate::run::{Control, PILOT, Round, missed, until};
 use crate::scene::Stop;
 use crate::setup::ViewPoint;
 use fixed::Fixed;
@@ -84,24 +84,13 @@ pub(super) fn view(
     let fixed = Fixed::new(frame);
     let passes = 1 + u64::from(fixed.is_some()) + frame.patterns().len() as u64;
     let before = panel.traced();
-    let with_progress = |all: u64, trace: &mut dyn FnMut(&Control<'_>) -> Result<(), DisplayError>| {
-        let progress = |now: Progress<'_>| {
-            let share = (panel.traced() - before) as f64 / all as f64;
-            let views_done = (number, frame.setup.views.len());
-            (control.progress)(Progress { share_of_view: Some(share.min(1.0)), views_done, ..now });
-        };
-        trace(&Control { progress: &progress, ..*control })
-    };
     // The picture of kernels has the size that the round before found.
     let mut half_mm = 0.0;
     let mut round = |paths: u64| {
         let grid = Grid::new(frame, panel, view, half_mm);
-        let mut estimates = Vec::new();
         let all = panel.traced() - before + passes * paths;
-        with_progress(all, &mut |control| {
-            estimates = grid.kernels(panel, view, paths, control)?;
-            Ok(())
-        })?;
+        let estimates =
+            panel.with_share([before, all], control, |control| grid.kernels(panel, view, paths, control))?;
         let found = left_out(&grid, frame, panel, &estimates, &[], None);
         let r90 = found[0].scalars.iter().filter_map(|state| state.r90_um);
         half_mm = r90.map(|r90| 1.2e-3 * r90).fold(0.0, f64::max);
@@ -112,13 +101,12 @@ pub(super) fn view(
         round(PILOT)?;
     }
     let ((grid, estimates, all), paths) = until(stop, MOST_PATHS, round)?;
-    let (mut images, mut patterns) = (Vec::new(), Vec::new());
-    with_progress(all, &mut |control| {
-        if let Some(fixed) = &fixed {
-            images = panel.trace_states(view, States::Pattern(fixed), paths, control)?;
-        }
-        patterns = pattern_means(frame, panel, view, paths, control)?;
-        Ok(())
+    let (images, patterns) = panel.with_share([before, all], control, |control| {
+        let images = match &fixed {
+            Some(fixed) => panel.trace_states(view, States::Pattern(fixed), paths, control)?,
+            None => Vec::new(),
+        };
+        Ok::<_, DisplayError>((images, pattern_means(frame, panel, view, paths, control)?))
     })?;
     let found = left_out(&grid, frame, panel, &estimates, &images, fixed.as_ref());
     Ok(result(frame, &grid, &found, patterns, view))

@@ -110,8 +110,8 @@ impl BeamResponse {
     /// Returns an empty response.
     pub(super) fn new(stack: &Stack, directions: &Directions) -> Self {
         let (states, bins) = (stack.base().states(), stack.base().bins());
-        let zeros = || ReflectanceFactor { via_pixel: vec![0.0; states * bins], front: vec![0.0; bins] };
-        let beams = directions.views.iter().map(|_| directions.sources.iter().map(|_| zeros()).collect());
+        let zeros = |_| ReflectanceFactor::zeros(states, bins);
+        let beams = directions.views.iter().map(|_| directions.sources.iter().map(zeros).collect());
         Self { base: stack.base().clone(), beams: beams.collect(), families: Vec::new(), known: Vec::new() }
     }
 
@@ -181,8 +181,8 @@ impl BeamResponse {
 
     /// Returns the estimate of a view.
     pub(super) fn estimate(&self, directions: &Directions, view: usize) -> Estimate {
-        let places = self.base.states() * self.base.bins();
-        let mut estimate = Estimate { rho: self.beams[view].clone(), ledger: Ledger::zeros(places) };
+        let ledger = Ledger::zeros(self.base.states(), self.base.bins());
+        let mut estimate = Estimate { rho: self.beams[view].clone(), ledger };
         for family in &self.families {
             for ray in &directions.views[view] {
                 let number = family.view(ray.extra);

@@ -257,9 +257,7 @@ impl Kernel {
         for image in &self.images[view] {
             let rho = &mut estimate.rho[image.source];
             for point in &image.points {
-                let seen = layered_image(stack, point.beta);
-                rho.via_pixel.iter_mut().zip(&seen.base).for_each(|(sum, x)| *sum += point.weight * x);
-                rho.front.iter_mut().zip(&seen.front).for_each(|(sum, x)| *sum += point.weight * x);
+                rho.add(&layered_image(stack, point.beta), point.weight);
             }
         }
     }

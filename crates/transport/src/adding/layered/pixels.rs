@@ -3,6 +3,8 @@
 
 use std::sync::atomic::AtomicBool;
 
+use papilio_spectra::StateSpectra;
+
 use super::Kernel;
 use crate::{
     AngularTable, Base, Cone, Estimate, Interface, Layer, Ledger, Medium, Nodes, ReflectanceFactor,
@@ -53,22 +55,26 @@ impl Pixels {
     pub(super) fn estimate(&self, view: usize, stop: &AtomicBool) -> Estimate {
         let mut all = self.stacks.iter().map(|(stack, kernel)| kernel.estimate(stack, view, stop));
         let alone = all.next().unwrap_or_default();
-        let fronts =
-            alone.rho.into_iter().map(|rho| ReflectanceFactor { via_pixel: Vec::new(), front: rho.front });
-        let mut estimate = Estimate { rho: fronts.collect(), ledger: Ledger::default() };
+        let bins = self.base.bins();
+        let front = |rho: ReflectanceFactor| ReflectanceFactor {
+            via_pixel: StateSpectra::zeros(0, bins),
+            front: rho.front,
+        };
+        let mut estimate =
+            Estimate { rho: alone.rho.into_iter().map(front).collect(), ledger: Ledger::zeros(0, bins) };
         for state in all {
             for (rho, of_state) in estimate.rho.iter_mut().zip(&state.rho) {
                 let ReflectanceFactor { via_pixel: base, front } = rho;
                 base.extend(of_state.front.iter().zip(&*front).map(|(whole, front)| whole - front));
             }
             let (sum, one) = (&mut estimate.ledger, state.ledger);
-            sum.returned.extend(one.returned);
-            sum.front.extend(one.front);
-            sum.diffuser.extend(one.diffuser);
-            sum.glass.extend(one.glass);
-            sum.pixel.extend(one.pixel);
-            sum.inactive.extend(one.inactive);
-            sum.unaccounted.extend(one.unaccounted);
+            sum.returned.extend(one.returned.iter().copied());
+            sum.front.extend(one.front.iter().copied());
+            sum.diffuser.extend(one.diffuser.iter().copied());
+            sum.glass.extend(one.glass.iter().copied());
+            sum.pixel.extend(one.pixel.iter().copied());
+            sum.inactive.extend(one.inactive.iter().copied());
+            sum.unaccounted.extend(one.unaccounted.iter().copied());
         }
         estimate
     }

@@ -9,6 +9,8 @@
 //! interpolated, because of narrow fringes, all wavelengths are computed. The coarser level of a first answer
 //! has half as many wavelengths: the difference contains this error.
 
+use papilio_spectra::StateSpectra;
+
 use super::prepare::optics;
 use crate::{Estimate, Reflector, Stack};
 
@@ -53,8 +55,8 @@ pub(super) fn interpolate(stack: &Stack, known: &[usize], estimate: &mut Estimat
     }
     let control = film_alone(stack);
     let between = Between { known, bins };
-    let states = |values: &mut [f64]| {
-        for (values, control) in values.chunks_mut(bins).zip(control.chunks(bins)) {
+    let states = |values: &mut StateSpectra| {
+        for (values, control) in values.rows_mut().zip(control.rows()) {
             between.fill(values, control);
         }
     };
@@ -75,17 +77,15 @@ pub(super) fn interpolate(stack: &Stack, known: &[usize], estimate: &mut Estimat
     }
 }
 
-/// Returns the light that the base returns along the normal through absorbing media alone,
-/// `[state][wavelength]`.
-fn film_alone(stack: &Stack) -> Vec<f64> {
-    let bins = stack.base().bins();
-    let mut all = vec![0.0; stack.base().states() * bins];
+/// Returns the light that the base returns along the normal through absorbing media alone.
+fn film_alone(stack: &Stack) -> StateSpectra {
+    let mut all = StateSpectra::zeros(stack.base().states(), stack.base().bins());
     if let Some(last) = stack.layers.last() {
         stack.base().reflectance(0.0, &last.medium, &mut all);
     }
     let media = stack.layers.iter().filter_map(|layer| layer.medium.transmittance());
     for transmittance in media {
-        for row in all.chunks_mut(bins) {
+        for row in all.rows_mut() {
             row.iter_mut().zip(transmittance.iter()).for_each(|(value, t)| *value *= t * t);
         }
     }

@@ -8,6 +8,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use papilio_optics::Beta;
+use papilio_spectra::StateSpectra;
 
 use super::add_scaled;
 use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
@@ -48,11 +49,11 @@ enum Light {
 struct Fate {
     mirrored: Vec<f64>,
     absorbed_entering: Vec<f64>,
-    arriving: Vec<f64>,
-    reflected: Vec<f64>,
-    leaving: Vec<f64>,
-    absorbed: Vec<f64>,
-    unaccounted: Vec<f64>,
+    arriving: StateSpectra,
+    reflected: StateSpectra,
+    leaving: StateSpectra,
+    absorbed: StateSpectra,
+    unaccounted: StateSpectra,
 }
 
 impl Kernel {
@@ -101,9 +102,7 @@ impl Kernel {
         for seen in &view.images {
             let rho = &mut estimate.rho[seen.source];
             for point in &seen.points {
-                let image = panel_image(stack, point.beta);
-                add_scaled(&mut rho.front, &image.front, point.weight);
-                add_scaled(&mut rho.via_pixel, &image.base, point.weight);
+                rho.add(&panel_image(stack, point.beta), point.weight);
             }
         }
         estimate
@@ -128,7 +127,7 @@ impl Kernel {
             Light::Diffuse => {
                 ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() }
             }
-            Light::Directed(_) => dark(stack),
+            Light::Directed(_) => ReflectanceFactor::zeros(stack.base.states(), stack.base.bins()),
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
     }
@@ -162,7 +161,7 @@ impl Kernel {
                 let index = stack.medium.index();
                 let seen = |(k, light): (usize, &f64)| light * towards[k % bins] / index[k % bins].powi(2);
                 let base = fate.reflected.iter().enumerate().map(seen).collect();
-                ReflectanceFactor { via_pixel: base, ..dark(stack) }
+                ReflectanceFactor { via_pixel: StateSpectra::new(base, bins), front: vec![0.0; bins] }
             }
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
@@ -208,15 +207,10 @@ fn orders(stack: &Panel, t: f64, share: f64) -> f64 {
     if stack.single_pass || t == 0.0 { 1.0 } else { 1.0 / (1.0 - share) }
 }
 
-fn dark(stack: &Panel) -> ReflectanceFactor {
-    let base = &stack.base;
-    ReflectanceFactor { via_pixel: vec![0.0; base.states() * base.bins()], front: vec![0.0; base.bins()] }
-}
-
 impl Fate {
     fn zeros(stack: &Panel) -> Self {
         let base = &stack.base;
-        let (all, one) = (|| vec![0.0; base.states() * base.bins()], || vec![0.0; base.bins()]);
+        let (all, one) = (|| StateSpectra::zeros(base.states(), base.bins()), || vec![0.0; base.bins()]);
         Self {
             mirrored: one(),
             absorbed_entering: one(),
@@ -248,7 +242,7 @@ impl Fate {
     }
 
     fn ledger(self, stack: &Panel) -> Ledger {
-        let mut ledger = Ledger::zeros(self.arriving.len());
+        let mut ledger = Ledger::zeros(self.arriving.states(), stack.base.bins());
         let inactive = &stack.base.inactive_absorptance;
         for k in 0..self.arriving.len() {
             let bin = k % inactive.len();

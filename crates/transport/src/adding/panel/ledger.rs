@@ -1,5 +1,7 @@
 //! Reflectance factors and ledger, computed from the light at the underside of the diffuser.
 
+use papilio_spectra::StateSpectra;
+
 use crate::{Diffuser, Estimate, Ledger, Panel, ReflectanceFactor, Source};
 
 /// Whether the ledger is requested.
@@ -69,13 +71,13 @@ impl Sums {
             for row in base.chunks_exact_mut(through.len()) {
                 row.iter_mut().zip(&through).for_each(|(value, t)| *value *= t);
             }
-            ReflectanceFactor { via_pixel: base, front }
+            ReflectanceFactor { via_pixel: StateSpectra::new(base, through.len()), front }
         });
         rho.collect()
     }
 
     fn ledger(&self, stack: &Panel, diffuser: &Diffuser) -> Ledger {
-        let mut ledger = Ledger::zeros(self.arriving.len());
+        let mut ledger = Ledger::zeros(stack.base.states(), stack.base.bins());
         let (front, inactive) = (&stack.front, &stack.base.inactive_absorptance);
         let bins = inactive.len();
         for first in (0..self.arriving.len()).step_by(bins.max(1)) {

@@ -1,6 +1,7 @@
 //! Sums over paths, and the reflectance factors and the ledger that follow from them.
 
 use papilio_optics::Beta;
+use papilio_spectra::StateSpectra;
 
 use super::Diffused;
 use crate::Source;
@@ -113,7 +114,7 @@ impl Diffused<'_> {
                 Source::Diffuse => self.stack.front.reflectance_above.to_vec(),
                 _ => vec![0.0; self.through.len()],
             };
-            ReflectanceFactor { via_pixel: base, front }
+            ReflectanceFactor { via_pixel: StateSpectra::new(base, self.through.len()), front }
         };
         let rho = self.sources.iter().enumerate().map(of_source).collect();
         let ledger = self.ledger(&sums.entering.sum(scale), &sums.arriving.sum(scale), reflected, leaving);
@@ -137,7 +138,8 @@ impl Diffused<'_> {
     }
 
     fn ledger(&self, entering: &[f64], arriving: &[f64], reflected: &[f64], leaving: &[f64]) -> Ledger {
-        let mut ledger = Ledger::zeros(entering.len());
+        let base = &self.stack.base;
+        let mut ledger = Ledger::zeros(base.states(), base.bins());
         let (front, inactive) = (&self.stack.front, &self.stack.base.inactive_absorptance);
         // Rows of equal length, so that no bound is checked at each wavelength.
         let bins = inactive.len();

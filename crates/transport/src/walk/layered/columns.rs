@@ -13,6 +13,8 @@
 
 use std::f64::consts::PI;
 
+use papilio_spectra::StateSpectra;
+
 use super::light::Light;
 use crate::angular::Nodes;
 use crate::{AngularTable, Base, Reflector, Stack};
@@ -40,7 +42,7 @@ impl Columns {
         let reflectance = match &base.reflector {
             Reflector::Lambertian(reflectance) => reflectance.clone(),
             Reflector::Specular(AngularTable { nodes: Nodes::Constant, .. }) => {
-                let mut reflectance = vec![0.0; base.states() * base.bins()];
+                let mut reflectance = StateSpectra::zeros(base.states(), base.bins());
                 base.reflectance(0.0, &stack.layers.last()?.medium, &mut reflectance);
                 reflectance
             }
@@ -52,7 +54,7 @@ impl Columns {
         }
         let weights = reflectance.iter().flat_map(|r| lagrange(&nodes, *r)).collect();
         let reflector = match &base.reflector {
-            Reflector::Lambertian(_) => Reflector::Lambertian(nodes),
+            Reflector::Lambertian(_) => Reflector::lambertian(nodes, 1),
             _ => Reflector::Specular(AngularTable {
                 nodes: Nodes::Constant,
                 basis: vec![1.0].into(),

@@ -18,9 +18,8 @@
 //! In a slab of optical thickness 2 and g = 0.9 over a mirror, the controls remove 80 to 97 % of the
 //! variance.
 
-use papilio_optics::with_widest_simd;
-
 use super::ledger::Received;
+use crate::walk::add_scaled;
 
 /// Number of Legendre polynomials of a deflection, and of powers of the depth that multiply them.
 const ORDERS: usize = 8;
@@ -394,10 +393,3 @@ const LEAST_PATHS: f64 = 4.0 * COUNT as f64;
 
 /// Fraction of its square that a control must have besides all controls before it.
 const DEPENDENT: f64 = 1e-6;
-
-fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
-    with_widest_simd(
-        #[inline(always)]
-        || sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += scale * value),
-    );
-}

@@ -1,5 +1,7 @@
 //! Sums over paths, and the reflectance factors and ledger that follow from them.
 
+use papilio_spectra::StateSpectra;
+
 use super::controls::Controls;
 use super::generation::{Arrived, Generation, Roulette};
 use super::light::{Light, Share};
@@ -234,7 +236,7 @@ impl Layered<'_> {
         let rho = self.sources.iter().zip(&sums.received.from_source).map(|(source, from_source)| {
             let light = if *source == Source::Diffuse { &sums.received.leaving } else { from_source };
             let Light { fresh, met } = self.mean(light, scale);
-            ReflectanceFactor { via_pixel: met, front: fresh }
+            ReflectanceFactor { via_pixel: StateSpectra::new(met, fresh.len()), front: fresh }
         });
         Estimate { rho: rho.collect(), ledger: self.ledger(sums, scale) }
     }
@@ -249,14 +251,16 @@ impl Layered<'_> {
     fn ledger(&self, sums: &Sums, scale: f64) -> Ledger {
         let inactive = &self.stack.base().inactive_absorptance;
         let bins = inactive.len();
-        let all = |light: &Light| -> Vec<f64> {
+        let spectra = |value: &dyn Fn(usize) -> f64, count: usize| {
+            StateSpectra::new((0..count).map(value).collect(), bins)
+        };
+        let all = |light: &Light| {
             let Light { fresh, met } = self.mean(light, scale);
-            met.iter().enumerate().map(|(k, met)| met + fresh[k % bins]).collect()
+            spectra(&|k| met[k] + fresh[k % bins], met.len())
         };
         let (arriving, reflected) = (all(&sums.arriving), all(&sums.reflected));
-        let of_inactive: Vec<f64> =
-            arriving.iter().enumerate().map(|(k, a)| a * inactive[k % bins]).collect();
-        let pixel = (0..arriving.len()).map(|k| arriving[k] - reflected[k] - of_inactive[k]).collect();
+        let of_inactive = spectra(&|k| arriving[k] * inactive[k % bins], arriving.len());
+        let pixel = spectra(&|k| arriving[k] - reflected[k] - of_inactive[k], arriving.len());
         Ledger {
             returned: all(&sums.received.leaving),
             front: all(&sums.absorbed.front),

@@ -34,7 +34,7 @@ fn base(reflectance: Vec<f64>, bins: usize, is_mirror: bool) -> Base {
             common,
         })
     } else {
-        Reflector::Lambertian(reflectance)
+        Reflector::lambertian(reflectance, bins)
     };
     Base { reflector, inactive_absorptance: vec![0.0; bins].into() }
 }

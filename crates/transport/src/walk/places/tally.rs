@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use num_complex::Complex64;
+use papilio_spectra::StateSpectra;
 
 use super::bins::{Bins, CellGrid};
 use super::light::{FirstMeeting, Recorded, Shown};
@@ -139,7 +140,7 @@ struct Received {
     /// Light that has not met the pixel, with and without spectra.
     front: Vec<f64>,
     front_number: f64,
-    via_pixel: Vec<f64>,
+    via_pixel: StateSpectra,
     /// Light that met the pixel once: `[node]` if each image shows its state, else `[image][state][node]`.
     look_ups: Vec<f64>,
     each_state: bool,
@@ -176,7 +177,7 @@ impl<'p> Sums<'p> {
         let received = |source: usize| Received {
             front: vec![0.0; bins],
             front_number: 0.0,
-            via_pixel: vec![0.0; images * bins],
+            via_pixel: StateSpectra::zeros(images, bins),
             look_ups: vec![0.0; pairs * plan.nodes],
             each_state,
             kernels: [kernels(source), kernels(source)],
@@ -220,8 +221,7 @@ impl Received {
                 add_scaled(&mut via_pixel, spectra, 1.0);
             } else {
                 let (image, state) = (pair / states, pair % states);
-                let image = &mut via_pixel[image * bins..][..bins];
-                add_scaled(image, &spectra[state * bins..][..bins], 1.0);
+                add_scaled(via_pixel.state_mut(image), &spectra[state * bins..][..bins], 1.0);
             }
         }
         via_pixel.iter_mut().for_each(|value| *value *= scale);
@@ -321,7 +321,7 @@ impl Received {
             Recorded::LookUp(scale, first) => self.add_look_up(plan, first, weight * scale),
             Recorded::Spectra(scale, spectra) => {
                 let met = path.light.meetings() > 0;
-                let sum = if met { &mut self.via_pixel } else { &mut self.front };
+                let sum = if met { &mut *self.via_pixel } else { &mut self.front };
                 add_scaled(sum, spectra, weight * scale);
             }
         }

@@ -142,7 +142,7 @@ fn single_scattering_has_a_closed_form() {
     let scattering = Scattering { optical_thickness: 30.0, anisotropy: 0.0, albedo: albedo.into() };
     let medium = Medium::new(vec![1.0, 1.0].into()).with_scattering(scattering);
     let base =
-        Base { reflector: Reflector::Lambertian(vec![0.0; 2]), inactive_absorptance: vec![0.0; 2].into() };
+        Base { reflector: Reflector::lambertian(vec![0.0; 2], 2), inactive_absorptance: vec![0.0; 2].into() };
     let stack = Stack::general(vec![Layer { interface: Interface::Open, medium }], base);
     let pattern = Uniform { states: 1 };
     let walk = PlacedWalk::new(&stack, &[30.0], view(0.0), &[], What::Pattern(&pattern)).unwrap();

@@ -79,7 +79,7 @@ impl LayeredSpread<'_> {
         for image in &self.images {
             for point in &image.points {
                 let seen = layered_image(self.stack, point.beta);
-                for (light, base) in light[image.source].iter_mut().zip(&seen.base) {
+                for (light, base) in light[image.source].iter_mut().zip(&seen.via_pixel) {
                     light.iter_mut().for_each(|light| *light += point.weight * base);
                 }
             }

@@ -286,9 +286,7 @@ fn add_images(stack: &Panel, images: &[ImagePoints], rho: &mut [ReflectanceFacto
     for seen in images {
         let rho = &mut rho[seen.source];
         for point in &seen.points {
-            let image = panel_image(stack, point.beta);
-            add_scaled(&mut rho.front, &image.front, point.weight);
-            add_scaled(&mut rho.via_pixel, &image.base, point.weight);
+            rho.add(&panel_image(stack, point.beta), point.weight);
         }
     }
 }

@@ -9,6 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 use papilio_optics::lobe::Lobe;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::super::add_scaled;
 use super::super::first_pass::Pass;
 use super::super::lobes;
 use super::super::projected::Circle;
@@ -379,13 +380,6 @@ fn times(out: &mut [f64], light: &[f64], r: &[f64], scale: f64, paired: bool) {
         for (out, l) in out.chunks_exact_mut(r.len()).zip(light) {
             add_scaled(out, r, scale * l);
         }
-    }
-}
-
-#[inline]
-fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
-    for (s, v) in sum.iter_mut().zip(values) {
-        *s += v * scale;
     }
 }
 

@@ -1,6 +1,6 @@
 //! The matrix of windows on the pixel plane.
 
-use super::grid::floor;
+use crate::grid::floor;
 
 /// A lit rectangle of each pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ impl Matrix {
     }
 
     /// Prepares means over rectangles of this size.
-    pub(super) fn over(&self, size_mm: [f64; 2]) -> Means {
+    pub(crate) fn over(&self, size_mm: [f64; 2]) -> Means {
         let stripe = |from: f64, to: f64, axis: usize| Stripe {
             middle: from - 0.5 * size_mm[axis],
             width: to - from,
@@ -56,7 +56,7 @@ impl Matrix {
 }
 
 /// Mean of a matrix over a rectangle.
-pub(super) struct Means {
+pub(crate) struct Means {
     windows: Vec<(f64, [Stripe; 2])>,
     background: f64,
 }
@@ -64,7 +64,7 @@ pub(super) struct Means {
 impl Means {
     /// Returns the mean over the rectangle around this place.
     #[inline]
-    pub(super) fn at(&self, [x, y]: [f64; 2]) -> f64 {
+    pub(crate) fn at(&self, [x, y]: [f64; 2]) -> f64 {
         let of = |(weight, [along_x, along_y]): &(f64, [Stripe; 2])| {
             weight * along_x.overlap(x) * along_y.overlap(y)
         };

@@ -9,8 +9,8 @@
 //! touch share a face, whose period contains both and the distance at which slopes are independent, so that
 //! no two rays of a pixel meet the same place unless they do in a face without end.
 
-use super::deflection::Deflection;
-use super::{Extent, Panel, Pixel};
+use crate::deflection::Deflection;
+use crate::{Extent, Panel, Pixel};
 
 /// Standard deviations of a deflection beyond which few rays are.
 const FEW: f64 = 4.0;
@@ -28,18 +28,18 @@ struct Region {
 
 /// The faces of a plan.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Meetings {
+pub(crate) struct Meetings {
     /// Number of the face of each region, from 0: of the view's rays, then of the light that entered.
     faces: Vec<usize>,
     /// Period of a face along x and y, mm, at least.
-    pub(super) least_mm: [f64; 2],
+    pub(crate) least_mm: [f64; 2],
     /// The same for all directions of extended sources and pupils.
-    pub(super) best_mm: [f64; 2],
+    pub(crate) best_mm: [f64; 2],
 }
 
 impl Meetings {
     /// The regions of a panel for the deflection of the view and of each source.
-    pub(super) fn new(panel: &Panel, view: &Deflection, sources: &[Deflection]) -> Self {
+    pub(crate) fn new(panel: &Panel, view: &Deflection, sources: &[Deflection]) -> Self {
         let regions = regions(panel, view, sources);
         if panel.face.extent() == Extent::Periodic {
             return Self { faces: vec![0; regions.len()], least_mm: [0.0; 2], best_mm: [0.0; 2] };
@@ -79,13 +79,13 @@ impl Meetings {
     }
 
     /// Number of faces of a replicate.
-    pub(super) fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.faces.iter().max().map_or(1, |most| most + 1)
     }
 
     /// Number of the face that light met on its way in: for mirror-like pixels at `entrance` 0, for others at
     /// that of its source.
-    pub(super) fn entered(&self, entrance: usize) -> usize {
+    pub(crate) fn entered(&self, entrance: usize) -> usize {
         self.faces[entrance + 1]
     }
 }

@@ -10,8 +10,8 @@ use num_complex::Complex64;
 use papilio_fourier::Plane;
 use papilio_optics::RandomFace;
 use papilio_sampling::{SampleStream, Sampler};
+use papilio_sparkle::FaceSampler;
 use papilio_transport::spatial::Cells;
-use papilio_transport::spatial::sparkle::FaceSampler;
 
 const COUNT: usize = 256;
 const PERIOD_MM: f64 = 0.512;

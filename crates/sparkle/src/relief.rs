@@ -8,8 +8,7 @@ use num_complex::Complex64;
 use papilio_fourier::Plane;
 use papilio_optics::RandomFace;
 use papilio_sampling::SampleStream;
-
-use super::super::Cells;
+use papilio_transport::spatial::Cells;
 
 /// Heights of a rectangle that repeats.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,7 +107,7 @@ impl Face {
     /// The correlation of the slopes of Gaussian heights is below 4e-6 there. If a period is longer than a
     /// distance by this much, slopes at that distance have the correlation of a face without end: waves that
     /// are longer than the period are not missing.
-    pub(super) fn independent_mm(&self) -> f64 {
+    pub(crate) fn independent_mm(&self) -> f64 {
         match self {
             Self::Gaussian(face) => 4.0 * face.correlation_mm,
             Self::Relief(_) => 8.0 * self.correlation_mm().max(self.detail_mm()),
@@ -116,7 +115,7 @@ impl Face {
     }
 
     /// The face as a relief.
-    pub(super) fn relief(&self) -> Option<&Arc<dyn Relief>> {
+    pub(crate) fn relief(&self) -> Option<&Arc<dyn Relief>> {
         match self {
             Self::Gaussian(_) => None,
             Self::Relief(relief) => Some(relief),
@@ -125,7 +124,7 @@ impl Face {
 }
 
 /// Draws slopes of a relief on the cells of a plan.
-pub(super) struct ReliefSampler {
+pub(crate) struct ReliefSampler {
     relief: Arc<dyn Relief>,
     wanted_mm: [f64; 2],
     /// Places of heights of each tile.
@@ -138,7 +137,7 @@ pub(super) struct ReliefSampler {
 }
 
 impl ReliefSampler {
-    pub(super) fn new(
+    pub(crate) fn new(
         relief: Arc<dyn Relief>,
         wanted_mm: [f64; 2],
         tile: Cells,
@@ -154,7 +153,7 @@ impl ReliefSampler {
     ///
     /// They are those of the waves of the heights, so that finer cells show the same face at more points, and
     /// coarser ones lack only the waves that they cannot show.
-    pub(super) fn slopes(&self, numbers: &SampleStream) -> Vec<Complex64> {
+    pub(crate) fn slopes(&self, numbers: &SampleStream) -> Vec<Complex64> {
         let tile = self.relief.tile(&numbers.part(0x7469_6c65), self.wanted_mm);
         assert_eq!(tile.cells, self.tile, "all tiles of a face have the same size");
         let [columns, rows] = tile.cells.count;
@@ -193,11 +192,11 @@ impl ReliefSampler {
 #[cfg(test)]
 mod tests {
     use papilio_optics::Beta;
+    use papilio_transport::spatial::Gap;
 
-    use super::super::super::Gap;
-    use super::super::faces::FaceSampler;
-    use super::super::{Deflection, Effort, Matrix, Panel, Pixel, Plan, Pupil, Room, Source, closed};
     use super::*;
+    use crate::faces::FaceSampler;
+    use crate::{Deflection, Effort, Matrix, Panel, Pixel, Plan, Pupil, Room, Source, closed};
 
     const FACE: RandomFace = RandomFace { slope_rms: 0.02, correlation_mm: 0.012 };
 

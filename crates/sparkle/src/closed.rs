@@ -15,9 +15,9 @@
 use std::f64::consts::PI;
 
 use papilio_optics::RandomFace;
+use papilio_optics::quadrature::gauss;
 
-use super::{Matrix, Window};
-use crate::numerics::quadrature::gauss;
+use crate::{Matrix, Window};
 
 /// Mean modulation transfer of a Gaussian face at a spatial frequency, cycles per mm, for the deflection per
 /// slope `K` (mm: xx, xy, yy): `exp(-2 π² σ² |K f|²)`.
@@ -145,7 +145,7 @@ impl Axis {
         }
         let nodes = ends.windows(2).flat_map(|ends| gauss(ends[0], ends[1], POINTS[0]));
         let terms = |z: f64| self.overlaps(z).iter().map(|overlaps| series.terms(overlaps)).collect();
-        nodes.map(|node| Distance { z: node.x, weight: node.weight, terms: terms(node.x) }).collect()
+        nodes.map(|(z, weight)| Distance { z, weight, terms: terms(z) }).collect()
     }
 
     /// Distances, from 0 to the pitch, between two edges of windows.
@@ -165,13 +165,13 @@ impl Axis {
         let count = self.windows.len();
         let mut overlaps = vec![vec![0.0; self.orders * self.orders]; count * count];
         for ends in self.panels(z).windows(2) {
-            for node in gauss(ends[0], ends[1], POINTS[1]) {
-                let upper: Vec<_> = (0..count).map(|k| self.derivatives(k, node.x + z)).collect();
-                let lower: Vec<_> = (0..count).map(|k| self.derivatives(k, node.x)).collect();
+            for (x, weight) in gauss(ends[0], ends[1], POINTS[1]) {
+                let upper: Vec<_> = (0..count).map(|k| self.derivatives(k, x + z)).collect();
+                let lower: Vec<_> = (0..count).map(|k| self.derivatives(k, x)).collect();
                 for (pair, overlaps) in overlaps.iter_mut().enumerate() {
                     let (upper, lower) = (&upper[pair / count], &lower[pair % count]);
                     for (row, a) in overlaps.chunks_mut(self.orders).zip(upper) {
-                        let a = a * node.weight;
+                        let a = a * weight;
                         if a != 0.0 {
                             row.iter_mut().zip(lower).for_each(|(sum, b)| *sum += a * b);
                         }

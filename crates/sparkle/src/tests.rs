@@ -1,8 +1,8 @@
 //! Rays, closed forms and laws against each other.
 
 use papilio_optics::{Beta, RandomFace};
+use papilio_transport::spatial::Gap;
 
-use super::super::Gap;
 use super::*;
 
 /// Bound of z-scores: probability 7e-6, two-sided.

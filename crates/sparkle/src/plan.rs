@@ -6,15 +6,15 @@ use num_complex::Complex64;
 use papilio_fourier::Plane;
 use papilio_optics::Beta;
 use papilio_sampling::{SampleStream, Sampler};
+use papilio_transport::spatial::{Cells, Gap};
 
-use super::super::{Cells, Gap};
-use super::Matrix;
-use super::deflection::{Deflection, Pupil, directions};
-use super::faces::FaceSampler;
-use super::meetings::Meetings;
-use super::relief::{Extent, Face, ReliefSampler};
-use super::room::{Pixel, Room, Source};
-use super::statistics::{Deviation, Moments, Sparkle};
+use crate::Matrix;
+use crate::deflection::{Deflection, Pupil, directions};
+use crate::faces::FaceSampler;
+use crate::meetings::Meetings;
+use crate::relief::{Extent, Face, ReliefSampler};
+use crate::room::{Pixel, Room, Source};
+use crate::statistics::{Deviation, Moments, Sparkle};
 
 /// A panel below a rough face, and its viewer.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,20 +130,20 @@ enum Slopes {
 
 /// Prepared estimate: [`Plan::replicate`] for each replicate, on any thread, then [`Plan::sparkle`].
 pub struct Plan {
-    pub(super) panel: Panel,
-    pub(super) effort: Effort,
-    pub(super) cells: Cells,
+    pub(crate) panel: Panel,
+    pub(crate) effort: Effort,
+    pub(crate) cells: Cells,
     /// Cells of a pixel along x and y.
-    pub(super) of_pixel: [usize; 2],
+    pub(crate) of_pixel: [usize; 2],
     sampler: Slopes,
-    pub(super) view: Deflection,
+    pub(crate) view: Deflection,
     /// Views of the pupil: places on the pixel plane relative to those of the middle.
-    pub(super) pupil: Vec<[f64; 2]>,
+    pub(crate) pupil: Vec<[f64; 2]>,
     /// Deflection of each source.
-    pub(super) entering: Vec<Deflection>,
-    pub(super) meetings: Meetings,
+    pub(crate) entering: Vec<Deflection>,
+    pub(crate) meetings: Meetings,
     /// Transform of the cells.
-    pub(super) plane: Plane,
+    pub(crate) plane: Plane,
 }
 
 impl Plan {
@@ -168,7 +168,7 @@ impl Plan {
     }
 
     /// True if mirror-like pixels show images of sources.
-    pub(super) fn images_sources(&self) -> bool {
+    pub(crate) fn images_sources(&self) -> bool {
         self.panel.pixel == Pixel::Mirror && !self.panel.room.sources.is_empty()
     }
 
@@ -178,7 +178,7 @@ impl Plan {
     }
 
     /// Slopes of the face of one replicate: along x the real parts, along y the imaginary parts.
-    pub(super) fn slopes(&self, numbers: &SampleStream) -> Vec<Complex64> {
+    pub(crate) fn slopes(&self, numbers: &SampleStream) -> Vec<Complex64> {
         match &self.sampler {
             Slopes::Random(face) => face.slopes(numbers),
             Slopes::Relief(relief) => relief.slopes(numbers),

@@ -4,10 +4,10 @@ use num_complex::Complex64;
 use papilio_optics::Beta;
 use papilio_sampling::{SampleStream, Sampler};
 
-use super::deflection::{applied, direction};
-use super::grid::Grid;
-use super::room::Light;
-use super::{Moments, Plan};
+use crate::deflection::{applied, direction};
+use crate::grid::Grid;
+use crate::room::Light;
+use crate::{Moments, Plan};
 
 /// Part of the random numbers of a replicate from which faces beyond the first are drawn.
 const OTHER_FACES: u64 = 0x0066_6163_6573_0000;

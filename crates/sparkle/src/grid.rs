@@ -1,39 +1,24 @@
 //! Values on the periodic cells of a face.
 
 use num_complex::Complex64;
-
-use super::super::Cells;
+use papilio_transport::spatial::Cells;
 
 /// Values at the middles of periodic cells, linear between them.
-pub(super) struct Grid<T> {
-    pub(super) cells: Cells,
-    pub(super) values: Vec<T>,
+pub(crate) struct Grid<T> {
+    pub(crate) cells: Cells,
+    pub(crate) values: Vec<T>,
     /// Cells per mm along x and y.
     per_mm: [f64; 2],
 }
 
-impl Cells {
-    /// Middle of a cell.
-    pub(super) fn middle(&self, cell: usize) -> [f64; 2] {
-        let [x, y] = [cell % self.count[0], cell / self.count[0]];
-        let size = self.size();
-        [(x as f64 + 0.5) * size[0], (y as f64 + 0.5) * size[1]]
-    }
-
-    /// Width and height of a cell.
-    pub(super) fn size(&self) -> [f64; 2] {
-        [0, 1].map(|axis| self.period_mm[axis] / self.count[axis] as f64)
-    }
-}
-
 impl<T> Grid<T> {
-    pub(super) fn new(cells: Cells, values: Vec<T>) -> Self {
+    pub(crate) fn new(cells: Cells, values: Vec<T>) -> Self {
         Self { cells, values, per_mm: cells.size().map(f64::recip) }
     }
 
     /// The four cells whose middles surround a place, each with its weight.
     #[inline]
-    pub(super) fn around(&self, place: [f64; 2]) -> [(usize, f64); 4] {
+    pub(crate) fn around(&self, place: [f64; 2]) -> [(usize, f64); 4] {
         let (x0, x1, u) = self.beside(0, place[0]);
         let (y0, y1, v) = self.beside(1, place[1]);
         let columns = self.cells.count[0];
@@ -62,14 +47,14 @@ impl<T> Grid<T> {
 /// The largest whole number that is not above a number of less than 2^63: without the call that `f64::floor`
 /// is on old processors.
 #[inline]
-pub(super) fn floor(value: f64) -> f64 {
+pub(crate) fn floor(value: f64) -> f64 {
     let whole = value as i64 as f64;
     if whole > value { whole - 1.0 } else { whole }
 }
 
 impl<T: Copy + std::ops::Mul<f64, Output = T> + std::iter::Sum> Grid<T> {
     /// Value at a place.
-    pub(super) fn at(&self, place: [f64; 2]) -> T {
+    pub(crate) fn at(&self, place: [f64; 2]) -> T {
         self.around(place).into_iter().map(|(cell, weight)| self.values[cell] * weight).sum()
     }
 }
@@ -78,7 +63,7 @@ impl Grid<Complex64> {
     /// Value at a place by cubic interpolation (Catmull and Rom), which keeps the mean square of waves of a
     /// few cells.
     #[inline]
-    pub(super) fn smooth_at(&self, place: [f64; 2]) -> Complex64 {
+    pub(crate) fn smooth_at(&self, place: [f64; 2]) -> Complex64 {
         let (columns, rows) = (self.nearest(0, place[0]), self.nearest(1, place[1]));
         let along = |row: usize| -> Complex64 {
             let values = &self.values[row * self.cells.count[0]..];

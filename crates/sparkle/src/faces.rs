@@ -6,11 +6,10 @@ use num_complex::Complex64;
 use papilio_fourier::Plane;
 use papilio_optics::RandomFace;
 use papilio_sampling::SampleStream;
-
-use super::super::Cells;
+use papilio_transport::spatial::Cells;
 
 /// Highest frequency of a face times its correlation length: the power beyond is 3e-10 of that of all slopes.
-pub(super) const HIGHEST: f64 = 1.6;
+pub(crate) const HIGHEST: f64 = 1.6;
 
 /// Draws periodic Gaussian faces of given statistics.
 ///

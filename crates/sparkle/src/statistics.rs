@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::PixelLight;
+use crate::PixelLight;
 
 /// Sums over the pixels of one replicate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -18,7 +18,7 @@ pub struct Moments {
 impl Moments {
     /// Adds the light of a pixel, of which there are two estimates with independent errors: their product has
     /// no mean error.
-    pub(super) fn add(&mut self, [one, other]: PixelLight) {
+    pub(crate) fn add(&mut self, [one, other]: PixelLight) {
         self.count += 1.0;
         self.sum += 0.5 * (one + other);
         self.squares += one * other;
@@ -78,7 +78,7 @@ impl Deviation {
 
     /// The same deviation with the errors that this number of independent pixels has besides:
     /// `ppd/sqrt(2 pixels)`, and that of their mean.
-    pub(super) fn of_independent(self, pixels: f64) -> Self {
+    pub(crate) fn of_independent(self, pixels: f64) -> Self {
         Self {
             standard_error: self.standard_error.hypot(self.ppd / (2.0 * pixels).sqrt()),
             mean_error: self.mean_error.hypot(self.mean * self.ppd / pixels.sqrt()),

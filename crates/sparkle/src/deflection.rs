@@ -1,8 +1,7 @@
 //! How a slope of the face moves the place that is seen through it.
 
 use papilio_optics::Beta;
-
-use super::super::{Gap, displacement};
+use papilio_transport::spatial::{Gap, displacement};
 
 /// Change of the place on the pixel plane with the slope of the face, for one direction of the light, to
 /// first order.
@@ -57,7 +56,7 @@ impl Deflection {
     }
 
     /// Change of the place on the pixel plane for a change of the direction cosines in the air.
-    pub(super) fn shift(&self, beta: Beta) -> [f64; 2] {
+    pub(crate) fn shift(&self, beta: Beta) -> [f64; 2] {
         applied(self.place_per_beta_mm, [beta.x, beta.y])
     }
 }
@@ -68,7 +67,7 @@ fn normal(index: f64, beta_squared: f64) -> f64 {
 }
 
 /// Product of a symmetric matrix (xx, xy, yy) and a vector.
-pub(super) fn applied([xx, xy, yy]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
+pub(crate) fn applied([xx, xy, yy]: [f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
     [xx * x + xy * y, xy * x + yy * y]
 }
 
@@ -94,13 +93,13 @@ impl Pupil {
 
 /// Directions that fill a disc around one, foreshortened along its plane of incidence, with equal weights.
 /// `rings` 0 is the centre alone.
-pub(super) fn directions(around: Beta, radius: f64, rings: usize) -> Vec<Beta> {
+pub(crate) fn directions(around: Beta, radius: f64, rings: usize) -> Vec<Beta> {
     let points = disc(if radius > 0.0 { rings } else { 0 });
     points.into_iter().map(|point| foreshortened(around, radius, point)).collect()
 }
 
 /// A direction within a disc around one, uniformly distributed for uniform numbers.
-pub(super) fn direction(around: Beta, radius: f64, [s, t]: [f64; 2]) -> Beta {
+pub(crate) fn direction(around: Beta, radius: f64, [s, t]: [f64; 2]) -> Beta {
     let (sin, cos) = (std::f64::consts::TAU * t).sin_cos();
     foreshortened(around, radius, [s.sqrt() * cos, s.sqrt() * sin])
 }

@@ -6,9 +6,9 @@ use num_complex::Complex64;
 use papilio_fourier::Plane;
 use papilio_optics::Beta;
 
-use super::Plan;
-use super::deflection::{Deflection, applied};
-use super::grid::Grid;
+use crate::Plan;
+use crate::deflection::{Deflection, applied};
+use crate::grid::Grid;
 
 /// Light on the panel. Only ratios matter.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -39,7 +39,7 @@ pub struct Source {
 
 impl Source {
     /// Sine of the angular radius.
-    pub(super) fn radius(&self) -> f64 {
+    pub(crate) fn radius(&self) -> f64 {
         self.radius_deg.to_radians().sin()
     }
 
@@ -76,7 +76,7 @@ pub enum Pixel {
 }
 
 /// Light that view rays find at places of the pixel plane.
-pub(super) enum Light {
+pub(crate) enum Light {
     /// The same along all rays.
     Uniform(f64),
     /// Irradiance of the pixel plane, in cells.
@@ -86,7 +86,7 @@ pub(super) enum Light {
 impl Room {
     /// Light that comes from the direction of propagation `beta`: the radiance times pi.
     #[inline]
-    pub(super) fn light(&self, beta: Beta) -> f64 {
+    pub(crate) fn light(&self, beta: Beta) -> f64 {
         let of = |source: &Source| if source.contains(beta) { source.radiance() } else { 0.0 };
         self.diffuse + self.sources.iter().map(of).sum::<f64>()
     }
@@ -94,7 +94,7 @@ impl Room {
 
 impl Light {
     /// Light on Lambertian pixels, and that of a room without sources.
-    pub(super) fn of(plan: &Plan, faces: &[Grid<Complex64>]) -> Self {
+    pub(crate) fn of(plan: &Plan, faces: &[Grid<Complex64>]) -> Self {
         let room = &plan.panel.room;
         if room.sources.is_empty() {
             return Self::Uniform(room.diffuse);
@@ -110,7 +110,7 @@ impl Light {
 
     /// Light at a place of the pixel plane.
     #[inline]
-    pub(super) fn at(&self, place: [f64; 2]) -> f64 {
+    pub(crate) fn at(&self, place: [f64; 2]) -> f64 {
         match self {
             Self::Uniform(value) => *value,
             Self::Irradiance(grid) => grid.at(place),
