@@ -124,11 +124,22 @@ impl GenerationNumbers {
         self.0.block(rank as u64, 0)
     }
 
-    /// Returns a roulette for each of several alternatives.
-    pub(super) fn roulettes(&self, count: usize) -> Vec<Roulette> {
-        let numbers = self.0.independent();
+    /// Returns a roulette for each of several alternatives of a decision. Decisions that follow each other
+    /// have numbers of their own: a branch that has survived the first says where the number of the first
+    /// was.
+    pub(super) fn roulettes(&self, decision: Decision, count: usize) -> Vec<Roulette> {
+        let numbers = self.0.independent().part(decision as u64);
         (0..count).map(|k| Roulette(numbers.block(k as u64, u32::MAX)[0])).collect()
     }
+}
+
+/// The decisions of a generation that are made by roulette.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Decision {
+    /// At which events a branch arrives.
+    Arrival,
+    /// To which sides of an interface it goes on.
+    Sides,
 }
 
 /// Systematic roulette: of consecutive branches, the number that survive differs from the sum of their

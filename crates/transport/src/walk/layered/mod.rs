@@ -48,7 +48,7 @@ use crate::skeleton::Ray;
 use crate::{Base, Cone, Medium, Reflector, Source};
 use bulk::Outcome;
 use columns::Columns;
-use generation::{Arrived, GenerationNumbers, Roulette, Travelling, key, order};
+use generation::{Arrived, Decision, GenerationNumbers, Roulette, Travelling, key, order};
 pub(super) use ledger::Accumulator;
 use ledger::{Sums, Workspace};
 use light::Light;
@@ -268,7 +268,7 @@ impl<'a> Layered<'a> {
         workspace: &mut Workspace,
     ) {
         let mut travelling = std::mem::take(&mut workspace.next.travelling);
-        let mut roulettes = numbers.roulettes(self.events.len());
+        let mut roulettes = numbers.roulettes(Decision::Arrival, self.events.len());
         let order = order(&travelling, |branch| self.key_of_ray(branch));
         for k in order {
             let Travelling { path, meetings, sent, light } = &travelling[k];
@@ -293,7 +293,7 @@ impl<'a> Layered<'a> {
     ) {
         let mut arrived = std::mem::take(&mut workspace.next.arrived);
         let order = order(&arrived, |branch| self.key_of_event(branch));
-        workspace.side_roulettes = numbers.roulettes(2 * self.events.len());
+        workspace.side_roulettes = numbers.roulettes(Decision::Sides, 2 * self.events.len());
         for (rank, k) in order.into_iter().enumerate() {
             let branch = &mut arrived[k];
             let path = branch.path;
