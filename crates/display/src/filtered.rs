@@ -3,18 +3,22 @@
 //!
 //! The places at which light passes the filter are those of [`TwoPlanes`]; how much light there is comes from
 //! the same panel without filter.
+//!
+//! **Wavelengths.** Places depend on the index of the glass and on what the front reflects. Where these depend
+//! on the wavelength, they are computed at two or three values of each, in all pairs, between which light is
+//! a polynomial; the coarse level has two.
 
 use std::ops::Range;
 
 use papilio_optics::interface::fresnel_reflectance;
-use papilio_spectra::StateSpectra;
+use papilio_spectra::{Spectrum, StateSpectra};
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{
     Accuracy, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, TwoPlanes,
-    Window, air_below_front_mm, diffuse_directions, diffused_directions,
+    Window, air_below_front_mm, diffuse_directions, diffused_directions, diffused_directions_of_field,
 };
 use papilio_transport::{
-    Base, Cone, Estimate, Field, Ledger, Panel, ReflectanceFactor, Reflector, Source, Top,
+    Base, Cone, Estimate, Field, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top,
 };
 
 use crate::DisplayError;
@@ -31,11 +35,20 @@ pub(crate) struct Filtered<'a> {
     matrix: &'a Matrix,
     filter: &'a Filter,
     thickness_mm: f64,
-    index: f64,
-    /// Air below the front, mm, and its reflectance for light from below.
-    front: (f64, f64),
+    /// Air below the front, mm.
+    gap_mm: f64,
     /// Reflectance of the pixel's states.
     rho: &'a StateSpectra,
+}
+
+/// The layers above the pixels at some of the wavelengths.
+struct Optics {
+    panel: Panel,
+    index: f64,
+    /// Reflectance of the front for light from below.
+    front: f64,
+    /// How much they count at each wavelength.
+    weights: Vec<f64>,
 }
 
 /// Light of all sources at a level.
@@ -45,8 +58,8 @@ pub(crate) struct Lit {
     pub(crate) entering: Vec<Passed>,
     /// Number of pixels along x in a period.
     columns: usize,
-    /// Light of a page of 1/2 without filter as a multiple of its light in the first order.
-    orders: f64,
+    /// Light of a page of 1/2 without filter as a multiple of its light in the first order, by wavelength.
+    orders: Vec<f64>,
     kernel: Kernel,
 }
 
@@ -91,17 +104,10 @@ impl<'a> Filtered<'a> {
             return Err(Refused::FilterAboveMirrors.into());
         };
         let (front, is_diffused) = (&panel.front.reflectance_below, matches!(panel.top, Top::Diffuser(_)));
-        let is_field = |source: &Source| matches!(source, Source::Field(_));
         let refused = [
             (scene.display.pixel_spread().is_some(), Refused::SpreadBelowFilter),
             (front.max() > 0.0 && is_diffused, Refused::FilterBelowLobeAndFront),
-            (!front.is_constant(), Refused::FilterBelowColouredFront),
-            (!panel.medium.index().is_constant(), Refused::FilterInDispersion),
             (scene.solver.approximation != Approximation::None, Refused::FilterInSinglePass),
-            (
-                is_diffused && setup.sources.iter().any(is_field),
-                Refused::FilterBelowLobeInField { environment: !scene.lighting.environment.is_empty() },
-            ),
         ];
         if let Some((_, refused)) = refused.into_iter().find(|(is_refused, _)| *is_refused) {
             return Err(refused.into());
@@ -109,9 +115,26 @@ impl<'a> Filtered<'a> {
         let lengths = scene.display.lengths_mm()?;
         scene.display.spreads_over_few_pixels(&lengths)?;
         let thickness_mm = lengths.last().copied().unwrap_or_default();
-        let index = panel.medium.index()[0];
-        let front = (air_below_front_mm(panel, &lengths).map_err(Refused::Fronts)?, front[0]);
-        Ok(Some(Self { front, setup, control, panel, matrix, filter, thickness_mm, index, rho }))
+        let gap_mm = air_below_front_mm(panel, &lengths).map_err(Refused::Fronts)?;
+        Ok(Some(Self { gap_mm, setup, control, panel, matrix, filter, thickness_mm, rho }))
+    }
+
+    /// The layers above the pixels at a level: one for each pair of values of index and front.
+    fn optics(&self, level: usize) -> Vec<Optics> {
+        let index = values(self.panel.medium.index(), level);
+        let front = values(&self.panel.front.reflectance_below, level);
+        let one = |(index, front): (&Value, &Value)| {
+            let mut panel = self.panel.clone();
+            let constant = panel.medium.index().map(|_| index.value);
+            panel.front.reflectance_below = constant.map(|_| front.value);
+            if let Top::Fresnel(face) = &mut panel.top {
+                *face = constant.clone();
+            }
+            panel.medium = Medium::new(constant);
+            let weights = index.weights.iter().zip(&front.weights).map(|(a, b)| a * b).collect();
+            Optics { panel, index: index.value, front: front.value, weights }
+        };
+        index.iter().flat_map(|index| front.iter().map(move |front| (index, front))).map(one).collect()
     }
 
     /// Finest level: of patterns in two directions, fewer are affordable.
@@ -152,26 +175,35 @@ impl<'a> Filtered<'a> {
         let transmittance: Vec<Vec<f64>> = self.filter.transmittance.iter().map(|one| one.to_vec()).collect();
         let windows: Vec<Window> = (0..columns).flat_map(|column| self.windows(column, columns)).collect();
         let transmittance: Vec<Vec<f64>> = (0..columns).flat_map(|_| transmittance.clone()).collect();
-        let pixels = FilteredPixels {
-            pitch_mm: [self.matrix.pitch_mm[0] * columns as f64, self.matrix.pitch_mm[1]],
-            windows: &windows,
-            transmittance: &transmittance,
-            height_mm: self.filter.height_mm,
-            thickness_mm: self.thickness_mm,
-            index: self.index,
+        let optics = self.optics(level);
+        let of_optics = |optics: &Optics| {
+            let pixels = FilteredPixels {
+                pitch_mm: [self.matrix.pitch_mm[0] * columns as f64, self.matrix.pitch_mm[1]],
+                windows: &windows,
+                transmittance: &transmittance,
+                height_mm: self.filter.height_mm,
+                thickness_mm: self.thickness_mm,
+                index: optics.index,
+            };
+            let face = |beta: f64| optics.face(beta);
+            let returns = !matches!(optics.panel.top, Top::Diffuser(_));
+            let mut planes = TwoPlanes::with_cells(&pixels, returns.then_some(&face), level as u32, division);
+            if optics.front > 0.0 {
+                planes.add_front((self.thickness_mm, self.gap_mm), optics.front, &face, level as u32);
+            }
+            planes
         };
-        let face = |beta: f64| self.face(beta);
-        let returns = !matches!(self.panel.top, Top::Diffuser(_));
-        let mut planes = TwoPlanes::with_cells(&pixels, returns.then_some(&face), level as u32, division);
-        let (gap_mm, reflectance) = self.front;
-        if reflectance > 0.0 {
-            planes.add_front((self.thickness_mm, gap_mm), reflectance, &face, level as u32);
-        }
+        let all: Vec<(TwoPlanes, &[f64])> =
+            optics.iter().map(|optics| (of_optics(optics), &optics.weights[..])).collect();
         let entering = self.setup.sources.iter().map(|source| {
-            let directions = self.arriving(source, level)?;
-            Ok(planes.entering(&directions))
+            let mut parts = Vec::with_capacity(optics.len());
+            for (optics, (planes, weights)) in optics.iter().zip(&all) {
+                parts.push((planes.entering(&self.arriving(optics, source, level)?), *weights));
+            }
+            Passed::sum_of(&parts).ok_or(DisplayError::NotFinite)
         });
         let entering = entering.collect::<Result<Vec<Passed>, DisplayError>>()?;
+        let planes = TwoPlanes::sum_of(&all).ok_or(DisplayError::NotFinite)?;
         let bins = self.setup.scene.grid.len();
         let base = Base {
             reflector: Reflector::lambertian(vec![PAGE; bins], bins),
@@ -183,7 +215,7 @@ impl<'a> Filtered<'a> {
         if !kernel.prepare_unless(&stack, &views, &self.setup.sources, self.control.stop) {
             return Err(DisplayError::Interrupted);
         }
-        let orders = 1.0 / (1.0 - PAGE * planes.returned_uniform());
+        let orders = planes.returned_uniform().iter().map(|returned| 1.0 / (1.0 - PAGE * returned)).collect();
         Ok(Lit { planes, entering, columns, orders, kernel })
     }
 
@@ -213,7 +245,13 @@ impl<'a> Filtered<'a> {
 
     /// Light that leaves each cell towards a view.
     pub(crate) fn leaving(&self, lit: &Lit, view: &ViewPoint, level: usize) -> Result<Passed, DisplayError> {
-        Ok(lit.planes.leaving(&self.seen(&view.field, level)?))
+        let optics = self.optics(level);
+        let mut parts = Vec::with_capacity(optics.len());
+        for one in &optics {
+            let leaving = self.seen(one, &view.field, level)?;
+            parts.push((lit.planes.in_medium(one.index).leaving(&leaving), &one.weights[..]));
+        }
+        Passed::sum_of(&parts).ok_or(DisplayError::NotFinite)
     }
 
     /// What a view sees of all sources without the filter: light of the first order for a reflectance of 1,
@@ -227,7 +265,8 @@ impl<'a> Filtered<'a> {
         let stack = self.setup.stack.with_base(base);
         let mut all = lit.kernel.seen(&stack, view);
         for factor in &mut all {
-            factor.via_pixel.iter_mut().for_each(|light| *light /= PAGE * lit.orders);
+            let by_wavelength = factor.via_pixel.iter_mut().zip(&lit.orders);
+            by_wavelength.for_each(|(light, orders)| *light /= PAGE * orders);
         }
         all
     }
@@ -319,24 +358,15 @@ impl<'a> Filtered<'a> {
         sum
     }
 
-    /// Reflectance of the face for light from below, below the critical angle.
-    fn face(&self, beta: f64) -> f64 {
-        match self.panel.top {
-            Top::Fresnel(_) => fresnel_reflectance(self.index, 1.0, beta),
-            Top::IdealAr | Top::Diffuser(_) => 0.0,
-        }
-    }
-
-    /// Fraction of diffuse light that passes face and front, relative to that of the front alone.
-    fn passes(&self, beta: f64) -> f64 {
-        let face = self.face(beta);
-        (1.0 - face) / (1.0 - face * self.front.1)
-    }
-
     /// Directions of the light of a source below the face or diffuser.
-    fn arriving(&self, source: &Source, level: usize) -> Result<Vec<Direction>, DisplayError> {
-        let Top::Diffuser(diffuser) = &self.panel.top else {
-            let diffuse = || diffuse_directions(level as u32, |beta| self.passes(beta));
+    fn arriving(
+        &self,
+        optics: &Optics,
+        source: &Source,
+        level: usize,
+    ) -> Result<Vec<Direction>, DisplayError> {
+        let Top::Diffuser(diffuser) = &optics.panel.top else {
+            let diffuse = || diffuse_directions(level as u32, |beta| optics.passes(beta));
             let of_field = |field: &Field| {
                 let own = |one: Direction| Direction { weight: one.weight * field.radiance(one.beta), ..one };
                 diffuse().into_iter().map(own).collect()
@@ -344,38 +374,40 @@ impl<'a> Filtered<'a> {
             return match source {
                 Source::Diffuse => Ok(diffuse()),
                 Source::Beam(beta) => Ok(vec![Direction { beta: *beta, weight: 1.0 }]),
-                Source::Disc(cone) => self.mirrored(cone, level),
+                Source::Disc(cone) => self.mirrored(optics, cone, level),
                 Source::Field(field) => Ok(of_field(field)),
             };
         };
         match source {
-            Source::Diffuse => Ok(diffused_directions(diffuser, self.index, level as u32)),
+            Source::Diffuse => Ok(diffused_directions(diffuser, optics.index, level as u32)),
             Source::Beam(beta) => {
                 let towards = -*beta;
                 let theta_deg = towards.length().min(1.0).asin().to_degrees();
                 let phi_deg = towards.y.atan2(towards.x).to_degrees();
-                self.mirrored(&Cone::new(theta_deg, phi_deg, 0.0, 1.0), level)
+                self.mirrored(optics, &Cone::new(theta_deg, phi_deg, 0.0, 1.0), level)
             }
-            Source::Disc(cone) => self.mirrored(cone, level),
-            Source::Field(_) => Ok(Vec::new()),
+            Source::Disc(cone) => self.mirrored(optics, cone, level),
+            Source::Field(field) => {
+                Ok(diffused_directions_of_field(diffuser, field, optics.index, level as u32))
+            }
         }
     }
 
     /// Directions of light from a cone: those of a view into it, reversed.
-    fn mirrored(&self, cone: &Cone, level: usize) -> Result<Vec<Direction>, DisplayError> {
-        let seen = self.seen(cone, level)?;
+    fn mirrored(&self, optics: &Optics, cone: &Cone, level: usize) -> Result<Vec<Direction>, DisplayError> {
+        let seen = self.seen(optics, cone, level)?;
         Ok(seen.into_iter().map(|one| Direction { beta: -one.beta, ..one }).collect())
     }
 
     /// Directions in the medium that a view sees through the top.
-    fn seen(&self, view: &Cone, level: usize) -> Result<Vec<Direction>, DisplayError> {
+    fn seen(&self, optics: &Optics, view: &Cone, level: usize) -> Result<Vec<Direction>, DisplayError> {
         let finest = self.matrix.pitch_mm[0].min(self.matrix.pitch_mm[1]);
         let accuracy = Accuracy { digits: DIGITS[level.min(2)], most_per_mm: 4.0 / finest };
         let mut lengths = vec![0.0; self.setup.scene.display.layers.len()];
         if let Some(last) = lengths.last_mut() {
             *last = self.filter.height_mm;
         }
-        let spread = PanelSpread::new(self.panel, &lengths, view, &Source::Diffuse, accuracy);
+        let spread = PanelSpread::new(&optics.panel, &lengths, view, &Source::Diffuse, accuracy);
         let spread = spread.map_err(|error| DisplayError::PlacesNotComputed {
             what: error.to_string(),
             key: "display".to_owned(),
@@ -387,4 +419,45 @@ impl<'a> Filtered<'a> {
         };
         Ok(spread.parts().iter().flat_map(of_part).collect())
     }
+}
+
+impl Optics {
+    /// Reflectance of the face for light from below, below the critical angle.
+    fn face(&self, beta: f64) -> f64 {
+        match self.panel.top {
+            Top::Fresnel(_) => fresnel_reflectance(self.index, 1.0, beta),
+            Top::IdealAr | Top::Diffuser(_) => 0.0,
+        }
+    }
+
+    /// Fraction of diffuse light that passes face and front, relative to that of the front alone.
+    fn passes(&self, beta: f64) -> f64 {
+        let face = self.face(beta);
+        (1.0 - face) / (1.0 - face * self.front)
+    }
+}
+
+/// A value of a spectrum and its weight at each wavelength.
+struct Value {
+    value: f64,
+    weights: Vec<f64>,
+}
+
+/// Values between which all of a spectrum lie, with the weights of polynomials of Lagrange.
+fn values(spectrum: &Spectrum, level: usize) -> Vec<Value> {
+    let least = spectrum.iter().copied().fold(f64::INFINITY, f64::min);
+    let nodes = match (spectrum.is_constant(), level) {
+        (true, _) => vec![least],
+        (false, 0) => vec![least, spectrum.max()],
+        (false, _) => vec![least, 0.5 * (least + spectrum.max()), spectrum.max()],
+    };
+    let weight = |k: usize, value: f64| -> f64 {
+        let others = nodes.iter().enumerate().filter(|(other, _)| *other != k);
+        others.map(|(_, other)| (value - other) / (nodes[k] - other)).product()
+    };
+    let of = |k: usize| Value {
+        value: nodes[k],
+        weights: spectrum.iter().map(|value| weight(k, *value)).collect(),
+    };
+    (0..nodes.len()).map(of).collect()
 }

@@ -14,7 +14,7 @@ use crate::DisplayError;
 use crate::lamp_images;
 use crate::palette::{Palette, PaletteColour};
 use crate::run::Control;
-use crate::scene::{Pixel, SPREAD_KEY, Scene, UniformKind};
+use crate::scene::{Method, Pixel, SPREAD_KEY, Scene, UniformKind};
 use crate::setup::Setup;
 use crate::spatial::{Blur, BlurredPicture, LitPicture, PictureSurround, Precision};
 
@@ -46,7 +46,7 @@ pub(super) struct Several {
     pub(super) missed: f64,
     /// Whether the mirror images of round lamps are left out.
     pub(super) without_lamps: bool,
-    /// Whether the kernels of general layers are computed by paths, which takes seconds.
+    /// Whether light by place below general layers is computed, which takes seconds.
     pub(super) by_paths: bool,
 }
 
@@ -75,7 +75,7 @@ enum Kind {
     Pages,
     /// Below a diffuser.
     Diffuser(Box<(Blur, BlurredPicture)>),
-    /// Paper below a flat face.
+    /// Paper below a flat face or general layers.
     Paper(Box<LitPicture>),
 }
 
@@ -135,12 +135,15 @@ impl Layers {
             *error += of_paths;
             Ok::<_, DisplayError>(blurred(blur, error))
         };
+        // Below general layers pictures take seconds: by adding, or by the kernels of paths.
+        let is_layered = setup.stack.panel().is_none();
+        let is_walked = scene.solver.method == Method::MonteCarlo;
         let (kind, rows) = if scene.display.filter().is_some() {
             error += error_of_mixture(setup, &pages[0], &shares_of(&states, names.len()), control)?;
             (Kind::Pages, of_pages(&pages))
         } else if let Some(blur) = Blur::new(&setups, several.missed, without_lamps, control)? {
             blurred(blur, &mut error)
-        } else if is_paper(scene) {
+        } else if is_paper(scene) && !(is_layered && (!several.by_paths || is_walked)) {
             if surround == PictureSurround::BlackMask {
                 let what = "a black mask around pictures below a flat face".to_owned();
                 return Err(DisplayError::PlacesNotComputed { what, key: "image.surround".to_owned() });
@@ -268,10 +271,11 @@ fn can_spread(scene: &Scene) -> Result<(), DisplayError> {
     if display.filter().is_some() {
         return below("a colour filter");
     }
-    if display.panel().is_some_and(|panel| panel.diffuser().is_some()) {
-        return below("a diffuser");
+    match display.panel() {
+        None => below("general layers"),
+        Some(panel) if panel.diffuser().is_some() => below("a diffuser"),
+        Some(_) => Ok(()),
     }
-    Ok(())
 }
 
 /// Returns whether pixels are Lambertian and a face returns light to them, or light spreads inside them.

@@ -12,7 +12,7 @@ use std::sync::{Arc, OnceLock};
 use num_complex::Complex64;
 use papilio_fourier::Plane;
 use papilio_transport::adding::LayeredSpread;
-use papilio_transport::spatial::{LayeredPaper, Peak, turned};
+use papilio_transport::spatial::{Cells, LambertianReturn, LayeredPaper, Peak};
 use papilio_transport::{Reflector, Stack};
 
 use super::paper::{HIGHEST, Paper, Shade};
@@ -52,6 +52,108 @@ pub(super) fn covers(setup: &Setup) -> bool {
     setup.stack.panel().is_none() && is_paper && setup.scene.display.pixel_spread().is_none()
 }
 
+/// Lambertian pixels below general layers, in one view.
+pub(super) struct Layers {
+    table: Arc<LayeredPaper>,
+    height_mm: f64,
+    /// Number of wavelengths.
+    pub(super) bins: usize,
+    pub(super) level: Level,
+}
+
+impl Layers {
+    /// Prepares a level.
+    ///
+    /// # Errors
+    /// If pixels or layers are not covered, a thickness is missing, or the computation was stopped.
+    pub(super) fn new(
+        setup: &Setup,
+        view: &ViewPoint,
+        level: Level,
+        control: &Control<'_>,
+    ) -> Result<Self, DisplayError> {
+        if !covers(setup) {
+            return Err(Refused::Layers.into());
+        }
+        let lengths_mm = setup.scene.display.lengths_mm()?;
+        let height_mm = lengths_mm.iter().sum::<f64>().max(LEAST_HEIGHT_MM);
+        let (stack, number) = (&setup.stack, level.of_layers());
+        let spread = LayeredSpread::new(stack, &lengths_mm, view.field, &setup.sources, number, control.stop)
+            .map_err(Refused::Layered)?;
+        let is_round = view.theta_deg == 0.0;
+        let table = LayeredPaper::new(&spread, is_round, height_mm, number).map_err(Refused::Layered)?;
+        Ok(Self { table: Arc::new(table), height_mm, bins: stack.base().bins(), level })
+    }
+
+    /// What returns to the pixels, by group of wavelengths.
+    pub(super) fn returns(&self) -> Vec<LambertianReturn> {
+        self.table.returns()
+    }
+
+    /// Thickness of a layer that returns light from as far. Return that ends at a higher frequency is that of
+    /// a thinner one.
+    pub(super) fn thickness_mm(&self) -> f64 {
+        self.height_mm.min(HIGHEST / self.table.end_per_mm())
+    }
+
+    /// How much the light of each cell of a period counts in the mean of what the view sees at some cells, at
+    /// a group of wavelengths.
+    pub(super) fn seen_from(&self, group: usize, cells: Cells, seen: &[usize]) -> Vec<f64> {
+        let [columns, rows] = cells.count;
+        let each = 1.0 / seen.len() as f64;
+        let mut mean = vec![Complex64::ZERO; cells.len()];
+        seen.iter().for_each(|cell| mean[*cell] = each.into());
+        let plane = Plane::new(cells.count);
+        let mut spectrum = plane.forward(mean.clone());
+        let wave = |axis: usize, k: usize| {
+            let count = cells.count[axis];
+            if 2 * k < count { k as f64 } else { k as f64 - count as f64 }
+        };
+        // Light of cells, and means over cells, have further frequencies than those of the transform.
+        let beyond = |axis: usize| if cells.count[axis] > 1 { &[0.0, -1.0, 1.0][..] } else { &[0.0] };
+        let others =
+            |at: [f64; 2]| self.table.others(group, [0, 1].map(|axis| at[axis] / cells.period_mm[axis]));
+        for (column, row) in (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row))) {
+            let first = [wave(0, column), wave(1, row)];
+            let own = others(first);
+            let mut sum = own;
+            for (x, y) in beyond(0).iter().flat_map(|x| beyond(1).iter().map(move |y| (x, y))).skip(1) {
+                let at = [first[0] + x * columns as f64, first[1] + y * rows as f64];
+                let part = [0, 1].map(|axis| sinc(at[axis] / cells.count[axis] as f64).powi(2));
+                sum += part[0] * part[1] * (others(at) - own);
+            }
+            // From the place that is seen back to where light comes from.
+            spectrum[column * rows + row] *= sum.conj() / cells.len() as f64;
+        }
+        let sharp = self.table.sharp(group);
+        let others = plane.inverse(spectrum).into_iter().zip(mean);
+        others.map(|(light, mean)| light.re + sharp * mean.re).collect()
+    }
+
+    /// Point spread between pixels at each group of wavelengths: light of a pixel that is seen in the middle
+    /// of each pixel around it, up to `reach` pixels away, by rows from the bottom.
+    pub(super) fn of_pixels(&self, pitch_mm: [f64; 2], reach: usize) -> Vec<Vec<f64>> {
+        let edges = |axis: usize| -> Vec<f64> {
+            (0..2 * reach + 2).map(|k| (k as f64 - reach as f64 - 0.5) * pitch_mm[axis]).collect()
+        };
+        let groups = self.table.groups();
+        let own = |group: usize| (0..groups).map(|other| f64::from(u8::from(other == group))).collect();
+        self.once((0..groups).map(own).collect()).cells(&edges(0), &edges(1))
+    }
+
+    /// Light that meets the pixels once, `[state][group]`.
+    fn once(&self, light: Vec<Vec<f64>>) -> Once {
+        let Self { table, height_mm, level, .. } = self;
+        Once {
+            light,
+            table: Arc::clone(table),
+            height_mm: *height_mm,
+            is_fine: level.is_fine,
+            lines: Default::default(),
+        }
+    }
+}
+
 /// Responses of a view to all lights with an illuminance, and Y of the images of the lights in flat faces.
 pub(super) fn responses(
     setup: &Setup,
@@ -59,23 +161,12 @@ pub(super) fn responses(
     level: Level,
     control: &Control<'_>,
 ) -> Result<(Vec<Seen>, f64), DisplayError> {
-    let stack = &setup.stack;
-    if !covers(setup) {
-        return Err(Refused::Layers.into());
-    }
-    let lengths_mm = setup.scene.display.lengths_mm()?;
-    let height_mm = lengths_mm.iter().sum::<f64>().max(LEAST_HEIGHT_MM);
-    let (meter, number) = (Meter::new(setup), level.of_layers());
-    let factors = setup.seen(view, number, control)?;
-    let spread = LayeredSpread::new(stack, &lengths_mm, view.field, &setup.sources, number, control.stop);
-    let spread = spread.map_err(Refused::Layered)?;
-    let table =
-        LayeredPaper::new(&spread, view.theta_deg == 0.0, height_mm, number).map_err(Refused::Layered)?;
-    let table = Arc::new(table);
+    let layers = Layers::new(setup, view, level, control)?;
+    let (meter, factors) = (Meter::new(setup), setup.seen(view, level.of_layers(), control)?);
     let mut all = Vec::new();
     for light in meter.pixel_lights().into_iter().filter(PixelLight::is_seen) {
         let (weights, via_pixel) = (&light.weights[1], &factors[light.source].via_pixel);
-        let response = BelowLayers::new(stack, height_mm, (&table, level), (weights, via_pixel));
+        let response = BelowLayers::new(&setup.stack, &layers, (weights, via_pixel));
         all.push(Seen { light: name_of_light(setup, &light), response: Box::new(response) });
     }
     Ok((all, meter.without_pixel(&factors)[1]))
@@ -90,33 +181,23 @@ struct BelowLayers {
 }
 
 impl BelowLayers {
-    fn new(
-        stack: &Stack,
-        height_mm: f64,
-        (table, level): (&Arc<LayeredPaper>, Level),
-        (weights, via_pixel): (&[f64], &[f64]),
-    ) -> Self {
+    fn new(stack: &Stack, layers: &Layers, (weights, via_pixel): (&[f64], &[f64])) -> Self {
         let (states, bins) = (stack.base().states(), weights.len());
         let mut reflectance = vec![0.0; states * bins];
         if let Some(layer) = stack.layers().last() {
             stack.base().reflectance(0.0, &layer.medium, &mut reflectance);
         }
         let light: Vec<f64> = (0..states * bins).map(|at| weights[at % bins] * via_pixel[at]).collect();
+        let table = &layers.table;
         let of_group = |state: usize, group: usize| -> f64 {
             table.bins(group).iter().map(|bin| light[state * bins + bin]).sum()
         };
         let groups = 0..table.groups();
-        let once = Once {
-            light: (0..states).map(|state| groups.clone().map(|g| of_group(state, g)).collect()).collect(),
-            table: Arc::clone(table),
-            height_mm,
-            is_fine: level.is_fine,
-            lines: Default::default(),
-        };
-        // Return that ends at a higher frequency is that of a thinner layer.
-        let thickness_mm = height_mm.min(HIGHEST / table.end_per_mm());
-        let lengths_mm = [thickness_mm, height_mm];
-        let paper = Paper::new(table.returns(), lengths_mm, [reflectance, light], bins).below(Box::new(once));
+        let of_state = |state: usize| groups.clone().map(|group| of_group(state, group)).collect();
+        let once = layers.once((0..states).map(of_state).collect());
+        let lengths_mm = [layers.thickness_mm(), layers.height_mm];
+        let paper =
+            Paper::new(layers.returns(), lengths_mm, [reflectance, light], bins).below(Box::new(once));
         let paper = paper.with_images(vec![([0.0; 2], vec![1.0; bins])]);
         let shades = (0..states).map(|state| paper.shades_of(state, &vec![1.0; bins])).collect();
         Self { paper, table: Arc::clone(table), shades }
@@ -125,9 +206,8 @@ impl BelowLayers {
 
 impl Response for BelowLayers {
     fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
-        let azimuth = 0.5 * PI * axis as f64;
         let of_face = |(face, returned): (usize, [f64; 2])| {
-            (seen(&self.table, face, frequency_per_mm, azimuth), returned)
+            (seen(&self.table, face, along(axis, frequency_per_mm)), returned)
         };
         let faces: Vec<_> =
             self.paper.returned(frequency_per_mm).into_iter().enumerate().map(of_face).collect();
@@ -171,9 +251,14 @@ impl Response for BelowLayers {
     }
 }
 
-/// Light of a group of wavelengths at a frequency along an azimuth over that at frequency 0.
-fn seen(table: &LayeredPaper, group: usize, frequency_per_mm: f64, azimuth: f64) -> Complex64 {
-    turned(&table.others(group, frequency_per_mm), azimuth) + table.sharp(group)
+/// A frequency along an axis.
+fn along(axis: usize, frequency_per_mm: f64) -> [f64; 2] {
+    if axis == 0 { [frequency_per_mm, 0.0] } else { [0.0, frequency_per_mm] }
+}
+
+/// Light of a group of wavelengths at a frequency over that at frequency 0.
+fn seen(table: &LayeredPaper, group: usize, frequency_per_mm: [f64; 2]) -> Complex64 {
+    table.others(group, frequency_per_mm) + table.sharp(group)
 }
 
 /// What a view sees of light that meets the pixels once. It has all light, `light`, of each state and group
@@ -195,9 +280,9 @@ impl Once {
         self.light.iter().map(sum).collect()
     }
 
-    /// All light but the sharp image at a frequency along an azimuth, `[state]`.
-    fn others(&self, frequency_per_mm: f64, azimuth: f64) -> Vec<Complex64> {
-        self.by_state(|group| turned(&self.table.others(group, frequency_per_mm), azimuth))
+    /// All light but the sharp image at a frequency, `[state]`.
+    fn others(&self, frequency_per_mm: [f64; 2]) -> Vec<Complex64> {
+        self.by_state(|group| self.table.others(group, frequency_per_mm))
     }
 
     /// Sharp image of each state.
@@ -213,13 +298,13 @@ impl Once {
     fn lines(&self, axis: usize) -> &[Vec<f64>] {
         self.lines[axis].get_or_init(|| {
             let count = ALONG[usize::from(self.is_fine)];
-            let azimuth = 0.5 * PI * axis as f64;
             let at = |k: usize| {
                 // The first bin begins at half a period below 0: its middle.
                 let shift = PI * k as f64 * (1.0 / count as f64 - 1.0);
                 let factor = sinc(k as f64 / count as f64) / count as f64;
                 let factor = Complex64::from_polar(factor, shift);
-                self.others(k as f64 / self.period_mm(), azimuth).into_iter().map(|v| factor * v).collect()
+                let values = self.others(along(axis, k as f64 / self.period_mm()));
+                values.into_iter().map(|value| factor * value).collect()
             };
             let half: Vec<Vec<Complex64>> = (0..count / 2).map(at).collect();
             let plane = Plane::new([count, 1]);
@@ -262,8 +347,7 @@ impl Once {
 
 impl Response for Once {
     fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
-        let azimuth = 0.5 * PI * axis as f64;
-        self.by_state(|group| seen(&self.table, group, frequency_per_mm, azimuth))
+        self.by_state(|group| seen(&self.table, group, along(axis, frequency_per_mm)))
     }
 
     fn strips(&self, axis: usize, edges_mm: &[f64]) -> Vec<Vec<f64>> {
@@ -287,7 +371,8 @@ impl Response for Once {
             let mut most = 0.0_f64;
             let mut mean = vec![0.0; self.light.len()];
             for turn in 0..azimuths {
-                let values = self.others(k as f64 * step_per_mm, PI * f64::from(turn) / f64::from(azimuths));
+                let (sin, cos) = (PI * f64::from(turn) / f64::from(azimuths)).sin_cos();
+                let values = self.others([cos, sin].map(|part| k as f64 * step_per_mm * part));
                 for ((mean, value), zero) in mean.iter_mut().zip(values).zip(&zero) {
                     *mean += value.re / f64::from(azimuths);
                     most = most.max(value.norm() / zero.re.max(f64::MIN_POSITIVE));
@@ -320,7 +405,7 @@ impl Response for Once {
                 let turn: f64 = (0..2).map(|k| 2.0 * PI * f[k] * (edges[k][0] + 0.5 * width[k])).sum();
                 let factor: f64 = (0..2).map(|k| sinc(f[k] * width[k]) / count[k] as f64).product();
                 let factor = Complex64::from_polar(factor, turn);
-                let values = self.others(f[0].hypot(f[1]), f[1].atan2(f[0]));
+                let values = self.others(f);
                 for (spectrum, value) in spectra.iter_mut().zip(values) {
                     spectrum[column * count[1] + row] = factor * value;
                 }

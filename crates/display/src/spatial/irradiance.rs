@@ -3,9 +3,10 @@
 
 use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, PixelSpread, Recycling, displacement};
 
-use super::Refused;
+use super::below_layers::Layers;
 use super::ghosts::Faces;
 use super::response::{Lit, lengths_of_one_front};
+use super::{Level, Refused};
 use crate::DisplayError;
 
 /// Most meetings of light with mirror-like pixels that are followed one by one. Those of pixels and a front
@@ -21,6 +22,69 @@ pub(super) type PlacedImage = ([f64; 2], Vec<f64>);
 /// Images that have less than this fraction of the light belong to the one before.
 const FAINTEST_IMAGE: f64 = 1e-6;
 const MOST_IMAGES: usize = 6;
+
+/// What lies above pixels: the layers of an ordinary panel, or general layers above Lambertian pixels.
+#[derive(Clone, Copy)]
+pub(super) enum Above<'a> {
+    Panel(Lit<'a>),
+    Layers(&'a Layers),
+}
+
+impl Above<'_> {
+    pub(super) fn level(&self) -> Level {
+        match self {
+            Self::Panel(lit) => lit.level,
+            Self::Layers(layers) => layers.level,
+        }
+    }
+
+    /// How far light spreads that comes back.
+    pub(super) fn thickness_mm(&self) -> f64 {
+        match self {
+            Self::Panel(lit) => lit.thickness_mm(),
+            Self::Layers(layers) => layers.thickness_mm(),
+        }
+    }
+
+    /// Whether light spreads inside the pixels.
+    pub(super) fn spreads(&self) -> bool {
+        matches!(self, Self::Panel(Lit { spread: Some(_), .. }))
+    }
+
+    /// What comes back to the pixels, for cells with frequencies up to `most_per_mm`.
+    pub(super) fn returns(&self, most_per_mm: f64) -> Result<Vec<Return>, DisplayError> {
+        match self {
+            Self::Panel(lit) => Return::all(*lit, most_per_mm),
+            Self::Layers(layers) => {
+                Ok(layers.returns().into_iter().map(|one| Return::Everywhere(one, None)).collect())
+            }
+        }
+    }
+
+    /// Sharp images of the pixels: the first one shows each at its own place. None is sharp below general
+    /// layers ([`seen_from`](Self::seen_from)).
+    pub(super) fn images(&self) -> Result<Vec<PlacedImage>, DisplayError> {
+        match self {
+            Self::Panel(lit) => images(*lit),
+            Self::Layers(_) => Ok(Vec::new()),
+        }
+    }
+
+    /// How much the light of each cell counts in the mean of what the view sees at some cells, for what comes
+    /// back by its number, and the fraction of the light at each wavelength that is seen so; `None` if all of
+    /// it is in sharp images.
+    pub(super) fn seen_from(
+        &self,
+        number: usize,
+        cells: Cells,
+        seen: &[usize],
+    ) -> Option<(Vec<f64>, Vec<f64>)> {
+        match self {
+            Self::Panel(_) => None,
+            Self::Layers(layers) => Some((layers.seen_from(number, cells, seen), vec![1.0; layers.bins])),
+        }
+    }
+}
 
 /// What comes back to pixels, at wavelengths at which it is the same.
 pub(super) enum Return {
@@ -42,7 +106,7 @@ pub(super) struct Trips {
 
 impl Return {
     /// What comes back to the pixels of a panel, for cells with frequencies up to `most_per_mm`.
-    pub(super) fn all(lit: Lit<'_>, most_per_mm: f64) -> Result<Vec<Self>, DisplayError> {
+    fn all(lit: Lit<'_>, most_per_mm: f64) -> Result<Vec<Self>, DisplayError> {
         let lengths_mm = lengths_of_one_front(lit.panel, lit.lengths_mm, lit.level);
         if !lit.panel.base.is_specular() {
             let accuracy = Accuracy { digits: lit.level.digits, most_per_mm };

@@ -1,13 +1,20 @@
 //! Colours of a picture on Lambertian pixels under a flat face, which returns light to them, as does a front
-//! of screen above it.
+//! of screen above it, or below general layers, which also blur what is seen of them.
+//!
+//! **General layers.** Light of the pixels through all orders is seen through the point spread of a view
+//! ([`Layers`]), in the middle of each pixel. Light from farther away than [`REACH`] is that of the mean of
+//! the picture. Pictures in several views have the point spread of the one in the middle.
 
+use num_complex::Complex64;
+use papilio_fourier::Plane;
 use papilio_transport::spatial::{
     Accuracy, LambertianReturn, LitPage, Page, PageLight, Precision, air_below_front_mm,
 };
 use papilio_transport::{Panel, Reflector, Top};
 
-use super::Refused;
+use super::below_layers::Layers;
 use super::response::face_reflectance;
+use super::{Level, Refused};
 use crate::DisplayError;
 use crate::lamp_images;
 use crate::meter::Meter;
@@ -44,8 +51,14 @@ const MOST_CELLS: usize = 1 << 23;
 /// Natural digits of light that a front returns.
 const DIGITS: f64 = 12.0;
 
-/// Level of the colours of pages.
+/// Level of the colours of pages, and below general layers.
 const LEVEL: u32 = 4;
+const LEVEL_OF_LAYERS: u32 = 2;
+
+/// Distance from the pixel that is seen, in heights of general layers, up to which light of each pixel is
+/// known, and the same in pixels: at least, and at most.
+const REACH: f64 = 8.0;
+const PIXELS: [usize; 2] = [2, 128];
 
 /// Computes what each view sees of each pixel of a picture, through all orders.
 ///
@@ -59,10 +72,18 @@ pub fn picture(
     control: &Control<'_>,
 ) -> Result<PictureColours, DisplayError> {
     let setup = Setup::new(scene, control)?;
-    let lights = setup.views.iter().map(|view| ViewLight::new(&setup, view, control));
-    let lights = lights.collect::<Result<Vec<ViewLight>, _>>()?;
-    let (lit, rows) = LitPicture::of(&setup, &lights, picture.clone(), precision, control)?;
-    Ok(PictureColours { views: rows.iter().map(|row| lit.seen(row)).collect(), error: lit.error })
+    let mut colours = PictureColours { views: Vec::new(), error: 0.0 };
+    // Below general layers each view has a point spread of its own.
+    let together = if setup.stack.panel().is_some() { setup.views.len().max(1) } else { 1 };
+    for views in setup.views.chunks(together) {
+        let lights = views.iter().map(|view| ViewLight::new(&setup, view, control));
+        let lights = lights.collect::<Result<Vec<ViewLight>, _>>()?;
+        let of = (&setup, views.first());
+        let (lit, rows) = LitPicture::of(of, &lights, picture.clone(), precision, control)?;
+        colours.views.extend(rows.iter().map(|row| lit.seen(row)));
+        colours.error = colours.error.max(lit.error);
+    }
+    Ok(colours)
 }
 
 /// The irradiance of a picture's pixels. It does not depend on light and view: what is seen in them is linear
@@ -85,6 +106,14 @@ struct Group {
     /// Reflectance, `[state][wavelength]`.
     reflectance: Vec<Vec<f64>>,
     lit: LitPage,
+    /// What is seen of the pixels around each, if they are blurred.
+    blur: Option<PixelBlur>,
+}
+
+/// Point spread of the pixels of a picture that repeats.
+struct PixelBlur {
+    plane: Plane,
+    spectrum: Vec<Complex64>,
 }
 
 impl LitPicture {
@@ -113,11 +142,12 @@ impl LitPicture {
         };
         let lights = setups.iter().map(of_view).filter_map(Result::transpose);
         let lights = lights.collect::<Result<Vec<ViewLight>, DisplayError>>()?;
-        Self::of(setups[0], &lights, picture, precision, control)
+        let middle = setups[setups.len() / 2];
+        Self::of((middle, middle.views.first()), &lights, picture, precision, control)
     }
 
     fn of(
-        setup: &Setup,
+        (setup, view): (&Setup, Option<&ViewPoint>),
         lights: &[ViewLight],
         picture: Picture,
         precision: Precision,
@@ -126,9 +156,19 @@ impl LitPicture {
         let missing = DisplayError::NoMatrix { command: "picture" };
         let pitch_mm = setup.scene.display.matrix.as_ref().ok_or(missing)?.pitch_mm;
         let lengths_mm = setup.scene.display.lengths_mm()?;
-        let thickness_mm = lengths_mm.last().copied().unwrap_or_default();
         setup.scene.display.spreads_over_few_pixels(&lengths_mm)?;
         let (panel, rho) = covered(setup)?;
+        let at = |is_fine: bool| {
+            let digits = Level::digits_of_layers(usize::from(is_fine));
+            let level = Level { digits, most_per_mm: 0.0, is_fine, finer: 0 };
+            let view = view.filter(|_| panel.is_none());
+            view.map(|view| Layers::new(setup, view, level, control)).transpose()
+        };
+        let layers = [at(false)?, at(true)?];
+        let thickness_mm = match &layers[1] {
+            Some(layers) => layers.thickness_mm(),
+            None => lengths_mm.last().copied().unwrap_or_default(),
+        };
         let spread = setup.scene.display.pixel_spread();
         let highest = picture.states.iter().copied().map(usize::from).max().unwrap_or(0);
         if highest >= setup.states.len() || picture.states.len() != picture.count[0] * picture.count[1] {
@@ -163,9 +203,26 @@ impl LitPicture {
         // Where light spreads inside the pixels, each is a cell.
         let of_pixels = if spread.is_some() { 0.75 / pitch_mm[0].min(pitch_mm[1]) } else { 0.0 };
         let accuracy = Accuracy { digits: DIGITS, most_per_mm: most_per_mm.max(of_pixels) };
-        let faces = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
-        whole.error = shifted(panel, &lengths_mm, &setup.views);
-        for face in faces {
+        // At the coarser and the finer level.
+        let faces = match (panel, &layers) {
+            (Some(panel), _) => {
+                whole.error = shifted(panel, &lengths_mm, &setup.views);
+                let all = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
+                [all.clone(), all]
+            }
+            (None, [Some(coarse), Some(fine)]) => [coarse.returns(), fine.returns()],
+            (None, _) => [Vec::new(), Vec::new()],
+        };
+        let reach = reach_of_layers(&lengths_mm, pitch_mm);
+        let spreads = layers.each_ref().map(|layers| {
+            layers.as_ref().map(|layers| layers.of_pixels(pitch_mm, reach)).unwrap_or_default()
+        });
+        let [coarse_faces, faces] = faces;
+        for (number, (coarse_face, face)) in coarse_faces.into_iter().zip(faces).enumerate() {
+            let blurred = |is_fine: bool, count: [usize; 2]| {
+                let spread = spreads[usize::from(is_fine)].get(number)?;
+                Some(PixelBlur::new(spread, reach, count))
+            };
             let bins = face.bins.clone();
             control.check()?;
             let reflectance: Vec<Vec<f64>> =
@@ -182,15 +239,16 @@ impl LitPicture {
             let Some(first) = rows.first() else { continue };
             let seen = of_states(first, states, count, &bins);
             let light = PageLight { reflectance: &reflectance, seen: &seen };
-            let solve = |into: &mut Self, precision: Precision| {
-                let returned = |f: f64| face.at(f);
+            let solve = |into: &mut Self, precision: Precision, is_fine: bool| {
+                let returned = |f: f64| if is_fine { face.at(f) } else { coarse_face.at(f) };
                 let lit =
                     LitPage::with_spread(spread, &into.page(), (&returned, thickness_mm), light, precision);
-                into.groups.push(Group { bins: bins.clone(), reflectance: reflectance.clone(), lit });
+                let blur = blurred(is_fine, into.picture.count);
+                into.groups.push(Group { bins: bins.clone(), reflectance: reflectance.clone(), lit, blur });
             };
-            solve(&mut whole, precision);
-            solve(&mut parts[0], precision);
-            solve(&mut parts[1], finer);
+            solve(&mut whole, precision, true);
+            solve(&mut parts[0], precision, false);
+            solve(&mut parts[1], finer, true);
         }
         // The change of the repetitions belongs to the difference below, unless they ended before they
         // reached it. The light of a page of the largest reflectance is at most that of a perfect white.
@@ -214,13 +272,51 @@ impl LitPicture {
     pub(crate) fn seen(&self, row: &[f64]) -> Vec<[f32; 3]> {
         let (_, front) = row.split_at(row.len() - 3);
         let mut sum = vec![[0, 1, 2].map(|k| front[k] as f32); self.picture.states.len()];
-        for Group { bins, reflectance, lit } in &self.groups {
+        for Group { bins, reflectance, lit, blur } in &self.groups {
             let seen = of_states(row, self.states, self.bins, bins);
-            let more = lit.seen(&self.page(), PageLight { reflectance, seen: &seen });
+            let mut more = lit.seen(&self.page(), PageLight { reflectance, seen: &seen });
+            if let Some(blur) = blur {
+                blur.apply(&mut more);
+            }
             sum.iter_mut().zip(more).for_each(|(sum, more)| (0..3).for_each(|k| sum[k] += more[k]));
         }
         sum
     }
+}
+
+impl PixelBlur {
+    /// `spread`: light of each pixel up to `reach` pixels around, by rows from the bottom.
+    fn new(spread: &[f64], reach: usize, count: [usize; 2]) -> Self {
+        let side = 2 * reach + 1;
+        let pixels = (count[0] * count[1]) as f64;
+        let far = (1.0 - spread.iter().sum::<f64>()) / pixels;
+        let mut cells = vec![Complex64::from(far); count[0] * count[1]];
+        for (cell, light) in spread.iter().enumerate() {
+            let at = |k: usize, count: usize| (k as i64 - reach as i64).rem_euclid(count as i64) as usize;
+            cells[at(cell / side, count[1]) * count[0] + at(cell % side, count[0])] += light;
+        }
+        let plane = Plane::new(count);
+        let spectrum = plane.forward(cells).into_iter().map(|value| value / pixels).collect();
+        Self { plane, spectrum }
+    }
+
+    /// Replaces the light of pixels by what is seen of it. Two quantities are real and imaginary part.
+    fn apply(&self, pixels: &mut [[f32; 3]]) {
+        for (re, im) in [(0, 1), (2, 2)] {
+            let value = |pixel: &[f32; 3]| Complex64::new(f64::from(pixel[re]), f64::from(pixel[im]));
+            let mut spectrum = self.plane.forward(pixels.iter().map(value).collect());
+            spectrum.iter_mut().zip(&self.spectrum).for_each(|(value, factor)| *value *= factor);
+            for (pixel, light) in pixels.iter_mut().zip(self.plane.inverse(spectrum)) {
+                (pixel[re], pixel[im]) = (light.re as f32, light.im as f32);
+            }
+        }
+    }
+}
+
+/// Number of pixels around a pixel whose light is known below general layers.
+fn reach_of_layers(lengths_mm: &[f64], pitch_mm: [f64; 2]) -> usize {
+    let pixels = REACH * lengths_mm.iter().sum::<f64>() / pitch_mm[0].min(pitch_mm[1]);
+    (pixels.ceil() as usize).clamp(PIXELS[0], PIXELS[1])
 }
 
 /// What is seen of each state at some wavelengths, `[state][X, Y, Z][wavelength]`, of a row.
@@ -254,7 +350,8 @@ impl ViewLight {
         let (meter, bins) = (Meter::new(setup), setup.scene.grid.len());
         let mut light =
             Self { pages: [0, 1, 2].map(|_| vec![0.0; setup.states.len() * bins]), front: [0.0; 3] };
-        let factors = setup.seen(view, LEVEL, control)?;
+        let level = if setup.stack.panel().is_some() { LEVEL } else { LEVEL_OF_LAYERS };
+        let factors = setup.seen(view, level, control)?;
         light.front = meter.without_pixel(&factors);
         for one in meter.pixel_lights() {
             let via_pixel = &factors[one.source].via_pixel;
@@ -285,18 +382,16 @@ fn shifted(panel: &Panel, lengths_mm: &[f64], views: &[ViewPoint]) -> f64 {
 }
 
 /// Returns panel and reflectances if pictures on them are computed.
-fn covered(setup: &Setup) -> Result<(&Panel, &[f64]), DisplayError> {
+fn covered(setup: &Setup) -> Result<(Option<&Panel>, &[f64]), DisplayError> {
     let not_yet = |what: &str, key: &str| {
         Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
     };
     setup.refracts()?;
-    let Some(panel) = setup.stack.panel() else {
-        return not_yet("pictures below general layers ([[display.layers]])", "display.layers");
-    };
-    let Reflector::Lambertian(rho) = &panel.base.reflector else {
+    let panel = setup.stack.panel();
+    let Reflector::Lambertian(rho) = &setup.stack.base().reflector else {
         return not_yet("pictures on mirror-like pixels", "display.pixel");
     };
-    if matches!(panel.top, Top::Diffuser(_)) {
+    if panel.is_some_and(|panel| matches!(panel.top, Top::Diffuser(_))) {
         return not_yet("pictures below a diffuser", "display.diffuser");
     }
     Ok((panel, rho))

@@ -10,8 +10,8 @@ use crate::scene::SPREAD_KEY;
 /// Layers, pixels and lights whose places adding does not compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Refused {
-    /// Places of light below general layers are known of Lambertian pixels in `mtf` alone: those of
-    /// mirror-like pixels would take the transform at many frequencies and azimuths, seconds each.
+    /// Places of light below general layers are known of Lambertian pixels alone: those of mirror-like pixels
+    /// would take the transform at many frequencies and azimuths, seconds each.
     Layers,
     /// The same for the means of patterns of mirror-like pixels.
     PatternsBelowLayers,
@@ -33,17 +33,8 @@ pub(crate) enum Refused {
     FilterAboveMirrors,
     /// Light that a front returns through a lobe has no single place in the plane of the filter.
     FilterBelowLobeAndFront,
-    /// All wavelengths have the same places, and the same return.
-    FilterBelowColouredFront,
-    /// As `FilterBelowColouredFront`.
-    FilterInDispersion,
     /// A single pass has no orders, and the filter is solved through all of them. No solver computes it.
     FilterInSinglePass,
-    /// Light of a sky or a map arrives through a lobe from too many directions.
-    FilterBelowLobeInField {
-        /// Whether the light is that of an environment, not of a front light.
-        environment: bool,
-    },
 }
 
 impl From<Refused> for DisplayError {
@@ -60,7 +51,10 @@ impl From<Refused> for DisplayError {
             Refused::Fronts(error) => {
                 return Self::PlacesByPaths { what: error.to_string(), key: "display.front".to_owned() };
             }
-            Refused::Layers => ("general layers ([[display.layers]])", "display.layers"),
+            Refused::Layers => (
+                "mirror-like pixels, or pixels inside which light spreads, below general layers ([[display.layers]])",
+                "display.layers",
+            ),
             Refused::PatternsBelowLayers => {
                 ("patterns of these pixels below general layers ([[display.layers]])", "pattern")
             }
@@ -82,22 +76,12 @@ impl From<Refused> for DisplayError {
             Refused::FilterBelowLobeAndFront => {
                 ("a colour filter below a diffuser and a front that reflects light", "display.front")
             }
-            Refused::FilterBelowColouredFront => {
-                ("a colour filter below a front that reflects a colour", "display.front")
-            }
-            Refused::FilterInDispersion => {
-                ("a colour filter in glass with dispersion", "display.glass.index")
-            }
             Refused::FilterInSinglePass => {
                 return Self::PlacesNotComputed {
                     what: "a colour filter in a single pass".to_owned(),
                     key: "solver.approximation".to_owned(),
                 };
             }
-            Refused::FilterBelowLobeInField { environment } => (
-                "a colour filter below a diffuser in this light",
-                if environment { "lighting.environment" } else { "lighting.front_light" },
-            ),
         };
         Self::PlacesByPaths { what: what.to_owned(), key: key.to_owned() }
     }

@@ -30,6 +30,11 @@ pub(crate) struct Level {
 }
 
 impl Level {
+    /// Natural digits of a level of general layers.
+    pub(super) fn digits_of_layers(level: usize) -> f64 {
+        DIGITS_OF_LAYERS + MORE_DIGITS_OF_LAYERS * level as f64
+    }
+
     /// Level of adding of the light of pages.
     pub(super) fn of_pages(self) -> u32 {
         if self.is_fine { 4 } else { 3 }

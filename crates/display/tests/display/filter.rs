@@ -6,9 +6,11 @@ use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::image::{ImageResult, ImageSettings, Screen, SourceImage, image};
+use papilio_display::scene::Ready;
 use papilio_display::spatial::{CrosstalkResult, Figure, crosstalk, walk};
 use papilio_display::{Control, DisplayError, Progress, run};
 use papilio_scenario::{Resolved, Scenario};
+use papilio_spectra::Spectrum;
 use papilio_testing::{everyday, sized};
 
 use crate::common::run_on;
@@ -218,6 +220,53 @@ fn colours_below_filters_are_those_of_paths() {
     let shares = shares.into_inner().unwrap();
     assert!(shares.iter().all(|(views, _)| *views == 2), "{shares:?}");
     assert!(shares.iter().any(|(_, share)| *share == Some(1.0)), "{shares:?}");
+}
+
+/// Glass and a front whose index and reflectance depend strongly on the wavelength: what returns, and the places
+/// of light, differ at each. Colours and their errors against paths.
+#[test]
+fn colours_below_filters_in_dispersion_and_coloured_fronts_are_those_of_paths() {
+    let view = "[viewer]\ntheta_deg = 40\nfield_deg = 0\n";
+    let front = "[[display.front]]\nreflectance = 0.1\ngap_mm = 0.1\n";
+    let coloured = filter(30.0, "red = 0.8, green = 0.5, blue = 0.2");
+    let mut resolved = resolved(&[front, &glass("fresnel", 0.2), PAPER, LIGHT, &coloured, view]);
+    let count = resolved.scene.grid.len();
+    let spectrum = |from: f64, to: f64| {
+        let at = |bin: usize| from + (to - from) * bin as f64 / (count - 1) as f64;
+        Spectrum::from_values((0..count).map(at).collect())
+    };
+    let [front, glass] = &mut resolved.scene.display.layers[..] else { panic!("two layers") };
+    front.interface = Ready::component(spectrum(0.02, 0.3), spectrum(0.0, 0.0)).into();
+    glass.medium = papilio_display::scene::Medium { index: spectrum(1.7, 1.4), ..glass.medium.clone() };
+    assert_colours_are_those_of_paths(&resolved.scene);
+}
+
+/// A sky through a lobe, low on one side: light arrives from there.
+#[test]
+fn colours_below_filters_and_lobes_under_a_sky_are_those_of_paths() {
+    let view = "[viewer]\ntheta_deg = 20\nphi_deg = 180\nfield_deg = 0\n";
+    let lobe = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.1\ntransmittance = 0.9\n";
+    let sky = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.2\n\
+               [[lighting.environment]]\nshare = 0.8\nmodel = \"sky\"\nnumber = 12\nsun_elevation_deg = 30\n";
+    let coloured = filter(50.0, "red = 0.8, green = 0.5, blue = 0.2");
+    let resolved = resolved(&[lobe, &glass("coated", 0.2), PAPER, sky, &coloured, view]);
+    assert_colours_are_those_of_paths(&resolved.scene);
+}
+
+fn assert_colours_are_those_of_paths(scene: &papilio_display::scene::Scene) {
+    let expected = run_on(scene, Some(1)).unwrap();
+    let control = Control { threads: Some(2), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let found = &walk::filtered(scene, 1 << 14, &control).unwrap()[0];
+    for ((name, state), walk::Mean { value, standard_error }) in
+        expected.views[0].states.iter().zip(&found.via_pixel)
+    {
+        let y = state.value.Y - state.value.terms.front_reflection;
+        assert!(*standard_error < 0.03 * y, "{name}: {value} +- {standard_error}");
+        assert!(
+            (value - y).abs() < 4.5 * standard_error + 2e-3 * y,
+            "{name}: {value} +- {standard_error}, {y}"
+        );
+    }
 }
 
 /// Below a gray filter without gaps, mirror-like pixels are as sharp as below glass that absorbs as much,

@@ -448,11 +448,11 @@ fn assert_picture_is_that_of_paths(side: usize) {
     let fronted = format!("{DIFFUSED}[[display.front]]\nreflectance = 0.1\ngap_mm = 0.3\n");
     let cases = [
         (MIRROR, fronted.as_str()),
-        (PAPER, GLASS),
+        (PAPER, LAYERED),
         (MIRROR, LAYERED),
+        (PAPER, GLASS),
         (PAPER, DIFFUSED),
         (MIRROR, DIFFUSED),
-        (PAPER, LAYERED),
     ];
     for (pixel, layers) in everyday(4, cases) {
         let display = scene(&[layers, MATRIX, pixel, LIGHT, VIEW]);

@@ -9,6 +9,7 @@
 mod absorption;
 mod asked_metrics;
 mod auto;
+mod below_layers;
 mod by_light_and_angle;
 mod common;
 mod crosstalk;

@@ -3,13 +3,15 @@
 //!
 //! **What.** [`LayeredSpread::paper`] has the transform V of what is seen and the return A of the layers at
 //! one frequency. Both are smooth: Chebyshev polynomials on panels that widen with the frequency, up to where
-//! both have decreased. V has three parts: a sharp image, which does not depend on the frequency; light that
+//! both have decreased. A panel has five or nine frequencies; where these are not enough, it is halved. V has
+//! three parts: a sharp image, which does not depend on the frequency; light that
 //! layers scatter; and side images, which flat faces above each other add in an oblique view. Side images do
 //! not decrease: they are resolved up to a frequency of [`SIDE`] over the height of the layers. Beyond the
 //! tables scattered light decreases exponentially, as at their end.
 //!
 //! Along other azimuths V is a Fourier series through those of the table; A is the same along all.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -18,11 +20,19 @@ use num_complex::Complex64;
 use super::LambertianReturn;
 use super::face::{POINTS_OF_TABLE, chebyshev_of, chebyshev_points};
 use super::panel_spread::Tabulated;
-use crate::adding::{LayeredSpread, NotCovered};
+use crate::adding::{LayeredSpread, NotCovered, PaperLight};
 
 /// Ends of the first panels, times the height of the layers. Each further one ends so much farther.
-const FIRST: [f64; 7] = [0.05, 0.25, 1.0, 2.0, 3.0, 4.0, 6.0];
+const FIRST: [f64; 4] = [1.0, 2.5, 4.0, 6.0];
 const FARTHER: f64 = 1.5;
+
+/// Numbers of steps between the frequencies of a panel: it has one more.
+const STEPS: [usize; 2] = [4, 8];
+
+/// Last two coefficients of a panel as a fraction of the light that counts no more, with few and with many
+/// frequencies, and the width below which it is not halved, times the height.
+const REST: [f64; 2] = [0.01, 0.1];
+const NARROWEST: f64 = 0.05;
 
 /// Light that counts no more, as a fraction, at level 0, and how much less each further level neglects.
 const FAINTEST: f64 = 5e-3;
@@ -38,11 +48,19 @@ const HIGHEST: f64 = 20.0;
 /// Highest frequency of scattered light at which a table may end, times the height.
 const LEAST: f64 = 4.0;
 
+/// Light that returns no more, as a fraction of the light that counts no more, and the frequency from which
+/// on it is not computed any more, times the height.
+const RETURNED: f64 = 0.1;
+const LEAST_OF_RETURN: f64 = 1.0;
+
 /// Highest frequency of side images, times the height, the width of the panels of their table, and the number
 /// of frequencies over which they are averaged.
 const SIDE: f64 = 32.0;
 const WIDTH_OF_SIDE: f64 = 1.0;
 const SAMPLES: usize = 1024;
+
+/// Logarithm of light that is none.
+const NOTHING: f64 = -40.0;
 
 /// Azimuths of an oblique view on half a circle; a view along the normal has one.
 const AZIMUTHS: usize = 4;
@@ -52,7 +70,8 @@ const AZIMUTHS: usize = 4;
 pub struct LayeredPaper {
     sets: Vec<Set>,
     groups: Vec<Group>,
-    azimuths: usize,
+    /// Directions of the tables, along half a circle.
+    directions: Vec<[f64; 2]>,
     end_per_mm: f64,
 }
 
@@ -105,7 +124,8 @@ impl LayeredPaper {
             .collect::<Result<_, _>>()?;
         let end = |set: &Set| set.returned.iter().filter_map(Tabulated::end).fold(0.0, f64::max);
         let end_per_mm = sets.iter().map(end).fold(0.0, f64::max);
-        Ok(Self { sets, groups, azimuths, end_per_mm })
+        let directions = turns(azimuths).into_iter().map(|turn| [turn.cos(), turn.sin()]).collect();
+        Ok(Self { sets, groups, directions, end_per_mm })
     }
 
     /// What returns to the pixels, by group of wavelengths.
@@ -138,14 +158,29 @@ impl LayeredPaper {
         self.groups[group].sets.iter().map(|(set, factor)| factor * self.sets[*set].sharp).sum()
     }
 
-    /// All other light at a frequency, cycles per mm, along the azimuths of the table: from 0 on, in equal
-    /// steps over half a circle.
-    pub fn others(&self, group: usize, frequency_per_mm: f64) -> Vec<Complex64> {
-        let mut sums = vec![Complex64::ZERO; self.azimuths];
-        for (set, factor) in &self.groups[group].sets {
-            self.sets[*set].add_to(&mut sums, frequency_per_mm, *factor);
+    /// All other light at a frequency along x and y, cycles per mm.
+    pub fn others(&self, group: usize, [x, y]: [f64; 2]) -> Complex64 {
+        let frequency_per_mm = x.hypot(y);
+        let azimuths = self.directions.len();
+        if azimuths == 1 || y == 0.0 && x >= 0.0 {
+            return self.of_azimuth(group, frequency_per_mm, 0);
         }
-        sums
+        if x == 0.0 && y > 0.0 {
+            return self.of_azimuth(group, frequency_per_mm, azimuths / 2);
+        }
+        let values: Vec<Complex64> =
+            (0..azimuths).map(|k| self.of_azimuth(group, frequency_per_mm, k)).collect();
+        if values.iter().all(|value| *value == Complex64::ZERO) {
+            return Complex64::ZERO;
+        }
+        turned(&values, &self.directions, [x / frequency_per_mm, y / frequency_per_mm])
+    }
+
+    /// The same along one of the azimuths of the tables.
+    fn of_azimuth(&self, group: usize, frequency_per_mm: f64, azimuth: usize) -> Complex64 {
+        let of_set =
+            |(set, factor): &(usize, f64)| factor * self.sets[*set].others(azimuth, frequency_per_mm);
+        self.groups[group].sets.iter().map(of_set).sum()
     }
 
     /// Fraction of the light that the layers scatter, and the frequency at which half of it is left; `None`
@@ -164,26 +199,25 @@ impl LayeredPaper {
     }
 }
 
-/// Value at an azimuth (radians) from those at equal steps over half a circle: those of the other half are
-/// conjugate.
-pub fn turned(values: &[Complex64], azimuth: f64) -> Complex64 {
-    if let [only] = values {
-        return *only;
-    }
-    let count = 2 * values.len();
-    let one = |k: usize| {
-        let value = values[k % values.len()];
-        let value = if k < values.len() { value } else { value.conj() };
-        let angle = azimuth - 2.0 * PI * k as f64 / count as f64;
-        let tangent = (0.5 * angle).tan();
-        let weight = if tangent.abs() < 1e-9 {
-            1.0
-        } else {
-            (0.5 * count as f64 * angle).sin() / (count as f64 * tangent)
-        };
-        weight * value
+/// Value along a direction from those at equal steps of the azimuth over half a circle: those of the other half
+/// are conjugate. The Fourier series through all.
+fn turned(values: &[Complex64], directions: &[[f64; 2]], [x, y]: [f64; 2]) -> Complex64 {
+    let count = values.len();
+    let weight = |cosine: f64| {
+        // 1/2 + cos(angle) + cos(2 angle) ... + cos(count angle)/2, by its recurrence.
+        let [mut last, mut here] = [1.0, cosine];
+        let mut sum = 0.5;
+        for _ in 1..count {
+            sum += here;
+            (last, here) = (here, 2.0 * cosine * here - last);
+        }
+        (sum + 0.5 * here) / count as f64
     };
-    (0..count).map(one).sum()
+    let one = |(value, [cos, sin]): (&Complex64, &[f64; 2])| {
+        let cosine = x * cos + y * sin;
+        weight(cosine) * value + weight(-cosine) * value.conj()
+    };
+    values.iter().zip(directions).map(one).sum()
 }
 
 fn turns(count: usize) -> Vec<f64> {
@@ -199,8 +233,8 @@ impl Set {
     ) -> Result<Self, NotCovered> {
         let (faintest, highest) =
             (FAINTEST * FAINTER.powi(level as i32), HIGHEST * FARTHER.powi(level as i32));
-        let total = spread.paper(set, 0.0, &turns[..1])?[0].seen.re;
-        let scale = if total > 0.0 { 1.0 / total } else { 0.0 };
+        let mut samples = Samples::new((spread, set), turns)?;
+        let scale = samples.scale;
         let side_end_per_mm = SIDE / height_mm;
         let straight = |turn: f64, frequencies: &[f64]| -> Vec<Complex64> {
             let at: Vec<[f64; 2]> = frequencies.iter().map(|f| [f * turn.cos(), f * turn.sin()]).collect();
@@ -240,28 +274,25 @@ impl Set {
         while from < highest {
             let to = FIRST.get(number).copied().unwrap_or(FARTHER * from);
             let ends = [from, to].map(|end| end / height_mm);
-            let points = chebyshev_points(ends);
-            let mut values = vec![[[0.0; POINTS_OF_TABLE]; 3]; turns.len()];
-            let (mut most, mut most_returned) = (0.0_f64, 0.0_f64);
-            for (k, f) in points.iter().enumerate() {
-                let found = spread.paper(set, *f, turns)?;
-                for (azimuth, (values, light)) in values.iter_mut().zip(&found).enumerate() {
-                    let scattered = scale * (light.seen - light.straight);
-                    let parts = [scattered.re, scattered.im, light.returned.re];
-                    values.iter_mut().zip(parts).for_each(|(values, part)| values[k] = part);
-                    most = most.max(scattered.norm());
-                    most_returned = most_returned.max(if azimuth == 0 { light.returned.norm() } else { 0.0 });
+            let mut most = [0.0_f64; 2];
+            for Panel { ends, coefficients, largest } in
+                samples.panels(ends, NARROWEST / height_mm, faintest)?
+            {
+                let (parts, last) = coefficients.as_chunks::<2>();
+                for ([re, im], [of_re, of_im]) in all.scattered.iter_mut().zip(parts) {
+                    re.panels.push((ends, *of_re));
+                    im.panels.push((ends, *of_im));
                 }
+                if samples.with_return {
+                    returned.panels.extend(last.iter().map(|last| (ends, *last)));
+                }
+                most = [0, 1].map(|k| most[k].max(largest[k]));
             }
-            for (azimuth, values) in values.iter().enumerate() {
-                let table = |values: &[f64; POINTS_OF_TABLE]| (ends, chebyshev_of(values));
-                let [re, im] = &mut all.scattered[azimuth];
-                re.panels.push(table(&values[0]));
-                im.panels.push(table(&values[1]));
-            }
-            returned.panels.push((ends, chebyshev_of(&values[0][2])));
             (number, from) = (number + 1, to);
-            let tail = all.scattered.iter().map(|table| Tail::new(table, ends)).collect::<Vec<_>>();
+            let [most, most_returned] = most;
+            // What returns no more is not computed any more.
+            samples.with_return &= most_returned > RETURNED * faintest || from < LEAST_OF_RETURN;
+            let tail: Vec<Tail> = all.scattered.iter().map(|table| Tail::new(table, ends)).collect();
             let missed = tail.iter().map(|tail| tail.missed).fold(0.0, f64::max);
             all.decays_mm = tail.into_iter().map(|tail| tail.decays_mm).collect();
             // Light that is left decreases as at the end of the table.
@@ -274,17 +305,121 @@ impl Set {
         Ok(all)
     }
 
-    fn add_to(&self, sums: &mut [Complex64], f: f64, factor: f64) {
+    fn others(&self, azimuth: usize, f: f64) -> Complex64 {
+        let ([re, im], [side_re, side_im]) = (&self.scattered[azimuth], &self.side[azimuth]);
+        let end = re.end().unwrap_or(f);
+        let mut light = Complex64::ZERO;
+        let exponent = self.decays_mm[azimuth] * (f - end).max(0.0);
+        if exponent.re > NOTHING {
+            light += exponent.exp() * Complex64::new(re.at(f.min(end)), im.at(f.min(end)));
+        }
         let side = window(f / self.side_end_per_mm);
-        let tables = self.scattered.iter().zip(&self.side).zip(&self.decays_mm);
-        for (sum, (([re, im], [side_re, side_im]), decays_mm)) in sums.iter_mut().zip(tables) {
-            let end = re.end().unwrap_or(f);
-            let beyond = (decays_mm * (f - end).max(0.0)).exp();
-            *sum += factor * beyond * Complex64::new(re.at(f.min(end)), im.at(f.min(end)));
-            if side > 0.0 {
-                *sum += factor * side * Complex64::new(side_re.at(f), side_im.at(f));
+        if side > 0.0 {
+            light += side * Complex64::new(side_re.at(f), side_im.at(f));
+        }
+        light
+    }
+}
+
+/// Light at the frequencies of panels: real and imaginary part of scattered light along each azimuth, and
+/// last what returns.
+struct Samples<'s, 'a> {
+    spread: &'s LayeredSpread<'a>,
+    set: usize,
+    turns: &'s [f64],
+    /// 1 over what is seen without regard to places.
+    scale: f64,
+    with_return: bool,
+    /// By the bits of the frequency: neighbouring panels share one.
+    known: HashMap<u64, Vec<f64>>,
+}
+
+/// Chebyshev coefficients of all numbers of [`Samples`] between two frequencies, and the largest scattered
+/// and returned light.
+struct Panel {
+    ends: [f64; 2],
+    coefficients: Vec<[f64; POINTS_OF_TABLE]>,
+    largest: [f64; 2],
+}
+
+impl<'s, 'a> Samples<'s, 'a> {
+    fn new((spread, set): (&'s LayeredSpread<'a>, usize), turns: &'s [f64]) -> Result<Self, NotCovered> {
+        let mut new = Self { spread, set, turns, scale: 1.0, with_return: true, known: HashMap::new() };
+        let found = spread.paper(set, 0.0, turns, true)?;
+        let total = found[0].seen.re;
+        new.scale = if total > 0.0 { 1.0 / total } else { 0.0 };
+        new.known.insert(0.0_f64.to_bits(), new.numbers(&found));
+        Ok(new)
+    }
+
+    fn numbers(&self, found: &[PaperLight]) -> Vec<f64> {
+        let scattered = found.iter().map(|light| self.scale * (light.seen - light.straight));
+        let returned = found.first().map(|light| light.returned.re);
+        scattered.flat_map(|light| [light.re, light.im]).chain(returned).collect()
+    }
+
+    fn at(&mut self, f: f64) -> Result<Vec<f64>, NotCovered> {
+        if let Some(known) = self.known.get(&f.to_bits()) {
+            return Ok(known.clone());
+        }
+        let found = self.numbers(&self.spread.paper(self.set, f, self.turns, self.with_return)?);
+        self.known.insert(f.to_bits(), found.clone());
+        Ok(found)
+    }
+
+    /// Returns ascending panels between two frequencies, none narrower than half of `narrowest`.
+    fn panels(&mut self, ends: [f64; 2], narrowest: f64, faintest: f64) -> Result<Vec<Panel>, NotCovered> {
+        let (mut rest, mut found) = (vec![ends], Vec::new());
+        while let Some([from, to]) = rest.pop() {
+            let mut enough = None;
+            for (steps, part) in STEPS.into_iter().zip(REST) {
+                let panel = self.panel([from, to], steps)?;
+                let left = |c: &[f64; POINTS_OF_TABLE]| c[steps - 1].abs() + c[steps].abs();
+                let left = panel.coefficients.iter().map(left).fold(0.0, f64::max);
+                if left <= part * faintest || (steps == STEPS[1] && to - from <= narrowest) {
+                    enough = Some(panel);
+                    break;
+                }
+            }
+            let middle = 0.5 * (from + to);
+            match enough {
+                Some(panel) => found.push(panel),
+                None => rest.extend([[middle, to], [from, middle]]),
             }
         }
+        Ok(found)
+    }
+
+    /// The polynomials through these numbers at the extrema of the last one.
+    fn panel(&mut self, ends: [f64; 2], steps: usize) -> Result<Panel, NotCovered> {
+        let [from, to] = ends;
+        let place = |k: usize| match k {
+            0 => to,
+            k if k == steps => from,
+            k if 2 * k == steps => 0.5 * (from + to),
+            k => 0.5 * (from + to) + 0.5 * (to - from) * (PI * k as f64 / steps as f64).cos(),
+        };
+        let samples = (0..=steps).map(|k| self.at(place(k))).collect::<Result<Vec<_>, _>>()?;
+        let of_number = |number: usize| -> [f64; POINTS_OF_TABLE] {
+            std::array::from_fn(|order| {
+                let ends = |k: usize| if k == 0 || k == steps { 0.5 } else { 1.0 };
+                let term = |(k, sample): (usize, &Vec<f64>)| {
+                    ends(k) * sample[number] * (PI * (order * k) as f64 / steps as f64).cos()
+                };
+                let sum: f64 = samples.iter().enumerate().map(term).sum();
+                if order > steps { 0.0 } else { 2.0 * ends(order) * sum / steps as f64 }
+            })
+        };
+        let numbers = 2 * self.turns.len() + 1;
+        let scattered = |sample: &Vec<f64>| {
+            sample.as_chunks::<2>().0.iter().map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max)
+        };
+        let returned = |sample: &Vec<f64>| sample[numbers - 1].abs();
+        let largest = [
+            samples.iter().map(scattered).fold(0.0, f64::max),
+            samples.iter().map(returned).fold(0.0, f64::max),
+        ];
+        Ok(Panel { ends, coefficients: (0..numbers).map(of_number).collect(), largest })
     }
 }
 

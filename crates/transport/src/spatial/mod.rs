@@ -42,7 +42,7 @@ pub use crate::pixel_spread::PixelSpread;
 pub use crate::window::{Rectangle, Window, shares_by_transfer};
 pub use blur::{PixelSquare, Shapes};
 pub use face::FaceReturn;
-pub use layered_paper::{LayeredPaper, turned};
+pub use layered_paper::LayeredPaper;
 pub use layout::{rows, stripes};
 pub use line::LineSpread;
 pub use page::{LitPage, Page, PageLight, Precision};
@@ -52,7 +52,7 @@ pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};
 pub use two_planes::{
     Direction, Division, FilteredPixels, Passed, PeriodCells, TwoPlanes, diffuse_directions,
-    diffused_directions,
+    diffused_directions, diffused_directions_of_field,
 };
 
 use papilio_optics::Beta;

@@ -28,6 +28,15 @@ pub(super) struct Drawn {
     pub(super) has_filter: bool,
 }
 
+impl Drawn {
+    /// Whether a picture on the display is computed through all orders: on Lambertian pixels without filter,
+    /// not below the lobe of an ordinary panel.
+    pub(super) fn has_picture(&self) -> bool {
+        let is_lambertian = self.text.contains("kind = \"lambertian\"");
+        is_lambertian && !self.has_filter && !self.text.contains("[display.diffuser]")
+    }
+}
+
 /// The part of the display above the pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Above {

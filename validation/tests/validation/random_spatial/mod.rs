@@ -1,5 +1,5 @@
-//! Comparison of the two solvers on random displays with places: `papilio mtf` and `papilio crosstalk` by
-//! adding against paths. The deviations must agree with the standard errors, and stated errors of adding must
+//! Comparison of the two solvers on random displays with places: `papilio mtf`, `papilio crosstalk` and
+//! pictures of Lambertian pixels by adding against paths. The deviations must agree with the standard errors, and stated errors of adding must
 //! hold for 99 % of all numbers.
 //!
 //! `PAPILIO_SCENARIOS=100` sets the number of displays, `PAPILIO_SCENARIOS=17..18` selects some;
@@ -7,6 +7,7 @@
 
 mod draw;
 mod numbers;
+mod pictures;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -145,6 +146,10 @@ fn compared(number: u64, paths: u64) -> Compared {
         let (found, seconds) = watched(|control| crosstalk(&walk, &patterns.text, control));
         (found.map(|found| of_crosstalk(&found)), seconds)
     });
+    if compared.drawn.has_picture() {
+        let found = watched(|control| pictures::by_adding(&exact, control));
+        compared.add("picture", found, || watched(|control| pictures::by_paths(&walk, paths, control)));
+    }
     println!("{}", compared.description());
     compared
 }

@@ -63,7 +63,7 @@ pub(super) fn views(
             }
             seen(filtered, setup, &levels[level], (number, view))
         };
-        let mut found = refined(setup, view, FINEST, at, control)?;
+        let mut found = refined(setup, view, (FINEST, 1.0), at, control)?;
         for pattern in &mut found.patterns {
             pattern.why_null = match pattern.name {
                 Figure::Stripe | Figure::Line if filtered.is_diffused() => Some(DIFFUSED),

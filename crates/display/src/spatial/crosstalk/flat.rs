@@ -1,4 +1,4 @@
-//! Figures on pages of pixels to which flat faces, or a front above a diffuser, return light.
+//! Figures on pages of pixels to which flat faces, a front above a diffuser, or general layers return light.
 //!
 //! A figure of reflectance rho on a page of another has the irradiance E(rho, page) of [`Recycling`]; 1/E is
 //! almost linear in both, so that a few pairs serve all states and wavelengths. Where light spreads inside
@@ -9,8 +9,7 @@ use papilio_transport::spatial::Cells;
 
 use super::super::Level;
 use super::super::bounds::{cells_along, parts_of_pixels};
-use super::super::irradiance::{Return, images, moved};
-use super::super::response::Lit;
+use super::super::irradiance::{Above, Return, moved};
 use super::{Colour, Figure};
 use crate::DisplayError;
 
@@ -39,10 +38,18 @@ struct Known {
     spreads: bool,
     /// 1/E of the figure; `sqrt(rho) E` where light spreads inside the pixels.
     own: Table,
-    /// Further images of the pixels in an oblique view: the fraction of each at the wavelengths of the grid,
-    /// and the light of the cells in it. The first fraction is that of the figure itself.
-    fractions: Vec<Vec<f64>>,
-    images: Vec<Table>,
+    /// Fraction of the light at the wavelengths of the grid that shows the figure itself; `None` if all does.
+    itself: Option<Vec<f64>>,
+    /// All other light: the fraction of each part, and the light of the cells in it.
+    others: Vec<(Vec<f64>, Table)>,
+}
+
+/// How light shows other cells than those that are seen.
+enum Shown {
+    /// Those from which it is moved.
+    At([f64; 2]),
+    /// All, each with its weight.
+    By(Vec<f64>),
 }
 
 /// Values at pairs of nodes `[figure][page]`, from 0 to `most`.
@@ -55,25 +62,33 @@ struct Table {
 impl Irradiance {
     /// Computes a figure for all reflectances up to `most`; `None` if there is no such figure.
     pub(super) fn new(
-        lit: Lit<'_>,
+        above: Above<'_>,
         pixels: &Pixels<'_>,
         figure: Figure,
         most: f64,
     ) -> Result<Option<Self>, DisplayError> {
-        let (level, thickness_mm) = (lit.level, lit.thickness_mm());
+        let (level, thickness_mm, spreads) = (above.level(), above.thickness_mm(), above.spreads());
         let Some((cells, is_figure, seen)) = drawn(pixels, thickness_mm, figure, level) else {
             return Ok(None);
         };
-        let spreads = lit.spread.is_some();
         let nodes = if level.is_fine { 3 + level.finer as usize } else { 2 };
         let (nodes, most) =
             if spreads { (nodes + if level.is_fine { 3 } else { 2 }, most.sqrt()) } else { (nodes, most) };
-        let images = images(lit)?;
-        let known = |returned: Return| {
+        let images = above.images()?;
+        let known = |(number, returned): (usize, Return)| {
+            let shown = above.seen_from(number, cells, &seen);
+            let itself = match (&shown, images.first()) {
+                (None, Some((_, fraction))) if images.len() > 1 || spreads => Some(fraction.clone()),
+                (Some((_, fraction)), _) => Some(vec![0.0; fraction.len()]),
+                _ => None,
+            };
+            let moved_images = images.iter().skip(1).map(|(at, part)| (part.clone(), Shown::At(*at)));
+            let others = shown.map(|(weights, part)| (part, Shown::By(weights)));
+            let others: Vec<(Vec<f64>, Shown)> = moved_images.chain(others).collect();
             let solve = returned.solver(cells);
             let at = |k: usize| most * k as f64 / (nodes - 1) as f64;
             let mut own = Vec::with_capacity(nodes * nodes);
-            let mut others = vec![Vec::with_capacity(nodes * nodes); images.len() - 1];
+            let mut values_of_others = vec![Vec::with_capacity(nodes * nodes); others.len()];
             for number in 0..nodes * nodes {
                 let (figure, page) = (at(number / nodes), at(number % nodes));
                 // There is light inside a black figure, too: that of one that is almost black.
@@ -85,8 +100,13 @@ impl Irradiance {
                     |values: &[f64]| seen.iter().map(|cell| values[*cell]).sum::<f64>() / seen.len() as f64;
                 own.push(if spreads { root * mean(&irradiance) } else { 1.0 / mean(&irradiance) });
                 let light: Vec<f64> = rho.iter().zip(&irradiance).map(|(rho, e)| rho * e).collect();
-                for ((at_mm, _), values) in images[1..].iter().zip(&mut others) {
-                    values.push(mean(&moved(&light, cells, *at_mm)));
+                for ((_, shown), values) in others.iter().zip(&mut values_of_others) {
+                    values.push(match shown {
+                        Shown::At(at_mm) => mean(&moved(&light, cells, *at_mm)),
+                        Shown::By(weights) => {
+                            weights.iter().zip(&light).map(|(weight, light)| weight * light).sum()
+                        }
+                    });
                 }
             }
             let table = |values| Table { most, nodes, values };
@@ -95,11 +115,15 @@ impl Irradiance {
                 of_page: returned.of_page(),
                 spreads,
                 own: table(own),
-                fractions: images.iter().map(|(_, fraction)| fraction.clone()).collect(),
-                images: others.into_iter().map(table).collect(),
+                itself,
+                others: others
+                    .into_iter()
+                    .map(|(part, _)| part)
+                    .zip(values_of_others.into_iter().map(table))
+                    .collect(),
             }
         };
-        let returns = Return::all(lit, cells.most_per_mm())?.into_iter().map(known).collect();
+        let returns = above.returns(cells.most_per_mm())?.into_iter().enumerate().map(known).collect();
         Ok(Some(Self { returns }))
     }
 
@@ -119,25 +143,24 @@ impl Irradiance {
     /// `[state][wavelength]`.
     pub(super) fn colour(&self, light: &[[&[f64]; 3]; 2], rho: [&[f64]; 2]) -> Colour {
         let mut sum = [0.0; 3];
-        for Known { bins, of_page, spreads, own, fractions, images } in &self.returns {
+        for Known { bins, of_page, spreads, own, itself, others } in &self.returns {
             for &bin in bins {
                 let pair = rho.map(|rho| rho[bin]);
-                if images.is_empty() && !spreads {
+                let Some(itself) = itself else {
                     let factor = (1.0 - pair[0] * of_page) / own.at(pair);
                     (0..3).for_each(|k| sum[k] += light[0][k][bin] * factor);
                     continue;
-                }
+                };
                 // Where other places are seen, too, the brighter of both pages tells how much light there is.
                 let of = usize::from(pair[1] > pair[0]);
                 if pair[of] <= 0.0 {
                     continue;
                 }
-                let others = fractions[1..].iter().zip(images);
                 let at = if *spreads { pair.map(f64::sqrt) } else { pair };
-                let others: f64 = others.map(|(fraction, image)| fraction[bin] * image.at(at)).sum();
+                let others: f64 = others.iter().map(|(fraction, light)| fraction[bin] * light.at(at)).sum();
                 let own = match spreads {
-                    false => fractions[0][bin] * pair[0] / own.at(at),
-                    true => fractions[0][bin] * at[0] * own.at(at),
+                    false => itself[bin] * pair[0] / own.at(at),
+                    true => itself[bin] * at[0] * own.at(at),
                 };
                 let seen = own + others;
                 let factor = seen * (1.0 - pair[of] * of_page) / pair[of];

@@ -25,6 +25,33 @@ pub(super) struct Measured {
     pub(super) from_faces: Colour,
 }
 
+impl Measured {
+    /// The same, so many times as far from another level.
+    pub(super) fn away(&self, from: &Self, factor: f64) -> Self {
+        let farther = |own: f64, from: f64| from + factor * (own - from);
+        let rows = |own: &[Vec<Vec<f64>>], from: &[Vec<Vec<f64>>]| -> Vec<Vec<Vec<f64>>> {
+            let row = |(own, from): (&Vec<f64>, &Vec<f64>)| {
+                own.iter().zip(from).map(|(own, from)| farther(*own, *from)).collect()
+            };
+            let rows =
+                |(own, from): (&Vec<Vec<f64>>, &Vec<Vec<f64>>)| own.iter().zip(from).map(row).collect();
+            own.iter().zip(from).map(rows).collect()
+        };
+        let colour = |own: Colour, from: Colour| [0, 1, 2].map(|k| farther(own[k], from[k]));
+        let figure = |k: usize| {
+            self.figures[k].iter().zip(&from.figures[k]).map(|(own, from)| colour(*own, *from)).collect()
+        };
+        Self {
+            names: self.names.clone(),
+            page: rows(&self.page, &from.page),
+            entered: rows(&self.entered, &from.entered),
+            figures: [0, 1, 2, 3].map(figure),
+            beside: [0, 1, 2, 3].map(|k| Some(colour(self.beside[k]?, from.beside[k]?))),
+            from_faces: colour(self.from_faces, from.from_faces),
+        }
+    }
+}
+
 /// What a view sees. The errors are the differences from the other level, if `others` is one, or else those
 /// of a jackknife: `others` are then all replicates but one.
 pub(super) fn assembled(

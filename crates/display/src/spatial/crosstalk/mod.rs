@@ -15,7 +15,7 @@ mod surfaces;
 
 use papilio_imaging::text::Bitmap;
 use papilio_transport::spatial::{Accuracy, PanelSpread};
-use papilio_transport::{Panel, Reflector, Source, Top};
+use papilio_transport::{Panel, Reflector, Source, Top, adding};
 
 use self::flat::{Irradiance, Pixels};
 use self::found::{Measured, assembled};
@@ -23,7 +23,8 @@ use self::orders::{Back, Orders};
 use self::places::{Gathered, NEIGHBOURS, Wanted, Windows, cell, gather};
 pub use self::result::{CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares};
 use self::surfaces::{Part, Surfaces};
-use super::irradiance::images;
+use super::below_layers::{self, Layers};
+use super::irradiance::Above;
 use super::patterns::Text;
 use super::response::{Lit, name_of_light};
 use super::returned::Returned;
@@ -32,7 +33,7 @@ use super::{Level, PatternKind, Refused, lobe, patterns};
 use crate::DisplayError;
 use crate::filtered::Filtered;
 use crate::meter::Meter;
-use crate::run::{Control, each_view};
+use crate::run::{self, Control, each_view};
 use crate::scene::{Matrix, Method, SPREAD_KEY, Scene};
 use crate::setup::{Setup, ViewPoint};
 
@@ -114,15 +115,18 @@ fn result(
     })
 }
 
-/// Refines a view.
+/// Refines a view. `factor`: error of a level over its difference from the one before.
 fn refined(
     setup: &Setup,
     view: &ViewPoint,
-    finest: usize,
+    (finest, factor): (usize, f64),
     at: impl FnMut(usize) -> Result<Measured, DisplayError>,
     control: &Control<'_>,
 ) -> Result<CrosstalkView, DisplayError> {
-    let of = |[fine, coarse]: [&Measured; 2]| assembled(setup, view, fine, &[coarse]);
+    let of = |[fine, coarse]: [&Measured; 2]| match factor {
+        1.0 => assembled(setup, view, fine, &[coarse]),
+        factor => assembled(setup, view, fine, &[&coarse.away(fine, factor)]),
+    };
     let found = target::refined(setup, finest, at, |levels| largest_error(&of(levels)).1, control)?;
     Ok(of([&found.finer, &found.coarser]))
 }
@@ -149,7 +153,8 @@ struct Frame<'a> {
     setup: &'a Setup,
     control: &'a Control<'a>,
     matrix: &'a Matrix,
-    panel: &'a Panel,
+    /// `None` below general layers.
+    panel: Option<&'a Panel>,
     lengths_mm: Vec<f64>,
     surfaces: Surfaces,
     windows: Windows,
@@ -167,15 +172,20 @@ impl<'a> Frame<'a> {
         setup.refracts()?;
         let lengths_mm = scene.display.lengths_mm()?;
         scene.display.spreads_over_few_pixels(&lengths_mm)?;
-        let Some(panel) = setup.stack.panel() else { return Err(Refused::Layers.into()) };
-        if scene.display.pixel_spread().is_some() && matches!(panel.top, Top::Diffuser(_)) {
-            return Err(Refused::SpreadBelowLobe.into());
+        let panel = setup.stack.panel();
+        if panel.is_none() && !below_layers::covers(setup) {
+            return Err(Refused::Layers.into());
         }
         let surfaces = Surfaces::new(setup, matrix)?;
-        let is_flat = !matches!(panel.top, Top::Diffuser(_)) && panel.base.is_specular();
-        let returns = panel.front.reflectance_below.max() > 0.0 || matches!(panel.top, Top::Fresnel(_));
-        if is_flat && returns && surfaces.states.iter().any(|parts| parts.len() > 1) {
-            return Err(Refused::SubPixelsBelowFaces.into());
+        if let Some(panel) = panel {
+            if scene.display.pixel_spread().is_some() && matches!(panel.top, Top::Diffuser(_)) {
+                return Err(Refused::SpreadBelowLobe.into());
+            }
+            let is_flat = !matches!(panel.top, Top::Diffuser(_)) && panel.base.is_specular();
+            let returns = panel.front.reflectance_below.max() > 0.0 || matches!(panel.top, Top::Fresnel(_));
+            if is_flat && returns && surfaces.states.iter().any(|parts| parts.len() > 1) {
+                return Err(Refused::SubPixelsBelowFaces.into());
+            }
         }
         let mut parts: Vec<Part> = Vec::new();
         for part in surfaces.states.iter().flatten() {
@@ -183,7 +193,10 @@ impl<'a> Frame<'a> {
                 parts.push(*part);
             }
         }
-        let thickness_mm = lengths_mm.last().copied().unwrap_or_default();
+        let thickness_mm = match panel {
+            Some(_) => lengths_mm.last().copied().unwrap_or_default(),
+            None => lengths_mm.iter().sum(),
+        };
         Ok(Self {
             text: patterns::bitmap(scene, text, matrix.pitch_mm, thickness_mm),
             windows: Windows::new(matrix),
@@ -202,25 +215,49 @@ impl<'a> Frame<'a> {
         let pitch = self.matrix.pitch_mm;
         let finest = pitch[0].min(pitch[1]);
         let at = |level: usize| {
-            let digits = DIGITS + MORE_DIGITS * level as f64;
+            let digits = match self.panel {
+                Some(_) => DIGITS + MORE_DIGITS * level as f64,
+                None => Level::digits_of_layers(level),
+            };
             let most_per_mm = ORDERS * f64::from(1_u32 << level) / finest;
             let finer = level.saturating_sub(1) as u32;
             self.measure(view, Level { digits, most_per_mm, is_fine: level > 0, finer })
         };
-        // The estimate for mirror-like pixels is bounded by the coarse level only: no further level is
-        // computed.
-        let is_estimated = self.returns() && !self.is_flat() && self.panel.base.is_specular();
-        refined(self.setup, view, if is_estimated { 1 } else { MOST_LEVEL }, at, control)
+        let (finest, factor) = match self.panel {
+            // The estimate for mirror-like pixels is bounded by the coarse level only: no further level is
+            // computed.
+            Some(panel) if returns(panel) && !is_flat(panel) && panel.base.is_specular() => (1, 1.0),
+            Some(_) => (MOST_LEVEL, 1.0),
+            None => {
+                let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
+                (run::finest(self.setup)?.min(MOST_LEVEL), factor)
+            }
+        };
+        refined(self.setup, view, (finest, factor), at, control)
     }
 
     fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
         let (setup, meter) = (self.setup, Meter::new(self.setup));
-        let factors = setup.seen(view, level.of_pages(), self.control)?;
+        let layers = match self.panel {
+            Some(_) => None,
+            None => Some(Layers::new(setup, view, level, self.control)?),
+        };
+        let above = match (self.panel, &layers) {
+            (Some(panel), _) => Above::Panel(self.lit(panel, view, level)),
+            (None, Some(layers)) => Above::Layers(layers),
+            (None, None) => return Err(Refused::Layers.into()),
+        };
+        let of_pages = if self.panel.is_some() { level.of_pages() } else { level.of_layers() };
+        let factors = setup.seen(view, of_pages, self.control)?;
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
         let mut measured = Measured::default();
         let (mut pages, mut orders) = (vec![[0.0; 3]; states], None::<Orders>);
-        let is_flat = self.is_flat();
-        let images = if is_flat { images(self.lit(view, level))? } else { Vec::new() };
+        // Below a lobe light is followed by direction.
+        let below_lobe = match above {
+            Above::Panel(lit) if !is_flat(lit.panel) => Some(lit),
+            Above::Panel(_) | Above::Layers(_) => None,
+        };
+        let images = if below_lobe.is_none() { above.images()? } else { Vec::new() };
         // Light of each state and wavelength in X, Y and Z.
         let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
         measured.from_faces = meter.without_pixel(&factors);
@@ -234,7 +271,7 @@ impl<'a> Frame<'a> {
                 let light = factor.via_pixel.iter().enumerate().map(|(at, light)| weights[at % bins] * light);
                 sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
             }
-            if is_flat {
+            let Some(lit) = below_lobe else {
                 let page = factor.via_pixel.state(self.page);
                 let mut rows =
                     vec![vec![0.0; self.matrix.sub_pixels.len() + 1]; self.matrix.sub_pixels.len()];
@@ -243,31 +280,33 @@ impl<'a> Frame<'a> {
                         page.iter().zip(fraction).zip(&weights[1]).map(|((light, f), w)| light * f * w);
                     self.add_image(*at_mm, light.sum(), &mut rows);
                 }
+                if images.is_empty() {
+                    // Pixels that are not divided show their own kind.
+                    self.add_image([0.0; 2], flat::colour(weights, page)[1], &mut rows);
+                }
                 measured.page.push(rows);
-            } else {
-                let mut more = self.orders(view, &setup.sources[light.source], weights, level)?;
-                if self.returns() {
-                    if level.is_fine && self.panel.base.is_specular() {
-                        let (lit, source) = (self.lit(view, level), &setup.sources[light.source]);
-                        more.own = self.own_light(lit, source, &weights[1], &factor.via_pixel)?;
-                    }
-                    let all = flat::colour(weights, factor.via_pixel.state(self.page))[1];
-                    more.add_returned(self.page, all, level.is_fine);
+                continue;
+            };
+            let source = &setup.sources[light.source];
+            let mut more = self.orders(lit, source, weights)?;
+            if lit.returns() {
+                if level.is_fine && lit.panel.base.is_specular() {
+                    more.own = self.own_light(lit, source, &weights[1], &factor.via_pixel)?;
                 }
-                measured.page.push(more.once.page.clone());
-                match &mut orders {
-                    Some(sum) => sum.add(&more),
-                    None => orders = Some(more),
-                }
+                let all = flat::colour(weights, factor.via_pixel.state(self.page))[1];
+                more.add_returned(self.page, all, level.is_fine);
+            }
+            measured.page.push(more.once.page.clone());
+            match &mut orders {
+                Some(sum) => sum.add(&more),
+                None => orders = Some(more),
             }
         }
         for figure in Figure::ALL {
             let (colours, beside) = match (&orders, figure) {
                 (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
-                (None, _) => self.on_flat(figure, &pages, &by_wavelength, self.lit(view, level))?,
-                (Some(orders), _) => {
-                    self.blurred(figure, &pages, (orders, &by_wavelength), self.lit(view, level))?
-                }
+                (Some(orders), _) => self.blurred(figure, &pages, (orders, &by_wavelength), above)?,
+                (None, _) => self.on_flat(figure, &pages, &by_wavelength, above)?,
             };
             measured.figures[figure as usize] = colours;
             measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
@@ -275,16 +314,9 @@ impl<'a> Frame<'a> {
         Ok(measured)
     }
 
-    fn lit<'l>(&'l self, view: &'l ViewPoint, level: Level) -> Lit<'l> {
+    fn lit<'l>(&'l self, panel: &'l Panel, view: &'l ViewPoint, level: Level) -> Lit<'l> {
         let spread = self.setup.scene.display.pixel_spread();
-        Lit { panel: self.panel, lengths_mm: &self.lengths_mm, view, level, spread }
-    }
-
-    /// True for pixels under a flat face that are Lambertian, or to which it or a front returns light.
-    fn is_flat(&self) -> bool {
-        let is_paper = matches!(self.panel.base.reflector, Reflector::Lambertian(_));
-        let returns = self.returns() || matches!(self.panel.top, Top::Fresnel(_));
-        !matches!(self.panel.top, Top::Diffuser(_)) && (is_paper || returns)
+        Lit { panel, lengths_mm: &self.lengths_mm, view, level, spread }
     }
 
     /// Adds the light of a shifted image of the page to each window, by sub-pixel.
@@ -310,13 +342,12 @@ impl<'a> Frame<'a> {
 
     fn gathered(
         &self,
-        view: &ViewPoint,
+        Lit { panel: whole, view, level, .. }: Lit<'_>,
         source: &Source,
         weights: &[Vec<f64>; 3],
-        level: Level,
     ) -> Result<(Gathered, Vec<Colour>), DisplayError> {
         let accuracy = Accuracy { digits: level.digits, most_per_mm: level.most_per_mm };
-        let mut panel = Panel { base: self.surfaces.base.clone(), ..self.panel.clone() };
+        let mut panel = Panel { base: self.surfaces.base.clone(), ..whole.clone() };
         // What the front returns is added below.
         panel.front.reflectance_below = vec![0.0; panel.base.bins()].into();
         let lengths = [self.lengths_mm.last().copied().unwrap_or_default()];
@@ -324,30 +355,19 @@ impl<'a> Frame<'a> {
             DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
         })?;
         let wanted = Wanted { parts: &self.parts, page: &self.surfaces.states[self.page] };
-        let seen: Vec<f64> = spread.transfer(self.panel, &[[0.0; 2]]).iter().map(|light| light.re).collect();
+        let seen: Vec<f64> = spread.transfer(whole, &[[0.0; 2]]).iter().map(|light| light.re).collect();
         let once = seen.chunks_exact(panel.base.bins()).map(|light| flat::colour(weights, light));
         Ok((gather(&spread, (&panel.base, &panel.medium), weights, &self.windows, &wanted), once.collect()))
     }
 
-    /// True if a front returns light to the pixel.
-    fn returns(&self) -> bool {
-        !self.panel.single_pass && self.panel.front.reflectance_below.max() > 0.0
-    }
-
     /// Light that meets the pixels once and, if a front returns some of it, the same of diffuse light.
-    fn orders(
-        &self,
-        view: &ViewPoint,
-        source: &Source,
-        weights: &[Vec<f64>; 3],
-        level: Level,
-    ) -> Result<Orders, DisplayError> {
-        let (once, pages) = self.gathered(view, source, weights, level)?;
+    fn orders(&self, lit: Lit<'_>, source: &Source, weights: &[Vec<f64>; 3]) -> Result<Orders, DisplayError> {
+        let (once, pages) = self.gathered(lit, source, weights)?;
         // Paper is seen from the same places in any light.
         let diffuse = match source {
-            _ if !self.returns() || !self.panel.base.is_specular() => None,
+            _ if !lit.returns() || !lit.panel.base.is_specular() => None,
             Source::Diffuse => Some((once.clone(), pages.clone())),
-            _ => Some(self.gathered(view, &Source::Diffuse, weights, level)?),
+            _ => Some(self.gathered(lit, &Source::Diffuse, weights)?),
         };
         Ok(Orders { once, pages, diffuse, own: Default::default() })
     }
@@ -398,8 +418,9 @@ impl<'a> Frame<'a> {
         figure: Figure,
         pages: &[Colour],
         (orders, by_wavelength): (&Orders, &[Vec<f64>; 3]),
-        lit: Lit<'_>,
+        above: Above<'_>,
     ) -> Result<(Vec<Colour>, Option<Colour>), DisplayError> {
+        let returns = self.panel.is_some_and(returns);
         let light_of = |gathered: &Gathered| match figure {
             Figure::Stripe => Some(gathered.stripes.clone()),
             Figure::Line => Some(gathered.line.clone()),
@@ -417,8 +438,8 @@ impl<'a> Frame<'a> {
             }
             sum
         };
-        let is_paper = self.returns() && !self.panel.base.is_specular();
-        let (rho, irradiance) = if is_paper { self.irradiance(figure, lit)? } else { (Vec::new(), None) };
+        let is_paper = returns && !self.setup.stack.base().is_specular();
+        let (rho, irradiance) = if is_paper { self.irradiance(figure, above)? } else { (Vec::new(), None) };
         let bins = self.setup.scene.grid.len();
         let on = |own: usize, page: usize| {
             if let Some(irradiance) = &irradiance {
@@ -433,8 +454,8 @@ impl<'a> Frame<'a> {
                 let back = Back::Diffuse(&factors);
                 return orders.figure(figure, [own, page], (pages, back), within);
             }
-            if self.returns() {
-                let back = if lit.level.is_fine { Back::Mirrored } else { Back::Directly };
+            if returns {
+                let back = if above.level().is_fine { Back::Mirrored } else { Back::Directly };
                 return orders.figure(figure, [own, page], (pages, back), within);
             }
             let (more, less) = (within(false, own), within(false, page));
@@ -476,25 +497,32 @@ impl<'a> Frame<'a> {
     fn irradiance(
         &self,
         figure: Figure,
-        lit: Lit<'_>,
+        above: Above<'_>,
     ) -> Result<(Vec<f64>, Option<Irradiance>), DisplayError> {
         let mut rho = vec![0.0; self.setup.states.len() * self.setup.scene.grid.len()];
-        self.panel.base.reflectance(lit.view.field.axis_towards().squared(), &self.panel.medium, &mut rho);
+        let base = self.setup.stack.base();
+        match (above, self.setup.stack.layers().last()) {
+            (Above::Panel(Lit { panel, view, .. }), _) => {
+                panel.base.reflectance(view.field.axis_towards().squared(), &panel.medium, &mut rho);
+            }
+            (Above::Layers(_), Some(layer)) => base.reflectance(0.0, &layer.medium, &mut rho),
+            (Above::Layers(_), None) => {}
+        }
         let pixels = Pixels { pitch_mm: self.matrix.pitch_mm, text: self.text.as_ref() };
         let most = rho.iter().copied().fold(0.0, f64::max);
-        let irradiance = Irradiance::new(lit, &pixels, figure, most)?;
+        let irradiance = Irradiance::new(above, &pixels, figure, most)?;
         Ok((rho, irradiance))
     }
 
-    /// Colours of figures under flat faces, through all orders.
+    /// Colours of figures under flat faces or general layers, through all orders.
     fn on_flat(
         &self,
         figure: Figure,
         pages: &[Colour],
         by_wavelength: &[Vec<f64>; 3],
-        lit: Lit<'_>,
+        above: Above<'_>,
     ) -> Result<(Vec<Colour>, Option<Colour>), DisplayError> {
-        let (rho, irradiance) = self.irradiance(figure, lit)?;
+        let (rho, irradiance) = self.irradiance(figure, above)?;
         let Some(irradiance) = irradiance else { return Ok((Vec::new(), None)) };
         let bins = self.setup.scene.grid.len();
         let light = |state: usize| by_wavelength.each_ref().map(|light| &light[state * bins..][..bins]);
@@ -509,6 +537,18 @@ impl<'a> Frame<'a> {
         };
         Ok((colours, Some(beside)))
     }
+}
+
+/// True if a front returns light to the pixel.
+fn returns(panel: &Panel) -> bool {
+    !panel.single_pass && panel.front.reflectance_below.max() > 0.0
+}
+
+/// True for pixels under a flat face that are Lambertian, or to which it or a front returns light.
+fn is_flat(panel: &Panel) -> bool {
+    let is_paper = matches!(panel.base.reflector, Reflector::Lambertian(_));
+    let returns = returns(panel) || matches!(panel.top, Top::Fresnel(_));
+    !matches!(panel.top, Top::Diffuser(_)) && (is_paper || returns)
 }
 
 fn add(sum: &mut Colour, more: Colour) {

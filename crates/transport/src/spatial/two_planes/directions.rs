@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
-use crate::Diffuser;
 use crate::numerics::quadrature::{Node, Pole, gauss, radial};
+use crate::{Diffuser, Field};
 
 /// A direction of propagation and its part of the light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,6 +71,36 @@ pub fn diffused_directions(diffuser: &Diffuser, index: f64, level: u32) -> Vec<D
         all.extend(points.map(|(beta, share)| Direction { beta, weight: leaves * node.weight * share }));
     }
     all
+}
+
+/// The same of the light of a field: its mean over the lobe around each direction.
+pub fn diffused_directions_of_field(
+    diffuser: &Diffuser,
+    field: &Field,
+    index: f64,
+    level: u32,
+) -> Vec<Direction> {
+    let Diffuser { lobe, regular_fraction, .. } = diffuser;
+    let count = 12 << level;
+    let place = |k: usize| (k as f64 + 0.5) / count as f64;
+    let light = |beta: Beta| if beta.squared() < 1.0 { field.radiance(beta) } else { 0.0 };
+    let around = |beta: Beta| -> f64 {
+        let all = (0..count * count).map(|k| [place(k % count), place(k / count)]);
+        let scattered = all.filter_map(|u| lobe.sample_direction(beta, u)).map(light);
+        scattered.sum::<f64>() / (count * count) as f64
+    };
+    let leaves = |beta: Beta| regular_fraction * light(beta) + (1.0 - regular_fraction) * around(beta);
+    let all = diffused_directions(diffuser, index, level);
+    // Of uniform light, each direction has its own part of the lobe.
+    let uniform = |beta: Beta| {
+        let straight = if beta.squared() < 1.0 { *regular_fraction } else { 0.0 };
+        straight + (1.0 - regular_fraction) * lobe.fraction_in_disc(beta.length(), 1.0)
+    };
+    let of_field = |Direction { beta, weight }: Direction| {
+        let uniform = uniform(beta);
+        Direction { beta, weight: if uniform > 0.0 { weight * leaves(beta) / uniform } else { 0.0 } }
+    };
+    all.into_iter().map(of_field).collect()
 }
 
 /// `|beta|` from 0 to 1, dense at 1, where the transmittance ends as a square root; and its derivative.

@@ -15,7 +15,7 @@
 //! Where the way to the face and back is many periods, cells and shifts are taken as independent: the limit
 //! of Clapper and Yule.
 //!
-//! **Limits.** One refractive index. Between the windows the filter is clear.
+//! **Limits.** One refractive index and face; those of other wavelengths are sums of some ([`TwoPlanes::sum_of`]). Between the windows the filter is clear.
 //!
 //! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953), for uniform filters.
 
@@ -24,7 +24,9 @@ mod directions;
 
 use self::cells::Piece;
 pub use self::cells::{Division, PeriodCells};
-pub use self::directions::{Direction, diffuse_directions, diffused_directions};
+pub use self::directions::{
+    Direction, diffuse_directions, diffused_directions, diffused_directions_of_field,
+};
 use self::directions::{Ring, azimuths, front_rings, return_rings};
 use super::{Window, displacement};
 
@@ -57,8 +59,8 @@ pub struct TwoPlanes {
     transmittance: Vec<Vec<f64>>,
     /// Return from cell to cell, `[to][from][wavelength]`: irradiance of a cell per radiosity of another.
     returned: Vec<f64>,
-    /// Return of a uniform clear filter.
-    returned_uniform: f64,
+    /// Return of a uniform clear filter, by wavelength.
+    returned_uniform: Vec<f64>,
 }
 
 /// Light that passes the filter above each cell, as an integral over the cell in fractions of the period:
@@ -74,6 +76,14 @@ impl Passed {
     /// Light above a cell that passes one window.
     pub fn by_window(&self, cell: usize, window: usize) -> &[f64] {
         &self.values[(cell * self.windows + window) * self.bins..][..self.bins]
+    }
+
+    /// Sum of light, each with a weight for each wavelength; `None` of none.
+    pub fn sum_of(parts: &[(Self, &[f64])]) -> Option<Self> {
+        let mut sum = parts.first()?.0.clone();
+        sum.values.fill(0.0);
+        parts.iter().for_each(|(one, weights)| add_weighted(&mut sum.values, &one.values, weights));
+        Some(sum)
     }
 
     /// Light above a cell through all windows.
@@ -129,7 +139,7 @@ impl TwoPlanes {
             bins,
             transmittance,
             returned: Vec::new(),
-            returned_uniform: 0.0,
+            returned_uniform: vec![0.0; bins],
         };
         if let Some(face) = face {
             planes.returned = vec![0.0; count * count * bins];
@@ -169,9 +179,31 @@ impl TwoPlanes {
         &self.cells
     }
 
-    /// Fraction of the light of pixels that the face returns, without filter.
-    pub fn returned_uniform(&self) -> f64 {
-        self.returned_uniform
+    /// Fraction of the light of pixels that the face returns at each wavelength, without filter.
+    pub fn returned_uniform(&self) -> &[f64] {
+        &self.returned_uniform
+    }
+
+    /// Sum of the same pixels and filter below some optics, each with a weight for each wavelength. The index
+    /// is that of the first one; `None` of none.
+    pub fn sum_of(parts: &[(Self, &[f64])]) -> Option<Self> {
+        let mut sum = parts.first()?.0.clone();
+        let length = parts.iter().map(|(one, _)| one.returned.len()).max().unwrap_or(0);
+        sum.returned = vec![0.0; length];
+        sum.returned_uniform.fill(0.0);
+        for (one, weights) in parts {
+            add_weighted(&mut sum.returned, &one.returned, weights);
+            add_weighted(&mut sum.returned_uniform, &one.returned_uniform, weights);
+        }
+        Some(sum)
+    }
+
+    /// The same pixels and filter in a medium of another index, for light that passes the filter.
+    pub fn in_medium(&self, index: f64) -> Self {
+        let returned = Vec::new();
+        let Self { cells, transmittance, returned_uniform, .. } = self;
+        let (cells, transmittance) = (cells.clone(), transmittance.clone());
+        Self { cells, transmittance, returned, returned_uniform: returned_uniform.clone(), index, ..*self }
     }
 
     /// Light that reaches each cell from outside along these directions of propagation, through the filter;
@@ -266,7 +298,7 @@ impl TwoPlanes {
 
     fn add_rings(&mut self, rings: &[Ring], thickness_mm: f64) {
         for ring in rings {
-            self.returned_uniform += ring.weight;
+            self.returned_uniform.iter_mut().for_each(|sum| *sum += ring.weight);
             let windows = self.transmittance.len();
             let passes = self.oblique(ring.beta);
             // Both passes of each pair of windows, times the weight of the ring.
@@ -350,6 +382,13 @@ impl TwoPlanes {
 
     fn periods(&self, shift_mm: [f64; 2]) -> [f64; 2] {
         [shift_mm[0] / self.pitch_mm[0], shift_mm[1] / self.pitch_mm[1]]
+    }
+}
+
+/// Adds values by wavelength, each times its weight.
+fn add_weighted(sums: &mut [f64], values: &[f64], weights: &[f64]) {
+    for (sums, values) in sums.chunks_exact_mut(weights.len()).zip(values.chunks_exact(weights.len())) {
+        sums.iter_mut().zip(values).zip(weights).for_each(|((sum, value), weight)| *sum += weight * value);
     }
 }
 

@@ -28,6 +28,8 @@ pub(super) struct Cavities {
     passed: Vec<Complex64>,
     above: Vec<Complex64>,
     below: Vec<Complex64>,
+    /// Light that has passed each element, downwards and upwards, and all that is returned to it behind.
+    entered: [Vec<Complex64>; 2],
     currents: [Vec<Complex64>; 2],
 }
 
@@ -83,22 +85,24 @@ impl Chain {
             return;
         }
         let planes = self.flats.len() + 1;
-        let Cavities { passed, above, below, currents } = cavities;
+        let Cavities { passed, above, below, entered: [falls, rises], currents } = cavities;
         passed.clear();
         let passes = |(flat, way): (&Flat, &f64)| match way * per_mm {
             0.0 => Complex64::from(flat.t),
             phase => Complex64::from_polar(flat.t, -phase),
         };
         passed.extend(self.flats.iter().zip(&self.moves_mm).map(passes));
-        for all in [&mut *above, &mut *below].into_iter().chain(currents.iter_mut()) {
+        for all in [&mut *above, &mut *below, &mut *falls, &mut *rises].into_iter().chain(&mut *currents) {
             all.clear();
             all.resize(planes, Complex64::ZERO);
         }
         for (k, flat) in self.flats.iter().enumerate() {
-            above[k + 1] = flat.below + passed[k] * above[k] * entered(passed[k], flat.above * above[k]);
+            rises[k] = entered(passed[k], flat.above * above[k]);
+            above[k + 1] = flat.below + passed[k] * above[k] * rises[k];
         }
         for (k, flat) in self.flats.iter().enumerate().rev() {
-            below[k] = flat.above + passed[k] * below[k + 1] * entered(passed[k], flat.below * below[k + 1]);
+            falls[k] = entered(passed[k], flat.below * below[k + 1]);
+            below[k] = flat.above + passed[k] * below[k + 1] * falls[k];
         }
         let [down, up] = currents;
         for (from, out) in from.iter().zip(out.chunks_exact_mut(to.len().max(1))) {
@@ -110,11 +114,11 @@ impl Chain {
             };
             // What has been emitted downwards, or reflected down, and the same upwards.
             for k in p..planes - 1 {
-                down[k + 1] = down[k] * entered(passed[k], self.flats[k].below * below[k + 1]);
+                down[k + 1] = down[k] * falls[k];
                 up[k + 1] = down[k + 1] * below[k + 1];
             }
             for k in (0..p).rev() {
-                up[k] = up[k + 1] * entered(passed[k], self.flats[k].above * above[k]);
+                up[k] = up[k + 1] * rises[k];
                 down[k] = up[k] * above[k];
             }
             for (out, to) in out.iter_mut().zip(to) {
@@ -132,6 +136,10 @@ pub(super) fn moved_mm(index: f64, length_mm: f64, beta: f64) -> f64 {
 
 /// Light that passes an element and is then reflected to and fro behind it, a fraction `returned` each time.
 fn entered(t: Complex64, returned: Complex64) -> Complex64 {
+    if returned == Complex64::ZERO {
+        return t;
+    }
     let left = 1.0 - returned;
-    if left.norm_sqr() < CLOSED * CLOSED { Complex64::ZERO } else { t / left }
+    let squared = left.norm_sqr();
+    if squared < CLOSED * CLOSED { Complex64::ZERO } else { t * left.conj() * (1.0 / squared) }
 }

@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
+use std::rc::Rc;
 
 use num_complex::Complex64;
 use papilio_fourier::Circle;
@@ -16,7 +17,7 @@ use super::waves::Wave;
 use crate::skeleton::Ray;
 
 /// Most numbers that are remembered of the flat elements at a wave.
-const MOST_REMEMBERED: usize = 1 << 22;
+const MOST_REMEMBERED: usize = 1 << 23;
 
 /// Steps of the azimuth, by their number: Fourier series, and cosines to half of the circle.
 pub(super) type Circles = HashMap<usize, Steps>;
@@ -80,9 +81,14 @@ pub(super) enum Needed {
     All,
 }
 
-/// Links between all scatterers, by ring: the number of steps and `[step][from][to]`.
+/// Links between all scatterers and the pixel at the last frequency: they are the same at all its azimuths.
 #[derive(Debug, Default)]
 pub(super) struct Links {
+    from: Vec<Ray>,
+    to: Vec<Ray>,
+    /// Radians per mm and the rings of the frequency.
+    wave: Option<(f64, Rc<Vec<Ring>>)>,
+    /// By ring: the number of steps and `[step][from][to]`.
     rings: HashMap<usize, (usize, Vec<Complex64>)>,
     numbers: usize,
 }
@@ -118,11 +124,11 @@ impl Crossing<'_> {
     }
 
     /// Computes the light of each emitter on each ring with these orders; `take` receives the number of the
-    /// ring and of the emitter, and the orders. Links are remembered in `known`.
+    /// ring and of the emitter, and the orders.
     pub(super) fn compute(
         &self,
         orders: &[[usize; 2]],
-        (circles, mut known): (&mut Circles, Option<&mut Links>),
+        (circles, known): (&mut Circles, &mut Links),
         take: &mut dyn FnMut(usize, usize, &[Complex64]),
     ) {
         let (wave, emitters) = (self.wave, self.emitters);
@@ -133,6 +139,16 @@ impl Crossing<'_> {
         }
         let mut work = Work { links: vec![Complex64::ZERO; pairs], ..Work::default() };
         work.values.resize(arrive.len(), Vec::new());
+        known.begin(wave);
+        // Links of all rays are computed, and remembered, unless some ray is not one of them.
+        let places = known.places([emitters, &arrive]);
+        let is_among = places.is_some();
+        let all = if is_among {
+            [known.from.clone(), known.to.clone()]
+        } else {
+            [emitters.to_vec(), arrive.clone()]
+        };
+        work.places = places.unwrap_or_else(|| (0..pairs).collect());
         for ((number, ring), [before, after]) in wave.rings.iter().enumerate().zip(orders) {
             if self.needed == Needed::Scattered && ring.weight == 0.0 {
                 continue;
@@ -158,19 +174,25 @@ impl Crossing<'_> {
                 continue;
             }
             let phase = of_phase(wave.per_mm * ring.chain.moves_mm(), ring.chain.reflects());
-            let mut steps = steps((before + after + phase).max(2 * before).max(2 * after) + 1);
-            let remembered = known.as_mut().and_then(|known| known.take(number, steps));
-            let is_known = remembered.is_some();
+            let needed = (before + after + phase).max(2 * before).max(2 * after) + 1;
+            let mut steps = steps(needed);
+            let remembered = if is_among { known.take(number, steps) } else { None };
             if let Some((more, links)) = remembered {
-                (steps, work.by_step) = (more, links);
+                (work.steps, work.by_step) = (more, links);
+                steps = more;
+                // Every second one of the known steps may do.
+                while steps.is_multiple_of(4) && steps / 2 >= needed {
+                    steps /= 2;
+                }
+            } else {
+                work.steps = steps;
+                let Steps { cosines, .. } = circles.entry(steps).or_insert_with(|| Steps::new(steps));
+                self.by_step(ring, cosines, [&all[0], &all[1]], &mut work);
             }
-            let Steps { circle, cosines } = circles.entry(steps).or_insert_with(|| Steps::new(steps));
-            if !is_known {
-                self.by_step(ring, cosines, &arrive, &mut work);
-            }
+            let Steps { circle, .. } = circles.entry(steps).or_insert_with(|| Steps::new(steps));
             self.turn(number, (*after, steps), circle, &mut work, take);
-            if let Some(known) = known.as_mut().filter(|_| ring.chain.reflects()) {
-                known.keep(number, steps, &mut work.by_step);
+            if is_among {
+                known.keep(number, work.steps, &mut work.by_step);
             }
         }
     }
@@ -198,20 +220,27 @@ impl Crossing<'_> {
     }
 
     /// Links at each step of the azimuth, to half of the circle: the other half is the same.
-    fn by_step(&self, ring: &Ring, cosines: &[f64], arrive: &[Ray], work: &mut Work) {
+    fn by_step(&self, ring: &Ring, cosines: &[f64], [from, to]: [&[Ray]; 2], work: &mut Work) {
         let Work { by_step, cavities, .. } = work;
-        let (half, pairs) = (cosines.len() - 1, arrive.len() * self.emitters.len());
+        let (half, pairs) = (cosines.len() - 1, from.len() * to.len());
         by_step.clear();
         by_step.resize((half + 1) * pairs, Complex64::ZERO);
         let along = |k: usize| self.wave.per_mm * cosines[k];
         if ring.chain.reflects() {
-            let each_step = by_step.chunks_exact_mut(pairs).enumerate();
-            each_step.for_each(|(k, out)| {
-                ring.chain.links([self.emitters, arrive], along(k), cavities, out);
-            });
+            // Phases change their sign in the middle.
+            for k in 0..=half / 2 {
+                let (first, rest) = by_step.split_at_mut((k + 1) * pairs);
+                let own = &mut first[k * pairs..];
+                ring.chain.links([from, to], along(k), cavities, own);
+                if half > 2 * k {
+                    let begin = (half - 2 * k - 1) * pairs;
+                    let mirror = &mut rest[begin..][..pairs];
+                    mirror.iter_mut().zip(own).for_each(|(mirror, link)| *mirror = link.conj());
+                }
+            }
             return;
         }
-        let ways = self.emitters.iter().flat_map(|from| arrive.iter().map(|to| ring.chain.link(*from, *to)));
+        let ways = from.iter().flat_map(|from| to.iter().map(|to| ring.chain.link(*from, *to)));
         let ways: Vec<(f64, f64)> = ways.collect();
         // The phase changes its sign in the middle.
         for k in 0..=half / 2 {
@@ -234,8 +263,9 @@ impl Crossing<'_> {
         take: &mut dyn FnMut(usize, usize, &[Complex64]),
     ) {
         let arrive = self.receivers.len();
-        let pairs = arrive * self.emitters.len();
-        let Work { links, values, by_step, orders, sum, around, .. } = work;
+        let Work { links, values, by_step, places, orders, sum, around, .. } = work;
+        // Of the known steps, every second one and so on, each with the links of all pairs.
+        let stride = by_step.len() / (work.steps / 2 + 1) * (work.steps / steps);
         around.resize(values.len(), Vec::new());
         for (value, around) in values.iter().zip(around.iter_mut()) {
             around.clear();
@@ -259,12 +289,12 @@ impl Crossing<'_> {
             sum.clear();
             sum.resize(steps, Complex64::ZERO);
             for (arrives, value) in around.iter().enumerate() {
-                let pair = emitter * arrive + arrives;
                 if value.is_empty() || links[arrives] == Complex64::ZERO {
                     continue;
                 }
+                let place = places[emitter * arrive + arrives];
                 for (k, (sum, value)) in sum.iter_mut().zip(value).enumerate() {
-                    *sum += by_step[k.min(steps - k) * pairs + pair] * value;
+                    *sum += by_step[k.min(steps - k) * stride + place] * value;
                 }
             }
             orders.clear();
@@ -289,12 +319,41 @@ struct Work {
     /// Orders of what arrives, and their values around the circle.
     values: Vec<Vec<Complex64>>,
     around: Vec<Vec<Complex64>>,
+    /// Number of steps and links of all pairs at each, and where those of emitters and receivers are.
+    steps: usize,
     by_step: Vec<Complex64>,
+    places: Vec<usize>,
     sum: Vec<Complex64>,
     orders: Vec<Complex64>,
 }
 
 impl Links {
+    /// Remembers links of rays that are emitted and arrive.
+    pub(super) fn between(from: Vec<Ray>, to: Vec<Ray>) -> Self {
+        Self { from, to, ..Self::default() }
+    }
+
+    /// Forgets those of another frequency.
+    fn begin(&mut self, wave: &Wave) {
+        let is_same = self
+            .wave
+            .as_ref()
+            .is_some_and(|(per_mm, rings)| *per_mm == wave.per_mm && Rc::ptr_eq(rings, &wave.rings));
+        if !is_same {
+            self.wave = Some((wave.per_mm, Rc::clone(&wave.rings)));
+            self.rings.clear();
+            self.numbers = 0;
+        }
+    }
+
+    /// Where the links between some of the rays are, `[from][to]`; `None` if one of the rays is not known.
+    fn places(&self, [from, to]: [&[Ray]; 2]) -> Option<Vec<usize>> {
+        let number = |all: &[Ray], one: &Ray| all.iter().position(|ray| ray == one);
+        let pair =
+            |from: &Ray, to: &Ray| Some(number(&self.from, from)? * self.to.len() + number(&self.to, to)?);
+        from.iter().flat_map(|from| to.iter().map(move |to| pair(from, to))).collect()
+    }
+
     /// Takes the links of a ring out if they have enough steps.
     fn take(&mut self, ring: usize, steps: usize) -> Option<(usize, Vec<Complex64>)> {
         let known = self.rings.get(&ring).is_some_and(|(many, _)| *many >= steps);

@@ -34,7 +34,6 @@ mod returned;
 mod rings;
 mod waves;
 
-use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
@@ -295,14 +294,8 @@ impl<'a> LayeredSpread<'a> {
     }
 
     fn between<'s>(&'s self, set: &'s Set) -> Between<'s> {
-        Between {
-            kernels: &set.kernels,
-            elements: 2 * self.stack.layers.len(),
-            regular: set.grid.regular,
-            tolerance: set.tolerance,
-            stop: self.stop,
-            circles: RefCell::default(),
-        }
+        let elements = 2 * self.stack.layers.len();
+        Between::new(&set.kernels, (elements, set.grid.regular), set.tolerance, self.stop)
     }
 
     /// Returns the light that the view sees via the pixel at spatial frequencies, cycles per mm: the response

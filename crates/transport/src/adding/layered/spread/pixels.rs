@@ -9,7 +9,7 @@ use super::chain::{Cavities, Chain};
 use super::crossing::Needed;
 use super::orders::up_to;
 use super::rings::Ring;
-use super::waves::{Leaving, Start, Wave};
+use super::waves::{Between, Leaving, Start, Wave};
 use super::{LayeredSpread, NotCovered, Room, Seen, Set};
 use crate::skeleton;
 use crate::specular::layered_image;
@@ -232,10 +232,11 @@ impl LayeredSpread<'_> {
         members: &[f64],
     ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
         let (mut totals, mut returned) = (Vec::new(), Vec::new());
+        let between = self.between(set);
         for (k, wave) in waves.iter().enumerate() {
             // Light that returns is the same at all azimuths of the frequency.
             let known = waves[..k].iter().position(|other| other.per_mm == wave.per_mm);
-            let found = self.paper_at(set, wave, known.is_none())?;
+            let found = self.paper_at((set, &between), wave, known.is_none())?;
             totals.push(found.seen);
             returned.push(known.map_or(found.returned, |known| returned[known]));
         }
@@ -251,8 +252,12 @@ impl LayeredSpread<'_> {
 
     /// What a view sees of a Lambertian pixel at a wave, in any unit, and what returns to it, if that is
     /// wanted.
-    fn paper_at(&self, set: &Set, wave: &Wave, with_return: bool) -> Result<PaperLight, NotCovered> {
-        let between = self.between(set);
+    fn paper_at(
+        &self,
+        (set, between): (&Set, &Between<'_>),
+        wave: &Wave,
+        with_return: bool,
+    ) -> Result<PaperLight, NotCovered> {
         let starts = [Start::Beams(&self.view), Start::Pixel];
         let starts = &starts[..if with_return { 2 } else { 1 }];
         let solved = between.solve(wave, starts)?;
@@ -271,7 +276,7 @@ impl LayeredSpread<'_> {
     }
 
     /// Returns what the view sees of a Lambertian pixel of the wavelengths of a set at a frequency along some
-    /// azimuths (radians), and what of its light returns to it there; in any unit.
+    /// azimuths (radians), and what of its light returns to it there, if that is wanted; in any unit.
     ///
     /// # Errors
     /// Those of [`light`](Self::light).
@@ -280,12 +285,14 @@ impl LayeredSpread<'_> {
         set: usize,
         frequency_per_mm: f64,
         azimuths: &[f64],
+        with_return: bool,
     ) -> Result<Vec<PaperLight>, NotCovered> {
         let set = &self.sets[set];
+        let between = self.between(set);
         let first = self.wave(set, [frequency_per_mm, 0.0]);
         let at = |(k, turn): (usize, &f64)| {
             let wave = Wave { per_mm: first.per_mm, turn: *turn, rings: Rc::clone(&first.rings) };
-            self.paper_at(set, &wave, k == 0)
+            self.paper_at((set, &between), &wave, with_return && k == 0)
         };
         azimuths.iter().enumerate().map(at).collect()
     }

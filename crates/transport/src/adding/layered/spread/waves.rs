@@ -65,6 +65,7 @@ pub(super) struct Between<'a> {
     pub(super) tolerance: f64,
     pub(super) stop: &'a AtomicBool,
     pub(super) circles: RefCell<Circles>,
+    pub(super) links: RefCell<Links>,
 }
 
 /// Value of light that leaves the pixel, on the rings of a wave, by azimuthal order; and of the beams
@@ -75,7 +76,30 @@ pub(super) struct Leaving {
     pub(super) beams: Vec<Complex64>,
 }
 
-impl Between<'_> {
+impl<'a> Between<'a> {
+    pub(super) fn new(
+        kernels: &'a Kernels,
+        (elements, regular): (usize, usize),
+        tolerance: f64,
+        stop: &'a AtomicBool,
+    ) -> Self {
+        let mut new = Self {
+            kernels,
+            elements,
+            regular,
+            tolerance,
+            stop,
+            circles: RefCell::default(),
+            links: RefCell::default(),
+        };
+        let mut from = new.emitters();
+        from.push(new.leaving_pixel());
+        let mut to: Vec<Ray> = (0..2 * kernels.elements.len()).map(|site| new.receiver(site)).collect();
+        to.push(new.onto_pixel());
+        new.links = RefCell::new(Links::between(from, to));
+        new
+    }
+
     /// Returns the light that leaves a scatterer: upwards and downwards by turns.
     fn emitters(&self) -> Vec<Ray> {
         let both = |element: &usize| {
@@ -105,7 +129,7 @@ impl Between<'_> {
     pub(super) fn solve(&self, wave: &Wave, starts: &[Start<'_>]) -> Result<Vec<Light>, NotCovered> {
         let emitters = self.emitters();
         let uniform = |start: &Start<'_>| match self.everywhere(*start) {
-            Some(value) => self.emitted(wave, &[value], &emitters, None),
+            Some(value) => self.emitted(wave, &[value], &emitters),
             None => vec![None; emitters.len()],
         };
         let uniform: Vec<Light> = starts.iter().map(uniform).collect();
@@ -129,12 +153,11 @@ impl Between<'_> {
             self.kernels.settle(light);
         }
         let mut total = step.clone();
-        let mut known = Links::default();
         for _ in 0..MOST_ROUNDS {
             if self.stop.load(Ordering::Relaxed) {
                 return Err(NotCovered::Stopped);
             }
-            let next = |light| self.next(wave, light, &emitters, &mut known);
+            let next = |light| self.emitted(wave, &self.receivers(light), &emitters);
             let emitted: Vec<Light> = step.iter().map(next).collect();
             if emitted.iter().flatten().all(Option::is_none) {
                 return Ok(total);
@@ -167,14 +190,6 @@ impl Between<'_> {
         }
     }
 
-    /// Returns the value of light that scatterers emit, summed over the rings about each node.
-    fn next(&self, wave: &Wave, light: &Light, emitters: &[Ray], known: &mut Links) -> Light {
-        let receivers = self.receivers(light);
-        // They are remembered for light between all scatterers.
-        let known = (receivers.len() == emitters.len()).then_some(known);
-        self.emitted(wave, &receivers, emitters, known)
-    }
-
     /// Returns the values of light that arrives at the scatterers.
     fn receivers<'l>(&self, light: &'l Light) -> Vec<(Ray, Value<'l>)> {
         let lit = |(site, light): (usize, &'l Option<Orders>)| {
@@ -183,19 +198,15 @@ impl Between<'_> {
         light.iter().enumerate().filter_map(lit).collect()
     }
 
-    fn emitted(
-        &self,
-        wave: &Wave,
-        receivers: &[(Ray, Value<'_>)],
-        emitters: &[Ray],
-        known: Option<&mut Links>,
-    ) -> Light {
+    /// Returns the value of light that scatterers emit, summed over the rings about each node.
+    fn emitted(&self, wave: &Wave, receivers: &[(Ray, Value<'_>)], emitters: &[Ray]) -> Light {
         let mut sums: Light = vec![None; emitters.len()];
         let of_nodes = self.kernels.of_nodes();
         let crossing = Crossing { wave, receivers, emitters, needed: Needed::Scattered, of_nodes };
         let orders = crossing.orders();
         let highest = orders.iter().map(|[_, after]| *after).max().unwrap_or(0);
-        crossing.compute(&orders, (&mut self.circles.borrow_mut(), known), &mut |ring, emitter, orders| {
+        let known = (&mut *self.circles.borrow_mut(), &mut *self.links.borrow_mut());
+        crossing.compute(&orders, known, &mut |ring, emitter, orders| {
             let ring = &wave.rings[ring];
             let sum = sums[emitter].get_or_insert_with(|| Orders::zeros(self.regular, highest));
             for (node, factor) in ring.nodes.clone().zip(ring.factors) {
@@ -267,7 +278,8 @@ impl Between<'_> {
         let orders = crossing.orders();
         let mut rings =
             OnRings::with_capacity(orders.len(), orders.iter().map(|[_, after]| 2 * after + 1).sum());
-        crossing.compute(&orders, (&mut self.circles.borrow_mut(), None), &mut |ring, _, orders| {
+        let known = (&mut *self.circles.borrow_mut(), &mut *self.links.borrow_mut());
+        crossing.compute(&orders, known, &mut |ring, _, orders| {
             rings.pad(ring);
             rings.push(orders);
         });
