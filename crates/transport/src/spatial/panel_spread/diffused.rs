@@ -30,8 +30,7 @@ pub(super) fn parts(
     let over = Diffused { panel, diffuser, heights, accuracy };
     let indices = Indices::new(&panel.medium, accuracy.digits);
     let seen = over.seen(view, source, by_direction);
-    let views = seen.iter().map(|bundle| bundle.points.len()).sum();
-    let light = over.arriving(view, source, views);
+    let light = over.arriving(view, source);
     let is_mirror = panel.base.is_specular();
     let factors: Vec<f64> = indices.nodes.iter().map(|index| over.received(&light, *index)).collect();
     // A Lambertian pixel sends its light everywhere; what it receives is a factor.
@@ -143,8 +142,7 @@ impl Diffused<'_> {
         bundles.into_iter().map(own).collect()
     }
 
-    /// Light that arrives at the diffuser, of which so many directions of view see something.
-    fn arriving(&self, view: &Cone, source: &Source, views: usize) -> Incoming {
+    fn arriving(&self, view: &Cone, source: &Source) -> Incoming {
         let (digits, width) = (self.accuracy.digits, self.width());
         match source {
             Source::Diffuse => Incoming::Diffuse,
@@ -163,9 +161,8 @@ impl Diffused<'_> {
                 let rings = rings(field, Peaks { views: &[*view, everywhere], width }, digits - 4.0);
                 let points = rings.iter().flat_map(Ring::points).collect();
                 let bundle = Bundle { points, centre: Beta { x: 0.0, y: 0.0 }, radius: 1.0 };
-                let of_view = (views, view.axis_towards(), view.half_angle());
                 let within = (self.panel.medium.index().max(), digits);
-                Incoming::Field(Arc::new(FieldLight::new(bundle, self.diffuser.lobe, of_view, within)))
+                Incoming::Field(Arc::new(FieldLight::new(bundle, self.diffuser.lobe, within)))
             }
         }
     }

@@ -2,8 +2,7 @@
 //!
 //! **What.** The sum of the lobes about all directions of a field is asked at many more directions than it has
 //! details. Its poles are one width off the real directions: a polynomial on a square of [`SIDE`] widths
-//! converges by a factor of 3 with each order. Squares are computed when they are asked for, where most of
-//! the light is; elsewhere the sum itself is taken.
+//! converges by a factor of 3 with each order. Squares are computed when they are asked for.
 
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -19,11 +18,6 @@ const SIDE: f64 = 1.5;
 
 /// Most squares along an axis: a narrower lobe is not tabulated.
 const MOST_SQUARES: f64 = 512.0;
-
-/// Distance from the view, in widths of the lobe, of squares that are used often by one direction of view, and
-/// the number of directions from which on all are.
-const NEAR: f64 = 8.0;
-const MANY_VIEWS: usize = 8;
 
 /// Fewest directions of a field that is tabulated.
 const FEWEST: usize = 64;
@@ -44,9 +38,6 @@ struct Table {
     width: f64,
     /// Directions are between this, with both signs.
     end: f64,
-    /// Where squares are used.
-    centre: Beta,
-    radius: f64,
     count: usize,
     order: usize,
     /// Coefficients of Chebyshev polynomials, rows along x.
@@ -54,50 +45,43 @@ struct Table {
 }
 
 impl FieldLight {
-    /// Prepares the light of a field that some directions of view within a cone see.
-    pub(in crate::spatial) fn new(
-        bundle: Bundle,
-        lobe: Lobe,
-        (views, centre, radius): (usize, Beta, f64),
-        (end, digits): (f64, f64),
-    ) -> Self {
+    /// Prepares the light of a field, in directions up to `end` from the normal.
+    pub(in crate::spatial) fn new(bundle: Bundle, lobe: Lobe, (end, digits): (f64, f64)) -> Self {
         let Lobe::KCorrelation { width } = lobe else { return Self { bundle, table: None } };
         let squares = (2.0 * end / (SIDE * width)).ceil();
         if bundle.points.len() < FEWEST || squares > MOST_SQUARES {
             return Self { bundle, table: None };
         }
         let count = squares as usize;
-        let radius = if views > MANY_VIEWS { f64::INFINITY } else { radius + NEAR * width };
         // ln 3 = 1.1
         let order = ((digits / 1.1).ceil() as usize + 1).min(MOST_ORDER);
         let squares = vec![OnceLock::new(); count * count];
-        Self { bundle, table: Some(Table { width, end, centre, radius, count, order, squares }) }
+        Self { bundle, table: Some(Table { width, end, count, order, squares }) }
     }
 
     /// Sum of the lobes around the directions of the field.
     pub(super) fn through(&self, lobe: Lobe, beta: Beta) -> f64 {
-        let of_table = self.table.as_ref().and_then(|table| table.at(&self.bundle.points, beta));
-        of_table.unwrap_or_else(|| lobes_around(lobe, &self.bundle.points, beta))
+        match &self.table {
+            Some(table) => table.at(&self.bundle.points, beta),
+            None => lobes_around(lobe, &self.bundle.points, beta),
+        }
     }
 }
 
 impl Table {
-    /// Value at a direction, if its square is used.
-    fn at(&self, points: &[Point], beta: Beta) -> Option<f64> {
+    /// Value at a direction.
+    fn at(&self, points: &[Point], beta: Beta) -> f64 {
         let side = 2.0 * self.end / self.count as f64;
         let place = [beta.x, beta.y].map(|x| (x + self.end) / side);
         let [column, row] = place.map(|place| (place.max(0.0) as usize).min(self.count - 1));
         let middle = [column, row].map(|k| (k as f64 + 0.5) * side - self.end);
         let middle = Beta { x: middle[0], y: middle[1] };
-        if (middle - self.centre).length() > self.radius {
-            return None;
-        }
         let square =
             self.squares[row * self.count + column].get_or_init(|| self.square(points, middle, side));
         let [x, y] = [beta.x - middle.x, beta.y - middle.y].map(|x| 2.0 * x / side);
         let (along, across) = (polynomials(x), polynomials(y));
         let of_row = |row: &[f64]| row.iter().zip(&along).map(|(c, t)| c * t).sum::<f64>();
-        Some(square.chunks_exact(self.order).zip(&across).map(|(row, t)| t * of_row(row)).sum())
+        square.chunks_exact(self.order).zip(&across).map(|(row, t)| t * of_row(row)).sum()
     }
 
     fn square(&self, points: &[Point], middle: Beta, side: f64) -> Vec<f64> {
