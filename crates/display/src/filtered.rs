@@ -14,8 +14,8 @@ use papilio_optics::interface::fresnel_reflectance;
 use papilio_spectra::{Spectrum, StateSpectra};
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{
-    Accuracy, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, TwoPlanes,
-    Window, air_below_front_mm, diffuse_directions, diffused_directions, diffused_directions_of_field,
+    Accuracy, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, TwoPlanes, Window,
+    air_below_front_mm, diffuse_directions, diffused_directions, diffused_directions_of_field,
 };
 use papilio_transport::{
     Base, Cone, Estimate, Field, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top,
@@ -407,15 +407,16 @@ impl<'a> Filtered<'a> {
         if let Some(last) = lengths.last_mut() {
             *last = self.filter.height_mm;
         }
-        let spread = PanelSpread::new(&optics.panel, &lengths, view, &Source::Diffuse, accuracy);
+        let spread = PanelSpread::by_direction(&optics.panel, &lengths, view, &Source::Diffuse, accuracy);
         let spread = spread.map_err(|error| DisplayError::PlacesNotComputed {
             what: error.to_string(),
             key: "display".to_owned(),
         })?;
         let of_part = |part: &Part| {
             let through = part.through.iter().copied().fold(0.0, f64::max);
-            let one = |sample: &Sample| Direction { beta: sample.beta, weight: sample.weight * through };
-            part.samples.iter().map(one).collect::<Vec<_>>()
+            let mut all = Vec::new();
+            part.each_sample(|one| all.push(Direction { beta: one.beta, weight: one.weight * through }));
+            all
         };
         Ok(spread.parts().iter().flat_map(of_part).collect())
     }

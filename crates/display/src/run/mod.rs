@@ -15,7 +15,6 @@ mod walk;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use papilio_optics::Beta;
 use papilio_spectra::StateSpectra;
 use papilio_transport::{Source, specular_image};
 use rayon::ThreadPool;
@@ -216,15 +215,6 @@ pub(crate) fn prepared_kernels(
     adding::view_group_kernels(&Run::new(setup, control, &meter))
 }
 
-/// Direction of a beam, or of the centre of a disc.
-fn centre(source: &Source) -> Beta {
-    match source {
-        Source::Diffuse | Source::Field(_) => Beta::default(),
-        Source::Beam(beta) => *beta,
-        Source::Disc(cone) => -cone.axis_towards(),
-    }
-}
-
 /// Input of a solver.
 pub(crate) struct Run<'a> {
     pub(crate) scene: &'a Scene,
@@ -253,14 +243,14 @@ impl Run<'_> {
     fn has_images_of_pixels(&self) -> bool {
         let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
         directed.iter().any(|source| {
-            let image = specular_image(&self.setup.stack, centre(source));
+            let image = specular_image(&self.setup.stack, source.direction().unwrap_or_default());
             image.via_pixel.iter().any(|pixel| *pixel > 0.0)
         })
     }
 
     /// Computes the specular reflectance for a directed source (for a disc, at its centre).
     fn image(&self, source: &Source) -> StateSpectra {
-        let image = specular_image(&self.setup.stack, centre(source));
+        let image = specular_image(&self.setup.stack, source.direction().unwrap_or_default());
         if self.scene.display.filter().is_some() {
             // Lambertian pixels have no image; a display with a filter has other states than its pixel.
             return StateSpectra::new(image.front.repeat(self.setup.states.len()), image.front.len());

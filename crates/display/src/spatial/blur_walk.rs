@@ -120,11 +120,7 @@ impl Blur {
 /// Number of pixels from the one that is seen to the border of a kernel.
 fn reach(placed: &Placed<'_>, own: Beta, pitch_mm: [f64; 2]) -> i64 {
     let from = placed.displacement(own);
-    let beams = placed.sources.iter().filter_map(|source| match source {
-        Source::Beam(beta) => Some(*beta),
-        Source::Disc(cone) => Some(-cone.axis_towards()),
-        Source::Diffuse | Source::Field(_) => None,
-    });
+    let beams = placed.sources.iter().filter_map(Source::direction);
     let distance = |beta: Beta| {
         let [x, y] = placed.displacement(beta);
         (x - from[0]).hypot(y - from[1])

@@ -1,6 +1,8 @@
 //! Mirror-like pixels under a flat face: a sharp image, and fainter ones that the face and the pixel reflect
 //! between each other.
 //!
+//! Each direction of the field of view has ghosts at places of its own, relative to its own ray.
+//!
 //! Direction is conserved, so that image k is shifted by k times 2 D. For a small signal about a state of
 //! reflectance rho under a face of reflectance F, image k has (F rho)^k of the light of the first.
 //!
@@ -13,6 +15,7 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
+use papilio_optics::Beta;
 use papilio_transport::spatial::{Cells, Peak, displacement};
 
 use super::irradiance::irradiance;
@@ -34,12 +37,20 @@ const MOST_TRIPS: i32 = 6;
 /// Width of an image, as a fraction of the thickness, for positions of tables: images are sharp.
 const SHARP: f64 = 1e-3;
 
+/// Natural digits of a wide field of view.
+const MOST_DIGITS: f64 = 11.0;
+
+/// Images of a wide field that are fainter than this fraction of the brightest one are no sharp images.
+const SHARP_LIGHT: f64 = 1e-2;
+
 pub(super) struct Ghosts {
     /// Place of each image, mm, and its light by state.
     images: Vec<([f64; 2], Vec<f64>)>,
     states: usize,
     thickness_mm: f64,
     trips: Vec<RoundTrips>,
+    /// Whether the field of view has several directions: each shows ghosts at places of its own.
+    is_wide: bool,
 }
 
 /// Round trips of light between pixel and face, of wavelengths with the same places.
@@ -62,24 +73,43 @@ struct RoundTrip {
 
 /// Response of a bare panel; `via_pixel` is the light that the pixel returns, `[state][wavelength]`.
 pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Result<Ghosts, DisplayError> {
-    let Lit { panel, view, .. } = lit;
+    let Lit { panel, view, level, .. } = lit;
+    let (index, thickness_mm, air_mm) = (panel.medium.index(), lit.thickness_mm(), lit.air_mm()?);
+    let (mut trips, mut images) = (Vec::new(), Vec::new());
+    // Ghosts are faint: fewer digits.
+    let per_beta = 2.0 * (thickness_mm / (index.min() * index.min() - 1.0).max(0.1).sqrt() + air_mm);
+    let phase = 2.0 * PI * level.most_per_mm * per_beta * view.field.half_angle();
+    let directions = view.field.directions(phase, level.digits.min(MOST_DIGITS));
+    for (beta, share) in &directions {
+        add_direction(lit, (*beta, *share), (weights, via_pixel), (&mut trips, &mut images))?;
+    }
+    let is_wide = directions.len() > 1;
+    Ok(Ghosts { images, states: panel.base.states(), thickness_mm, trips, is_wide })
+}
+
+/// Adds what is seen along a direction of the field, which has this share of its light. Places are relative to
+/// its own ray.
+fn add_direction(
+    lit: Lit<'_>,
+    (beta, share): (Beta, f64),
+    (weights, via_pixel): (&[f64], &[f64]),
+    (trips, images): (&mut Vec<RoundTrips>, &mut Vec<([f64; 2], Vec<f64>)>),
+) -> Result<(), DisplayError> {
+    let panel = lit.panel;
     let (states, bins) = (panel.base.states(), weights.len());
-    let beta = view.field.axis_towards();
     let mut reflectance = vec![0.0; states * bins];
     panel.base.reflectance(beta.squared(), &panel.medium, &mut reflectance);
     let index = panel.medium.index();
     let (thickness_mm, air_mm) = (lit.thickness_mm(), displacement(beta, 2.0 * lit.air_mm()?, 1.0));
     let trip = |bin: usize| {
-        let face = Faces::new(lit.faces(bin), air_mm != [0.0; 2]);
+        let face = Faces::new(lit.faces(bin, beta), air_mm != [0.0; 2]);
         let pixel: Vec<f64> = (0..states).map(|state| reflectance[state * bins + bin]).collect();
         let brightest = (0..states).max_by(|a, b| pixel[*a].total_cmp(&pixel[*b])).unwrap_or(0);
-        let returned = weights[bin] * via_pixel[brightest * bins + bin];
+        let returned = share * weights[bin] * via_pixel[brightest * bins + bin];
         let rho = pixel[brightest];
         let through = if rho > 0.0 { returned * (1.0 - face.returned() * rho) / rho } else { 0.0 };
         RoundTrip { through, face, pixel }
     };
-    let mut trips = Vec::new();
-    let mut images: Vec<([f64; 2], Vec<f64>)> = Vec::new();
     // Wavelengths of the same index have the same places.
     let mut bin = 0;
     while bin < bins {
@@ -96,7 +126,7 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
                 let of_state = |state: usize| -> f64 {
                     let row = rows.iter().zip(bin..);
                     let one = |(row, bin): (&Vec<Vec<f64>>, usize)| {
-                        let light = weights[bin] * via_pixel[state * bins + bin];
+                        let light = share * weights[bin] * via_pixel[state * bins + bin];
                         light * row[state].get(air).copied().unwrap_or(0.0)
                     };
                     row.map(one).sum()
@@ -107,7 +137,11 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
                 }
                 any = true;
                 let place = [0, 1].map(|k| order as f64 * step[k] + air as f64 * air_mm[k]);
-                images.push((place, light));
+                // All directions see their own ray at the same place.
+                match images.first_mut().filter(|(first, _)| *first == [0.0; 2] && place == [0.0; 2]) {
+                    Some((_, sum)) => sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light),
+                    None => images.push((place, light)),
+                }
             }
             if !any {
                 break;
@@ -121,7 +155,7 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
         trips.push(trip);
         bin += same;
     }
-    Ok(Ghosts { images, states, thickness_mm, trips })
+    Ok(())
 }
 
 /// What a face, and a front above it, return to the pixel and let through, by the number of trips through the
@@ -306,10 +340,14 @@ impl Response for Ghosts {
     }
 
     fn images(&self) -> Vec<[f64; 2]> {
-        self.images.iter().map(|(at, _)| *at).collect()
+        let largest = |light: &[f64]| light.iter().copied().fold(0.0, f64::max);
+        let brightest = self.images.iter().map(|(_, light)| largest(light)).fold(0.0, f64::max);
+        let least = if self.is_wide { SHARP_LIGHT * brightest } else { 0.0 };
+        self.images.iter().filter(|(_, light)| largest(light) >= least).map(|(at, _)| *at).collect()
     }
 
     fn peaks(&self) -> Vec<Peak> {
-        self.images.iter().map(|(at, _)| Peak { at_mm: *at, width_mm: SHARP * self.thickness_mm }).collect()
+        let peak = |at_mm: [f64; 2]| Peak { at_mm, width_mm: SHARP * self.thickness_mm };
+        self.images().into_iter().map(peak).collect()
     }
 }

@@ -117,7 +117,7 @@ impl Return {
         let air_mm = displacement(beta, 2.0 * lit.air_mm()?, 1.0);
         let mut all: Vec<Trips> = Vec::new();
         for bin in 0..index.len() {
-            let faces = Faces::new(lit.faces(bin), air_mm != [0.0; 2]);
+            let faces = Faces::new(lit.faces(bin, beta), air_mm != [0.0; 2]);
             let same = |one: &&mut Trips| one.index == index[bin] && one.faces == faces;
             if let Some(known) = all.iter_mut().find(same) {
                 known.bins.push(bin);
@@ -199,9 +199,10 @@ pub(super) fn irradiance(
 pub(super) fn images(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayError> {
     let lengths_mm = lengths_of_one_front(lit.panel, lit.lengths_mm, lit.level);
     let air_mm = Lit { lengths_mm: &lengths_mm, ..lit }.air_mm()?;
-    let way = displacement(lit.view.field.axis_towards(), 2.0 * air_mm, 1.0);
+    let beta = lit.view.field.axis_towards();
+    let way = displacement(beta, 2.0 * air_mm, 1.0);
     let bins = lit.panel.base.bins();
-    let between: Vec<f64> = (0..bins).map(|bin| lit.faces(bin).iter().product()).collect();
+    let between: Vec<f64> = (0..bins).map(|bin| lit.faces(bin, beta).iter().product()).collect();
     let largest = if way == [0.0; 2] { 0.0 } else { between.iter().copied().fold(0.0, f64::max) };
     let count = (0..MOST_IMAGES).take_while(|k| *k == 0 || largest.powi(*k as i32) > FAINTEST_IMAGE).count();
     let one = |k: usize| {

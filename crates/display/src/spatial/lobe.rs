@@ -1,6 +1,6 @@
 //! A diffuser over any pixel, to first order: the weights of the pixel's angular table with a place each.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
 use papilio_transport::Source;
@@ -29,17 +29,22 @@ pub(super) fn of_quantities<W: AsRef<[f64]>>(
     let mut alone = panel.clone();
     alone.front.reflectance_below = vec![0.0; panel.base.bins()].into();
     let lengths = [lit.thickness_mm()];
-    let spread = PanelSpread::by_place(&alone, &lengths, &view.field, source, accuracy).map_err(|error| {
+    let spread = PanelSpread::new(&alone, &lengths, &view.field, source, accuracy).map_err(|error| {
         DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
     })?;
     let of_part = |part: &Part| {
         let passed = |weights: &W| -> Vec<f64> {
-            weights.as_ref().iter().zip(&part.through).map(|(weight, t)| weight * t).collect()
+            weights.as_ref().iter().zip(&*part.through).map(|(weight, t)| weight * t).collect()
         };
         let passed: Vec<Vec<f64>> = weights.iter().map(passed).collect();
-        Curves::of_quantities(&panel.base, &panel.medium, part.index(), &passed)
+        Arc::new(Curves::of_quantities(&panel.base, &panel.medium, part.index(), &passed))
     };
-    let curves = spread.parts().iter().map(of_part).collect();
+    let parts = spread.parts();
+    let mut curves: Vec<Arc<Curves>> = Vec::with_capacity(parts.len());
+    for (number, part) in parts.iter().enumerate() {
+        let known = number.checked_sub(1).filter(|before| parts[*before].is_weighted_like(part));
+        curves.push(known.map_or_else(|| of_part(part), |before| Arc::clone(&curves[before])));
+    }
     Ok(LobeResponse {
         spread,
         curves,
@@ -52,7 +57,7 @@ pub(super) fn of_quantities<W: AsRef<[f64]>>(
 pub(super) struct LobeResponse {
     spread: PanelSpread,
     /// Y of the light of each part of the spread.
-    curves: Vec<Curves>,
+    curves: Vec<Arc<Curves>>,
     states: usize,
     /// Light along each axis, by part.
     lines: [OnceLock<Vec<LineSpread>>; 2],
@@ -61,7 +66,7 @@ pub(super) struct LobeResponse {
 impl LobeResponse {
     /// Light along an axis, by part.
     fn lines(&self, axis: usize) -> &[LineSpread] {
-        let of_part = |(points, curves): (PointSpread<'_>, &Curves)| {
+        let of_part = |(points, curves): (PointSpread<'_>, &Arc<Curves>)| {
             LineSpread::new(&points, axis, self.states, |beta_squared, y| curves.at(beta_squared, y))
         };
         self.lines[axis].get_or_init(|| self.points().zip(&self.curves).map(of_part).collect())

@@ -1,6 +1,7 @@
 //! What a view sees of each light, by frequency and by place.
 
 use num_complex::Complex64;
+use papilio_optics::Beta;
 use papilio_transport::spatial::{Peak, PixelSpread, air_below_front_mm};
 use papilio_transport::{Panel, Source, Top};
 
@@ -156,12 +157,11 @@ impl Lit<'_> {
         !self.panel.single_pass && self.panel.front.reflectance_below.max() > 0.0
     }
 
-    /// Reflectances of the face above the pixel, and of the front, for light from below along the view, at a
-    /// wavelength.
-    pub(super) fn faces(&self, bin: usize) -> [f64; 2] {
-        let beta = self.view.field.axis_towards().length();
+    /// Reflectances of the face above the pixel, and of the front, for light from below along a direction, at
+    /// a wavelength.
+    pub(super) fn faces(&self, bin: usize, beta: Beta) -> [f64; 2] {
         let front = if self.panel.single_pass { 0.0 } else { self.panel.front.reflectance_below[bin] };
-        [face_reflectance(self.panel, bin, beta), front]
+        [face_reflectance(self.panel, bin, beta.length()), front]
     }
 }
 

@@ -37,7 +37,7 @@ impl Source {
     }
 
     /// The direction cosines of light from a beam or from the centre of a disc.
-    pub(crate) fn direction(&self) -> Option<Beta> {
+    pub fn direction(&self) -> Option<Beta> {
         match self {
             Self::Beam(beta) => Some(*beta),
             Self::Disc(cone) => Some(-cone.axis_towards()),
@@ -83,6 +83,22 @@ impl Cone {
         }
     }
 
+    /// Returns directions of light that leaves into the cone, uniform in solid angle, and their weights, which
+    /// sum to one: for functions whose phase changes by up to so many radians from the axis to the edge, with
+    /// errors of about `exp(-digits)`. A narrow cone is its axis.
+    pub fn directions(&self, phase: f64, digits: f64) -> Vec<(Beta, f64)> {
+        // Angle over which parts of flat panels change, radians.
+        const SMOOTH: f64 = 0.3;
+        let smooth = cone_points::smooth_at(self, SMOOTH);
+        let scale = if phase > 0.0 { smooth.min(2.0 * self.half_angle / phase) } else { smooth };
+        // The mean of a smooth function over a narrow cone is off by an eighth of this square.
+        if (self.half_angle / scale).powi(2) <= 16.0 * (-digits).exp() {
+            return vec![(self.axis_towards(), 1.0)];
+        }
+        let points = cone_points::cone_points(self, scale, digits);
+        points.into_iter().map(|point| (point.beta, point.weight)).collect()
+    }
+
     /// Returns the mirror image of the cone.
     pub(crate) fn mirrored(&self) -> Self {
         let [x, y, z] = self.axis;
@@ -90,7 +106,7 @@ impl Cone {
     }
 
     /// Returns its half-angle, radians.
-    pub(crate) fn half_angle(&self) -> f64 {
+    pub fn half_angle(&self) -> f64 {
         self.half_angle
     }
 

@@ -45,21 +45,16 @@ pub struct Image {
     pub weight: f64,
 }
 
-impl Image {
-    /// A sample at a place relative to this one.
-    pub(super) fn of(sample: &Sample, own_mm: [f64; 2]) -> Self {
-        Self {
-            at_mm: [0, 1].map(|k| sample.shift_mm[k] - own_mm[k]),
-            beta_squared: sample.beta.squared(),
-            weight: sample.weight,
-        }
+impl From<&Sample> for Image {
+    fn from(sample: &Sample) -> Self {
+        Self { at_mm: sample.place_mm, beta_squared: sample.beta.squared(), weight: sample.weight }
     }
 }
 
 /// Density of what a viewer sees over the places of the pixel plane.
 pub struct PointSpread<'a> {
-    /// Density over beta of light that leaves the pixel.
-    pub(super) density: Box<dyn Fn(Beta) -> f64 + Sync + 'a>,
+    /// Density over beta of light that leaves the pixel, and its `|beta|^2`.
+    pub(super) density: Box<dyn Fn(Beta) -> [f64; 2] + Sync + 'a>,
     /// The glass.
     pub(super) gap: Gap,
     /// Place of the view's own ray, mm.
@@ -118,7 +113,7 @@ impl PointSpread<'_> {
     /// Sharp images alone.
     pub(super) fn of_images(images: impl Iterator<Item = Image>) -> Self {
         Self {
-            density: Box::new(|_| 0.0),
+            density: Box::new(|_| [0.0; 2]),
             gap: Gap { index: 1.5, thickness_mm: 0.0 },
             own_mm: [0.0; 2],
             peaks: Vec::new(),
@@ -286,11 +281,8 @@ impl PointSpread<'_> {
         let per_mm = index / slant.sqrt();
         let beta = Beta { x: x * per_mm, y: y * per_mm };
         let jacobian = (index * d / slant).powi(2);
-        Part {
-            bin: bin as u32,
-            beta_squared: beta.squared(),
-            weight: weight * jacobian * (self.density)(beta),
-        }
+        let [density, beta_squared] = (self.density)(beta);
+        Part { bin: bin as u32, beta_squared, weight: weight * jacobian * density }
     }
 
     fn add_image(&self, parts: &mut Vec<Part>, edges: &[f64], image: &Image, at: f64) {

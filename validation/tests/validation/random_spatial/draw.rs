@@ -62,11 +62,12 @@ pub(super) fn drawn(number: u64) -> Drawn {
     let has_filter = matrix(&mut dice, &mut text, above, is_lambertian, thickness);
     lighting(&mut dice, &mut text, above);
     let (theta, phi) = (dice.between(0.0, 60.0), dice.between(0.0, 360.0));
-    if dice.one_in(3) {
-        text += "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
-    } else {
-        text += &format!("[viewer]\ntheta_deg = {theta:.2}\nphi_deg = {phi:.2}\nfield_deg = 0\n");
-    }
+    let along_normal = dice.one_in(3);
+    let field = if dice.one_in(3) { 0.0 } else { dice.log_between(0.1, 15.0) };
+    text += &match along_normal {
+        true => format!("[viewer]\ntheta_deg = 0\nfield_deg = {field:.2}\n"),
+        false => format!("[viewer]\ntheta_deg = {theta:.2}\nphi_deg = {phi:.2}\nfield_deg = {field:.2}\n"),
+    };
     if !has_filter {
         let periods = [0.3, 4.0].map(|times| thickness * dice.between(times, 3.0 * times));
         text += "[pattern]\ntext = \"it\"\nkind = [\"stripes\", \"checkerboard\"]\n";

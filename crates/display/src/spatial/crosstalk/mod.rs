@@ -355,9 +355,8 @@ impl<'a> Frame<'a> {
             DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
         })?;
         let wanted = Wanted { parts: &self.parts, page: &self.surfaces.states[self.page] };
-        let seen: Vec<f64> = spread.transfer(whole, &[[0.0; 2]]).iter().map(|light| light.re).collect();
-        let once = seen.chunks_exact(panel.base.bins()).map(|light| flat::colour(weights, light));
-        Ok((gather(&spread, (&panel.base, &panel.medium), weights, &self.windows, &wanted), once.collect()))
+        let bases = [&panel.base, &whole.base];
+        Ok(gather(&spread, (bases, &panel.medium), weights, &self.windows, &wanted))
     }
 
     /// Light that meets the pixels once and, if a front returns some of it, the same of diffuse light.

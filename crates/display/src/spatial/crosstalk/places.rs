@@ -66,15 +66,16 @@ impl Windows {
     }
 }
 
-/// Sums what is seen along all directions of a spread. `weights` are those of the light at each wavelength in
+/// Sums what is seen along all directions of a spread of the surfaces `base`, and the colours of pages of
+/// each state of `pages`. `weights` are those of the light at each wavelength in
 /// X, Y and Z.
 pub(super) fn gather(
     spread: &PanelSpread,
-    (base, medium): (&Base, &Medium),
+    ([base, pages], medium): ([&Base; 2], &Medium),
     weights: &[Vec<f64>; 3],
     windows: &Windows,
     wanted: &Wanted<'_>,
-) -> Gathered {
+) -> (Gathered, Vec<Colour>) {
     let (count, parts) = (windows.all.len(), wanted.parts.len());
     let mut sums = Gathered {
         page: vec![vec![0.0; count + 1]; count],
@@ -82,29 +83,38 @@ pub(super) fn gather(
         line: vec![[0.0; 3]; parts],
         near: vec![[0.0; 3]; SIDE * SIDE * parts],
     };
-    let own = spread.own_mm();
     let mut lights = vec![[0.0; 3]; base.states()];
-    let mut of_surfaces = vec![0.0; base.states()];
+    let (mut of_surfaces, mut of_pages) = (vec![0.0; base.states()], vec![0.0; pages.states()]);
+    let mut colours = vec![[0.0; 3]; pages.states()];
     let mut areas = vec![0.0; count + 1];
+    let mut known = None::<([[Curves; 2]; 3], &Directions)>;
     for directions in spread.parts() {
-        let curves = weights.each_ref().map(|weights| colour_curves(directions, (base, medium), weights));
-        for sample in &directions.samples {
+        let same = known.take().filter(|(_, other)| other.is_weighted_like(directions));
+        let curves = same.map(|(curves, _)| curves).unwrap_or_else(|| {
+            let of = |base: &Base, weights: &[f64]| colour_curves(directions, (base, medium), weights);
+            weights.each_ref().map(|weights| [base, pages].map(|base| of(base, weights)))
+        });
+        directions.each_sample(|sample| {
             let beta_squared = sample.beta.squared();
-            for (k, curves) in curves.iter().enumerate() {
+            for (k, [curves, pages]) in curves.iter().enumerate() {
                 curves.at(beta_squared, &mut of_surfaces);
                 let pairs = lights.iter_mut().zip(&of_surfaces);
                 pairs.for_each(|(light, value)| light[k] = sample.weight * value);
+                pages.at(beta_squared, &mut of_pages);
+                let pairs = colours.iter_mut().zip(&of_pages);
+                pairs.for_each(|(colour, value)| colour[k] += sample.weight * value);
             }
-            let shift = [0, 1].map(|k| (own[k] - sample.shift_mm[k]) / windows.pitch_mm[k]);
+            let shift = [0, 1].map(|k| -sample.place_mm[k] / windows.pitch_mm[k]);
             sums.add_page(windows, shift, &lights, wanted.page);
             sums.add_pixels(windows, shift, &lights, wanted.parts, &mut areas);
-        }
+        });
+        known = Some((curves, directions));
     }
-    sums
+    (sums, colours)
 }
 
 fn colour_curves(directions: &Directions, (base, medium): (&Base, &Medium), weights: &[f64]) -> Curves {
-    let passed: Vec<f64> = weights.iter().zip(&directions.through).map(|(weight, t)| weight * t).collect();
+    let passed: Vec<f64> = weights.iter().zip(&*directions.through).map(|(weight, t)| weight * t).collect();
     Curves::new(base, medium, directions.index(), &passed)
 }
 

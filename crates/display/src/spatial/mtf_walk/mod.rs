@@ -176,11 +176,7 @@ impl Grid {
         }
         let thickness: f64 = panel.lengths_mm.iter().sum();
         let own = view.field.axis_towards();
-        let beams = setup.sources.iter().filter_map(|source| match source {
-            Source::Beam(beta) => Some(*beta),
-            Source::Disc(cone) => Some(-cone.axis_towards()),
-            Source::Diffuse | Source::Field(_) => None,
-        });
+        let beams = setup.sources.iter().filter_map(Source::direction);
         let from = panel.displacement(own);
         let at = |beta: Beta| {
             let [x, y] = panel.displacement(beta);

@@ -1,4 +1,4 @@
-//! Spread of a bare panel: every direction of view has one place.
+//! Spread of a bare panel: every direction of view has one place, that of its own ray.
 
 use super::super::{Accuracy, Sample, displacement};
 use super::ghosts::Ghosts;
@@ -40,7 +40,6 @@ pub(super) fn parts(
             panel.base.is_specular().then(|| Ghosts::new(panel, heights, &face, point.beta)).flatten();
         let air = displacement(point.beta, 2.0 * heights.front_mm, 1.0);
         for (index, group) in by_index(panel) {
-            let glass = heights.in_glass(point.beta, index);
             for order in 0..orders {
                 // Fraction of what leaves that does so in this order.
                 let part = |bin: usize| {
@@ -51,9 +50,9 @@ pub(super) fn parts(
                     let entering = light.as_ref().map_or(flat.t[bin], |light| light[bin]);
                     if group.contains(&bin) { entering * flat.t[bin] * part(bin) } else { 0.0 }
                 };
-                let shift_mm = [0, 1].map(|k| glass[k] + order as f64 * air[k]);
+                let place_mm = air.map(|air| order as f64 * air);
                 parts.push(Part {
-                    samples: vec![Sample { beta: point.beta, shift_mm, weight: point.weight }],
+                    images: vec![Sample { beta: point.beta, place_mm, weight: point.weight }],
                     through: (0..bins).map(through).collect(),
                     index,
                     ghosts: ghosts.clone(),

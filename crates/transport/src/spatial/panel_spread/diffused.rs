@@ -1,19 +1,23 @@
 //! Spread of a panel with a diffuser: every direction in the glass is seen.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
-use super::super::spread::{Bundle, Incoming, Pair};
-use super::super::{Accuracy, Gap, Sample, Spread};
-use super::{Heights, Part, SMOOTH, Sampled, by_index};
+use super::super::spread::{Bundle, FieldLight, Incoming, Pair};
+use super::super::{Accuracy, Gap, Sample};
+use super::{Heights, Part, SMOOTH, by_index};
 use crate::adding::Shares;
 use crate::layers::Indices;
-use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points};
+use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
 use crate::light::images::{Mirror, image_points};
 use crate::light::rings::{Peaks, Ring, rings};
 use crate::{Cone, Diffuser, Panel, Source};
+
+/// Error of one direction in the place of a field of view, in those of the weights, times 8.
+const NARROW: f64 = 16.0;
 
 /// Returns the parts of scattered light, one for each index, and those of sharp images.
 pub(super) fn parts(
@@ -21,11 +25,12 @@ pub(super) fn parts(
     heights: Heights,
     view: &Cone,
     source: &Source,
-    (accuracy, sampled): (Accuracy, Sampled),
+    (accuracy, by_direction): (Accuracy, bool),
 ) -> Vec<Part> {
     let over = Diffused { panel, diffuser, heights, accuracy };
     let indices = Indices::new(&panel.medium, accuracy.digits);
-    let (seen, light) = (over.seen(view), over.arriving(view, source));
+    let seen = over.seen(view, source, by_direction);
+    let light = over.arriving(view, source);
     let is_mirror = panel.base.is_specular();
     let factors: Vec<f64> = indices.nodes.iter().map(|index| over.received(&light, *index)).collect();
     // A Lambertian pixel sends its light everywhere; what it receives is a factor.
@@ -35,13 +40,12 @@ pub(super) fn parts(
     for (number, (index, factor)) in indices.nodes.iter().zip(&factors).enumerate() {
         let gap = Gap { index: *index, thickness_mm: heights.glass_mm };
         let through = |bin: usize| factor * over.through(bin) * indices.blend_at(number, bin);
-        let pair = Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy);
-        let (samples, pair) = match sampled {
-            Sampled::Yes => Spread::of(pair).into_scattered(),
-            Sampled::No => (Vec::new(), pair),
-        };
-        let through = (0..bins).map(through).collect();
-        parts.push(Part { samples, through, index: *index, ghosts: None, pair: Some(pair) });
+        let through: Arc<[f64]> = (0..bins).map(through).collect();
+        for seen in &seen {
+            let pair = Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy);
+            let (images, through) = (Vec::new(), Arc::clone(&through));
+            parts.push(Part { images, through, index: *index, ghosts: None, pair: Some(pair) });
+        }
     }
     // Sharp images are not interpolated between indices: each wavelength has its place.
     let received = |bin: usize| {
@@ -52,12 +56,13 @@ pub(super) fn parts(
     for (index, group) in by_index(panel) {
         let gap = Gap { index, thickness_mm: heights.glass_mm };
         let through = |bin: usize| if group.contains(&bin) { received(bin) * over.through(bin) } else { 0.0 };
-        let pair = Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy);
-        let images = images.iter().map(|point| pair.sample(point.beta, point.weight));
-        let samples: Vec<Sample> = pair.sharp().into_iter().chain(images).collect();
-        if !samples.is_empty() {
+        // Each direction sees such an image at its own ray.
+        let image = |point: &Point| Sample { beta: point.beta, place_mm: [0.0; 2], weight: point.weight };
+        let sharp = |seen: &Bundle| Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy).sharp();
+        let images: Vec<Sample> = seen.iter().flat_map(sharp).chain(images.iter().map(image)).collect();
+        if !images.is_empty() {
             let through = (0..bins).map(through).collect();
-            parts.push(Part { samples, through, index, ghosts: None, pair: None });
+            parts.push(Part { images, through, index, ghosts: None, pair: None });
         }
     }
     parts
@@ -91,10 +96,50 @@ impl Diffused<'_> {
         if sharp { self.panel.base.nodes_across(view, &self.panel.medium) } else { 0.0 }
     }
 
-    fn seen(&self, view: &Cone) -> Bundle {
-        let nodes = Nodes { rings: 0, across: self.across(view) };
-        let points = cone_points_of(view, self.width(), self.accuracy.digits, nodes);
-        Bundle { points, centre: view.axis_towards(), radius: view.half_angle() }
+    /// Directions of view, in bundles over each of which the reflectance of the pixel changes little.
+    fn seen(&self, view: &Cone, source: &Source, by_direction: bool) -> Vec<Bundle> {
+        let (half, smooth) = (view.half_angle(), smooth_at(view, SMOOTH));
+        let is_mirror = self.panel.base.is_specular();
+        // A lobe does not show fringes that are closer than its width.
+        let across = match self.diffuser.regular_fraction > 0.0 {
+            true => self.across(view),
+            false => self.panel.base.nodes_across(view, &self.panel.medium).min(2.0 * half / self.width()),
+        };
+        let points = |scale: f64| {
+            // The mean of a smooth function over a narrow cone is off by an eighth of this square.
+            let is_narrow = (half / scale).powi(2) <= NARROW * (-self.accuracy.digits).exp();
+            match is_narrow && across < 1.0 {
+                true => vec![Point { beta: view.axis_towards(), weight: 1.0 }],
+                false => cone_points_of(view, scale, self.accuracy.digits, Nodes { rings: 0, across }),
+            }
+        };
+        let alone = |point: &Point| Bundle { points: vec![*point], centre: point.beta, radius: 0.0 };
+        let middles = points(smooth);
+        let is_alone = self.diffuser.lobe == Lobe::Lambertian || by_direction;
+        if !is_mirror && !is_alone {
+            return vec![Bundle { points: middles, centre: view.axis_towards(), radius: half }];
+        }
+        // About their own rays all directions see nearly the same of diffuse light; images of a light move.
+        let scale = match source {
+            Source::Diffuse => smooth,
+            _ if !is_mirror => smooth,
+            Source::Beam(_) | Source::Disc(_) | Source::Field(_) => smooth.min(self.width()),
+        };
+        let mut bundles: Vec<Bundle> = middles.iter().map(alone).collect();
+        if scale == smooth || is_alone {
+            return bundles;
+        }
+        bundles.iter_mut().for_each(|bundle| bundle.points.clear());
+        for point in points(scale) {
+            let apart = |bundle: &Bundle| (bundle.centre - point.beta).length();
+            if let Some(nearest) = bundles.iter_mut().min_by(|a, b| apart(a).total_cmp(&apart(b))) {
+                nearest.radius = nearest.radius.max(apart(&*nearest));
+                nearest.points.push(point);
+            }
+        }
+        bundles.retain(|bundle| !bundle.points.is_empty());
+        let own = |bundle: Bundle| if let [only] = bundle.points[..] { alone(&only) } else { bundle };
+        bundles.into_iter().map(own).collect()
     }
 
     fn arriving(&self, view: &Cone, source: &Source) -> Incoming {
@@ -115,7 +160,9 @@ impl Diffused<'_> {
                 let everywhere = Cone::new(45.0, 0.0, 45.0, 1.0);
                 let rings = rings(field, Peaks { views: &[*view, everywhere], width }, digits - 4.0);
                 let points = rings.iter().flat_map(Ring::points).collect();
-                Incoming::Field(Bundle { points, centre: Beta { x: 0.0, y: 0.0 }, radius: 1.0 })
+                let bundle = Bundle { points, centre: Beta { x: 0.0, y: 0.0 }, radius: 1.0 };
+                let within = (self.panel.medium.index().max(), digits);
+                Incoming::Field(Arc::new(FieldLight::new(bundle, self.diffuser.lobe, within)))
             }
         }
     }
@@ -127,11 +174,9 @@ impl Diffused<'_> {
             return 1.0;
         }
         let shares = Shares::new(self.diffuser, index, self.accuracy.digits);
-        match light {
-            Incoming::Peak(light) | Incoming::Field(light) => {
-                shares.density() * shares.arriving(self.diffuser, &light.points)
-            }
-            Incoming::Diffuse | Incoming::Pixel => shares.out,
+        match light.bundle() {
+            Some(light) => shares.density() * shares.arriving(self.diffuser, &light.points),
+            None => shares.out,
         }
     }
 

@@ -112,7 +112,8 @@ pub(super) fn lit(
             } else {
                 let pair = Pair::new(diffuser, gap, Bundle::point(beta), Incoming::Pixel, accuracy);
                 let wave = 2.0 * PI * accuracy.most_per_mm;
-                Below::Places(places(Spread::of(pair).samples(), farthest * heights.glass_mm, wave))
+                let own = displacement(beta, gap.thickness_mm, index)[0];
+                Below::Places(places(Spread::of(pair).samples(), own, farthest * heights.glass_mm, wave))
             };
             let weight = ring / (turns * PI * index * index);
             all.push(Lit { weight, air_mm: displacement(beta, 2.0 * heights.front_mm, 1.0)[0], below });
@@ -144,10 +145,11 @@ fn about(diffuser: &Diffuser, Gap { index, thickness_mm }: Gap, beta: Beta, widt
     }
 }
 
-/// Few places along x, none farther than a distance (mm), that have the same transform up to a frequency
+/// Few places along x from where the light leaves, of samples about the place `own`, none farther than a
+/// distance (mm), that have the same transform up to a frequency
 /// (radians per mm): by polynomials through Chebyshev's points.
-fn places(samples: &[Sample], farthest: f64, wave: f64) -> Vec<[f64; 2]> {
-    let x = |sample: &Sample| sample.shift_mm[0].clamp(-farthest, farthest);
+fn places(samples: &[Sample], own: f64, farthest: f64, wave: f64) -> Vec<[f64; 2]> {
+    let x = |sample: &Sample| (own + sample.place_mm[0]).clamp(-farthest, farthest);
     let [low, high] = samples
         .iter()
         .map(x)

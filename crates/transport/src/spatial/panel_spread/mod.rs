@@ -17,6 +17,9 @@
 //! | a flat face | one place for each direction of view; halo | the same; ghosts |
 //! | a diffuser | the lobe towards the viewer; halo by the front | lobes towards viewer and light; light that the front returns is missing |
 //!
+//! Places are relative to where the own ray of each direction of view meets the pixel, at each index of the
+//! glass.
+//!
 //! What is missing in the last case is the difference between the reflectance factor of colours and that of
 //! the spread at f = 0: a bound of the error of both.
 
@@ -32,21 +35,21 @@ pub use error::SpreadError;
 pub use lambertian_return::LambertianReturn;
 pub(in crate::spatial) use lambertian_return::Tabulated;
 
-use papilio_optics::Beta;
+use std::sync::Arc;
 
 use self::ghosts::Ghosts;
 use super::spread::Pair;
-use super::{Accuracy, Image, PointSpread, Sample, displacement};
+use super::{Accuracy, Image, PointSpread, Sample};
 use crate::{Cone, Panel, Reflector, Source, Top};
 
 /// Directions and places with a common factor for each wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// What is seen, for a pixel that reflects everything and layers that transmit everything.
-    pub samples: Vec<Sample>,
+    /// Sharp images.
+    images: Vec<Sample>,
     /// Factor of these samples, `[wavelength]`: the transmittance of the layers on both ways. It may be
     /// negative where results are interpolated between indices of the glass.
-    pub through: Vec<f64>,
+    pub through: Arc<[f64]>,
     /// Index of the glass.
     index: f64,
     /// Of a mirror under flat faces.
@@ -60,6 +63,20 @@ impl Part {
     pub fn index(&self) -> f64 {
         self.index
     }
+
+    /// Calls `each` with all that is seen, for a pixel that reflects everything and layers that transmit
+    /// everything. Samples are not stored: of lobes much narrower than a source there are millions.
+    pub fn each_sample(&self, mut each: impl FnMut(Sample)) {
+        self.images.iter().copied().for_each(&mut each);
+        if let Some(pair) = &self.pair {
+            pair.each_scattered(&mut each);
+        }
+    }
+
+    /// Returns whether another part has the same index and the same factors.
+    pub fn is_weighted_like(&self, other: &Self) -> bool {
+        self.index == other.index && Arc::ptr_eq(&self.through, &other.through)
+    }
 }
 
 /// What a view sees of the pixel plane in the light of one source.
@@ -68,7 +85,6 @@ pub struct PanelSpread {
     parts: Vec<Part>,
     /// What comes back to a Lambertian pixel.
     returned: Vec<LambertianReturn>,
-    own_mm: [f64; 2],
 }
 
 /// Heights of a panel.
@@ -78,13 +94,6 @@ struct Heights {
     front_mm: f64,
     /// Glass, mm.
     glass_mm: f64,
-}
-
-/// Whether the directions of scattered light are sampled, or only its density over places is needed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Sampled {
-    Yes,
-    No,
 }
 
 /// Lowest index of the glass; a lower one is taken as this.
@@ -104,11 +113,6 @@ impl Heights {
             return Err(SpreadError::SeveralFronts);
         }
         Ok(Self { front_mm: if returns { fronts.iter().sum() } else { 0.0 }, glass_mm })
-    }
-
-    /// Shift of a crossing of the glass.
-    fn in_glass(self, beta: Beta, index: f64) -> [f64; 2] {
-        displacement(beta, self.glass_mm, index)
     }
 }
 
@@ -136,22 +140,22 @@ impl PanelSpread {
         source: &Source,
         accuracy: Accuracy,
     ) -> Result<Self, SpreadError> {
-        Self::build((panel, lengths_mm), view, source, accuracy, Sampled::Yes)
+        Self::build((panel, lengths_mm), view, source, accuracy, false)
     }
 
-    /// Prepares the spread without samples of scattered light, for [`point_spread`](Self::point_spread)
-    /// alone.
+    /// Prepares a spread whose samples have the true directions in the glass. Those of [`new`](Self::new) may stand for several
+    /// directions of a field of view that see the same place; they have its place and `|beta|`.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
-    pub fn by_place(
+    pub fn by_direction(
         panel: &Panel,
         lengths_mm: &[f64],
         view: &Cone,
         source: &Source,
         accuracy: Accuracy,
     ) -> Result<Self, SpreadError> {
-        Self::build((panel, lengths_mm), view, source, accuracy, Sampled::No)
+        Self::build((panel, lengths_mm), view, source, accuracy, true)
     }
 
     fn build(
@@ -159,7 +163,7 @@ impl PanelSpread {
         view: &Cone,
         source: &Source,
         accuracy: Accuracy,
-        sampled: Sampled,
+        by_direction: bool,
     ) -> Result<Self, SpreadError> {
         let heights = Heights::new(panel, lengths_mm)?;
         if matches!(panel.base.reflector, Reflector::Scattering(_)) {
@@ -178,19 +182,17 @@ impl PanelSpread {
             Panel { medium, top, ..panel.clone() }
         });
         let panel = refracting.as_ref().unwrap_or(panel);
-        let index = panel.medium.index();
         let parts = match &panel.top {
             Top::Diffuser(diffuser) => {
-                diffused::parts((panel, diffuser), heights, view, source, (accuracy, sampled))
+                diffused::parts((panel, diffuser), heights, view, source, (accuracy, by_direction))
             }
             Top::IdealAr | Top::Fresnel(_) => bare::parts(panel, heights, view, source, accuracy),
         };
-        let own_mm = heights.in_glass(view.axis_towards(), index[index.len() / 2]);
         let returned = match panel.base.is_specular() || panel.single_pass {
             true => Vec::new(),
             false => LambertianReturn::all(panel, lengths_mm, accuracy)?,
         };
-        Ok(Self { parts, returned, own_mm })
+        Ok(Self { parts, returned })
     }
 
     /// The samples, by parts of a common factor.
@@ -198,16 +200,11 @@ impl PanelSpread {
         &self.parts
     }
 
-    /// Shift of the view's own ray, mm, at the wavelength in the middle of the grid.
-    pub fn own_mm(&self) -> [f64; 2] {
-        self.own_mm
-    }
-
-    /// Returns a part of the light by place, relative to the view's own ray.
+    /// Returns a part of the light by place.
     pub fn point_spread<'a>(&self, part: &'a Part) -> PointSpread<'a> {
         match &part.pair {
-            Some(pair) => pair.point_spread(self.own_mm),
-            None => PointSpread::of_images(part.samples.iter().map(|sample| Image::of(sample, self.own_mm))),
+            Some(pair) => pair.point_spread(),
+            None => PointSpread::of_images(part.images.iter().map(Image::from)),
         }
     }
 

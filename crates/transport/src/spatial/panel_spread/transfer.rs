@@ -11,7 +11,7 @@ use crate::{AngularTable, Panel, Reflector};
 impl PanelSpread {
     /// Returns what is seen of a small modulation of the pixel about each of its states at each of these
     /// frequencies (cycles per mm along x and y), as a reflectance factor: at f = 0 that of the uniform
-    /// state. Its phase is about the view's own ray. Shape `[frequency][state][wavelength]`.
+    /// state. Its phase is about the own ray of each direction of view. Shape `[frequency][state][wavelength]`.
     ///
     /// Frequencies that follow each other in equal steps take the least time.
     pub fn transfer(&self, panel: &Panel, frequencies_per_mm: &[[f64; 2]]) -> Vec<Complex64> {
@@ -34,13 +34,13 @@ impl PanelSpread {
     /// Adds a part that sees the table in many directions.
     fn over_table(&self, part: &Part, table: &AngularTable, frequencies: &[[f64; 2]], out: &mut [Complex64]) {
         let mut rows = vec![Weights::new(&table.nodes); 2 * frequencies.len()];
-        for sample in &part.samples {
+        part.each_sample(|sample| {
             let stencil = table.nodes.stencil(sample.beta.squared(), part.index);
-            self.phases(sample.shift_mm, frequencies, |k, phase| {
+            phases(sample.place_mm, frequencies, |k, phase| {
                 rows[2 * k].add(&stencil, sample.weight * phase.re);
                 rows[2 * k + 1].add(&stencil, sample.weight * phase.im);
             });
-        }
+        });
         let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| row.finish(&table.nodes).0).collect();
         let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
         let len = out.len() / frequencies.len().max(1);
@@ -56,14 +56,14 @@ impl PanelSpread {
     /// Adds a part that sees each state in one direction, with its ghosts, or in which all directions are the
     /// same.
     fn over_states(&self, part: &Part, panel: &Panel, frequencies: &[[f64; 2]], out: &mut [Complex64]) {
-        let Some(first) = part.samples.first() else { return };
         let (bins, len) = (part.through.len(), out.len() / frequencies.len().max(1));
         let mut rho = vec![0.0; len];
-        panel.base.reflectance(first.beta.squared(), &panel.medium, &mut rho);
+        let beta_squared = part.images.first().map_or(0.0, |only| only.beta.squared());
+        panel.base.reflectance(beta_squared, &panel.medium, &mut rho);
         let mut sums = vec![Complex64::ZERO; frequencies.len()];
-        for sample in &part.samples {
-            self.phases(sample.shift_mm, frequencies, |k, phase| sums[k] += sample.weight * phase);
-        }
+        part.each_sample(|sample| {
+            phases(sample.place_mm, frequencies, |k, phase| sums[k] += sample.weight * phase);
+        });
         let lit: Vec<usize> = (0..bins).filter(|bin| part.through[*bin] != 0.0).collect();
         for ((sum, frequency), out) in sums.iter().zip(frequencies).zip(out.chunks_exact_mut(len.max(1))) {
             let ghosts = part.ghosts.as_ref().map(|ghosts| ghosts.at(*frequency));
@@ -86,26 +86,25 @@ impl PanelSpread {
             }
         }
     }
+}
 
-    /// Calls `each` with the number and phase of each frequency of light at this place.
-    #[inline(always)]
-    fn phases(&self, shift_mm: [f64; 2], frequencies: &[[f64; 2]], mut each: impl FnMut(usize, Complex64)) {
-        let place = [0, 1].map(|k| shift_mm[k] - self.own_mm[k]);
-        let at = |f: [f64; 2]| Complex64::cis(-2.0 * PI * (f[0] * place[0] + f[1] * place[1]));
-        let mut k = 0;
-        while k < frequencies.len() {
-            let count = equal_steps(&frequencies[k..]);
-            let mut phase = at(frequencies[k]);
-            each(k, phase);
-            if count > 1 {
-                let step = at([0, 1].map(|axis| frequencies[k + 1][axis] - frequencies[k][axis]));
-                for more in 1..count {
-                    phase *= step;
-                    each(k + more, phase);
-                }
+/// Calls `each` with the number and phase of each frequency of light at this place.
+#[inline(always)]
+fn phases(place_mm: [f64; 2], frequencies: &[[f64; 2]], mut each: impl FnMut(usize, Complex64)) {
+    let at = |f: [f64; 2]| Complex64::cis(-2.0 * PI * (f[0] * place_mm[0] + f[1] * place_mm[1]));
+    let mut k = 0;
+    while k < frequencies.len() {
+        let count = equal_steps(&frequencies[k..]);
+        let mut phase = at(frequencies[k]);
+        each(k, phase);
+        if count > 1 {
+            let step = at([0, 1].map(|axis| frequencies[k + 1][axis] - frequencies[k][axis]));
+            for more in 1..count {
+                phase *= step;
+                each(k + more, phase);
             }
-            k += count;
         }
+        k += count;
     }
 }
 

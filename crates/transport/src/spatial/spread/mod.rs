@@ -14,18 +14,25 @@
 //! The part s of the light that the diffuser does not scatter adds sharp images. Seen through the table of
 //! the pixel's reflectance over |beta|, every place has a colour of its own.
 //!
-//! `pair.rs` holds this density, `rule.rs` the directions at which it is taken.
+//! **A field of view.** Each of its directions has places relative to its own ray: a lens that is in focus at
+//! the pixels. A place r then shows the sum of what all directions see there. Directions are those of the
+//! ray of the middle of the field: beta is where it would see r.
+//!
+//! `pair.rs` holds this density, `field.rs` that of light from everywhere, `rule.rs` the directions at which it is taken.
 
+mod field;
 mod pair;
 mod rule;
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use num_complex::Complex64;
 use papilio_optics::Beta;
 
+pub(super) use self::field::FieldLight;
 pub(super) use self::pair::Pair;
-use super::{Image, PointSpread, displacement};
+use super::{Image, PointSpread};
 use crate::Diffuser;
 use crate::light::cone_points::Point;
 
@@ -52,9 +59,9 @@ pub struct Gap {
 pub struct Sample {
     /// Direction cosines of light that leaves the pixel.
     pub beta: Beta,
-    /// Way from the place on the pixel to the place where the light leaves the diffuser, in the plane of the
-    /// panel, mm.
-    pub shift_mm: [f64; 2],
+    /// The place, relative to where the view's own ray meets the pixel: as much farther than this ray the light
+    /// goes in the plane of the panel, mm.
+    pub place_mm: [f64; 2],
     /// Part of the reflectance factor, for a pixel that reflects everything and a diffuser that absorbs
     /// nothing.
     pub weight: f64,
@@ -92,9 +99,20 @@ pub(super) enum Incoming {
     /// A beam or a disc over a mirror: a peak of its own.
     Peak(Bundle),
     /// Light from everywhere, over a mirror.
-    Field(Bundle),
+    Field(Arc<FieldLight>),
     /// Light of a Lambertian pixel: 1 in all directions.
     Pixel,
+}
+
+impl Incoming {
+    /// Directions of the light; none of light from the whole hemisphere.
+    pub(super) fn bundle(&self) -> Option<&Bundle> {
+        match self {
+            Self::Peak(light) => Some(light),
+            Self::Field(light) => Some(&light.bundle),
+            Self::Diffuse | Self::Pixel => None,
+        }
+    }
 }
 
 /// First-order spread between a view and a light.
@@ -104,8 +122,6 @@ pub struct Spread {
     samples: Vec<Sample>,
     /// Number of samples of unscattered light, the first ones.
     sharp: usize,
-    /// Shift of the view's own ray, mm.
-    own_mm: [f64; 2],
 }
 
 impl Spread {
@@ -122,20 +138,14 @@ impl Spread {
     pub(super) fn of(pair: Pair) -> Self {
         let mut samples = pair.sharp();
         let sharp = samples.len();
-        pair.add_scattered(&mut samples);
-        let own_mm = displacement(pair.view.centre, pair.gap.thickness_mm, pair.gap.index);
-        Self { pair, samples, sharp, own_mm }
-    }
-
-    /// Shift of the view's own ray, mm.
-    pub fn own_mm(&self) -> [f64; 2] {
-        self.own_mm
+        pair.each_scattered(&mut |sample| samples.push(sample));
+        Self { pair, samples, sharp }
     }
 
     /// The same light as a density over places.
     pub fn point_spread(&self) -> PointSpread<'_> {
-        let images = self.samples[..self.sharp].iter().map(|sample| Image::of(sample, self.own_mm)).collect();
-        PointSpread { images, ..self.pair.point_spread(self.own_mm) }
+        let images = self.samples[..self.sharp].iter().map(Image::from).collect();
+        PointSpread { images, ..self.pair.point_spread() }
     }
 
     /// The directions that are seen; those of unscattered light first.
@@ -143,18 +153,12 @@ impl Spread {
         &self.samples
     }
 
-    /// Returns the samples of scattered light, and what determines them.
-    pub(super) fn into_scattered(mut self) -> (Vec<Sample>, Pair) {
-        (self.samples.split_off(self.sharp), self.pair)
-    }
-
     /// Integral of the spread, weighted by the pixel's reflectance as a function of `|beta|^2`, times
     /// `exp(-2 pi i f.r)`; the place r is relative to the view's own ray. At f = 0 it is the reflectance
     /// factor.
     pub fn transfer(&self, frequency_per_mm: [f64; 2], reflectance: impl Fn(f64) -> f64) -> Complex64 {
         let of = |sample: &Sample| {
-            let turns: f64 =
-                (0..2).map(|k| frequency_per_mm[k] * (sample.shift_mm[k] - self.own_mm[k])).sum();
+            let turns: f64 = (0..2).map(|k| frequency_per_mm[k] * sample.place_mm[k]).sum();
             Complex64::from_polar(sample.weight * reflectance(sample.beta.squared()), -2.0 * PI * turns)
         };
         self.samples.iter().map(of).sum()

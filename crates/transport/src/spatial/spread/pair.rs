@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-use papilio_optics::lobe::{KCorrelation, Lobe};
-use papilio_optics::{Beta, Scatterer, with_widest_simd};
+use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 
 use super::super::{PointSpread, displacement, places};
+use super::field::lobes_around;
 use super::{Accuracy, Bundle, Gap, Incoming, Sample};
 use crate::Diffuser;
 use crate::light::cone_points::Point;
@@ -23,6 +24,9 @@ pub(in crate::spatial) struct Pair {
     pub(in crate::spatial) straight: f64,
     pub(in crate::spatial) gap: Gap,
     pub(in crate::spatial) view: Bundle,
+    /// Ways of the own rays of the directions of view through a glass of thickness 1, and of their middle.
+    rays: Vec<[f64; 2]>,
+    ray: [f64; 2],
     pub(in crate::spatial) light: Incoming,
     pub(in crate::spatial) accuracy: Accuracy,
 }
@@ -42,21 +46,25 @@ impl Pair {
         light: Incoming,
         accuracy: Accuracy,
     ) -> Self {
-        let of_light = match &light {
-            Incoming::Peak(light) => light.radius,
+        let radius = match &light {
+            Incoming::Peak(light) => view.radius + light.radius,
             Incoming::Diffuse | Incoming::Field(_) | Incoming::Pixel => 0.0,
         };
-        let least = view.radius.max(of_light) / MOST_WIDTHS;
+        let least = radius / MOST_WIDTHS;
         let lobe = match diffuser.lobe {
             Lobe::KCorrelation { width } => Lobe::KCorrelation { width: width.max(least) },
             Lobe::Lambertian => Lobe::Lambertian,
         };
-        Self { lobe, straight: diffuser.regular_fraction, gap, view, light, accuracy }
+        let own = |beta: Beta| displacement(beta, 1.0, gap.index);
+        let rays = view.points.iter().map(|point| own(point.beta)).collect();
+        let ray = own(view.centre);
+        Self { lobe, straight: diffuser.regular_fraction, gap, view, rays, ray, light, accuracy }
     }
 
-    /// The scattered light as a density over places, relative to this one.
-    pub(in crate::spatial) fn point_spread(&self, own_mm: [f64; 2]) -> PointSpread<'_> {
+    /// The scattered light as a density over places.
+    pub(in crate::spatial) fn point_spread(&self) -> PointSpread<'_> {
         let Gap { index, thickness_mm } = self.gap;
+        let own_mm = self.ray.map(|way| thickness_mm * way);
         let peak = |beta: Beta| {
             // The smaller derivative of the displacement, across beta.
             let per_beta = thickness_mm / (index * index - beta.squared()).sqrt();
@@ -87,8 +95,18 @@ impl Pair {
         inside.map(|[x, y]| peak.centre + Beta { x: f64::from(x) * step, y: f64::from(y) * step }).collect()
     }
 
-    pub(in crate::spatial) fn sample(&self, beta: Beta, weight: f64) -> Sample {
-        Sample { beta, shift_mm: displacement(beta, self.gap.thickness_mm, self.gap.index), weight }
+    /// Light along beta, as the middle of the view or a direction with this own ray sees it.
+    fn sample(&self, beta: Beta, own: [f64; 2], weight: f64) -> Sample {
+        let way = displacement(beta, 1.0, self.gap.index);
+        Sample { beta, place_mm: [0, 1].map(|k| self.gap.thickness_mm * (way[k] - own[k])), weight }
+    }
+
+    /// Light of this weight at the place that the middle of the view sees along beta.
+    pub(super) fn seen_along(&self, beta: Beta, weight: f64) -> Sample {
+        let [density, beta_squared] = self.density(beta);
+        let sample = self.sample(beta, self.ray, weight * density);
+        let scale = if self.rays.len() > 1 { (beta_squared / beta.squared()).sqrt() } else { 1.0 };
+        Sample { beta: if scale.is_finite() { scale * beta } else { beta }, ..sample }
     }
 
     /// Fraction of the light around beta that the diffuser exchanges with the air.
@@ -105,80 +123,85 @@ impl Pair {
         if s == 0.0 {
             return Vec::new();
         }
-        let seen = |point: &Point, arriving: f64| self.sample(point.beta, point.weight * s * arriving);
-        let views = self.view.points.iter();
-        match &self.light {
-            Incoming::Diffuse => views.map(|point| seen(point, self.share_of_air(point.beta))).collect(),
-            Incoming::Pixel => views.map(|point| seen(point, 1.0)).collect(),
-            Incoming::Peak(light) | Incoming::Field(light) => {
-                let once = |point: &Point, other: &Bundle| {
-                    seen(point, PI * (1.0 - s) * self.lobes_around(other, point.beta))
+        let arriving = |beta: Beta| match &self.light {
+            Incoming::Diffuse => self.share_of_air(beta),
+            Incoming::Pixel => 1.0,
+            Incoming::Peak(_) | Incoming::Field(_) => PI * (1.0 - s) * self.lobes_around(beta),
+        };
+        let mut samples = Vec::new();
+        for (view, own) in self.view.points.iter().zip(&self.rays) {
+            samples.push(self.sample(view.beta, *own, view.weight * s * arriving(view.beta)));
+            if let Some(light) = self.light.bundle() {
+                let leaving = |light: &Point| PI * (1.0 - s) * s * self.lobe.density(view.beta, light.beta);
+                let image = |light: &Point| {
+                    self.sample(light.beta, *own, view.weight * light.weight * leaving(light))
                 };
-                let exits = views.map(|point| once(point, light));
-                exits.chain(light.points.iter().map(|point| once(point, &self.view))).collect()
+                samples.extend(light.points.iter().map(image));
             }
         }
+        samples
     }
 
-    /// Sum of the lobes around the directions of a bundle.
-    fn lobes_around(&self, bundle: &Bundle, beta: Beta) -> f64 {
-        if let [only] = &bundle.points[..] {
-            return only.weight * self.lobe.density(only.beta, beta);
+    /// Sum of the lobes around the directions of the light.
+    fn lobes_around(&self, beta: Beta) -> f64 {
+        match &self.light {
+            Incoming::Peak(light) => lobes_around(self.lobe, &light.points, beta),
+            Incoming::Field(light) => light.through(self.lobe, beta),
+            Incoming::Diffuse | Incoming::Pixel => 0.0,
         }
-        let Lobe::KCorrelation { width } = self.lobe else {
-            return bundle
-                .points
-                .iter()
-                .map(|point| point.weight * self.lobe.density(point.beta, beta))
-                .sum();
-        };
-        let lobe = KCorrelation { width };
-        with_widest_simd(
-            #[inline(always)]
-            || {
-                // Several sums side by side.
-                let mut sums = [0.0; 8];
-                let (pieces, rest) = bundle.points.as_chunks::<8>();
-                for piece in pieces {
-                    for (sum, point) in sums.iter_mut().zip(piece) {
-                        *sum += point.weight * lobe.at_squared_distance((point.beta - beta).squared());
-                    }
-                }
-                let rest =
-                    rest.iter().map(|p| p.weight * lobe.at_squared_distance((p.beta - beta).squared()));
-                sums.iter().sum::<f64>() + rest.sum::<f64>()
-            },
-        )
     }
 
-    /// Density of the scattered light over beta.
-    pub(super) fn density(&self, beta: Beta) -> f64 {
-        let scattered = (1.0 - self.straight) * self.lobes_around(&self.view, beta);
+    /// Density over beta of the scattered light that is seen at the place of beta, and its `|beta|^2`: a mean
+    /// over the directions of view.
+    pub(super) fn density(&self, beta: Beta) -> [f64; 2] {
+        if let [only] = &self.view.points[..] {
+            return [only.weight * self.seen_from(only.beta, beta), beta.squared()];
+        }
+        let index = self.gap.index;
+        let way = displacement(beta, 1.0, index);
+        let slant = |[x, y]: [f64; 2]| 1.0 + x * x + y * y;
+        let (mut sum, mut squares, own) = (0.0, 0.0, slant(way));
+        for (view, ray) in self.view.points.iter().zip(&self.rays) {
+            let way = [0, 1].map(|k| way[k] - self.ray[k] + ray[k]);
+            let slant = slant(way);
+            let scale = index / slant.sqrt();
+            let beta = Beta { x: scale * way[0], y: scale * way[1] };
+            let light = view.weight * (own / slant).powi(2) * self.seen_from(view.beta, beta);
+            sum += light;
+            squares += light * beta.squared();
+        }
+        [sum, if sum > 0.0 { squares / sum } else { beta.squared() }]
+    }
+
+    /// Density of the scattered light that is seen from a direction, over beta.
+    fn seen_from(&self, view: Beta, beta: Beta) -> f64 {
+        let scattered = (1.0 - self.straight) * self.lobe.density(view, beta);
         match &self.light {
             Incoming::Pixel => scattered,
             Incoming::Diffuse => scattered * self.share_of_air(beta),
-            Incoming::Peak(light) | Incoming::Field(light) => {
-                PI * scattered * (1.0 - self.straight) * self.lobes_around(light, beta)
+            Incoming::Peak(_) | Incoming::Field(_) => {
+                PI * scattered * (1.0 - self.straight) * self.lobes_around(beta)
             }
         }
     }
 
-    /// Peaks of the integrand.
+    /// Peaks of the integrand. All directions see their own ray at the same place, and a light at places as
+    /// different as they are.
     pub(super) fn peaks(&self) -> Vec<Peak> {
-        let peak = |bundle: &Bundle| Peak { centre: bundle.centre, radius: bundle.radius };
+        let view = Peak { centre: self.view.centre, radius: 0.0 };
         match (self.lobe, &self.light) {
             // The same in all directions of the air.
             (Lobe::Lambertian, _) => vec![Peak { centre: Beta { x: 0.0, y: 0.0 }, radius: 0.0 }],
-            // A distance much smaller than the width of the lobe makes one peak.
-            (_, Incoming::Peak(light))
-                if (light.centre - self.view.centre).length() > 1e-3 * self.width() =>
-            {
-                vec![peak(&self.view), peak(light)]
-            }
             (_, Incoming::Peak(light)) => {
-                vec![Peak { centre: self.view.centre, radius: self.view.radius.max(light.radius) }]
+                let radius = light.radius + self.view.radius;
+                // A distance much smaller than the width of the lobe makes one peak.
+                if (light.centre - self.view.centre).length() > 1e-3 * self.width() {
+                    vec![view, Peak { centre: light.centre, radius }]
+                } else {
+                    vec![Peak { radius, ..view }]
+                }
             }
-            _ => vec![peak(&self.view)],
+            _ => vec![view],
         }
     }
 

@@ -21,7 +21,8 @@ struct Ray {
 }
 
 impl Pair {
-    pub(super) fn add_scattered(&self, samples: &mut Vec<Sample>) {
+    /// Calls `each` with the samples of scattered light.
+    pub(in crate::spatial) fn each_scattered(&self, each: &mut dyn FnMut(Sample)) {
         let peaks = self.peaks();
         for (k, peak) in peaks.iter().enumerate() {
             let others: Vec<Peak> =
@@ -31,8 +32,7 @@ impl Pair {
                 let ray = self.ray(*peak, [cos, sin], &others);
                 for node in self.along(peak.centre, [cos, sin], &ray) {
                     let beta = peak.centre + Beta { x: node.x * cos, y: node.x * sin };
-                    let weight = turn.weight * node.weight * node.x * self.density(beta);
-                    samples.push(self.sample(beta, weight));
+                    each(self.seen_along(beta, turn.weight * node.weight * node.x));
                 }
             }
         }

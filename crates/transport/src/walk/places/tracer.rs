@@ -102,11 +102,7 @@ impl<'a> Tracer<'a> {
     ) -> Self {
         let bins = stack.base().bins();
         let constant = stack.layers.iter().all(|layer| layer.medium.constant_index().is_some());
-        let about = sources.iter().filter_map(|source| match source {
-            Source::Beam(beta) => Some(*beta),
-            Source::Disc(cone) => Some(-cone.axis_towards()),
-            Source::Diffuse | Source::Field(_) => None,
-        });
+        let about = sources.iter().filter_map(Source::direction);
         Self {
             stack,
             lengths_mm,

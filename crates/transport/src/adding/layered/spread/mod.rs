@@ -136,8 +136,8 @@ pub struct LayeredSpread<'a> {
     precision: Precision,
     level: u32,
     view: Vec<Beam>,
-    /// `|beta|` and azimuth of the middle of the view.
-    axis: [f64; 2],
+    /// `|beta|`, azimuth and weight of the directions of the view.
+    directions: Vec<[f64; 3]>,
     /// By source.
     sources: Vec<Room>,
     images: Vec<ImagePoints>,
@@ -223,8 +223,7 @@ impl<'a> LayeredSpread<'a> {
             Source::Diffuse => Room::Everywhere,
             Source::Beam(_) | Source::Disc(_) | Source::Field(_) => Room::Beams(beams(rays)),
         });
-        let towards = view.axis_towards();
-        let axis = [towards.length().min(1.0 - 1e-12), towards.y.atan2(towards.x)];
+        let of_view = |ray: &Ray| [directions.beta[ray.extra], ray.turn, ray.weight];
         let images = image_points(&view, sources, precision.digits, Mirror::Across(0.0));
         let mut spread = Self {
             stack,
@@ -233,7 +232,7 @@ impl<'a> LayeredSpread<'a> {
             precision,
             level,
             view: beams(&directions.views[0]),
-            axis,
+            directions: directions.views[0].iter().map(of_view).collect(),
             sources: rooms.collect(),
             images,
             sets: Vec::new(),

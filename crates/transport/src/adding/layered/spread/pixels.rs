@@ -201,11 +201,31 @@ impl LayeredSpread<'_> {
         unit * sum
     }
 
-    /// The same below flat layers.
+    /// The same below flat layers: each direction of the view has ghosts at places of its own.
     pub(super) fn ghosts(&self, set: &Set, waves: &[Wave], members: &[f64]) -> Vec<Vec<Vec<Complex64>>> {
+        let mut sums: Vec<Vec<Complex64>> = Vec::new();
+        for direction in &self.directions {
+            let light = self.ghosts_along(*direction, set, waves, members);
+            if sums.is_empty() {
+                sums = light;
+                continue;
+            }
+            let pairs = sums.iter_mut().flatten().zip(light.into_iter().flatten());
+            pairs.for_each(|(sum, light)| *sum += light);
+        }
+        vec![sums]
+    }
+
+    /// The same along a direction of the view, times its weight.
+    fn ghosts_along(
+        &self,
+        [beta, turn, weight]: [f64; 3],
+        set: &Set,
+        waves: &[Wave],
+        members: &[f64],
+    ) -> Vec<Vec<Complex64>> {
         let (states, bins) = (self.stack.base().states(), self.stack.base().bins());
         let mut reflectance = vec![0.0; states * bins];
-        let [beta, turn] = self.axis;
         if let Some(layer) = self.stack.layers.last() {
             self.stack.base().reflectance(beta * beta, &layer.medium, &mut reflectance);
         }
@@ -220,7 +240,8 @@ impl LayeredSpread<'_> {
             (leaves * Complex64::cis(along * chain.moves_mm()), returns)
         };
         let (leaves, returned): (Vec<_>, Vec<_>) = waves.iter().map(links).unzip();
-        vec![all_orders(&relative_to_first(leaves), &returned, &reflectance, members)]
+        let seen: Vec<Complex64> = relative_to_first(leaves).iter().map(|seen| weight * seen).collect();
+        all_orders(&seen, &returned, &reflectance, members)
     }
 
     /// The same over a Lambertian pixel, for all sources.
