@@ -39,93 +39,59 @@ from . import _guard
 _guard.guard_module(_papilio)
 
 from . import cluster, colour, diffuser, films, plot
+from . import absorbed, brdfs, cones, errors, evaluated, figure, images, labels, palettes, production, result, scenario, spatial, surfaces
 from ._papilio import __version__
 from ._sweeps import sweep
 from ._tables import AnyResult
-from .absorbed import Absorption, absorption
-from .brdfs import Brdf, Reflection, brdf, reflection
-from .cones import Cone, cone
-from .evaluated import Evaluated
-from .errors import (
-    ArgumentError,
-    ClusterError,
-    DesignError,
-    DisplayError,
-    FileError,
-    InternalError,
-    Mistake,
-    PapilioError,
-    PapilioWarning,
-    ScenarioError,
-)
-from .figure import Figure
-from .images import Image, image
-from .labels import Label, label
 from .optimum import Optimum, optimize
-from .palettes import Palette, palette
 from .prepared import Prepared, metric_names
-from .production import Yield, tolerance
-from .result import Result
 from .running import run
-from .scenario import Scenario, preset_names, schema
-from .spatial import Crosstalk, Mtf, Sparkle, crosstalk, mtf, sparkle
-from .surfaces import Surface, gonio
+
+# Of these, all that they name public: a new function is named in its own module only.
+from .absorbed import *
+from .brdfs import *
+from .cones import *
+from .errors import *
+from .evaluated import *
+from .figure import *
+from .images import *
+from .labels import *
+from .palettes import *
+from .production import *
+from .result import *
+from .scenario import *
+from .spatial import *
+from .surfaces import *
 
 __all__ = [
     "AnyResult",
-    "Absorption",
-    "ArgumentError",
-    "Brdf",
-    "ClusterError",
-    "Cone",
-    "Crosstalk",
-    "DesignError",
-    "DisplayError",
-    "Evaluated",
-    "Figure",
-    "FileError",
-    "InternalError",
-    "Image",
-    "Label",
-    "Mtf",
-    "Mistake",
     "Optimum",
-    "Palette",
-    "PapilioError",
-    "PapilioWarning",
     "Prepared",
-    "Reflection",
-    "Result",
-    "Scenario",
-    "ScenarioError",
-    "Sparkle",
-    "Surface",
-    "Yield",
     "__version__",
-    "absorption",
-    "brdf",
     "cluster",
     "colour",
-    "cone",
-    "crosstalk",
     "diffuser",
     "films",
-    "gonio",
-    "image",
-    "label",
     "metric_names",
-    "mtf",
     "optimize",
-    "palette",
     "plot",
-    "preset_names",
-    "reflection",
     "run",
-    "schema",
-    "sparkle",
     "sweep",
-    "tolerance",
 ]
+__all__ += absorbed.__all__
+__all__ += brdfs.__all__
+__all__ += cones.__all__
+__all__ += errors.__all__
+__all__ += evaluated.__all__
+__all__ += figure.__all__
+__all__ += images.__all__
+__all__ += labels.__all__
+__all__ += palettes.__all__
+__all__ += production.__all__
+__all__ += result.__all__
+__all__ += scenario.__all__
+__all__ += spatial.__all__
+__all__ += surfaces.__all__
 
 
 def __dir__() -> list[str]:

@@ -11,6 +11,8 @@ use crate::errors;
 use crate::scenario::Resolved;
 use crate::watch::detached;
 
+exports! { classes Absorption; }
+
 /// The absorptance of each layer of the film pixel of a scenario.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Absorption {

@@ -17,6 +17,8 @@ use crate::pool::{Pool, is_of_a_path, reason};
 use crate::scenario::{Resolved, library};
 use crate::watch::detached;
 
+exports! { classes Batch; functions metric_names; }
+
 /// A display, its varying keys, and the metrics that are requested of each design.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Batch {

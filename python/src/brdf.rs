@@ -17,6 +17,8 @@ use crate::errors;
 use crate::scenario::Resolved;
 use crate::watch::watched;
 
+exports! { functions beams, bsdf; }
+
 /// Bytes of a table, the deviation of its sum, warnings, and a sufficient step.
 type Written<'py> = (Bound<'py, PyBytes>, f64, Vec<String>, Option<f64>);
 

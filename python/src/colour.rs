@@ -10,6 +10,8 @@ use pyo3::prelude::*;
 
 use crate::errors;
 
+exports! { functions delta_e_2000, gamut, illuminant_names, illuminant_sheet, illuminant_spectrum, lab, uv_prime, xyz; }
+
 type Reals<'py> = PyReadonlyArray1<'py, f64>;
 type Answer<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
 

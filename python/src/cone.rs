@@ -14,6 +14,8 @@ use crate::errors;
 use crate::scenario::Resolved;
 use crate::watch::watched;
 
+exports! { classes Cone; }
+
 /// A name, and the function that returns the number.
 type Of<T> = (&'static str, fn(&T) -> f64);
 

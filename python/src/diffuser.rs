@@ -14,6 +14,8 @@ use pyo3::types::PyBytes;
 use crate::errors;
 use crate::watch::detached;
 
+exports! { classes Diffuser; functions lobe_names; }
+
 /// Names and SVG texts.
 type Figures = Vec<(String, String)>;
 

@@ -5,6 +5,8 @@ use pyo3::types::PyBytes;
 
 use crate::errors;
 
+exports! { functions png; }
+
 /// Converts a figure to a PNG image.
 #[pyfunction]
 pub(crate) fn png<'py>(py: Python<'py>, svg: &str, scale: f32) -> PyResult<Bound<'py, PyBytes>> {

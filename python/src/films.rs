@@ -18,6 +18,8 @@ use pyo3::prelude::*;
 use crate::errors;
 use crate::watch::watched;
 
+exports! { functions film, film_grid, material_index, material_names, material_sheet; }
+
 /// Approximate number of points that a thread takes at a time: some hundred microseconds.
 const BLOCK: usize = 4096;
 

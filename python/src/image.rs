@@ -14,6 +14,8 @@ use crate::scenario::{Described, Resolved};
 use crate::spatial::{computed, text};
 use crate::watch::detached;
 
+exports! { classes Image; }
+
 /// A picture on a display.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Image {

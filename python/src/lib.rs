@@ -5,6 +5,19 @@
 //! the interpreter meanwhile. It raises the exceptions of `papilio/errors.py`, and checks all arguments again, so that no
 //! script can crash the interpreter.
 
+/// What a file exports to the extension module: its classes, then its functions.
+macro_rules! exports {
+    ($(classes $($class:ident),+;)? $(functions $($function:ident),+;)?) => {
+        /// Adds the classes and functions of this file to the extension module.
+        pub(crate) fn add_to(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+            use pyo3::types::PyModuleMethods;
+            $($(module.add_class::<$class>()?;)+)?
+            $($(module.add_function(pyo3::wrap_pyfunction!($function, module)?)?;)+)?
+            Ok(())
+        }
+    };
+}
+
 mod absorption;
 mod batch;
 mod brdf;
@@ -39,50 +52,35 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 /// Implementation of the package `papilio`; not for direct use.
 #[pymodule]
 mod _papilio {
-    #[pymodule_export]
-    use crate::absorption::Absorption;
-    #[pymodule_export]
-    use crate::batch::{Batch, metric_names};
-    #[pymodule_export]
-    use crate::brdf::{beams, bsdf};
-    #[pymodule_export]
-    use crate::colour::{
-        delta_e_2000, gamut, illuminant_names, illuminant_sheet, illuminant_spectrum, lab, uv_prime, xyz,
-    };
-    #[pymodule_export]
-    use crate::cone::Cone;
-    #[pymodule_export]
-    use crate::diffuser::{Diffuser, lobe_names};
-    #[pymodule_export]
-    use crate::figures::png;
-    #[pymodule_export]
-    use crate::films::{film, film_grid, material_index, material_names, material_sheet};
-    #[pymodule_export]
-    use crate::image::Image;
-    #[pymodule_export]
-    use crate::palette::Palette;
-    #[pymodule_export]
-    use crate::plot::{curves, map};
-    #[pymodule_export]
-    use crate::production::Production;
-    #[pymodule_export]
-    use crate::program::program;
-    #[pymodule_export]
-    use crate::result::RunResult;
-    #[pymodule_export]
-    use crate::run::Prepared;
-    #[pymodule_export]
-    use crate::scenario::{
-        Described, Resolved, edit, label, migrate, new_scenario, present_path, preset_names, schema,
-    };
-    #[pymodule_export]
-    use crate::search::{Search, moved_text};
-    #[pymodule_export]
-    use crate::spatial::{Crosstalk, Mtf, Sparkle};
-    #[pymodule_export]
-    use crate::surface::Surface;
-    #[pymodule_export]
-    use crate::waves::{film_absorptance, film_amplitudes, film_derivatives};
+    use pyo3::prelude::*;
+
+    /// Adds what each file exports.
+    #[pymodule_init]
+    fn add_exports(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let files = [
+            crate::absorption::add_to,
+            crate::batch::add_to,
+            crate::brdf::add_to,
+            crate::colour::add_to,
+            crate::cone::add_to,
+            crate::diffuser::add_to,
+            crate::figures::add_to,
+            crate::films::add_to,
+            crate::image::add_to,
+            crate::palette::add_to,
+            crate::plot::add_to,
+            crate::production::add_to,
+            crate::program::add_to,
+            crate::result::add_to,
+            crate::run::add_to,
+            crate::scenario::add_to,
+            crate::search::add_to,
+            crate::spatial::add_to,
+            crate::surface::add_to,
+            crate::waves::add_to,
+        ];
+        files.iter().try_for_each(|add_to| add_to(module))
+    }
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name")]

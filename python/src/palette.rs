@@ -7,6 +7,8 @@ use pyo3::prelude::*;
 use crate::scenario::Resolved;
 use crate::spatial::{computed, text};
 
+exports! { classes Palette; }
+
 /// Palette of a display.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Palette {

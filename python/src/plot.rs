@@ -3,6 +3,8 @@
 use papilio_figures::{Chart, ChartCurve, Hue, SweepAxis, SweepFigure, chart, sweep_map};
 use pyo3::prelude::*;
 
+exports! { functions curves, map; }
+
 /// A curve: its name, its style ("line", "dashed", "points"), x and y.
 type Curve = (String, String, Vec<f64>, Vec<f64>);
 

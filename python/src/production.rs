@@ -17,6 +17,8 @@ use crate::pool::Pool;
 use crate::scenario::library;
 use crate::watch::detached;
 
+exports! { classes Production; }
+
 /// The displays of a tolerance analysis, and the rows computed so far.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Production {

@@ -4,6 +4,8 @@ use std::ffi::OsString;
 
 use pyo3::prelude::*;
 
+exports! { functions program; }
+
 /// Runs the program with its arguments, the first of which is its own name; returns the exit code.
 #[pyfunction]
 pub(crate) fn program(py: Python<'_>, arguments: Vec<OsString>) -> u8 {

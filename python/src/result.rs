@@ -12,6 +12,8 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::columns::Columns;
 use crate::errors;
 
+exports! { classes RunResult; }
+
 /// The result of a run.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct RunResult {

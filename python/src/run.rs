@@ -13,6 +13,8 @@ use crate::result::RunResult;
 use crate::scenario::Resolved;
 use crate::watch::watched;
 
+exports! { classes Prepared; }
+
 /// Interval between attempts to lock a display that another thread uses.
 const WAIT: Duration = Duration::from_millis(1);
 

@@ -12,6 +12,8 @@ use pyo3::prelude::*;
 use crate::errors;
 use crate::watch::detached;
 
+exports! { classes Described, Resolved; functions edit, label, migrate, new_scenario, present_path, preset_names, schema; }
+
 /// A parsed scenario, with valid keys and types.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Described {

@@ -21,6 +21,8 @@ use crate::errors;
 use crate::scenario::library;
 use crate::watch::{ProgressState, detached, watched};
 
+exports! { classes Search; functions moved_text; }
+
 /// A search, its progress and its journal. Work items and their results are JSON texts.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Search {

@@ -15,6 +15,8 @@ use crate::errors;
 use crate::scenario::Resolved;
 use crate::watch::watched;
 
+exports! { classes Crosstalk, Mtf, Sparkle; }
+
 /// Names and SVG texts of figures.
 pub(crate) type Figures = Vec<(String, String)>;
 

@@ -15,6 +15,8 @@ use crate::errors;
 use crate::spatial::{Figures, text};
 use crate::watch::{ProgressState, detached, watched};
 
+exports! { classes Surface; }
+
 /// A measured surface.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Surface {

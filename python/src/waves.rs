@@ -14,6 +14,8 @@ use crate::errors;
 use crate::films::{Answer, Films, Given, given, on_threads};
 use crate::watch::watched;
 
+exports! { functions film_absorptance, film_amplitudes, film_derivatives; }
+
 /// Number of points that a thread takes at a time: some hundred microseconds.
 const POINTS: usize = 256;
 

@@ -49,10 +49,6 @@ const LOAD_SECONDS: &str = "60";
 /// The tests compute all example scenarios in-process, with both solvers.
 const EXAMPLES: [&str; 3] = ["map", "table-pixel", "two-diffusers"];
 
-/// The integration tests that take longest. In `cargo xtask test` they run at the same time as the others, so
-/// that no core waits for the last test of a program.
-const LONGEST: [&str; 2] = ["cli", "transport"];
-
 /// Runs `cargo xtask test`.
 pub(crate) fn test() -> Outcome {
     let tests = || {
@@ -88,6 +84,10 @@ fn features(of_page: &str) -> &'static str {
 
 const TESTS: [&str; 4] = ["test", "--workspace", "--no-fail-fast", "--quiet"];
 
+/// Selects the targets that have tests. Without it, cargo would link the examples, too, which lints check; `--lib` would compile the Python
+/// package's extension module, which its wheel compiles again with settings of its interpreter.
+const UNITS: &str = "--tests";
+
 fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     shell::need(Needs { tool: &["cargo", "fmt"], install: "rustup component add rustfmt" })?;
     shell::need(Needs { tool: &["cargo", "clippy"], install: "rustup component add clippy" })?;
@@ -102,8 +102,8 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     let mut compile = tests();
     compile.arg("--no-run");
     if of_page == page::EVERYDAY {
-        // What the tests below select. Without these, cargo would link the examples, too; lints check them.
-        compile.args(["--lib", "--bins", "--tests"]);
+        // What the tests below select.
+        compile.arg(UNITS);
     }
     let _ = count.step("tests, compiled", |_| shell::run(compile));
     let environment = count.environment(environment);
@@ -129,19 +129,14 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
         .envs(shell::checked_by_clippy("-D warnings"));
     let texts = [Job::check("  lints", lints), Job::check("  documentation", docs)];
     if of_page == page::EVERYDAY {
-        let [mut longest, mut rest, mut examples] = [tests(), tests(), tests()];
-        rest.args(["--lib", "--bins"]);
+        let [mut units, mut examples] = [tests(), tests()];
+        units.arg(UNITS);
         examples.arg("--doc");
-        for name in integration_tests()? {
-            let tests = if LONGEST.contains(&name.as_str()) { &mut longest } else { &mut rest };
-            tests.args(["--test", &name]);
-        }
-        let longest = vec![Job::tests("  cargo, longest", longest)];
         // Lints and documentation use the time in which tests wait. While they are compiled, cargo builds
         // nothing else: they come last.
         others.push(Job::tests("  cargo, examples", examples));
         others.extend(texts);
-        count.step("tests and lints", |count| count.together(rest, [python, longest, others]));
+        count.step("tests and lints", |count| count.together(units, [python, others]));
     } else {
         // The long tests measure times and must not run in parallel with others.
         count.step("tests", |count| count.tests(tests()));
@@ -156,21 +151,6 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     count
         .step("scenarios", |count| scenarios.iter().for_each(|scenario| count.check(run_scenario(scenario))));
     count.conclude()
-}
-
-/// Returns the names of the integration tests of all crates, in order.
-fn integration_tests() -> Result<Vec<String>, String> {
-    let output = cargo(["metadata", "--no-deps", "--format-version", "1"]).output();
-    let output = output.map_err(|error| format!("cargo metadata: {error}"))?;
-    let text = String::from_utf8_lossy(&output.stdout);
-    // `"kind":["test"],"crate_types":["bin"],"name":"optics","src_path":...`
-    let mut found: Vec<String> = text
-        .split("\"kind\":[\"test\"]")
-        .skip(1)
-        .filter_map(|target| Some(target.split_once("\"name\":\"")?.1.split_once('"')?.0.to_owned()))
-        .collect();
-    found.sort();
-    if found.is_empty() { Err("cargo metadata lists no integration tests".to_owned()) } else { Ok(found) }
 }
 
 /// Returns the paths of the example scenarios, in order.

@@ -133,10 +133,14 @@ fn mirrors_below_faces_and_fronts_agree() {
     let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.3 }\n";
     let diffuse = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
     let oblique = "[viewer]\ntheta_deg = 50\nphi_deg = 20\nfield_deg = 0\n";
-    for (front, glass) in everyday(1, [(FRONT, BARE), ("", BARE), (FRONT, GLASS)]) {
-        assert_agree(&format!("mirror {front}"), &[front, glass, mirror, MATRIX, diffuse, oblique], 1 << 13);
+    let cases = [(FRONT, BARE, mirror), (FRONT, BARE, PAPER), ("", BARE, mirror), (FRONT, GLASS, mirror)];
+    for (front, glass, pixel) in everyday(1, cases) {
+        assert_agree(
+            &format!("{front}{glass}{pixel}"),
+            &[front, glass, pixel, MATRIX, diffuse, oblique],
+            1 << 13,
+        );
     }
-    assert_agree("paper", &[FRONT, BARE, PAPER, MATRIX, diffuse, oblique], 1 << 13);
 }
 
 /// A filter at a height above paper, below a bare face and a front: shares on the way in and out, stripes and

@@ -3,7 +3,7 @@
 import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSelected } from "../drawing/actions.ts";
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { KINDS } from "../model/kinds.ts";
-import { films, layers } from "../model/stack.ts";
+import { films, layers, MODELS } from "../model/stack.ts";
 import { firstError, isFaded, liveAge } from "../state/age.ts";
 import { answer, draft, draftName, fields, pending, problems, selected } from "../state/design.ts";
 import { discard, edit } from "../state/live.ts";
@@ -104,9 +104,7 @@ export function Toolbar() {
         name="Add source"
         options={[
           "directed",
-          "ring",
-          "cap",
-          "sky",
+          ...Object.keys(MODELS["environment"]!),
           ...(at(fields.value, "lighting.front_light") ? [] : ["front light"]),
         ]}
         add={addLight}
