@@ -109,12 +109,21 @@ fn paths_compute_what_adding_refuses() {
     assert!(colours.status.success(), "{}", stderr(&colours));
     assert!(view["error"].as_f64().is_some_and(|error| error > 1e-4 && error < 0.1), "{view}");
     assert!(view["patterns"][3]["contrast_ratio"].is_f64(), "{view}");
-    let layers = "display={ pixel = { model = \"uniform\", kind = \"lambertian\", reflectance = { one = 0.5, two = 0.1 } }, matrix = { ppi = 200 }, \
-                  layers = [{ kind = \"fresnel\" }, { kind = \"medium\", index = 1.5, thickness_mm = 0.1 }, \
-                  { kind = \"fresnel\" }, { kind = \"medium\", index = 1.6, thickness_mm = 0.1 }] }";
-    let general = ["--set", layers];
-    let refused = stderr(&run("matrix", &[&coarse[..], &general].concat()));
+    let layers = |kind: &str| {
+        format!(
+            "display={{ pixel = {{ model = \"uniform\", kind = \"{kind}\", reflectance = {{ one = 0.5, two = 0.1 }} }}, \
+             matrix = {{ ppi = 200 }}, layers = [{{ kind = \"fresnel\" }}, \
+             {{ kind = \"medium\", index = 1.5, thickness_mm = 0.1 }}, {{ kind = \"fresnel\" }}, \
+             {{ kind = \"medium\", index = 1.6, thickness_mm = 0.1 }}] }}"
+        )
+    };
+    let mirrors = layers("specular");
+    let refused = stderr(&run("matrix", &[&coarse[..], &["--set", &mirrors]].concat()));
     assert!(refused.contains("--solver monte-carlo") && refused.contains("display.layers"), "{refused}");
+    let paper = layers("lambertian");
+    let general = ["--set", &paper];
+    let output = run("matrix", &[&coarse[..], &general].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
     let output = run("matrix", &[&coarse[..], &general, &paths].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

@@ -28,7 +28,8 @@ impl Deflection {
     ///
     /// ```
     /// use papilio_optics::Beta;
-    /// use papilio_transport::spatial::{Gap, sparkle::Deflection};
+    /// use papilio_sparkle::Deflection;
+    /// use papilio_transport::spatial::Gap;
     /// let glass = Gap { index: 1.5, thickness_mm: 0.7 };
     /// let along_normal = Deflection::new(&[glass], Beta::default());
     /// assert!((along_normal.per_slope_mm()[0] - 0.7 / 3.0).abs() < 1e-15);

@@ -45,7 +45,7 @@ const SHARP_LIGHT: f64 = 1e-2;
 
 pub(super) struct Ghosts {
     /// Place of each image, mm, and its light by state.
-    images: Vec<([f64; 2], Vec<f64>)>,
+    images: Vec<GhostImage>,
     states: usize,
     thickness_mm: f64,
     trips: Vec<RoundTrips>,
@@ -87,13 +87,16 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
     Ok(Ghosts { images, states: panel.base.states(), thickness_mm, trips, is_wide })
 }
 
+/// Place of an image, mm, and the light of each state in it.
+type GhostImage = ([f64; 2], Vec<f64>);
+
 /// Adds what is seen along a direction of the field, which has this share of its light. Places are relative to
 /// its own ray.
 fn add_direction(
     lit: Lit<'_>,
     (beta, share): (Beta, f64),
     (weights, via_pixel): (&[f64], &[f64]),
-    (trips, images): (&mut Vec<RoundTrips>, &mut Vec<([f64; 2], Vec<f64>)>),
+    (trips, images): (&mut Vec<RoundTrips>, &mut Vec<GhostImage>),
 ) -> Result<(), DisplayError> {
     let panel = lit.panel;
     let (states, bins) = (panel.base.states(), weights.len());

@@ -1,5 +1,7 @@
 //! Sharpness at one level of discretisation.
 
+use std::cell::OnceCell;
+
 use num_complex::Complex64;
 
 use super::mtf::Frame;
@@ -16,6 +18,13 @@ const EXTENT: f64 = 20.0;
 
 /// Distance from a sharp image, in thicknesses, within which a table has all of its light.
 const SHARP: f64 = 1e-6;
+
+/// Borders between places, mm: of strips, `[axis]`, and of rings.
+#[derive(Debug, Clone)]
+pub(super) struct Borders {
+    places: [Vec<f64>; 2],
+    radii: Vec<f64>,
+}
 
 /// Light of one state by frequency and place, from one light or all.
 pub(super) struct Light {
@@ -57,28 +66,38 @@ pub(super) struct Measured {
 }
 
 impl Frame<'_> {
-    /// Computes all that a view sees at one level.
-    pub(super) fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
-        let (seen, from_faces) = responses(self.setup, view, level, self.control)?;
-        let mut frequencies = self.frequencies.clone();
-        while let Some(last) = frequencies.last().filter(|last| **last < level.most_per_mm) {
-            frequencies.push(last * 1.12);
-        }
-        frequencies.truncate(frequencies.partition_point(|f| *f <= level.most_per_mm));
+    /// Returns the borders between the places of tables.
+    fn borders(&self, seen: &[Seen]) -> Borders {
         let extent = EXTENT * self.thickness_mm;
         let peaks: Vec<_> = seen.iter().flat_map(|seen| seen.response.peaks()).collect();
         let images: Vec<[f64; 2]> = seen.iter().flat_map(|seen| seen.response.images()).collect();
-        let borders = |axis: usize| {
+        let along = |axis: usize| {
             let halves = self.lines(axis).flat_map(|width| [-0.5 * width, 0.5 * width]);
             // A table resolves a sharp image by places close to it.
             let sharp =
                 images.iter().flat_map(|at| [-SHARP, SHARP].map(|side| at[axis] + side * self.thickness_mm));
             places(&peaks, axis, extent, &halves.chain(sharp).collect::<Vec<_>>())
         };
-        let places = [borders(0), borders(1)];
         let own: Vec<_> = peaks.iter().copied().take(1).collect();
-        let mut radii = self::places(&own, 0, extent, &[SHARP * self.thickness_mm]);
+        let mut radii = places(&own, 0, extent, &[SHARP * self.thickness_mm]);
         radii.retain(|radius| *radius > 0.0);
+        Borders { places: [along(0), along(1)], radii }
+    }
+
+    /// Computes all that a view sees at one level. The first level finds the borders for all of them.
+    pub(super) fn measure(
+        &self,
+        view: &ViewPoint,
+        level: Level,
+        borders: &OnceCell<Borders>,
+    ) -> Result<Measured, DisplayError> {
+        let (seen, from_faces) = responses(self.setup, view, level, self.control)?;
+        let mut frequencies = self.frequencies.clone();
+        while let Some(last) = frequencies.last().filter(|last| **last < level.most_per_mm) {
+            frequencies.push(last * 1.12);
+        }
+        frequencies.truncate(frequencies.partition_point(|f| *f <= level.most_per_mm));
+        let Borders { places, radii } = borders.get_or_init(|| self.borders(&seen)).clone();
         let mut lights: Vec<Vec<Light>> = self.setup.states.iter().map(|_| Vec::new()).collect();
         for Seen { response, .. } in &seen {
             self.control.check()?;

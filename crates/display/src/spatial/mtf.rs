@@ -3,6 +3,8 @@
 //! Every number is computed at two levels of discretisation; the finer one is the result, the difference its
 //! error. By Monte Carlo (`mtf_walk`), errors are standard errors.
 
+use std::cell::OnceCell;
+
 use num_complex::Complex64;
 use papilio_transport::adding;
 
@@ -111,7 +113,7 @@ pub(crate) fn sharpness(setup: &Setup, control: &Control<'_>) -> Result<Option<S
     let (Some(_), Some(view)) = (setup.stack.panel(), setup.views.first()) else { return Ok(None) };
     let measured = Frame::new(setup, &patterns, control).and_then(|frame| {
         let level = Level { digits: DIGITS[0], most_per_mm: frame.highest(), is_fine: false, finer: 0 };
-        Ok(frame.sharpness(&frame.measure(view, level)?))
+        Ok(frame.sharpness(&frame.measure(view, level, &OnceCell::new())?))
     });
     match measured {
         Err(
@@ -215,8 +217,9 @@ impl<'a> Frame<'a> {
             0 => DIGITS[0],
             further => DIGITS[1] + MORE_DIGITS * (further - 1) as f64,
         };
+        let borders = OnceCell::new();
         let at = |level: usize, is_fine: bool| {
-            self.measure(view, Level { digits: digits(level), most_per_mm, is_fine, finer: 0 })
+            self.measure(view, Level { digits: digits(level), most_per_mm, is_fine, finer: 0 }, &borders)
         };
         // The coarse one of two levels uses simpler estimates: each further level has its own coarse one.
         let pair = |level: usize| {

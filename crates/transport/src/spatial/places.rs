@@ -51,6 +51,9 @@ impl From<&Sample> for Image {
     }
 }
 
+/// Least angle, rad, over which the light of a sky varies on a circle: on wide circles there is little light.
+const LEAST_TURN: f64 = 0.25;
+
 /// Density of what a viewer sees over the places of the pixel plane.
 pub struct PointSpread<'a> {
     /// Density over beta of light that leaves the pixel, and its `|beta|^2`.
@@ -61,6 +64,9 @@ pub struct PointSpread<'a> {
     pub(super) own_mm: [f64; 2],
     /// Peaks of the density, the sharpest features.
     pub(super) peaks: Vec<Peak>,
+    /// Whether the density varies around the view's own ray where no peak does, in the light of a sky: over
+    /// this distance, mm.
+    pub(super) varies_over_mm: Option<f64>,
     /// Images of unscattered light.
     pub(super) images: Vec<Image>,
     /// Whether the density drops where `|beta| = 1`, over this width in beta.
@@ -117,6 +123,7 @@ impl PointSpread<'_> {
             gap: Gap { index: 1.5, thickness_mm: 0.0 },
             own_mm: [0.0; 2],
             peaks: Vec::new(),
+            varies_over_mm: None,
             images: images.collect(),
             rim: None,
             digits: 1.0,
@@ -356,6 +363,13 @@ impl PointSpread<'_> {
             let distance = length(peak.at_mm);
             if distance > 1e-6 * peak.width_mm {
                 add(peak.at_mm, peak.width_mm.hypot(radius - distance) / radius.max(distance));
+            }
+        }
+        if let Some(distance) = self.varies_over_mm {
+            let off = (distance / radius).clamp(LEAST_TURN, 1.0);
+            for k in 0..6 {
+                let (sin, cos) = (f64::from(k) * PI / 3.0).sin_cos();
+                add([cos, sin], off);
             }
         }
         let own = length(self.own_mm);

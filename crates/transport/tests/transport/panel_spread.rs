@@ -395,3 +395,29 @@ fn assert_known(spread: &PanelSpread, panel: &Panel, f: [f64; 2], [re, im]: [f64
     let found = sums[1][0] / sums[0][0];
     assert!((found - known).norm() < 3e-5, "{f:?} by places: {found} {known}");
 }
+
+/// Rings about the ray of a view along the normal hold all of the light of a sky that is brighter on one
+/// side: the density is taken around each of them, not in one direction.
+#[test]
+fn rings_hold_all_light_of_an_asymmetric_sky() {
+    let lobe = Lobe::KCorrelation { width: 0.1 };
+    let top = Top::Diffuser(Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction: 0.0 });
+    let panel = one_bin(top, mirror(1.0));
+    let stack = panel.stack();
+    let panel = stack.panel().unwrap();
+    let accuracy = Accuracy { digits: 9.0, ..ACCURACY };
+    for source in &sources()[3..] {
+        let spread = PanelSpread::new(panel, &[0.5], &view(0.0), source, accuracy).unwrap();
+        let all = spread.transfer(panel, &[[0.0, 0.0]])[0].re;
+        let found: f64 = spread
+            .parts()
+            .iter()
+            .map(|part| {
+                let rings = spread.point_spread(part).rings(&[0.03, 0.1, 0.4]);
+                let sums = rings.sums_of(1, |_, value| value[0] = 1.0);
+                part.through[0] * sums[0].iter().sum::<f64>()
+            })
+            .sum();
+        assert!((found / all - 1.0).abs() < 2e-3, "{found} {all}");
+    }
+}

@@ -80,6 +80,10 @@ impl Pair {
             gap: self.gap,
             own_mm,
             peaks: self.peaks().iter().flat_map(|peak| self.over(*peak)).map(peak).collect(),
+            varies_over_mm: match self.light {
+                Incoming::Field(_) => Some(self.width() * thickness_mm / index),
+                Incoming::Peak(_) | Incoming::Diffuse | Incoming::Pixel => None,
+            },
             images: Vec::new(),
             rim,
             digits: self.accuracy.digits,
