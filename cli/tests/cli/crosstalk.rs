@@ -117,7 +117,7 @@ fn paths_compute_what_adding_refuses() {
              {{ kind = \"medium\", index = 1.6, thickness_mm = 0.1 }}] }}"
         )
     };
-    let mirrors = layers("specular");
+    let mirrors = layers("mirror");
     let refused = stderr(&run("matrix", &[&coarse[..], &["--set", &mirrors]].concat()));
     assert!(refused.contains("--solver monte-carlo") && refused.contains("display.layers"), "{refused}");
     let paper = layers("lambertian");
