@@ -147,8 +147,8 @@ impl SurfaceFace {
         Ok(kernels.insert(found).clone())
     }
 
-    /// A face by waves: lobes that differ by wavelength, each computed by `balance`, which is told how many lobes
-    /// there are.
+    /// Returns a face by waves. Its lobes differ by wavelength: `balance` computes each of them, and is given the
+    /// progress over all lobes.
     fn by_waves(
         &self,
         grid: &Grid,

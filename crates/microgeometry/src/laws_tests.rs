@@ -265,8 +265,8 @@ fn random_maps_obey_reciprocity() {
     assert_student("diffuse transmittance of random maps", &scores, scores.len() as f64);
 }
 
-/// Kernels lose nothing, treat both ways alike, and obey the laws within their errors before they are made
-/// to; between other media, too.
+/// Kernels conserve energy and are reciprocal. The measured ones, before they are balanced, are so within their
+/// errors. Other media are included.
 #[test]
 fn kernels_obey_the_laws() {
     let gaussian = Spectrum::Gaussian { rms_um: 2.5, correlation_um: 10.0 };

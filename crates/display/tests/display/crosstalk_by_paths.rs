@@ -133,6 +133,7 @@ fn mirrors_below_faces_and_fronts_agree() {
     let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.3 }\n";
     let diffuse = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
     let oblique = "[viewer]\ntheta_deg = 50\nphi_deg = 20\nfield_deg = 0\n";
+    // Ten seconds each. Paper below a face and a front is compared with paths every day in the next test.
     let cases = [(FRONT, BARE, mirror), (FRONT, BARE, PAPER), ("", BARE, mirror), (FRONT, GLASS, mirror)];
     for (front, glass, pixel) in everyday(1, cases) {
         assert_agree(

@@ -222,8 +222,8 @@ fn colours_below_filters_are_those_of_paths() {
     assert!(shares.iter().any(|(_, share)| *share == Some(1.0)), "{shares:?}");
 }
 
-/// Glass and a front whose index and reflectance depend strongly on the wavelength: what returns, and the places
-/// of light, differ at each. Colours and their errors against paths.
+/// Glass and a front whose index and reflectance depend strongly on the wavelength: what returns, and the
+/// places of light, differ at each. Colours and their errors against paths.
 #[test]
 fn colours_below_filters_in_dispersion_and_coloured_fronts_are_those_of_paths() {
     let view = "[viewer]\ntheta_deg = 40\nfield_deg = 0\n";

@@ -24,8 +24,8 @@ fn lobe(theta_i: f64, phi_i: f64, theta_o: f64, phi_o: f64) -> f64 {
     (WIDTH * WIDTH / (WIDTH * WIDTH + squared)).powf(1.5)
 }
 
-/// The integral of the lobe over the hemisphere: in closed form along each ray from its peak to the edge of the disc of
-/// direction cosines, and by the midpoint rule over the azimuths of the rays.
+/// The integral of the lobe over the hemisphere: in closed form along each ray from its peak to the edge of the
+/// disc of direction cosines, and by the midpoint rule over the azimuths of the rays.
 fn integral(theta_i: f64) -> f64 {
     const STEPS: i32 = 400;
     let peak = theta_i.to_radians().sin();

@@ -143,8 +143,9 @@ impl PanelSpread {
         Self::build((panel, lengths_mm), view, source, accuracy, false)
     }
 
-    /// Prepares a spread whose samples have the true directions in the glass. Those of [`new`](Self::new) may stand for several
-    /// directions of a field of view that see the same place; they have its place and `|beta|`.
+    /// Prepares a spread whose samples have the true directions in the glass. Those of [`new`](Self::new) may
+    /// stand for several directions of a field of view that see the same place; they have its place and
+    /// `|beta|`.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).

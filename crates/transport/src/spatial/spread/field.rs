@@ -60,7 +60,7 @@ impl FieldLight {
             return Self { bundle, table: None };
         }
         let count = squares as usize;
-        let order = (((digits - COARSER) / BY_ORDER).ceil() as usize + 1).clamp(4, MOST_ORDER);
+        let order = (((digits - COARSER) / BY_ORDER).ceil() as usize + 3).clamp(4, MOST_ORDER);
         let squares = vec![OnceLock::new(); count * count];
         Self { bundle, table: Some(Table { width, end, count, order, squares }) }
     }
@@ -151,4 +151,36 @@ pub(super) fn lobes_around(lobe: Lobe, points: &[Point], beta: Beta) -> f64 {
             sums.iter().sum::<f64>() + rest.sum::<f64>()
         },
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares against the sum over all directions, also between their nodes and at their borders.
+    #[test]
+    fn squares_hold_the_sum_of_the_lobes() {
+        let spiral = |k: usize| {
+            let (radius, turn) = ((k as f64 + 0.5) / 200.0, 2.4 * k as f64);
+            let beta = Beta { x: radius.sqrt() * turn.cos(), y: radius.sqrt() * turn.sin() };
+            Point { beta, weight: 1.0 + (3.0 * turn).sin() }
+        };
+        let points: Vec<Point> = (0..200).map(spiral).collect();
+        for (width, digits) in [(0.05, 12.0), (0.05, 16.0), (0.3, 12.0)] {
+            let lobe = Lobe::KCorrelation { width };
+            let bundle = Bundle { points: points.clone(), centre: Beta { x: 0.0, y: 0.0 }, radius: 1.0 };
+            let field = FieldLight::new(bundle, lobe, (1.5, digits));
+            assert!(field.table.is_some());
+            let pairs: Vec<[f64; 2]> = (0..2000)
+                .map(|k| {
+                    let at = |factor: f64| 2.0 * (factor * f64::from(k)).fract() - 1.0;
+                    let beta = Beta { x: at(0.618_034), y: at(0.754_878) };
+                    [field.through(lobe, beta), lobes_around(lobe, &points, beta)]
+                })
+                .collect();
+            let largest = pairs.iter().fold(0.0_f64, |most, [_, sum]| most.max(*sum));
+            let error = pairs.iter().fold(0.0_f64, |most, [table, sum]| most.max((table - sum).abs()));
+            assert!(error < (COARSER - digits).exp() * largest, "{width} {digits}: {:e}", error / largest);
+        }
+    }
 }

@@ -124,9 +124,8 @@ impl GenerationNumbers {
         self.0.block(rank as u64, 0)
     }
 
-    /// Returns a roulette for each of several alternatives of a decision. Decisions that follow each other
-    /// have numbers of their own: a branch that has survived the first says where the number of the first
-    /// was.
+    /// Returns a roulette for each of several alternatives of a decision. Each decision has numbers of its
+    /// own: which branches take the second one depends on the numbers of the first.
     pub(super) fn roulettes(&self, decision: Decision, count: usize) -> Vec<Roulette> {
         let numbers = self.0.independent().part(decision as u64);
         (0..count).map(|k| Roulette(numbers.block(k as u64, u32::MAX)[0])).collect()

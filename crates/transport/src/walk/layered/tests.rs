@@ -55,9 +55,9 @@ fn rough_glass(bins: usize) -> Layer {
     Layer { interface: Interface::Rough(Rough::new(0.3, 1.0, 1.5)), medium }
 }
 
-/// Both roulettes of a generation began with the same number: a branch that had survived the first met a number
-/// of the second that was not uniform. The light of lossless layers was 0.2 standard errors too bright with any
-/// number of paths; over few seeds this is not seen, and so the numbers themselves are tested.
+/// The two decisions of a generation use independent numbers. With common ones, the light of lossless layers
+/// is too bright by 0.2 standard errors with any number of paths. Few seeds do not show this, and so the
+/// numbers themselves are tested.
 #[test]
 fn roulettes_of_a_generation_are_independent() {
     let pairs: Vec<[f64; 2]> = (0..2048)
