@@ -270,8 +270,10 @@ fn exchanged_view_and_source_give_the_same_value() {
             let estimates = replicates(&stack, reader, &[beam], seed, 1024, Sampler::Sobol);
             mean_and_error(estimates.iter().map(|e| rho(e, 0)))
         };
-        // The same pair of directions, with the azimuth between them mirrored.
-        assert_unbiased(&format!("reciprocity, {name}"), 1.0, 0.05, |seed| {
+        // The same pair of directions, with the azimuth between them mirrored. They are far from each other's
+        // mirror images: most of the light comes by rare paths. No seed may be noisier than others (with
+        // weights that grew from pass to pass, one seed in 500 had an error of 0.3).
+        assert_unbiased(&format!("reciprocity, {name}"), 1.0, 0.025, |seed| {
             let (a, error_a) = one_way(10.0, 35.0, 2 * seed);
             let (b, error_b) = one_way(35.0, 10.0, 2 * seed + 1);
             (a / b, (a / b) * (error_a / a).hypot(error_b / b))

@@ -57,7 +57,7 @@ pub(super) struct Diffused<'a> {
     /// Probability with which light beyond a first pass is scattered by the lobe instead of passing
     /// unscattered.
     by_lobe: f64,
-    /// Probability of a further pass after later ones.
+    /// Probability of a further pass after later ones, for light whose weight has not grown.
     survival: f64,
     /// `T^2 r`, per wavelength.
     between_passes: Vec<f64>,
@@ -166,7 +166,7 @@ impl<'a> Diffused<'a> {
         // In a dispersive medium the disc of directions depends on wavelength: paths carry spectra from the
         // start.
         let carries = self.stack.medium.constant_index().is_none();
-        let light = LightAbove { beta, weight: 1.0, carries };
+        let light = LightAbove { beta, weight: 1.0, carries, growth: 1.0 };
         let numbers = &PassNumbers::new(numbers, 0, self);
         let Accumulator { sums, workspace, .. } = tally;
         if carries {
@@ -217,7 +217,7 @@ impl<'a> Diffused<'a> {
         for (number, stands_for) in self.blocks.continuing_among(numbers, paths) {
             let numbers = PathNumbers::new(numbers, number);
             let beta = self.view.sample_towards(numbers.field());
-            let light = LightAbove { beta, weight: stands_for, carries: false };
+            let light = LightAbove { beta, weight: stands_for, carries: false, growth: 1.0 };
             if let Some(light) = self.through_first_pass(light, &numbers, &mut tally.workspace) {
                 self.passes(light, &numbers, tally);
             }
@@ -264,11 +264,16 @@ impl<'a> Diffused<'a> {
         if let Some(down) = down {
             self.meet(light, down, numbers, sums, workspace);
         }
-        if numbers.survival >= self.survival {
+        let mut down = down?;
+        // Directions that are sampled about sources make some weights grow with each pass: with the same
+        // probability for all, a few paths of many passes would carry weights without a bound.
+        let growth = light.growth * down.weight / light.weight;
+        let survival = (self.survival * growth).clamp(self.survival, MOST_SURVIVAL);
+        if numbers.survival >= survival {
             return None;
         }
-        let mut down = down?;
-        down.weight /= self.survival;
+        down.weight /= survival;
+        let light = LightAbove { growth: light.growth * self.survival, ..light };
         self.to_next_pass(light, down, numbers, workspace)
     }
 
@@ -303,7 +308,8 @@ impl<'a> Diffused<'a> {
         let (up, weight) =
             if self.specular { (down.beta, down.weight) } else { self.off_base(down.weight, base) };
         let (beta, drawn, _) = self.through(&self.drawing, up, 1.0, self.by_lobe, [u, v])?;
-        if beta.squared() > 1.0 || down.beta.length() >= n {
+        let weight = weight * drawn;
+        if beta.squared() > 1.0 || down.beta.length() >= n || weight == 0.0 {
             return None;
         }
         let Workspace { carried, reflected, .. } = workspace;
@@ -317,7 +323,7 @@ impl<'a> Diffused<'a> {
         }
         scale_rows(reflected, &self.between_passes);
         std::mem::swap(carried, reflected);
-        Some(LightAbove { beta, weight: weight * drawn, carries: true })
+        Some(LightAbove { beta, weight, carries: true, growth: light.growth * weight / light.weight })
     }
 
     /// Reflects light below the diffuser at the base and adds the sources that it then sees, as this
@@ -404,6 +410,8 @@ struct LightAbove {
     weight: f64,
     /// Whether it carries spectra; otherwise all of them are one.
     carries: bool,
+    /// Factor by which sampling directions by other densities than the lobe's has increased the weight.
+    growth: f64,
 }
 
 #[inline]
