@@ -127,8 +127,11 @@ fn mean_under_a_diffuser_is_todays_first_order() {
                         &sources()[..]
                     };
                     let errors = worst_of(&panel, (view, sources), &[0.7], ACCURACY);
+                    // Over a field, a mirror-like pixel has one reflectance for each bundle of directions.
+                    let has_bundles = base.is_specular() && view.half_angle() > 0.0;
+                    let most = if has_bundles { 3e-5 } else { 3e-7 };
                     assert!(
-                        errors.iter().all(|error| *error < 3e-7),
+                        errors.iter().all(|error| *error < most),
                         "{lobe:?} {regular}: {}",
                         shown(&errors)
                     );
