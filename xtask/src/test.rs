@@ -14,7 +14,7 @@ use crate::shell::{self, Needs, Outcome, cargo, command};
 use crate::site;
 
 /// Number of seeds of the statistical tests in `cargo xtask full`; 8 in `cargo xtask test`.
-pub(crate) const SEEDS: u64 = 480;
+pub(crate) const SEEDS: u64 = 120;
 
 /// Number of seeds, read by the statistical tests of `crates/transport` and the test of sensitivities in
 /// `crates/design`.

@@ -55,7 +55,7 @@ pub(super) fn covers(setup: &Setup) -> bool {
 /// Lambertian pixels below general layers, in one view.
 pub(super) struct Layers {
     table: Arc<LayeredPaper>,
-    height_mm: f64,
+    pub(super) height_mm: f64,
     /// Number of wavelengths.
     pub(super) bins: usize,
     pub(super) level: Level,

@@ -40,7 +40,7 @@ impl Frame<'_> {
             return [None; 2];
         };
         let text = &self.patterns.text;
-        let bitmap = patterns::bitmap(&self.setup.scene, text, pitch, self.thickness_mm);
+        let bitmap = patterns::bitmap(&self.setup.scene, text, pitch);
         let Some(bitmap) = bitmap else { return [None; 2] };
         let strokes = patterns::strokes(&measured.seen, &bitmap, pitch, [black, white], level);
         [measured.from_faces, 0.0].map(|faces| {

@@ -38,11 +38,19 @@ impl Above<'_> {
         }
     }
 
-    /// How far light spreads that comes back.
+    /// How finely light varies that comes back.
     pub(super) fn thickness_mm(&self) -> f64 {
         match self {
             Self::Panel(lit) => lit.thickness_mm(),
             Self::Layers(layers) => layers.thickness_mm(),
+        }
+    }
+
+    /// How far light spreads that comes back.
+    pub(super) fn reach_mm(&self) -> Result<f64, DisplayError> {
+        match self {
+            Self::Panel(lit) => lit.reach_mm(),
+            Self::Layers(layers) => Ok(layers.height_mm),
         }
     }
 

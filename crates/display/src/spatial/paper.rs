@@ -107,9 +107,7 @@ pub(super) fn response(
     let lobe = is_diffused.then(|| lobe::response(lit, source, weights)).transpose()?;
     let lobe = lobe.map(|once| Lobe::new(Box::new(once)));
     let lengths_mm = lengths_of_one_front(panel, lit.lengths_mm, level);
-    let air_mm = Lit { lengths_mm: &lengths_mm, ..lit }.air_mm()?;
-    let thickness_mm = lit.thickness_mm();
-    let reach_mm = thickness_mm.max(0.25 * (thickness_mm + air_mm));
+    let (thickness_mm, reach_mm) = (lit.thickness_mm(), lit.reach_mm()?);
     let most_per_mm = level.most_per_mm.max(HIGHEST / thickness_mm);
     let accuracy = Accuracy { digits: level.digits, most_per_mm };
     let faces = match known {
@@ -471,7 +469,9 @@ impl Response for Paper {
     }
 
     fn text(&self, text: &Text<'_>, states: [usize; 2], level: Level) -> Option<Vec<f64>> {
-        let Text { bitmap, pitch_mm, middles } = text;
+        let (bitmap, middles) = &text.on_page(self.reach_mm, level);
+        let pitch_mm = &text.pitch_mm;
+        let on_page = Text { bitmap, pitch_mm: *pitch_mm, middles };
         let widest_mm = if level.is_fine { 0.17 } else { 0.4 } * self.thickness_mm;
         // An odd number of cells: one is in the middle of each pixel.
         let least = match (self.spread, level.is_fine) {
@@ -499,7 +499,7 @@ impl Response for Paper {
             let mut more = vec![0.0; bitmap.black.len()];
             let part = 1.0 / (parts[0] * parts[1]) as f64;
             light.iter().enumerate().for_each(|(cell, light)| more[pixel(cell)] += part * (light - page));
-            text.seen(kernel, &more).into_iter().map(|seen| page + seen).collect()
+            on_page.seen(kernel, &more).into_iter().map(|seen| page + seen).collect()
         };
         Some(self.solved(cells, states, &is_black, seen))
     }

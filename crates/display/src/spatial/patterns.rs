@@ -9,8 +9,19 @@ use super::{Level, Seen};
 use crate::readability::Reader;
 use crate::scene::Scene;
 
-/// Margin around text, in thicknesses: as far as most of the light that the face returns.
-const MARGIN: f64 = 6.0;
+/// White pixels around text.
+const MARGIN: usize = 4;
+
+/// More of them where light is returned, in reaches of this light, at a coarse and at a fine level. The page
+/// repeats, and the next copies darken the text: their part decreases with the fourth power of their
+/// distance, so that the difference of both levels bounds it.
+const MARGINS: [f64; 2] = [6.0, 10.0];
+
+/// Factor of the margin for each halving of the cells.
+const MORE_MARGIN: f64 = 1.5;
+
+/// Largest margin, pixels.
+const MOST_MARGIN: f64 = 200.0;
 
 /// Pixels on each side of a stroke whose light a kernel adds.
 const NEIGHBOURS: i64 = 24;
@@ -125,14 +136,13 @@ pub(super) fn too_large(scene: &Scene, text: &str, pitch_mm: [f64; 2]) -> Option
 }
 
 /// Text on the pixels of a matrix; `None` if it is [`too_large`], or cannot be set.
-pub(super) fn bitmap(scene: &Scene, text: &str, pitch_mm: [f64; 2], thickness_mm: f64) -> Option<Bitmap> {
+pub(super) fn bitmap(scene: &Scene, text: &str, pitch_mm: [f64; 2]) -> Option<Bitmap> {
     if too_large(scene, text, pitch_mm).is_some() {
         return None;
     }
     let size_mm = Reader::of(scene).text_height_mm / X_HEIGHT;
-    let margin = (MARGIN * thickness_mm / pitch_mm[0].min(pitch_mm[1])).ceil().clamp(4.0, 200.0) as usize;
-    let setting =
-        Setting { size_pt: size_mm * 72.0 / 25.4, per_inch: pitch_mm.map(|pitch| 25.4 / pitch), margin };
+    let per_inch = pitch_mm.map(|pitch| 25.4 / pitch);
+    let setting = Setting { size_pt: size_mm * 72.0 / 25.4, per_inch, margin: MARGIN };
     Font::bundled().bitmap(text, setting).ok()
 }
 
@@ -173,6 +183,18 @@ impl Text<'_> {
     /// Borders of the cells of a kernel along an axis, mm: pixels about the middle one.
     pub(super) fn edges(&self, axis: usize) -> Vec<f64> {
         (-NEIGHBOURS..=NEIGHBOURS + 1).map(|k| (k as f64 - 0.5) * self.pitch_mm[axis]).collect()
+    }
+
+    /// The text on a larger page, to which light returns from `reach_mm` away, and the pixels in the middle of
+    /// strokes there.
+    pub(super) fn on_page(&self, reach_mm: f64, level: Level) -> (Bitmap, Vec<usize>) {
+        let reaches = MARGINS[usize::from(level.is_fine)] * MORE_MARGIN.powi(level.finer as i32);
+        let margin = self.pitch_mm.map(|pitch| (reaches * reach_mm / pitch).ceil().min(MOST_MARGIN) as usize);
+        let page = self.bitmap.with_margin(margin);
+        let [before, after] = [self.bitmap.count[0], page.count[0]];
+        let moved = |pixel: &usize| (pixel / before + margin[1]) * after + pixel % before + margin[0];
+        let middles = self.middles.iter().map(moved).collect();
+        (page, middles)
     }
 
     /// What a kernel shows of black pixels in the middle of each stroke.

@@ -152,6 +152,14 @@ impl Lit<'_> {
         air_below_front_mm(self.panel, self.lengths_mm).map_err(|error| Refused::Fronts(error).into())
     }
 
+    /// How far light spreads that is returned: the thickness, or a part of a large distance to the front.
+    pub(super) fn reach_mm(&self) -> Result<f64, DisplayError> {
+        let lengths_mm = lengths_of_one_front(self.panel, self.lengths_mm, self.level);
+        let air_mm = Lit { lengths_mm: &lengths_mm, ..*self }.air_mm()?;
+        let thickness_mm = self.thickness_mm();
+        Ok(thickness_mm.max(0.25 * (thickness_mm + air_mm)))
+    }
+
     /// True if a front returns light to the pixel.
     pub(super) fn returns(&self) -> bool {
         !self.panel.single_pass && self.panel.front.reflectance_below.max() > 0.0

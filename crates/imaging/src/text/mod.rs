@@ -36,4 +36,15 @@ impl Bitmap {
     pub fn middles(&self) -> Middles {
         Middles::of(self)
     }
+
+    /// Returns the same with this many more white columns on either side, and rows below and above.
+    pub fn with_margin(&self, more: [usize; 2]) -> Self {
+        let count = [0, 1].map(|axis| self.count[axis] + 2 * more[axis]);
+        let mut black = vec![false; count[0] * count[1]];
+        for (row, pixels) in self.black.chunks_exact(self.count[0].max(1)).enumerate() {
+            let start = (row + more[1]) * count[0] + more[0];
+            black[start..][..pixels.len()].copy_from_slice(pixels);
+        }
+        Self { count, black, em: self.em }
+    }
 }

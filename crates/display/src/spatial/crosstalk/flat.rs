@@ -10,12 +10,13 @@ use papilio_transport::spatial::Cells;
 use super::super::Level;
 use super::super::bounds::{cells_along, parts_of_pixels};
 use super::super::irradiance::{Above, Return, moved};
+use super::super::patterns::Text;
 use super::{Colour, Figure};
 use crate::DisplayError;
 
 /// Tolerance of the irradiance.
 const TOLERANCE: f64 = 1e-7;
-/// Period of a line in thicknesses.
+/// Period of a line, in reaches of the light that comes back.
 const LINE_PERIOD: f64 = 64.0;
 
 /// Pixels of a figure: its pitch, and text.
@@ -68,7 +69,8 @@ impl Irradiance {
         most: f64,
     ) -> Result<Option<Self>, DisplayError> {
         let (level, thickness_mm, spreads) = (above.level(), above.thickness_mm(), above.spreads());
-        let Some((cells, is_figure, seen)) = drawn(pixels, thickness_mm, figure, level) else {
+        let sizes_mm = [thickness_mm, above.reach_mm()?];
+        let Some((cells, is_figure, seen)) = drawn(pixels, sizes_mm, figure, level) else {
             return Ok(None);
         };
         let nodes = if level.is_fine { 3 + level.finer as usize } else { 2 };
@@ -187,10 +189,11 @@ impl Table {
     }
 }
 
-/// Cells of a figure, which of them belong to it, and those that are seen.
+/// Cells of a figure, which of them belong to it, and those that are seen. `sizes_mm`: how finely light varies
+/// that comes back, and how far it spreads.
 fn drawn(
     pixels: &Pixels<'_>,
-    thickness_mm: f64,
+    [thickness_mm, reach_mm]: [f64; 2],
     figure: Figure,
     level: Level,
 ) -> Option<(Cells, Vec<bool>, Vec<usize>)> {
@@ -205,7 +208,7 @@ fn drawn(
             let count = if figure == Figure::Stripe {
                 2 * parts
             } else {
-                let most = (LINE_PERIOD * thickness_mm / pitch_mm[0]).ceil().max(16.0) * parts as f64;
+                let most = (LINE_PERIOD * reach_mm / pitch_mm[0]).ceil().max(16.0) * parts as f64;
                 cells_along(most, level)
             };
             let period_mm = [count as f64 / parts as f64 * pitch_mm[0], 1.0];
@@ -213,7 +216,9 @@ fn drawn(
             Some((Cells { count: [count, 1], period_mm }, is_figure, (0..parts).collect()))
         }
         Figure::Text => {
-            let bitmap = pixels.text?;
+            let strokes = pixels.text?.middles().strokes;
+            let text = Text { bitmap: pixels.text?, pitch_mm, middles: &strokes };
+            let (bitmap, strokes) = &text.on_page(reach_mm, level);
             let widest_mm = if fine { 0.17 } else { 0.4 } * finer * thickness_mm;
             let parts = parts_of_pixels(bitmap, pitch_mm, widest_mm, level);
             let [columns, rows] = [0, 1].map(|axis| bitmap.count[axis] * parts[axis]);
@@ -221,7 +226,6 @@ fn drawn(
                 let (column, row) = (cell % columns / parts[0], cell / columns / parts[1]);
                 row * bitmap.count[0] + column
             };
-            let strokes = bitmap.middles().strokes;
             let mut is_stroke = vec![false; bitmap.black.len()];
             strokes.iter().for_each(|pixel| is_stroke[*pixel] = true);
             let all = 0..columns * rows;

@@ -193,12 +193,8 @@ impl<'a> Frame<'a> {
                 parts.push(*part);
             }
         }
-        let thickness_mm = match panel {
-            Some(_) => lengths_mm.last().copied().unwrap_or_default(),
-            None => lengths_mm.iter().sum(),
-        };
         Ok(Self {
-            text: patterns::bitmap(scene, text, matrix.pitch_mm, thickness_mm),
+            text: patterns::bitmap(scene, text, matrix.pitch_mm),
             windows: Windows::new(matrix),
             setup,
             control,

@@ -83,8 +83,7 @@ impl<'a> Scenes<'a> {
             }
         };
         let panel = Placed::new(setup)?.above(base);
-        let thickness_mm = panel.lengths_mm.last().copied().unwrap_or_default();
-        let text = patterns::bitmap(scene, text, matrix.pitch_mm, thickness_mm).and_then(|bitmap| {
+        let text = patterns::bitmap(scene, text, matrix.pitch_mm).and_then(|bitmap| {
             let strokes = bitmap.middles().strokes;
             (!strokes.is_empty()).then_some((bitmap, strokes))
         });

@@ -34,9 +34,9 @@ impl Fixed {
                 lines.extend(frame.lines(axis).map(|width| (axis, states, 0.5 * width)));
             }
         }
-        let text = frame.pitch_mm.and_then(|pitch| {
-            patterns::bitmap(&frame.setup.scene, &frame.patterns.text, pitch, frame.thickness_mm)
-        });
+        let text = frame
+            .pitch_mm
+            .and_then(|pitch| patterns::bitmap(&frame.setup.scene, &frame.patterns.text, pitch));
         let strokes = text.as_ref().map_or_else(Vec::new, |bitmap| bitmap.middles().strokes);
         // Each is an image, whose spectra paths carry: of large text every few are enough.
         let step = strokes.len().div_ceil(MOST_STROKES).max(1);
