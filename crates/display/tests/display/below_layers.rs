@@ -75,6 +75,29 @@ fn figures(result: &CrosstalkResult) -> Vec<(String, f64, f64)> {
     patterns.flat_map(of).collect()
 }
 
+fn assert_figures_agree(found: &CrosstalkResult, expected: &CrosstalkResult) {
+    let (found, expected) = (figures(found), figures(expected));
+    assert_eq!((found.len(), expected.len()), (8, 8));
+    for ((figure, found, error), (_, expected, of_panel)) in found.iter().zip(&expected) {
+        let allowed = 2.0 * (error + of_panel) + 3e-3 * expected;
+        assert!((found - expected).abs() < allowed, "{figure}: {found} +- {error}, {expected} +- {of_panel}");
+        assert!(*error < 0.02 * found, "{figure}: {found} +- {error}");
+    }
+}
+
+/// Pixels of the width of the blur, which are cells of text that are not divided.
+#[test]
+fn figures_of_small_pixels_below_layers_are_those_of_panel() {
+    let of = |display: &str| {
+        let view = "[viewer]\ntheta_deg = 8\n[pattern]\ntext = \"i\"\n";
+        let mut resolved = resolved(&[display, PAPER, "[display.matrix]\nppi = 330\n", LIGHT, view]);
+        resolved.scene.solver.stop = Stop::RelativeError { target: 0.02, per_wavelength: false };
+        with_control(|control| crosstalk(&resolved.scene, &resolved.patterns.text, control))
+    };
+    let panel = panel(&format!("[display.diffuser]\n{}", lobe(0.1)), "");
+    assert_figures_agree(&of(&(diffuser(0.1) + &glass())), &of(&panel));
+}
+
 /// The flat face, half a minute, in full only: every day its pictures are compared below.
 #[test]
 fn figures_below_layers_are_those_of_panel() {
@@ -85,16 +108,7 @@ fn figures_below_layers_are_those_of_panel() {
         };
         let (found, expected) = (of(&layers), of(&panel));
         assert_eq!(found.views[0].shares.out, [[1.0]]);
-        let (found, expected) = (figures(&found), figures(&expected));
-        assert_eq!((found.len(), expected.len()), (8, 8));
-        for ((figure, found, error), (_, expected, of_panel)) in found.iter().zip(&expected) {
-            let allowed = 2.0 * (error + of_panel) + 3e-3 * expected;
-            assert!(
-                (found - expected).abs() < allowed,
-                "{figure}: {found} +- {error}, {expected} +- {of_panel}"
-            );
-            assert!(*error < 0.02 * found, "{figure}: {found} +- {error}");
-        }
+        assert_figures_agree(&found, &expected);
     }
 }
 
