@@ -186,7 +186,7 @@ pub struct ImageNumbers {
     pub against_source: PictureDifferences,
     /// Differences from the picture after gamut mapping.
     pub against_mapped: PictureDifferences,
-    /// Sharpness of the white of the display; null without [display.matrix] and the thickness of the glass, and below general layers.
+    /// Sharpness of the white of the display; null without [display.matrix] and the thickness of the layers, and below a colour filter.
     pub sharpness: Option<Sharpness>,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
     pub neighbours_light: bool,

@@ -139,7 +139,8 @@ pub(crate) fn refine<T>(
     }
 }
 
-/// Refines as [`refine`] does, for levels that may fail.
+/// Refines as [`refine`] does, for levels that may fail. A level beyond the first two that adding does not
+/// cover ends the refinement: the two before are the result.
 ///
 /// # Errors
 /// Those of a level; `Interrupted` if stopped before two levels were computed.
@@ -150,17 +151,25 @@ pub(crate) fn refine_or_fail<T>(
     error: impl Fn([&T; 2], Option<&T>) -> f64,
     report: impl Fn(f64, bool),
 ) -> Result<Refined<T>, DisplayError> {
-    let mut failure = None;
+    let (mut failure, mut is_last) = (None, false);
     let at = |level| match at(level) {
         Ok(found) => Some(found),
         Err(DisplayError::Interrupted) => None,
+        Err(DisplayError::PlacesByPaths { .. }) if level > 1 => {
+            is_last = true;
+            None
+        }
         Err(other) => {
             failure = Some(other);
             None
         }
     };
     let refined = refine(target, finest, at, error, report);
-    failure.map_or_else(|| refined.ok_or(DisplayError::Interrupted), Err)
+    if let Some(failure) = failure {
+        return Err(failure);
+    }
+    let refined = refined.ok_or(DisplayError::Interrupted)?;
+    Ok(Refined { finished: refined.finished || is_last, ..refined })
 }
 
 /// Computes the relative error of the finer of two levels that differ by `now`, if the previous two differed
@@ -272,6 +281,20 @@ mod tests {
         let refined = by_tenths(0.0, 3).unwrap();
         assert_eq!((refined.level, refined.finished), (2, false));
         assert!(by_tenths(0.0, 1).is_none());
+    }
+
+    #[test]
+    fn refinement_ends_where_adding_does_not_cover_a_further_level() {
+        let covered = |levels: usize| {
+            let at = |level: usize| match level < levels {
+                true => Ok(0.1_f64.powi(level as i32)),
+                false => Err(DisplayError::PlacesByPaths { what: String::new(), key: String::new() }),
+            };
+            refine_or_fail(0.0, 6, at, |[finer, coarser], _| (finer - coarser).abs(), |_, _| {})
+        };
+        let refined = covered(2).unwrap();
+        assert_eq!((refined.level, refined.finished), (1, true));
+        assert!(matches!(covered(1), Err(DisplayError::PlacesByPaths { .. })));
     }
 
     #[test]

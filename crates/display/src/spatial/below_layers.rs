@@ -34,6 +34,10 @@ const ALONG: [usize; 2] = [1 << 16, 1 << 17];
 /// Parts of a cell along each axis at both levels: odd numbers.
 const PARTS: [usize; 2] = [3, 5];
 
+/// Most further frequencies of a wave of cells to either side, at both levels, and weights that do not count.
+const MOST_WAVES: [f64; 2] = [3.0, 5.0];
+const NEGLIGIBLE: f64 = 1e-9;
+
 /// Period of rings, in heights.
 const PERIOD_OF_RINGS: f64 = 128.0;
 
@@ -99,35 +103,48 @@ impl Layers {
     /// How much the light of each cell of a period counts in the mean of what the view sees at some cells, at
     /// a group of wavelengths.
     pub(super) fn seen_from(&self, group: usize, cells: Cells, seen: &[usize]) -> Vec<f64> {
-        let [columns, rows] = cells.count;
+        let rows = cells.count[1];
         let each = 1.0 / seen.len() as f64;
         let mut mean = vec![Complex64::ZERO; cells.len()];
         seen.iter().for_each(|cell| mean[*cell] = each.into());
         let plane = Plane::new(cells.count);
         let mut spectrum = plane.forward(mean.clone());
-        let wave = |axis: usize, k: usize| {
-            let count = cells.count[axis];
-            if 2 * k < count { k as f64 } else { k as f64 - count as f64 }
-        };
-        // Light of cells, and means over cells, have further frequencies than those of the transform.
-        let beyond = |axis: usize| if cells.count[axis] > 1 { &[0.0, -1.0, 1.0][..] } else { &[0.0] };
-        let others =
-            |at: [f64; 2]| self.table.others(group, [0, 1].map(|axis| at[axis] / cells.period_mm[axis]));
-        for (column, row) in (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row))) {
-            let first = [wave(0, column), wave(1, row)];
-            let own = others(first);
-            let mut sum = own;
-            for (x, y) in beyond(0).iter().flat_map(|x| beyond(1).iter().map(move |y| (x, y))).skip(1) {
-                let at = [first[0] + x * columns as f64, first[1] + y * rows as f64];
-                let part = [0, 1].map(|axis| sinc(at[axis] / cells.count[axis] as f64).powi(2));
-                sum += part[0] * part[1] * (others(at) - own);
+        let [along_x, along_y] = [0, 1].map(|axis| self.waves(axis, cells));
+        for (column, x) in along_x.iter().enumerate() {
+            for (row, y) in along_y.iter().enumerate() {
+                let both = x.iter().flat_map(|x| y.iter().map(move |y| (x, y)));
+                let sum: Complex64 =
+                    both.map(|(x, y)| x.1 * y.1 * self.table.others(group, [x.0, y.0])).sum();
+                // From the place that is seen back to where light comes from.
+                spectrum[column * rows + row] *= sum.conj() / cells.len() as f64;
             }
-            // From the place that is seen back to where light comes from.
-            spectrum[column * rows + row] *= sum.conj() / cells.len() as f64;
         }
         let sharp = self.table.sharp(group);
         let others = plane.inverse(spectrum).into_iter().zip(mean);
         others.map(|(light, mean)| light.re + sharp * mean.re).collect()
+    }
+
+    /// Frequencies that each wave of the cells along an axis has, and how much each counts: light of cells, and
+    /// means over cells, have further ones than those of the transform.
+    fn waves(&self, axis: usize, cells: Cells) -> Vec<Vec<(f64, f64)>> {
+        let (count, period_mm) = (cells.count[axis], cells.period_mm[axis]);
+        let per_mm = count as f64 / period_mm;
+        let most = MOST_WAVES[usize::from(self.level.is_fine)];
+        let further = (self.table.reach_per_mm() / per_mm + 0.5).ceil().clamp(1.0, most) as i32;
+        let of_wave = |k: usize| {
+            let wave = if 2 * k < count { k as f64 } else { k as f64 - count as f64 };
+            let part = |m: i32| wave / count as f64 + f64::from(m);
+            let mut waves: Vec<(f64, f64)> =
+                (-further..=further).map(|m| (part(m) * per_mm, sinc(part(m)).powi(2))).collect();
+            // All beyond are like the last ones.
+            let rest = 1.0 - waves.iter().map(|(_, weight)| weight).sum::<f64>();
+            for end in [0, 2 * further as usize] {
+                waves[end].1 += 0.5 * rest;
+            }
+            waves.retain(|(_, weight)| weight.abs() > NEGLIGIBLE);
+            waves
+        };
+        (0..count).map(of_wave).collect()
     }
 
     /// Point spread between pixels at each group of wavelengths: light of a pixel that is seen in the middle

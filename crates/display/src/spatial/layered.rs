@@ -127,6 +127,14 @@ impl Frame<'_> {
         })
     }
 
+    /// Computes what a view sees at the first level, up to the Nyquist frequency of the pixels.
+    pub(super) fn layered_by_frequency(&self, view: &ViewPoint) -> Result<Measured, DisplayError> {
+        let lengths_mm = self.setup.scene.display.lengths_mm()?;
+        let most = self.nyquist_per_mm.map_or(self.highest(), |[x, y]| x.max(y));
+        let frequencies: Vec<f64> = self.frequencies.iter().copied().filter(|f| *f <= most).collect();
+        self.measured(&self.prepared((&self.setup.stack, &lengths_mm), view, 0)?, &frequencies)
+    }
+
     /// Whether more than half of the modulation is left at the highest frequency in some state, and becomes
     /// less.
     fn is_falling(&self, measured: &Measured) -> bool {

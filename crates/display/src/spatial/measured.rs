@@ -91,27 +91,51 @@ impl Frame<'_> {
         level: Level,
         borders: &OnceCell<Borders>,
     ) -> Result<Measured, DisplayError> {
+        let mut measured = self.by_frequency(view, level)?;
+        let Borders { places, radii } = borders.get_or_init(|| self.borders(&measured.seen)).clone();
+        for (number, Seen { response, .. }) in measured.seen.iter().enumerate() {
+            self.control.check()?;
+            let strips = [0, 1].map(|axis| response.strips(axis, &places[axis]));
+            let rings = response.rings(&radii);
+            for (state, lights) in measured.lights.iter_mut().enumerate() {
+                lights[number].strips = [0, 1].map(|axis| strips[axis][state].clone());
+                lights[number].rings.clone_from(&rings[state]);
+            }
+        }
+        for lights in &mut measured.lights {
+            lights.pop();
+            let all = sum(lights);
+            lights.extend(all);
+        }
+        (measured.places, measured.radii) = (places, radii);
+        self.control.check()?;
+        measured.line_contrast = self.line_contrast(&measured, level);
+        self.control.check()?;
+        measured.text_contrast = self.text_contrast(&measured, level);
+        measured.patterns =
+            self.patterns().iter().map(|pattern| patterns::mean(&measured.seen, *pattern, level)).collect();
+        Ok(measured)
+    }
+
+    /// Computes what a view sees by frequency alone.
+    pub(super) fn by_frequency(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
         let (seen, from_faces) = responses(self.setup, view, level, self.control)?;
         let mut frequencies = self.frequencies.clone();
         while let Some(last) = frequencies.last().filter(|last| **last < level.most_per_mm) {
             frequencies.push(last * 1.12);
         }
         frequencies.truncate(frequencies.partition_point(|f| *f <= level.most_per_mm));
-        let Borders { places, radii } = borders.get_or_init(|| self.borders(&seen)).clone();
         let mut lights: Vec<Vec<Light>> = self.setup.states.iter().map(|_| Vec::new()).collect();
         for Seen { response, .. } in &seen {
             self.control.check()?;
             let transfers = [0, 1].map(|axis| -> Vec<Vec<Complex64>> {
                 frequencies.iter().map(|f| response.transfer(axis, *f)).collect()
             });
-            self.control.check()?;
-            let strips = [0, 1].map(|axis| response.strips(axis, &places[axis]));
-            let rings = response.rings(&radii);
             for (state, lights) in lights.iter_mut().enumerate() {
                 lights.push(Light {
                     transfer: [0, 1].map(|axis| transfers[axis].iter().map(|all| all[state]).collect()),
-                    strips: [0, 1].map(|axis| strips[axis][state].clone()),
-                    rings: rings[state].clone(),
+                    strips: Default::default(),
+                    rings: Vec::new(),
                 });
             }
         }
@@ -120,25 +144,18 @@ impl Frame<'_> {
             lights.extend(all);
         }
         let names = seen.iter().map(|seen| seen.light.clone()).chain(["all".to_owned()]).collect();
-        let mut measured = Measured {
+        Ok(Measured {
             names,
             frequencies,
-            places,
-            radii,
+            places: Default::default(),
+            radii: Vec::new(),
             lights,
             line_contrast: [LineContrast::default(); 2],
             text_contrast: [None; 2],
             patterns: Vec::new(),
             from_faces,
             seen,
-        };
-        self.control.check()?;
-        measured.line_contrast = self.line_contrast(&measured, level);
-        self.control.check()?;
-        measured.text_contrast = self.text_contrast(&measured, level);
-        measured.patterns =
-            self.patterns().iter().map(|pattern| patterns::mean(&measured.seen, *pattern, level)).collect();
-        Ok(measured)
+        })
     }
 }
 

@@ -101,7 +101,7 @@ fn largest_error<'a>(states: impl Iterator<Item = &'a MtfState>) -> f64 {
 }
 
 /// Computes the square-root integrals of the white of a display with a matrix in its only view. `None` where
-/// the deterministic solver does not know them: without thickness, below general layers or a colour filter.
+/// the deterministic solver does not know them: without thickness, or below a colour filter.
 ///
 /// # Errors
 /// If the computation was stopped.
@@ -110,10 +110,13 @@ pub(crate) fn sharpness(setup: &Setup, control: &Control<'_>) -> Result<Option<S
     if scene.display.matrix.is_none() || scene.display.filter().is_some() {
         return Ok(None);
     }
-    let (Some(_), Some(view)) = (setup.stack.panel(), setup.views.first()) else { return Ok(None) };
+    let Some(view) = setup.views.first() else { return Ok(None) };
     let measured = Frame::new(setup, &patterns, control).and_then(|frame| {
         let level = Level { digits: DIGITS[0], most_per_mm: frame.highest(), is_fine: false, finer: 0 };
-        Ok(frame.sharpness(&frame.measure(view, level, &OnceCell::new())?))
+        let has_response = setup.stack.panel().is_some() || below_layers::covers(setup);
+        let measured =
+            if has_response { frame.by_frequency(view, level) } else { frame.layered_by_frequency(view) };
+        Ok(frame.sharpness(&measured?))
     });
     match measured {
         Err(

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::image::{ImageResult, ImageSettings, Screen, SourceImage, image};
+use papilio_display::image::{ImageResult, ImageSettings, Screen, Sharpness, SourceImage, image};
 use papilio_display::scene::{Method, Stop};
 use papilio_display::spatial::{CrosstalkResult, Picture, Precision, crosstalk, picture};
 use papilio_display::{Control, DisplayError};
@@ -75,6 +75,29 @@ fn figures(result: &CrosstalkResult) -> Vec<(String, f64, f64)> {
     patterns.flat_map(of).collect()
 }
 
+fn assert_figures_agree(found: &CrosstalkResult, expected: &CrosstalkResult) {
+    let (found, expected) = (figures(found), figures(expected));
+    assert_eq!((found.len(), expected.len()), (8, 8));
+    for ((figure, found, error), (_, expected, of_panel)) in found.iter().zip(&expected) {
+        let allowed = 2.0 * (error + of_panel) + 3e-3 * expected;
+        assert!((found - expected).abs() < allowed, "{figure}: {found} +- {error}, {expected} +- {of_panel}");
+        assert!(*error < 0.02 * found, "{figure}: {found} +- {error}");
+    }
+}
+
+/// Pixels of the width of the blur, which are cells of text that are not divided.
+#[test]
+fn figures_of_small_pixels_below_layers_are_those_of_panel() {
+    let of = |display: &str| {
+        let view = "[viewer]\ntheta_deg = 8\n[pattern]\ntext = \"i\"\n";
+        let mut resolved = resolved(&[display, PAPER, "[display.matrix]\nppi = 330\n", LIGHT, view]);
+        resolved.scene.solver.stop = Stop::RelativeError { target: 0.02, per_wavelength: false };
+        with_control(|control| crosstalk(&resolved.scene, &resolved.patterns.text, control))
+    };
+    let panel = panel(&format!("[display.diffuser]\n{}", lobe(0.1)), "");
+    assert_figures_agree(&of(&(diffuser(0.1) + &glass())), &of(&panel));
+}
+
 /// The flat face, half a minute, in full only: every day its pictures are compared below.
 #[test]
 fn figures_below_layers_are_those_of_panel() {
@@ -85,16 +108,7 @@ fn figures_below_layers_are_those_of_panel() {
         };
         let (found, expected) = (of(&layers), of(&panel));
         assert_eq!(found.views[0].shares.out, [[1.0]]);
-        let (found, expected) = (figures(&found), figures(&expected));
-        assert_eq!((found.len(), expected.len()), (8, 8));
-        for ((figure, found, error), (_, expected, of_panel)) in found.iter().zip(&expected) {
-            let allowed = 2.0 * (error + of_panel) + 3e-3 * expected;
-            assert!(
-                (found - expected).abs() < allowed,
-                "{figure}: {found} +- {error}, {expected} +- {of_panel}"
-            );
-            assert!(*error < 0.02 * found, "{figure}: {found} +- {error}");
-        }
+        assert_figures_agree(&found, &expected);
     }
 }
 
@@ -136,7 +150,32 @@ fn assert_close(found: &ImageResult, expected: &ImageResult, least: f64) {
     let pairs = found.seen.iter().flatten().zip(expected.seen.iter().flatten());
     let off = pairs.map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
     assert!(off < allowed, "{off} of {allowed}: {} {}", found.numbers.error, expected.numbers.error);
+    assert_sharpness_agrees(found, expected);
     assert!(found.numbers.neighbours_light && expected.numbers.neighbours_light);
+}
+
+/// Square-root integrals, which each display has.
+fn assert_sharpness_agrees(found: &ImageResult, expected: &ImageResult) {
+    let [found, expected] = [found, expected].map(|one| one.numbers.sharpness.unwrap());
+    let pairs = |one: Sharpness| one.sqri_jnd.into_iter().chain(one.sqri_ideal_jnd);
+    for (one, other) in pairs(found).zip(pairs(expected)) {
+        assert!((one / other - 1.0).abs() < 3e-3, "{found:?} {expected:?}");
+    }
+    assert!(found.sqri_jnd[0] < 0.95 * found.sqri_ideal_jnd[0], "{found:?}");
+}
+
+/// Mirror-like pixels below layers, whose pictures are those of a few paths, and below the same panel.
+#[test]
+fn sharpness_of_mirrors_below_layers_is_that_of_panel() {
+    let mirrors = PAPER.replace("lambertian", "mirror");
+    let panel = panel(&format!("[display.diffuser]\n{}", lobe(0.3)), "");
+    let of = |display: &str| {
+        let mut resolved = resolved(&[display, &mirrors, MATRIX, LIGHT, NORMAL]);
+        resolved.scene.solver.method = Method::MonteCarlo;
+        resolved.scene.solver.stop = Stop::Paths(1 << 10);
+        seen(&resolved)
+    };
+    assert_sharpness_agrees(&of(&(diffuser(0.3) + &glass())), &of(&panel));
 }
 
 /// A lobe blurs pictures as that of a panel does, which is known by place, and shifts them to the same side.

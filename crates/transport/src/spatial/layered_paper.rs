@@ -59,6 +59,9 @@ const SIDE: f64 = 32.0;
 const WIDTH_OF_SIDE: f64 = 1.0;
 const SAMPLES: usize = 1024;
 
+/// Hardly any light, as a fraction.
+const LEFT: f64 = 1e-3;
+
 /// Logarithm of light that is none.
 const NOTHING: f64 = -40.0;
 
@@ -156,6 +159,11 @@ impl LayeredPaper {
     /// Sharp image of a group of wavelengths, as a fraction of what is seen without regard to places.
     pub fn sharp(&self, group: usize) -> f64 {
         self.groups[group].sets.iter().map(|(set, factor)| factor * self.sets[*set].sharp).sum()
+    }
+
+    /// Frequency above which hardly any other light is left, cycles per mm.
+    pub fn reach_per_mm(&self) -> f64 {
+        self.sets.iter().map(Set::reach_per_mm).fold(0.0, f64::max)
     }
 
     /// All other light at a frequency along x and y, cycles per mm.
@@ -303,6 +311,18 @@ impl Set {
         }
         all.returned = Arc::new([returned]);
         Ok(all)
+    }
+
+    fn reach_per_mm(&self) -> f64 {
+        let of_azimuth = |([re, im], decay_mm): (&[Tabulated; 2], &Complex64)| {
+            let end = re.end().unwrap_or_default();
+            let left = (re.at(end).hypot(im.at(end)) / LEFT).max(1.0).ln();
+            if left > 0.0 { end + left / decay_mm.re.abs() } else { end }
+        };
+        let scattered = self.scattered.iter().zip(&self.decays_mm).map(of_azimuth);
+        let has_side = self.side.iter().flatten().flat_map(|table| &table.panels);
+        let has_side = has_side.flat_map(|(_, terms)| terms).any(|term| term.abs() > LEFT);
+        scattered.fold(if has_side { self.side_end_per_mm } else { 0.0 }, f64::max)
     }
 
     fn others(&self, azimuth: usize, f: f64) -> Complex64 {

@@ -41,8 +41,11 @@ struct Known {
     own: Table,
     /// Fraction of the light at the wavelengths of the grid that shows the figure itself; `None` if all does.
     itself: Option<Vec<f64>>,
-    /// All other light: the fraction of each part, and the light of the cells in it.
+    /// All other light: the fraction of each part, and the light of the cells in it over that of a page of the
+    /// mean reflectance.
     others: Vec<(Vec<f64>, Table)>,
+    /// Part of the cells that belong to the figure.
+    share: f64,
 }
 
 /// How light shows other cells than those that are seen.
@@ -77,6 +80,7 @@ impl Irradiance {
         let (nodes, most) =
             if spreads { (nodes + if level.is_fine { 3 } else { 2 }, most.sqrt()) } else { (nodes, most) };
         let images = above.images()?;
+        let share = is_figure.iter().filter(|own| **own).count() as f64 / cells.len() as f64;
         let known = |(number, returned): (usize, Return)| {
             let shown = above.seen_from(number, cells, &seen);
             let itself = match (&shown, images.first()) {
@@ -87,7 +91,7 @@ impl Irradiance {
             let moved_images = images.iter().skip(1).map(|(at, part)| (part.clone(), Shown::At(*at)));
             let others = shown.map(|(weights, part)| (part, Shown::By(weights)));
             let others: Vec<(Vec<f64>, Shown)> = moved_images.chain(others).collect();
-            let solve = returned.solver(cells);
+            let (solve, of_page) = (returned.solver(cells), returned.of_page());
             let at = |k: usize| most * k as f64 / (nodes - 1) as f64;
             let mut own = Vec::with_capacity(nodes * nodes);
             let mut values_of_others = vec![Vec::with_capacity(nodes * nodes); others.len()];
@@ -101,7 +105,8 @@ impl Irradiance {
                 let mean =
                     |values: &[f64]| seen.iter().map(|cell| values[*cell]).sum::<f64>() / seen.len() as f64;
                 own.push(if spreads { root * mean(&irradiance) } else { 1.0 / mean(&irradiance) });
-                let light: Vec<f64> = rho.iter().zip(&irradiance).map(|(rho, e)| rho * e).collect();
+                let of_mean = of_mean(share, of_page, [figure, page]);
+                let light: Vec<f64> = rho.iter().zip(&irradiance).map(|(rho, e)| of_mean * rho * e).collect();
                 for ((_, shown), values) in others.iter().zip(&mut values_of_others) {
                     values.push(match shown {
                         Shown::At(at_mm) => mean(&moved(&light, cells, *at_mm)),
@@ -114,7 +119,7 @@ impl Irradiance {
             let table = |values| Table { most, nodes, values };
             Known {
                 bins: returned.bins().to_vec(),
-                of_page: returned.of_page(),
+                of_page,
                 spreads,
                 own: table(own),
                 itself,
@@ -123,6 +128,7 @@ impl Irradiance {
                     .map(|(part, _)| part)
                     .zip(values_of_others.into_iter().map(table))
                     .collect(),
+                share,
             }
         };
         let returns = above.returns(cells.most_per_mm())?.into_iter().enumerate().map(known).collect();
@@ -145,7 +151,7 @@ impl Irradiance {
     /// `[state][wavelength]`.
     pub(super) fn colour(&self, light: &[[&[f64]; 3]; 2], rho: [&[f64]; 2]) -> Colour {
         let mut sum = [0.0; 3];
-        for Known { bins, of_page, spreads, own, itself, others } in &self.returns {
+        for Known { bins, of_page, spreads, own, itself, others, share } in &self.returns {
             for &bin in bins {
                 let pair = rho.map(|rho| rho[bin]);
                 let Some(itself) = itself else {
@@ -164,7 +170,7 @@ impl Irradiance {
                     false => itself[bin] * pair[0] / own.at(at),
                     true => itself[bin] * at[0] * own.at(at),
                 };
-                let seen = own + others;
+                let seen = own + others / of_mean(*share, *of_page, pair);
                 let factor = seen * (1.0 - pair[of] * of_page) / pair[of];
                 (0..3).for_each(|k| sum[k] += light[of][k][bin] * factor);
             }
@@ -187,6 +193,11 @@ impl Table {
         let rows = self.values.chunks_exact(self.nodes).zip(own);
         rows.map(|(row, own)| own * row.iter().zip(&page).map(|(v, page)| v * page).sum::<f64>()).sum()
     }
+}
+
+/// 1 over the irradiance of a page that has the mean reflectance of a figure and its page.
+fn of_mean(share: f64, of_page: f64, [figure, page]: [f64; 2]) -> f64 {
+    1.0 - of_page * (share * figure + (1.0 - share) * page)
 }
 
 /// Cells of a figure, which of them belong to it, and those that are seen. `sizes_mm`: how finely light varies
