@@ -152,7 +152,9 @@ fn closed_form_is_linear_in_small_deflections() {
     }
 }
 
-/// A pupil blurs the windows: as a disc in rays, as a Gaussian of its mean square in the closed form.
+/// A pupil blurs the windows: as a disc in rays, as a Gaussian of its mean square in the closed form. Here the
+/// disc is as large as a window, and its sparkle is lower than that of the Gaussian: 0.0330(3) and 0.0367(3) of
+/// a separate Monte Carlo program that traces both.
 #[test]
 fn pupil_lowers_sparkle() {
     let mut panel = panel(3.0, 0.01, 0.008);
@@ -165,7 +167,11 @@ fn pupil_lowers_sparkle() {
             .unwrap();
     assert!(lower < 0.9 * pinhole, "{lower} {pinhole}");
     let found = run(&panel, 320).matrix;
-    assert!((found.ppd - lower).abs() < SIGMA * found.standard_error + 0.03 * lower, "{found:?} {lower}");
+    let of_disc = 0.0330 / 0.0367 * lower;
+    assert!(
+        (found.ppd - of_disc).abs() < SIGMA * found.standard_error + 0.03 * of_disc,
+        "{found:?} {of_disc}"
+    );
 }
 
 #[test]
