@@ -11,7 +11,8 @@
 
 use std::sync::Arc;
 
-use super::matrix::{Factors, Matrix};
+use super::factors::Factors;
+use super::matrix::Matrix;
 
 /// Smallest significant factor: smaller ones are rounding errors of a difference that is zero, where no
 /// light enters.

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::algebra::Operator;
-use super::matrix::{Factors, Matrix};
+use super::factors::Factors;
+use super::matrix::Matrix;
 
 /// Light of unit beams, each of which entered at a node of its own.
 #[derive(Debug)]
