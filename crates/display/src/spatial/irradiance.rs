@@ -38,6 +38,14 @@ impl Above<'_> {
         }
     }
 
+    /// Level of adding of the light of pages.
+    pub(super) fn level_of_pages(&self) -> u32 {
+        match self {
+            Self::Panel(lit) => lit.level.of_pages(),
+            Self::Layers(layers) => layers.level.of_layers(),
+        }
+    }
+
     /// How finely light varies that comes back.
     pub(super) fn thickness_mm(&self) -> f64 {
         match self {

@@ -96,14 +96,7 @@ pub fn pattern(
     let panel = Placed::new(&setup)?;
     let of_view = |view: &ViewPoint| {
         let estimates = panel.trace(view, What::Pattern(pattern), paths, control)?;
-        let images = pattern.images();
-        let of_image = |image: usize| mean(estimates.iter().map(|one| panel.luminous(one, Some(image))));
-        Ok(PatternView {
-            theta_deg: view.theta_deg,
-            phi_deg: view.phi_deg,
-            via_pixel: (0..images).map(of_image).collect(),
-            front: mean(estimates.iter().map(|one| panel.luminous(one, None))),
-        })
+        Ok(panel.seen(view, &estimates, pattern.images()))
     };
     panel.setup.views.iter().map(of_view).collect()
 }
@@ -118,13 +111,7 @@ pub fn filtered(scene: &Scene, paths: u64, control: &Control<'_>) -> Result<Vec<
     let panel = Placed::new(&setup)?;
     let of_view = |view: &ViewPoint| {
         let estimates = panel.filtered(view, paths, control)?;
-        let of_image = |image: usize| mean(estimates.iter().map(|one| panel.luminous(one, Some(image))));
-        Ok(PatternView {
-            theta_deg: view.theta_deg,
-            phi_deg: view.phi_deg,
-            via_pixel: (0..setup.states.len()).map(of_image).collect(),
-            front: mean(estimates.iter().map(|one| panel.luminous(one, None))),
-        })
+        Ok(panel.seen(view, &estimates, setup.states.len()))
     };
     setup.views.iter().map(of_view).collect()
 }
@@ -243,6 +230,17 @@ impl<'a> Placed<'a> {
     pub(super) fn above(mut self, base: Base) -> Self {
         self.stack = Stack::general(self.stack.layers().to_vec(), base);
         self
+    }
+
+    /// What a view sees of this many images.
+    fn seen(&self, view: &ViewPoint, estimates: &[Estimate], images: usize) -> PatternView {
+        let of = |image: Option<usize>| mean(estimates.iter().map(|one| self.luminous(one, image)));
+        PatternView {
+            theta_deg: view.theta_deg,
+            phi_deg: view.phi_deg,
+            via_pixel: (0..images).map(|image| of(Some(image))).collect(),
+            front: of(None),
+        }
     }
 
     /// Estimates of the states of a display with a filter.

@@ -2,11 +2,11 @@
 //!
 //! **k-correlation lobe** of width b over a mirror, seen through a clear medium (thickness d, index n), for
 //! small angles and without the edge of the hemisphere: the blur of one pass has the width `c = b d/n` in the
-//! plane of the panel. **Lambertian plane** that sends light through a plate.
+//! plane of the panel.
 
 use std::f64::consts::PI;
 
-use crate::numerics::bessel::{x_k1, x2_k2_half};
+use crate::numerics::bessel::x2_k2_half;
 
 /// Modulation transfer of a k-correlation lobe in diffuse light: `exp(-2 pi f c)`.
 pub fn lobe_in_diffuse_light(frequency_per_mm: f64, width_mm: f64) -> f64 {
@@ -59,41 +59,18 @@ pub fn entrance_own_stripe(stripe_mm: f64, height_mm: f64, index: f64) -> f64 {
     1.0 - mean_shift * height_mm / stripe_mm
 }
 
-/// Mean over a stripe of this width of the fraction of light that comes from the stripe itself, in diffuse
-/// light through a k-correlation lobe.
-pub fn lobe_own_stripe(stripe_mm: f64, width_mm: f64) -> f64 {
-    let ratio = stripe_mm / width_mm;
-    2.0 / PI * (ratio.atan() - (ratio * ratio).ln_1p() / (2.0 * ratio))
-}
-
-/// Modulation transfer of a plate of this thickness between a Lambertian plane and one that collects all its
-/// light: `a K_1(a)`, a = 2 pi f d.
-pub fn plate(frequency_per_mm: f64, thickness_mm: f64) -> f64 {
-    x_k1(2.0 * PI * frequency_per_mm * thickness_mm)
-}
-
-/// Edge profile of such a plate: the fraction of light at a distance x (mm) inside the edge of a lit
-/// half-plane.
-pub fn plate_edge(x_mm: f64, thickness_mm: f64) -> f64 {
-    0.5 * (1.0 + x_mm / thickness_mm.hypot(x_mm))
-}
-
-/// View factor from a point to a rectangle `[x0, x1] x [y0, y1]` (mm, relative to its foot) in a parallel
-/// plane at a height of `height_mm`.
-pub fn plate_from_rectangle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], height_mm: f64) -> f64 {
-    let corner = |x: f64, y: f64| {
-        let (p, q) = (height_mm.hypot(x), height_mm.hypot(y));
-        (x / p * (y / p).atan() + y / q * (x / q).atan()) / (2.0 * PI)
-    };
-    corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn close(found: f64, expected: f64) {
         assert!((found - expected).abs() < 6e-7, "{found} {expected}");
+    }
+
+    /// Mean over a stripe of this width of the fraction of light that comes from the stripe itself.
+    fn lobe_own_stripe(stripe_mm: f64, width_mm: f64) -> f64 {
+        let ratio = stripe_mm / width_mm;
+        2.0 / PI * (ratio.atan() - (ratio * ratio).ln_1p() / (2.0 * ratio))
     }
 
     /// Values of a separate program (numpy, scipy).
@@ -153,20 +130,5 @@ mod tests {
         let stripe = [[0.0, pixel], [-0.5, 0.5]];
         let own = lobe_between_rectangles(stripe, [[0.0, pixel], long], 0.018_89) / pixel;
         assert!((own - lobe_own_stripe(pixel, 0.018_89)).abs() < 1e-6);
-    }
-
-    #[test]
-    fn plates_have_known_transfer_and_edges() {
-        for (fd, expected) in [(0.05, 0.910_923), (0.1, 0.768_495), (0.25, 0.393_881), (0.5, 0.106_542)] {
-            close(plate(fd, 1.0), expected);
-        }
-        // From 10 to 90 %: 2.6667 thicknesses.
-        let at = 4.0 / 3.0;
-        close(plate_edge(at, 1.0) - plate_edge(-at, 1.0), 0.8);
-        let far = [-1e9, 1e9];
-        close(plate_from_rectangle(far, far, 1.0), 1.0);
-        close(plate_from_rectangle([0.0, 1e9], far, 1.0), 0.5);
-        // A stripe to the right of an edge: the difference of two edges.
-        close(plate_from_rectangle([0.3, 1.1], far, 1.0), plate_edge(1.1, 1.0) - plate_edge(0.3, 1.0));
     }
 }

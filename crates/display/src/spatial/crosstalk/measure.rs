@@ -1,0 +1,182 @@
+//! What a view sees of the pixels and of figures on them at a level.
+//!
+//! Below a lobe light is followed by direction (`blurred.rs`). Elsewhere figures have the irradiance that flat
+//! faces or general layers give them (`flat.rs`).
+
+use super::super::below_layers::Layers;
+use super::super::irradiance::{Above, PlacedImage};
+use super::super::response::{Lit, name_of_light};
+use super::super::{Level, Refused};
+use super::flat::{self, Irradiance, Pixels};
+use super::found::Measured;
+use super::frame::{Frame, is_flat};
+use super::orders::Orders;
+use super::{BLACK, Colour, Figure, PAGE, add, state};
+use crate::DisplayError;
+use crate::meter::Meter;
+use crate::setup::ViewPoint;
+
+/// Colours of a figure in each state, and of what is beside it; none without such a figure.
+pub(super) type Figures = (Vec<Colour>, Option<Colour>);
+
+impl Frame<'_> {
+    pub(super) fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
+        let (setup, meter) = (self.setup, Meter::new(self.setup));
+        let layers = match self.panel {
+            Some(_) => None,
+            None => Some(Layers::new(setup, view, level, self.control)?),
+        };
+        let above = match (self.panel, &layers) {
+            (Some(panel), _) => Above::Panel(self.lit(panel, view, level)),
+            (None, Some(layers)) => Above::Layers(layers),
+            (None, None) => return Err(Refused::Layers.into()),
+        };
+        let factors = setup.seen(view, above.level_of_pages(), self.control)?;
+        let (states, bins) = (setup.states.len(), setup.scene.grid.len());
+        let mut measured = Measured::default();
+        let (mut pages, mut orders) = (vec![[0.0; 3]; states], None::<Orders>);
+        // Below a lobe light is followed by direction.
+        let below_lobe = match above {
+            Above::Panel(lit) if !is_flat(lit.panel) => Some(lit),
+            Above::Panel(_) | Above::Layers(_) => None,
+        };
+        let images = if below_lobe.is_none() { above.images()? } else { Vec::new() };
+        // Light of each state and wavelength in X, Y and Z.
+        let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
+        measured.from_faces = meter.without_pixel(&factors);
+        for light in meter.pixel_lights().iter().filter(|light| light.is_seen()) {
+            let (weights, factor) = (&light.weights, &factors[light.source]);
+            measured.names.push(name_of_light(setup, light));
+            for (state, page) in pages.iter_mut().enumerate() {
+                add(page, flat::colour(weights, factor.via_pixel.state(state)));
+            }
+            for (sum, weights) in by_wavelength.iter_mut().zip(weights) {
+                let light = factor.via_pixel.iter().enumerate().map(|(at, light)| weights[at % bins] * light);
+                sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+            }
+            let Some(lit) = below_lobe else {
+                let page = factor.via_pixel.state(self.page);
+                measured.page.push(self.shares_of_images(&images, page, &weights[1]));
+                continue;
+            };
+            let source = &setup.sources[light.source];
+            let mut more = self.orders(lit, source, weights)?;
+            if lit.returns() {
+                if level.is_fine && lit.panel.base.is_specular() {
+                    more.own = self.own_light(lit, source, &weights[1], &factor.via_pixel)?;
+                }
+                let all = flat::colour(weights, factor.via_pixel.state(self.page))[1];
+                more.add_returned(self.page, all, level.is_fine);
+            }
+            measured.page.push(more.once.page.clone());
+            match &mut orders {
+                Some(sum) => sum.add(&more),
+                None => orders = Some(more),
+            }
+        }
+        for figure in Figure::ALL {
+            let (colours, beside) = match (&orders, figure) {
+                (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
+                (Some(orders), _) => self.blurred(figure, &pages, (orders, &by_wavelength), above)?,
+                (None, _) => self.on_flat(figure, &pages, &by_wavelength, above)?,
+            };
+            measured.figures[figure as usize] = colours;
+            measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
+        }
+        Ok(measured)
+    }
+
+    /// Light of the page by window and sub-pixel, where images of the pixels are sharp. Pixels that no image
+    /// shows are not divided: they show their own kind.
+    fn shares_of_images(&self, images: &[PlacedImage], page: &[f64], weights: &[f64]) -> Vec<Vec<f64>> {
+        let count = self.matrix.sub_pixels.len();
+        let mut rows = vec![vec![0.0; count + 1]; count];
+        for (at_mm, fraction) in images {
+            let light = page.iter().zip(fraction).zip(weights).map(|((light, f), w)| light * f * w);
+            self.add_image(*at_mm, light.sum(), &mut rows);
+        }
+        if images.is_empty() {
+            let light = weights.iter().zip(page).map(|(weight, light)| weight * light);
+            self.add_image([0.0; 2], light.sum(), &mut rows);
+        }
+        rows
+    }
+
+    /// Adds the light of a shifted image of the page to each window, by sub-pixel.
+    fn add_image(&self, at_mm: [f64; 2], light: f64, rows: &mut [Vec<f64>]) {
+        let shift = [0, 1].map(|axis| -at_mm[axis] / self.matrix.pitch_mm[axis]);
+        let windows = self.matrix.sub_pixels.iter().map(|one| &one.window);
+        for (number, (row, window)) in rows.iter_mut().zip(windows.clone()).enumerate() {
+            if shift == [0.0; 2] || window.area() == 0.0 {
+                row[number] += light;
+                continue;
+            }
+            let mut rest = 1.0;
+            for (part, source) in row.iter_mut().zip(windows.clone()) {
+                let fraction = window.overlap(source, shift) / window.area();
+                *part += light * fraction;
+                rest -= fraction;
+            }
+            if let Some(last) = row.last_mut() {
+                *last += light * rest.max(0.0);
+            }
+        }
+    }
+
+    /// Reflectance of the states in the direction of the view, `[state][wavelength]`, and the irradiance of a
+    /// figure; `None` without such a figure.
+    pub(super) fn irradiance(
+        &self,
+        figure: Figure,
+        above: Above<'_>,
+    ) -> Result<(Vec<f64>, Option<Irradiance>), DisplayError> {
+        let mut rho = vec![0.0; self.setup.states.len() * self.setup.scene.grid.len()];
+        let base = self.setup.stack.base();
+        match (above, self.setup.stack.layers().last()) {
+            (Above::Panel(Lit { panel, view, .. }), _) => {
+                panel.base.reflectance(view.field.axis_towards().squared(), &panel.medium, &mut rho);
+            }
+            (Above::Layers(_), Some(layer)) => base.reflectance(0.0, &layer.medium, &mut rho),
+            (Above::Layers(_), None) => {}
+        }
+        let pixels = Pixels { pitch_mm: self.matrix.pitch_mm, text: self.text.as_ref() };
+        let most = rho.iter().copied().fold(0.0, f64::max);
+        let irradiance = Irradiance::new(above, &pixels, figure, most)?;
+        Ok((rho, irradiance))
+    }
+
+    /// Colours of figures under flat faces or general layers, through all orders.
+    fn on_flat(
+        &self,
+        figure: Figure,
+        pages: &[Colour],
+        by_wavelength: &[Vec<f64>; 3],
+        above: Above<'_>,
+    ) -> Result<Figures, DisplayError> {
+        let (rho, irradiance) = self.irradiance(figure, above)?;
+        let Some(irradiance) = irradiance else { return Ok((Vec::new(), None)) };
+        let bins = self.setup.scene.grid.len();
+        let light = |state: usize| by_wavelength.each_ref().map(|light| &light[state * bins..][..bins]);
+        let on = |own: usize, page: usize| {
+            let rho = [own, page].map(|state| &rho[state * bins..][..bins]);
+            irradiance.colour(&[light(own), light(page)], rho)
+        };
+        Ok(self.figures(figure, pages, on))
+    }
+
+    /// Colours of a figure in each state on the page, and of what is beside it, given those of one state on
+    /// another.
+    pub(super) fn figures(
+        &self,
+        figure: Figure,
+        pages: &[Colour],
+        on: impl Fn(usize, usize) -> Colour,
+    ) -> Figures {
+        let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();
+        let beside = match (figure, state(self.setup, BLACK)) {
+            (Figure::Stripe, Some(black)) => on(self.page, black),
+            _ => pages[self.page],
+        };
+        (colours, Some(beside))
+    }
+}
