@@ -13,7 +13,7 @@ pub fn with_widest_simd<R>(work: impl FnMut() -> R) -> R {
 }
 
 /// Clears the upper halves of the vector registers. Call it after code of other crates that uses wide ones in
-/// hand-written assembly (masked stores), for which the compiler does not do it.
+/// hand-written assembly (matrix products, masked stores), for which the compiler does not do it.
 ///
 /// While any upper half is in use, x86 processors of some makers execute ordinary floating-point code, which
 /// has to preserve it, up to thirty times slower.

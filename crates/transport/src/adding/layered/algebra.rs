@@ -11,8 +11,7 @@
 
 use std::sync::Arc;
 
-use super::factors::Factors;
-use super::matrix::Matrix;
+use super::matrix::{Factors, Matrix};
 
 /// Smallest significant factor: smaller ones are rounding errors of a difference that is zero, where no
 /// light enters.

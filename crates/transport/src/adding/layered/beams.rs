@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use super::algebra::Operator;
-use super::factors::Factors;
-use super::matrix::Matrix;
+use super::matrix::{Factors, Matrix};
 
 /// Light of unit beams, each of which entered at a node of its own.
 #[derive(Debug)]

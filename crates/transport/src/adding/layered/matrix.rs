@@ -1,9 +1,11 @@
-//! Dense matrices, column by column.
+//! Dense matrices, column by column. Products and factorisations are computed by `faer`, on one thread.
 
-use std::ops::{Index, IndexMut, Range};
+use std::ops::{Index, IndexMut};
 
-use super::factors::Factors;
-use crate::numerics::product::{Product, View};
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::{PartialPivLu, Solve};
+use faer::{Accum, MatMut, MatRef, Par};
+use papilio_optics::clear_wide_registers;
 
 /// A dense matrix.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +14,9 @@ pub(super) struct Matrix {
     columns: usize,
     values: Vec<f64>,
 }
+
+/// A factorised square matrix.
+pub(super) struct Factors(PartialPivLu<f64>);
 
 impl Matrix {
     pub(super) fn zeros(rows: usize, columns: usize) -> Self {
@@ -124,25 +129,37 @@ impl Matrix {
 
     /// Adds `left right`: the first `inner` columns of `left`, and the first `inner` rows of `right`.
     pub(super) fn add_product(&mut self, left: &Self, right: &Self, inner: usize) {
-        self.add(0..self.rows, left.part(0, 0, false), right.part(0, 0, false), inner, 1.0);
+        if inner > 0 && !self.values.is_empty() {
+            let (left, right) = (left.view().subcols(0, inner), right.view().subrows(0, inner));
+            add(self.view_mut(), left, right, 1.0);
+        }
     }
 
     /// Adds `left right`: as many rows of `left` as this matrix has, from `first` on, and its first `inner`
     /// columns; the first `inner` rows of `right`.
     pub(super) fn add_product_of_rows(&mut self, left: &Self, first: usize, right: &Self, inner: usize) {
-        self.add(0..self.rows, left.part(first, 0, false), right.part(0, 0, false), inner, 1.0);
+        if inner > 0 && !self.values.is_empty() {
+            let left = left.view().submatrix(first, 0, self.rows, inner);
+            add(self.view_mut(), left, right.view().subrows(0, inner), 1.0);
+        }
     }
 
     /// Adds `factor left right`: as many rows of `left` as this matrix has, and as many of its columns as
     /// `right` has rows.
     pub(super) fn add_scaled_product(&mut self, left: &Self, right: &Self, factor: f64) {
-        self.add(0..self.rows, left.part(0, 0, false), right.part(0, 0, false), right.rows, factor);
+        if right.rows > 0 && !self.values.is_empty() {
+            let left = left.view().submatrix(0, 0, self.rows, right.rows);
+            add(self.view_mut(), left, right.view(), factor);
+        }
     }
 
     /// Adds `factor left' right`, with the transpose of `left`: as many of its columns as this matrix has
     /// rows, and as many of its rows as `right` has.
     pub(super) fn add_transposed_product(&mut self, left: &Self, right: &Self, factor: f64) {
-        self.add_transposed_product_of_columns(left, 0, right, factor);
+        if right.rows > 0 && !self.values.is_empty() {
+            let left = left.view().submatrix(0, 0, right.rows, self.rows).transpose();
+            add(self.view_mut(), left, right.view(), factor);
+        }
     }
 
     /// Adds `factor left' right`, with the transpose of some columns of `left`: as many as this matrix has
@@ -154,14 +171,20 @@ impl Matrix {
         right: &Self,
         factor: f64,
     ) {
-        self.add(0..self.rows, left.part(0, first, true), right.part(0, 0, false), right.rows, factor);
+        if right.rows > 0 && !self.values.is_empty() {
+            let left = left.view().submatrix(0, first, right.rows, self.rows).transpose();
+            add(self.view_mut(), left, right.view(), factor);
+        }
     }
 
     /// Adds the product of a square matrix, or of its transpose, with the rows of `right` from `first` on, to
     /// the rows from there on.
     pub(super) fn add_block_product(&mut self, (block, first): (&Self, usize), right: &Self, reversed: bool) {
-        let rows = first..first + block.rows;
-        self.add(rows, block.part(0, 0, reversed), right.part(first, 0, false), block.rows, 1.0);
+        if block.rows > 0 && !self.values.is_empty() {
+            let left = if reversed { block.view().transpose() } else { block.view() };
+            let right = right.view().subrows(first, block.rows);
+            add(self.view_mut().subrows_mut(first, block.rows), left, right, 1.0);
+        }
     }
 
     /// Returns the sum of the first columns, weighted.
@@ -181,31 +204,33 @@ impl Matrix {
 
     /// Subtracts from the rows after the first `first` the product of `left` and these first rows.
     pub(super) fn eliminate(&mut self, left: &Self, first: usize) {
-        if first < self.rows {
-            let top = self.first_rows(first);
-            self.add(first..self.rows, left.part(first, 0, false), top.part(0, 0, false), first, -1.0);
+        if first > 0 && first < self.rows {
+            let left = left.view().submatrix(first, 0, self.rows - first, first);
+            let (top, bottom) = self.view_mut().split_at_row_mut(first);
+            add(bottom, left, top.as_ref(), -1.0);
         }
     }
 
-    /// Factorises a square matrix by Gaussian elimination with partial pivoting.
+    /// Factorises by Gaussian elimination with partial pivoting.
     pub(super) fn factors(&self) -> Factors {
-        Factors::new(self.rows, self.values.clone())
+        let factors = PartialPivLu::new(self.view());
+        clear_wide_registers();
+        Factors(factors)
     }
 
-    /// Returns the elements from a row and a column on, or those of the transposed matrix.
-    fn part(&self, row: usize, column: usize, transposed: bool) -> View<'_> {
-        let values = self.values.get(column * self.rows + row..).unwrap_or_default();
-        View { values, stride: self.rows, by_rows: transposed }
+    fn view(&self) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.values, self.rows, self.columns)
     }
 
-    /// Adds `factor left right` to some rows.
-    fn add(&mut self, to: Range<usize>, left: View<'_>, right: View<'_>, inner: usize, factor: f64) {
-        if !to.is_empty() && inner > 0 && self.columns > 0 {
-            let (rows, columns, stride) = (to.len(), self.columns, self.rows);
-            Product { left, right, factor, out: &mut self.values[to.start..], stride, rows, columns, inner }
-                .add();
-        }
+    fn view_mut(&mut self) -> MatMut<'_, f64> {
+        MatMut::from_column_major_slice_mut(&mut self.values, self.rows, self.columns)
     }
+}
+
+/// Adds `factor left right`.
+fn add(out: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>, factor: f64) {
+    matmul(out, Accum::Add, left, right, factor, Par::Seq);
+    clear_wide_registers();
 }
 
 impl AsRef<Factors> for Factors {
@@ -215,13 +240,25 @@ impl AsRef<Factors> for Factors {
 }
 
 impl Factors {
-    /// Solves for the first rows of `right`, as many as the matrix has, or for the transposed matrix.
+    /// Solves for the first rows of `right`, as many as the matrix has.
+    pub(super) fn solve(&self, right: &mut Matrix) {
+        let rows = self.0.U().nrows();
+        if rows > 0 && right.columns > 0 {
+            self.0.solve_in_place(right.view_mut().subrows_mut(0, rows));
+            clear_wide_registers();
+        }
+    }
+
+    /// Solves the same, or for the transposed matrix.
     pub(super) fn solve_either(&self, right: &mut Matrix, transposed: bool) {
-        let stride = right.rows;
-        if stride > 0 && transposed {
-            self.solve_transposed(&mut right.values, stride);
-        } else if stride > 0 {
-            self.solve(&mut right.values, stride);
+        if transposed { self.solve_transposed(right) } else { self.solve(right) }
+    }
+
+    fn solve_transposed(&self, right: &mut Matrix) {
+        let rows = self.0.U().nrows();
+        if rows > 0 && right.columns > 0 {
+            self.0.solve_transpose_in_place(right.view_mut().subrows_mut(0, rows));
+            clear_wide_registers();
         }
     }
 }

@@ -42,7 +42,6 @@ mod convergence;
 mod diffuse_response;
 mod directions;
 mod elements;
-mod factors;
 mod first_bounce;
 mod gather;
 mod grid;

@@ -113,7 +113,7 @@ impl<'a> Reflections<'a> {
         let straight = b.iter().zip(&self.layers[column].below_straight).map(|(b, g)| 1.0 - b * g).collect();
         let closed = Operator { regular: n, straight, kernel: Some(kernel.into()) };
         right.columns_mut().for_each(|(_, light)| light.iter_mut().zip(b).for_each(|(x, b)| *x *= b));
-        closed.weighted_block().factors().solve_either(right, false);
+        closed.weighted_block().factors().solve(right);
     }
 }
 
