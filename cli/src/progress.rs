@@ -37,12 +37,13 @@ pub(crate) fn with_progress<T>(
 
 /// A computation of a display in one or more parts, with one bar for all of them.
 pub(crate) struct Computation {
-    bar: FractionBar,
     /// Fractions of the whole at which the parts begin, and 1.
     begins: Vec<f64>,
     next: usize,
+    // These end before the bar, which is full at its end, whatever was computed: fields are dropped in order.
     _log: Option<Heartbeat>,
     _shown: Heartbeat,
+    bar: FractionBar,
 }
 
 impl Computation {
@@ -59,7 +60,7 @@ impl Computation {
         let mut begins = vec![other];
         parts.iter().for_each(|part| begins.push(begins[begins.len() - 1] + (1.0 - other) * part / all));
         let shown = Heartbeat::every(BETWEEN_FRAMES, move || waiting.tick());
-        Self { bar, begins, next: 0, _log: log, _shown: shown }
+        Self { begins, next: 0, _log: log, _shown: shown, bar }
     }
 
     /// Computes the next part; `None` if interrupted before it had a result.
@@ -172,7 +173,7 @@ pub(crate) struct Progress {
     reused: usize,
     computed: usize,
     started: Instant,
-    _log: Option<Heartbeat>,
+    log: Option<Heartbeat>,
 }
 
 impl Progress {
@@ -182,7 +183,7 @@ impl Progress {
         let log = in_log(&bar, move |bar| {
             format!("{} of {} {unit}{}", bar.position(), bar.length().unwrap_or_default(), bar.message())
         });
-        Self { bar, reused: 0, computed: 0, started: Instant::now(), _log: log }
+        Self { bar, reused: 0, computed: 0, started: Instant::now(), log }
     }
 
     /// Counts a finished item, computed now or known before.
@@ -197,6 +198,8 @@ impl Progress {
 
 impl Drop for Progress {
     fn drop(&mut self) {
+        // The bar is full at its end, also after an interruption.
+        drop(self.log.take());
         self.bar.finish_and_clear();
     }
 }

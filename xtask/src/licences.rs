@@ -83,7 +83,7 @@ pub(crate) fn licences() -> Outcome {
 
 /// The crates that programs link to, on any system, and all other crates of the lock file.
 fn crates() -> Result<(Packages, BTreeSet<Package>), String> {
-    let metadata = output(&["metadata", "--format-version", "1", "--locked"])?;
+    let metadata = output(&["metadata", "--format-version", "1", "--all-features", "--locked"])?;
     let metadata: Value =
         serde_json::from_str(&metadata).map_err(|error| format!("cargo metadata: {error}"))?;
     let mut known: Packages =

@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub use mirrored::{Separable, filtered};
 use num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
-pub use states::{KernelShapes, StatePicture};
+pub use states::{KernelShapes, StatePicture, smooth};
 
 /// Discrete Fourier transform of rows of cells: rows from the bottom, columns from the left.
 pub struct Plane {

@@ -449,8 +449,9 @@ fn product(covered: &[Block], shapes: &[Block], mixture: &[f32]) -> Block {
     sum
 }
 
-/// Smallest number from `least` on without other prime factors than 2, 3, 5 and 7.
-fn smooth(least: usize) -> usize {
+/// Smallest number from `least` on without other prime factors than 2, 3, 5 and 7: transforms of so many cells are
+/// quick.
+pub fn smooth(least: usize) -> usize {
     let is_smooth = |mut number: usize| {
         for factor in [2, 3, 5, 7] {
             while number.is_multiple_of(factor) {

@@ -276,9 +276,11 @@ fn random_maps_obey_the_laws_by_azimuth() {
         let known: Vec<f64> = audit.energy_z.iter().copied().filter(|z| *z != 0.0).collect();
         assert!(known.len() > 200, "map {number}: {}", known.len());
         assert_student("energy of patches", &known, 0.25 * known.len() as f64);
-        // The light of one ray counts as an error: where patches of a map receive few rays, scores are lower.
+        // The light of one ray counts as an error: where patches of a map receive few rays, scores are lower
+        // (map 2: 0.72, map 4: 0.81; without it, all four maps have 0.98 to 1.01).
+        let least = sized(0.8, 0.65);
         assert!(
-            audit.reciprocity_tests > 250 && (0.65..1.2).contains(&audit.reciprocity_z_rms),
+            audit.reciprocity_tests > 250 && (least..1.2).contains(&audit.reciprocity_z_rms),
             "map {number}: {} of {}",
             audit.reciprocity_z_rms,
             audit.reciprocity_tests

@@ -1,5 +1,6 @@
 //! Patterns of two states and text: means over a period, contrast of strokes.
 
+use papilio_fourier::smooth;
 use papilio_imaging::text::{Bitmap, Font, Setting, X_HEIGHT};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -15,13 +16,13 @@ const MARGIN: usize = 4;
 /// More of them where light is returned, in reaches of this light, at a coarse and at a fine level. The page
 /// repeats, and the next copies darken the text: their part decreases with the fourth power of their
 /// distance, so that the difference of both levels bounds it.
-const MARGINS: [f64; 2] = [6.0, 10.0];
+const MARGINS: [f64; 2] = [5.0, 8.0];
 
 /// Factor of the margin for each halving of the cells.
 const MORE_MARGIN: f64 = 1.5;
 
-/// Largest margin, pixels.
-const MOST_MARGIN: f64 = 200.0;
+/// Largest margins, pixels, at both levels: where they hold, the levels still differ.
+const MOST_MARGINS: [f64; 2] = [120.0, 200.0];
 
 /// Pixels on each side of a stroke whose light a kernel adds.
 const NEIGHBOURS: i64 = 24;
@@ -188,13 +189,14 @@ impl Text<'_> {
     /// The text on a larger page, to which light returns from `reach_mm` away, and the pixels in the middle of
     /// strokes there.
     pub(super) fn on_page(&self, reach_mm: f64, level: Level) -> (Bitmap, Vec<usize>) {
-        let reaches = MARGINS[usize::from(level.is_fine)] * MORE_MARGIN.powi(level.finer as i32);
-        let margin = self.pitch_mm.map(|pitch| (reaches * reach_mm / pitch).ceil().min(MOST_MARGIN) as usize);
-        let page = self.bitmap.with_margin(margin);
-        let [before, after] = [self.bitmap.count[0], page.count[0]];
-        let moved = |pixel: &usize| (pixel / before + margin[1]) * after + pixel % before + margin[0];
+        let [reaches, most] = [MARGINS, MOST_MARGINS].map(|of| of[usize::from(level.is_fine)]);
+        let margin_mm = reaches * MORE_MARGIN.powi(level.finer as i32) * reach_mm;
+        let margin = self.pitch_mm.map(|pitch| (margin_mm / pitch).ceil().min(most) as usize);
+        let count = [0, 1].map(|axis| smooth(self.bitmap.count[axis] + 2 * margin[axis]));
+        let columns = self.bitmap.count[0];
+        let moved = |pixel: &usize| (pixel / columns + margin[1]) * count[0] + pixel % columns + margin[0];
         let middles = self.middles.iter().map(moved).collect();
-        (page, middles)
+        (self.bitmap.on_page(margin, count), middles)
     }
 
     /// What a kernel shows of black pixels in the middle of each stroke.

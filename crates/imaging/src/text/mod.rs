@@ -37,12 +37,12 @@ impl Bitmap {
         Middles::of(self)
     }
 
-    /// Returns the same with this many more white columns on either side, and rows below and above.
-    pub fn with_margin(&self, more: [usize; 2]) -> Self {
-        let count = [0, 1].map(|axis| self.count[axis] + 2 * more[axis]);
+    /// Returns the same from this column and row on, on a white page of this many columns and rows, on which it
+    /// has room.
+    pub fn on_page(&self, at: [usize; 2], count: [usize; 2]) -> Self {
         let mut black = vec![false; count[0] * count[1]];
         for (row, pixels) in self.black.chunks_exact(self.count[0].max(1)).enumerate() {
-            let start = (row + more[1]) * count[0] + more[0];
+            let start = (row + at[1]) * count[0] + at[0];
             black[start..][..pixels.len()].copy_from_slice(pixels);
         }
         Self { count, black, em: self.em }

@@ -245,9 +245,9 @@ fn lossless_layers_return_all_light() {
     ];
     for (name, stack, paths) in everyday(4, cases) {
         let runs = Runs::new(&stack, 25.0, &[Source::Diffuse], paths);
-        // The number of collisions in the thick slab has a long tail, n^(-3/2): few of its seeds have errors
+        // The number of collisions in the thick slab has a long tail, n^(-3/2): of many seeds, few have errors
         // far above the usual 0.025.
-        let most_error = if name == "thick slab" { 0.25 } else { 0.1 };
+        let most_error = if name == "thick slab" { sized(0.1, 0.25) } else { 0.1 };
         runs.check(&format!("furnace, {name}"), 1.0, most_error, |e| rho(e, 0));
     }
 }
