@@ -232,7 +232,7 @@ fn file_that_is_cut_in_its_head_is_known_by_its_name() {
 fn luminaire_with_changed_bytes_never_panics() {
     let mut dice = papilio_testing::Dice::new(5, 0);
     for good in [LUMINAIRE.to_owned(), text(&eulumdat(3)), text(&eulumdat(0))] {
-        for _ in 0..1500 {
+        for _ in 0..papilio_testing::sized(300, 1500) {
             let mut bytes = good.clone().into_bytes();
             for _ in 0..1 + dice.below(4) {
                 let at = dice.below(bytes.len());

@@ -400,7 +400,9 @@ fn long_line_of_separators_is_refused_quickly() {
 fn table_with_a_changed_byte_never_panics() {
     for good in [SELLMEIER, PIXEL, "nm,n,k\n400,2,0.2\n600,3,0.4\n"] {
         for at in 0..good.len() {
-            for byte in [0, b'\n', b'"', b',', b'-', b'9', b':', b'e', 0xFF] {
+            // Each day three at each place, in turn.
+            let all = [0, b'\n', b'"', b',', b'-', b'9', b':', b'e', 0xFF];
+            for byte in papilio_testing::everyday(3, all.into_iter().cycle().skip(2 * at).take(all.len())) {
                 let mut bytes = good.as_bytes().to_vec();
                 bytes[at] = byte;
                 let file = DataFile { name: "x".to_owned(), bytes };
