@@ -133,10 +133,7 @@ impl Setup {
             lights: lights(scene, &observer)?,
             sources: sources(scene, angle_index)?,
             views: views(scene, angle_index)?,
-            other_observer: match scene.metrics.observer {
-                Standard::Cie1931 => None,
-                other => Some(Observer::of(other, &scene.grid)?),
-            },
+            other_observer: other_observer(scene)?,
             observer,
             states: scene.display.state_names(),
             version: 0,
@@ -148,16 +145,15 @@ impl Setup {
     /// Updates the setup for another scene. The result equals `new(scene)`, but parts that are still valid
     /// are reused, and the version counters are incremented for the parts that changed.
     ///
-    /// Another grid, angle medium, approximation or observer invalidates everything. Otherwise the base
-    /// depends on the pixel and the index above it, the stack on the layers, the sources on the lighting and
+    /// Another grid, angle medium or approximation invalidates everything. Otherwise the base depends on the
+    /// pixel and the index above it, the stack on the layers, the sources on the lighting, the observer and
     /// that index, and the views on the viewer and that index. `version` is not incremented if new lighting
     /// has the same sources, that is, differs only in spectra and illuminances.
     pub(crate) fn renewed(mut self, scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
-        let other_observer = scene.metrics.observer != last.metrics.observer;
-        if scene.grid != last.grid || solver_changed || other_observer {
+        if scene.grid != last.grid || solver_changed {
             return Ok(Self { version: self.version + 1, ..Self::with_filter(scene, control)? });
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
@@ -179,7 +175,11 @@ impl Setup {
             self.version += 1;
         }
         let angle_index = angle_index(scene)?;
-        if scene.lighting != last.lighting || index_changed {
+        let observer_changed = scene.metrics.observer != last.metrics.observer;
+        if observer_changed {
+            self.other_observer = other_observer(scene)?;
+        }
+        if scene.lighting != last.lighting || index_changed || observer_changed {
             self.lights = lights(scene, &self.observer)?;
             let sources = sources(scene, angle_index)?;
             self.version += u64::from(sources != self.sources);
@@ -231,6 +231,14 @@ impl Setup {
         }
         base.is_specular()
     }
+}
+
+/// Returns the observer of the reported colours, if it is not that of 1931.
+fn other_observer(scene: &Scene) -> Result<Option<Observer>, DisplayError> {
+    Ok(match scene.metrics.observer {
+        Standard::Cie1931 => None,
+        other => Some(Observer::of(other, &scene.grid)?),
+    })
 }
 
 /// Returns the refractive index of the medium of the scene's angles.
