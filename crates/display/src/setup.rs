@@ -26,6 +26,10 @@ use crate::pixel::{self, FilmKey};
 use crate::run::Control;
 use crate::scene::{self, AngleMedium, Scene};
 
+/// Largest thickness of the layers above the pixels, over the pitch, with which crosstalk is computed:
+/// beyond, light of a sub-pixel spreads over tens of thousands of others.
+const MOST_PITCHES: f64 = 100.0;
+
 /// Scene that is prepared for the transport.
 #[derive(Debug, Clone)]
 pub(crate) struct Setup {
@@ -174,6 +178,7 @@ impl Setup {
             self.stack = stack(scene, base, made, control)?;
             self.version += 1;
         }
+        self.stack.set_thickness_mm(&thickness_mm(scene));
         let angle_index = angle_index(scene)?;
         let observer_changed = scene.metrics.observer != last.metrics.observer;
         if observer_changed {
@@ -215,6 +220,30 @@ impl Setup {
         let is_ready = kernel.prepare_unless(&self.stack, &[view.field], &self.sources, control.stop);
         let seen = is_ready.then(|| kernel.seen_unless(&self.stack, 0, control.stop)).flatten();
         seen.ok_or(DisplayError::Interrupted)
+    }
+
+    /// The stack, for light with its places.
+    ///
+    /// # Errors
+    /// If a thickness is needed and missing.
+    pub(crate) fn placed(&self) -> Result<&Stack, DisplayError> {
+        self.scene.display.lengths_mm().map(|_| &self.stack)
+    }
+
+    /// The stack, for crosstalk between its pixels.
+    ///
+    /// # Errors
+    /// If a thickness is needed and missing, or the layers are so thick that light spreads over too many
+    /// pixels.
+    pub(crate) fn spreads_over_few_pixels(&self) -> Result<&Stack, DisplayError> {
+        let stack = self.placed()?;
+        let Some(matrix) = &self.scene.display.matrix else { return Ok(stack) };
+        let pitch_mm = matrix.pitch_mm[0].min(matrix.pitch_mm[1]);
+        let thickness_mm = stack.thickness_mm();
+        if thickness_mm <= MOST_PITCHES * pitch_mm {
+            return Ok(stack);
+        }
+        Err(DisplayError::TooThick { thickness_mm, pitch_mm, most: MOST_PITCHES })
     }
 
     /// Returns the observer of the reported colours.
@@ -262,7 +291,16 @@ fn stack(
         unrefracted: scene.solver.angle_medium == AngleMedium::Unrefracted,
     };
     let layers = layers(scene, before, Surfaces::Measured(control))?;
-    Stack::approximated(layers, base, approximation).map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)
+    let stack = Stack::approximated(layers, base, approximation);
+    let mut stack = stack.map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)?;
+    stack.set_thickness_mm(&thickness_mm(scene));
+    Ok(stack)
+}
+
+/// Returns the thickness of each layer, mm; 0 if one is missing: [`Setup::placed`] refuses it.
+fn thickness_mm(scene: &Scene) -> Vec<f64> {
+    let missing = |_| vec![0.0; scene.display.layers.len()];
+    scene.display.lengths_mm().unwrap_or_else(missing)
 }
 
 /// Returns layers that are no panel over an empty base, which suffices to estimate their cost. Coatings are
@@ -313,7 +351,7 @@ fn layers(
             Some(scattering) => medium.with_scattering(scattering.clone()),
             None => medium,
         };
-        made.push(Layer { interface, medium });
+        made.push(Layer::new(interface, medium));
     }
     Ok(made)
 }
