@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use papilio_display::result::RunResult;
 use papilio_display::scene::{AngleMedium, Method};
-use papilio_display::{ConeGrid, ConeResult, adding_seconds, ambient_light_by_direction, forecast};
+use papilio_display::{ConeGrid, ConeResult, Prepared, adding_seconds, ambient_light_by_direction, forecast};
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
@@ -27,13 +27,13 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let started = Instant::now();
     let threads = arguments.workers.threads;
     let mut computation = Computation::in_parts(if arguments.cone { &PARTS } else { &[1.0] });
-    let result =
-        computation.part(&resolved, threads, |control| papilio_display::run(&resolved.scene, control))?;
+    let mut prepared = Prepared::empty();
+    let result = computation.part(&resolved, threads, |control| prepared.run(&resolved.scene, control))?;
     let mut result = result.ok_or(Failure::Interrupted("no result was computed; no file was written"))?;
     let seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let cone = match arguments.cone && !result.solver.interrupted {
-        true => compute_cone(&resolved, arguments, &mut computation)?,
+        true => compute_cone(&resolved, arguments, &mut prepared, &mut computation)?,
         false => None,
     };
     drop(computation);
@@ -160,11 +160,12 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
 fn compute_cone(
     resolved: &Resolved,
     arguments: &Run,
+    prepared: &mut Prepared,
     computation: &mut Computation,
 ) -> Result<Option<ConeResult>, Failure> {
     let mut grid = ConeGrid::within(&resolved.scene)?;
     grid.reference_deg = arguments.cone_reference.unwrap_or(grid.reference_deg);
     computation.part(resolved, arguments.workers.threads, |control| {
-        papilio_display::cone(&resolved.scene, grid, control)?.allowing(arguments.allow_error)
+        prepared.cone(&resolved.scene, grid, control)?.allowing(arguments.allow_error)
     })
 }

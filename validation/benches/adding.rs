@@ -60,8 +60,8 @@ fn panel_with_lobe(width: f64, front_reflectance: f64) -> Stack {
     let diffuser =
         Diffuser { lobe: Lobe::KCorrelation { width }, transmittance: of(0.953), regular_fraction: 0.0 };
     let layers = vec![
-        Layer { interface: Interface::Component(front), medium: Medium::new(of(1.0)) },
-        Layer { interface: Interface::Diffuser(diffuser), medium: Medium::new(of(1.5)) },
+        Layer::new(Interface::Component(front), Medium::new(of(1.0))),
+        Layer::new(Interface::Diffuser(diffuser), Medium::new(of(1.5))),
     ];
     Stack::new(layers, Base { reflector: Reflector::Specular(pixel()), inactive_absorptance: of(0.127) })
 }
@@ -131,13 +131,15 @@ fn new_pixel(bencher: Bencher<'_, '_>, level: u32) {
 
 /// Returns a stack of slabs of different thickness over a mirror.
 fn slabs_over_mirror(count: usize, anisotropy: f64) -> Stack {
-    let slab = |number: usize| Layer {
-        interface: if number == 0 { Interface::Fresnel } else { Interface::Open },
-        medium: Medium::new(vec![1.5].into()).with_scattering(Scattering {
-            optical_thickness: 0.3 + 0.1 * number as f64,
-            anisotropy,
-            albedo: vec![1.0].into(),
-        }),
+    let slab = |number: usize| {
+        Layer::new(
+            if number == 0 { Interface::Fresnel } else { Interface::Open },
+            Medium::new(vec![1.5].into()).with_scattering(Scattering {
+                optical_thickness: 0.3 + 0.1 * number as f64,
+                anisotropy,
+                albedo: vec![1.0].into(),
+            }),
+        )
     };
     let mirror = AngularTable {
         nodes: Nodes::Constant,

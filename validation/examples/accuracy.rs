@@ -104,8 +104,8 @@ fn panel() -> Result<Case, Box<dyn Error>> {
         AngularTable { nodes: Nodes::CosinePanels(panels), basis, mixture: one(1.0), common: one(0.0) };
     let front = Component { reflectance: one(0.005).into(), absorptance: one(0.01).into() };
     let layers = vec![
-        Layer { interface: Interface::Component(front), medium: Medium::new(one(1.0).into()) },
-        Layer { interface: Interface::Diffuser(lobe(0.05667, 0.953)), medium: Medium::new(one(1.5).into()) },
+        Layer::new(Interface::Component(front), Medium::new(one(1.0).into())),
+        Layer::new(Interface::Diffuser(lobe(0.05667, 0.953)), Medium::new(one(1.5).into())),
     ];
     let base = Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0).into() };
     Ok(Case {
@@ -136,7 +136,7 @@ fn slab(optical_thickness: f64, anisotropy: f64, index: f64) -> Medium {
 }
 
 fn over_mirror<const N: usize>(layers: [(Interface, Medium); N], reflectance: f64) -> Stack {
-    let layers = layers.into_iter().map(|(interface, medium)| Layer { interface, medium }).collect();
+    let layers = layers.into_iter().map(|(interface, medium)| Layer::new(interface, medium)).collect();
     let table = AngularTable {
         nodes: Nodes::Constant,
         basis: one(reflectance).into(),

@@ -93,7 +93,7 @@ fn reflecting(dice: &mut Dice) -> (String, Stack) {
             reflectance: spectrum(dice, 0.0, 0.1),
             absorptance: spectrum(dice, 0.0, 0.1),
         });
-        layers.push(Layer { interface, medium: Medium::new(constant(1.0)) });
+        layers.push(Layer::new(interface, Medium::new(constant(1.0))));
         names.push("component".to_owned());
     }
     let (name, through) = diffuser(dice, 0.07);
@@ -110,8 +110,7 @@ fn reflecting(dice: &mut Dice) -> (String, Stack) {
     let sides = [Some(of_above).filter(|_| !dice.one_in(8)), Some(of_below).filter(|_| !dice.one_in(8))];
     let interface =
         Interface::Reflecting(Box::new(ReflectingDiffuser::new(Interface::Diffuser(through), sides)));
-    layers
-        .push(Layer { interface, medium: Medium::new(medium).with_transmittance(spectrum(dice, 0.9, 1.0)) });
+    layers.push(Layer::new(interface, Medium::new(medium).with_transmittance(spectrum(dice, 0.9, 1.0))));
     if dice.one_in(4) && glass > 1.0 {
         let (name, layer, _) = layer(dice, glass);
         let constant_above = layers.last().is_some_and(|last| last.medium.index().is_constant());
@@ -154,9 +153,9 @@ fn rare_front(dice: &mut Dice) -> (f64, Vec<Component>) {
 
 /// The stack of an ordinary panel: components in air, and a face of the glass.
 fn stack_of_panel(front: Vec<Component>, face: Interface, glass: Spectrum, base: Base) -> Stack {
-    let in_air = |one| Layer { interface: Interface::Component(one), medium: Medium::new(constant(1.0)) };
+    let in_air = |one| Layer::new(Interface::Component(one), Medium::new(constant(1.0)));
     let mut layers: Vec<Layer> = front.into_iter().map(in_air).collect();
-    layers.push(Layer { interface: face, medium: Medium::new(glass) });
+    layers.push(Layer::new(face, Medium::new(glass)));
     Stack::new(layers, base)
 }
 
@@ -187,7 +186,7 @@ fn rare_slab(dice: &mut Dice, under_diffuser: bool) -> (String, Stack) {
     if under_diffuser {
         let (of_diffuser, diffuser) = diffuser(dice, 0.1);
         name = format!("{of_diffuser}, ");
-        layers.push(Layer { interface: Interface::Diffuser(diffuser), medium: Medium::new(constant(1.5)) });
+        layers.push(Layer::new(Interface::Diffuser(diffuser), Medium::new(constant(1.5))));
     }
     let optical_thickness = dice.log_between(1e-4, 0.1);
     let anisotropy = [0.0, 0.6, dice.between(0.7, 0.9), -0.7][dice.below(4)];
@@ -195,7 +194,7 @@ fn rare_slab(dice: &mut Dice, under_diffuser: bool) -> (String, Stack) {
     name += &format!("slab tau {optical_thickness:.5} g {anisotropy:.2} albedo {}", albedo[0]);
     let scattering = Scattering { optical_thickness, anisotropy, albedo };
     let interface = if under_diffuser { Interface::Open } else { Interface::Fresnel };
-    layers.push(Layer { interface, medium: Medium::new(constant(1.5)).with_scattering(scattering) });
+    layers.push(Layer::new(interface, Medium::new(constant(1.5)).with_scattering(scattering)));
     (name, Stack::general(layers, base(dice)))
 }
 
@@ -310,32 +309,32 @@ fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
                 reflectance: spectrum(dice, 0.0, 0.3),
                 absorptance: spectrum(dice, 0.0, 0.2),
             });
-            ("component".to_owned(), Layer { interface, medium: same }, above)
+            ("component".to_owned(), Layer::new(interface, same), above)
         }
         1 | 2 => {
             let (name, diffuser) = diffuser(dice, 0.07);
             let below = if dice.one_in(2) { index(dice) } else { above };
             let medium = Medium::new(constant(below));
-            (format!("{name} on {below}"), Layer { interface: Interface::Diffuser(diffuser), medium }, below)
+            (format!("{name} on {below}"), Layer::new(Interface::Diffuser(diffuser), medium), below)
         }
         3 | 4 => {
             let below = index(dice);
             let (name, medium) = slab(dice, below);
             let interface = if below == above { Interface::Open } else { Interface::Fresnel };
-            (name, Layer { interface, medium }, below)
+            (name, Layer::new(interface, medium), below)
         }
         5 => {
             let below = index(dice);
             let medium = Medium::new(constant(below)).with_transmittance(spectrum(dice, 0.6, 1.0));
             let interface = interface(dice, above, below);
-            (format!("{} {below}", name_of(&interface)), Layer { interface, medium }, below)
+            (format!("{} {below}", name_of(&interface)), Layer::new(interface, medium), below)
         }
         _ => {
             let below = if above == 1.5 { 1.0 } else { 1.5 };
             let alpha = dice.log_between(0.2, 0.8);
             let interface = Interface::Rough(Rough::new(alpha, above, below));
             let medium = Medium::new(constant(below));
-            (format!("rough {alpha:.2} {below}"), Layer { interface, medium }, below)
+            (format!("rough {alpha:.2} {below}"), Layer::new(interface, medium), below)
         }
     }
 }

@@ -112,10 +112,9 @@ impl<'a> Filtered<'a> {
         if let Some((_, refused)) = refused.into_iter().find(|(is_refused, _)| *is_refused) {
             return Err(refused.into());
         }
-        let lengths = scene.display.lengths_mm()?;
-        scene.display.spreads_over_few_pixels(&lengths)?;
-        let thickness_mm = lengths.last().copied().unwrap_or_default();
-        let gap_mm = air_below_front_mm(panel, &lengths).map_err(Refused::Fronts)?;
+        setup.spreads_over_few_pixels()?;
+        let thickness_mm = panel.gaps_mm.last().copied().unwrap_or_default();
+        let gap_mm = air_below_front_mm(panel).map_err(Refused::Fronts)?;
         Ok(Some(Self { gap_mm, setup, control, panel, matrix, filter, thickness_mm, rho }))
     }
 
@@ -403,11 +402,8 @@ impl<'a> Filtered<'a> {
     fn seen(&self, optics: &Optics, view: &Cone, level: usize) -> Result<Vec<Direction>, DisplayError> {
         let finest = self.matrix.pitch_mm[0].min(self.matrix.pitch_mm[1]);
         let accuracy = Accuracy { digits: DIGITS[level.min(2)], most_per_mm: 4.0 / finest };
-        let mut lengths = vec![0.0; self.setup.scene.display.layers.len()];
-        if let Some(last) = lengths.last_mut() {
-            *last = self.filter.height_mm;
-        }
-        let spread = PanelSpread::by_direction(&optics.panel, &lengths, view, &Source::Diffuse, accuracy);
+        let panel = Panel { gaps_mm: vec![self.filter.height_mm], ..optics.panel.clone() };
+        let spread = PanelSpread::by_direction(&panel, view, &Source::Diffuse, accuracy);
         let spread = spread.map_err(|error| DisplayError::PlacesNotComputed {
             what: error.to_string(),
             key: "display".to_owned(),

@@ -35,7 +35,7 @@ impl Prepared {
     }
 
     /// A series of scenes of which none is prepared yet.
-    pub(crate) fn empty() -> Self {
+    pub fn empty() -> Self {
         Self { setup: None, kernels: Kernels::default(), workers: None }
     }
 

@@ -26,6 +26,10 @@ use crate::pixel::{self, FilmKey};
 use crate::run::Control;
 use crate::scene::{self, AngleMedium, Scene};
 
+/// Largest thickness of the layers above the pixels, over the pitch, with which crosstalk is computed:
+/// beyond, light of a sub-pixel spreads over tens of thousands of others.
+const MOST_PITCHES: f64 = 100.0;
+
 /// Scene that is prepared for the transport.
 #[derive(Debug, Clone)]
 pub(crate) struct Setup {
@@ -133,10 +137,7 @@ impl Setup {
             lights: lights(scene, &observer)?,
             sources: sources(scene, angle_index)?,
             views: views(scene, angle_index)?,
-            other_observer: match scene.metrics.observer {
-                Standard::Cie1931 => None,
-                other => Some(Observer::of(other, &scene.grid)?),
-            },
+            other_observer: other_observer(scene)?,
             observer,
             states: scene.display.state_names(),
             version: 0,
@@ -148,16 +149,15 @@ impl Setup {
     /// Updates the setup for another scene. The result equals `new(scene)`, but parts that are still valid
     /// are reused, and the version counters are incremented for the parts that changed.
     ///
-    /// Another grid, angle medium, approximation or observer invalidates everything. Otherwise the base
-    /// depends on the pixel and the index above it, the stack on the layers, the sources on the lighting and
+    /// Another grid, angle medium or approximation invalidates everything. Otherwise the base depends on the
+    /// pixel and the index above it, the stack on the layers, the sources on the lighting, the observer and
     /// that index, and the views on the viewer and that index. `version` is not incremented if new lighting
     /// has the same sources, that is, differs only in spectra and illuminances.
     pub(crate) fn renewed(mut self, scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
-        let other_observer = scene.metrics.observer != last.metrics.observer;
-        if scene.grid != last.grid || solver_changed || other_observer {
+        if scene.grid != last.grid || solver_changed {
             return Ok(Self { version: self.version + 1, ..Self::with_filter(scene, control)? });
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
@@ -178,8 +178,13 @@ impl Setup {
             self.stack = stack(scene, base, made, control)?;
             self.version += 1;
         }
+        self.stack.set_thickness_mm(&thickness_mm(scene));
         let angle_index = angle_index(scene)?;
-        if scene.lighting != last.lighting || index_changed {
+        let observer_changed = scene.metrics.observer != last.metrics.observer;
+        if observer_changed {
+            self.other_observer = other_observer(scene)?;
+        }
+        if scene.lighting != last.lighting || index_changed || observer_changed {
             self.lights = lights(scene, &self.observer)?;
             let sources = sources(scene, angle_index)?;
             self.version += u64::from(sources != self.sources);
@@ -217,6 +222,30 @@ impl Setup {
         seen.ok_or(DisplayError::Interrupted)
     }
 
+    /// The stack, for light with its places.
+    ///
+    /// # Errors
+    /// If a thickness is needed and missing.
+    pub(crate) fn placed(&self) -> Result<&Stack, DisplayError> {
+        self.scene.display.lengths_mm().map(|_| &self.stack)
+    }
+
+    /// The stack, for crosstalk between its pixels.
+    ///
+    /// # Errors
+    /// If a thickness is needed and missing, or the layers are so thick that light spreads over too many
+    /// pixels.
+    pub(crate) fn spreads_over_few_pixels(&self) -> Result<&Stack, DisplayError> {
+        let stack = self.placed()?;
+        let Some(matrix) = &self.scene.display.matrix else { return Ok(stack) };
+        let pitch_mm = matrix.pitch_mm[0].min(matrix.pitch_mm[1]);
+        let thickness_mm = stack.thickness_mm();
+        if thickness_mm <= MOST_PITCHES * pitch_mm {
+            return Ok(stack);
+        }
+        Err(DisplayError::TooThick { thickness_mm, pitch_mm, most: MOST_PITCHES })
+    }
+
     /// Returns the observer of the reported colours.
     pub(crate) fn seen_by(&self) -> &Observer {
         self.other_observer.as_ref().unwrap_or(&self.observer)
@@ -231,6 +260,14 @@ impl Setup {
         }
         base.is_specular()
     }
+}
+
+/// Returns the observer of the reported colours, if it is not that of 1931.
+fn other_observer(scene: &Scene) -> Result<Option<Observer>, DisplayError> {
+    Ok(match scene.metrics.observer {
+        Standard::Cie1931 => None,
+        other => Some(Observer::of(other, &scene.grid)?),
+    })
 }
 
 /// Returns the refractive index of the medium of the scene's angles.
@@ -254,7 +291,16 @@ fn stack(
         unrefracted: scene.solver.angle_medium == AngleMedium::Unrefracted,
     };
     let layers = layers(scene, before, Surfaces::Measured(control))?;
-    Stack::approximated(layers, base, approximation).map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)
+    let stack = Stack::approximated(layers, base, approximation);
+    let mut stack = stack.map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)?;
+    stack.set_thickness_mm(&thickness_mm(scene));
+    Ok(stack)
+}
+
+/// Returns the thickness of each layer, mm; 0 if one is missing: [`Setup::placed`] refuses it.
+fn thickness_mm(scene: &Scene) -> Vec<f64> {
+    let missing = |_| vec![0.0; scene.display.layers.len()];
+    scene.display.lengths_mm().unwrap_or_else(missing)
 }
 
 /// Returns layers that are no panel over an empty base, which suffices to estimate their cost. Coatings are
@@ -305,7 +351,7 @@ fn layers(
             Some(scattering) => medium.with_scattering(scattering.clone()),
             None => medium,
         };
-        made.push(Layer { interface, medium });
+        made.push(Layer::new(interface, medium));
     }
     Ok(made)
 }

@@ -37,6 +37,7 @@ fn panel() -> Panel {
         top: Top::Diffuser(Diffuser { lobe, transmittance, regular_fraction: 0.0 }),
         medium: Medium::new(vec![1.5; BINS].into()),
         base: Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; BINS].into() },
+        gaps_mm: vec![0.5],
         single_pass: false,
     }
 }
@@ -47,24 +48,13 @@ fn lights() -> [Source; 3] {
 
 fn spread(panel: &Panel, light: usize) -> PanelSpread {
     let accuracy = Accuracy { digits: 8.0, most_per_mm: 10.0 };
-    PanelSpread::new(panel, &[0.5], &Cone::new(0.0, 0.0, 0.0, 1.0), &lights()[light], accuracy).unwrap()
+    PanelSpread::new(panel, &Cone::new(0.0, 0.0, 0.0, 1.0), &lights()[light], accuracy).unwrap()
 }
 
 #[divan::bench(args = [0, 1, 2])]
 fn prepare(bencher: Bencher<'_, '_>, light: usize) {
     let panel = panel();
     bencher.bench(|| spread(black_box(&panel), light));
-}
-
-/// 64 frequencies, half of them along each axis.
-#[divan::bench(args = [0, 1, 2])]
-fn transfer(bencher: Bencher<'_, '_>, light: usize) {
-    let panel = panel();
-    let spread = spread(&panel, light);
-    let step = |k: i32| 10.0 / 31.0 * f64::from(k);
-    let frequencies: Vec<[f64; 2]> =
-        (0..32).map(|k| [step(k), 0.0]).chain((0..32).map(|k| [0.0, step(k)])).collect();
-    bencher.bench(|| spread.transfer(black_box(&panel), &frequencies));
 }
 
 #[divan::bench(args = [0, 1, 2])]
@@ -80,8 +70,9 @@ fn strips(bencher: Bencher<'_, '_>, light: usize) {
 fn return_through_a_lobe(bencher: Bencher<'_, '_>) {
     let mut panel = panel();
     panel.front = Front::exact(BINS, [(&[0.05; BINS][..], &[0.0; BINS][..])]);
+    panel.gaps_mm = vec![0.2, 0.5];
     let accuracy = Accuracy { digits: 13.0, most_per_mm: 16.0 };
-    bencher.bench(|| LambertianReturn::all(black_box(&panel), &[0.2, 0.5], accuracy).unwrap().len());
+    bencher.bench(|| LambertianReturn::all(black_box(&panel), accuracy).unwrap().len());
 }
 
 /// Line spread of eight states of Y, and its transform at 64 frequencies.

@@ -24,7 +24,7 @@
 //! let mirror =
 //!     AngularTable { nodes: Nodes::Constant, basis: vec![0.5].into(), mixture: vec![1.0], common: vec![0.0] };
 //! let base = Base { reflector: Reflector::Specular(mirror), inactive_absorptance: vec![0.0].into() };
-//! let glass = Layer { interface: Interface::Fresnel, medium: Medium::new(vec![1.5].into()) };
+//! let glass = Layer::new(Interface::Fresnel, Medium::new(vec![1.5].into()));
 //! let stack = Stack::new(vec![glass], base);
 //! let normal = Cone::new(0.0, 0.0, 0.0, 1.0);
 //! let walk = Walk::new(&stack, normal, &[Source::Diffuse]);

@@ -4,7 +4,7 @@
 
 use papilio_spectra::Spectrum;
 
-use crate::{Base, Component, Diffuser, Front, Interface, Medium};
+use crate::{Base, Component, Diffuser, Front, Interface, Layer, Medium};
 
 /// A front of screen, one surface or diffuser, clear glass and a base, as a [`Stack`](crate::Stack) shows it.
 #[derive(Debug, Clone)]
@@ -15,6 +15,8 @@ pub struct Panel {
     pub top: Top,
     /// The medium above the base.
     pub medium: Medium,
+    /// Air below each component of the front of screen, outermost first, then the medium, mm.
+    pub gaps_mm: Vec<f64>,
     /// The pixel.
     pub base: Base,
     /// Whether light is followed through a single pass of the panel only (Feng 2012, eq. 3-5).
@@ -94,13 +96,14 @@ impl<'a> PanelParts<'a> {
 }
 
 impl Panel {
-    /// The panel of these parts, with this medium above the base.
+    /// The panel of these parts of layers; `glass` is the last of them.
     pub(crate) fn new(
         parts: &PanelParts<'_>,
-        medium: &Medium,
+        (layers, glass): (&[Layer], &Layer),
         base: Base,
         Approximation { single_pass, unrefracted }: Approximation,
     ) -> Self {
+        let medium = &glass.medium;
         let index = medium.index();
         let components = parts.front.iter().map(|one| (&*one.reflectance, &*one.absorptance));
         Self {
@@ -117,6 +120,7 @@ impl Panel {
                 true => Medium::new(index.map(|_| 1.0)),
                 false => medium.clone(),
             },
+            gaps_mm: layers.iter().map(|layer| layer.thickness_mm).collect(),
             base,
             single_pass,
         }

@@ -36,6 +36,15 @@ pub struct Layer {
     pub interface: Interface,
     /// Below the interface.
     pub medium: Medium,
+    /// Thickness of the medium, mm, at least 0. It decides where light leaves, not how much of it.
+    pub thickness_mm: f64,
+}
+
+impl Layer {
+    /// A layer without thickness, for light without regard to places.
+    pub fn new(interface: Interface, medium: Medium) -> Self {
+        Self { interface, medium, thickness_mm: 0.0 }
+    }
 }
 
 /// An approximation for panels was requested of other layers.
@@ -68,14 +77,16 @@ impl Stack {
     }
 
     fn recognised(layers: Vec<Layer>, base: Base, approximation: Approximation) -> Self {
-        let described = layers.iter().map(|Layer { interface, medium }| {
+        let described = layers.iter().map(|Layer { interface, medium, .. }| {
             let is_clear = medium.transmittance().is_none() && medium.scattering().is_none();
             (Some(interface), medium.index(), is_clear)
         });
         let scatters = matches!(base.reflector, Reflector::Scattering(_));
         let parts = PanelParts::recognised(described).filter(|_| !scatters);
         let form = match (parts, layers.last()) {
-            (Some(parts), Some(glass)) => Form::Panel(Panel::new(&parts, &glass.medium, base, approximation)),
+            (Some(parts), Some(glass)) => {
+                Form::Panel(Panel::new(&parts, (&layers, glass), base, approximation))
+            }
             _ => Form::General(base),
         };
         Self { layers, form }
@@ -84,6 +95,20 @@ impl Stack {
     /// The layers, top to bottom.
     pub fn layers(&self) -> &[Layer] {
         &self.layers
+    }
+
+    /// Sets the thickness of the medium of each layer, mm, top to bottom.
+    pub fn set_thickness_mm(&mut self, thickness_mm: &[f64]) {
+        self.layers.iter_mut().zip(thickness_mm).for_each(|(layer, mm)| layer.thickness_mm = *mm);
+        if let Form::Panel(panel) = &mut self.form {
+            panel.gaps_mm.clear();
+            panel.gaps_mm.extend(self.layers.iter().map(|layer| layer.thickness_mm));
+        }
+    }
+
+    /// Thickness of all layers together, mm.
+    pub fn thickness_mm(&self) -> f64 {
+        self.layers.iter().map(|layer| layer.thickness_mm).sum()
     }
 
     /// The ordinary panel, if the layers are one.
@@ -132,7 +157,7 @@ impl Stack {
     /// has itself on both sides; the first interface has `None`, air, above.
     pub(crate) fn elements(&self) -> impl Iterator<Item = (&dyn LayerKind, [Option<&Medium>; 2])> {
         let above = std::iter::once(None).chain(self.layers.iter().map(|layer| Some(&layer.medium)));
-        self.layers.iter().zip(above).flat_map(|(Layer { interface, medium }, above)| {
+        self.layers.iter().zip(above).flat_map(|(Layer { interface, medium, .. }, above)| {
             let medium_itself: &dyn LayerKind = medium;
             [(interface.kind(), [above, Some(medium)]), (medium_itself, [Some(medium); 2])]
         })

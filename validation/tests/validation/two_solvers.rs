@@ -241,7 +241,7 @@ fn light_just_above_horizon_is_included_by_all_tracers() {
         inactive_absorptance: vec![0.0; bins].into(),
     };
     let air = || Medium::new(vec![1.0; bins].into());
-    let under = |interface| vec![Layer { interface, medium: air() }];
+    let under = |interface| vec![Layer::new(interface, air())];
     let diffuser = Diffuser {
         lobe: Lobe::KCorrelation { width: 0.1 },
         transmittance: vec![1.0; bins].into(),

@@ -17,8 +17,8 @@ use super::{Control, Run, Workers, each};
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::Meter;
 use crate::scene::{DirectedLight, Lighting, Scene, Standard, Stop};
-use crate::setup::{Setup, ViewPoint, angle_index};
-use crate::{DisplayError, RowErrors};
+use crate::setup::{ViewPoint, angle_index};
+use crate::{DisplayError, Prepared, RowErrors};
 
 /// Target of scenes that specify a number of paths instead of an error.
 pub(super) const DEFAULT_TARGET: f64 = 1e-3;
@@ -34,24 +34,46 @@ pub(super) const DEFAULT_TARGET: f64 = 1e-3;
 /// If the scene is invalid (including a field of view that reaches below the horizon), or the computation was
 /// stopped.
 pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<ConeResult, DisplayError> {
-    let mut everywhere = scene.clone();
-    // The map does not store spectra, and luminance needs the observer of 1931: so do its colours.
-    everywhere.metrics.observer = Standard::Cie1931;
-    everywhere.viewer.theta_deg.clone_from(&grid.theta_deg);
-    everywhere.viewer.phi_deg.clone_from(&grid.phi_deg);
-    let setup = Setup::new(&everywhere, control)?;
-    let [theta_deg, phi_deg] = grid.reference_deg;
-    let reference = setup.view(theta_deg, phi_deg)?;
-    let meter = Meter::new(&setup);
-    let mut workers = None;
-    let pool = Workers::unless_one(&mut workers, control.threads)?;
-    let run = Run { scene: &everywhere, ..Run::new(&setup, control, &meter) };
-    let finest = finest(&setup)?;
-    let equivalent = equivalent_azimuths(&grid.phi_deg, &scene.lighting);
-    let angle_index = angle_index(scene)?;
-    let views_deg = views_deg(scene);
-    let survey = Survey { run, equivalent, grid, reference, views_deg, finest, angle_index };
-    survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
+    Prepared::empty().cone(scene, grid, control)
+}
+
+impl Prepared {
+    /// Computes the maps of [`cone`] of a scene; the layers, pixels and lights of the scene before that are the
+    /// same are not prepared again.
+    ///
+    /// # Errors
+    /// Those of [`cone`].
+    pub fn cone(
+        &mut self,
+        scene: &Scene,
+        grid: ConeGrid,
+        control: &Control<'_>,
+    ) -> Result<ConeResult, DisplayError> {
+        if scene.display.filter().is_some() {
+            return Err(DisplayError::FilterWithoutPlace);
+        }
+        let mut everywhere = scene.clone();
+        // The map does not store spectra, and luminance needs the observer of 1931: so do its colours.
+        everywhere.metrics.observer = Standard::Cie1931;
+        everywhere.viewer.theta_deg.clone_from(&grid.theta_deg);
+        everywhere.viewer.phi_deg.clone_from(&grid.phi_deg);
+        let setup = self.setup(&everywhere, control)?;
+        let [theta_deg, phi_deg] = grid.reference_deg;
+        let reference = setup.view(theta_deg, phi_deg)?;
+        let meter = Meter::new(setup);
+        let mut workers = None;
+        let pool = Workers::unless_one(&mut workers, control.threads)?;
+        let survey = Survey {
+            run: Run::new(setup, control, &meter),
+            equivalent: equivalent_azimuths(&grid.phi_deg, &scene.lighting),
+            grid,
+            reference,
+            views_deg: scene.viewer.directions().map(|(theta, phi)| [theta, phi]).collect(),
+            finest: finest(setup)?,
+            angle_index: angle_index(scene)?,
+        };
+        survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
+    }
 }
 
 /// A note if a scene has a stopping rule that a computation does not have, because it is always by adding:
@@ -99,12 +121,6 @@ struct Level {
     /// `[theta][phi]`, of the computed azimuths.
     rows: Vec<Colours>,
     nodes: u64,
-}
-
-/// Returns the directions of the scenario's views.
-fn views_deg(scene: &Scene) -> Vec<[f64; 2]> {
-    let of_phi = |phi: &f64| scene.viewer.theta_deg.iter().map(|theta| [*theta, *phi]).collect::<Vec<_>>();
-    scene.viewer.phi_deg.iter().flat_map(of_phi).collect()
 }
 
 impl Survey<'_> {

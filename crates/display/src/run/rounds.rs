@@ -1,10 +1,12 @@
-//! Rounds of paths until a target is met, for computations that trace all paths of a round again.
+//! Rounds of paths until a target is met: the one loop of all computations by Monte Carlo.
 //!
-//! The first round is a pilot: from its error follows the number of paths that the target needs. A further
-//! round follows as long as the target is not met, or the results of the last two contradict each other
-//! ([`Confidence`]).
+//! A round has numbers with standard errors and the ratio of its error to the target. A further round follows
+//! as long as the target is not met, or the standard errors are not reliable ([`Confidence`]). A computation
+//! either adds paths to those of the rounds before, or traces all paths of a round again ([`until`]): the
+//! first round is then a pilot, from whose error follows the number of paths that the target needs.
 
-use super::walk::Confidence;
+use papilio_transport::walk::Walk;
+
 use crate::DisplayError;
 use crate::scene::Stop;
 
@@ -36,6 +38,50 @@ pub(crate) fn missed(stop: &Stop, error: f64) -> Result<f64, DisplayError> {
     }
 }
 
+/// A computation in rounds.
+pub(super) trait Rounds {
+    /// What a round finds.
+    type Found;
+
+    /// Number of all paths after the next round; `missed` is the error over the target after `paths` of them.
+    fn next(&self, paths: u64, missed: f64) -> u64;
+
+    /// Computes what this number of all paths finds.
+    fn round(&mut self, paths: u64) -> Result<Round<Self::Found>, DisplayError>;
+
+    /// Reports a round, and whether it was the last.
+    fn report(&self, _is_last: bool) {}
+}
+
+/// Computes rounds of at most `most` paths until the stopping rule is met; returns what the last one found, and
+/// its number of paths.
+///
+/// # Errors
+/// Those of the rounds.
+pub(super) fn meet<R: Rounds>(
+    stop: &Stop,
+    most: u64,
+    mut confidence: Confidence,
+    rounds: &mut R,
+) -> Result<(R::Found, u64), DisplayError> {
+    let (mut paths, mut last) = (0, f64::INFINITY);
+    loop {
+        paths = rounds.next(paths, last);
+        let Round { found, missed, means } = rounds.round(paths)?;
+        confidence.add(means);
+        let is_last = match stop {
+            Stop::Paths(wanted) => paths >= *wanted,
+            // More paths do not make a number defined.
+            _ => (missed <= 1.0 && confidence.holds(paths)) || !missed.is_finite() || paths >= most,
+        };
+        rounds.report(is_last);
+        if is_last {
+            return Ok((found, paths));
+        }
+        last = missed;
+    }
+}
+
 /// Calls `round` with numbers of paths, at most `most`, until the stopping rule is met; returns what the last
 /// one found, and its number.
 ///
@@ -44,23 +90,78 @@ pub(crate) fn missed(stop: &Stop, error: f64) -> Result<f64, DisplayError> {
 pub(crate) fn until<T>(
     stop: &Stop,
     most: u64,
-    mut round: impl FnMut(u64) -> Result<Round<T>, DisplayError>,
+    round: impl FnMut(u64) -> Result<Round<T>, DisplayError>,
 ) -> Result<(T, u64), DisplayError> {
-    if let Stop::Paths(paths) = stop {
-        return Ok((round(*paths)?.found, *paths));
-    }
-    let (mut confidence, mut paths) = (Confidence::of_two_rounds(), PILOT);
-    loop {
-        let Round { found, missed, means } = round(paths)?;
-        confidence.add(means);
-        let enough = missed <= 1.0 && confidence.holds(paths);
-        // More paths do not make a number defined.
-        if enough || !missed.is_finite() || paths >= most {
-            return Ok((found, paths));
-        }
+    let confidence = Confidence::new(0, true);
+    meet(stop, most, confidence, &mut Again { stop, most, round })
+}
+
+/// Rounds that trace all paths again.
+struct Again<'a, F> {
+    stop: &'a Stop,
+    most: u64,
+    round: F,
+}
+
+impl<T, F: FnMut(u64) -> Result<Round<T>, DisplayError>> Rounds for Again<'_, F> {
+    type Found = T;
+
+    fn next(&self, paths: u64, missed: f64) -> u64 {
+        let least = match (self.stop, paths) {
+            (Stop::Paths(wanted), _) => return *wanted,
+            (_, 0) => return PILOT,
+            (_, PILOT) => FEWEST,
+            (_, paths) => 2 * paths,
+        };
         let wanted = (paths as f64 * missed * missed) as u64;
-        let least = if paths == PILOT { FEWEST } else { 2 * paths };
-        paths = wanted.clamp(least, most.max(least)).next_power_of_two();
+        wanted.clamp(least, self.most.max(least)).next_power_of_two()
+    }
+
+    fn round(&mut self, paths: u64) -> Result<Round<T>, DisplayError> {
+        (self.round)(paths)
+    }
+}
+
+/// A change of Y by more than this many standard errors in a round contradicts the standard error.
+const UNEXPECTED: f64 = 4.0;
+
+/// Check of whether the spread of a view's replicates is a reliable standard error.
+///
+/// All replicates may miss light that few paths meet; their spread then does not include it. A view therefore
+/// needs a number of paths that is given by the least probable event of the solver, and a further round must
+/// confirm the result of an earlier one within its errors.
+pub(super) struct Confidence {
+    /// Smallest number of paths.
+    least: u64,
+    /// False if the estimate has no noise.
+    is_random: bool,
+    /// Y of each state after the last round, and its standard error.
+    before: Vec<(f64, f64)>,
+    confirmed: bool,
+}
+
+impl Confidence {
+    fn new(least: u64, is_random: bool) -> Self {
+        Self { least, is_random, before: Vec::new(), confirmed: false }
+    }
+
+    /// Confidence in rounds of a walk, of which at least `least` paths are needed.
+    pub(super) fn in_walk(walk: &Walk<'_>, least: u64) -> Self {
+        Self::new(least, walk.rarest() < 1.0)
+    }
+
+    /// Adds the Y of each state after a round, with their standard errors.
+    pub(super) fn add(&mut self, now: Vec<(f64, f64)>) {
+        let expected = |((now, _), (before, error)): (&(f64, f64), &(f64, f64))| {
+            (now - before).abs() <= UNEXPECTED * error + 1e-12 * before.abs()
+        };
+        self.confirmed = !self.before.is_empty() && now.iter().zip(&self.before).all(expected);
+        self.before = now;
+    }
+
+    /// Returns true if this number of paths, and their results, suffice to stop.
+    pub(super) fn holds(&self, paths: u64) -> bool {
+        paths >= self.least && (self.confirmed || !self.is_random)
     }
 }
 

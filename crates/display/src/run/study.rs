@@ -5,8 +5,8 @@ use papilio_sampling::SampleStream;
 use papilio_transport::walk::Walk;
 
 use super::REPLICATES;
-use super::rounds::slope;
-use super::walk::{Confidence, round_size};
+use super::rounds::{Confidence, slope};
+use super::walk::{least_paths, round_size};
 use super::{Control, Progress};
 use crate::DisplayError;
 use crate::meter::{Meter, Sample};
@@ -120,7 +120,7 @@ pub fn cost(
     let at = setup.views.first().ok_or(DisplayError::Interrupted)?;
     let tables = seconds();
     let walk = setup.walk(at, scene.solver.scattering);
-    let mut confidence = Confidence::new(&walk);
+    let mut confidence = Confidence::in_walk(&walk, least_paths(&walk));
     let mut replicates: Vec<_> = (0..REPLICATES).map(|_| walk.replicate()).collect();
     let mut cost = Cost {
         tables_s: tables - started,

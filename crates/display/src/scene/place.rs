@@ -39,10 +39,6 @@ pub struct Matrix {
 /// the results span more decades than a table shows.
 const LEAST_MM: f64 = 1e-12;
 
-/// Largest thickness of the layers above the pixels, over the pitch, with which crosstalk is computed:
-/// beyond, light of a sub-pixel spreads over tens of thousands of others.
-const MOST_PITCHES: f64 = 100.0;
-
 impl Matrix {
     /// Inactive fraction of the area.
     pub fn inactive_fraction(&self) -> f64 {
@@ -126,20 +122,6 @@ impl Display {
             Some(&length_mm) => Err(DisplayError::TooThin { length_mm, least_mm: LEAST_MM }),
             None => Ok(lengths),
         }
-    }
-
-    /// Checks that light spreads over so few pixels that crosstalk between them can be computed.
-    ///
-    /// # Errors
-    /// If the layers of these thicknesses, mm, are too thick for the pitch of the matrix.
-    pub(crate) fn spreads_over_few_pixels(&self, lengths_mm: &[f64]) -> Result<(), DisplayError> {
-        let Some(matrix) = &self.matrix else { return Ok(()) };
-        let pitch_mm = matrix.pitch_mm[0].min(matrix.pitch_mm[1]);
-        let thickness_mm = lengths_mm.iter().sum();
-        if thickness_mm <= MOST_PITCHES * pitch_mm {
-            return Ok(());
-        }
-        Err(DisplayError::TooThick { thickness_mm, pitch_mm, most: MOST_PITCHES })
     }
 
     /// Checks that light leaves the pixel where it met it.

@@ -79,10 +79,9 @@ impl Layers {
         if !covers(setup) {
             return Err(Refused::Layers.into());
         }
-        let lengths_mm = setup.scene.display.lengths_mm()?;
-        let height_mm = lengths_mm.iter().sum::<f64>().max(LEAST_HEIGHT_MM);
-        let (stack, number) = (&setup.stack, level.of_layers());
-        let spread = LayeredSpread::new(stack, &lengths_mm, view.field, &setup.sources, number, control.stop)
+        let (stack, number) = (setup.placed()?, level.of_layers());
+        let height_mm = stack.thickness_mm().max(LEAST_HEIGHT_MM);
+        let spread = LayeredSpread::new(stack, view.field, &setup.sources, number, control.stop)
             .map_err(Refused::Layered)?;
         let is_round = view.theta_deg == 0.0;
         let table = LayeredPaper::new(&spread, is_round, height_mm, number).map_err(Refused::Layered)?;

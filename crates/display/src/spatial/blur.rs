@@ -84,9 +84,8 @@ impl Blur {
         if matrix.filter.is_some() {
             return Ok(None);
         }
-        let first = &setups[0].scene.display;
         if setups[0].stack.panel().is_some_and(is_covered) {
-            first.spreads_over_few_pixels(&first.lengths_mm()?)?;
+            setups[0].spreads_over_few_pixels()?;
         }
         let digits = (MORE_DIGITS - missed.ln()).clamp(DIGITS[0], DIGITS[1]);
         let threads = control.thread_count();
@@ -100,7 +99,7 @@ impl Blur {
         let responses = lit.iter().flat_map(|(_, responses)| responses);
         let peaks: Vec<Peak> = responses.flat_map(LobeResponse::all_peaks).collect();
         let farthest = peaks.iter().map(|peak| peak.at_mm[0].hypot(peak.at_mm[1])).fold(0.0, f64::max);
-        let thickness_mm = lit[0].0.scene.display.lengths_mm()?.last().copied().unwrap_or_default();
+        let thickness_mm = lit[0].0.placed()?.layers().last().map_or(0.0, |glass| glass.thickness_mm);
         let squares = PixelSquare::about(&peaks, matrix.pitch_mm, REACH * thickness_mm + farthest);
         let borders: Vec<_> = squares.iter().map(|square| square.borders_mm(matrix.pitch_mm)).collect();
         let states = lit[0].0.states.len();
@@ -313,16 +312,13 @@ fn responses(
     pitch_mm: [f64; 2],
     digits: f64,
 ) -> Result<Option<Vec<LobeResponse>>, DisplayError> {
-    let Some(panel) = setup.stack.panel() else { return Ok(None) };
-    if !is_covered(panel) {
-        return Ok(None);
-    }
+    let Some(panel) = setup.stack.panel().filter(|panel| is_covered(panel)) else { return Ok(None) };
     let Some(view) = setup.views.first() else { return Ok(Some(Vec::new())) };
     setup.refracts()?;
-    let lengths_mm = setup.scene.display.lengths_mm()?;
+    setup.placed()?;
     let level =
         Level { digits, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]), is_fine: digits > 10.0, finer: 0 };
-    let lit = Lit { panel, lengths_mm: &lengths_mm, view, level, spread: None };
+    let lit = Lit { panel, view, level, spread: None };
     let lights = Meter::new(setup).pixel_lights().into_iter().filter(PixelLight::is_seen);
     lights
         .map(|light| lobe::of_quantities(lit, &setup.sources[light.source], &light.weights))

@@ -126,7 +126,7 @@ fn reach(placed: &Placed<'_>, own: Beta, pitch_mm: [f64; 2]) -> i64 {
         (x - from[0]).hypot(y - from[1])
     };
     let farthest = beams.map(distance).fold(0.0, f64::max);
-    let thickness: f64 = placed.lengths_mm.iter().sum();
+    let thickness = placed.stack.thickness_mm();
     let pixels = (REACH * thickness + farthest) / pitch_mm[0].min(pitch_mm[1]);
     (pixels.ceil() as i64).clamp(PIXELS[0], PIXELS[1])
 }

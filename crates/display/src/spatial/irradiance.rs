@@ -1,12 +1,12 @@
 //! Irradiance of cells of given reflectances, to which the layers of a flat panel or a front return light:
 //! `E = 1 + A * (rho E)`.
 
-use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, PixelSpread, Recycling, displacement};
+use papilio_transport::spatial::{Cells, LambertianReturn, PixelSpread, Recycling, displacement};
 
+use super::Level;
 use super::below_layers::Layers;
 use super::ghosts::Faces;
-use super::response::{Lit, lengths_of_one_front};
-use super::{Level, Refused};
+use super::response::Lit;
 use crate::DisplayError;
 
 /// Most meetings of light with mirror-like pixels that are followed one by one. Those of pixels and a front
@@ -123,10 +123,8 @@ pub(super) struct Trips {
 impl Return {
     /// What comes back to the pixels of a panel, for cells with frequencies up to `most_per_mm`.
     fn all(lit: Lit<'_>, most_per_mm: f64) -> Result<Vec<Self>, DisplayError> {
-        let lengths_mm = lengths_of_one_front(lit.panel, lit.lengths_mm, lit.level);
         if !lit.panel.base.is_specular() {
-            let accuracy = Accuracy { digits: lit.level.digits, most_per_mm };
-            let all = LambertianReturn::all(lit.panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
+            let all = lit.lambertian_return(most_per_mm)?;
             return Ok(all.into_iter().map(|one| Self::Everywhere(one, lit.spread)).collect());
         }
         let (beta, index) = (lit.view.field.axis_towards(), lit.panel.medium.index());
@@ -213,8 +211,7 @@ pub(super) fn irradiance(
 /// Images of the pixels that a view sees because light was reflected between a flat face and a front above
 /// it: the place of each, mm, and the fraction of the light that each has at the wavelengths.
 pub(super) fn images(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayError> {
-    let lengths_mm = lengths_of_one_front(lit.panel, lit.lengths_mm, lit.level);
-    let air_mm = Lit { lengths_mm: &lengths_mm, ..lit }.air_mm()?;
+    let air_mm = lit.air_of_one_front_mm()?;
     let beta = lit.view.field.axis_towards();
     let way = displacement(beta, 2.0 * air_mm, 1.0);
     let bins = lit.panel.base.bins();

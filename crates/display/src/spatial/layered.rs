@@ -84,8 +84,7 @@ impl Frame<'_> {
         if !self.patterns().is_empty() {
             return Err(Refused::PatternsBelowLayers.into());
         }
-        let lengths_mm = self.setup.scene.display.lengths_mm()?;
-        let prepared = |level: usize| self.prepared((stack, &lengths_mm), view, level as u32);
+        let prepared = |level: usize| self.prepared(stack, view, level as u32);
         let mut frequencies = self.frequencies.clone();
         let at = |level: usize| {
             let prepared = prepared(level)?;
@@ -129,10 +128,9 @@ impl Frame<'_> {
 
     /// Computes what a view sees at the first level, up to the Nyquist frequency of the pixels.
     pub(super) fn layered_by_frequency(&self, view: &ViewPoint) -> Result<Measured, DisplayError> {
-        let lengths_mm = self.setup.scene.display.lengths_mm()?;
         let most = self.nyquist_per_mm.map_or(self.highest(), |[x, y]| x.max(y));
         let frequencies: Vec<f64> = self.frequencies.iter().copied().filter(|f| *f <= most).collect();
-        self.measured(&self.prepared((&self.setup.stack, &lengths_mm), view, 0)?, &frequencies)
+        self.measured(&self.prepared(self.setup.placed()?, view, 0)?, &frequencies)
     }
 
     /// Whether more than half of the modulation is left at the highest frequency in some state, and becomes
@@ -164,14 +162,14 @@ impl Frame<'_> {
     /// Prepares a level.
     fn prepared<'s>(
         &'s self,
-        (stack, lengths_mm): (&'s Stack, &'s [f64]),
+        stack: &'s Stack,
         view: &ViewPoint,
         level: u32,
     ) -> Result<Prepared<'s>, DisplayError> {
         let (setup, stop) = (self.setup, self.control.stop);
         let meter = Meter::new(setup);
         let factors = setup.seen(view, level, self.control)?;
-        let spread = LayeredSpread::new(stack, lengths_mm, view.field, &setup.sources, level, stop);
+        let spread = LayeredSpread::new(stack, view.field, &setup.sources, level, stop);
         let lit: Vec<PixelLight> = meter.pixel_lights().into_iter().filter(PixelLight::is_seen).collect();
         // Seen along the normal, light without an azimuth is the same along both axes.
         let is_round = lit.iter().all(|light| setup.sources[light.source] == Source::Diffuse)

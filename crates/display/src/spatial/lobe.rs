@@ -28,8 +28,7 @@ pub(super) fn of_quantities<W: AsRef<[f64]>>(
     // What the front returns is not a part of the spread; its transmittance is.
     let mut alone = panel.clone();
     alone.front.reflectance_below = vec![0.0; panel.base.bins()].into();
-    let lengths = [lit.thickness_mm()];
-    let spread = PanelSpread::new(&alone, &lengths, &view.field, source, accuracy).map_err(|error| {
+    let spread = PanelSpread::new(&alone, &view.field, source, accuracy).map_err(|error| {
         DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
     })?;
     let of_part = |part: &Part| {

@@ -158,7 +158,7 @@ pub(super) struct Frame<'a> {
 impl<'a> Frame<'a> {
     fn new(setup: &'a Setup, patterns: &'a Patterns, control: &'a Control<'a>) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
-        let lengths = scene.display.lengths_mm()?;
+        let stack = setup.placed()?;
         let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm);
         let nyquist_per_mm = pitch_mm.map(|pitch| pitch.map(|p| 0.5 / p));
         let mm_per_degree = scene.viewer.distance_mm * 1.0_f64.to_radians().tan();
@@ -182,8 +182,8 @@ impl<'a> Frame<'a> {
             control,
             patterns,
             thickness_mm: match below_layers {
-                Some(true) => lengths.iter().sum(),
-                Some(false) | None => lengths.last().copied().unwrap_or_default(),
+                Some(true) => stack.thickness_mm(),
+                Some(false) | None => stack.layers().last().map_or(0.0, |glass| glass.thickness_mm),
             },
             pitch_mm,
             nyquist_per_mm,

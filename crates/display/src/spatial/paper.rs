@@ -19,16 +19,16 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_transport::spatial::{Accuracy, Cells, LambertianReturn, Peak, PixelSpread, Recycling};
+use papilio_transport::spatial::{Cells, LambertianReturn, Peak, PixelSpread, Recycling};
 use papilio_transport::{Source, Top};
 
 use super::bounds::{cells_across, cells_along, parts_of_pixels};
 use super::irradiance::{PlacedImage, images};
 use super::lobe;
 use super::patterns::{Pattern, PatternKind, Text};
-use super::response::{Lit, lengths_of_one_front};
+use super::response::Lit;
 use super::series::{Series, add};
-use super::{Level, Refused, Response};
+use super::{Level, Response};
 use crate::DisplayError;
 
 /// Period of the series, in reaches: light beyond half of it is below 3e-5 of all.
@@ -106,13 +106,11 @@ pub(super) fn response(
     let is_diffused = matches!(panel.top, Top::Diffuser(_));
     let lobe = is_diffused.then(|| lobe::response(lit, source, weights)).transpose()?;
     let lobe = lobe.map(|once| Lobe::new(Box::new(once)));
-    let lengths_mm = lengths_of_one_front(panel, lit.lengths_mm, level);
     let (thickness_mm, reach_mm) = (lit.thickness_mm(), lit.reach_mm()?);
     let most_per_mm = level.most_per_mm.max(HIGHEST / thickness_mm);
-    let accuracy = Accuracy { digits: level.digits, most_per_mm };
     let faces = match known {
         Some(known) => known.clone(),
-        None => LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?,
+        None => lit.lambertian_return(most_per_mm)?,
     };
     *known = Some(faces.clone());
     let spread = lit.spread;

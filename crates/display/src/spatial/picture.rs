@@ -155,8 +155,7 @@ impl LitPicture {
     ) -> Result<(Self, Vec<Vec<f64>>), DisplayError> {
         let missing = DisplayError::NoMatrix { command: "picture" };
         let pitch_mm = setup.scene.display.matrix.as_ref().ok_or(missing)?.pitch_mm;
-        let lengths_mm = setup.scene.display.lengths_mm()?;
-        setup.scene.display.spreads_over_few_pixels(&lengths_mm)?;
+        let stack = setup.spreads_over_few_pixels()?;
         let (panel, rho) = covered(setup)?;
         let at = |is_fine: bool| {
             let digits = Level::digits_of_layers(usize::from(is_fine));
@@ -167,7 +166,7 @@ impl LitPicture {
         let layers = [at(false)?, at(true)?];
         let thickness_mm = match &layers[1] {
             Some(layers) => layers.thickness_mm(),
-            None => lengths_mm.last().copied().unwrap_or_default(),
+            None => stack.layers().last().map_or(0.0, |glass| glass.thickness_mm),
         };
         let spread = setup.scene.display.pixel_spread();
         let highest = picture.states.iter().copied().map(usize::from).max().unwrap_or(0);
@@ -206,14 +205,14 @@ impl LitPicture {
         // At the coarser and the finer level.
         let faces = match (panel, &layers) {
             (Some(panel), _) => {
-                whole.error = shifted(panel, &lengths_mm, &setup.views);
-                let all = LambertianReturn::all(panel, &lengths_mm, accuracy).map_err(Refused::Fronts)?;
+                whole.error = shifted(panel, &setup.views);
+                let all = LambertianReturn::all(panel, accuracy).map_err(Refused::Fronts)?;
                 [all.clone(), all]
             }
             (None, [Some(coarse), Some(fine)]) => [coarse.returns(), fine.returns()],
             (None, _) => [Vec::new(), Vec::new()],
         };
-        let reach = reach_of_layers(&lengths_mm, pitch_mm);
+        let reach = reach_of_layers(stack.thickness_mm(), pitch_mm);
         let spreads = layers.each_ref().map(|layers| {
             layers.as_ref().map(|layers| layers.of_pixels(pitch_mm, reach)).unwrap_or_default()
         });
@@ -314,8 +313,8 @@ impl PixelBlur {
 }
 
 /// Number of pixels around a pixel whose light is known below general layers.
-fn reach_of_layers(lengths_mm: &[f64], pitch_mm: [f64; 2]) -> usize {
-    let pixels = REACH * lengths_mm.iter().sum::<f64>() / pitch_mm[0].min(pitch_mm[1]);
+fn reach_of_layers(thickness_mm: f64, pitch_mm: [f64; 2]) -> usize {
+    let pixels = REACH * thickness_mm / pitch_mm[0].min(pitch_mm[1]);
     (pixels.ceil() as usize).clamp(PIXELS[0], PIXELS[1])
 }
 
@@ -371,8 +370,8 @@ impl ViewLight {
 
 /// Largest part of the light that oblique views see of other pixels, because it was reflected between the
 /// face and a front above it; relative to a perfect white.
-fn shifted(panel: &Panel, lengths_mm: &[f64], views: &[ViewPoint]) -> f64 {
-    let is_apart = air_below_front_mm(panel, lengths_mm).is_ok_and(|air_mm| air_mm > 0.0);
+fn shifted(panel: &Panel, views: &[ViewPoint]) -> f64 {
+    let is_apart = air_below_front_mm(panel).is_ok_and(|air_mm| air_mm > 0.0);
     let of_view = |view: &ViewPoint| {
         let beta = view.field.axis_towards().length();
         let between = |bin: usize| face_reflectance(panel, bin, beta) * panel.front.reflectance_below[bin];

@@ -1,8 +1,10 @@
 //! What a view sees of each light, by frequency and by place.
 
+use std::borrow::Cow;
+
 use num_complex::Complex64;
 use papilio_optics::Beta;
-use papilio_transport::spatial::{Peak, PixelSpread, air_below_front_mm};
+use papilio_transport::spatial::{Accuracy, LambertianReturn, Peak, PixelSpread, air_below_front_mm};
 use papilio_transport::{Panel, Source, Top};
 
 use super::patterns::{Pattern, Text};
@@ -103,17 +105,16 @@ pub(crate) fn responses(
     control: &Control<'_>,
 ) -> Result<(Vec<Seen>, f64), DisplayError> {
     setup.refracts()?;
-    let Some(panel) = setup.stack.panel() else {
+    let Some(panel) = setup.placed()?.panel() else {
         return below_layers::responses(setup, view, level, control);
     };
-    let lengths = setup.scene.display.lengths_mm()?;
     let meter = Meter::new(setup);
     let factors = setup.seen(view, level.of_pages(), control)?;
     let spread = setup.scene.display.pixel_spread();
     if spread.is_some() && matches!(panel.top, Top::Diffuser(_)) {
         return Err(Refused::SpreadBelowLobe.into());
     }
-    let lit = Lit { panel, lengths_mm: &lengths, view, level, spread };
+    let lit = Lit { panel, view, level, spread };
     let (mut all, mut faces) = (Vec::new(), None);
     for light in meter.pixel_lights().into_iter().filter(PixelLight::is_seen) {
         let [_, weights, _] = &light.weights;
@@ -133,8 +134,6 @@ pub(crate) fn responses(
 #[derive(Clone, Copy)]
 pub(super) struct Lit<'a> {
     pub(super) panel: &'a Panel,
-    /// Air below each component of the front, and the glass.
-    pub(super) lengths_mm: &'a [f64],
     pub(super) view: &'a ViewPoint,
     pub(super) level: Level,
     /// Spread of light inside the pixels.
@@ -144,20 +143,39 @@ pub(super) struct Lit<'a> {
 impl Lit<'_> {
     /// Thickness of the glass.
     pub(super) fn thickness_mm(&self) -> f64 {
-        self.lengths_mm.last().copied().unwrap_or_default()
+        self.panel.gaps_mm.last().copied().unwrap_or_default()
     }
 
     /// Air between the front and what is below it; 0 if the front returns no light.
     pub(super) fn air_mm(&self) -> Result<f64, DisplayError> {
-        air_below_front_mm(self.panel, self.lengths_mm).map_err(|error| Refused::Fronts(error).into())
+        air_below_front_mm(self.panel).map_err(|error| Refused::Fronts(error).into())
     }
 
     /// How far light spreads that is returned: the thickness, or a part of a large distance to the front.
     pub(super) fn reach_mm(&self) -> Result<f64, DisplayError> {
-        let lengths_mm = lengths_of_one_front(self.panel, self.lengths_mm, self.level);
-        let air_mm = Lit { lengths_mm: &lengths_mm, ..*self }.air_mm()?;
-        let thickness_mm = self.thickness_mm();
+        let (thickness_mm, air_mm) = (self.thickness_mm(), self.air_of_one_front_mm()?);
         Ok(thickness_mm.max(0.25 * (thickness_mm + air_mm)))
+    }
+
+    /// Air between a single front and what is below it. Where several components of the front are apart above a
+    /// diffuser, each returns a part of the light: the one that stands for them has the air below all at the
+    /// finer level, and that below the lowest one at the coarse level; the difference bounds the error.
+    pub(super) fn air_of_one_front_mm(&self) -> Result<f64, DisplayError> {
+        self.air_mm().or_else(|error| match (&self.panel.top, self.panel.gaps_mm.split_last()) {
+            (Top::Diffuser(_), Some((_, fronts))) if self.level.is_fine => Ok(fronts.iter().sum()),
+            (Top::Diffuser(_), Some((_, fronts))) => Ok(fronts.last().copied().unwrap_or_default()),
+            _ => Err(error),
+        })
+    }
+
+    /// What returns to Lambertian pixels, for frequencies up to `most_per_mm`.
+    pub(super) fn lambertian_return(&self, most_per_mm: f64) -> Result<Vec<LambertianReturn>, DisplayError> {
+        let accuracy = Accuracy { digits: self.level.digits, most_per_mm };
+        let mut panel = Cow::Borrowed(self.panel);
+        if self.air_mm().is_err() {
+            panel.to_mut().gaps_mm = vec![self.air_of_one_front_mm()?, self.thickness_mm()];
+        }
+        LambertianReturn::all(&panel, accuracy).map_err(|error| Refused::Fronts(error).into())
     }
 
     /// True if a front returns light to the pixel.
@@ -171,21 +189,6 @@ impl Lit<'_> {
         let front = if self.panel.single_pass { 0.0 } else { self.panel.front.reflectance_below[bin] };
         [face_reflectance(self.panel, bin, beta.length()), front]
     }
-}
-
-/// Lengths of a panel with one front. Where several components of the front are apart above a diffuser, each
-/// returns a part of the light: the one that stands for them has the air below all at the finer level, and
-/// that below the lowest one at the coarse level; the difference bounds the error.
-pub(super) fn lengths_of_one_front(panel: &Panel, lengths_mm: &[f64], level: Level) -> Vec<f64> {
-    let Some((glass_mm, fronts)) = lengths_mm.split_last() else { return Vec::new() };
-    if !matches!(panel.top, Top::Diffuser(_)) {
-        return lengths_mm.to_vec();
-    }
-    let air_mm = air_below_front_mm(panel, lengths_mm).unwrap_or_else(|_| match level.is_fine {
-        true => fronts.iter().sum(),
-        false => fronts.last().copied().unwrap_or_default(),
-    });
-    vec![air_mm, *glass_mm]
 }
 
 /// Reflectance of the face above the pixel for light from below, at a wavelength.

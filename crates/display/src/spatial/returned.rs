@@ -22,7 +22,7 @@ use papilio_transport::spatial::{Peak, displacement};
 
 use super::lobe::{self, LobeResponse};
 use super::patterns::{Pattern, Text};
-use super::response::{Lit, lengths_of_one_front};
+use super::response::Lit;
 use super::series::{Series, add};
 use super::{Level, PatternKind, Response};
 use crate::DisplayError;
@@ -101,8 +101,7 @@ impl Returned {
 
 /// Light q Y of the states, by place.
 fn later(lit: Lit<'_>, first: &LobeResponse, (once, orders): (&[f64], &[f64])) -> Series {
-    let lengths_mm = lengths_of_one_front(lit.panel, lit.lengths_mm, lit.level);
-    let (thickness_mm, air_mm) = (lit.thickness_mm(), lengths_mm.first().copied().unwrap_or_default());
+    let (thickness_mm, air_mm) = (lit.thickness_mm(), lit.air_of_one_front_mm().unwrap_or_default());
     let period_mm = PERIOD * thickness_mm.max(0.25 * (thickness_mm + air_mm));
     let step_per_mm = 1.0 / period_mm;
     let power = power(lit, air_mm);

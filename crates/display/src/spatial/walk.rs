@@ -184,17 +184,16 @@ pub(super) enum States<'a> {
     Kernel(KernelTally),
 }
 
-/// A scene as layers with lengths.
+/// A scene for paths with places.
 pub(crate) struct Placed<'a> {
     pub(super) setup: &'a Setup,
     meter: Meter<'a>,
     /// Light that reaches the pixel from each source.
     pub(super) lights: Vec<PixelLight>,
     pub(super) sources: Vec<Source>,
-    stack: Stack,
+    pub(super) stack: Stack,
     /// Filter above the pixels.
     filter: Option<FilterPlane>,
-    pub(super) lengths_mm: Vec<f64>,
     /// Paths traced so far, for the progress.
     traced: AtomicU64,
 }
@@ -209,8 +208,7 @@ impl<'a> Placed<'a> {
             });
         }
         setup.refracts()?;
-        let stack = setup.stack.clone();
-        let lengths_mm = scene.display.lengths_mm()?;
+        let stack = setup.placed()?.clone();
         let meter = Meter::new(setup);
         let lights = meter.pixel_lights();
         let sources = lights.iter().map(|light| setup.sources[light.source].clone()).collect();
@@ -223,7 +221,7 @@ impl<'a> Placed<'a> {
                 transmittance: filter.transmittance.iter().map(|one| one.to_vec()).collect(),
             })
         });
-        Ok(Self { setup, meter, lights, sources, stack, filter, lengths_mm, traced: AtomicU64::new(0) })
+        Ok(Self { setup, meter, lights, sources, stack, filter, traced: AtomicU64::new(0) })
     }
 
     /// The same layers above another base, whose states are those of patterns.
@@ -318,10 +316,10 @@ impl<'a> Placed<'a> {
     /// What all media move light of these direction cosines by, mm; the last wavelength stands for all.
     pub(super) fn displacement(&self, beta: Beta) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        for (layer, length) in self.stack.layers().iter().zip(&self.lengths_mm) {
+        for layer in self.stack.layers() {
             let index = layer.medium.index().iter().next_back().copied().unwrap_or(1.0);
             if beta.squared() < index * index {
-                let [x, y] = displacement(beta, *length, index);
+                let [x, y] = displacement(beta, layer.thickness_mm, index);
                 sum = [sum[0] + x, sum[1] + y];
             }
         }
@@ -383,10 +381,10 @@ impl<'a> Placed<'a> {
         view: Cone,
         what: What<'w>,
     ) -> Result<PlacedWalk<'w>, DisplayError> {
-        let (lengths, sources) = (&self.lengths_mm[..], &self.sources[..]);
+        let sources = &self.sources[..];
         let walk = match &self.filter {
-            Some(filter) => PlacedWalk::filtered(filter.clone(), stack, lengths, (view, sources), what),
-            None => PlacedWalk::new(stack, lengths, view, sources, what),
+            Some(filter) => PlacedWalk::filtered(filter.clone(), stack, (view, sources), what),
+            None => PlacedWalk::new(stack, view, sources, what),
         };
         let spread = self.setup.scene.display.pixel_spread();
         walk.map(|walk| walk.with_spread(spread)).map_err(DisplayError::Places)

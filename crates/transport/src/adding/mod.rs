@@ -18,7 +18,6 @@ pub use crate::layers::Narrowness;
 use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
 pub use layered::{LayeredSpread, NotCovered, PaperLight, Seen};
 pub use panel::ViewSums;
-pub(crate) use panel::first_pass;
 pub(crate) use panel::{Shares, diffuse_shares, smooth_points};
 pub use table_sums::{TableGradient, TableSums, TableValues};
 

@@ -176,7 +176,7 @@ fn single_scatterer_equals_composed_operators() {
             let upper = [(surface, above), (face.clone(), clear(1.5))];
             let lower = [(Interface::Fresnel, clear(1.0)), (Interface::Fresnel, clear(1.5))];
             let layers = upper.into_iter().chain(lower.into_iter().filter(|_| gap));
-            let layers = layers.map(|(interface, medium)| Layer { interface, medium }).collect();
+            let layers = layers.map(|(interface, medium)| Layer::new(interface, medium)).collect();
             estimate(0, &Stack::general(layers, base.clone()), view(15.0), &sources)
         };
         let (alone, two) = (of(clear(index)), of(slab(1e-9, 0.0, 1.0, index)));
@@ -271,10 +271,8 @@ fn wavelengths_and_states_are_independent() {
             transmittance: spectrum(bins, [0.5, 0.8, 0.8]),
             regular_fraction: 0.0,
         };
-        let layers = vec![
-            Layer { interface: Interface::Diffuser(lobe), medium: filter },
-            Layer { interface: Interface::Fresnel, medium: slab },
-        ];
+        let layers =
+            vec![Layer::new(Interface::Diffuser(lobe), filter), Layer::new(Interface::Fresnel, slab)];
         let base = Base {
             reflector: Reflector::Specular(table),
             inactive_absorptance: vec![0.0; bins.len()].into(),

@@ -444,7 +444,7 @@ fn view_over_fringes_equals_quadrature() {
         let found = rho(&solve(&stack, eye, &[Source::Diffuse], level), 0);
         assert!((found - mean).abs() < 1e-6, "level {level}: {found} against {mean}");
         // The same display as general layers.
-        let layers = vec![Layer { interface: Interface::IdealAr, medium: stack.medium.clone() }];
+        let layers = vec![Layer::new(Interface::IdealAr, stack.medium.clone())];
         let layered = Stack::general(layers, stack.base.clone());
         let mut kernel = Kernel::new(level);
         kernel.prepare(&layered, &[eye], &[Source::Diffuse]);

@@ -64,8 +64,7 @@ impl Panel {
     /// The stack of its layers, which is an ordinary panel for both solvers.
     pub(crate) fn stack(&self) -> Stack {
         let air = Medium::new(vec![1.0; self.base.bins()].into());
-        let in_air =
-            |one: &Component| Layer { interface: Interface::Component(one.clone()), medium: air.clone() };
+        let in_air = |one: &Component| Layer::new(Interface::Component(one.clone()), air.clone());
         let interface = match &self.top {
             Top::IdealAr => Interface::IdealAr,
             Top::Fresnel(index) => {
@@ -75,12 +74,19 @@ impl Panel {
             Top::Diffuser(diffuser) => Interface::Diffuser(diffuser.clone()),
         };
         let mut layers: Vec<Layer> = self.front.0.iter().map(in_air).collect();
-        layers.push(Layer { interface, medium: self.medium.clone() });
+        layers.push(Layer::new(interface, self.medium.clone()));
         let approximation = Approximation { single_pass: self.single_pass, unrefracted: false };
         let stack = Stack::approximated(layers, self.base.clone(), approximation).unwrap();
         assert!(stack.panel().is_some());
         stack
     }
+}
+
+/// A stack with these thicknesses of its layers, mm.
+pub(crate) fn thick(stack: &Stack, thickness_mm: &[f64]) -> Stack {
+    let mut stack = stack.clone();
+    stack.set_thickness_mm(thickness_mm);
+    stack
 }
 
 /// A panel in glass of index 1.5 without front.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::common::{Front, Panel};
+use crate::common::{Front, Panel, thick};
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::lobe::Lobe;
 use papilio_testing::everyday;
@@ -25,6 +25,10 @@ fn panel(top: Top, index: &[f64], front: &[f64]) -> Panel {
 
 const ACCURACY: Accuracy = Accuracy { digits: 12.0, most_per_mm: 40.0 };
 
+fn returned(panel: &Panel, thickness_mm: &[f64], accuracy: Accuracy) -> Vec<LambertianReturn> {
+    LambertianReturn::all(thick(&panel.stack(), thickness_mm).panel().unwrap(), accuracy).unwrap()
+}
+
 /// The table resolves ways of up to 30 lengths. Through a face that transmits grazing light, too, (2/30)^2 =
 /// 4e-3 of it go farther.
 ///
@@ -33,13 +37,13 @@ const ACCURACY: Accuracy = Accuracy { digits: 12.0, most_per_mm: 40.0 };
 #[test]
 fn uniform_light_has_the_return_of_colours() {
     let ideal = panel(Top::IdealAr, &[1.5], &[0.3]);
-    let all = LambertianReturn::all(ideal.stack().panel().unwrap(), &[0.4, 0.6], ACCURACY).unwrap();
+    let all = returned(&ideal, &[0.4, 0.6], ACCURACY);
     let expected = 1.0 - 1.0 / 2.25 + 0.3 / 2.25;
     assert!((all[0].at(0.0) - expected).abs() < 1e-6, "{} {expected}", all[0].at(0.0));
     // Of a plate without glass the way is 2 g tan(theta): f K_1(f) as between two plates, here with a thin
     // glass of index near 1.
     let thin = panel(Top::IdealAr, &[1.0 + 1e-9], &[1.0]);
-    let all = LambertianReturn::all(thin.stack().panel().unwrap(), &[1.0, 1e-9], ACCURACY).unwrap();
+    let all = returned(&thin, &[1.0, 1e-9], ACCURACY);
     for (fd, expected) in [(0.05, 0.768_495), (0.1, 0.500_191), (0.2, 0.182_669)] {
         let found = all[0].by_front(fd);
         assert!((found - expected).abs() < 1e-3, "{fd}: {found} {expected}");
@@ -59,7 +63,7 @@ fn table_equals_the_sum_over_directions() {
     let (index, front) = ([1.52, 1.5, 1.49], [0.04, 0.3, 0.1]);
     let glass = panel(Top::Fresnel(index.to_vec().into()), &index, &front);
     let [air, thick] = [0.3, 0.7];
-    let all = LambertianReturn::all(glass.stack().panel().unwrap(), &[air, thick], ACCURACY).unwrap();
+    let all = returned(&glass, &[air, thick], ACCURACY);
     assert_eq!(all.len(), 3);
     for f in [0.0, 0.03, 0.11, 0.4, 0.9, 1.7, 3.1, 5.9] {
         for one in &all {
@@ -99,7 +103,7 @@ fn lobe_returns_known_fractions() {
         let diffuser = Diffuser { lobe, transmittance: vec![0.9].into(), regular_fraction: straight };
         let panel = panel(Top::Diffuser(diffuser), &[1.5], &[0.2]);
         let accuracy = Accuracy { digits: 13.0, most_per_mm: 8.0 };
-        let all = LambertianReturn::all(panel.stack().panel().unwrap(), &[gap, 0.4], accuracy).unwrap();
+        let all = returned(&panel, &[gap, 0.4], accuracy);
         let uniform = all[0].at(0.0);
         assert!((uniform - 0.2 * 0.81 * zero).abs() < 1e-4 * uniform, "{width} {gap}: {uniform}");
         for (f, known) in FREQUENCIES.into_iter().zip(known) {
@@ -120,12 +124,7 @@ fn unscattered_light_returns_known_fractions_of_fine_patterns() {
     let lobe = Lobe::KCorrelation { width: 0.057 };
     let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction: 0.3 };
     let panel = panel(Top::Diffuser(diffuser), &[1.5], &[1.0]);
-    let all = LambertianReturn::all(
-        panel.stack().panel().unwrap(),
-        &[0.0, 0.4],
-        Accuracy { digits: 13.0, most_per_mm: 8.0 },
-    )
-    .unwrap();
+    let all = returned(&panel, &[0.0, 0.4], Accuracy { digits: 13.0, most_per_mm: 8.0 });
     for (f, known) in [(3.0, -0.8e-3), (3.6, 2.7e-3), (4.5, 1.21e-3), (6.0, 1.19e-3), (7.0, -0.81e-3)] {
         let found = all[0].at(f) / all[0].at(0.0);
         // Scattered light is taken as shifted linearly over the width of a lobe: 3e-4 of all light.
@@ -150,7 +149,7 @@ fn lobe_over_air_returns_known_fractions() {
         let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction: straight };
         let panel = panel(Top::Diffuser(diffuser), &[index], &[1.0]);
         let accuracy = Accuracy { digits: 13.0, most_per_mm: 8.0 };
-        let all = LambertianReturn::all(panel.stack().panel().unwrap(), &[gap, 0.4], accuracy).unwrap();
+        let all = returned(&panel, &[gap, 0.4], accuracy);
         let uniform = all[0].at(0.0);
         assert!((uniform - zero).abs() < 1e-5, "{index} {width} {gap}: {uniform}");
         for (f, known) in FREQUENCIES.into_iter().zip(known) {

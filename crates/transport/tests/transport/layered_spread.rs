@@ -18,7 +18,7 @@ use papilio_transport::{
     ScatterFace, ScatterKernel, Scattering, Source, Stack,
 };
 
-use crate::common::{everyday, lambertian, mean_and_error, mirror, one, sized, view};
+use crate::common::{everyday, lambertian, mean_and_error, mirror, one, sized, thick, view};
 
 /// Never set.
 static GO_ON: AtomicBool = AtomicBool::new(false);
@@ -29,19 +29,20 @@ fn lobe(width: f64, regular_fraction: f64) -> Interface {
 }
 
 fn stack(layers: impl IntoIterator<Item = (Interface, f64)>, base: Base) -> Stack {
-    let layer = |(interface, index)| Layer { interface, medium: Medium::new(one(index)) };
+    let layer = |(interface, index)| Layer::new(interface, Medium::new(one(index)));
     Stack::general(layers.into_iter().map(layer).collect(), base)
 }
 
 /// Transfer of each state relative to that at frequency 0; `[source][state][frequency]`.
 fn transfer(
     stack: &Stack,
-    lengths_mm: &[f64],
+    thickness_mm: &[f64],
     (view, sources): (Cone, &[Source]),
     frequencies: &[[f64; 2]],
     level: u32,
 ) -> Result<Vec<Vec<Vec<[f64; 2]>>>, NotCovered> {
-    let spread = LayeredSpread::new(stack, lengths_mm, view, sources, level, &GO_ON)?;
+    let stack = &thick(stack, thickness_mm);
+    let spread = LayeredSpread::new(stack, view, sources, level, &GO_ON)?;
     let bins = stack.base().bins();
     // Of a single wavelength the light without regard to places cancels.
     let via_pixel = if bins == 1 {
@@ -83,7 +84,8 @@ fn compare(
         channels: vec![vec![WEIGHTS[..bins].to_vec()]; sources.len()],
         ..KernelTally::default()
     };
-    let walk = PlacedWalk::new(stack, lengths_mm, seen, sources, What::Kernel(tally)).unwrap();
+    let thick = thick(stack, lengths_mm);
+    let walk = PlacedWalk::new(&thick, seen, sources, What::Kernel(tally)).unwrap();
     let estimate = |stream| {
         let mut replicate = walk.replicate();
         walk.trace(&mut replicate, &SampleStream::new(Sampler::Sobol, 5, stream), *paths);
@@ -200,7 +202,7 @@ fn film() -> Base {
 fn transfer_of_colours_and_fields_equals_that_of_paths() {
     let two = |value: f64| Spectrum::from(vec![value; 2]);
     let of_film = |layers: Vec<(Interface, f64)>| {
-        let layer = |(interface, index)| Layer { interface, medium: Medium::new(two(index)) };
+        let layer = |(interface, index)| Layer::new(interface, Medium::new(two(index)));
         Stack::general(layers.into_iter().map(layer).collect(), film())
     };
     let diffuser = |width: f64| {
@@ -255,7 +257,7 @@ fn light_that_is_not_covered_is_refused() {
     let lengths = [0.1, 0.2, 0.2];
     let refused = |stack: &Stack| {
         let sources = [Source::Diffuse];
-        LayeredSpread::new(stack, &lengths[..stack.layers().len()], view(0.0), &sources, 0, &GO_ON).err()
+        LayeredSpread::new(&thick(stack, &lengths), view(0.0), &sources, 0, &GO_ON).err()
     };
     let slab = stack([(Interface::Fresnel, 1.5)], lambertian(0.5));
     let scattering = Scattering { optical_thickness: 1.0, anisotropy: 0.5, albedo: one(1.0) };

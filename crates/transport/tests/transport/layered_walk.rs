@@ -21,7 +21,7 @@ fn layered(layers: Vec<Layer>, base: Base) -> Stack {
 }
 
 fn layer(interface: Interface, medium: Medium) -> Layer {
-    Layer { interface, medium }
+    Layer::new(interface, medium)
 }
 
 fn clear(index: f64) -> Medium {

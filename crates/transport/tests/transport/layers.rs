@@ -23,7 +23,7 @@ pub(crate) fn slab(thickness: f64, anisotropy: f64, albedo: f64, index: f64) -> 
 }
 
 pub(crate) fn stack<const N: usize>(layers: [(Interface, Medium); N], base: Base) -> Stack {
-    let layers = layers.into_iter().map(|(interface, medium)| Layer { interface, medium }).collect();
+    let layers = layers.into_iter().map(|(interface, medium)| Layer::new(interface, medium)).collect();
     Stack::general(layers, base)
 }
 

@@ -40,9 +40,9 @@ fn medium(index: f64, bins: &[usize]) -> Medium {
 /// interface is the surface.
 fn display(alpha: f64, air: bool, bins: &[usize], states: &[f64]) -> Stack {
     let rough = Rough::with(Distribution::Ggx, alpha, 1.0, 1.5);
-    let mut layers = vec![Layer { interface: Interface::Rough(rough), medium: medium(1.5, bins) }];
+    let mut layers = vec![Layer::new(Interface::Rough(rough), medium(1.5, bins))];
     if air {
-        layers.insert(0, Layer { interface: Interface::Open, medium: medium(1.0, bins) });
+        layers.insert(0, Layer::new(Interface::Open, medium(1.0, bins)));
     }
     Stack::general(layers, film(bins, states))
 }
@@ -55,7 +55,7 @@ fn covered(bins: &[usize], states: &[f64]) -> Stack {
     let lobe = Lobe::KCorrelation { width: 0.08 };
     let transmittance = vec![0.9; bins.len()].into();
     let diffuser = Diffuser { lobe, transmittance, regular_fraction: 0.05 };
-    let layer = |interface, index| Layer { interface, medium: medium(index, bins) };
+    let layer = |interface, index| Layer::new(interface, medium(index, bins));
     let layers = vec![
         layer(Interface::Fresnel, 1.5),
         layer(Interface::Component(foil), 1.5),

@@ -20,7 +20,9 @@ use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Interface, Layer, Medium, Nodes, Reflector, Scattering, Source, Stack,
 };
 
-use crate::common::{REPLICATES, assert_unbiased, everyday, mean_and_error, one, replicates_of, sized, view};
+use crate::common::{
+    REPLICATES, assert_unbiased, everyday, mean_and_error, one, replicates_of, sized, thick, view,
+};
 
 /// Estimates of 32 replicates.
 fn replicates(walk: &PlacedWalk<'_>, seed: u64, paths: u64) -> Vec<Estimate> {
@@ -55,7 +57,7 @@ fn clear(index: f64) -> Medium {
 }
 
 fn over(interface: Interface, base: Base) -> Stack {
-    Stack::general(vec![Layer { interface, medium: clear(1.5) }], base)
+    Stack::general(vec![Layer::new(interface, clear(1.5))], base)
 }
 
 /// States of one wavelength.
@@ -94,7 +96,8 @@ fn transfer_of_a_lobe_is_known() {
         let frequencies = [0.0, 1.0, 2.0, 5.0, 5.9055, 10.0].map(|f| [0.6 * f, 0.8 * f]);
         let sources = [source];
         let what = What::Kernel(tally(frequencies.to_vec(), 1));
-        let walk = PlacedWalk::new(&stack, &[0.5], view(0.0), &sources, what).unwrap();
+        let stack = thick(&stack, &[0.5]);
+        let walk = PlacedWalk::new(&stack, view(0.0), &sources, what).unwrap();
         let estimates = replicates(&walk, 3, 4096);
         for (k, expected) in expected.into_iter().enumerate() {
             let (found, error) = mean_and_error(estimates.iter().map(|estimate| {
@@ -126,7 +129,8 @@ fn transfer_of_lamps_equals_that_of_the_first_order() {
         let sources = [source];
         let frequencies = vec![[0.0; 2], [1.0, 0.0], [0.0, 3.0], [-4.0, 2.0]];
         let what = What::Kernel(tally(frequencies.clone(), 1));
-        let walk = PlacedWalk::new(&stack, &[0.5], seen, &sources, what).unwrap();
+        let stack = thick(&stack, &[0.5]);
+        let walk = PlacedWalk::new(&stack, seen, &sources, what).unwrap();
         let scale = spread.transfer([0.0; 2], |_| 0.7).re;
         let seeds = BySeed::default();
         for (k, frequency) in frequencies.iter().enumerate() {
@@ -151,7 +155,8 @@ fn recycled_light_of_patterns_is_known() {
     let (stack, thickness) = (over(Interface::Fresnel, paper(&[0.6, 0.03])), 0.2);
     let seen = |pattern: TwoStates, expected: f64| {
         let what = What::Pattern(&pattern);
-        let walk = PlacedWalk::new(&stack, &[thickness], view(0.0), &[Source::Diffuse], what).unwrap();
+        let stack = thick(&stack, &[thickness]);
+        let walk = PlacedWalk::new(&stack, view(0.0), &[Source::Diffuse], what).unwrap();
         assert_unbiased(&format!("{pattern:?}"), expected, 0.03, |seed| {
             let estimates = replicates(&walk, seed, 1024);
             mean_and_error(estimates.iter().map(|estimate| estimate.rho[0].via_pixel[0]))
@@ -201,7 +206,8 @@ fn mirror_ghosts_beat_with_the_stripes() {
         let expected: f64 = orders.sum();
         let pattern = TwoStates { shape: Shape::Stripes, period_mm, states: [0, 1] };
         let what = What::Pattern(&pattern);
-        let walk = PlacedWalk::new(&stack, &[0.3], seen, &[Source::Diffuse], what).unwrap();
+        let stack = thick(&stack, &[0.3]);
+        let walk = PlacedWalk::new(&stack, seen, &[Source::Diffuse], what).unwrap();
         assert_unbiased(&format!("{periods}"), expected, 0.02, |seed| {
             let estimates = replicates(&walk, seed, 512);
             mean_and_error(estimates.iter().map(|estimate| estimate.rho[0].via_pixel[0]))
@@ -218,7 +224,8 @@ fn patterns_seen_at_places_have_their_own_light() {
     let places_mm = [[50.0, 3.0], [150.0, -7.0]];
     let seen = SeenFrom { pattern: &pattern, places_mm: &places_mm };
     let what = What::Pattern(&seen);
-    let walk = PlacedWalk::new(&stack, &[0.1], view(0.0), &[Source::Diffuse], what).unwrap();
+    let stack = thick(&stack, &[0.1]);
+    let walk = PlacedWalk::new(&stack, view(0.0), &[Source::Diffuse], what).unwrap();
     for (image, expected) in [(0, 0.362_048), (1, 0.011_837)] {
         assert_unbiased(&format!("image {image}"), expected, 0.02, |seed| {
             let estimates = replicates(&walk, seed, 1024);
@@ -238,7 +245,8 @@ fn response_of_paper_has_a_closed_form() {
         ..tally(frequencies, 1)
     };
     let what = What::Kernel(kernel);
-    let walk = PlacedWalk::new(&stack, &[0.4], view(0.0), &[Source::Diffuse], what).unwrap();
+    let stack = thick(&stack, &[0.4]);
+    let walk = PlacedWalk::new(&stack, view(0.0), &[Source::Diffuse], what).unwrap();
     let seeds = BySeed::default();
     for (k, expected) in [(1, 0.8298), (2, 0.6202), (3, 0.6439)] {
         assert_unbiased(&format!("frequency {k}"), expected, 0.02, |seed| {
@@ -263,12 +271,12 @@ fn uniform_states_equal_the_uniform_walk() {
     let beam = Source::Beam(-Cone::new(-30.0, 20.0, 0.0, 1.0).axis_towards());
     let sources = [Source::Diffuse, beam, Source::Disc(Cone::new(-15.0, 0.0, 8.0, 1.0))];
     let component = Interface::component(one(0.1), one(0.02));
-    let front = Layer { interface: component, medium: clear(1.0) };
+    let front = Layer::new(component, clear(1.0));
     let slab = Scattering { optical_thickness: 1.5, anisotropy: 0.5, albedo: one(0.95) };
     let milky = clear(1.5).with_scattering(slab).with_transmittance(one(0.9));
-    let rough = Layer { interface: Interface::Rough(Rough::new(0.3, 1.0, 1.5)), medium: clear(1.5) };
-    let lobe = Layer { interface: Interface::Diffuser(diffuser()), medium: clear(1.5) };
-    let bare = |medium| Layer { interface: Interface::Fresnel, medium };
+    let rough = Layer::new(Interface::Rough(Rough::new(0.3, 1.0, 1.5)), clear(1.5));
+    let lobe = Layer::new(Interface::Diffuser(diffuser()), clear(1.5));
+    let bare = |medium| Layer::new(Interface::Fresnel, medium);
     let cases = [
         ("front over a lobe", vec![front.clone(), lobe], mirrors(&[0.6, 0.2])),
         ("slab over a mirror", vec![bare(milky.clone())], mirrors(&[0.6, 0.2])),
@@ -281,7 +289,8 @@ fn uniform_states_equal_the_uniform_walk() {
         let (lengths, pattern) = (vec![0.3; stack.layers().len()], Uniform { states: 2 });
         let seen = view(10.0);
         let what = What::Pattern(&pattern);
-        let walk = PlacedWalk::new(&stack, &lengths, seen, &sources, what).unwrap();
+        let stack = thick(&stack, &lengths);
+        let walk = PlacedWalk::new(&stack, seen, &sources, what).unwrap();
         let cache = RefCell::new(HashMap::new());
         for (source, image) in [(0, 0), (0, 1), (1, 0), (2, 0)] {
             assert_unbiased(&format!("{name}, source {source}, state {image}"), 1.0, 0.3, |seed| {
@@ -301,19 +310,20 @@ fn uniform_states_equal_the_uniform_walk() {
     }
 }
 
-/// Wrong lengths and channels are refused with a reason.
+/// A wrong thickness and wrong channels are refused with a reason.
 #[test]
-fn bad_lengths_are_refused() {
+fn bad_thickness_is_refused() {
     let stack = over(Interface::Fresnel, paper(&[0.6]));
     let pattern = Uniform { states: 1 };
-    let new = |lengths: &[f64]| {
-        PlacedWalk::new(&stack, lengths, view(0.0), &[Source::Diffuse], What::Pattern(&pattern)).err()
+    let new = |thickness_mm: f64| {
+        let stack = thick(&stack, &[thickness_mm]);
+        PlacedWalk::new(&stack, view(0.0), &[Source::Diffuse], What::Pattern(&pattern)).err()
     };
-    assert_eq!(new(&[]), Some(PlaceError::Lengths { found: 0, expected: 1 }));
-    assert_eq!(new(&[-0.5]), Some(PlaceError::Length(-0.5)));
-    assert_eq!(new(&[0.0]), None);
+    assert_eq!(new(-0.5), Some(PlaceError::Thickness(-0.5)));
+    assert_eq!(new(0.0), None);
     let what = What::Kernel(tally(vec![[0.0; 2]], 2));
-    let error = PlacedWalk::new(&stack, &[0.5], view(0.0), &[Source::Diffuse], what).err();
+    let stack = thick(&stack, &[0.5]);
+    let error = PlacedWalk::new(&stack, view(0.0), &[Source::Diffuse], what).err();
     assert_eq!(error, Some(PlaceError::Channels));
 }
 
@@ -321,8 +331,8 @@ fn bad_lengths_are_refused() {
 /// asks for: a pattern in mixed light, and the sums by frequency, cell, strip and ring.
 #[test]
 fn paths_in_groups_equal_single_paths() {
-    let lobe = |medium| Layer { interface: Interface::Diffuser(diffuser()), medium };
-    let open = Layer { interface: Interface::Open, medium: clear(1.0) };
+    let lobe = |medium| Layer::new(Interface::Diffuser(diffuser()), medium);
+    let open = Layer::new(Interface::Open, clear(1.0));
     let together = Stack::general(vec![lobe(clear(1.5))], mirrors(&[0.9, 0.1]));
     let single = Stack::general(vec![open, lobe(clear(1.5))], together.base().clone());
     let sources = [Source::Diffuse, Source::Beam(Beta { x: 0.21, y: 0.05 })];
@@ -348,7 +358,8 @@ fn paths_in_groups_equal_single_paths() {
     for (k, (name, number)) in numbers.into_iter().enumerate() {
         let [a, b] = [(&together, vec![0.5]), (&single, vec![0.0, 0.5])].map(|(stack, lengths)| {
             let what = if k < 2 { What::Pattern(&stripes) } else { What::Kernel(kernel.clone()) };
-            let walk = PlacedWalk::new(stack, &lengths, seen, &sources, what).unwrap();
+            let stack = thick(&stack, &lengths);
+            let walk = PlacedWalk::new(&stack, seen, &sources, what).unwrap();
             let paths = if stack.layers().len() == 1 { 4096 } else { 1024 };
             mean_and_error(replicates(&walk, 11, paths).iter().map(number))
         });
@@ -357,7 +368,8 @@ fn paths_in_groups_equal_single_paths() {
         assert!(error < 0.02 * a.0.abs().max(0.05), "{name}: {a:?} {b:?}");
     }
     // The result does not depend on how calls divide the paths.
-    let walk = PlacedWalk::new(&together, &[0.5], seen, &sources, What::Pattern(&stripes)).unwrap();
+    let stack = thick(&together, &[0.5]);
+    let walk = PlacedWalk::new(&stack, seen, &sources, What::Pattern(&stripes)).unwrap();
     let stream = SampleStream::new(Sampler::Sobol, 1, 0);
     let [whole, parts] = [vec![200], vec![1, 63, 7, 129]].map(|counts| {
         let mut replicate = walk.replicate();
@@ -393,7 +405,8 @@ fn window_has_its_own_share_of_light() {
     for side_mm in [[0.026, 0.076], [0.005, 0.012]] {
         let window = Window(side_mm);
         let what = What::Pattern(&window);
-        let walk = PlacedWalk::new(&stack, &[1.0], view(0.0), &[Source::Diffuse], what).unwrap();
+        let stack = thick(&stack, &[1.0]);
+        let walk = PlacedWalk::new(&stack, view(0.0), &[Source::Diffuse], what).unwrap();
         let rectangle = side_mm.map(|side| [0.0, side]);
         let blur = WIDTH / 1.5;
         let expected = lobe_between_rectangles(rectangle, rectangle, blur) / (side_mm[0] * side_mm[1]);

@@ -65,7 +65,7 @@ fn solvers_agree_with_reference_through_all_kinds_of_layers() {
     let milk = slab(0.5, 0.8, 0.95, 1.4).with_transmittance(one(0.9));
     let layers =
         [(sheet(0.1, 0.05), clear(1.0)), (Interface::Fresnel, clear(1.5)), (Interface::Fresnel, milk)];
-    let layers = layers.map(|(interface, medium)| Layer { interface, medium }).to_vec();
+    let layers = layers.map(|(interface, medium)| Layer::new(interface, medium)).to_vec();
     let cases = [
         ("everything over paper", everything(1.0, lambertian(0.8)), [0, 0]),
         ("coloured layers over a mirror", coloured(&[0, 1, 2], false), [2, 1]),
@@ -110,7 +110,7 @@ fn random_display(dice: &mut Dice) -> Stack {
             clear(index)
         };
         let medium: Medium = medium.with_transmittance(one(dice.between(0.6, 1.0)));
-        layers.push(Layer { interface, medium });
+        layers.push(Layer::new(interface, medium));
     }
     let reflectance = dice.between(0.2, 0.95);
     let base = match dice.below(3) {

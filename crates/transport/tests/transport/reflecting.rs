@@ -184,7 +184,7 @@ fn lambertian_lobe_fills_the_disc_of_each_wavelength() {
     });
     let diffuser = reflecting(transmission, [side.clone(), side]);
     let base = Base { reflector: Reflector::lambertian(vec![paint; 2], 2), inactive_absorptance: all(0.0) };
-    let layers = vec![Layer { interface: diffuser, medium: Medium::new(indices.to_vec().into()) }];
+    let layers = vec![Layer::new(diffuser, Medium::new(indices.to_vec().into()))];
     let display = Stack::general(layers, base);
     let sources = [Source::Diffuse];
     let exact = estimate(2, &display, view(10.0), &sources);

@@ -19,7 +19,7 @@ fn surface(distribution: Distribution, alpha: f64, base: Base) -> Stack {
 /// surface.
 fn below_air(stack: &Stack) -> Stack {
     let mut layers = stack.layers().to_vec();
-    layers.insert(0, Layer { interface: Interface::Open, medium: clear(1.0) });
+    layers.insert(0, Layer::new(Interface::Open, clear(1.0)));
     Stack::general(layers, stack.base().clone())
 }
 

@@ -41,7 +41,7 @@ fn face(shape: Shape, widths: [f64; 2], fractions: [[f64; BINS]; 2]) -> Interfac
 
 fn display(interface: Interface, base: Base) -> Stack {
     let medium = Medium::new(vec![GLASS; BINS].into());
-    Stack::general(vec![Layer { interface, medium }], base)
+    Stack::general(vec![Layer::new(interface, medium)], base)
 }
 
 fn paper(reflectance: f64) -> Base {

@@ -27,8 +27,7 @@ impl Frame<'_> {
         let mut panel = Panel { base: self.surfaces.base.clone(), ..whole.clone() };
         // What the front returns is added below.
         panel.front.reflectance_below = vec![0.0; panel.base.bins()].into();
-        let lengths = [self.lengths_mm.last().copied().unwrap_or_default()];
-        let spread = PanelSpread::new(&panel, &lengths, &view.field, source, accuracy).map_err(|error| {
+        let spread = PanelSpread::new(&panel, &view.field, source, accuracy).map_err(|error| {
             DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
         })?;
         let wanted = Wanted { parts: &self.parts, page: &self.surfaces.states[self.page] };

@@ -27,7 +27,6 @@ pub(super) struct Frame<'a> {
     pub(super) matrix: &'a Matrix,
     /// `None` below general layers.
     pub(super) panel: Option<&'a Panel>,
-    pub(super) lengths_mm: Vec<f64>,
     pub(super) surfaces: Surfaces,
     pub(super) windows: Windows,
     /// Parts of all states.
@@ -42,8 +41,7 @@ impl<'a> Frame<'a> {
         let scene = &setup.scene;
         let matrix = matrix(setup)?;
         setup.refracts()?;
-        let lengths_mm = scene.display.lengths_mm()?;
-        scene.display.spreads_over_few_pixels(&lengths_mm)?;
+        setup.spreads_over_few_pixels()?;
         let panel = setup.stack.panel();
         if panel.is_none() && !below_layers::covers(setup) {
             return Err(Refused::Layers.into());
@@ -72,7 +70,6 @@ impl<'a> Frame<'a> {
             control,
             matrix,
             panel,
-            lengths_mm,
             surfaces,
             parts,
             page: page(setup),
@@ -110,7 +107,7 @@ impl<'a> Frame<'a> {
 
     pub(super) fn lit<'l>(&'l self, panel: &'l Panel, view: &'l ViewPoint, level: Level) -> Lit<'l> {
         let spread = self.setup.scene.display.pixel_spread();
-        Lit { panel, lengths_mm: &self.lengths_mm, view, level, spread }
+        Lit { panel, view, level, spread }
     }
 }
 

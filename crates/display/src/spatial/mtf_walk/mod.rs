@@ -174,7 +174,7 @@ impl Grid {
         while let Some(last) = frequencies.last().filter(|last| **last < SEARCHED * highest) {
             frequencies.push(last * 1.12);
         }
-        let thickness: f64 = panel.lengths_mm.iter().sum();
+        let thickness = panel.stack.thickness_mm();
         let own = view.field.axis_towards();
         let beams = setup.sources.iter().filter_map(Source::direction);
         let from = panel.displacement(own);

@@ -102,7 +102,7 @@ fn over_black(stack: &Stack, pixel: Option<&ScatterKernel>) -> Stack {
         let index =
             layers.last().map_or_else(|| vec![1.0; bins].into(), |layer| layer.medium.index().clone());
         let face = ScatterFace::pixel(pixel.clone(), &index);
-        layers.push(Layer { interface: Interface::Scatter(Box::new(face)), medium: Medium::new(index) });
+        layers.push(Layer::new(Interface::Scatter(Box::new(face)), Medium::new(index)));
     }
     Stack::general(layers, base)
 }

@@ -1,7 +1,6 @@
 //! Spread of a bare panel: every direction of view has one place, that of its own ray.
 
 use super::super::{Accuracy, Sample, displacement};
-use super::ghosts::Ghosts;
 use super::{Heights, Part, SMOOTH, by_index};
 use crate::adding::{diffuse_shares, smooth_points};
 use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
@@ -36,8 +35,6 @@ pub(super) fn parts(
             .collect();
         let is_apart = heights.front_mm > 0.0 && between.iter().any(|between| *between > 0.0);
         let orders = if is_apart { ORDERS } else { 1 };
-        let ghosts =
-            panel.base.is_specular().then(|| Ghosts::new(panel, heights, &face, point.beta)).flatten();
         let air = displacement(point.beta, 2.0 * heights.front_mm, 1.0);
         for (index, group) in by_index(panel) {
             for order in 0..orders {
@@ -55,7 +52,6 @@ pub(super) fn parts(
                     images: vec![Sample { beta: point.beta, place_mm, weight: point.weight }],
                     through: (0..bins).map(through).collect(),
                     index,
-                    ghosts: ghosts.clone(),
                     pair: None,
                 });
             }

@@ -44,7 +44,7 @@ pub(super) fn parts(
         for seen in &seen {
             let pair = Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy);
             let (images, through) = (Vec::new(), Arc::clone(&through));
-            parts.push(Part { images, through, index: *index, ghosts: None, pair: Some(pair) });
+            parts.push(Part { images, through, index: *index, pair: Some(pair) });
         }
     }
     // Sharp images are not interpolated between indices: each wavelength has its place.
@@ -62,7 +62,7 @@ pub(super) fn parts(
         let images: Vec<Sample> = seen.iter().flat_map(sharp).chain(images.iter().map(image)).collect();
         if !images.is_empty() {
             let through = (0..bins).map(through).collect();
-            parts.push(Part { images, through, index, ghosts: None, pair: None });
+            parts.push(Part { images, through, index, pair: None });
         }
     }
     parts

@@ -5,8 +5,6 @@ use std::fmt;
 /// Reason why the spread of a panel cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpreadError {
-    /// There is no length, not even that of the glass.
-    Lengths,
     /// Several components of the front of screen at different heights may reflect light to the pixel; their
     /// common reflectance does not tell how much each of them does.
     SeveralFronts,
@@ -19,7 +17,6 @@ pub enum SpreadError {
 impl fmt::Display for SpreadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Lengths => "the panel has no lengths (expected at least that of the glass)",
             Self::SeveralFronts => {
                 "several components of the front of screen lie between the pixel and a reflection (expected one with a gap); the \
                  Monte Carlo solver follows light between them"

@@ -52,12 +52,11 @@ pub struct LambertianReturn {
 
 impl LambertianReturn {
     /// Prepares the return of a flat face or a diffuser, and of a front above it.
-    /// `lengths_mm` as in [`PanelSpread::new`](super::PanelSpread::new).
     ///
     /// # Errors
     /// If several components of the front reflect at different heights.
-    pub fn all(panel: &Panel, lengths_mm: &[f64], accuracy: Accuracy) -> Result<Vec<Self>, SpreadError> {
-        let heights = Heights::new(panel, lengths_mm)?;
+    pub fn all(panel: &Panel, accuracy: Accuracy) -> Result<Vec<Self>, SpreadError> {
+        let heights = Heights::new(panel)?;
         let index = panel.medium.index();
         let front = |bin: usize| match &panel.top {
             _ if panel.single_pass => 0.0,

@@ -6,30 +6,19 @@
 //! once adds up to `sum of through(wavelength) x weight x reflectance(beta, wavelength)`, the reflectance
 //! factor of that light: the same number as that of colours, now with a place for each of its terms.
 //!
-//! **All orders.** The layers return light to the pixel ([`LambertianReturn`], [`ghosts`]). A small
-//! modulation of the pixel about a state of reflectance rho is then seen as `V(f) rho/(1 - rho A(f))`, with V
-//! the transform of the samples; at f = 0 this is the reflectance factor of a uniform state in all orders
-//! ([`PanelSpread::transfer`]). A mirror-like pixel under a flat face has its own ghosts in A, a Lambertian
-//! one a halo.
-//!
-//! | above the pixel | Lambertian pixel | mirror-like pixel |
-//! |---|---|---|
-//! | a flat face | one place for each direction of view; halo | the same; ghosts |
-//! | a diffuser | the lobe towards the viewer; halo by the front | lobes towards viewer and light; light that the front returns is missing |
+//! **All orders.** The layers return light to a Lambertian pixel ([`LambertianReturn`]). A small modulation of
+//! the pixel about a state of reflectance rho is then seen as `V(f) rho/(1 - rho A(f))`, with V the transform
+//! of the samples; at f = 0 this is the reflectance factor of a uniform state in all orders. What is returned
+//! to mirror-like pixels is not here.
 //!
 //! Places are relative to where the own ray of each direction of view meets the pixel, at each index of the
 //! glass.
-//!
-//! What is missing in the last case is the difference between the reflectance factor of colours and that of
-//! the spread at f = 0: a bound of the error of both.
 
 mod bare;
 mod diffused;
 mod error;
-mod ghosts;
 mod lambertian_return;
 mod lobe_return;
-mod transfer;
 
 pub use error::SpreadError;
 pub use lambertian_return::LambertianReturn;
@@ -37,7 +26,6 @@ pub(in crate::spatial) use lambertian_return::Tabulated;
 
 use std::sync::Arc;
 
-use self::ghosts::Ghosts;
 use super::spread::Pair;
 use super::{Accuracy, Image, PointSpread, Sample};
 use crate::{Cone, Panel, Reflector, Source, Top};
@@ -52,8 +40,6 @@ pub struct Part {
     pub through: Arc<[f64]>,
     /// Index of the glass.
     index: f64,
-    /// Of a mirror under flat faces.
-    ghosts: Option<Ghosts>,
     /// The diffuser, of light at all places; otherwise each sample is a sharp image.
     pair: Option<Pair>,
 }
@@ -83,8 +69,6 @@ impl Part {
 #[derive(Debug, Clone)]
 pub struct PanelSpread {
     parts: Vec<Part>,
-    /// What comes back to a Lambertian pixel.
-    returned: Vec<LambertianReturn>,
 }
 
 /// Heights of a panel.
@@ -104,8 +88,9 @@ const SMOOTH: f64 = 0.3;
 
 impl Heights {
     /// Reads the gaps of the components of the front, outermost first, and the thickness of the glass.
-    fn new(panel: &Panel, lengths_mm: &[f64]) -> Result<Self, SpreadError> {
-        let Some((&glass_mm, fronts)) = lengths_mm.split_last() else { return Err(SpreadError::Lengths) };
+    fn new(panel: &Panel) -> Result<Self, SpreadError> {
+        let (glass_mm, fronts) =
+            panel.gaps_mm.split_last().map_or((0.0, &[][..]), |(glass, fronts)| (*glass, fronts));
         let returns = !panel.single_pass && panel.front.reflectance_below.max() > 0.0;
         // A component above the highest one that reflects has no length.
         let apart = fronts.iter().skip_while(|gap| **gap == 0.0).count() > 1;
@@ -121,26 +106,17 @@ impl Heights {
 ///
 /// # Errors
 /// If several components of the front reflect at different heights.
-pub fn air_below_front_mm(panel: &Panel, lengths_mm: &[f64]) -> Result<f64, SpreadError> {
-    Ok(Heights::new(panel, lengths_mm)?.front_mm)
+pub fn air_below_front_mm(panel: &Panel) -> Result<f64, SpreadError> {
+    Ok(Heights::new(panel)?.front_mm)
 }
 
 impl PanelSpread {
-    /// Prepares the spread.
-    ///
-    /// - `lengths_mm`: air below each component of the front of screen, outermost first, then the glass.
-    /// - `view`: directions in air.
+    /// Prepares the spread in directions `view` in air.
     ///
     /// # Errors
     /// If this panel is not covered.
-    pub fn new(
-        panel: &Panel,
-        lengths_mm: &[f64],
-        view: &Cone,
-        source: &Source,
-        accuracy: Accuracy,
-    ) -> Result<Self, SpreadError> {
-        Self::build((panel, lengths_mm), view, source, accuracy, false)
+    pub fn new(panel: &Panel, view: &Cone, source: &Source, accuracy: Accuracy) -> Result<Self, SpreadError> {
+        Self::build(panel, view, source, accuracy, false)
     }
 
     /// Prepares a spread whose samples have the true directions in the glass. Those of [`new`](Self::new) may
@@ -151,22 +127,21 @@ impl PanelSpread {
     /// Those of [`new`](Self::new).
     pub fn by_direction(
         panel: &Panel,
-        lengths_mm: &[f64],
         view: &Cone,
         source: &Source,
         accuracy: Accuracy,
     ) -> Result<Self, SpreadError> {
-        Self::build((panel, lengths_mm), view, source, accuracy, true)
+        Self::build(panel, view, source, accuracy, true)
     }
 
     fn build(
-        (panel, lengths_mm): (&Panel, &[f64]),
+        panel: &Panel,
         view: &Cone,
         source: &Source,
         accuracy: Accuracy,
         by_direction: bool,
     ) -> Result<Self, SpreadError> {
-        let heights = Heights::new(panel, lengths_mm)?;
+        let heights = Heights::new(panel)?;
         if matches!(panel.base.reflector, Reflector::Scattering(_)) {
             return Err(SpreadError::ScatteringPixel);
         }
@@ -189,11 +164,7 @@ impl PanelSpread {
             }
             Top::IdealAr | Top::Fresnel(_) => bare::parts(panel, heights, view, source, accuracy),
         };
-        let returned = match panel.base.is_specular() || panel.single_pass {
-            true => Vec::new(),
-            false => LambertianReturn::all(panel, lengths_mm, accuracy)?,
-        };
-        Ok(Self { parts, returned })
+        Ok(Self { parts })
     }
 
     /// The samples, by parts of a common factor.
@@ -207,16 +178,6 @@ impl PanelSpread {
             Some(pair) => pair.point_spread(),
             None => PointSpread::of_images(part.images.iter().map(Image::from)),
         }
-    }
-
-    /// Returns the fraction that comes back to a Lambertian pixel of its light that is modulated at this
-    /// frequency (cycles per mm), `[wavelength]`; empty for other pixels.
-    pub fn returned(&self, frequency_per_mm: f64) -> Vec<f64> {
-        let mut all = vec![0.0; self.returned.iter().map(|one| one.bins.len()).sum()];
-        for one in &self.returned {
-            one.bins.iter().for_each(|bin| all[*bin] = one.at(frequency_per_mm));
-        }
-        all
     }
 }
 

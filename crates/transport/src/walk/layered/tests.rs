@@ -47,12 +47,12 @@ fn slab_of(bins: usize, index: f64, optical_thickness: f64, albedo: f64) -> Laye
     let of = |value: f64| -> papilio_spectra::Spectrum { vec![value; bins].into() };
     let scattering = Scattering { optical_thickness, anisotropy: 0.9, albedo: of(albedo) };
     let interface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
-    Layer { interface, medium: Medium::new(of(index)).with_scattering(scattering) }
+    Layer::new(interface, Medium::new(of(index)).with_scattering(scattering))
 }
 
 fn rough_glass(bins: usize) -> Layer {
     let medium = Medium::new(vec![1.5; bins].into());
-    Layer { interface: Interface::Rough(Rough::new(0.3, 1.0, 1.5)), medium }
+    Layer::new(Interface::Rough(Rough::new(0.3, 1.0, 1.5)), medium)
 }
 
 /// The two decisions of a generation use independent numbers. With common ones, the light of lossless layers
@@ -224,7 +224,7 @@ fn lobe_over_mirror(ward: &Ward) -> crate::Stack {
     let kernel = ScatterKernel { scatter: ward.clone().into(), factor: vec![1.0].into() };
     let face = ScatterFace::new(vec![0.0].into()).with_transmission(kernel);
     let interface = Interface::Scatter(Box::new(face));
-    let layers = vec![Layer { interface, medium: Medium::new(vec![1.0].into()) }];
+    let layers = vec![Layer::new(interface, Medium::new(vec![1.0].into()))];
     crate::Stack::general(layers, base(vec![0.8], 1, true))
 }
 

@@ -2,6 +2,7 @@
 
 use super::path::Path;
 use super::tracer::{FlatWork, Tracer, per_beta};
+use crate::Layer;
 use crate::skeleton::Propagation;
 use crate::window::Window;
 
@@ -43,8 +44,8 @@ impl Tracer<'_> {
     /// Moves a path across the lowest medium, through the filter inside.
     pub(super) fn move_through(&self, filter: &FilterPlane, path: &mut Path, flat: &mut FlatWork) {
         let layer = self.stack.layers.len() - 1;
-        let medium = &self.stack.layers[layer].medium;
-        let above = self.lengths_mm[layer] - filter.height_mm;
+        let Layer { medium, thickness_mm, .. } = &self.stack.layers[layer];
+        let above = thickness_mm - filter.height_mm;
         let [first, second] = match path.going {
             Propagation::Down => [above, filter.height_mm],
             Propagation::Up => [filter.height_mm, above],

@@ -5,6 +5,7 @@ use super::dice::Dice;
 use super::path::Path;
 use super::tally::Record;
 use super::tracer::{FlatWork, Tracer, Workspace, per_beta};
+use crate::Layer;
 use crate::front::Flat;
 use crate::skeleton::Propagation;
 
@@ -38,10 +39,10 @@ impl Tracer<'_> {
 
     /// Moves a path by what a medium moves it.
     fn move_across(&self, layer: usize, path: &mut Path) {
-        let (medium, length) = (&self.stack.layers[layer].medium, self.lengths_mm[layer]);
-        if length > 0.0 {
+        let Layer { medium, thickness_mm, .. } = &self.stack.layers[layer];
+        if *thickness_mm > 0.0 {
             let beta = path.beta;
-            path.move_back(|place| per_beta(medium, place, beta, length));
+            path.move_back(|place| per_beta(medium, place, beta, *thickness_mm));
         }
     }
 

@@ -110,7 +110,7 @@ impl<'a> Grouped<'a> {
             tracer,
             width,
             index,
-            thickness_mm: tracer.lengths_mm[0],
+            thickness_mm: tracer.stack.layers[0].thickness_mm,
             states: tracer.stack.base().states(),
             through: diffuser.transmittance[0].powi(2),
             nodes: &table.nodes,

@@ -85,15 +85,8 @@ pub enum What<'a> {
 /// Reason why there is no walk with places.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PlaceError {
-    /// The number of lengths is not that of the layers.
-    Lengths {
-        /// Number of lengths.
-        found: usize,
-        /// Number of layers.
-        expected: usize,
-    },
-    /// A length is negative or not finite, mm.
-    Length(f64),
+    /// A thickness is negative or not finite, mm.
+    Thickness(f64),
     /// Channels are not those of the sources and wavelengths.
     Channels,
     /// A filter is not inside the lowest medium, or that medium scatters.
@@ -103,10 +96,7 @@ pub enum PlaceError {
 impl std::fmt::Display for PlaceError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Lengths { found, expected } => {
-                write!(f, "{found} lengths were given for {expected} layers; each layer needs one")
-            }
-            Self::Length(length) => write!(f, "a thickness is {length} mm; expected a length of at least 0"),
+            Self::Thickness(mm) => write!(f, "a thickness is {mm} mm; expected a length of at least 0"),
             Self::Channels => write!(f, "channels of a kernel do not match the sources and wavelengths"),
             Self::Filter => write!(
                 f,
@@ -177,20 +167,17 @@ impl PlacedReplicate<'_> {
 }
 
 impl<'a> PlacedWalk<'a> {
-    /// Prepares a solver. `lengths_mm` is the thickness of the medium of each layer; `view` and `sources` are
-    /// those of [`Walk::new`](super::Walk::new).
+    /// Prepares a solver; `view` and `sources` are those of [`Walk::new`](super::Walk::new).
     ///
     /// # Errors
-    /// If the lengths do not match the layers or are negative, or channels do not match the sources and
-    /// wavelengths.
+    /// If a thickness is negative, or channels do not match the sources and wavelengths.
     pub fn new(
         stack: &'a Stack,
-        lengths_mm: &[f64],
         view: Cone,
         sources: &'a [Source],
         what: What<'a>,
     ) -> Result<Self, PlaceError> {
-        Self::below(None, stack, lengths_mm, (view, sources), what)
+        Self::below(None, stack, (view, sources), what)
     }
 
     /// Prepares a solver for pixels below a filter, which is inside the lowest medium.
@@ -201,36 +188,29 @@ impl<'a> PlacedWalk<'a> {
     pub fn filtered(
         filter: FilterPlane,
         stack: &'a Stack,
-        lengths_mm: &[f64],
         (view, sources): (Cone, &'a [Source]),
         what: What<'a>,
     ) -> Result<Self, PlaceError> {
-        let (Some(lowest), Some(thickness)) = (stack.layers.last(), lengths_mm.last()) else {
-            return Err(PlaceError::Filter);
-        };
+        let lowest = stack.layers.last().ok_or(PlaceError::Filter)?;
         let bins = stack.base().bins();
         let fits = filter.transmittance.len() == filter.windows.len()
             && filter.transmittance.iter().all(|one| one.len() == bins)
-            && (0.0..=*thickness).contains(&filter.height_mm);
+            && (0.0..=lowest.thickness_mm).contains(&filter.height_mm);
         if !fits || lowest.medium.scattering().is_some() {
             return Err(PlaceError::Filter);
         }
-        Self::below(Some(filter), stack, lengths_mm, (view, sources), what)
+        Self::below(Some(filter), stack, (view, sources), what)
     }
 
     fn below(
         filter: Option<FilterPlane>,
         stack: &'a Stack,
-        lengths_mm: &[f64],
         (view, sources): (Cone, &'a [Source]),
         what: What<'a>,
     ) -> Result<Self, PlaceError> {
-        let expected = stack.layers.len();
-        if lengths_mm.len() != expected {
-            return Err(PlaceError::Lengths { found: lengths_mm.len(), expected });
-        }
-        if let Some(length) = lengths_mm.iter().find(|length| !(0.0..f64::INFINITY).contains(*length)) {
-            return Err(PlaceError::Length(*length));
+        let mut thicknesses = stack.layers.iter().map(|layer| layer.thickness_mm);
+        if let Some(wrong) = thicknesses.find(|mm| !(0.0..f64::INFINITY).contains(mm)) {
+            return Err(PlaceError::Thickness(wrong));
         }
         let (shows, kernel) = match what {
             What::Pattern(pattern) => (Shows::Pattern(pattern), None),
@@ -247,8 +227,8 @@ impl<'a> PlacedWalk<'a> {
             return Err(PlaceError::Channels);
         }
         let is_clear = filter.is_none();
-        let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), shows, filter);
-        let plan = Plan::new(stack.base(), tracer.images(), kernel, EXTENT * lengths_mm.iter().sum::<f64>());
+        let tracer = Tracer::new(stack, (view, sources), shows, filter);
+        let plan = Plan::new(stack.base(), tracer.images(), kernel, EXTENT * stack.thickness_mm());
         // Groups do not cross the filter.
         let leaving = is_clear.then(|| grouped::leaving(&tracer)).flatten();
         Ok(Self { tracer, plan, leaving })

@@ -103,7 +103,7 @@ impl Tracer<'_> {
             factors.for_each(|(factor, t)| *factor = t.powf(length));
             path.light.multiply(&flat.factors);
         }
-        let length = length * self.lengths_mm[layer];
+        let length = length * self.stack.layers[layer].thickness_mm;
         path.place_mm.iter_mut().for_each(|place| *place = [place[0] - length * x, place[1] - length * y]);
     }
 }

@@ -11,7 +11,7 @@ use super::tally::Record;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
 use crate::walk::{PathNumbers, Target};
-use crate::{Cone, Medium, PixelSpread, Reflector, Source, Stack};
+use crate::{Cone, Layer, Medium, PixelSpread, Reflector, Source, Stack};
 use papilio_optics::Beta;
 
 /// Light below this fraction of that at the first meeting with the pixel continues by roulette.
@@ -24,10 +24,9 @@ const MOST_SURVIVAL: f64 = 0.95;
 /// Number of planes after which roulette applies wherever the path is.
 const OFTEN: u32 = 16;
 
-/// A stack with lengths, its sources, and what is seen of its pixel.
+/// A stack, its sources, and what is seen of its pixel.
 pub(super) struct Tracer<'a> {
     pub(super) stack: &'a Stack,
-    pub(super) lengths_mm: Vec<f64>,
     pub(super) view: Cone,
     pub(super) sources: &'a [Source],
     pub(super) shows: Shows<'a>,
@@ -95,7 +94,6 @@ pub(super) struct PixelWork {
 impl<'a> Tracer<'a> {
     pub(super) fn new(
         stack: &'a Stack,
-        lengths_mm: Vec<f64>,
         (view, sources): (Cone, &'a [Source]),
         shows: Shows<'a>,
         filter: Option<FilterPlane>,
@@ -105,7 +103,6 @@ impl<'a> Tracer<'a> {
         let about = sources.iter().filter_map(Source::direction);
         Self {
             stack,
-            lengths_mm,
             view,
             sources,
             shows,
@@ -185,8 +182,8 @@ impl<'a> Tracer<'a> {
         path.place_mm.fill(path.own_mm);
         // The view's own ray meets the pixel there.
         let beta = path.beta;
-        for (layer, length) in self.stack.layers.iter().zip(&self.lengths_mm) {
-            path.move_back(|place| -per_beta(&layer.medium, place, beta, *length));
+        for Layer { medium, thickness_mm, .. } in &self.stack.layers {
+            path.move_back(|place| -per_beta(medium, place, beta, *thickness_mm));
         }
         path.entry_mm = path.place_mm.first().copied().unwrap_or_default();
         let mut dice = Dice::new(numbers);

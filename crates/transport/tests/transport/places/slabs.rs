@@ -7,7 +7,7 @@ use papilio_transport::walk::places::{PlacedWalk, Uniform, What};
 use papilio_transport::{Base, Interface, Layer, Medium, Reflector, Scattering, Stack};
 
 use super::{clear, paper};
-use crate::common::{REPLICATES, assert_unbiased, mean_and_error, one, view};
+use crate::common::{REPLICATES, assert_unbiased, mean_and_error, one, thick, view};
 
 /// Slab of index 1 over black, isotropic or not: what returns and what passes (van de Hulst), and a
 /// semi-infinite one.
@@ -17,7 +17,7 @@ fn exits_of_slabs_are_known() {
         let scattering = Scattering { optical_thickness: thickness, anisotropy: g, albedo: one(albedo) };
         let interface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
         let medium = clear(index).with_scattering(scattering);
-        Stack::general(vec![Layer { interface, medium }], paper(&[0.0]))
+        Stack::general(vec![Layer::new(interface, medium)], paper(&[0.0]))
     };
     let pattern = Uniform { states: 1 };
     for (stack, below, expected) in [
@@ -27,7 +27,8 @@ fn exits_of_slabs_are_known() {
         (slab(1.0, 200.0, 0.0, 0.9), false, 0.414_947),
         (slab(1.0, 400.0, 0.0, 0.99), false, 0.752_721),
     ] {
-        let walk = PlacedWalk::new(&stack, &[1.0], view(0.0), &[], What::Pattern(&pattern)).unwrap();
+        let stack = thick(&stack, &[1.0]);
+        let walk = PlacedWalk::new(&stack, view(0.0), &[], What::Pattern(&pattern)).unwrap();
         assert_unbiased(&format!("{expected}"), expected, 0.03, |seed| {
             let replicate = |stream| {
                 let (mut sum, paths) = (0.0, 256);
@@ -51,7 +52,7 @@ fn pencil_beams_spread_as_is_known() {
         let scattering = Scattering { optical_thickness: thickness, anisotropy: 0.0, albedo: one(albedo) };
         let interface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
         let medium = clear(index).with_scattering(scattering);
-        Stack::general(vec![Layer { interface, medium }], paper(&[0.0]))
+        Stack::general(vec![Layer::new(interface, medium)], paper(&[0.0]))
     };
     let pattern = Uniform { states: 1 };
     for (index, thickness, albedo, half, most) in
@@ -59,7 +60,8 @@ fn pencil_beams_spread_as_is_known() {
     {
         let stack = medium(index, thickness, albedo);
         let what = What::Pattern(&pattern);
-        let walk = PlacedWalk::new(&stack, &[thickness], view(0.0), &[], what).unwrap();
+        let stack = thick(&stack, &[thickness]);
+        let walk = PlacedWalk::new(&stack, view(0.0), &[], what).unwrap();
         let replicate = |stream| {
             let mut within = [0.0; 3];
             let numbers = SampleStream::new(Sampler::Sobol, 5, stream);
@@ -87,7 +89,8 @@ fn pencil_beams_spread_as_is_known() {
         }
     }
     let stack = medium(1.5, 20.0, 0.99);
-    let walk = PlacedWalk::new(&stack, &[20.0], view(0.0), &[], What::Pattern(&pattern)).unwrap();
+    let stack = thick(&stack, &[20.0]);
+    let walk = PlacedWalk::new(&stack, view(0.0), &[], What::Pattern(&pattern)).unwrap();
     for (wave, expected) in [(0.1, 0.932), (0.3, 0.666), (1.0, 0.273), (3.0, 0.117)] {
         let replicate = |stream| {
             let (mut sum, mut all) = (0.0, 0.0);
@@ -143,9 +146,10 @@ fn single_scattering_has_a_closed_form() {
     let medium = Medium::new(vec![1.0, 1.0].into()).with_scattering(scattering);
     let base =
         Base { reflector: Reflector::lambertian(vec![0.0; 2], 2), inactive_absorptance: vec![0.0; 2].into() };
-    let stack = Stack::general(vec![Layer { interface: Interface::Open, medium }], base);
+    let stack = Stack::general(vec![Layer::new(Interface::Open, medium)], base);
     let pattern = Uniform { states: 1 };
-    let walk = PlacedWalk::new(&stack, &[30.0], view(0.0), &[], What::Pattern(&pattern)).unwrap();
+    let stack = thick(&stack, &[30.0]);
+    let walk = PlacedWalk::new(&stack, view(0.0), &[], What::Pattern(&pattern)).unwrap();
     let replicate = |stream| {
         let (mut sums, paths) = ([0.0; 4], 1024);
         walk.exits(&SampleStream::new(Sampler::Sobol, 9, stream), 0..paths, |exit| {

@@ -5,15 +5,15 @@ use papilio_transport::walk::places::{PlacedWalk, Uniform, What};
 use papilio_transport::{Base, Component, Interface, Layer, Medium, Scattering, Source, Stack};
 
 use super::{clear, mirrors, paper, replicates};
-use crate::common::{REPLICATES, mean_and_error, one, view};
+use crate::common::{REPLICATES, mean_and_error, one, thick, view};
 
 fn sheet(reflectance: f64) -> Layer {
     let component = Component { reflectance: one(reflectance), absorptance: one(0.0) };
-    Layer { interface: Interface::Component(component), medium: clear(1.0) }
+    Layer::new(Interface::Component(component), clear(1.0))
 }
 
 fn layer(interface: Interface, medium: Medium) -> Layer {
-    Layer { interface, medium }
+    Layer::new(interface, medium)
 }
 
 /// A slab that absorbs all that it deflects.
@@ -65,7 +65,8 @@ fn replicates_do_not_agree_by_chance_on_light_that_is_not_scattered() {
     ] {
         let pattern = Uniform { states: 1 };
         let sources = [Source::Diffuse];
-        let walk = PlacedWalk::new(&stack, &lengths, view(0.0), &sources, What::Pattern(&pattern)).unwrap();
+        let stack = thick(&stack, &lengths);
+        let walk = PlacedWalk::new(&stack, view(0.0), &sources, What::Pattern(&pattern)).unwrap();
         for seed in 0..8 {
             let estimates = replicates(&walk, seed, paths as u64);
             assert_eq!(estimates.len() as u64, REPLICATES);

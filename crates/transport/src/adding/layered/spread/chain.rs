@@ -34,14 +34,18 @@ pub(super) struct Cavities {
 }
 
 impl Chain {
-    pub(super) fn new(stack: &Stack, lengths_mm: &[f64], bin: usize, beta: f64) -> Self {
+    pub(super) fn new(stack: &Stack, bin: usize, beta: f64) -> Self {
         let mut flats = Vec::with_capacity(2 * stack.layers.len());
         let mut moves_mm = Vec::with_capacity(flats.capacity());
         for (number, (kind, media)) in stack.elements().enumerate() {
             let indices @ [index, _] = indices(media, bin);
             flats.push(regular(kind, bin, indices, beta));
             let is_medium = number % 2 == 1;
-            moves_mm.push(if is_medium { moved_mm(index, lengths_mm[number / 2], beta) } else { 0.0 });
+            moves_mm.push(if is_medium {
+                moved_mm(index, stack.layers[number / 2].thickness_mm, beta)
+            } else {
+                0.0
+            });
         }
         let reflects = flats.iter().any(|flat| flat.above != 0.0 || flat.below != 0.0);
         Self { flats, moves_mm, reflects }

@@ -131,7 +131,6 @@ pub struct Seen<'a> {
 #[derive(Debug)]
 pub struct LayeredSpread<'a> {
     stack: &'a Stack,
-    lengths_mm: &'a [f64],
     stop: &'a AtomicBool,
     precision: Precision,
     level: u32,
@@ -195,14 +194,12 @@ struct Set {
 }
 
 impl<'a> LayeredSpread<'a> {
-    /// Prepares a level. `lengths_mm` is the thickness of the medium of each layer. Nothing is computed any
-    /// more once `stop` is set.
+    /// Prepares a level. Nothing is computed any more once `stop` is set.
     ///
     /// # Errors
     /// If its layers, its pixel or its number of directions are not covered, or `stop` was set.
     pub fn new(
         stack: &'a Stack,
-        lengths_mm: &'a [f64],
         view: Cone,
         sources: &[Source],
         level: u32,
@@ -227,7 +224,6 @@ impl<'a> LayeredSpread<'a> {
         let images = image_points(&view, sources, precision.digits, Mirror::Across(0.0));
         let mut spread = Self {
             stack,
-            lengths_mm,
             stop,
             precision,
             level,
@@ -282,7 +278,6 @@ impl<'a> LayeredSpread<'a> {
     fn wave(&self, set: &Set, [x, y]: [f64; 2]) -> Wave {
         let resolution = Resolution {
             stack: self.stack,
-            lengths_mm: self.lengths_mm,
             bin: set.bin,
             grid: &set.grid,
             interpolation: &set.interpolation,

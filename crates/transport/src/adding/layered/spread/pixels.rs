@@ -229,7 +229,7 @@ impl LayeredSpread<'_> {
         if let Some(layer) = self.stack.layers.last() {
             self.stack.base().reflectance(beta * beta, &layer.medium, &mut reflectance);
         }
-        let chain = Chain::new(self.stack, self.lengths_mm, set.bin, beta);
+        let chain = Chain::new(self.stack, set.bin, beta);
         let onto_pixel = self.between(set).onto_pixel();
         let links = |wave: &Wave| {
             let along = wave.per_mm * (turn - wave.turn).cos();

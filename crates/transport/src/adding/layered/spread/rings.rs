@@ -34,7 +34,6 @@ pub(super) struct Ring {
 /// What rings are made for.
 pub(super) struct Resolution<'a> {
     pub(super) stack: &'a Stack,
-    pub(super) lengths_mm: &'a [f64],
     pub(super) bin: usize,
     pub(super) grid: &'a Grid,
     pub(super) interpolation: &'a Interpolation,
@@ -48,7 +47,7 @@ impl Resolution<'_> {
     pub(super) fn rings(&self, per_mm: f64) -> Vec<Ring> {
         let mut rings = Vec::new();
         // Light up to 76 degrees in a medium has its phases, however large they are.
-        let thickness: f64 = self.lengths_mm.iter().sum();
+        let thickness = self.stack.thickness_mm();
         let most = self.most.max(4.0 * per_mm * thickness);
         for ([a, b], count) in self.grid.ranges() {
             let beta = |x: f64| (a * a + (b * b - a * a) * (0.25 * PI * (x + 1.0)).sin().powi(2)).sqrt();
@@ -89,13 +88,13 @@ impl Resolution<'_> {
     }
 
     fn moved_mm(&self, beta: f64) -> f64 {
-        let layers = self.stack.layers.iter().zip(self.lengths_mm);
-        layers.map(|(layer, length)| moved_mm(layer.medium.index()[self.bin], *length, beta)).sum()
+        let layers = self.stack.layers.iter();
+        layers.map(|layer| moved_mm(layer.medium.index()[self.bin], layer.thickness_mm, beta)).sum()
     }
 
     fn ring(&self, beta: f64, weight: f64) -> Ring {
         let (nodes, factors) = self.interpolation.factors(beta);
-        let chain = Chain::new(self.stack, self.lengths_mm, self.bin, beta);
+        let chain = Chain::new(self.stack, self.bin, beta);
         Ring { beta, weight, nodes, factors, chain }
     }
 }
