@@ -309,7 +309,8 @@ fn index_deviations_agree_with_standard_errors() {
     let full: Option<u64> = std::env::var("PAPILIO_SEEDS").ok().and_then(|text| text.parse().ok());
     let (seeds, rows) = full.map_or((12, 256), |seeds| (seeds, 384));
     for one in known() {
-        let (mut inside, mut all) = (Vec::new(), Vec::new());
+        // Deviation and standard error of each index, by seed.
+        let mut found_by_index = vec![Vec::new(); 2 * one.first.len()];
         // Smooth functions have the smallest standard error for every seed, so that two seeds suffice.
         for seed in 0..if one.is_smooth { 2 } else { seeds } {
             let plan = (one.plan)(seed);
@@ -319,27 +320,37 @@ fn index_deviations_agree_with_standard_errors() {
             assert!(sum <= 1.0 + 1e-9, "{}: {sum}", one.name);
             for (k, found) in found.iter().enumerate() {
                 assert!((0.0..=found.total.value).contains(&found.first.value), "{}: {found:?}", one.name);
-                for (found, wanted) in [(found.first, one.first[k]), (found.total, one.total[k])] {
-                    let score = (found.value - wanted) / found.standard_error;
-                    all.push(score);
-                    // Indices near their bounds are moved there, and are more accurate than their standard
-                    // errors.
-                    if one.total[k] - one.first[k] > 3.0 * found.standard_error
-                        && wanted > 3.0 * found.standard_error
-                    {
-                        inside.push(score);
-                    }
+                for (which, (found, wanted)) in
+                    [(found.first, one.first[k]), (found.total, one.total[k])].into_iter().enumerate()
+                {
+                    found_by_index[2 * k + which].push((found.value - wanted, found.standard_error));
                 }
             }
         }
-        let mean_square = |of: &[f64]| of.iter().map(|t| t * t).sum::<f64>() / of.len() as f64;
-        let found = [mean_square(&all), if inside.is_empty() { 1.0 } else { mean_square(&inside) }];
-        println!("{}: mean square {found:.2?}", one.name);
-        let wild = all.iter().filter(|score| score.abs() > 6.0).count();
+        let all: Vec<(f64, f64)> = found_by_index.iter().flatten().copied().collect();
+        let wild = all.iter().filter(|(off, error)| off.abs() > 6.0 * error).count();
         assert!(wild as f64 <= 0.002 * all.len() as f64, "{}: {wild} of {}", one.name, all.len());
-        // 12 seeds with 6 numbers each, which are not independent. Student's t with 15 degrees of freedom has
-        // a mean square of 1.15. For smooth functions, the standard errors are the smallest that are
-        // reported, and far larger than the deviations.
+        // Errors are pooled over the seeds: estimates and their errors depend on each other.
+        let squares = |of: &[(f64, f64)]| {
+            let [off, errors] =
+                of.iter().fold([0.0; 2], |[off, errors], (d, e)| [off + d * d, errors + e * e]);
+            off / errors
+        };
+        // Indices near their bounds are moved there, and are more accurate than their standard errors.
+        let is_inside = |number: usize| {
+            let of = &found_by_index[number];
+            let error = (of.iter().map(|(_, e)| e * e).sum::<f64>() / of.len() as f64).sqrt();
+            let (first, total) = (one.first[number / 2], one.total[number / 2]);
+            let wanted = if number.is_multiple_of(2) { first } else { total };
+            total - first > 3.0 * error && wanted > 3.0 * error
+        };
+        let by_index: Vec<f64> = found_by_index.iter().map(|of| squares(of)).collect();
+        let inside: Vec<f64> = (0..by_index.len()).filter(|k| is_inside(*k)).map(|k| by_index[k]).collect();
+        println!("{}: mean squares {by_index:.2?}, inside {inside:.2?}", one.name);
+        // Student's t with 15 degrees of freedom has a mean square of 1.15. For smooth functions, the standard
+        // errors are the smallest that are reported, and far larger than the deviations.
+        let mean = |of: &[f64]| if of.is_empty() { 1.0 } else { of.iter().sum::<f64>() / of.len() as f64 };
+        let found = [mean(&by_index), mean(&inside)];
         assert!(found.iter().all(|square| *square < 2.2), "{}: {found:?}", one.name);
         assert!(one.is_smooth || found.iter().all(|square| *square > 0.4), "{}: {found:?}", one.name);
     }
