@@ -8,6 +8,8 @@
 //! Both solvers have methods of their own for the ordinary panel ([`Panel`]). [`Stack::new`] recognises it
 //! among any layers, here and nowhere else.
 
+use papilio_spectra::Spectrum;
+
 use crate::layers::{LayerKind, least_edge};
 use crate::{Approximation, Base, Interface, Medium, Panel, PanelParts, Reflector};
 
@@ -140,6 +142,16 @@ impl Stack {
         let mut other = self.clone();
         *other.base_mut() = base;
         other
+    }
+
+    /// The same layers above glass, the lowest medium, that is clear, and the internal transmittance that it has
+    /// had; `None` if it has absorbed nothing, or scatters.
+    pub fn above_clear_glass(&self) -> Option<(Self, &Spectrum)> {
+        let (last, layers) = self.layers.split_last()?;
+        let transmittance = last.medium.transmittance().filter(|_| last.medium.scattering().is_none())?;
+        let clear = Layer { medium: Medium::new(last.medium.index().clone()), ..last.clone() };
+        let layers = layers.iter().cloned().chain([clear]).collect();
+        Some((Self::new(layers, self.base().clone()), transmittance))
     }
 
     /// The `|beta|` beyond which the appearance from above is unknown: where the table of the first scatterer

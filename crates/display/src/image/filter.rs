@@ -11,7 +11,7 @@ use super::held::Lit;
 use crate::DisplayError;
 use crate::prepared::Prepared;
 use crate::run::Control;
-use crate::scene::{Filter, FilterState, Pixel, Scene};
+use crate::scene::{Filter, FilterState, Pixel, Scene, UniformKind};
 use crate::setup::Setup;
 
 /// The largest difference, in X, Y and Z relative to a perfect white, between a fine mixture of states by the
@@ -39,12 +39,18 @@ fn mixed(scene: &Scene, shown: &[f64]) -> Result<Option<Scene>, DisplayError> {
     else {
         return Ok(None);
     };
-    let Pixel::Uniform(pixel) = &mut mixed.display.pixel else {
-        return Err(DisplayError::PlacesNotComputed {
-            what: "a picture below a colour filter, except above Lambertian pixels".to_owned(),
-            key: "display.pixel".to_owned(),
-        });
+    let refused = |what: &str, key: &str| {
+        Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
     };
+    let Pixel::Uniform(pixel) = &mut mixed.display.pixel else {
+        return refused("a picture below a colour filter, except above uniform pixels", "display.pixel");
+    };
+    if pixel.kind == UniformKind::Mirror && !scene.lighting.directed.is_empty() {
+        return refused(
+            "a picture of lamps in mirror-like pixels below a colour filter",
+            "lighting.directed",
+        );
+    }
     let below = |part: usize| {
         let nothing = Spectrum::constant(&scene.grid, 0.0);
         states.iter().zip(shown).fold(nothing, |sum, (state, share)| {

@@ -36,31 +36,19 @@ fn samples(
     level: usize,
     nodes: &Cell<u64>,
 ) -> Result<Vec<Sample>, DisplayError> {
-    let setup = run.setup;
-    let lit = filtered.lit(level, 1)?;
-    nodes.set(lit.nodes());
-    let mut irradiance = Vec::with_capacity(setup.sources.len());
-    for source in 0..setup.sources.len() {
-        run.control.check()?;
-        let states = 0..setup.states.len();
-        irradiance.push(states.map(|state| filtered.irradiance(&lit, source, &[state])).collect());
-    }
-    let mut all = Vec::with_capacity(setup.views.len());
-    for (number, view) in setup.views.iter().enumerate() {
-        let leaving = filtered.leaving(&lit, view, level)?;
-        let estimate = filtered.estimate(&lit, (number, &leaving), &irradiance);
-        all.push(run.meter.sample(&estimate));
-    }
-    Ok(all)
+    let period = filtered.period(level, 1)?;
+    nodes.set(period.nodes());
+    let views = 0..run.setup.views.len();
+    views.map(|view| Ok(run.meter.sample(&filtered.estimate(&period, view)?))).collect()
 }
 
 /// Runs a scene by Monte Carlo with places.
 fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     let (setup, solver) = (run.setup, &run.scene.solver);
     let placed = Placed::new(setup)?;
-    if run.has_images_of_pixels() {
+    if run.misses_images_of_pixels() {
         return Err(DisplayError::NoPlaces {
-            what: "mirror images of lamps in pixels below a colour filter",
+            what: "mirror images of lamps in pixels below a colour filter and general layers",
             key: "lighting.directed",
         });
     }

@@ -15,6 +15,7 @@ mod walk;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use papilio_optics::Beta;
 use papilio_spectra::StateSpectra;
 use papilio_transport::{Source, specular_image};
 use rayon::ThreadPool;
@@ -33,6 +34,7 @@ pub(crate) use rounds::{PILOT, Round, missed, until};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 pub use viewers::brdf_at_viewers;
 
+use crate::filtered::Filtered;
 use crate::meter::{Meter, ViewSamples, against_angle};
 use crate::notes::notes;
 use crate::readability::Reader;
@@ -239,23 +241,33 @@ impl Run<'_> {
         self.meter.specular(&images)
     }
 
-    /// True if a directed source has a mirror image in the pixel.
-    fn has_images_of_pixels(&self) -> bool {
+    /// True if mirror images of directed sources in pixels below a filter are not known: those below general
+    /// layers.
+    fn misses_images_of_pixels(&self) -> bool {
         let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
         directed.iter().any(|source| {
-            let image = specular_image(&self.setup.stack, source.direction().unwrap_or_default());
-            image.via_pixel.iter().any(|pixel| *pixel > 0.0)
+            let beta = source.direction().unwrap_or_default();
+            let image = specular_image(&self.setup.stack, beta);
+            image.via_pixel.iter().any(|pixel| *pixel > 0.0) && self.image_below_filter(beta).is_none()
         })
     }
 
     /// Computes the specular reflectance for a directed source (for a disc, at its centre).
     fn image(&self, source: &Source) -> StateSpectra {
-        let image = specular_image(&self.setup.stack, source.direction().unwrap_or_default());
+        let beta = source.direction().unwrap_or_default();
+        let mut image = specular_image(&self.setup.stack, beta);
         if self.scene.display.filter().is_some() {
-            // Lambertian pixels have no image; a display with a filter has other states than its pixel.
-            return StateSpectra::new(image.front.repeat(self.setup.states.len()), image.front.len());
+            // A display with a filter has other states than its pixel.
+            let nothing = || StateSpectra::zeros(self.setup.states.len(), image.front.len());
+            image.via_pixel = self.image_below_filter(beta).unwrap_or_else(nothing);
         }
         image.total()
+    }
+
+    /// Mirror image of a beam in pixels below a filter.
+    fn image_below_filter(&self, beta: Beta) -> Option<StateSpectra> {
+        let filtered = Filtered::new(self.setup, self.control).ok()??;
+        filtered.image(beta).ok()
     }
 
     /// Assembles the result; `unreached` explains why a target was not reached.

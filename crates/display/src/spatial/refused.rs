@@ -27,10 +27,8 @@ pub(crate) enum Refused {
     SpreadBelowFilter,
     /// The response of a display with a filter is not the same at all places of a period.
     SharpnessWithFilter,
-    /// Places of light in the plane of the filter are those of an ordinary panel of Lambertian pixels.
+    /// Places of light in the plane of the filter are those of an ordinary panel.
     FilterBelowLayers,
-    /// As `FilterBelowLayers`.
-    FilterAboveMirrors,
     /// Light that a front returns through a lobe has no single place in the plane of the filter.
     FilterBelowLobeAndFront,
     /// A single pass has no orders, and the filter is solved through all of them. No solver computes it.
@@ -72,7 +70,6 @@ impl From<Refused> for DisplayError {
             Refused::FilterBelowLayers => {
                 ("a colour filter below general layers ([[display.layers]])", "display.layers")
             }
-            Refused::FilterAboveMirrors => ("a colour filter above mirror-like pixels", "display.pixel"),
             Refused::FilterBelowLobeAndFront => {
                 ("a colour filter below a diffuser and a front that reflects light", "display.front")
             }

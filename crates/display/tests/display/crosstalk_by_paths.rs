@@ -21,6 +21,10 @@ const FILM: &str = "[display.pixel]\nmodel = \"film\"\nsubstrate = \"Al\"\n\
     area = { red = 0.5, green = 0.3, blue = 0.2 }\nfill_factor = 0.9\ninactive_reflectance = 0.2\n\
     gap_nm = { red = 276, green = 192, blue = 138, dark = 20 }\n\
     film = [{ material = \"Cr:Johnson\", thickness_nm = 12 }, { material = \"air\", thickness_nm = \"gap\" }]\n";
+/// A film of one gap.
+const FILM_BELOW_FILTER: &str = "[display.pixel]\nmodel = \"film\"\nsubstrate = \"Al\"\n\
+    area = { red = 0.3334, green = 0.3333, blue = 0.3333 }\ngap_nm = { red = 120, green = 120, blue = 120, dark = 20 }\n\
+    film = [{ material = \"Cr:Johnson\", thickness_nm = 12 }, { material = \"air\", thickness_nm = \"gap\" }]\n";
 const PRINTED: &str = "[display.matrix]\npitch_um = 150\n[display.matrix.filter]\nheight_um = 40\n\
     transmittance = { red = 0.8, green = 0.5, blue = 0.2 }\n";
 const FRONT: &str = "[[display.front]]\nreflectance = 0.1\ngap_mm = 0.1\n";
@@ -181,6 +185,15 @@ fn filters_above_paper_agree() {
     // Lines below thin glass have short periods.
     let thin = BARE.replace("0.3", "0.1");
     assert_agree("filter", &[FRONT, &thin, PAPER, PRINTED, MIXED, VIEW], 1 << 13);
+}
+
+/// A filter above mirror-like pixels, below a bare face and a front: an oblique view sees the pixels through
+/// other parts, and their ghosts.
+#[test]
+fn filters_above_mirrors_agree() {
+    let mirror = PAPER.replace("lambertian", "mirror");
+    assert_agree("filter", &[FRONT, BARE, &mirror, PRINTED, MIXED, VIEW], 1 << 13);
+    assert_agree("filter below a lobe", &[LOBE, GLASS, FILM_BELOW_FILTER, PRINTED, MIXED, VIEW], 1 << 13);
 }
 
 /// Below a lobe: shares and patches, and stripes and lines, which only paths compute: they are blurred above

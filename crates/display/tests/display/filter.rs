@@ -15,22 +15,22 @@ use papilio_testing::{everyday, sized};
 
 use crate::common::run_on;
 
-const PAPER: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.03 }\n";
-const LIGHT: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
+pub(crate) const PAPER: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.03 }\n";
+pub(crate) const LIGHT: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
 
-fn glass(surface: &str, thickness_mm: f64) -> String {
+pub(crate) fn glass(surface: &str, thickness_mm: f64) -> String {
     format!("[display.glass]\nindex = 1.5\nsurface = \"{surface}\"\nthickness_mm = {thickness_mm}\n")
 }
 
 /// Stripes of a third of 84.67 um.
-fn filter(height_um: f64, transmittance: &str) -> String {
+pub(crate) fn filter(height_um: f64, transmittance: &str) -> String {
     format!(
         "[display.matrix]\npitch_um = 84.67\n[display.matrix.filter]\nheight_um = {height_um}\n\
          transmittance = {{ {transmittance} }}\n"
     )
 }
 
-fn resolved(parts: &[&str]) -> Resolved {
+pub(crate) fn resolved(parts: &[&str]) -> Resolved {
     resolved_with(parts, &[])
 }
 
@@ -46,7 +46,7 @@ fn computed(resolved: &Resolved) -> Result<CrosstalkResult, DisplayError> {
     crosstalk(&resolved.scene, &resolved.patterns.text, &control)
 }
 
-fn near(what: &str, found: f64, expected: f64, tolerance: f64) {
+pub(crate) fn near(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() < tolerance, "{what}: {found} against {expected}");
 }
 
@@ -56,10 +56,12 @@ const CLEAR: &str = "red = 1.0, green = 1.0, blue = 1.0";
 /// the mean of fine stripes.
 #[test]
 fn clear_filter_leaves_the_display_as_it_is() {
-    for surface in ["fresnel", "coated"] {
+    let mirror = PAPER.replace("lambertian", "mirror");
+    for (surface, pixel) in [("fresnel", PAPER), ("coated", PAPER), ("fresnel", &mirror), ("coated", &mirror)]
+    {
         let view = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
-        let with = resolved(&[&glass(surface, 0.5), PAPER, LIGHT, &filter(30.0, CLEAR), view]);
-        let without = resolved(&[&glass(surface, 0.5), PAPER, LIGHT, view]);
+        let with = resolved(&[&glass(surface, 0.5), pixel, LIGHT, &filter(30.0, CLEAR), view]);
+        let without = resolved(&[&glass(surface, 0.5), pixel, LIGHT, view]);
         let [with, without] = [&with, &without].map(|one| run_on(&one.scene, Some(1)).unwrap());
         let of = |state: &str| with.views[0].states.get(state).unwrap().value.Y;
         for (state, value) in without.views[0].states.iter() {
@@ -153,22 +155,31 @@ fn patches_below_a_filter_are_those_of_a_run() {
 }
 
 /// Below a front that returns light, and in a front light: a clear filter changes nothing, and a gray one
-/// absorbs as the whole glass would.
+/// absorbs as the whole glass would; also in glass that absorbs itself.
 #[test]
 fn gray_filters_below_a_front_absorb_as_glass() {
     let front = "[[display.front]]\nreflectance = 0.2\nabsorptance = 0.05\ngap_mm = 0.1\n";
     let guide = "[lighting.front_light]\nilluminance_lx = 200\nspectrum = \"D65\"\nupward_leak = 0.1\n";
     let view = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
-    for (transmittance, gray) in [(1.0, CLEAR), (0.6, "red = 0.6, green = 0.6, blue = 0.6")] {
-        for surface in ["fresnel", "coated"] {
-            let filter = filter(30.0, gray);
-            let with = resolved(&[front, &glass(surface, 0.5), PAPER, LIGHT, guide, &filter, view]);
-            let absorbing = format!("{}internal_transmittance = {transmittance}\n", glass(surface, 0.5));
-            let without = resolved(&[front, &absorbing, PAPER, LIGHT, guide, view]);
+    let mirror = PAPER.replace("lambertian", "mirror");
+    let gray = |t: f64| format!("red = {t}, green = {t}, blue = {t}");
+    for (of_glass, of_filter) in [(1.0, 1.0), (1.0, 0.6), (0.6, 1.0), (0.75, 0.8)] {
+        for (surface, pixel) in
+            [("fresnel", PAPER), ("coated", PAPER), ("fresnel", &mirror), ("coated", &mirror)]
+        {
+            let filter = filter(30.0, &gray(of_filter));
+            let glass = |t: f64| format!("{}internal_transmittance = {t}\n", glass(surface, 0.5));
+            let with = resolved(&[front, &glass(of_glass), pixel, LIGHT, guide, &filter, view]);
+            let without = resolved(&[front, &glass(of_glass * of_filter), pixel, LIGHT, guide, view]);
             let [with, without] = [&with, &without].map(|one| run_on(&one.scene, Some(1)).unwrap());
             for (state, value) in without.views[0].states.iter() {
                 let found = with.views[0].states.get(state).unwrap().value.Y;
-                near(&format!("{surface}, {gray}, {state}"), found / value.value.Y, 1.0, 1e-3);
+                near(
+                    &format!("{surface}, {of_glass}, {of_filter}, {state}"),
+                    found / value.value.Y,
+                    1.0,
+                    1e-3,
+                );
             }
         }
     }
@@ -253,7 +264,7 @@ fn colours_below_filters_and_lobes_under_a_sky_are_those_of_paths() {
     assert_colours_are_those_of_paths(&resolved.scene);
 }
 
-fn assert_colours_are_those_of_paths(scene: &papilio_display::scene::Scene) {
+pub(crate) fn assert_colours_are_those_of_paths(scene: &papilio_display::scene::Scene) {
     let expected = run_on(scene, Some(1)).unwrap();
     let control = Control { threads: Some(2), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let found = &walk::filtered(scene, 1 << 14, &control).unwrap()[0];
@@ -346,8 +357,13 @@ fn what_is_not_computed_is_refused() {
         other => panic!("{other:?}"),
     };
     let filter = filter(30.0, CLEAR);
-    let mirror = PAPER.replace("lambertian", "mirror");
-    assert_eq!(key(&[&glass("fresnel", 0.5), &mirror, LIGHT, &filter]), "display.pixel");
+    let lobe = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.1\ntransmittance = 0.9\n";
+    let front = "[[display.front]]\nreflectance = 0.1\ngap_mm = 0.1\n";
+    let reflecting = format!("{lobe}[display.diffuser.reflection]\nreflectance = 0.02\n");
+    assert_eq!(key(&[&reflecting, &glass("coated", 0.5), PAPER, LIGHT, &filter]), "display.layers");
+    for pixel in [PAPER, &PAPER.replace("lambertian", "mirror")] {
+        assert_eq!(key(&[front, lobe, &glass("coated", 0.5), pixel, LIGHT, &filter]), "display.front");
+    }
     let thin = "[display.glass]\nindex = 1.5\n";
     assert_eq!(key(&[thin, PAPER, LIGHT, &filter]), "display.glass.thickness_mm");
     let resolved = resolved(&[&glass("fresnel", 0.5), PAPER, LIGHT, &filter]);

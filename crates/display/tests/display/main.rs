@@ -16,6 +16,7 @@ mod crosstalk;
 mod crosstalk_by_paths;
 mod designs;
 mod filter;
+mod filter_above_mirrors;
 mod first_answers;
 mod front_light;
 mod fronts;

@@ -20,7 +20,7 @@
 //! - [`PixelSquare`], [`Shapes`]: kernels of pictures below a lobe.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange
 //!   them. What is seen of one through another: [`shares_by_transfer`].
-//! - [`TwoPlanes`]: Lambertian pixels below a colour filter at a height, through all orders.
+//! - [`TwoPlanes`]: pixels below a colour filter at a height, through all orders.
 //! - [`closed`]: closed forms of lobes and plates, a second method for all of these.
 //!
 //! Lengths are in mm, spatial frequencies in cycles per mm, both in the plane of the panel.
@@ -51,7 +51,7 @@ pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};
 pub use two_planes::{
-    Direction, Division, FilteredPixels, Passed, PeriodCells, TwoPlanes, diffuse_directions,
+    Asked, Direction, Division, FilteredPixels, Passed, PeriodCells, Shown, TwoPlanes, diffuse_directions,
     diffused_directions, diffused_directions_of_field,
 };
 

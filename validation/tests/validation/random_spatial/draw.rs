@@ -59,7 +59,7 @@ pub(super) fn drawn(number: u64) -> Drawn {
         Above::Layers => layers(&mut dice, &mut text, thickness),
     }
     let is_lambertian = pixel(&mut dice, &mut text, above, thickness);
-    let has_filter = matrix(&mut dice, &mut text, above, is_lambertian, thickness);
+    let has_filter = matrix(&mut dice, &mut text, above, thickness);
     lighting(&mut dice, &mut text, above);
     let (theta, phi) = (dice.between(0.0, 60.0), dice.between(0.0, 360.0));
     let along_normal = dice.one_in(3);
@@ -163,14 +163,10 @@ fn pixel(dice: &mut Dice, text: &mut String, above: Above, thickness: f64) -> bo
 }
 
 /// Returns whether there is a colour filter.
-fn matrix(dice: &mut Dice, text: &mut String, above: Above, is_lambertian: bool, thickness: f64) -> bool {
+fn matrix(dice: &mut Dice, text: &mut String, above: Above, thickness: f64) -> bool {
     let pitch = thickness * dice.log_between(0.1, 5.0);
     *text += &format!("[display.matrix]\npitch_um = {:.2}\n", 1e3 * pitch);
-    let has_filter = above != Above::Layers
-        && is_lambertian
-        && !text.contains("BK7")
-        && !text.contains("spread_um")
-        && dice.one_in(3);
+    let has_filter = above != Above::Layers && !text.contains("spread_um") && dice.one_in(3);
     if has_filter {
         let height = 1e3 * dice.between(0.05, 0.4) * thickness.min(pitch);
         *text += &format!("[display.matrix.filter]\nheight_um = {height:.2}\n");

@@ -1,5 +1,7 @@
 //! Spread of a bare panel: every direction of view has one place, that of its own ray.
 
+use papilio_optics::Beta;
+
 use super::super::{Accuracy, Sample, displacement};
 use super::{Heights, Part, SMOOTH, by_index};
 use crate::adding::{diffuse_shares, smooth_points};
@@ -12,19 +14,39 @@ use crate::{Cone, Panel, Source};
 /// for all that follow.
 const ORDERS: usize = 4;
 
+/// Nodes across a view for each period of the highest frequency between ghosts.
+const NODES_OF_A_PERIOD: f64 = 2.0;
+/// Inclination in air beyond which light is weak, radians.
+const GRAZING: f64 = 1.5;
+
 /// Returns the parts: one for each direction, index of the glass and order.
 pub(super) fn parts(
     panel: &Panel,
     heights: Heights,
     view: &Cone,
     source: &Source,
-    accuracy: Accuracy,
+    (accuracy, by_direction): (Accuracy, bool),
+) -> Vec<Part> {
+    let light = light_of(panel, source, accuracy.digits);
+    let (more, orders) = match by_direction {
+        true => (accuracy.most_per_mm * ghosts_apart_mm(panel, heights, view), 1),
+        false => (0.0, ORDERS),
+    };
+    let points = seen_points(panel, view, source, (accuracy.digits, NODES_OF_A_PERIOD * more));
+    in_directions((panel, heights), &points, light.as_deref(), orders)
+}
+
+/// Returns the parts of these directions; `light` as of [`light_of`].
+pub(super) fn in_directions(
+    (panel, heights): (&Panel, Heights),
+    points: &[Point],
+    light: Option<&[f64]>,
+    most_orders: usize,
 ) -> Vec<Part> {
     let bins = panel.base.bins();
-    let light = light_of(panel, source, accuracy.digits);
     let (mut flat, mut face) = (FlatTop::new(bins), FlatTop::new(bins));
     let mut parts = Vec::new();
-    for point in seen_points(panel, view, source, accuracy.digits) {
+    for point in points {
         flat.set(panel, point.beta.squared());
         face.set_surface(panel, point.beta.squared());
         let between: Vec<f64> = face
@@ -34,7 +56,7 @@ pub(super) fn parts(
             .map(|(face, front)| face * front)
             .collect();
         let is_apart = heights.front_mm > 0.0 && between.iter().any(|between| *between > 0.0);
-        let orders = if is_apart { ORDERS } else { 1 };
+        let orders = if is_apart { most_orders } else { 1 };
         let air = displacement(point.beta, 2.0 * heights.front_mm, 1.0);
         for (index, group) in by_index(panel) {
             for order in 0..orders {
@@ -44,7 +66,7 @@ pub(super) fn parts(
                     between[bin].powi(order as i32) * if last { 1.0 } else { 1.0 - between[bin] }
                 };
                 let through = |bin: usize| {
-                    let entering = light.as_ref().map_or(flat.t[bin], |light| light[bin]);
+                    let entering = light.map_or(flat.t[bin], |light| light[bin]);
                     if group.contains(&bin) { entering * flat.t[bin] * part(bin) } else { 0.0 }
                 };
                 let place_mm = air.map(|air| order as f64 * air);
@@ -60,9 +82,24 @@ pub(super) fn parts(
     parts
 }
 
-/// Returns the directions of a bare panel that are seen, with the weights of their light.
-fn seen_points(panel: &Panel, view: &Cone, source: &Source, digits: f64) -> Vec<Point> {
-    let across = panel.base.nodes_across(view, &panel.medium);
+/// Returns how far apart the first ghosts of a mirror are in the directions of a view, mm.
+fn ghosts_apart_mm(panel: &Panel, heights: Heights, view: &Cone) -> f64 {
+    if !panel.base.is_specular() {
+        return 0.0;
+    }
+    let axis = view.axis_towards().length().min(1.0).asin();
+    let index = panel.medium.index().min();
+    let at = |angle: f64| {
+        let x = angle.clamp(-GRAZING, GRAZING).sin();
+        2.0 * displacement(Beta { x, y: 0.0 }, heights.glass_mm, index)[0]
+    };
+    at(axis + view.half_angle()) - at(axis - view.half_angle())
+}
+
+/// Returns the directions of a bare panel that are seen, with the weights of their light, with so many nodes
+/// more across a view than its reflectance takes.
+fn seen_points(panel: &Panel, view: &Cone, source: &Source, (digits, more): (f64, f64)) -> Vec<Point> {
+    let across = panel.base.nodes_across(view, &panel.medium) + more;
     if *source != Source::Diffuse && panel.base.is_specular() {
         let images = image_points(view, std::slice::from_ref(source), digits, Mirror::Across(across));
         return images.into_iter().flat_map(|image| image.points).collect();

@@ -68,6 +68,22 @@ pub(super) fn parts(
     parts
 }
 
+/// Returns the mirror image of a beam, of its light that is never scattered.
+pub(super) fn image((panel, diffuser): (&Panel, &Diffuser), beta: Beta) -> Vec<Part> {
+    let through = |bin: usize| {
+        (panel.front.transmittance[bin] * diffuser.transmittance[bin] * diffuser.regular_fraction).powi(2)
+    };
+    let of_index = |(index, group): (f64, Vec<usize>)| Part {
+        images: vec![Sample { beta, place_mm: [0.0; 2], weight: 1.0 }],
+        through: (0..panel.base.bins())
+            .map(|bin| if group.contains(&bin) { through(bin) } else { 0.0 })
+            .collect(),
+        index,
+        pair: None,
+    };
+    by_index(panel).into_iter().map(of_index).collect()
+}
+
 /// A panel with a diffuser.
 struct Diffused<'a> {
     panel: &'a Panel,

@@ -26,8 +26,11 @@ pub(in crate::spatial) use lambertian_return::Tabulated;
 
 use std::sync::Arc;
 
+use papilio_optics::Beta;
+
 use super::spread::Pair;
 use super::{Accuracy, Image, PointSpread, Sample};
+use crate::light::cone_points::Point;
 use crate::{Cone, Panel, Reflector, Source, Top};
 
 /// Directions and places with a common factor for each wavelength.
@@ -121,7 +124,8 @@ impl PanelSpread {
 
     /// Prepares a spread whose samples have the true directions in the glass. Those of [`new`](Self::new) may
     /// stand for several directions of a field of view that see the same place; they have its place and
-    /// `|beta|`.
+    /// `|beta|`. Light between a face and a front of screen above it, on its way to the viewer, has no places of
+    /// its own.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
@@ -162,7 +166,24 @@ impl PanelSpread {
             Top::Diffuser(diffuser) => {
                 diffused::parts((panel, diffuser), heights, view, source, (accuracy, by_direction))
             }
-            Top::IdealAr | Top::Fresnel(_) => bare::parts(panel, heights, view, source, accuracy),
+            Top::IdealAr | Top::Fresnel(_) => {
+                bare::parts(panel, heights, view, source, (accuracy, by_direction))
+            }
+        };
+        Ok(Self { parts })
+    }
+
+    /// The mirror image of a beam in mirror-like pixels, its light along `beta`: what is never scattered.
+    ///
+    /// # Errors
+    /// If several components of the front reflect at different heights.
+    pub fn image(panel: &Panel, beta: Beta) -> Result<Self, SpreadError> {
+        let parts = match &panel.top {
+            Top::Diffuser(diffuser) => diffused::image((panel, diffuser), beta),
+            Top::IdealAr | Top::Fresnel(_) => {
+                let heights = Heights::new(panel)?;
+                bare::in_directions((panel, heights), &[Point { beta, weight: 1.0 }], None, 1)
+            }
         };
         Ok(Self { parts })
     }

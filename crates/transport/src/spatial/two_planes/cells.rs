@@ -159,9 +159,9 @@ impl Axis {
     /// Divides the period at the edges of cells, and of fields shifted by this many periods: those of light
     /// that passes the filter the shift before it is at a place.
     pub(super) fn pieces(&self, [shift]: &[f64; 1], out: &mut Vec<Piece>) {
-        self.divide(&[(&self.cells, 0.0), (&self.fields, *shift)], out, |at| {
+        self.divide(&[(&self.cells, 0.0), (&self.fields, *shift)], out, |at, length| {
             let field = locate(&self.fields, at - shift);
-            Piece { length: 0.0, to: locate(&self.cells, at), from: 0, at: [field, 0] }
+            Piece { length, to: locate(&self.cells, at), from: 0, at: [field, 0] }
         });
     }
 
@@ -169,18 +169,30 @@ impl Axis {
     pub(super) fn return_pieces(&self, passes: [f64; 2], whole: f64, out: &mut Vec<Piece>) {
         let lists: [(&[f64], f64); 4] =
             [(&self.cells, 0.0), (&self.cells, whole), (&self.fields, passes[0]), (&self.fields, passes[1])];
-        self.divide(&lists, out, |at| Piece {
-            length: 0.0,
+        self.divide(&lists, out, |at, length| Piece {
+            length,
             to: locate(&self.cells, at),
             from: locate(&self.cells, at - whole),
             at: passes.map(|pass| locate(&self.fields, at - pass)),
         });
     }
 
-    fn divide(&self, lists: &[(&[f64], f64)], out: &mut Vec<Piece>, piece: impl Fn(f64) -> Piece) {
+    /// Divides the period at the edges of fields shifted by each of these numbers of periods: lengths, each
+    /// with the fields that are so many periods before it.
+    pub(super) fn divided(&self, shifts: &[f64]) -> Vec<(f64, Vec<usize>)> {
+        let lists: Vec<(&[f64], f64)> = shifts.iter().map(|shift| (&self.fields[..], *shift)).collect();
+        let mut all = Vec::new();
+        self.divide(&lists, &mut all, |at, length| {
+            (length, shifts.iter().map(|shift| locate(&self.fields, at - shift)).collect())
+        });
+        all
+    }
+
+    /// Calls `piece` with the middle and the length of each piece between the edges of these lists.
+    fn divide<P>(&self, lists: &[(&[f64], f64)], out: &mut Vec<P>, piece: impl Fn(f64, f64) -> P) {
         out.clear();
         if self.count() == 1 {
-            out.push(Piece { length: 1.0, to: 0, from: 0, at: [0, 0] });
+            out.push(piece(0.5, 1.0));
             return;
         }
         let mut edges: Vec<f64> =
@@ -194,7 +206,7 @@ impl Axis {
         for ends in edges.windows(2) {
             let length = ends[1] - ends[0];
             if length > SAME {
-                out.push(Piece { length, ..piece(ends[0] + 0.5 * length) });
+                out.push(piece(ends[0] + 0.5 * length, length));
             }
         }
     }

@@ -1,5 +1,5 @@
-//! Lambertian pixels below a second pattern: a colour filter at a height above them, under a face that
-//! returns light to both.
+//! Pixels below a second pattern: a colour filter at a height above them, under a face that returns light to
+//! both. Mirror-like ones are in `mirrors.rs`, Lambertian ones here.
 //!
 //! **What.** Light that enters along beta passes the filter at one place and reaches the pixel `D_h(beta)`
 //! further; what leaves the pixel passes the filter at another place. The face returns a part of it, which
@@ -15,12 +15,17 @@
 //! Where the way to the face and back is many periods, cells and shifts are taken as independent: the limit
 //! of Clapper and Yule.
 //!
-//! **Limits.** One refractive index and face; those of other wavelengths are sums of some ([`TwoPlanes::sum_of`]). Between the windows the filter is clear.
+//! **Limits.** One refractive index and face; those of other wavelengths are sums of some ([`TwoPlanes::sum_of`]). Glass that
+//! absorbs is a part of the filter: light crosses all of it with each pass.
 //!
 //! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953), for uniform filters.
 
 mod cells;
 mod directions;
+mod mirrors;
+mod shown;
+
+use papilio_spectra::StateSpectra;
 
 use self::cells::Piece;
 pub use self::cells::{Division, PeriodCells};
@@ -28,6 +33,7 @@ pub use self::directions::{
     Direction, diffuse_directions, diffused_directions, diffused_directions_of_field,
 };
 use self::directions::{Ring, azimuths, front_rings, return_rings};
+pub use self::shown::{Asked, Shown};
 use super::{Window, displacement};
 
 /// Pixels and filter.
@@ -39,6 +45,8 @@ pub struct FilteredPixels<'a> {
     pub windows: &'a [Window],
     /// Transmittance of each window of the filter along the normal, `[window][wavelength]`.
     pub transmittance: &'a [Vec<f64>],
+    /// The same between the windows.
+    pub between: &'a [f64],
     /// Height of the filter above the pixels, and of the face, mm.
     pub height_mm: f64,
     /// Distance of the face from the pixels, mm; at least `height_mm`.
@@ -128,8 +136,8 @@ impl TwoPlanes {
             let fewer = Division { per_period: division.per_period * 6 / 10, per_window: 0, ..*division };
             cells = PeriodCells::new(pixels.windows, &fewer, reach);
         }
-        let bins = pixels.transmittance.first().map_or(1, Vec::len);
-        let transmittance = pixels.transmittance.iter().cloned().chain([vec![1.0; bins]]).collect();
+        let bins = pixels.between.len();
+        let transmittance = pixels.transmittance.iter().cloned().chain([pixels.between.to_vec()]).collect();
         let count = cells.count();
         let mut planes = Self {
             cells,
@@ -217,6 +225,35 @@ impl TwoPlanes {
         self.passed(directions, -1.0)
     }
 
+    /// What is seen of Lambertian pixels along these directions, relative to a page of 1 without filter and
+    /// further orders, given their irradiance by list.
+    pub fn shown(
+        &self,
+        leaving: &Passed,
+        rho: &StateSpectra,
+        irradiance: &[impl AsRef<[f64]>],
+        asked: &Asked<'_>,
+    ) -> Shown {
+        let (bins, mut shown) = (self.bins, self.nothing(asked));
+        for (list, (states, irradiance)) in asked.states.iter().zip(irradiance).enumerate() {
+            for (cell, irradiance) in irradiance.as_ref().chunks_exact(bins).enumerate() {
+                let Some(own) = self.cells.window_of(cell) else { continue };
+                for window in asked.windows.clone() {
+                    let light = leaving.by_window(cell, window).iter().zip(irradiance);
+                    let rows = light.zip(rho.state(states[own]));
+                    let slot = shown.slot(list, window, own);
+                    slot.iter_mut().zip(rows).for_each(|(slot, ((t, e), rho))| *slot += t * e * rho);
+                }
+            }
+        }
+        shown
+    }
+
+    /// A period in the dark.
+    fn nothing(&self, asked: &Asked<'_>) -> Shown {
+        Shown::dark(asked, self.transmittance.len() - 1, self.bins)
+    }
+
     fn passed(&self, directions: &[Direction], sign: f64) -> Passed {
         let windows = self.transmittance.len();
         let mut values = vec![0.0; self.cells.count() * windows * self.bins];
@@ -225,7 +262,7 @@ impl TwoPlanes {
         let mut last = (f64::NAN, self.transmittance.clone());
         for direction in directions {
             if direction.beta.squared() != last.0 {
-                last = (direction.beta.squared(), self.oblique(direction.beta.length()));
+                last = (direction.beta.squared(), self.oblique(direction.beta.length(), self.index));
             }
             let shift = self.periods(displacement(direction.beta, self.height_mm, self.index));
             for axis in [0, 1] {
@@ -300,7 +337,7 @@ impl TwoPlanes {
         for ring in rings {
             self.returned_uniform.iter_mut().for_each(|sum| *sum += ring.weight);
             let windows = self.transmittance.len();
-            let passes = self.oblique(ring.beta);
+            let passes = self.oblique(ring.beta, self.index);
             // Both passes of each pair of windows, times the weight of the ring.
             let mut both = Vec::with_capacity(windows * windows * self.bins);
             for (one, other) in (0..windows).flat_map(|i| (0..windows).map(move |k| (i, k))) {
@@ -373,9 +410,9 @@ impl TwoPlanes {
         }
     }
 
-    /// Transmittance of one pass along `|beta|`.
-    fn oblique(&self, beta: f64) -> Vec<Vec<f64>> {
-        let slant = 1.0 / (1.0 - (beta / self.index).powi(2)).max(1e-12).sqrt();
+    /// Transmittance of one pass along `|beta|` in a medium of this index.
+    fn oblique(&self, beta: f64, index: f64) -> Vec<Vec<f64>> {
+        let slant = 1.0 / (1.0 - (beta / index).powi(2)).max(1e-12).sqrt();
         let pass = |t: &f64| if *t > 0.0 { t.powf(slant) } else { 0.0 };
         self.transmittance.iter().map(|row| row.iter().map(pass).collect()).collect()
     }

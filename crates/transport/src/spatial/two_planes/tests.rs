@@ -12,7 +12,15 @@ fn fresnel(beta: f64) -> f64 {
 }
 
 fn pixels<'a>(windows: &'a [Window], transmittance: &'a [Vec<f64>], thickness_mm: f64) -> FilteredPixels<'a> {
-    FilteredPixels { pitch_mm: [1.0; 2], windows, transmittance, height_mm: 0.0, thickness_mm, index: 1.5 }
+    FilteredPixels {
+        pitch_mm: [1.0; 2],
+        windows,
+        transmittance,
+        between: &[1.0],
+        height_mm: 0.0,
+        thickness_mm,
+        index: 1.5,
+    }
 }
 
 fn clear(windows: usize) -> Vec<Vec<f64>> {
