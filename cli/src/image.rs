@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use papilio_display::image::{
-    ImageInRoom, ImageNumbers, ImageResult, ImageSettings, PictureDifferences, Screen, ScreenSpace,
-    ScreenWhite, Sharpness, image,
+    ImageInRoom, ImageNumbers, ImageResult, ImageSettings, PictureDifferences, Rendition, Screen,
+    ScreenSpace, ScreenWhite, Sharpness, image,
 };
 use papilio_display::palette::{PaletteColour, bytes};
 use papilio_display::{DisplayError, LightSummary};
@@ -222,13 +222,23 @@ fn text(title: &str, result: &ImageResult) -> String {
         let [x, y] = [0, 1].map(|k| format!("{:.1} JND of {:.1}", sqri_jnd[k], sqri_ideal_jnd[k]));
         format!("square-root integral of white (Barten): {x} along x, {y} along y\n")
     });
+    let rendition = numbers.rendition.map_or(String::new(), |one| {
+        let Rendition { exposure, contrast, saturation, .. } = one;
+        let kind = if one.is_drawing { "a drawing" } else { "a photograph" };
+        let balance = one.white_balance_k.map_or(String::new(), |kelvin| format!(", {kelvin} K is white"));
+        format!(
+            "shown as {kind}: exposure {exposure:.2} stops, contrast of detail {contrast:.2}, saturation {saturation:.2}{balance}; {} of the \
+             pixels are darker than the display's black\n",
+            percent(one.below_black_fraction)
+        )
+    });
     let luminous = result.palette.colours.iter().map(|one| one.Y);
     let (darkest, lightest) = (luminous.clone().fold(f64::INFINITY, f64::min), luminous.fold(0.0, f64::max));
     let contrast =
         if darkest > 0.0 { format!(", contrast {:.1}", lightest / darkest) } else { String::new() };
     format!(
         "{}\n\n{columns} x {lines} pixels in light of {}; {neighbours}\n{}luminance of the lightest state {lightest:.3}, of the darkest \
-         {darkest:.3} of a perfect white{contrast}\n\n{}{distance}{sharpness}\ncolours outside the gamut: {} of the pixels; clipped in \
+         {darkest:.3} of a perfect white{contrast}\n\n{}{distance}{sharpness}\n{rendition}colours outside the gamut: {} of the pixels; clipped in \
          seen.png: {}\n",
         report::plain(title),
         light(&numbers.light),

@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
 type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const PICTURES: [Picture; 22] = [
+const PICTURES: [Picture; 23] = [
     (
         &["run"],
         "indoor.toml",
@@ -72,6 +72,12 @@ const PICTURES: [Picture; 22] = [
     (&["sparkle"], "antiglare.toml", &["sparkle.svg"], "antiglare-"),
     (&["palette", "--rooms=D65,FL11"], "six-ink.toml", &["palette.svg"], "inks-"),
     (&["image", "--relative-to=display"], "six-ink.toml", &["seen.png"], "inks-"),
+    (
+        &["image", "--relative-to=display", "--set=image.intent=\"relative\""],
+        "six-ink.toml",
+        &["seen.png"],
+        "inks-relative-",
+    ),
     (&["image", "--rooms=FL11,D65", "--relative-to=display"], "page.toml", &["rooms.png"], "page-"),
     (&["image", "--relative-to=display"], "reader.toml", &["seen.png"], "reader-"),
     (

@@ -116,7 +116,7 @@ fn white_and_black_are_those_of_the_display() {
         }
     }
     let green = picture(folder.path(), &[[0, 255, 0]]);
-    for intent in ["relative", "perceptual", "absolute", "clip"] {
+    for intent in ["natural", "vivid", "relative", "absolute", "clip"] {
         for more in ["image.halftone=\"none\"", "image.map_space=\"cam16-ucs\""] {
             let sets =
                 [green.to_str().unwrap(), "--set", &format!("image.intent=\"{intent}\""), "--set", more];

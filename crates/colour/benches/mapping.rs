@@ -15,7 +15,7 @@ fn main() {
 const PIXELS: usize = 1404 * 1872;
 const ROOM: Viewing =
     Viewing { adapting_luminance_cd_m2: 30.0, background: 0.2, surround: Surround::Average };
-const CASES: [&str; 4] = ["relative", "perceptual", "clip", "relative cam16-ucs"];
+const CASES: [&str; 4] = ["relative", "natural", "clip", "relative cam16-ucs"];
 
 /// Black, white, yellow, red, blue, green.
 fn inks() -> Vec<Xyz> {
@@ -34,7 +34,7 @@ fn inks() -> Vec<Xyz> {
 fn mapping(case: &str) -> GamutMapping {
     let states = inks();
     let (intent, space) = match case {
-        "perceptual" => (Intent::Perceptual, MapSpace::Oklab),
+        "natural" => (Intent::Natural, MapSpace::Oklab),
         "clip" => (Intent::Clip, MapSpace::Oklab),
         "relative cam16-ucs" => (Intent::Relative, MapSpace::Cam16Ucs(ROOM)),
         _ => (Intent::Relative, MapSpace::Oklab),

@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 
 use divan::{Bencher, black_box};
 use papilio_imaging::halftone::{
-    DiffusionKernel, ErrorDiffusion, Filter, Mask, direct_binary_search, light_to_dark, ordered,
-    ordered_planes,
+    DiffusionKernel, ErrorDiffusion, Filter, Mask, SearchControl, direct_binary_search, light_to_dark,
+    ordered, ordered_planes,
 };
 
 fn main() {
@@ -100,6 +100,7 @@ fn direct_binary_search_of_256_by_256(bencher: Bencher<'_, '_>) {
     let filters = [0; 3].map(|_| Filter::new(13, (0..169).map(bell).collect()).unwrap());
     bencher.bench_local(|| {
         let watch = &mut |_| ControlFlow::Continue(());
-        direct_binary_search(&wanted, 256, &palette, &filters, &start, &|| false, watch).unwrap()
+        let control = SearchControl { threads: 1, stop: &|| false, watch };
+        direct_binary_search(&wanted, 256, &palette, &filters, &start, control).unwrap()
     });
 }

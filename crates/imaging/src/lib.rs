@@ -4,6 +4,7 @@
 //! - [`text`]: text from the outlines of a font as black and white pixels, with the middles of its strokes
 //!   and gaps, or in the lines of a page.
 //! - [`TestPattern`]: edges, stripes, squares and stars, with the fraction of each pixel that is black.
+//! - [`guided`]: the smooth base of a picture, which follows its edges.
 //! - [`push_halves`]: colours as numbers of 16 bits.
 //!
 //! ```
@@ -23,6 +24,7 @@
 
 mod error;
 mod fit;
+mod guided;
 mod half;
 pub mod halftone;
 mod pattern;
@@ -30,5 +32,6 @@ pub mod text;
 
 pub use error::ImagingError;
 pub use fit::{Fit, fitted};
+pub use guided::guided;
 pub use half::{half_bits, push_halves};
 pub use pattern::TestPattern;

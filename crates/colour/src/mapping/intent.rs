@@ -5,11 +5,13 @@ use crate::{Viewing, Xyz};
 /// What a picture on the display preserves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Intent {
-    /// Colours relative to white and black; those outside the hull keep lightness and hue.
+    /// Lightness of light tones, hue, and chroma as far as the hull allows; dark tones bend towards black.
     #[default]
+    Natural,
+    /// As natural, with darker dark tones and more chroma.
+    Vivid,
+    /// Colours relative to white and black; those outside the hull keep lightness and hue.
     Relative,
-    /// Differences between colours, also outside the hull; lightness and chroma are compressed gradually.
-    Perceptual,
     /// Colours relative to a perfect white in the light; those outside the hull keep lightness and hue.
     Absolute,
     /// Colours relative to white and black; those outside the hull become the nearest of the hull.

@@ -1,12 +1,12 @@
 //! Gamut mapping: which colour of a display stands for a colour of a source picture.
 //!
-//! **What.** In two steps, all in linear light. The *target* sets the picture's white and black to those of
-//! the display:
+//! **What.** In two steps. The *target* sets the picture's white and black to those of the display:
 //!
-//! - [`Intent::Relative`], [`Intent::Clip`]: CAT16 from D65 to the display's white W, then for each of X, Y,
-//!   Z `K + (1 - K/W) XYZ`: white becomes W, and black becomes K.
-//! - [`Intent::Perceptual`]: CAT16 to W; lightness below the middle is compressed so that black becomes that
-//!   of K.
+//! - [`Intent::Natural`], [`Intent::Vivid`]: CAT16 from D65 to the display's white W; in [`MapSpace`],
+//!   lightness passes a [`Tone`], which leaves light tones where they are and bends towards the lightness of
+//!   the black; chroma and hue are kept, relative to the mixture of white and black with this lightness.
+//! - [`Intent::Relative`], [`Intent::Clip`]: CAT16 to W, then for each of X, Y, Z `K + (1 - K/W) XYZ`: white
+//!   becomes W, and black becomes K.
 //! - [`Intent::Absolute`]: CAT16 to a perfect white in the same light: colours keep the luminance factor of
 //!   the page.
 //!
@@ -14,9 +14,8 @@
 //!
 //! - Relative and absolute: constant lightness and hue in [`MapSpace`]; chroma is reduced until the colour is
 //!   in the hull.
-//! - Perceptual: as relative, but chroma is reduced gradually, from 0.7 of the largest of the hull on, so
-//!   that the largest chroma of the source space becomes the largest of the hull. This changes colours inside
-//!   the hull, too.
+//! - Natural and vivid: the nearest colour of the hull in [`MapSpace`], differences of hue counting twice
+//!   ([`GamutMapping::alike`]).
 //! - Clip: the nearest colour of the hull, in X, Y, Z relative to white ([`StateHull::nearest`]).
 //!
 //! Hue and chroma are relative to grey, or, where the hull has no grey of this lightness (a bluish black), to
@@ -33,16 +32,21 @@
 //! **Source.** Morovič, *Color Gamut Mapping* (Wiley, 2008); black point compensation: ISO 18619:2015, here
 //! with the colour of black. The constant hue of Oklab or CAM16-UCS instead of CIELAB avoids purple blues.
 
+mod alike;
 mod intent;
+mod lattice;
 mod source;
 mod space;
 mod table;
 #[cfg(test)]
 mod tests;
+mod tone;
 
 pub use intent::{DisplayColours, Intent, MapSpace};
+pub use lattice::AlikeLattice;
 pub use source::SourceSpace;
 pub use table::{GamutTable, TableError};
+pub use tone::Tone;
 
 use crate::matrix::{Matrix, cross, dot, times};
 use crate::states::StateHull;
@@ -53,8 +57,6 @@ use space::Space;
 const STEPS: usize = 32;
 /// Number of greys between black and white, whose lightness increases about uniformly.
 const GREYS: usize = 256;
-/// Part of the largest chroma of the hull from which perceptual mapping compresses chroma.
-const KNEE: f64 = 0.7;
 
 /// Mapping of source colours to colours of a display.
 #[derive(Debug, Clone)]
@@ -65,10 +67,10 @@ pub struct GamutMapping {
     space: Space,
     source: Matrix,
     adaptation: Adaptation,
-    /// Hull of the source space, adapted to the display's white.
-    source_hull: StateHull,
     /// Lightness and colour of the greys of the hull, from black to white.
     greys: Vec<(f64, Xyz)>,
+    /// The same of the mixtures of black and white.
+    mixtures: Vec<(f64, Xyz)>,
 }
 
 impl GamutMapping {
@@ -94,10 +96,10 @@ impl GamutMapping {
         let (Some(adaptation), true) = (adaptation, larger && contained) else { return Err(refused) };
         let space = Space::new(space, reference).ok_or(refused)?;
         let source = source.matrix();
-        let source_hull = StateHull::new(&space::corners(&source, &adaptation))?;
-        let mut mapping =
-            Self { intent, hull, display, space, source, adaptation, source_hull, greys: Vec::new() };
+        let (greys, mixtures) = (Vec::new(), Vec::new());
+        let mut mapping = Self { intent, hull, display, space, source, adaptation, greys, mixtures };
         mapping.greys = (0..=GREYS).map(|step| mapping.grey(step)).collect();
+        mapping.mixtures = (0..=GREYS).map(|step| mapping.mixture(step)).collect();
         Ok(mapping)
     }
 
@@ -121,8 +123,8 @@ impl GamutMapping {
         Xyz { x, y, z }
     }
 
-    /// The target of X, Y, Z relative to D65 (Y = 1 for white), before mapping. That of perceptual mapping is
-    /// that of relative.
+    /// The target of X, Y, Z relative to D65 (Y = 1 for white), before mapping. That of natural and vivid
+    /// intents is that of relative.
     pub fn target_xyz(&self, source: Xyz) -> Xyz {
         let adapted = self.adaptation.apply(source);
         if self.intent == Intent::Absolute {
@@ -143,7 +145,7 @@ impl GamutMapping {
         }
         let mapped = match self.intent {
             Intent::Clip => target,
-            Intent::Perceptual => self.perceptual(self.adaptation.apply(source)),
+            Intent::Natural | Intent::Vivid => self.natural(source),
             Intent::Relative | Intent::Absolute => self.with_less_chroma(target),
         };
         if self.hull.contains(mapped) { mapped } else { self.hull.nearest(mapped, self.display.white) }
@@ -185,21 +187,24 @@ impl GamutMapping {
     /// Mixture of black and white at a step, moved towards grey as far as the hull allows, with its
     /// lightness.
     fn grey(&self, step: usize) -> (f64, Xyz) {
-        let part = (step as f64 / GREYS as f64).powi(3);
-        let mixture = self.display.black + (self.display.white - self.display.black) * part;
+        let (lightness, mixture) = self.mixture(step);
         let from = self.space.coordinates(mixture);
         let inner = 0 < step && step < GREYS && self.hull.dimensions() == 3;
         let grey =
             if inner { self.on_the_way(from, [from[0], 0.0, 0.0], &self.hull, mixture).1 } else { mixture };
-        (from[0], grey)
+        (lightness, grey)
+    }
+
+    /// Mixture of black and white at a step, with its lightness.
+    fn mixture(&self, step: usize) -> (f64, Xyz) {
+        let part = (step as f64 / GREYS as f64).powi(3);
+        let mixture = self.display.black + (self.display.white - self.display.black) * part;
+        (self.space.coordinates(mixture)[0], mixture)
     }
 
     /// Grey of the hull with this lightness, or its black or white.
     fn grey_of(&self, lightness: f64) -> Xyz {
-        let next = self.greys.partition_point(|(one, _)| *one < lightness).clamp(1, GREYS);
-        let ((below, dark), (above, light)) = (self.greys[next - 1], self.greys[next]);
-        let part = ((lightness - below) / (above - below)).clamp(0.0, 1.0);
-        dark * (1.0 - part) + light * part
+        at_lightness(&self.greys, lightness)
     }
 
     /// Colour of a flat hull with the same Y, if there is one.
@@ -219,50 +224,12 @@ impl GamutMapping {
         let [x, y, z] = line.map(|part| along * part);
         grey + Xyz { x, y, z } * self.hull.part_inside(grey, Xyz { x, y, z })
     }
-
-    /// Compresses lightness and chroma of a colour relative to the display's white.
-    fn perceptual(&self, colour: Xyz) -> Xyz {
-        let [lightness, a, b] = self.space.coordinates(colour);
-        let (darkest, lightest) = (self.greys[0].0, self.greys[GREYS].0);
-        let middle = 0.5 * (darkest + lightest);
-        let compressed = middle - soft(middle - lightness, middle - darkest, middle);
-        let chroma = a.hypot(b);
-        let grey = self.grey_of(compressed);
-        let from = self.space.coordinates(grey);
-        if chroma == 0.0 {
-            return grey;
-        }
-        // Largest chroma of the source and of the hull in this hue.
-        let most = 4.0 * self.space.coordinates(self.display.white)[0].abs();
-        let far = |from: [f64; 3]| [from[0], from[1] + most * a / chroma, from[2] + most * b / chroma];
-        let source_from = [lightness, 0.0, 0.0];
-        let source = self.on_the_way(source_from, far(source_from), &self.source_hull, colour).0 * most;
-        if self.hull.dimensions() < 3 {
-            let to = [from[0], from[1] + a, from[2] + b];
-            return self.space.xyz(to).map_or(grey, |colour| self.in_plane(colour));
-        }
-        let here = self.on_the_way(from, far(from), &self.hull, grey).0 * most;
-        let reduced = if source > here {
-            let knee = KNEE * here;
-            (knee + soft(chroma - knee, here - knee, source - knee)).min(here)
-        } else {
-            chroma.min(here)
-        };
-        let to = [from[0], from[1] + reduced * a / chroma, from[2] + reduced * b / chroma];
-        self.space
-            .xyz(to)
-            .filter(|colour| self.hull.contains(*colour))
-            .unwrap_or_else(|| self.on_the_way(from, to, &self.hull, grey).1)
-    }
 }
 
-/// Compresses an excess above a knee: 0 stays with slope 1, `from` becomes `to`; negative values stay.
-fn soft(excess: f64, to: f64, from: f64) -> f64 {
-    if excess <= 0.0 || to >= from {
-        excess
-    } else if to <= 0.0 {
-        0.0
-    } else {
-        excess / (1.0 + excess * (1.0 / to - 1.0 / from))
-    }
+/// The colour of this lightness between those of a table, or its first or last one.
+fn at_lightness(table: &[(f64, Xyz)], lightness: f64) -> Xyz {
+    let next = table.partition_point(|(one, _)| *one < lightness).clamp(1, table.len() - 1);
+    let ((below, dark), (above, light)) = (table[next - 1], table[next]);
+    let part = ((lightness - below) / (above - below)).clamp(0.0, 1.0);
+    dark * (1.0 - part) + light * part
 }

@@ -1,7 +1,6 @@
 //! The space in which hue is constant, relative to a white of the display.
 
 use super::MapSpace;
-use crate::matrix::{Matrix, times};
 use crate::{Adaptation, Cam16Ucs, Oklab, Xyz};
 
 /// Conversions between colours of the display and lightness and two chromatic coordinates; the white has no
@@ -49,12 +48,4 @@ impl Space {
         };
         Some(self.from_model.apply(adapted))
     }
-}
-
-/// Corners of a source's gamut, adapted to a white.
-pub(super) fn corners(matrix: &Matrix, adaptation: &Adaptation) -> [Xyz; 8] {
-    [0, 1, 2, 3, 4, 5, 6, 7].map(|on| {
-        let [x, y, z] = times(matrix, [0, 1, 2].map(|k| f64::from(u8::from(on >> k & 1 == 1))));
-        adaptation.apply(Xyz { x, y, z })
-    })
 }

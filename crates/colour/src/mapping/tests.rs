@@ -12,7 +12,8 @@ fn xyz([x, y, z]: [f64; 3]) -> Xyz {
 const ROOM: Viewing =
     Viewing { adapting_luminance_cd_m2: 30.0, background: 0.2, surround: Surround::Average };
 const SPACES: [MapSpace; 2] = [MapSpace::Oklab, MapSpace::Cam16Ucs(ROOM)];
-const INTENTS: [Intent; 4] = [Intent::Relative, Intent::Perceptual, Intent::Absolute, Intent::Clip];
+const INTENTS: [Intent; 5] =
+    [Intent::Natural, Intent::Vivid, Intent::Relative, Intent::Absolute, Intent::Clip];
 const PERFECT: Xyz = Xyz { x: 1.0, y: 1.0, z: 0.7 };
 
 /// Mapping into these states, of which the first is black and the second white.
@@ -64,7 +65,7 @@ fn mapped_colours_are_in_the_hull_and_white_and_black_are_exact() {
                 let mapped = mapping.map(rgb);
                 assert!(mapping.hull().contains(mapped), "{intent:?} {space:?} {rgb:?}: {mapped:?}");
                 let target = mapping.target(rgb);
-                if intent != Intent::Perceptual && mapping.hull().contains(target) {
+                if !matches!(intent, Intent::Natural | Intent::Vivid) && mapping.hull().contains(target) {
                     assert_eq!(mapped, target);
                 }
             }
@@ -98,30 +99,125 @@ fn colours_outside_keep_lightness_and_hue() {
     }
 }
 
-/// A ramp of one lightness and hue beyond the hull: relative mapping has one colour there, perceptual mapping
-/// still a gradient.
+/// No mixture of the states, of a fine grid of them, is more alike: also of flat hulls, and of colours far
+/// outside.
 #[test]
-fn perceptual_mapping_keeps_differences_between_saturated_colours() {
+fn alike_colours_are_the_nearest_of_all_mixtures() {
     let states = inks();
-    let prepared = Space::new(MapSpace::Oklab, states[1]).unwrap();
-    let chromas = |intent| -> Vec<f64> {
-        let mapping = mapping(&states, intent, MapSpace::Oklab);
-        let colour = |k: i32| crate::Oklab { l: 0.6, a: 0.006 * f64::from(k), b: 0.002 * f64::from(k) };
-        let mapped = (0..=40).map(|k| prepared.coordinates(mapping.map_xyz(colour(k).xyz())));
-        mapped.map(|[_, a, b]| a.hypot(b)).collect()
-    };
-    let [relative, perceptual] = [Intent::Relative, Intent::Perceptual].map(chromas);
-    assert!((relative[40] - relative[36]).abs() < 1e-3, "the hull is not reached: {relative:?}");
-    let steps = || perceptual.windows(2).take(35).map(|pair| pair[1] - pair[0]);
-    assert!(steps().all(|step| step > 1e-4), "{perceptual:?}");
-    assert!((perceptual[5] / (5.0 * 0.002 * 10.0_f64.sqrt()) - 1.0).abs() < 0.01, "{perceptual:?}");
+    let cases = [&states[..], &states[..3], &states[..2], &[states[0], states[1], states[3], states[5]]];
+    for (states, space) in cases.into_iter().flat_map(|states| SPACES.map(|space| (states, space))) {
+        let mapping = mapping(states, Intent::Natural, space);
+        let prepared = Space::new(space, states[1]).unwrap();
+        let unit = prepared.coordinates(states[1])[0];
+        let mixtures = mixtures(states);
+        let mut worst: f64 = 0.0;
+        let rgb = [[1.0, 0.3, 0.02], [0.05, 0.05, 0.9], [0.0, 0.8, 0.8], [0.9, 0.0, 0.6], [0.02, 0.3, 0.01]];
+        for rgb in rgb {
+            let target = mapping.appearance(SourceSpace::Srgb.xyz(rgb));
+            let chroma = target[1].hypot(target[2]);
+            let square = |colour: Xyz| {
+                let [l, a, b] = prepared.coordinates(colour).map(|one| one / unit);
+                let along = (a * target[1] + b * target[2]) / chroma - chroma;
+                let across = (b * target[1] - a * target[2]) / chroma;
+                (l - target[0]).powi(2) + along * along + 4.0 * across * across
+            };
+            let found = mapping.alike(target);
+            assert!(mapping.hull().contains(found));
+            let best = mixtures.iter().map(|one| square(*one)).fold(f64::INFINITY, f64::min);
+            worst = worst.max(square(found).sqrt() - best.sqrt());
+        }
+        assert!(worst < 1e-4, "{} states {space:?}: {worst}", states.len());
+    }
+}
+
+/// Mixtures of up to three states in steps of a 48th, which are the faces of a hull and some planes inside.
+fn mixtures(states: &[Xyz]) -> Vec<Xyz> {
+    let count = states.len();
+    let mut all = Vec::new();
+    for (i, j, k) in (0..count).flat_map(|i| (0..=i).flat_map(move |j| (0..=j).map(move |k| (i, j, k)))) {
+        for (p, q) in (0..=48).flat_map(|p| (0..=48 - p).map(move |q| (p, q))) {
+            let [p, q] = [p, q].map(|part| f64::from(part) / 48.0);
+            all.push(states[i] * p + states[j] * q + states[k] * (1.0 - p - q));
+        }
+    }
+    all
+}
+
+/// Greys are mixtures of white and black, a grey ramp increases, light tones and hues stay.
+#[test]
+fn natural_pictures_keep_greys_light_tones_and_hues() {
+    let mut states = inks();
+    // A bluish black: the mixture is still that of white and black.
+    states[0] = xyz([0.03, 0.028, 0.03]);
+    for (intent, space) in
+        [Intent::Natural, Intent::Vivid].into_iter().flat_map(|one| SPACES.map(|space| (one, space)))
+    {
+        let mapping = mapping(&states, intent, space);
+        let grey = |k: i32| mapping.map([f64::from(k) / 100.0; 3]);
+        for k in 0..100 {
+            let (colour, next) = (grey(k), grey(k + 1));
+            assert!(colour.y < next.y, "{intent:?} {space:?} {k}: {colour:?} {next:?}");
+            let part = (colour.y - states[0].y) / (states[1].y - states[0].y);
+            assert!(colour.distance(states[0] * (1.0 - part) + states[1] * part) < 1e-9, "{intent:?} {k}");
+        }
+        let coordinates = |rgb: [f64; 3]| {
+            let shown = mapping.map(rgb);
+            let prepared = Space::new(space, states[1]).unwrap();
+            (mapping.appearance(SourceSpace::Srgb.xyz(rgb)), prepared.coordinates(shown))
+        };
+        for rgb in [[0.9, 0.5, 0.3], [0.6, 0.7, 0.3], [0.4, 0.45, 0.6], [0.7, 0.5, 0.5]] {
+            let ([l, a, b], [shown, x, y]) = coordinates(rgb);
+            let unit = prepared_unit(space, states[1]);
+            assert!((shown / unit - l).abs() < 0.06, "{rgb:?}: {l} {shown}");
+            let turn = (y.atan2(x) - b.atan2(a)).to_degrees();
+            assert!(turn.abs() < 12.0, "{intent:?} {space:?} {rgb:?}: {turn}");
+        }
+    }
+}
+
+fn prepared_unit(space: MapSpace, white: Xyz) -> f64 {
+    Space::new(space, white).unwrap().coordinates(white)[0]
+}
+
+/// Interpolation between nodes of the lattice is nearly exact, in the hull, and the order of the colours does not
+/// matter.
+#[test]
+fn lattice_is_nearly_exact_and_without_memory() {
+    let states = inks();
+    let mapping = mapping(&states, Intent::Natural, MapSpace::Oklab);
+    let mut dice = Dice::new(8, 0);
+    let targets: Vec<[f64; 3]> = (0..400)
+        .map(|_| {
+            let rgb = [0, 1, 2].map(|_| dice.throw().powi(2));
+            let [l, a, b] = mapping.appearance(SourceSpace::Srgb.xyz(rgb));
+            [mapping.tone().lightness(l), a, b]
+        })
+        .collect();
+    let mut lattice = AlikeLattice::new(&mapping);
+    let forwards: Vec<Xyz> = targets.iter().map(|target| lattice.alike(*target).0).collect();
+    let mut again = AlikeLattice::new(&mapping);
+    let mut backwards: Vec<Xyz> = targets.iter().rev().map(|target| again.alike(*target).0).collect();
+    backwards.reverse();
+    assert_eq!(forwards, backwards);
+    let mut differences: Vec<f64> = targets
+        .iter()
+        .zip(&forwards)
+        .map(|(target, found)| {
+            assert!(mapping.hull().contains(*found));
+            let labs = [*found, mapping.alike(*target)].map(|colour| colour.lab(states[1]).unwrap());
+            labs[0].delta_e_2000(labs[1])
+        })
+        .collect();
+    differences.sort_by(f64::total_cmp);
+    assert!(differences[380] < 0.5 && differences[399] < 2.5, "{} {}", differences[380], differences[399]);
+    assert!(lattice.alike([0.7, 0.9, 0.0]).0.distance(mapping.alike([0.7, 0.9, 0.0])) < 1e-15);
 }
 
 /// A hull in a plane keeps the hue of its ink and reduces others to the part towards it.
 #[test]
 fn black_white_and_red_show_red_and_grey() {
     let states = [[0.03, 0.03, 0.021], [0.6, 0.6, 0.42], [0.22, 0.12, 0.03]].map(xyz);
-    for intent in [Intent::Relative, Intent::Perceptual] {
+    for intent in [Intent::Relative, Intent::Natural] {
         let mapping = mapping(&states, intent, MapSpace::Oklab);
         let share = |rgb: [f64; 3]| {
             crate::states::LeastVariance::new(&states).unwrap().coverages(mapping.map(rgb)).unwrap().of(2)
@@ -135,9 +231,7 @@ fn black_white_and_red_show_red_and_grey() {
 #[test]
 fn table_is_in_the_hull_and_exact_where_the_mapping_changes_nothing() {
     let states = inks();
-    for (intent, mean, largest) in
-        [(Intent::Relative, 0.2, 4.0), (Intent::Perceptual, 0.2, 4.0), (Intent::Clip, 0.2, 4.0)]
-    {
+    for (intent, mean, largest) in [(Intent::Relative, 0.2, 4.0), (Intent::Clip, 0.2, 4.0)] {
         let mapping = mapping(&states, intent, MapSpace::Oklab);
         let table = GamutTable::new(&mapping, 17);
         let error = table.error(&mapping);
@@ -151,8 +245,7 @@ fn table_is_in_the_hull_and_exact_where_the_mapping_changes_nothing() {
         );
         for grey in [0.0, 0.01, 0.3, 1.0] {
             let expected = mapping.target([grey; 3]);
-            let exact = intent != Intent::Perceptual;
-            assert!(!exact || table.map([grey; 3]).distance(expected) < 1e-12, "{intent:?} {grey}");
+            assert!(table.map([grey; 3]).distance(expected) < 1e-12, "{intent:?} {grey}");
         }
         assert_eq!(table.map([f64::NAN, 2.0, -1.0]), table.map([0.0, 1.0, 0.0]));
     }

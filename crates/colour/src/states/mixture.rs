@@ -171,7 +171,7 @@ fn inverse_of_simplex(corners: &[usize], at: &[[f64; 3]]) -> Option<[[f64; 4]; 4
 }
 
 /// Weights of the points whose mixture is nearest to the origin, with their indices: Wolfe's algorithm.
-pub(super) fn nearest_weights(points: &[[f64; 3]]) -> Vec<(usize, f64)> {
+pub(crate) fn nearest_weights(points: &[[f64; 3]]) -> Vec<(usize, f64)> {
     let size = points.iter().map(|point| dot(*point, *point)).fold(f64::MIN_POSITIVE, f64::max);
     let first =
         (0..points.len()).min_by(|i, k| dot(points[*i], points[*i]).total_cmp(&dot(points[*k], points[*k])));

@@ -16,5 +16,6 @@ mod subpixels;
 mod tests;
 
 pub use hull::StateHull;
+pub(crate) use mixture::nearest_weights;
 pub use mixture::{Coverages, LeastVariance};
 pub use subpixels::SubPixels;

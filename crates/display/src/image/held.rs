@@ -115,7 +115,7 @@ impl Brought {
     ) -> Result<Self, DisplayError> {
         let mapping = (settings.intent, settings.space);
         let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
-        let rendered = rendering.rendered(&source.pixels);
+        let rendered = rendering.rendered(&source.pixels, source.columns, &settings.adjustments)?;
         control.check()?;
         let spread = match settings.halftone {
             Halftone::DirectBinarySearch => Blur::spread_of_white(&lit.setup, REACH_OF_LAYERS, control)?,

@@ -5,7 +5,7 @@
 //! | step | function |
 //! |---|---|
 //! | the picture on the pixels of the panel, before | [`papilio_imaging::fitted`] |
-//! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs` |
+//! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs`, natural pictures also `natural.rs` |
 //! | a state for each pixel | `halftone.rs`, `masks.rs`, `search.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
 //! | pixels below a colour filter | `filter.rs` |
@@ -27,6 +27,7 @@ mod known;
 mod lamps;
 mod light;
 mod masks;
+mod natural;
 mod perspective;
 mod rendering;
 mod samples;
@@ -44,6 +45,7 @@ use held::{Brought, Lit};
 pub use held::{Factors, HeldPicture, LightPicture};
 pub use known::KnownLights;
 pub use lamps::LampImage;
+pub use natural::{Adjustments, Rendition};
 pub use papilio_colour::ScreenSpace;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz, encoded_byte};
@@ -81,6 +83,8 @@ pub struct ImageSettings {
     pub intent: Intent,
     /// Space in which colours that the display cannot show keep their hue.
     pub space: MapSpace,
+    /// Exposure, contrast, saturation and white balance.
+    pub adjustments: Adjustments,
     /// How pixels with few states show many colours.
     pub halftone: Halftone,
     /// Weights of error diffusion.
@@ -171,6 +175,8 @@ pub struct ImageNumbers {
     pub out_of_gamut_fraction: f64,
     /// Error of the mapping of such colours by a table, CIEDE2000, 95th percentile; null if each pixel was mapped.
     pub mapping_error_delta_e_2000: Option<f64>,
+    /// What was chosen for a natural or vivid picture; null for other intents.
+    pub rendition: Option<Rendition>,
     /// Fraction of the pixels at which error diffusion lost colour, because the error exceeded its limit; usually 0.
     pub cut_fraction: f64,
     /// Fraction of the pixels that a screen cannot show in seen.png, which are clipped.
@@ -182,9 +188,10 @@ pub struct ImageNumbers {
     /// Differences from the picture itself, as a good screen beside the display shows it to a reader adapted to the display's white: its white
     /// is that white, its black is 0. No display reaches 0 where the picture is darker than its black.
     pub against_photograph: PictureDifferences,
-    /// Differences from the picture with the white and black of this display, before gamut mapping.
+    /// Differences from the picture with the white and black of this display in linear light, before gamut mapping: the target of the relative
+    /// intent.
     pub against_source: PictureDifferences,
-    /// Differences from the picture after gamut mapping.
+    /// Differences from the picture after tone and gamut mapping: what the halftone should show.
     pub against_mapped: PictureDifferences,
     /// Sharpness of the white of the display; null without [display.matrix] and the thickness of the layers, and below a colour filter.
     pub sharpness: Option<Sharpness>,
@@ -237,8 +244,9 @@ pub fn image(
         _ => settings,
     };
     let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
-    let Brought { rendering, rendered: Rendered { wanted, mapped, photograph, inside }, states, cut } =
+    let Brought { rendering, rendered, states, cut } =
         control.within([0.4, 0.6], |control| Brought::new(&lit, source, settings, control))?;
+    let Rendered { wanted, mapped, photograph, inside, table_error, rendition } = rendered;
     let to_screen =
         Adaptation::between(lit.white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let picture = Picture { size, states: &states, wholes: &[] };
@@ -294,7 +302,8 @@ pub fn image(
         states: palette.names(),
         coverage: (!states.is_empty()).then(|| coverage(&palette, &states)),
         out_of_gamut_fraction: fraction(seen.len() - inside),
-        mapping_error_delta_e_2000: rendering.table_error().map(|error| error.p95),
+        mapping_error_delta_e_2000: table_error,
+        rendition,
         cut_fraction: fraction(cut),
         clipped_fraction: clipped as f64 / shown.len() as f64,
         mean_XYZ: [mean(0), mean(1), mean(2)],

@@ -2,17 +2,21 @@
 //! with the states of the display, and a table for large pictures.
 
 use papilio_colour::mapping::{
-    DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SourceSpace, TableError,
+    AlikeLattice, DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SourceSpace,
 };
 use papilio_colour::states::StateHull;
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 
 use super::colour;
+use super::natural::{AdjustedSource, Adjustments, Rendition};
 use crate::DisplayError;
 use crate::palette::Palette;
 
 /// Number of pixels from which a table is quicker than the mapping of each.
 const MANY: usize = 40_000;
+
+/// Number of pixels of which the error of a table is measured.
+const PROBES: usize = 400;
 
 /// Distance from the hull, relative to its size, that rounding to 32 bits may cause.
 const INSIDE: f64 = 1e-6;
@@ -30,10 +34,9 @@ const BLUE_YELLOW: f64 = 0.6;
 /// Colours of a display for the colours of a picture.
 pub(super) struct Rendering {
     mapping: GamutMapping,
-    /// The mapping of many colours, with its error.
-    table: Option<(GamutTable, TableError)>,
-    /// Whether colours inside the hull change, too.
-    changes_all: bool,
+    /// The mapping of many colours.
+    table: Option<GamutTable>,
+    intent: Intent,
     pub(super) white: Xyz,
     /// From D65 to the white of the display.
     to_white: Adaptation,
@@ -51,6 +54,10 @@ pub(super) struct Rendered {
     pub(super) photograph: Vec<[f32; 3]>,
     /// Number of pixels whose colour some mixture of states has.
     pub(super) inside: usize,
+    /// Error of the mapping of such colours by a table, CIEDE2000, 95th percentile; `None` if each was mapped.
+    pub(super) table_error: Option<f64>,
+    /// What was chosen for this picture.
+    pub(super) rendition: Option<Rendition>,
 }
 
 impl Rendering {
@@ -73,12 +80,9 @@ impl Rendering {
             Adaptation::between(D65_WHITE, white).ok_or(DisplayError::NoWhite { what: "a picture" })?;
         let display = DisplayColours { white, black, perfect_white };
         let mapping = GamutMapping::new(StateHull::new(&points)?, display, SourceSpace::Srgb, intent, space)?;
-        let table = (pixels > MANY).then(|| {
-            let table = GamutTable::new(&mapping, GamutTable::LEVELS);
-            let error = table.error(&mapping);
-            (table, error)
-        });
-        Ok(Self { mapping, table, changes_all: intent == Intent::Perceptual, white, to_white, states })
+        let has_table = pixels > MANY && !is_natural(intent);
+        let table = has_table.then(|| GamutTable::new(&mapping, GamutTable::LEVELS));
+        Ok(Self { mapping, table, intent, white, to_white, states })
     }
 
     /// Coordinates in which error diffusion searches the nearest state: lightness, red-green and blue-yellow,
@@ -90,8 +94,13 @@ impl Rendering {
     /// 0.5 to 0.8 the mean is within 3 %. With a weight of blue-yellow below 0.5, errors grow until they are
     /// cut, under D65 in up to 6 % of the pixels with 0.4. Else the mean colour is the same with any weights.
     pub(super) fn metric(&self) -> [[f64; 3]; 3] {
+        self.opponent(RED_GREEN, BLUE_YELLOW)
+    }
+
+    /// Lightness, red-green and blue-yellow with these weights, relative to the white.
+    pub(super) fn opponent(&self, red_green: f64, blue_yellow: f64) -> [[f64; 3]; 3] {
         let [x, y, z] = self.white.to_array().map(|value| 1.0 / value);
-        [[0.0, y, 0.0], [RED_GREEN * x, -RED_GREEN * y, 0.0], [0.0, BLUE_YELLOW * y, -BLUE_YELLOW * z]]
+        [[0.0, y, 0.0], [red_green * x, -red_green * y, 0.0], [0.0, blue_yellow * y, -blue_yellow * z]]
     }
 
     /// The colour of the hull that is nearest to a colour.
@@ -114,23 +123,76 @@ impl Rendering {
         (0..self.states.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     }
 
-    /// Error of the mapping of large pictures; `None` if each colour is mapped.
-    pub(super) fn table_error(&self) -> Option<TableError> {
-        self.table.as_ref().map(|(_, error)| *error)
+    /// Maps all pixels of a picture with these columns.
+    pub(super) fn rendered(
+        &self,
+        pixels: &[[f32; 3]],
+        columns: usize,
+        adjustments: &Adjustments,
+    ) -> Result<Rendered, DisplayError> {
+        let adjusted = adjustments.of_source(pixels, columns, is_natural(self.intent))?;
+        let shown = adjusted.pixels.as_deref().unwrap_or(pixels);
+        let photograph = pixels.iter().map(|pixel| single(self.to_white.apply(colour(*pixel)))).collect();
+        let mut rendered = if is_natural(self.intent) {
+            self.natural(shown, columns, adjustments, &adjusted)?
+        } else {
+            self.colour_by_colour(shown)
+        };
+        rendered.photograph = photograph;
+        Ok(rendered)
     }
 
-    /// Maps all pixels of a picture.
-    pub(super) fn rendered(&self, pixels: &[[f32; 3]]) -> Rendered {
-        let all = || Vec::with_capacity(pixels.len());
-        let mut rendered = Rendered { wanted: all(), mapped: all(), photograph: all(), inside: 0 };
+    /// Maps the colour of each pixel by itself.
+    fn colour_by_colour(&self, pixels: &[[f32; 3]]) -> Rendered {
+        let mut rendered = Rendered::with_room_for(pixels.len());
+        rendered.table_error = self.table.as_ref().map(|table| table.error(&self.mapping).p95);
         for pixel in pixels {
             let (wanted, mapped, is_inside) = self.mapped(*pixel);
-            rendered.photograph.push(single(self.to_white.apply(colour(*pixel))));
             rendered.wanted.push(wanted);
             rendered.mapped.push(mapped);
             rendered.inside += usize::from(is_inside);
         }
         rendered
+    }
+
+    /// Maps a natural picture: the tone of a pixel depends on its surroundings.
+    fn natural(
+        &self,
+        pixels: &[[f32; 3]],
+        columns: usize,
+        adjustments: &Adjustments,
+        adjusted: &AdjustedSource,
+    ) -> Result<Rendered, DisplayError> {
+        let mut rendered = Rendered::with_room_for(pixels.len());
+        let vivid = self.intent == Intent::Vivid;
+        let (targets, rendition) = adjustments.targets(&self.mapping, pixels, columns, vivid, adjusted)?;
+        rendered.rendition = Some(rendition);
+        let mut lattice = (pixels.len() > MANY).then(|| AlikeLattice::new(&self.mapping));
+        let mut errors = Vec::new();
+        let every = (pixels.len() / PROBES).max(1);
+        for (at, (pixel, target)) in pixels.iter().zip(targets).enumerate() {
+            rendered.wanted.push(single(self.mapping.target_xyz(colour(*pixel))));
+            let target = target.map(f64::from);
+            let (mapped, is_inside) = match &mut lattice {
+                Some(lattice) => lattice.alike(target),
+                None => self
+                    .mapping
+                    .contained(target)
+                    .map_or_else(|| (self.mapping.alike(target), false), |contained| (contained, true)),
+            };
+            if lattice.is_some() && at % every == 0 {
+                let labs = [mapped, self.mapping.alike(target)].map(|one| one.lab(self.white));
+                if let [Some(ours), Some(exact)] = labs {
+                    errors.push(ours.delta_e_2000(exact));
+                }
+            }
+            let counts = is_inside || self.mapping.is_nearly_contained(target, COUNTED_INSIDE);
+            rendered.inside += usize::from(counts);
+            rendered.mapped.push(single(mapped));
+        }
+        errors.sort_by(f64::total_cmp);
+        rendered.table_error = errors.get(errors.len() * 95 / 100).copied();
+        Ok(rendered)
     }
 
     /// The colour that the display should show, the one that it can show instead, and whether a mixture of
@@ -140,13 +202,26 @@ impl Rendering {
         let wanted = self.mapping.target_xyz(source);
         let is_inside = self.mapping.hull().contains_within(wanted, INSIDE);
         let mapped = match &self.table {
-            _ if is_inside && !self.changes_all => wanted,
-            Some((table, _)) if is_srgb(source.linear_srgb()) => table.map(source.linear_srgb()),
+            _ if is_inside => wanted,
+            Some(table) if is_srgb(source.linear_srgb()) => table.map(source.linear_srgb()),
             _ => self.mapping.map_xyz(source),
         };
         let counts = is_inside || self.mapping.hull().contains_within(wanted, COUNTED_INSIDE);
         (single(wanted), single(mapped), counts)
     }
+}
+
+impl Rendered {
+    fn with_room_for(pixels: usize) -> Self {
+        let all = || Vec::with_capacity(pixels);
+        let (table_error, rendition) = (None, None);
+        Self { wanted: all(), mapped: all(), photograph: Vec::new(), inside: 0, table_error, rendition }
+    }
+}
+
+/// Whether the mapping of a pixel depends on its surroundings.
+fn is_natural(intent: Intent) -> bool {
+    matches!(intent, Intent::Natural | Intent::Vivid)
 }
 
 fn single(colour: Xyz) -> [f32; 3] {

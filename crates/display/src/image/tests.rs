@@ -9,7 +9,7 @@ use papilio_colour::{CORNERS, D65_WHITE, Xyz};
 use papilio_testing::Dice;
 
 use super::halftone::{Panel, states};
-use super::rendering::Rendering;
+use super::rendering::{Rendered, Rendering};
 use super::*;
 use crate::palette::{PaletteColour, PaletteErrors};
 
@@ -59,6 +59,10 @@ fn inks() -> Palette {
 
 fn rendering(palette: &Palette, intent: Intent, pixels: usize) -> Rendering {
     Rendering::new(palette, D65_WHITE, (intent, MapSpace::Oklab), pixels).unwrap()
+}
+
+fn rendered(rendering: &Rendering, pixels: &[[f32; 3]], columns: usize) -> Rendered {
+    rendering.rendered(pixels, columns, &Adjustments::default()).unwrap()
 }
 
 fn settings(halftone: Halftone) -> ImageSettings {
@@ -145,7 +149,7 @@ fn gradient(palette: &Palette) -> Vec<[f32; 3]> {
         [0.2 + 0.6 * x, 0.25 + 0.5 * x + 0.1 * y, 0.8 - 0.5 * y]
     };
     let source: Vec<[f32; 3]> = (0..64 * 32).map(source).collect();
-    rendering.rendered(&source).mapped
+    rendered(&rendering, &source, 64).mapped
 }
 
 #[test]
@@ -208,10 +212,10 @@ fn no_colour_outside_the_hull_reaches_a_halftone() {
     let mut dice = Dice::new(5, 0);
     let random: Vec<[f32; 3]> = (0..400).map(|_| [0, 1, 2].map(|_| dice.between(-0.1, 1.3) as f32)).collect();
     for palette in [film(), inks()] {
-        for intent in [Intent::Relative, Intent::Perceptual, Intent::Absolute, Intent::Clip] {
+        for intent in [Intent::Natural, Intent::Vivid, Intent::Relative, Intent::Absolute, Intent::Clip] {
             for pixels in [1, 50_000] {
                 let rendering = rendering(&palette, intent, pixels);
-                let rendered = rendering.rendered(&random);
+                let rendered = rendered(&rendering, &random, 20);
                 for pixel in &rendered.mapped {
                     assert!(rendering.excess(colour(*pixel)) < 1e-6, "{intent:?} {pixels}: {pixel:?}");
                 }
@@ -239,7 +243,8 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
     };
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
-    assert_eq!(search::searched(&found, &picture, &panel, &control).unwrap(), found);
+    let last = (1.0, usize::MAX);
+    assert_eq!(search::with_filters(&found, &picture, &panel, last, &control).unwrap(), found);
     let xyz = |pixels: &mut dyn Iterator<Item = [f64; 3]>| {
         let values: Vec<[f64; 3]> = pixels.collect();
         Picture::new(64, [0, 1, 2].map(|k| values.iter().map(|value| value[k]).collect())).unwrap()
@@ -269,7 +274,7 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
     };
     let blurred = search::searched(&diffused, &picture, &below, &control).unwrap();
     assert_ne!(blurred, found);
-    assert_eq!(search::searched(&blurred, &picture, &below, &control).unwrap(), blurred);
+    assert_eq!(search::with_filters(&blurred, &picture, &below, last, &control).unwrap(), blurred);
     let settings = settings(Halftone::DirectBinarySearch);
     let no_pitch = Panel { pixels_per_degree: None, spread: None, ..panel };
     assert_eq!(states(&settings, &picture, &no_pitch, &control), Err(DisplayError::NoPixelPitch));

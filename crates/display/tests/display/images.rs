@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use papilio_colour::mapping::Intent;
 use papilio_display::image::{
     HeldPicture, ImageSettings, KnownLights, PictureSurround, Screen, SourceImage, exact, image,
 };
@@ -329,7 +330,7 @@ fn lamps_are_those_of_a_halftone_without_one() {
             "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.6\n[[lighting.directed]]\ntheta_deg = -23\nshare = 0.4\n{radius}"
         );
         let display = scene(&[GLASS, MATRIX, MIRROR, &lamp, viewer]);
-        let settings = ImageSettings::default();
+        let settings = ImageSettings { intent: Intent::Relative, ..ImageSettings::default() };
         let held = control(|control| HeldPicture::new(&display, &ramp(), &settings, control));
         let by_states = control(|control| held.factors(&display, control));
         let mut prepared = prepared_for(&display).unwrap();

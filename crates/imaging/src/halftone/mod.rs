@@ -5,7 +5,7 @@
 //! | [`ordered`] | coverages of the states | a [`Mask`] decides each pixel alone: quick, stable when a picture moves |
 //! | [`ordered_planes`] | coverages of independent sub-pixels | the same for each sub-pixel, with a mask of its own |
 //! | [`ErrorDiffusion`] | X, Y, Z, or one number | the error of a pixel is passed on to its neighbours: the finest detail |
-//! | [`direct_binary_search`] | the same, filters of the eye, a start | the smallest visible error; slow |
+//! | [`direct_binary_search`] | the same, filters of the eye, a start | the smallest visible error; seconds |
 //!
 //! A picture is a slice of its pixels by rows, **the first row at the top**, because error diffusion has a
 //! direction and files of pictures have this order. All values are linear in light. States are numbers from
@@ -31,7 +31,7 @@ mod tests_of_search;
 pub use diffusion::{Diffused, DiffusionKernel, ErrorDiffusion, Scan};
 pub use mask::Mask;
 pub use ordered::{light_to_dark, ordered, ordered_planes};
-pub use search::{Filter, SearchPass, Searched, direct_binary_search};
+pub use search::{Filter, SearchControl, SearchPass, Searched, direct_binary_search};
 
 use crate::ImagingError;
 
@@ -39,7 +39,7 @@ use crate::ImagingError;
 pub const MOST_STATES: usize = 256;
 
 /// Fails unless a picture of `pixels` consists of whole rows.
-fn check_rows(pixels: usize, columns: usize) -> Result<(), ImagingError> {
+pub(crate) fn check_rows(pixels: usize, columns: usize) -> Result<(), ImagingError> {
     let whole = columns > 0 && pixels.is_multiple_of(columns);
     if whole { Ok(()) } else { Err(ImagingError::Rows { pixels, columns }) }
 }

@@ -77,13 +77,13 @@ impl Case {
             Filter::new(5, self.values[0].clone()).unwrap(),
             Filter::new(3, self.values[1].clone()).unwrap(),
         ];
-        direct_binary_search(&self.wanted, COLUMNS, &PALETTE, &filters, &self.start, &|| false, watch)
-            .unwrap()
+        let control = SearchControl { threads: 1, stop: &|| false, watch };
+        direct_binary_search(&self.wanted, COLUMNS, &PALETTE, &filters, &self.start, control).unwrap()
     }
 }
 
 #[test]
-fn direct_binary_search_lowers_its_error_until_no_toggle_or_exchange_does() {
+fn direct_binary_search_lowers_its_error_until_no_change_of_a_pixel_or_a_pair_does() {
     let case = Case::new();
     let mut errors = Vec::new();
     let found = case.search(&mut |pass| {
@@ -106,9 +106,11 @@ fn direct_binary_search_lowers_its_error_until_no_toggle_or_exchange_does() {
         for (right, down) in [(1, 0), (-1, 1), (0, 1), (1, 1)] {
             let (u, v) = (x.wrapping_add_signed(right), y + down);
             if u < COLUMNS && v < 9 {
-                let mut changed = found.states.clone();
-                changed.swap(at, v * COLUMNS + u);
-                assert!(!improves(&changed), "{at}: {right} {down}");
+                for (one, other) in (0..9).map(|k| (k % 3, k / 3)) {
+                    let mut changed = found.states.clone();
+                    (changed[at], changed[v * COLUMNS + u]) = (one, other);
+                    assert!(!improves(&changed), "{at}: {right} {down}");
+                }
             }
         }
     }
@@ -123,8 +125,8 @@ fn direct_binary_search_stops_when_asked() {
     assert!((case.error(&stopped.states) - stopped.error).abs() < 1e-9 * stopped.error_at_start);
     let filters = [bell(1, 1.0), bell(1, 1.0)];
     let watch = &mut |_| ControlFlow::Continue(());
-    let none = direct_binary_search(&case.wanted, COLUMNS, &PALETTE, &filters, &case.start, &|| true, watch)
-        .unwrap();
+    let control = SearchControl { threads: 2, stop: &|| true, watch };
+    let none = direct_binary_search(&case.wanted, COLUMNS, &PALETTE, &filters, &case.start, control).unwrap();
     assert_eq!((none.states, none.passes, none.is_complete), (case.start, 0, false));
 }
 
@@ -139,8 +141,8 @@ fn direct_binary_search_beats_error_diffusion_from_any_start() {
     let search = |start: &[u8]| {
         let watch = &mut |_| ControlFlow::Continue(());
         let palette = [[0.0], [1.0]];
-        direct_binary_search(wanted.as_chunks().0, side, &palette, &[bell(5, 1.5)], start, &|| false, watch)
-            .unwrap()
+        let control = SearchControl { threads: 1, stop: &|| false, watch };
+        direct_binary_search(wanted.as_chunks().0, side, &palette, &[bell(5, 1.5)], start, control).unwrap()
     };
     let (from_diffused, from_noise) = (search(&diffused), search(&noise));
     assert!(from_diffused.error < 0.5 * from_diffused.error_at_start, "{from_diffused:?}");
@@ -154,7 +156,8 @@ fn direct_binary_search_of_unusable_input_is_refused() {
     let search = |start: &[u8], palette: &[[f64; 2]]| {
         let filters = [bell(1, 1.0), bell(1, 1.0)];
         let watch = &mut |_| ControlFlow::Continue(());
-        direct_binary_search(&case.wanted, COLUMNS, palette, &filters, start, &|| false, watch)
+        let control = SearchControl { threads: 1, stop: &|| false, watch };
+        direct_binary_search(&case.wanted, COLUMNS, palette, &filters, start, control)
             .unwrap_err()
             .to_string()
     };
@@ -163,5 +166,41 @@ fn direct_binary_search_of_unusable_input_is_refused() {
     assert!(search(&case.start, &[]).contains("0 states"));
     for (columns, values) in [(2, vec![1.0; 2]), (3, vec![1.0; 6]), (1, vec![f64::NAN]), (1, vec![0.0])] {
         assert!(Filter::new(columns, values).unwrap_err().to_string().contains("odd"));
+    }
+}
+
+/// Bands of rows at the same time: the same bits as one after the other, and a complete search, whose end no
+/// change improves, also at the borders of bands. With ten states, too, of which not all pairs are tried.
+#[test]
+fn direct_binary_search_has_the_same_bits_with_any_number_of_threads() {
+    let (columns, rows) = (24, 140);
+    let mut dice = Dice::new(6, 0);
+    for states in [3, 10] {
+        let more = (3..states).map(|_| [dice.throw(), dice.throw()]);
+        let palette: Vec<[f64; 2]> = PALETTE.into_iter().chain(more).collect();
+        let wanted: Vec<[f32; 2]> =
+            (0..columns * rows).map(|at| [0.3 + 0.4 * (at % 24) as f32 / 24.0, 0.5]).collect();
+        let start: Vec<u8> = wanted.iter().map(|_| dice.below(states) as u8).collect();
+        let filters = [bell(4, 1.3), bell(5, 1.6)];
+        let search = |start: &[u8], threads| {
+            let watch = &mut |_| ControlFlow::Continue(());
+            let control = SearchControl { threads, stop: &|| false, watch };
+            direct_binary_search(&wanted, columns, &palette, &filters, start, control).unwrap()
+        };
+        let alone = search(&start, 1);
+        assert!(
+            alone.is_complete && alone.error < 0.2 * alone.error_at_start,
+            "{states}: {} {}",
+            alone.error,
+            alone.error_at_start
+        );
+        for threads in [2, 5] {
+            assert_eq!(search(&start, threads), alone, "{states} states, {threads} threads");
+        }
+        // A search from its end finds nothing, and computes the error by itself.
+        let again = search(&alone.states, 3);
+        assert_eq!((again.passes, &again.states), (1, &alone.states));
+        let moved = (again.error_at_start - alone.error).abs();
+        assert!(moved < 1e-9 * alone.error_at_start, "{} {}", again.error_at_start, alone.error);
     }
 }

@@ -6,8 +6,8 @@ use papilio_imaging::halftone::{DiffusionKernel, Scan};
 use papilio_imaging::{Fit, TestPattern};
 
 use super::Title;
-use super::numbers::{Count, Millimetres, Points, Seed};
-use crate::grammar::{choice, table};
+use super::numbers::{ColourTemperature, Count, Factor, Millimetres, Points, Seed, Stops};
+use crate::grammar::{choice, forms, table};
 use crate::read::Spanned;
 use crate::word::Word;
 
@@ -32,7 +32,15 @@ table! {
         /// Colour space of a picture that states none.
         source_space: SourceSpace = SourceSpace::Srgb,
         /// White, black and colours that the display cannot show.
-        intent: Word<Intent> = Word(Intent::Relative),
+        intent: Word<Intent> = Word(Intent::Natural),
+        /// Exposure, stops: 1 doubles the light of the picture.
+        exposure: Exposure = Exposure::Auto(Auto::Auto),
+        /// Factor on the contrast of detail, for natural and vivid pictures. 1: that of the picture.
+        contrast as "Contrast of detail": Adjusted = Adjusted::Auto(Auto::Auto),
+        /// Factor on chroma, for natural and vivid pictures. 1: that of the picture.
+        saturation: Adjusted = Adjusted::Auto(Auto::Auto),
+        /// Light of the photograph that becomes white, by its correlated colour temperature in K.
+        white_balance: WhiteBalance = WhiteBalance::Word(BalanceWord::Auto),
         /// Space in which the hue of such colours is constant.
         map_space: ImageMapSpace = ImageMapSpace::Oklab,
         /// How pixels with few states show many colours.
@@ -108,11 +116,62 @@ choice! {
 }
 
 choice! {
+    /// A value that is chosen for the picture.
+    Auto {
+        /// Chosen for the picture.
+        Auto = "auto",
+    }
+}
+
+choice! {
+    /// A white balance in a word.
+    BalanceWord {
+        /// As the picture states.
+        Auto = "auto",
+        /// As the picture states.
+        None = "none",
+    }
+}
+
+forms! {
+    /// An exposure: stops, or "auto".
+    Exposure, format!("{}, or \"auto\": more light for a photograph without light tones", Stops::in_words()); {
+        /// Chosen for the picture.
+        Auto(Auto) if Value::Text(_),
+        /// Stops.
+        Stops(Stops) if Value::Integer(_) | Value::Float(_),
+    }
+}
+
+forms! {
+    /// A factor, or "auto".
+    Adjusted, format!("{}, or \"auto\": chosen for the picture", Factor::in_words()); {
+        /// Chosen for the picture.
+        Auto(Auto) if Value::Text(_),
+        /// A factor.
+        Factor(Factor) if Value::Integer(_) | Value::Float(_),
+    }
+}
+
+forms! {
+    /// A white balance: a colour temperature, or "auto" or "none".
+    WhiteBalance, format!("{}, or \"auto\" or \"none\": as the picture states", ColourTemperature::in_words()); {
+        /// As the picture states.
+        Word(BalanceWord) if Value::Text(_),
+        /// A correlated colour temperature.
+        Kelvin(ColourTemperature) if Value::Integer(_) | Value::Float(_),
+    }
+}
+
+choice! {
     for Intent {
-        /// White and black become those of the display; colours outside its gamut lose chroma.
+        /// The best picture of a photograph: light tones stay, dark ones bend towards the display's black;
+        /// colours outside its gamut become the most alike inside.
+        Natural = "natural",
+        /// As natural, darker and with more chroma and contrast.
+        Vivid = "vivid",
+        /// White and black become those of the display in linear light; colours outside its gamut lose chroma.
         Relative = "relative",
-        /// As relative, but chroma and dark colours are compressed gradually.
-        Perceptual = "perceptual",
         /// As relative, but white is a perfect white in the light.
         Absolute = "absolute",
         /// As relative, but colours outside become the nearest inside.

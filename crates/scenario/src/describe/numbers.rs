@@ -40,6 +40,18 @@ number!(
     Tolerance, Range::above_0_to(1e6)
 );
 number!(
+    /// An exposure of a picture, stops.
+    Stops, Range::from_to(-10.0, 10.0).unit("stops")
+);
+number!(
+    /// A factor on the contrast or the chroma of a picture.
+    Factor, Range::from_to(0.0, 5.0)
+);
+number!(
+    /// A correlated colour temperature of the light of a photograph, K.
+    ColourTemperature, Range::from_to(1700.0, 25_000.0).unit("K")
+);
+number!(
     /// A wavelength or a difference of wavelengths, nm.
     Wavelength, Range::above_0_to(1e6).unit("nm")
 );

@@ -2,15 +2,15 @@
 
 use std::f64::consts::PI;
 
-use papilio_colour::mapping::MapSpace;
+use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Surround, Viewing};
 use papilio_diagnostics::Diagnostic;
-use papilio_display::image::{Halftone, ImageSettings, SourceImage};
+use papilio_display::image::{Adjustments, Halftone, ImageSettings, SourceImage};
 use papilio_display::scene::Scene;
 
 use super::Resolver;
 use crate::describe::File;
-use crate::describe::image::{Image, ImageMapSpace};
+use crate::describe::image::{Adjusted, Exposure, Image, ImageMapSpace, WhiteBalance};
 use crate::mistake;
 use crate::read::Read as _;
 use crate::tree::Node;
@@ -49,6 +49,16 @@ impl Resolver<'_> {
                 self.err(state, twice.hint("remove one of the two"));
             }
         }
+        let is_natural = matches!(image.intent.0, Intent::Natural | Intent::Vivid);
+        for (key, adjusted) in [("contrast", &image.contrast), ("saturation", &image.saturation)] {
+            if !is_natural && matches!(adjusted.value, Adjusted::Factor(_)) {
+                let only = Diagnostic::new(format!("{key} is a factor on natural and vivid pictures"));
+                self.err(
+                    adjusted,
+                    only.hint(format!("remove `{key}`, or write intent = \"natural\" or \"vivid\"")),
+                );
+            }
+        }
         if image.halftone.0 == Halftone::DirectBinarySearch && scene.display.matrix.is_none() {
             let wrong = Diagnostic::new(
                 "direct-binary-search needs the angle at which the reader sees a pixel, and [display.matrix] is missing",
@@ -76,6 +86,7 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
                 surround: Surround::Average,
             }),
         },
+        adjustments: adjustments(image),
         halftone: image.halftone.0,
         kernel: image.kernel.0,
         scan: image.scan.0,
@@ -86,5 +97,24 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
         samples_per_pixel: image.samples_per_pixel.0 as usize,
         given: None,
         prepared_for: None,
+    }
+}
+
+fn adjustments(image: &Image) -> Adjustments {
+    let factor = |adjusted: &Adjusted| match adjusted {
+        Adjusted::Auto(_) => None,
+        Adjusted::Factor(factor) => Some(factor.0),
+    };
+    Adjustments {
+        exposure: match &image.exposure.value {
+            Exposure::Auto(_) => None,
+            Exposure::Stops(stops) => Some(stops.0),
+        },
+        contrast: factor(&image.contrast.value),
+        saturation: factor(&image.saturation.value),
+        white_balance_k: match &image.white_balance.value {
+            WhiteBalance::Word(_) => None,
+            WhiteBalance::Kelvin(kelvin) => Some(kelvin.0),
+        },
     }
 }

@@ -1,0 +1,144 @@
+//! Natural pictures: colours by lightness, chroma and hue relative to the white, and the nearest of the hull.
+//!
+//! Coordinates are lightness and two chromatic ones, in units of the white's lightness, in the space of the
+//! mapping.
+
+use super::{GamutMapping, Intent, Tone, at_lightness};
+use crate::Xyz;
+use crate::matrix::{Matrix, dot, times};
+use crate::states::nearest_weights;
+
+/// Sharpness of the tone curve of natural and of vivid pictures.
+const NATURAL: f64 = 6.0;
+const VIVID: f64 = 8.4;
+
+/// How much a difference across the hue counts, over that of lightness and chroma. With 1, orange becomes
+/// yellow or red; with 4, it loses much chroma.
+const ACROSS: f64 = 2.0;
+
+/// Largest number of steps towards the nearest colour; 3 to 6 are usual.
+const STEPS: usize = 16;
+
+/// A step for derivatives, relative to white.
+const SMALL: f64 = 1e-6;
+
+impl GamutMapping {
+    /// Coordinates of X, Y, Z relative to D65 (Y = 1 for white) when the picture's white is the display's.
+    pub fn appearance(&self, source: Xyz) -> [f64; 3] {
+        self.coordinates(self.adaptation.apply(source))
+    }
+
+    /// The tone curve of the intent: natural, or vivid.
+    pub fn tone(&self) -> Tone {
+        Tone::new(self.lightness_of_black(), if self.intent == Intent::Vivid { VIVID } else { NATURAL })
+    }
+
+    /// Lightness of the display's black, 1 for its white.
+    pub fn lightness_of_black(&self) -> f64 {
+        self.coordinates(self.display.black)[0]
+    }
+
+    /// Coordinates of the colour whose chroma and hue, relative to the mixture of white and black of the same
+    /// lightness, are these: without chroma, it is that mixture.
+    pub fn beside_grey(&self, [lightness, a, b]: [f64; 3]) -> [f64; 3] {
+        let [grey, grey_a, grey_b] = self.coordinates(at_lightness(&self.mixtures, lightness * self.unit()));
+        [grey, grey_a + a, grey_b + b]
+    }
+
+    /// The colour of coordinates, if the hull contains it.
+    pub fn contained(&self, coordinates: [f64; 3]) -> Option<Xyz> {
+        self.xyz(coordinates).filter(|colour| self.hull.contains(*colour))
+    }
+
+    /// Whether the colour of coordinates is outside no face of the hull by more than a tolerance, relative to its
+    /// brightest state.
+    pub fn is_nearly_contained(&self, coordinates: [f64; 3], tolerance: f64) -> bool {
+        self.xyz(coordinates).is_some_and(|colour| self.hull.contains_within(colour, tolerance))
+    }
+
+    /// The colour of the hull that is most alike to coordinates: the least sum of the squared differences in
+    /// lightness, along the hue and, with a weight of 4, across it. Newton's method with the best mixture of
+    /// states in each step, which is a convex problem (Wolfe, as for [`nearest`](crate::states::StateHull::nearest)).
+    pub fn alike(&self, target: [f64; 3]) -> Xyz {
+        if let Some(colour) = self.contained(target) {
+            return colour;
+        }
+        let [lightness, a, b] = target;
+        let chroma = a.hypot(b);
+        let (cos, sin) = if chroma > 0.0 { (a / chroma, b / chroma) } else { (1.0, 0.0) };
+        let rows: Matrix = [[1.0, 0.0, 0.0], [0.0, cos, sin], [0.0, -ACROSS * sin, ACROSS * cos]];
+        let away = |colour: Xyz| {
+            let here = self.coordinates(colour);
+            times(&rows, [0, 1, 2].map(|k| here[k] - target[k]))
+        };
+        let grey = at_lightness(&self.mixtures, lightness * self.unit());
+        let unit = self.unit();
+        let from = self.space.coordinates(grey);
+        let mut here = self.on_the_way(from, target.map(|one| one * unit), &self.hull, grey).1;
+        let mut off = away(here);
+        for _ in 0..STEPS {
+            let next = self.best_mixture(here, off, &away);
+            let Some((found, less)) = shortened(here, next, dot(off, off), &away) else { break };
+            let gained = dot(off, off) - dot(less, less);
+            (here, off) = (found, less);
+            if gained < 1e-10 {
+                break;
+            }
+        }
+        here
+    }
+
+    /// The mixture of states with the least difference, where it is linear about a colour.
+    fn best_mixture(&self, here: Xyz, off: [f64; 3], away: &impl Fn(Xyz) -> [f64; 3]) -> Xyz {
+        let white = self.display.white.to_array();
+        let slope = |k: usize| {
+            let mut moved = here.to_array();
+            moved[k] += SMALL * white[k];
+            let [x, y, z] = moved;
+            let moved = away(Xyz { x, y, z });
+            [0, 1, 2].map(|i| (moved[i] - off[i]) / (SMALL * white[k]))
+        };
+        let slopes = [slope(0), slope(1), slope(2)];
+        let there = |state: &Xyz| {
+            let step = (*state - here).to_array();
+            [0, 1, 2].map(|i| off[i] + (0..3).map(|k| slopes[k][i] * step[k]).sum::<f64>())
+        };
+        let states = self.hull.states();
+        let points: Vec<[f64; 3]> = states.iter().map(there).collect();
+        let nothing = Xyz { x: 0.0, y: 0.0, z: 0.0 };
+        nearest_weights(&points).iter().fold(nothing, |sum, (state, weight)| sum + states[*state] * *weight)
+    }
+
+    /// The colour on the display of X, Y, Z relative to D65, each colour by itself.
+    pub(super) fn natural(&self, source: Xyz) -> Xyz {
+        let [lightness, a, b] = self.appearance(source);
+        self.alike(self.beside_grey([self.tone().lightness(lightness), a, b]))
+    }
+
+    fn coordinates(&self, colour: Xyz) -> [f64; 3] {
+        self.space.coordinates(colour).map(|one| one / self.unit())
+    }
+
+    fn xyz(&self, coordinates: [f64; 3]) -> Option<Xyz> {
+        self.space.xyz(coordinates.map(|one| one * self.unit()))
+    }
+
+    /// Lightness of the white in the space of the mapping.
+    fn unit(&self) -> f64 {
+        self.mixtures.last().map_or(1.0, |(lightness, _)| *lightness)
+    }
+}
+
+/// The first of the whole step, its half and so on that lowers the squared difference, with its difference.
+fn shortened(here: Xyz, next: Xyz, square: f64, away: &impl Fn(Xyz) -> [f64; 3]) -> Option<(Xyz, [f64; 3])> {
+    let mut part = 1.0;
+    for _ in 0..10 {
+        let found = here + (next - here) * part;
+        let off = away(found);
+        if dot(off, off) < square {
+            return Some((found, off));
+        }
+        part *= 0.5;
+    }
+    None
+}

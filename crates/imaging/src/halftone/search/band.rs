@@ -1,0 +1,235 @@
+//! Bands of rows that threads search at the same time.
+//!
+//! A band is changed in its inner rows only, so that what its changes touch is in the band: the result does not
+//! depend on the number of threads. In each pass, bands that begin at multiples of a period come first, then
+//! those between, which have the other rows inside.
+
+use std::ops::Range;
+
+use super::costs::{Change, Costs, NEIGHBOURS, Scratch};
+
+/// Columns and rows of the blocks of pixels that are left out while nothing near them changes.
+const BLOCK: usize = 8;
+
+/// Rows of a band at least; the inner half is searched.
+const LEAST_ROWS: usize = 64;
+
+/// The states of a picture and their error, correlated with the autocorrelations of the filters.
+pub(super) struct Field<const N: usize> {
+    pub(super) columns: usize,
+    pub(super) states: Vec<u8>,
+    /// By rows, then by coordinates, then by columns.
+    pub(super) correlated: Vec<f64>,
+    /// For each block, by rows of blocks, whether something in reach has changed since its last visit.
+    touched: Vec<bool>,
+}
+
+/// Changes, and how much they lower the error.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Progress {
+    pub(super) changes: usize,
+    pub(super) gain: f64,
+}
+
+/// Rows of a field.
+struct Band<'a, const N: usize> {
+    columns: usize,
+    states: &'a mut [u8],
+    correlated: &'a mut [f64],
+    touched: &'a mut [bool],
+    /// Rows that may change.
+    inner: Range<usize>,
+}
+
+impl<const N: usize> Field<N> {
+    /// Correlates the errors of the states; `None` if it was stopped.
+    pub(super) fn new(
+        errors: &[[f64; N]],
+        columns: usize,
+        states: &[u8],
+        costs: &Costs<N>,
+        (threads, stop): (usize, &(dyn Fn() -> bool + Sync)),
+    ) -> Option<Self> {
+        let rows = states.len() / columns;
+        let mut correlated = vec![0.0; states.len() * N];
+        let bands: Vec<_> = correlated.chunks_mut(columns * N * BLOCK).enumerate().collect();
+        let done = in_turn(threads, bands, |(number, band)| {
+            for (y, row) in band.chunks_exact_mut(columns * N).enumerate() {
+                if stop() {
+                    return false;
+                }
+                correlate_row(row, errors, columns, number * BLOCK + y, costs);
+            }
+            true
+        });
+        let blocks = columns.div_ceil(BLOCK) * rows.div_ceil(BLOCK);
+        let field = Self { columns, states: states.to_vec(), correlated, touched: vec![true; blocks] };
+        done.into_iter().all(|done| done).then_some(field)
+    }
+
+    /// One pass over all pixels near which something has changed; `None` if it was stopped.
+    pub(super) fn pass(
+        &mut self,
+        costs: &Costs<N>,
+        threads: usize,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Progress> {
+        // A change of a pixel and its lower neighbour is felt in a row more than the reach.
+        let quarter = (costs.reach()[1] + 1).max(LEAST_ROWS / 4).next_multiple_of(BLOCK);
+        let mut progress = Progress::default();
+        for shift in [0, 2 * quarter] {
+            let bands = self.bands(quarter, shift);
+            let found = in_turn(threads, bands, |mut band| band.search(costs, stop));
+            for found in found {
+                let Progress { changes, gain } = found?;
+                progress.changes += changes;
+                progress.gain += gain;
+            }
+        }
+        Some(progress)
+    }
+
+    /// Bands of four quarters, whose middle half is searched; with a shift, the first one has its upper half
+    /// left away.
+    fn bands(&mut self, quarter: usize, shift: usize) -> Vec<Band<'_, N>> {
+        let columns = self.columns;
+        let across = columns.div_ceil(BLOCK);
+        let mut bands = Vec::new();
+        let (mut states, mut correlated, mut touched) =
+            (&mut self.states[..], &mut self.correlated[..], &mut self.touched[..]);
+        let mut left_away = shift;
+        while !states.is_empty() {
+            let rows = (4 * quarter - left_away).min(states.len() / columns);
+            let band;
+            (band, states) = states.split_at_mut(rows * columns);
+            let own;
+            (own, correlated) = correlated.split_at_mut(rows * columns * N);
+            let blocks;
+            (blocks, touched) = touched.split_at_mut(rows.div_ceil(BLOCK) * across);
+            let inner = quarter.saturating_sub(left_away)..(3 * quarter - left_away).min(rows);
+            bands.push(Band { columns, states: band, correlated: own, touched: blocks, inner });
+            left_away = 0;
+        }
+        bands
+    }
+}
+
+/// One row of the errors correlated with the autocorrelations.
+fn correlate_row<const N: usize>(
+    row: &mut [f64],
+    errors: &[[f64; N]],
+    columns: usize,
+    y: usize,
+    costs: &Costs<N>,
+) {
+    let rows = errors.len() / columns;
+    let mut padded = Vec::new();
+    for (k, (correlation, row)) in costs.correlations.iter().zip(row.chunks_exact_mut(columns)).enumerate() {
+        let [across, down] = correlation.reach;
+        for from in y.saturating_sub(down)..(y + down + 1).min(rows) {
+            padded.clear();
+            padded.resize(across, 0.0);
+            padded.extend(errors[from * columns..][..columns].iter().map(|error| error[k]));
+            padded.resize(columns + 2 * across, 0.0);
+            for (x, weight) in correlation.row(from as isize - y as isize).iter().enumerate() {
+                row.iter_mut().zip(&padded[x..]).for_each(|(sum, error)| *sum += weight * error);
+            }
+        }
+    }
+}
+
+impl<const N: usize> Band<'_, N> {
+    fn search(&mut self, costs: &Costs<N>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Progress> {
+        let mut progress = Progress::default();
+        let mut scratch = Scratch::default();
+        let across = self.columns.div_ceil(BLOCK);
+        for block in self.inner.start / BLOCK * across..self.inner.end.div_ceil(BLOCK) * across {
+            if block.is_multiple_of(across) && stop() {
+                return None;
+            }
+            if !std::mem::replace(&mut self.touched[block], false) {
+                continue;
+            }
+            let (top, left) = (block / across * BLOCK, block % across * BLOCK);
+            for y in top..(top + BLOCK).min(self.inner.end) {
+                for x in left..(left + BLOCK).min(self.columns) {
+                    let Some((change, gain)) = self.best(costs, x, y, &mut scratch) else { continue };
+                    self.make(costs, x, y, change);
+                    progress.changes += 1;
+                    progress.gain += gain;
+                }
+            }
+        }
+        Some(progress)
+    }
+
+    fn at(&self, x: usize, y: usize) -> (u8, [f64; N]) {
+        let r = std::array::from_fn(|k| self.correlated[(y * N + k) * self.columns + x]);
+        (self.states[y * self.columns + x], r)
+    }
+
+    fn best(&self, costs: &Costs<N>, x: usize, y: usize, scratch: &mut Scratch) -> Option<(Change, f64)> {
+        let rows = self.states.len() / self.columns;
+        let neighbours = NEIGHBOURS.map(|(right, down)| {
+            let (x, y) = (x.wrapping_add_signed(right), y.wrapping_add_signed(down));
+            (x < self.columns && y < rows).then(|| self.at(x, y))
+        });
+        let (own, r) = self.at(x, y);
+        costs.best(own, r, neighbours, scratch)
+    }
+
+    fn make(&mut self, costs: &Costs<N>, x: usize, y: usize, change: Change) {
+        self.show(costs, x, y, change.state);
+        if let Some((number, state)) = change.other {
+            let (right, down) = NEIGHBOURS[number];
+            self.show(costs, x.wrapping_add_signed(right), y.wrapping_add_signed(down), state);
+        }
+    }
+
+    /// Gives a pixel another state, and adds that to the correlated error.
+    fn show(&mut self, costs: &Costs<N>, x: usize, y: usize, state: u8) {
+        let columns = self.columns;
+        let rows = self.states.len() / columns;
+        let before = std::mem::replace(&mut self.states[y * columns + x], state);
+        let (shown, before) = (costs.palette[usize::from(state)], costs.palette[usize::from(before)]);
+        for (k, correlation) in costs.correlations.iter().enumerate() {
+            let by = shown[k] - before[k];
+            let [across, down] = correlation.reach;
+            let (first, end) = (x.saturating_sub(across), (x + across + 1).min(columns));
+            for to in y.saturating_sub(down)..(y + down + 1).min(rows) {
+                let values = &correlation.row(to as isize - y as isize)[first + across - x..];
+                let row = &mut self.correlated[(to * N + k) * columns..][first..end];
+                row.iter_mut().zip(values).for_each(|(sum, value)| *sum += by * value);
+            }
+        }
+        // A pixel depends on the errors of its neighbours, too.
+        let [across, down] = costs.reach().map(|reach| reach + 1);
+        let blocks = columns.div_ceil(BLOCK);
+        let along = x.saturating_sub(across) / BLOCK..=((x + across).min(columns - 1) / BLOCK);
+        for row in y.saturating_sub(down) / BLOCK..=(y + down).min(rows - 1) / BLOCK {
+            self.touched[row * blocks..][along.clone()].fill(true);
+        }
+    }
+}
+
+/// The results of a function of each item, in their order, by several threads.
+fn in_turn<T: Send, R: Send>(threads: usize, items: Vec<T>, of: impl Fn(T) -> R + Sync) -> Vec<R> {
+    let count = threads.clamp(1, items.len().max(1));
+    if count == 1 {
+        return items.into_iter().map(of).collect();
+    }
+    let mut hands: Vec<Vec<(usize, T)>> = (0..count).map(|_| Vec::new()).collect();
+    items.into_iter().enumerate().for_each(|(at, item)| hands[at % count].push((at, item)));
+    let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
+        let of = &of;
+        let work =
+            |hand: Vec<(usize, T)>| hand.into_iter().map(|(at, item)| (at, of(item))).collect::<Vec<_>>();
+        let running: Vec<_> = hands.into_iter().map(|hand| scope.spawn(move || work(hand))).collect();
+        running
+            .into_iter()
+            .flat_map(|one| one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
+    });
+    results.sort_by_key(|(at, _)| *at);
+    results.into_iter().map(|(_, result)| result).collect()
+}

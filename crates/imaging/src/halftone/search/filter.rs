@@ -1,0 +1,85 @@
+//! Filters and their autocorrelations.
+
+use super::super::check_rows;
+use crate::ImagingError;
+
+/// A sampled filter, symmetric in the sense that its middle is its place: an odd number of columns and rows,
+/// by rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filter {
+    columns: usize,
+    values: Vec<f64>,
+}
+
+/// Values of an autocorrelation, over its middle, below which its outer columns and rows are left out. With 3 %,
+/// that of the eye is not positive definite any more, and a search finds patterns that are none.
+const SMALLEST: f64 = 0.01;
+
+impl Filter {
+    /// A filter of `columns` columns.
+    ///
+    /// # Errors
+    /// If the number of columns or rows is even, or a value is not finite, or all are 0.
+    pub fn new(columns: usize, values: Vec<f64>) -> Result<Self, ImagingError> {
+        check_rows(values.len(), columns)?;
+        let rows = values.len() / columns;
+        let usable = columns % 2 == 1
+            && rows % 2 == 1
+            && values.iter().all(|value| value.is_finite())
+            && values.iter().any(|value| *value != 0.0);
+        if usable { Ok(Self { columns, values }) } else { Err(ImagingError::Filter { columns, rows }) }
+    }
+
+    /// Autocorrelation: `c(x) = sum of h(y) h(x + y)`, without its outer columns and rows of small values.
+    pub(super) fn autocorrelation(&self) -> Correlation {
+        let (columns, rows) = (self.columns, self.values.len() / self.columns);
+        let (wide, high) = (2 * columns - 1, 2 * rows - 1);
+        let mut values = vec![0.0; wide * high];
+        for (a, first) in self.values.iter().enumerate() {
+            for (b, second) in self.values.iter().enumerate() {
+                let x = columns - 1 + b % columns - a % columns;
+                let y = rows - 1 + b / columns - a / columns;
+                values[y * wide + x] += first * second;
+            }
+        }
+        let least = SMALLEST * values[values.len() / 2];
+        let large = |at: &usize| values[*at].abs() >= least;
+        let away = |at: usize, middle: usize| at.abs_diff(middle);
+        let reaches = (0..values.len()).filter(large).fold([0, 0], |[x, y], at| {
+            [x.max(away(at % wide, columns - 1)), y.max(away(at / wide, rows - 1))]
+        });
+        let [along_x, along_y] = reaches;
+        let inner = (rows - 1 - along_y..rows + along_y)
+            .flat_map(|y| &values[y * wide..][columns - 1 - along_x..columns + along_x]);
+        Correlation { reach: reaches, values: inner.copied().collect() }
+    }
+}
+
+/// An autocorrelation about its middle.
+#[derive(Debug, Clone)]
+pub(super) struct Correlation {
+    /// Columns and rows on each side of the middle.
+    pub(super) reach: [usize; 2],
+    values: Vec<f64>,
+}
+
+impl Correlation {
+    pub(super) fn middle(&self) -> f64 {
+        self.values[self.values.len() / 2]
+    }
+
+    /// The value at a step from the middle; 0 beyond the reach.
+    pub(super) fn at(&self, right: isize, down: isize) -> f64 {
+        let [x, y] = self.reach;
+        if right.unsigned_abs() > x || down.unsigned_abs() > y {
+            return 0.0;
+        }
+        self.row(down)[x.wrapping_add_signed(right)]
+    }
+
+    /// The values of a row within the reach, from the left.
+    pub(super) fn row(&self, down: isize) -> &[f64] {
+        let wide = 2 * self.reach[0] + 1;
+        &self.values[self.reach[1].wrapping_add_signed(down) * wide..][..wide]
+    }
+}
