@@ -3,7 +3,8 @@
 //! A display of rotationally symmetric layers is isotropic: its BSDF is a function of two inclinations and
 //! the azimuth between them. It is opaque: there is no transmission.
 
-use crate::{DisplayError, RowErrors};
+use crate::DisplayError;
+use crate::viewers::ViewerTable;
 
 /// Directions of a [`BrdfTable`], in air; both point away from the display.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,47 +39,11 @@ impl BrdfGrid {
     }
 }
 
-/// Spectral BSDF of a display for each drive state.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BrdfTable {
-    /// The directions.
-    pub grid: BrdfGrid,
-    /// Wavelengths, nm.
-    pub wavelength_nm: Vec<f64>,
-    /// The drive states, in the order of the scenario.
-    pub states: Vec<BrdfState>,
-    /// Number of nodes of the quadrature.
-    pub nodes: u64,
-    /// Largest relative discretisation error.
-    pub discretisation_error: f64,
-    /// Errors of the luminous BRDF (in an equal-energy light), `[state][theta_i][theta_o][dphi]`.
-    pub row_errors: RowErrors,
-}
-
-/// BSDF of one drive state.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BrdfState {
-    /// Name of the state.
-    pub name: String,
-    /// Scattered part, `dL_o/dE_i` in 1/sr, `[theta_i][theta_o][dphi][wavelength]` (the
-    /// last fastest). Single precision, because the table is large and its errors exceed those of seven
-    /// digits.
-    pub brdf: Vec<f32>,
-    /// Specular reflectance: fraction of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
-    pub specular: Vec<f64>,
-    /// Directional-hemispherical reflectance, scattered and specular, `[theta_i][wavelength]`.
-    pub directional_hemispherical: Vec<f64>,
-}
+/// BSDF of a display at the directions of a [`BrdfGrid`]; rows of its states and errors are
+/// `[theta_i][theta_o][dphi]`.
+pub type BrdfTable = ViewerTable<BrdfGrid>;
 
 impl BrdfTable {
-    /// Keeps the states of these numbers, in ascending order, with their errors.
-    #[must_use]
-    pub fn with_states(mut self, numbers: &[usize]) -> Self {
-        self.discretisation_error = self.row_errors.keep_states(numbers, self.states.len());
-        self.states = kept(self.states, numbers);
-        self
-    }
-
     /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is
     /// given.
     ///
@@ -141,11 +106,6 @@ impl BrdfTable {
     }
 }
 
-/// Returns the items of these numbers, in ascending order.
-pub(crate) fn kept<T>(items: Vec<T>, numbers: &[usize]) -> Vec<T> {
-    items.into_iter().enumerate().filter(|(k, _)| numbers.contains(k)).map(|(_, item)| item).collect()
-}
-
 /// Weights of the trapezoidal rule at these positions and at `end`, where the integrand is assumed to be zero
 /// unless it is one of the positions.
 fn trapezoids(positions: &[f64], end: f64) -> Vec<f64> {
@@ -160,6 +120,8 @@ fn trapezoids(positions: &[f64], end: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::RowErrors;
+    use crate::viewers::BrdfState;
 
     /// White paint: f = rho/pi in all directions, with a directional-hemispherical reflectance of rho.
     fn paint(step_deg: f64, specular: f64) -> BrdfTable {

@@ -106,7 +106,7 @@ mod threads;
 mod viewers;
 
 pub use ambient_light::{AmbientLight, AmbientSource, ambient_light, ambient_light_by_direction};
-pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
+pub use brdf::{BrdfGrid, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use designs::{Derivatives, Designs, Parameter, Quantity};
 pub use error::DisplayError;
@@ -128,4 +128,4 @@ pub use run::{
     adding_seconds, always_by_adding, brdf, brdf_at_viewers, cone, cost, forecast, run, study,
 };
 pub use single_view::{LightSummary, SingleView};
-pub use viewers::{Viewer, ViewerGrid, ViewerState, ViewerTable};
+pub use viewers::{BrdfState, Viewer, ViewerGrid, ViewerTable};

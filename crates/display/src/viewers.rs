@@ -6,7 +6,7 @@
 //! peaks would be doubled). Grids of such viewers are [`HalfVectorGrid`](crate::HalfVectorGrid) and
 //! [`RingGrid`](crate::RingGrid).
 
-use crate::brdf::{BrdfGrid, BrdfState, BrdfTable, kept};
+use crate::brdf::{BrdfGrid, BrdfTable};
 use crate::{DisplayError, RowErrors};
 
 /// Direction of a viewer, in air.
@@ -47,7 +47,9 @@ pub trait ViewerGrid {
     fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>);
 }
 
-/// Spectral BSDF of a display for each drive state, at the viewers of a grid `G`.
+/// Spectral BSDF of a display for each drive state, at the viewers of a grid `G`. A row has a direction of the
+/// light and of a viewer; where each direction of the light has viewers of its own, they are those of
+/// [`ViewerGrid::viewers`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewerTable<G> {
     /// The directions.
@@ -55,23 +57,22 @@ pub struct ViewerTable<G> {
     /// Wavelengths, nm.
     pub wavelength_nm: Vec<f64>,
     /// The drive states, in the order of the scenario.
-    pub states: Vec<ViewerState>,
+    pub states: Vec<BrdfState>,
     /// Number of nodes of the quadrature.
     pub nodes: u64,
     /// Largest relative discretisation error.
     pub discretisation_error: f64,
-    /// Errors of the luminous BRDF (in an equal-energy light), `[state][theta_i][viewer]`, with the viewers
-    /// of [`ViewerGrid::viewers`].
+    /// Errors of the luminous BRDF (in an equal-energy light), `[state][row]`.
     pub row_errors: RowErrors,
 }
 
 /// BSDF of one drive state.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ViewerState {
+pub struct BrdfState {
     /// Name of the state.
     pub name: String,
-    /// Scattered part, `dL_o/dE_i` in 1/sr, `[theta_i][viewer][wavelength]` (the last fastest), with the
-    /// viewers of [`ViewerGrid::viewers`].
+    /// Scattered part, `dL_o/dE_i` in 1/sr, `[row][wavelength]` (the last fastest), rows by the directions of
+    /// the light. Single precision, because the table is large and its errors exceed those of seven digits.
     pub brdf: Vec<f32>,
     /// Specular reflectance: fraction of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
     pub specular: Vec<f64>,
@@ -79,19 +80,32 @@ pub struct ViewerState {
     pub directional_hemispherical: Vec<f64>,
 }
 
-impl<G: ViewerGrid> ViewerTable<G> {
+impl<G> ViewerTable<G> {
     /// Keeps the states of these numbers, in ascending order, with their errors.
     #[must_use]
     pub fn with_states(mut self, numbers: &[usize]) -> Self {
         self.discretisation_error = self.row_errors.keep_states(numbers, self.states.len());
-        self.states = kept(self.states, numbers);
+        let all = self.states.into_iter().enumerate();
+        self.states = all.filter(|(k, _)| numbers.contains(k)).map(|(_, state)| state).collect();
         self
     }
 
+    /// The table, if all its numbers are finite.
+    pub(crate) fn finite(self) -> Result<Self, DisplayError> {
+        let mut states = self.states.iter();
+        let finite = states.all(|BrdfState { brdf, directional_hemispherical, .. }| {
+            brdf.iter().all(|value| value.is_finite())
+                && directional_hemispherical.iter().all(|value| value.is_finite())
+        });
+        if finite { Ok(self) } else { Err(DisplayError::NotFinite) }
+    }
+}
+
+impl<G: ViewerGrid> ViewerTable<G> {
     /// Returns what depends on the light alone, as a table without viewers: specular and
     /// directional-hemispherical reflectances.
     pub fn of_beams(&self) -> BrdfTable {
-        let state = |state: &ViewerState| BrdfState {
+        let state = |state: &BrdfState| BrdfState {
             name: state.name.clone(),
             brdf: Vec::new(),
             specular: state.specular.clone(),

@@ -13,13 +13,14 @@ use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{Cone, Estimate, ReflectanceFactor, Source, specular_image};
 use rayon::ThreadPool;
 
-use super::cone::DEFAULT_TARGET;
+use super::cone::target;
 use super::progress::{Progress, SAMPLE, part_of_pass};
 use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
 use super::{Control, Workers, each};
-use crate::brdf::{BrdfGrid, BrdfState, BrdfTable};
-use crate::scene::{Scene, Stop};
+use crate::brdf::{BrdfGrid, BrdfTable};
+use crate::scene::Scene;
 use crate::setup::Setup;
+use crate::viewers::BrdfState;
 use crate::{DisplayError, RowErrors};
 
 /// Computes the BSDF of the scene's display, by adding independently of the scene's method.
@@ -34,12 +35,7 @@ pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<Brdf
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let survey = Survey::new(&setup, control, &grid, finest(&setup)?);
-    let table = survey.run(pool).ok_or(DisplayError::Interrupted)?;
-    let finite = |state: &BrdfState| {
-        state.brdf.iter().all(|value| value.is_finite())
-            && state.directional_hemispherical.iter().all(|value| value.is_finite())
-    };
-    if table.states.iter().all(finite) { Ok(table) } else { Err(DisplayError::NotFinite) }
+    survey.run(pool).ok_or(DisplayError::Interrupted)?.finite()
 }
 
 pub(super) struct Survey<'a> {
@@ -69,10 +65,7 @@ impl<'a> Survey<'a> {
 
     /// `None` if it was stopped.
     fn run(&self, pool: Option<&ThreadPool>) -> Option<BrdfTable> {
-        let target = match self.setup.scene.solver.stop {
-            Stop::RelativeError { target, .. } => target,
-            Stop::Paths(_) | Stop::Target(_) => DEFAULT_TARGET,
-        };
+        let target = target(&self.setup.scene);
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
         let ((scattered, nodes), relative) = self.rows(&sample, &mut kernel, target, pool)?;

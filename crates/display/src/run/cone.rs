@@ -21,7 +21,15 @@ use crate::setup::{ViewPoint, angle_index};
 use crate::{DisplayError, Prepared, RowErrors};
 
 /// Target of scenes that specify a number of paths instead of an error.
-pub(super) const DEFAULT_TARGET: f64 = 1e-3;
+const DEFAULT_TARGET: f64 = 1e-3;
+
+/// Returns the relative error to which tables and maps of a scene are computed.
+pub(super) fn target(scene: &Scene) -> f64 {
+    match scene.solver.stop {
+        Stop::RelativeError { target, .. } => target,
+        Stop::Paths(_) | Stop::Target(_) => DEFAULT_TARGET,
+    }
+}
 
 /// Computes the view from all directions of a grid instead of the scene's own views, by adding
 /// independently of the scene's method.
@@ -126,10 +134,7 @@ struct Level {
 impl Survey<'_> {
     /// `None` if it was stopped.
     fn run(self, pool: Option<&ThreadPool>) -> Option<Result<ConeResult, DisplayError>> {
-        let target = match self.run.scene.solver.stop {
-            Stop::RelativeError { target, .. } => target,
-            Stop::Paths(_) | Stop::Target(_) => DEFAULT_TARGET,
-        };
+        let target = target(self.run.scene);
         let [theta_deg, _] = self.grid.reference_deg;
         if !self.is_known(theta_deg) {
             return Some(Err(DisplayError::UnknownReference { theta_deg }));

@@ -13,13 +13,13 @@ use papilio_transport::adding::{Kernel, error_over_difference};
 use rayon::ThreadPool;
 
 use super::brdf::{Luminous, Survey, view};
-use super::cone::DEFAULT_TARGET;
+use super::cone::target;
 use super::refine::{finest, largest, largest_of_states, row_errors, slowness};
 use super::{Control, Progress, Workers, each};
 use crate::brdf::BrdfGrid;
-use crate::scene::{Scene, Stop};
+use crate::scene::Scene;
 use crate::setup::Setup;
-use crate::viewers::{Viewer, ViewerGrid, ViewerState, ViewerTable};
+use crate::viewers::{BrdfState, Viewer, ViewerGrid, ViewerTable};
 use crate::{DisplayError, RowErrors};
 
 /// Number of viewers of a panel that are prepared together.
@@ -54,12 +54,7 @@ pub fn brdf_at_viewers<G: ViewerGrid>(
     let survey = Survey::new(&setup, control, &sampled, finest(&setup)?);
     let viewers = (0..grid.theta_i_deg().len()).map(|light| grid.viewers(light).0).collect();
     let of_viewers = OfViewers { survey, viewers };
-    let table = of_viewers.run(grid, pool).ok_or(DisplayError::Interrupted)?;
-    let finite = |state: &ViewerState| {
-        state.brdf.iter().all(|value| value.is_finite())
-            && state.directional_hemispherical.iter().all(|value| value.is_finite())
-    };
-    if table.states.iter().all(finite) { Ok(table) } else { Err(DisplayError::NotFinite) }
+    of_viewers.run(grid, pool).ok_or(DisplayError::Interrupted)?.finite()
 }
 
 struct OfViewers<'a> {
@@ -82,10 +77,7 @@ impl OfViewers<'_> {
     /// `None` if it was stopped.
     fn run<G: ViewerGrid>(&self, grid: G, pool: Option<&ThreadPool>) -> Option<ViewerTable<G>> {
         let setup = self.survey.setup;
-        let target = match setup.scene.solver.stop {
-            Stop::RelativeError { target, .. } => target,
-            Stop::Paths(_) | Stop::Target(_) => DEFAULT_TARGET,
-        };
+        let target = target(&setup.scene);
         let mut kernel = Kernel::new(0);
         let sample = self.survey.sample(target, &mut kernel)?;
         let mut lights = self.scattered(&kernel, 0, pool)?;
@@ -110,7 +102,7 @@ impl OfViewers<'_> {
         }
         let returned = self.survey.returned(&kernel)?;
         let bins = setup.scene.grid.len();
-        let state = |(number, name): (usize, &String)| ViewerState {
+        let state = |(number, name): (usize, &String)| BrdfState {
             name: name.clone(),
             brdf: lights
                 .iter()

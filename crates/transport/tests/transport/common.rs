@@ -49,6 +49,10 @@ impl Front {
         Self(Vec::new())
     }
 
+    pub(crate) fn is_none(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// A front of components (R, A), by wavelength.
     pub(crate) fn of<'a>(components: impl IntoIterator<Item = (&'a [f64], &'a [f64])>) -> Self {
         let spectrum = |values: &[f64]| Spectrum::from(values.to_vec());

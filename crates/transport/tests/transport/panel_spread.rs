@@ -128,7 +128,7 @@ fn mean_of_bare_panels_is_todays_reflectance_in_all_orders() {
         for base in [film(), paper()] {
             for front in [Front::none(), Front::of([(&[0.04, 0.05, 0.06][..], &[0.1; 3][..])])] {
                 // What flat faces return to mirrors is not in the spread.
-                if base.is_specular() && (front.0.len() > 0 || matches!(top, Top::Fresnel(_))) {
+                if base.is_specular() && (!front.is_none() || matches!(top, Top::Fresnel(_))) {
                     continue;
                 }
                 for view in [Cone::new(0.0, 0.0, 0.0, 1.0), Cone::new(12.0, 190.0, 2.0, 1.0)] {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use papilio_display::{
     BrdfGrid, BrdfState, BrdfTable, HalfVectorGrid, HalfVectorTable, LobeWidths, RingGrid, RingTable,
-    RowErrors, ViewerGrid, ViewerState,
+    RowErrors, ViewerGrid,
 };
 use papilio_formats::{
     BsdfSource, DataFile, read_bsdf, scene_script, write_bsdf_csv, write_bsdf_radiant, write_indexed_png,
@@ -28,7 +28,7 @@ fn table(step_deg: f64, size: usize, f: impl Fn(f64, f64, f64) -> f64) -> HalfVe
         }
     }
     let beams = vec![0.0; 2 * grid.theta_i_deg.len()];
-    let state = ViewerState {
+    let state = BrdfState {
         name: "white".to_owned(),
         brdf,
         specular: beams.clone(),
@@ -220,7 +220,7 @@ fn radiant_file_read_back_has_the_values_and_the_total_integrated_scatter() {
     }
     let specular = vec![0.04; leaving.len()];
     let name = "white".to_owned();
-    let state = ViewerState { name, brdf, specular, directional_hemispherical: leaving };
+    let state = BrdfState { name, brdf, specular, directional_hemispherical: leaving };
     let table = RingTable {
         grid,
         wavelength_nm,

@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use papilio_display::{
     BrdfGrid, BrdfState, BrdfTable, HalfVectorGrid, LobeWidths, ProbeGrid, RingGrid, RowErrors, ViewerGrid,
-    ViewerState, ViewerTable,
+    ViewerTable,
 };
 use papilio_formats::{
     BsdfSource, Exported, FAINT, between_error, klems_rings, write_bsdf_csv, write_bsdf_klems,
@@ -61,7 +61,7 @@ impl Lobe {
             }
             leaving.extend([self.total(*theta_i); 3]);
         }
-        let state = ViewerState {
+        let state = BrdfState {
             name: "white".to_owned(),
             brdf,
             specular: vec![0.0; leaving.len()],

@@ -98,68 +98,97 @@ impl WithSimd for Pass<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { walk, width, parts, numbers, first, group } = self;
-        // Each step is done for all paths before the next, so that the processor can overlap independent
-        // operations.
-        let [mut above_x, mut above_y, mut offset_x, mut offset_y] = [[0.0; LANES]; 4];
         // A lobe whose kind is known at compile time leaves no branch.
         let lobe = Lobe::KCorrelation { width };
-        let towards_field = walk.view.sampler();
+        let drawn = Drawn::new(lobe, walk.view.sampler(), numbers, first);
+        let index = walk.stack.medium.largest_index();
+        let medium = 1.0 / (index * index);
+        for k in 0..LANES {
+            group.below.set(k, drawn.above(k) + drawn.offset(k), medium, parts);
+        }
+        for FromBeam { beam, connected, weight, backwards, .. } in &mut group.beams {
+            drawn.connect(lobe, (*beam, index * index), connected, weight);
+            for k in 0..LANES {
+                backwards.set(k, *beam + drawn.offset(k), medium, parts);
+            }
+        }
+    }
+}
+
+/// Directions of a group above the diffuser, and deflections by its lobe.
+pub(in crate::walk) struct Drawn {
+    above: [Lanes; 2],
+    offset: [Lanes; 2],
+}
+
+impl Drawn {
+    /// Draws the directions of the paths from the first on; `towards_field` samples the view.
+    #[inline(always)]
+    pub(in crate::walk) fn new(
+        lobe: Lobe,
+        towards_field: impl Fn([f64; 2]) -> Beta,
+        numbers: &SampleStream,
+        first: u64,
+    ) -> Self {
+        // Each step is done for all paths before the next, so that the processor can overlap independent
+        // operations.
+        let mut drawn = Self { above: [[0.0; LANES]; 2], offset: [[0.0; LANES]; 2] };
         let u: Lanes = numbers.batch(first, 0, 0);
         let v: Lanes = numbers.batch(first, 0, 1);
         let s: Lanes = numbers.batch(first, 0, 2);
         let t: Lanes = numbers.batch(first, 0, 3);
         for k in 0..LANES {
             let above = towards_field([u[k], v[k]]);
-            (above_x[k], above_y[k]) = (above.x, above.y);
+            (drawn.above[0][k], drawn.above[1][k]) = (above.x, above.y);
         }
         for k in 0..LANES {
-            let offset = drawn(lobe, [s[k], t[k]]);
-            (offset_x[k], offset_y[k]) = (offset.x, offset.y);
+            let offset = lobe.sample_direction(Beta::default(), [s[k], t[k]]).unwrap_or_default();
+            (drawn.offset[0][k], drawn.offset[1][k]) = (offset.x, offset.y);
         }
-        let index = walk.stack.medium.largest_index();
-        let medium = 1.0 / (index * index);
-        for k in 0..LANES {
-            let below = at(&above_x, &above_y, k) + at(&offset_x, &offset_y, k);
-            group.below.set(k, below, medium, parts);
+        drawn
+    }
+
+    /// Direction of path `k` above the diffuser.
+    #[inline(always)]
+    pub(in crate::walk) fn above(&self, k: usize) -> Beta {
+        Beta { x: self.above[0][k], y: self.above[1][k] }
+    }
+
+    /// Deflection of path `k`.
+    #[inline(always)]
+    pub(in crate::walk) fn offset(&self, k: usize) -> Beta {
+        Beta { x: self.offset[0][k], y: self.offset[1][k] }
+    }
+
+    /// Computes the light of a beam in the directions that are sampled about the view, and in those about the
+    /// beam; `square`: of the index of the medium.
+    #[inline(always)]
+    pub(in crate::walk) fn connect(
+        &self,
+        lobe: Lobe,
+        (beam, square): (Beta, f64),
+        connected: &mut Lanes,
+        weight: &mut Lanes,
+    ) {
+        let target = Target::beam(beam);
+        for (k, connected) in connected.iter_mut().enumerate() {
+            let above = self.above(k);
+            *connected = connection(lobe, &target, [above, above + self.offset(k), beam]);
         }
-        for FromBeam { beam, connected, weight, backwards, .. } in &mut group.beams {
-            let target = Target::beam(*beam);
-            for (k, connected) in connected.iter_mut().enumerate() {
-                let above = at(&above_x, &above_y, k);
-                let below = above + at(&offset_x, &offset_y, k);
-                *connected = connection(lobe, &target, [above, below, *beam]);
-            }
-            for (k, weight) in weight.iter_mut().enumerate() {
-                let above = at(&above_x, &above_y, k);
-                let below = *beam + at(&offset_x, &offset_y, k);
-                let within = below.squared() < index * index;
-                *weight = if within { connection(lobe, &target, [above, below, *beam]) } else { 0.0 };
-            }
-            for k in 0..LANES {
-                backwards.set(k, *beam + at(&offset_x, &offset_y, k), medium, parts);
-            }
+        for (k, weight) in weight.iter_mut().enumerate() {
+            let below = beam + self.offset(k);
+            let within = below.squared() < square;
+            *weight = if within { connection(lobe, &target, [self.above(k), below, beam]) } else { 0.0 };
         }
     }
 }
 
-// Functions, since closures may be compiled without the instruction set.
-
-/// Returns the direction with these cosines.
-#[inline(always)]
-pub(in crate::walk) fn at(x: &Lanes, y: &Lanes, k: usize) -> Beta {
-    Beta { x: x[k], y: y[k] }
-}
-
-/// Samples the deflection by the lobe.
-#[inline(always)]
-pub(in crate::walk) fn drawn(lobe: Lobe, numbers: [f64; 2]) -> Beta {
-    lobe.sample_direction(Beta::default(), numbers).unwrap_or_default()
-}
+// A function, since closures may be compiled without the instruction set.
 
 /// Returns the light that a beam sends into a direction below the diffuser that is seen from one above, by
 /// the technique that sampled it from above.
 #[inline(always)]
-pub(in crate::walk) fn connection(lobe: Lobe, target: &Target, [above, below, beam]: [Beta; 3]) -> f64 {
+fn connection(lobe: Lobe, target: &Target, [above, below, beam]: [Beta; 3]) -> f64 {
     let value = lobe.density(below, beam);
     target.balanced(value, || 0.0, value / lobe.density(above, below))
 }

@@ -29,7 +29,7 @@ use crate::{Diffuser, Reflector};
 use blocks::Blocks;
 pub(in crate::walk) use escape::Escape;
 use first_pass::{First, Guided, SPLITS};
-pub(in crate::walk) use first_pass_simd::{LANES, Lanes, at, connection, drawn};
+pub(in crate::walk) use first_pass_simd::{Drawn, LANES, Lanes};
 pub(super) use ledger::Accumulator;
 use ledger::{Sums, Workspace};
 use numbers::PassNumbers;

@@ -21,8 +21,7 @@ use super::pattern::Meeting;
 use super::tally::Sums;
 use super::tracer::{Shows, Tracer};
 use crate::angular::Stencil;
-use crate::walk::Target;
-use crate::walk::diffused::{Escape, LANES, Lanes, at, connection, drawn};
+use crate::walk::diffused::{Drawn, Escape, LANES, Lanes};
 use crate::{Diffuser, Interface, Nodes, Reflector, Source};
 
 /// What groups need of a stack.
@@ -209,51 +208,30 @@ impl WithSimd for Pass<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { walk, numbers, first, group } = self;
-        let [mut above_x, mut above_y, mut offset_x, mut offset_y] = [[0.0; LANES]; 4];
         let lobe = Lobe::KCorrelation { width: walk.width };
-        let towards_field = walk.tracer.view.sampler();
         let (square, thickness) = (walk.index * walk.index, walk.thickness_mm);
-        let [u, v, s, t]: [Lanes; 4] = [0, 1, 2, 3].map(|k| numbers.batch(first, 0, k));
         let period = walk.tracer.period_mm();
         if period != [0.0; 2] {
             group.own = [0, 1].map(|k| numbers.batch(first, 1, k));
             let own = group.own.iter_mut().zip(period);
             own.for_each(|(own, period)| own.iter_mut().for_each(|place| *place *= period));
         }
+        let drawn = Drawn::new(lobe, walk.tracer.view.sampler(), numbers, first);
         for k in 0..LANES {
-            let above = towards_field([u[k], v[k]]);
-            (above_x[k], above_y[k]) = (above.x, above.y);
-        }
-        for k in 0..LANES {
-            let offset = drawn(lobe, [s[k], t[k]]);
-            (offset_x[k], offset_y[k]) = (offset.x, offset.y);
-        }
-        for k in 0..LANES {
-            let per_beta = thickness / (square - above_x[k].powi(2) - above_y[k].powi(2)).sqrt();
-            group.from[0][k] = group.own[0][k] + above_x[k] * per_beta;
-            group.from[1][k] = group.own[1][k] + above_y[k] * per_beta;
+            let above = drawn.above(k);
+            let per_beta = thickness / (square - above.x.powi(2) - above.y.powi(2)).sqrt();
+            group.from[0][k] = group.own[0][k] + above.x * per_beta;
+            group.from[1][k] = group.own[1][k] + above.y * per_beta;
         }
         let Group { from, below, beams, .. } = group;
         let places: [[f64; 2]; LANES] = std::array::from_fn(|k| [from[0][k], from[1][k]]);
         for (k, place) in places.iter().enumerate() {
-            let beta = at(&above_x, &above_y, k) + at(&offset_x, &offset_y, k);
-            below.set(k, beta, *place, [square, thickness]);
+            below.set(k, drawn.above(k) + drawn.offset(k), *place, [square, thickness]);
         }
         for FromBeam { beam, connected, weight, backwards, .. } in beams {
-            let target = Target::beam(*beam);
-            for (k, connected) in connected.iter_mut().enumerate() {
-                let above = at(&above_x, &above_y, k);
-                let below = above + at(&offset_x, &offset_y, k);
-                *connected = connection(lobe, &target, [above, below, *beam]);
-            }
-            for (k, weight) in weight.iter_mut().enumerate() {
-                let above = at(&above_x, &above_y, k);
-                let below = *beam + at(&offset_x, &offset_y, k);
-                *weight = connection(lobe, &target, [above, below, *beam]);
-            }
+            drawn.connect(lobe, (*beam, square), connected, weight);
             for (k, place) in places.iter().enumerate() {
-                let beta = *beam + at(&offset_x, &offset_y, k);
-                backwards.set(k, beta, *place, [square, thickness]);
+                backwards.set(k, *beam + drawn.offset(k), *place, [square, thickness]);
             }
         }
     }
