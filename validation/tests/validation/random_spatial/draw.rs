@@ -58,7 +58,7 @@ pub(super) fn drawn(number: u64) -> Drawn {
         Above::Flat | Above::Lobe => panel(&mut dice, &mut text, above == Above::Lobe, thickness),
         Above::Layers => layers(&mut dice, &mut text, thickness),
     }
-    let is_lambertian = pixel(&mut dice, &mut text, above, thickness);
+    pixel(&mut dice, &mut text, above, thickness);
     let has_filter = matrix(&mut dice, &mut text, above, thickness);
     lighting(&mut dice, &mut text, above);
     let (theta, phi) = (dice.between(0.0, 60.0), dice.between(0.0, 360.0));
@@ -142,14 +142,14 @@ fn layers(dice: &mut Dice, text: &mut String, thickness: f64) {
     }
 }
 
-/// Returns whether the pixels are Lambertian.
-fn pixel(dice: &mut Dice, text: &mut String, above: Above, thickness: f64) -> bool {
+/// Pixels of a film, mirror-like or Lambertian ones.
+fn pixel(dice: &mut Dice, text: &mut String, above: Above, thickness: f64) {
     *text += "[display.pixel]\n";
     if above != Above::Layers && dice.one_in(5) {
         *text += "model = \"film\"\nsubstrate = \"Al\"\narea = { red = 0.4, green = 0.35, blue = 0.25 }\n";
         *text += "gap_nm = { red = 276, green = 192, blue = 138, dark = 20 }\nfill_factor = 0.9\n";
         *text += "film = [{ material = \"Cr:Johnson\", thickness_nm = 12 }, { material = \"air\", thickness_nm = \"gap\" }]\n";
-        return false;
+        return;
     }
     let is_lambertian = dice.one_in(2);
     let kind = if is_lambertian { "lambertian" } else { "mirror" };
@@ -159,7 +159,6 @@ fn pixel(dice: &mut Dice, text: &mut String, above: Above, thickness: f64) -> bo
     if is_lambertian && above == Above::Flat && dice.one_in(3) {
         *text += &format!("spread_um = {:.2}\n", 1e3 * thickness * dice.log_between(0.03, 1.0));
     }
-    is_lambertian
 }
 
 /// Returns whether there is a colour filter.
