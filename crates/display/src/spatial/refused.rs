@@ -23,7 +23,8 @@ pub(crate) enum Refused {
     SubPixelsBelowFaces,
     /// Light that has spread inside the pixels is blurred by the lobe; the product of both is not computed.
     SpreadBelowLobe,
-    /// The same with a colour filter instead of the lobe.
+    /// Below windows that depend on both directions, each cell of a period would send light to all others by an
+    /// integral of its own.
     SpreadBelowFilter,
     /// The response of a display with a filter is not the same at all places of a period.
     SharpnessWithFilter,
@@ -61,9 +62,10 @@ impl From<Refused> for DisplayError {
                 "display.glass.surface",
             ),
             Refused::SpreadBelowLobe => ("light that spreads inside pixels below a diffuser", SPREAD_KEY),
-            Refused::SpreadBelowFilter => {
-                ("light that spreads inside the pixels below a colour filter", SPREAD_KEY)
-            }
+            Refused::SpreadBelowFilter => (
+                "light that spreads inside the pixels below a colour filter that is not of stripes",
+                SPREAD_KEY,
+            ),
             Refused::SharpnessWithFilter => {
                 ("the sharpness of a display with a colour filter", "display.matrix.filter")
             }
