@@ -58,10 +58,13 @@ pub(crate) struct Period {
     orders: Vec<f64>,
     kernel: Kernel,
     /// Light that enters, by source.
-    entering: RefCell<HashMap<usize, Rc<Passed>>>,
+    entering: Known<usize, Passed>,
     /// Radiosity of each cell, by source and states of the pixels.
-    radiosity: RefCell<HashMap<(usize, Vec<usize>), Rc<[f64]>>>,
+    radiosity: Known<(usize, Vec<usize>), [f64]>,
 }
+
+/// What has been computed, by what it depends on.
+type Known<K, V> = RefCell<HashMap<K, Rc<V>>>;
 
 /// What a view sees, by source.
 pub(crate) struct Seen {

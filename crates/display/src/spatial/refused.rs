@@ -26,11 +26,13 @@ pub(crate) enum Refused {
     /// Below windows that depend on both directions, each cell of a period would send light to all others by an
     /// integral of its own.
     SpreadBelowFilter,
-    /// The response of a display with a filter is not the same at all places of a period.
+    /// The response of a display with a filter is not the same at all places of a period: its mean would take the
+    /// light of all cells at each frequency.
     SharpnessWithFilter,
     /// Places of light in the plane of the filter are those of an ordinary panel.
     FilterBelowLayers,
-    /// Light that a front returns through a lobe has no single place in the plane of the filter.
+    /// Light that a front returns through a lobe passes the filter in one direction on its way up and in another
+    /// on its way down: a sum over pairs of directions for each pair of cells.
     FilterBelowLobeAndFront,
     /// A single pass has no orders, and the filter is solved through all of them. No solver computes it.
     FilterInSinglePass,
