@@ -94,6 +94,24 @@ impl PixelSpread {
         [x, y]
     }
 
+    /// Mean in each of some cells along an axis of the light that enters each of them, `[to][from]`. They fill a
+    /// period, and have these edges, from 0 to 1.
+    pub(crate) fn between_cells(&self, edges: &[f64], period_mm: f64) -> Vec<f64> {
+        let period = period_mm / self.radius_mm;
+        // The second integral of the line spread of all periods, at distances from 0 to a period, in units of s.
+        let twice = |at: f64| 0.5 * ((-at).exp() + (at - period).exp()) / -(-period).exp_m1();
+        let cells = || edges.windows(2).map(|ends| [period * ends[0], period * ends[1]]);
+        let between = |[a, b]: [f64; 2], [c, d]: [f64; 2]| {
+            if a == c {
+                b - a + 2.0 * (twice(b - a) - twice(0.0))
+            } else {
+                let ([a, b], [c, d]) = if a < c { ([a, b], [c, d]) } else { ([c, d], [a, b]) };
+                twice(d - a) - twice(d - b) - twice(c - a) + twice(c - b)
+            }
+        };
+        cells().flat_map(|to| cells().map(move |from| between(to, from) / (to[1] - to[0]))).collect()
+    }
+
     /// Factor at each bin of the Fourier transform of the light between the means of cells that repeat: their
     /// number along x and y, and their periods, mm. Columns vary slowest (transposed).
     pub(crate) fn between(&self, count: [usize; 2], period_mm: [f64; 2]) -> Vec<f64> {
@@ -178,6 +196,22 @@ mod tests {
                 let expected = others + direct((count - k) as f64);
                 assert!((found - expected).abs() < 1e-7, "{width} {k}: {found} {expected}");
             }
+        }
+    }
+
+    /// All light that enters leaves; cells of different widths have the light of the parts that fill them.
+    #[test]
+    fn light_between_cells_of_a_period_is_conserved() {
+        let spread = PixelSpread::new(0.3).unwrap();
+        let (fine, coarse) = ([0.0, 0.1, 0.25, 0.4, 0.7, 1.0], [0.0, 0.25, 0.7, 1.0]);
+        for period in [0.05, 1.0, 30.0] {
+            let [parts, sums] = [&fine[..], &coarse].map(|edges| spread.between_cells(edges, period));
+            parts.chunks_exact(5).for_each(|row| assert!((row.iter().sum::<f64>() - 1.0).abs() < 1e-9));
+            // To the second coarse cell from the first one.
+            let to_third = parts[10] + parts[11];
+            let to_fourth = parts[15] + parts[16];
+            let mean = (0.15 * to_third + 0.3 * to_fourth) / 0.45;
+            assert!((sums[3] - mean).abs() < 1e-9, "{period}: {} {mean}", sums[3]);
         }
     }
 

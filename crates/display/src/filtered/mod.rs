@@ -58,10 +58,13 @@ pub(crate) struct Period {
     orders: Vec<f64>,
     kernel: Kernel,
     /// Light that enters, by source.
-    entering: RefCell<HashMap<usize, Rc<Passed>>>,
-    /// Irradiance of each cell, by source and states of the pixels.
-    irradiance: RefCell<HashMap<(usize, Vec<usize>), Rc<[f64]>>>,
+    entering: Known<usize, Passed>,
+    /// Radiosity of each cell, by source and states of the pixels.
+    radiosity: Known<(usize, Vec<usize>), [f64]>,
 }
+
+/// What has been computed, by what it depends on.
+type Known<K, V> = RefCell<HashMap<K, Rc<V>>>;
 
 /// What a view sees, by source.
 pub(crate) struct Seen {
@@ -93,6 +96,12 @@ pub(crate) fn by_reciprocity(rho: Vec<ReflectanceFactor>) -> Estimate {
     Estimate { rho, ledger }
 }
 
+/// True if all sub-pixels have the full height of the pixel.
+fn is_of_stripes(matrix: &Matrix) -> bool {
+    let spans = |one: &Rectangle| one.y == [0.0, 1.0];
+    matrix.sub_pixels.iter().all(|one| one.window.rectangles.iter().all(spans))
+}
+
 impl Period {
     /// Number of nodes: directions, for how much light there is, and cells of a period, for where it passes
     /// the filter.
@@ -120,7 +129,7 @@ impl<'a> Filtered<'a> {
         let Some(panel) = stack.panel().cloned() else { return Err(Refused::FilterBelowLayers.into()) };
         let (front, is_diffused) = (&panel.front.reflectance_below, matches!(panel.top, Top::Diffuser(_)));
         let refused = [
-            (scene.display.pixel_spread().is_some(), Refused::SpreadBelowFilter),
+            (scene.display.pixel_spread().is_some() && !is_of_stripes(matrix), Refused::SpreadBelowFilter),
             (front.max() > 0.0 && is_diffused, Refused::FilterBelowLobeAndFront),
             (scene.solver.approximation != Approximation::None, Refused::FilterInSinglePass),
         ];
@@ -134,7 +143,7 @@ impl<'a> Filtered<'a> {
 
     /// Finest level of pages: of Lambertian pixels in patterns in two directions, fewer are affordable.
     pub(crate) fn finest(&self) -> usize {
-        match self.is_of_stripes() || self.is_mirror() {
+        match is_of_stripes(self.matrix) || self.is_mirror() {
             true => 2,
             false => 1,
         }
@@ -152,13 +161,7 @@ impl<'a> Filtered<'a> {
     /// True if lines are computed: above Lambertian pixels, in patterns in two directions, they have too many
     /// cells.
     pub(crate) fn has_lines(&self) -> bool {
-        self.is_of_stripes() || self.is_mirror()
-    }
-
-    /// True if all sub-pixels have the full height of the pixel.
-    fn is_of_stripes(&self) -> bool {
-        let spans = |one: &Rectangle| one.y == [0.0, 1.0];
-        self.matrix.sub_pixels.iter().all(|one| one.window.rectangles.iter().all(spans))
+        is_of_stripes(self.matrix) || self.is_mirror()
     }
 
     fn thickness_mm(&self) -> f64 {
@@ -209,6 +212,7 @@ impl<'a> Filtered<'a> {
                 height_mm: self.filter.height_mm,
                 thickness_mm: self.thickness_mm(),
                 index: optics.index,
+                spread: self.setup.scene.display.pixel_spread(),
             };
             let face = |beta: f64| optics.face(beta);
             let mut planes = TwoPlanes::with_cells(&pixels, returns.then_some(&face), level as u32, division);
@@ -229,8 +233,8 @@ impl<'a> Filtered<'a> {
             return Err(DisplayError::Interrupted);
         }
         let orders = planes.returned_uniform().iter().map(|returned| 1.0 / (1.0 - page * returned)).collect();
-        let (entering, irradiance) = Default::default();
-        Ok(Period { level, planes, columns, page, orders, kernel, entering, irradiance })
+        let (entering, radiosity) = Default::default();
+        Ok(Period { level, planes, columns, page, orders, kernel, entering, radiosity })
     }
 
     /// Windows of a pixel in a period of several along x.
@@ -269,9 +273,9 @@ impl<'a> Filtered<'a> {
                 let leaving = self.leaving_period(period, number)?;
                 let of_source = |source: usize| {
                     self.control.check()?;
-                    let irradiance = states.iter().map(|states| self.irradiance(period, source, states, rho));
-                    let irradiance = irradiance.collect::<Result<Vec<_>, _>>()?;
-                    let shown = period.planes.shown(&leaving, rho, &irradiance, &asked);
+                    let radiosity = states.iter().map(|states| self.radiosity(period, source, states, rho));
+                    let radiosity = radiosity.collect::<Result<Vec<_>, _>>()?;
+                    let shown = period.planes.shown(&leaving, &radiosity, &asked);
                     Ok(shown.times(&unfiltered[source].via_pixel))
                 };
                 sources.map(of_source).collect::<Result<_, DisplayError>>()?
@@ -322,8 +326,8 @@ impl<'a> Filtered<'a> {
         Ok(StateSpectra::new((0..states).flat_map(|state| shown.all(state)).collect(), bins))
     }
 
-    /// Irradiance of each cell in the light of a source, given the states of the pixel below each window.
-    fn irradiance(
+    /// Radiosity of each cell in the light of a source, given the states of the pixel below each window.
+    fn radiosity(
         &self,
         period: &Period,
         source: usize,
@@ -331,12 +335,13 @@ impl<'a> Filtered<'a> {
         rho: &StateSpectra,
     ) -> Result<Rc<[f64]>, DisplayError> {
         let key = (source, states.to_vec());
-        if let Some(known) = period.irradiance.borrow().get(&key) {
+        if let Some(known) = period.radiosity.borrow().get(&key) {
             return Ok(known.clone());
         }
         let rho: Vec<&[f64]> = states.iter().map(|state| rho.state(*state)).collect();
-        let found: Rc<[f64]> = period.planes.irradiance(&*self.entering(period, source)?, &rho).into();
-        period.irradiance.borrow_mut().insert(key, found.clone());
+        let irradiance = period.planes.irradiance(&*self.entering(period, source)?, &rho);
+        let found: Rc<[f64]> = period.planes.radiosity(&irradiance, &rho).into();
+        period.radiosity.borrow_mut().insert(key, found.clone());
         Ok(found)
     }
 

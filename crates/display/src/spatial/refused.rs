@@ -23,13 +23,16 @@ pub(crate) enum Refused {
     SubPixelsBelowFaces,
     /// Light that has spread inside the pixels is blurred by the lobe; the product of both is not computed.
     SpreadBelowLobe,
-    /// The same with a colour filter instead of the lobe.
+    /// Below windows that depend on both directions, each cell of a period would send light to all others by an
+    /// integral of its own.
     SpreadBelowFilter,
-    /// The response of a display with a filter is not the same at all places of a period.
+    /// The response of a display with a filter is not the same at all places of a period: its mean would take the
+    /// light of all cells at each frequency.
     SharpnessWithFilter,
     /// Places of light in the plane of the filter are those of an ordinary panel.
     FilterBelowLayers,
-    /// Light that a front returns through a lobe has no single place in the plane of the filter.
+    /// Light that a front returns through a lobe passes the filter in one direction on its way up and in another
+    /// on its way down: a sum over pairs of directions for each pair of cells.
     FilterBelowLobeAndFront,
     /// A single pass has no orders, and the filter is solved through all of them. No solver computes it.
     FilterInSinglePass,
@@ -61,9 +64,10 @@ impl From<Refused> for DisplayError {
                 "display.glass.surface",
             ),
             Refused::SpreadBelowLobe => ("light that spreads inside pixels below a diffuser", SPREAD_KEY),
-            Refused::SpreadBelowFilter => {
-                ("light that spreads inside the pixels below a colour filter", SPREAD_KEY)
-            }
+            Refused::SpreadBelowFilter => (
+                "light that spreads inside the pixels below a colour filter that is not of stripes",
+                SPREAD_KEY,
+            ),
             Refused::SharpnessWithFilter => {
                 ("the sharpness of a display with a colour filter", "display.matrix.filter")
             }

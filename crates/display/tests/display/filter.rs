@@ -252,6 +252,35 @@ fn colours_below_filters_in_dispersion_and_coloured_fronts_are_those_of_paths() 
     assert_colours_are_those_of_paths(&resolved.scene);
 }
 
+/// Light that spreads inside pixels below a filter: paths, and the square of the mean of `sqrt(rho)` where it
+/// spreads far over pixels in air.
+#[test]
+fn light_spreads_inside_pixels_below_stripes() {
+    let view = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
+    let spreads = |um: f64| format!("{PAPER}spread_um = {um}\n");
+    let air = "[display.glass]\nindex = 1\nsurface = \"ideal-ar\"\nthickness_mm = 0.1\n";
+    let far = resolved(&[air, &spreads(3000.0), LIGHT, &filter(0.0, CLEAR), view]);
+    let run = run_on(&far.scene, Some(1)).unwrap();
+    let red = run.views[0].states.get("red").unwrap().value.Y;
+    near("far", red, ((0.6_f64.sqrt() + 2.0 * 0.03_f64.sqrt()) / 3.0).powi(2), 1e-3);
+    let coloured = filter(20.0, "red = 0.8, green = 0.5, blue = 0.2");
+    let lobe = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.1\ntransmittance = 0.9\n";
+    for (top, surface) in everyday(1, [("", "fresnel"), (lobe, "coated")]) {
+        let parts = [top, &glass(surface, 0.2), &spreads(15.0), LIGHT, &coloured, view];
+        assert_colours_are_those_of_paths(&resolved(&parts).scene);
+    }
+    let tiles = coloured.replace(
+        "[display.matrix.filter]",
+        "subpixel = { red = [[0, 0, 0.5, 0.5]], \
+        green = [[0.5, 0, 1, 0.5]], blue = [[0, 0.5, 1, 1]] }\n[display.matrix.filter]",
+    );
+    let refused =
+        run_on(&resolved(&[&glass("fresnel", 0.2), &spreads(15.0), LIGHT, &tiles, view]).scene, Some(1));
+    assert!(
+        matches!(refused, Err(DisplayError::PlacesByPaths { key, .. }) if key == "display.pixel.spread_um")
+    );
+}
+
 /// A sky through a lobe, low on one side: light arrives from there.
 #[test]
 fn colours_below_filters_and_lobes_under_a_sky_are_those_of_paths() {

@@ -152,6 +152,11 @@ impl Axis {
         self.field_of.len()
     }
 
+    /// Edges of cells, from 0 to 1.
+    pub(super) fn edges(&self) -> &[f64] {
+        &self.cells
+    }
+
     fn length(&self, cell: usize) -> f64 {
         self.cells[cell + 1] - self.cells[cell]
     }

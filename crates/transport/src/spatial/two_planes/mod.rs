@@ -25,8 +25,6 @@ mod directions;
 mod mirrors;
 mod shown;
 
-use papilio_spectra::StateSpectra;
-
 use self::cells::Piece;
 pub use self::cells::{Division, PeriodCells};
 pub use self::directions::{
@@ -34,7 +32,7 @@ pub use self::directions::{
 };
 use self::directions::{Ring, azimuths, front_rings, return_rings};
 pub use self::shown::{Asked, Shown};
-use super::{Window, displacement};
+use super::{PixelSpread, Window, displacement};
 
 /// Pixels and filter.
 #[derive(Debug, Clone, Copy)]
@@ -53,6 +51,8 @@ pub struct FilteredPixels<'a> {
     pub thickness_mm: f64,
     /// Refractive index of the medium.
     pub index: f64,
+    /// How light spreads inside Lambertian pixels below windows that depend on x alone.
+    pub spread: Option<PixelSpread>,
 }
 
 /// Filter and face above pixels.
@@ -69,6 +69,9 @@ pub struct TwoPlanes {
     returned: Vec<f64>,
     /// Return of a uniform clear filter, by wavelength.
     returned_uniform: Vec<f64>,
+    /// Light that spreads inside the pixels, `[to][from]`: mean in a cell of what enters another; empty if it
+    /// leaves where it enters.
+    spread: Vec<f64>,
 }
 
 /// Light that passes the filter above each cell, as an integral over the cell in fractions of the period:
@@ -129,7 +132,10 @@ impl TwoPlanes {
         level: u32,
         division: &Division,
     ) -> Self {
-        let reach = pixels.pitch_mm.map(|pitch| pixels.height_mm / pitch);
+        // The shortest length over which light changes.
+        let lengths = [Some(pixels.height_mm), pixels.spread.map(|spread| spread.radius_mm())];
+        let shortest = lengths.into_iter().flatten().filter(|length| *length > 0.0).reduce(f64::min);
+        let reach = pixels.pitch_mm.map(|pitch| shortest.unwrap_or(0.0) / pitch);
         let mut cells = PeriodCells::new(pixels.windows, division, reach);
         if cells.varies(0) && cells.varies(1) {
             // Their number is that along x times that along y.
@@ -148,7 +154,11 @@ impl TwoPlanes {
             transmittance,
             returned: Vec::new(),
             returned_uniform: vec![0.0; bins],
+            spread: Vec::new(),
         };
+        if let Some(spread) = pixels.spread {
+            planes.spread = spread.between_cells(planes.cells.axis(0).edges(), pixels.pitch_mm[0]);
+        }
         if let Some(face) = face {
             planes.returned = vec![0.0; count * count * bins];
             planes.add_returned(pixels.thickness_mm, face, level);
@@ -208,10 +218,11 @@ impl TwoPlanes {
 
     /// The same pixels and filter in a medium of another index, for light that passes the filter.
     pub fn in_medium(&self, index: f64) -> Self {
-        let returned = Vec::new();
+        let (returned, spread) = (Vec::new(), Vec::new());
         let Self { cells, transmittance, returned_uniform, .. } = self;
         let (cells, transmittance) = (cells.clone(), transmittance.clone());
-        Self { cells, transmittance, returned, returned_uniform: returned_uniform.clone(), index, ..*self }
+        let returned_uniform = returned_uniform.clone();
+        Self { cells, transmittance, returned, returned_uniform, spread, index, ..*self }
     }
 
     /// Light that reaches each cell from outside along these directions of propagation, through the filter;
@@ -226,23 +237,16 @@ impl TwoPlanes {
     }
 
     /// What is seen of Lambertian pixels along these directions, relative to a page of 1 without filter and
-    /// further orders, given their irradiance by list.
-    pub fn shown(
-        &self,
-        leaving: &Passed,
-        rho: &StateSpectra,
-        irradiance: &[impl AsRef<[f64]>],
-        asked: &Asked<'_>,
-    ) -> Shown {
+    /// further orders, given their radiosity by list.
+    pub fn shown(&self, leaving: &Passed, radiosity: &[impl AsRef<[f64]>], asked: &Asked<'_>) -> Shown {
         let (bins, mut shown) = (self.bins, self.nothing(asked));
-        for (list, (states, irradiance)) in asked.states.iter().zip(irradiance).enumerate() {
-            for (cell, irradiance) in irradiance.as_ref().chunks_exact(bins).enumerate() {
+        for (list, radiosity) in radiosity.iter().enumerate() {
+            for (cell, radiosity) in radiosity.as_ref().chunks_exact(bins).enumerate() {
                 let Some(own) = self.cells.window_of(cell) else { continue };
                 for window in asked.windows.clone() {
-                    let light = leaving.by_window(cell, window).iter().zip(irradiance);
-                    let rows = light.zip(rho.state(states[own]));
+                    let rows = leaving.by_window(cell, window).iter().zip(radiosity);
                     let slot = shown.slot(list, window, own);
-                    slot.iter_mut().zip(rows).for_each(|(slot, ((t, e), rho))| *slot += t * e * rho);
+                    slot.iter_mut().zip(rows).for_each(|(slot, (t, b))| *slot += t * b);
                 }
             }
         }
@@ -292,20 +296,8 @@ impl TwoPlanes {
             return first;
         }
         let mut irradiance = first.clone();
-        let mut radiosity = vec![0.0; count * bins];
         loop {
-            for cell in 0..count {
-                let own = self.cells.window_of(cell).and_then(|window| reflectance.get(window));
-                let row = cell * bins..(cell + 1) * bins;
-                match own {
-                    Some(own) => radiosity[row.clone()]
-                        .iter_mut()
-                        .zip(&irradiance[row])
-                        .zip(*own)
-                        .for_each(|((out, e), rho)| *out = e * rho),
-                    None => radiosity[row].fill(0.0),
-                }
-            }
+            let radiosity = self.radiosity(&irradiance, reflectance);
             let [mut change, mut largest] = [0.0_f64; 2];
             for (cell, returned) in self.returned.chunks_exact(count * bins).enumerate() {
                 let row = cell * bins..(cell + 1) * bins;
@@ -323,6 +315,32 @@ impl TwoPlanes {
                 return irradiance;
             }
         }
+    }
+
+    /// Radiosity of each cell in this irradiance, `[cell][wavelength]`.
+    pub fn radiosity(&self, irradiance: &[f64], reflectance: &[&[f64]]) -> Vec<f64> {
+        let (count, bins) = (self.cells.count(), self.bins);
+        let reflected = |light: &[f64], fraction: fn(f64) -> f64| {
+            let mut out = vec![0.0; count * bins];
+            for (cell, (out, light)) in out.chunks_exact_mut(bins).zip(light.chunks_exact(bins)).enumerate() {
+                let own = self.cells.window_of(cell).and_then(|window| reflectance.get(window));
+                let rows = out.iter_mut().zip(light).zip(own.copied().unwrap_or_default());
+                rows.for_each(|((out, light), rho)| *out = light * fraction(*rho));
+            }
+            out
+        };
+        if self.spread.is_empty() {
+            return reflected(irradiance, |rho| rho);
+        }
+        // Light passes the state below the window on its way in, and that where it leaves on its way out.
+        let inside = reflected(irradiance, f64::sqrt);
+        let mut spread = vec![0.0; count * bins];
+        for (out, parts) in spread.chunks_exact_mut(bins).zip(self.spread.chunks_exact(count)) {
+            for (part, light) in parts.iter().zip(inside.chunks_exact(bins)) {
+                out.iter_mut().zip(light).for_each(|(out, light)| *out += part * light);
+            }
+        }
+        reflected(&spread, f64::sqrt)
     }
 
     /// Adds all directions of the return.

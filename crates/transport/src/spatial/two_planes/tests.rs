@@ -20,6 +20,7 @@ fn pixels<'a>(windows: &'a [Window], transmittance: &'a [Vec<f64>], thickness_mm
         height_mm: 0.0,
         thickness_mm,
         index: 1.5,
+        spread: None,
     }
 }
 
