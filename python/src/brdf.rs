@@ -1,21 +1,16 @@
 //! BSDF of the display, and the parts of reflected beams.
 
-use std::sync::atomic::AtomicBool;
-
 use papilio_design::output::{Refinable, between_warning, brdf_warnings, finer_step, smallest_step};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::Stop;
-use papilio_display::{
-    BrdfGrid, Control, DisplayError, LobeWidths, ProbeGrid, brdf, brdf_at_viewers, reflection,
-};
+use papilio_display::{BrdfGrid, LobeWidths, ProbeGrid, brdf, brdf_at_viewers, reflection};
 use papilio_formats::{BsdfSource, Exported, between_error, write_bsdf, write_reflection};
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::errors;
 use crate::scenario::Resolved;
-use crate::watch::watched;
+use crate::watch::computed;
 
 exports! { functions beams, bsdf; }
 
@@ -100,20 +95,4 @@ pub(crate) fn beams<'py>(
     let mut text = Vec::new();
     write_reflection(&mut text, &found).map_err(|error| errors::internal(&error.to_string()))?;
     Ok(PyBytes::new(py, &text))
-}
-
-fn computed<T: Send>(
-    py: Python<'_>,
-    of: &papilio_scenario::Resolved,
-    threads: Option<u16>,
-    progress: Option<Bound<'_, PyAny>>,
-    work: impl FnOnce(&Control<'_>) -> Result<T, DisplayError> + Send,
-) -> PyResult<T> {
-    let found = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
-        watch.run(threads.map(usize::from), work)
-    })?;
-    found.map_err(|error| match error {
-        DisplayError::Interrupted => PyKeyboardInterrupt::new_err(()),
-        error => errors::display_of(py, of, &error),
-    })
 }

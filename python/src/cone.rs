@@ -1,18 +1,15 @@
 //! Conoscopic maps.
 
-use std::sync::atomic::AtomicBool;
-
 use numpy::PyArray1;
-use papilio_display::{ConeGrid, ConeResult, ConeState, ConeView, DisplayError};
+use papilio_display::{ConeGrid, ConeResult, ConeState, ConeView};
 use papilio_formats::{ConeFile, write_cone_csv, write_cone_npy, write_json};
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::columns::array;
 use crate::errors;
 use crate::scenario::Resolved;
-use crate::watch::watched;
+use crate::watch::computed;
 
 exports! { classes Cone; }
 
@@ -63,22 +60,16 @@ impl Cone {
         reference_deg: Option<[f64; 2]>,
     ) -> PyResult<Self> {
         let scene = &scenario.of.scene;
-        let found = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
+        let of = computed(py, &scenario.of, threads, progress, |control| {
             let within = ConeGrid::within(scene)?;
             let grid = ConeGrid {
                 theta_deg: theta_deg.unwrap_or(within.theta_deg),
                 phi_deg: phi_deg.unwrap_or(within.phi_deg),
                 reference_deg: reference_deg.unwrap_or(within.reference_deg),
             };
-            watch.run(threads.map(usize::from), |control| {
-                papilio_display::cone(scene, grid, control)?.allowing(allow_error)
-            })
+            papilio_display::cone(scene, grid, control)?.allowing(allow_error)
         })?;
-        match found {
-            Ok(of) => Ok(Self { of, hash: scenario.of.hash.clone() }),
-            Err(DisplayError::Interrupted) => Err(PyKeyboardInterrupt::new_err(())),
-            Err(error) => Err(errors::display_of(py, &scenario.of, &error)),
-        }
+        Ok(Self { of, hash: scenario.of.hash.clone() })
     }
 
     fn theta_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {

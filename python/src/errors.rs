@@ -4,6 +4,7 @@ use papilio_design::DesignError;
 use papilio_display::DisplayError;
 use papilio_formats::{FormatError, Place};
 use papilio_scenario::{Resolved, ScenarioErrors};
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -32,9 +33,13 @@ pub(crate) fn format(py: Python<'_>, error: &FormatError) -> PyErr {
     raised(py, "FileError", error.to_string(), mistake)
 }
 
-/// Error of the computation of a scene, with the position in its scenario if a key causes it.
+/// Error of the computation of a scene, with the position in its scenario if a key causes it;
+/// `KeyboardInterrupt` if it was stopped.
 pub(crate) fn display_of(py: Python<'_>, resolved: &Resolved, error: &DisplayError) -> PyErr {
-    resolved.located(error).map_or_else(|| display(py, error), |errors| scenario(py, &errors))
+    match error {
+        DisplayError::Interrupted => PyKeyboardInterrupt::new_err(()),
+        error => resolved.located(error).map_or_else(|| display(py, error), |errors| scenario(py, &errors)),
+    }
 }
 
 /// Error of the computation of a scene.

@@ -199,14 +199,8 @@ pub(crate) fn film<'py>(
     films.check().map_err(|error| errors::argument(py, &error.to_string()))?;
     let size: usize = shape.iter().product();
     let mut found = (vec![0.0; size], vec![0.0; if both { size } else { 0 }]);
-    let outcome = watched(py, &AtomicBool::new(false), None, |watch| {
-        computed(&films, &mut found, threads, watch.stop)
-    })?;
-    match outcome {
-        Ok(true) => Ok((PyArray1::from_vec(py, found.0), PyArray1::from_vec(py, found.1))),
-        Ok(false) => Err(PyKeyboardInterrupt::new_err(())),
-        Err(error) => Err(errors::argument(py, &error.to_string())),
-    }
+    stoppable(py, |stop| computed(&films, &mut found, threads, stop))?;
+    Ok((PyArray1::from_vec(py, found.0), PyArray1::from_vec(py, found.1)))
 }
 
 /// Computes the mean reflectance of s and p on a grid. The last three axes are directions (along which only beta changes), gaps
@@ -232,13 +226,8 @@ pub(crate) fn film_grid<'py>(
     let grid = FilmGrid { films, gap, directions, gaps, wavelengths };
     grid.films.check().map_err(|error| errors::argument(py, &error.to_string()))?;
     let mut found = vec![0.0; shape.iter().product()];
-    let outcome =
-        watched(py, &AtomicBool::new(false), None, |watch| grid.computed(&mut found, threads, watch.stop))?;
-    match outcome {
-        Ok(true) => Ok(PyArray1::from_vec(py, found)),
-        Ok(false) => Err(PyKeyboardInterrupt::new_err(())),
-        Err(error) => Err(errors::argument(py, &error.to_string())),
-    }
+    stoppable(py, |stop| grid.computed(&mut found, threads, stop))?;
+    Ok(PyArray1::from_vec(py, found))
 }
 
 /// Approximate number of directions times gaps of a film that a thread takes at a time.
@@ -327,6 +316,18 @@ impl FilmGrid<'_> {
             None => vec![0.0; gaps],
         };
         of.reflectance(&betas, &gaps_nm, out)
+    }
+}
+
+/// Computes films with Ctrl-C; `work` returns false if it was stopped.
+pub(crate) fn stoppable(
+    py: Python<'_>,
+    work: impl FnOnce(&AtomicBool) -> Result<bool, OpticsError> + Send,
+) -> PyResult<()> {
+    match watched(py, &AtomicBool::new(false), None, |watch| work(watch.stop))? {
+        Ok(true) => Ok(()),
+        Ok(false) => Err(PyKeyboardInterrupt::new_err(())),
+        Err(error) => Err(errors::argument(py, &error.to_string())),
     }
 }
 

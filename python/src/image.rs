@@ -11,8 +11,8 @@ use pyo3::types::PyDict;
 
 use crate::errors;
 use crate::scenario::{Described, Resolved};
-use crate::spatial::{computed, text};
-use crate::watch::detached;
+use crate::spatial::text;
+use crate::watch::{computed, detached};
 
 exports! { classes Image; }
 
@@ -69,7 +69,7 @@ impl Image {
         let white = if relative_to_display { ScreenWhite::Display } else { ScreenWhite::Perfect };
         let space = if display_p3 { ScreenSpace::DisplayP3 } else { ScreenSpace::Srgb };
         let screen = Screen { white, space };
-        let of = computed(py, &scenario, threads, progress, |control| {
+        let of = computed(py, &scenario.of, threads, progress, |control| {
             image(&resolved.scene, &request.source, &settings, screen, control)
         })?;
         let title = resolved.title.clone().unwrap_or_else(|| name.to_owned());

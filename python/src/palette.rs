@@ -5,7 +5,8 @@ use papilio_formats::TitledFile;
 use pyo3::prelude::*;
 
 use crate::scenario::Resolved;
-use crate::spatial::{computed, text};
+use crate::spatial::text;
+use crate::watch::computed;
 
 exports! { classes Palette; }
 
@@ -31,7 +32,7 @@ impl Palette {
         let resolved = &scenario.of;
         let rooms: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.get().of.scene)).collect();
         let of =
-            computed(py, scenario, threads, progress, |control| palette(&resolved.scene, &rooms, control))?;
+            computed(py, resolved, threads, progress, |control| palette(&resolved.scene, &rooms, control))?;
         let json = text(&TitledFile {
             papilio: env!("CARGO_PKG_VERSION"),
             title,

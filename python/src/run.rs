@@ -5,13 +5,12 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
 use papilio_display::DisplayError;
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::errors;
 use crate::result::RunResult;
 use crate::scenario::Resolved;
-use crate::watch::watched;
+use crate::watch::{computed, watched};
 
 exports! { classes Prepared; }
 
@@ -28,14 +27,10 @@ pub(crate) struct Prepared {
 impl Prepared {
     #[new]
     fn new(py: Python<'_>, like: &Resolved) -> PyResult<Self> {
-        let prepared = watched(py, &AtomicBool::new(false), None, |watch| {
-            watch.run(None, |control| papilio_display::Prepared::new(&like.of.scene, control))
-        })?;
-        match prepared {
-            Ok(prepared) => Ok(Self { display: Mutex::new(prepared) }),
-            Err(DisplayError::Interrupted) => Err(PyKeyboardInterrupt::new_err(())),
-            Err(error) => Err(errors::display_of(py, &like.of, &error)),
-        }
+        let scene = &like.of.scene;
+        let prepared =
+            computed(py, &like.of, None, None, |control| papilio_display::Prepared::new(scene, control))?;
+        Ok(Self { display: Mutex::new(prepared) })
     }
 
     #[pyo3(signature = (scenario, threads=None, progress=None, first=false))]
@@ -58,7 +53,6 @@ impl Prepared {
         })?;
         match outcome {
             Some(Ok(result)) => Ok(RunResult::new(result, Arc::clone(of))),
-            Some(Err(DisplayError::Interrupted)) => Err(PyKeyboardInterrupt::new_err(())),
             Some(Err(error)) => Err(errors::display_of(py, of, &error)),
             None => {
                 Err(errors::internal("an earlier internal error left this display in an incomplete state"))

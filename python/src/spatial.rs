@@ -1,19 +1,15 @@
 //! Sharpness, crosstalk and sparkle: the contents of the files of `papilio mtf`, `crosstalk` and `sparkle`.
 
-use std::sync::atomic::AtomicBool;
-
 use numpy::PyArrayDyn;
 use papilio_display::spatial::{CrosstalkResult, MtfResult, SparkleResult, crosstalk, mtf, sparkle};
-use papilio_display::{Control, DisplayError};
 use papilio_formats::{SparkleFile, SpatialFile, write_json};
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::columns::{Columns, array};
 use crate::errors;
 use crate::scenario::Resolved;
-use crate::watch::watched;
+use crate::watch::computed;
 
 exports! { classes Crosstalk, Mtf, Sparkle; }
 
@@ -38,7 +34,7 @@ impl Mtf {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let resolved = &scenario.of;
-        let of = computed(py, scenario, threads, progress, |control| {
+        let of = computed(py, resolved, threads, progress, |control| {
             mtf(&resolved.scene, &resolved.patterns, control)
         })?;
         let json = content(scenario, &of)?;
@@ -93,7 +89,7 @@ impl Crosstalk {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let resolved = &scenario.of;
-        let of = computed(py, scenario, threads, progress, |control| {
+        let of = computed(py, resolved, threads, progress, |control| {
             crosstalk(&resolved.scene, &resolved.patterns.text, control)
         })?;
         let json = content(scenario, &of)?;
@@ -156,7 +152,7 @@ impl Sparkle {
                        correlation_um, or a rough layer with correlation_um)";
         let face = resolved.sparkle.as_ref().ok_or_else(|| errors::argument(py, missing))?;
         let of =
-            computed(py, scenario, threads, progress, |control| sparkle(&resolved.scene, face, control))?;
+            computed(py, resolved, threads, progress, |control| sparkle(&resolved.scene, face, control))?;
         let json = text(&SparkleFile {
             papilio: env!("CARGO_PKG_VERSION"),
             title,
@@ -207,23 +203,6 @@ fn columns(result: &MtfResult) -> serde_json::Result<[Columns; 2]> {
         }
     }
     Ok([together, alone])
-}
-
-/// Computes a result on another thread, with progress and Ctrl-C.
-pub(crate) fn computed<T: Send>(
-    py: Python<'_>,
-    scenario: &Resolved,
-    threads: Option<u16>,
-    progress: Option<Bound<'_, PyAny>>,
-    compute: impl FnOnce(&Control<'_>) -> Result<T, DisplayError> + Send,
-) -> PyResult<T> {
-    let found = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
-        watch.run(threads.map(usize::from), |control| compute(control))
-    })?;
-    found.map_err(|error| match error {
-        DisplayError::Interrupted => PyKeyboardInterrupt::new_err(()),
-        error => errors::display_of(py, &scenario.of, &error),
-    })
 }
 
 /// The text of `mtf.json` or `crosstalk.json`.

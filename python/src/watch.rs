@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use papilio_display::{Control, Progress, ProgressFraction};
+use papilio_display::{Control, DisplayError, Progress, ProgressFraction};
+use papilio_scenario::Resolved;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -101,6 +102,20 @@ pub(crate) fn watched<T: Send>(
             (None, _) => Err(errors::internal("the computation panicked")),
         }
     })
+}
+
+/// Computes a result of a scenario on a separate thread, with progress and Ctrl-C.
+pub(crate) fn computed<T: Send>(
+    py: Python<'_>,
+    of: &Resolved,
+    threads: Option<u16>,
+    progress: Option<Bound<'_, PyAny>>,
+    compute: impl FnOnce(&Control<'_>) -> Result<T, DisplayError> + Send,
+) -> PyResult<T> {
+    let found = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
+        watch.run(threads.map(usize::from), compute)
+    })?;
+    found.map_err(|error| errors::display_of(py, of, &error))
 }
 
 /// Runs `work` without the interpreter. Constructors pass through here: the guard of the Python package wraps everything else.

@@ -1,18 +1,14 @@
 //! Coherent films beyond their powers: amplitudes, absorption by layer, derivatives; one stack at each point of broadcast arrays.
 
-use std::sync::atomic::AtomicBool;
-
 use numpy::{Complex64, PyArray1};
 use papilio_optics::OpticsError;
 use papilio_optics::film::{
     Coherent, Film, GapFilm, Layer, Polarisation, SpectralLayer, Thickness, Variable, coherent,
 };
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::errors;
-use crate::films::{Answer, Films, Given, given, on_threads};
-use crate::watch::watched;
+use crate::films::{Answer, Films, Given, given, on_threads, stoppable};
 
 exports! { functions film_absorptance, film_amplitudes, film_derivatives; }
 
@@ -82,16 +78,16 @@ fn at_points<T: Send + Default + Clone>(
     films.check().map_err(|error| errors::argument(py, &error.to_string()))?;
     let size: usize = films.shape.iter().product();
     let mut found = vec![T::default(); size * width];
-    let outcome = watched(py, &AtomicBool::new(false), None, |watch| {
+    stoppable(py, |stop| {
         let blocks = found.chunks_mut((POINTS * width).max(1)).enumerate();
-        on_threads(blocks, threads.min(size.div_ceil(POINTS)), watch.stop, |(number, block)| {
+        on_threads(blocks, threads.min(size.div_ceil(POINTS)), stop, |(number, block)| {
             for (at, out) in block.chunks_mut(width).enumerate() {
                 of(&response(films, &films.place(number * POINTS + at))?, out);
             }
             Ok(())
         })
     })?;
-    finished(py, outcome).map(|()| found)
+    Ok(found)
 }
 
 /// Response of the film at a point to both polarisations.
@@ -138,16 +134,13 @@ pub(crate) fn film_derivatives<'py>(
     let rows = Rows::new(&films, &variables);
     let points: usize = shape.iter().product();
     let (mut values, mut slopes) = (vec![0.0; points], vec![0.0; points * variables.len()]);
-    let outcome = watched(py, &AtomicBool::new(false), None, |watch| {
+    stoppable(py, |stop| {
         let parts =
             values.chunks_mut(rows.length).zip(slopes.chunks_mut((rows.length * variables.len()).max(1)));
         let rows_of =
             parts.enumerate().map(|(number, (values, slopes))| (number * rows.length, values, slopes));
-        on_threads(rows_of, threads, watch.stop, |(start, values, slopes)| {
-            rows.compute(start, values, slopes)
-        })
+        on_threads(rows_of, threads, stop, |(start, values, slopes)| rows.compute(start, values, slopes))
     })?;
-    finished(py, outcome)?;
     Ok((PyArray1::from_vec(py, values), PyArray1::from_vec(py, slopes)))
 }
 
@@ -203,14 +196,5 @@ impl<'a> Rows<'a> {
             }
         }
         Ok(())
-    }
-}
-
-/// Converts the outcome of a computation on threads.
-fn finished(py: Python<'_>, outcome: Result<bool, OpticsError>) -> PyResult<()> {
-    match outcome {
-        Ok(true) => Ok(()),
-        Ok(false) => Err(PyKeyboardInterrupt::new_err(())),
-        Err(error) => Err(errors::argument(py, &error.to_string())),
     }
 }

@@ -48,4 +48,5 @@ pub use error::DesignError;
 pub use evaluator::{Evaluator, Slopes};
 pub use light::LightStudy;
 pub use papilio_display::Quantity;
-pub use study::{Condition, Key, NamedQuantity, Study, Values, Variable};
+pub use papilio_scenario::{Key, NamedQuantity};
+pub use study::{Condition, Study, Values, Variable};

@@ -30,7 +30,7 @@ impl LightStudy {
         let study = Study {
             variables: sweep.varied.paths().zip(&sweep.keys).map(variable).collect(),
             conditions: vec![Condition { name: String::new(), varied: sweep.varied.clone() }],
-            quantities: sweep.metrics.iter().map(NamedQuantity::of).collect(),
+            quantities: sweep.metrics.iter().map(quantity).collect(),
         };
         Self { study: Arc::new(study), sweep }
     }
@@ -87,11 +87,9 @@ fn has_error(metric: &ReportedMetric) -> bool {
     !matches!(metric.metric.source(), MetricSource::Colours | MetricSource::Image)
 }
 
-impl NamedQuantity {
-    /// The quantity of a metric that a scenario requests, under the only condition.
-    pub(crate) fn of(request: &ReportedMetric) -> Self {
-        let quantity =
-            Quantity::Metric { view: request.view, state: request.state.clone(), metric: request.metric };
-        Self { name: request.name.clone(), condition: 0, quantity }
-    }
+/// The quantity of a metric that a scenario requests, under the only condition.
+pub(crate) fn quantity(request: &ReportedMetric) -> NamedQuantity {
+    let quantity =
+        Quantity::Metric { view: request.view, state: request.state.clone(), metric: request.metric };
+    NamedQuantity { name: request.name.clone(), condition: 0, quantity }
 }

@@ -1,7 +1,6 @@
 //! Definition of a study: variables, conditions and quantities.
 
-use papilio_display::Quantity;
-use papilio_scenario::{Optimisation, ParameterisedScenario, SearchQuantity, SearchRange};
+use papilio_scenario::{Key, NamedQuantity, Optimisation, ParameterisedScenario, SearchRange};
 use serde_json::Value as Json;
 
 use crate::DesignError;
@@ -37,17 +36,6 @@ pub struct Variable {
     pub values: Values,
 }
 
-/// A key of the scenario that a variable x sets to `slope * x + offset`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Key {
-    /// Path of the key, in the syntax of `--set`.
-    pub path: String,
-    /// Slope: 1 as a rule; -1 if the key compensates for another one (`compensated_by`).
-    pub slope: f64,
-    /// Offset: 0 as a rule.
-    pub offset: f64,
-}
-
 /// Meaning of the number of a variable.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
@@ -57,51 +45,24 @@ pub enum Values {
     Choices(Vec<Json>),
 }
 
-/// A quantity under a condition, with its name.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NamedQuantity {
-    /// Name in tables and messages.
-    pub name: String,
-    /// Index of the condition, from 0.
-    pub condition: usize,
-    /// The quantity.
-    pub quantity: Quantity,
-}
-
-impl Key {
-    /// Key that takes the variable's number unchanged.
-    pub fn plain(path: impl Into<String>) -> Self {
-        Self { path: path.into(), slope: 1.0, offset: 0.0 }
-    }
-}
-
 impl Study {
     /// Study of an optimisation.
     pub fn of(optimisation: &Optimisation) -> Self {
         let conditions = optimisation.conditions.iter();
         let variable = |read: &papilio_scenario::SearchVariable| Variable {
             name: read.name.clone(),
-            keys: read
-                .keys
-                .iter()
-                .map(|(path, slope, offset)| Key { path: path.clone(), slope: *slope, offset: *offset })
-                .collect(),
+            keys: read.keys.clone(),
             values: match &read.range {
                 SearchRange::Bounds(..) => Values::Number,
                 SearchRange::Choices(choices) => Values::Choices(choices.clone()),
             },
-        };
-        let named = |read: &SearchQuantity| NamedQuantity {
-            name: read.name.clone(),
-            condition: read.condition,
-            quantity: read.quantity.clone(),
         };
         Self {
             conditions: conditions
                 .map(|read| Condition { name: read.name.clone(), varied: read.varied.clone() })
                 .collect(),
             variables: optimisation.variables.iter().map(variable).collect(),
-            quantities: optimisation.quantities().into_iter().map(named).collect(),
+            quantities: optimisation.quantities().into_iter().cloned().collect(),
         }
     }
 

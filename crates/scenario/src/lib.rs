@@ -97,8 +97,8 @@ pub use memo::ResolveCache;
 pub use migrate::{Migrated, RenamedPlace, migrate};
 pub use mistake::MistakeKind;
 pub use optimise::{
-    Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod, SearchObjective,
-    SearchQuantity, SearchRange, SearchVariable,
+    Key, NamedQuantity, Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod,
+    SearchObjective, SearchRange, SearchVariable,
 };
 pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};

@@ -5,7 +5,7 @@
 //! own value. A constraint becomes its *violation*: the distance from the limit, divided by the magnitude of
 //! the limit. It is at most 0 if the constraint is satisfied.
 
-use papilio_scenario::{Optimisation, SearchAim, SearchObjective, SearchQuantity};
+use papilio_scenario::{NamedQuantity, Optimisation, SearchAim, SearchObjective};
 
 /// Largest relative violation of a feasible design: optimisers satisfy constraints to about this accuracy.
 pub const FEASIBLE: f64 = 1e-6;
@@ -37,7 +37,7 @@ struct Limit {
 impl Aims {
     pub(super) fn new(spec: &Optimisation, own: &[Option<f64>]) -> Self {
         let quantities = spec.quantities();
-        let index = |one: &SearchQuantity| quantities.iter().position(|known| *known == one).unwrap_or(0);
+        let index = |one: &NamedQuantity| quantities.iter().position(|known| *known == one).unwrap_or(0);
         let objective = |one: &SearchObjective| {
             let parts: Vec<(f64, usize)> =
                 one.parts.iter().map(|(weight, part)| (*weight, index(part))).collect();

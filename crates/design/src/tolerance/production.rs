@@ -6,7 +6,8 @@ use papilio_scenario::{ScenarioErrors, Tolerance};
 use serde_json::Value;
 
 use super::plan::{Draw, Plan};
-use crate::{Condition, DesignError, Evaluator, Key, NamedQuantity, Study, Values, Variable};
+use crate::light::quantity;
+use crate::{Condition, DesignError, Evaluator, Key, Study, Values, Variable};
 
 /// Displays of a `[tolerance]`, by row.
 ///
@@ -39,7 +40,7 @@ impl Production {
         let study = Study {
             conditions: vec![Condition { name: String::new(), varied: tolerance.varied.clone() }],
             variables: variables.collect(),
-            quantities: tolerance.metrics.iter().map(NamedQuantity::of).collect(),
+            quantities: tolerance.metrics.iter().map(quantity).collect(),
         };
         let distributions = tolerance.keys.iter().map(|key| key.distribution.clone()).collect();
         Self {

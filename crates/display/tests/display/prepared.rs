@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::common::{prepared_for, run_on, scenario};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{
-    AngleMedium, Approximation, Interface, Layer, Lobe, Method, Pixel, Ready, Scene, Stop, Thickness,
+    AngleMedium, Approximation, Interface, Layer, Length, Lobe, Method, Pixel, Ready, Scene, Standard, Stop,
+    Thickness,
 };
 use papilio_display::{Control, DisplayError};
 use papilio_spectra::Grid;
@@ -69,6 +70,8 @@ fn changes() -> Vec<Change> {
             s.lighting.directed.clear();
             s.lighting.diffuse = 1.0;
         }),
+        ("the observer", |s| s.metrics.observer = Standard::Cie1964),
+        ("a thickness", |s| glass(s).thickness = Length::Mm(0.3)),
         ("another pixel", |s| s.display.pixel = scene("epaper", &[]).display.pixel),
         ("the grid", |s| *s = scene("indoor", &["spectrum.step_nm=80"])),
     ]

@@ -3,8 +3,8 @@ use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
 use crate::common::{run_on, scenario};
-use papilio_display::scene::{Method, Scene, Stop};
-use papilio_display::{BrdfGrid, ConeGrid, ConeResult, Control, DisplayError, brdf, cone};
+use papilio_display::scene::{Method, Scene, Standard, Stop};
+use papilio_display::{BrdfGrid, ConeGrid, ConeResult, Control, DisplayError, Prepared, brdf, cone};
 use papilio_optics::rough::{Rough, Side};
 use papilio_optics::{Beta, Scatterer};
 use papilio_testing::sized;
@@ -30,6 +30,21 @@ fn seen_against(
     let grid = ConeGrid { theta_deg: theta_deg.to_vec(), phi_deg: phi_deg.to_vec(), reference_deg };
     let stop = AtomicBool::new(false);
     cone(scene, grid, &Control { threads: Some(threads), progress: &|_| {}, stop: &stop }).unwrap()
+}
+
+/// Maps after a run, and a run after maps, are those of a display that is prepared for each.
+#[test]
+fn maps_and_runs_of_one_preparation_equal_those_of_two() {
+    let mut scene = scene("indoor", 1e-3);
+    scene.metrics.observer = Standard::Cie1964;
+    let grid = ConeGrid { theta_deg: vec![0.0, 30.0], phi_deg: vec![0.0, 90.0], reference_deg: [0.0; 2] };
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    let mut prepared = Prepared::empty();
+    let first = format!("{:?}", prepared.run(&scene, &control).unwrap());
+    let maps = prepared.cone(&scene, grid.clone(), &control).unwrap();
+    assert!(format!("{maps:?}") == format!("{:?}", cone(&scene, grid, &control).unwrap()));
+    assert!(format!("{:?}", prepared.run(&scene, &control).unwrap()) == first);
 }
 
 /// Outside the measured directions there are no values, even if the front reflects light; inside they are not

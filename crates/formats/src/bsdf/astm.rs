@@ -6,7 +6,8 @@ use std::ops::Range;
 use papilio_goniometry::{Channel, Measurement, Provenance};
 
 use super::angles::RADIANS;
-use super::table_read::{Rows, is_front_reflection, unfold};
+use super::table_read::is_front_reflection;
+use super::table_rows::{Rows, unfold};
 use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem};
 use crate::error::{FormatError, Problem};

@@ -13,7 +13,7 @@ use std::ops::Range;
 use papilio_goniometry::{Channel, Direction, Measurement, Provenance};
 
 use super::angles::{Angles, DEGREES, RADIANS};
-use super::table_read::{Rows, unfold};
+use super::table_rows::{Rows, unfold};
 use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem};
 use crate::error::{FormatError, Problem};

@@ -25,6 +25,7 @@ mod rgl_write;
 mod scan;
 mod scene_script;
 mod table_read;
+mod table_rows;
 mod table_write;
 mod text;
 mod tree;

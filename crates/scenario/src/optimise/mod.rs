@@ -53,12 +53,30 @@ pub enum SearchMethod {
 pub struct SearchVariable {
     /// Name: the first path.
     pub name: String,
-    /// Paths that it changes, with slope and offset: their values are `slope * x + offset`.
-    pub keys: Vec<(String, f64, f64)>,
+    /// Keys that it sets.
+    pub keys: Vec<Key>,
     /// Possible values.
     pub range: SearchRange,
     /// Value of the scenario, if it is in the range: a number, or the index of a choice.
     pub own: Option<f64>,
+}
+
+/// A key of the scenario that a variable x sets to `slope * x + offset`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Key {
+    /// Path of the key, in the syntax of `--set`.
+    pub path: String,
+    /// Slope: 1 as a rule; -1 if the key compensates for another one (`compensated_by`).
+    pub slope: f64,
+    /// Offset: 0 as a rule.
+    pub offset: f64,
+}
+
+impl Key {
+    /// Key that takes the variable's number unchanged.
+    pub fn plain(path: impl Into<String>) -> Self {
+        Self { path: path.into(), slope: 1.0, offset: 0.0 }
+    }
 }
 
 /// Possible values of a variable.
@@ -81,12 +99,12 @@ pub struct SearchCondition {
     pub varied: ParameterisedScenario,
 }
 
-/// A quantity under a condition.
+/// A quantity under a condition, with its name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SearchQuantity {
-    /// Name in tables: `white.Y (sun)`.
+pub struct NamedQuantity {
+    /// Name in tables and messages: `white.Y (sun)`.
     pub name: String,
-    /// Index of the condition.
+    /// Index of the condition, from 0.
     pub condition: usize,
     /// The quantity.
     pub quantity: Quantity,
@@ -98,7 +116,7 @@ pub struct SearchObjective {
     /// Name in tables.
     pub name: String,
     /// Quantities with their weights, which sum to 1.
-    pub parts: Vec<(f64, SearchQuantity)>,
+    pub parts: Vec<(f64, NamedQuantity)>,
     /// Aim of the objective.
     pub aim: SearchAim,
 }
@@ -118,7 +136,7 @@ pub enum SearchAim {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchConstraint {
     /// The limited quantity.
-    pub quantity: SearchQuantity,
+    pub quantity: NamedQuantity,
     /// Lower limit.
     pub at_least: Option<f64>,
     /// Upper limit.
@@ -130,10 +148,10 @@ read_of_scenarios!(Optimisation: "an `[optimize]`", read::search);
 
 impl Optimisation {
     /// Returns the quantities of all objectives and constraints, each once.
-    pub fn quantities(&self) -> Vec<&SearchQuantity> {
+    pub fn quantities(&self) -> Vec<&NamedQuantity> {
         let of_objectives = self.objectives.iter().flat_map(|one| one.parts.iter().map(|(_, part)| part));
         let all = of_objectives.chain(self.constraints.iter().map(|one| &one.quantity));
-        let mut found: Vec<&SearchQuantity> = Vec::new();
+        let mut found: Vec<&NamedQuantity> = Vec::new();
         for quantity in all {
             if !found.contains(&quantity) {
                 found.push(quantity);
@@ -158,6 +176,6 @@ impl SearchVariable {
             SearchRange::Bounds(..) => (slope * x + offset).into(),
             SearchRange::Choices(choices) => choices.get(x as usize).cloned().unwrap_or_default(),
         };
-        self.keys.iter().map(|(path, slope, offset)| (path.clone(), value(*slope, *offset))).collect()
+        self.keys.iter().map(|key| (key.path.clone(), value(key.slope, key.offset))).collect()
     }
 }

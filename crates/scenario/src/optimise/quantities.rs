@@ -7,7 +7,7 @@ use papilio_formats::{LARGEST_FILE, read_fractions_with_notes};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
 
 use super::read::{ConditionScene, Reader};
-use super::{SearchAim, SearchConstraint, SearchObjective, SearchQuantity};
+use super::{NamedQuantity, SearchAim, SearchConstraint, SearchObjective};
 use crate::describe::limits::MetricName;
 use crate::describe::numbers::Count;
 use crate::describe::optimize::{self as describe, DesiredSpectrum};
@@ -119,7 +119,7 @@ impl Reader {
         asked: &QuantitySpec<'_>,
         names: &[&str],
         scenes: &[ConditionScene],
-    ) -> Option<Vec<SearchQuantity>> {
+    ) -> Option<Vec<NamedQuantity>> {
         let conditions = match &asked.condition.value {
             None => (0..names.len()).collect(),
             Some(name) => match names.iter().position(|known| known == name) {
@@ -150,7 +150,7 @@ impl Reader {
                 let of_view = (views > 1).then(|| format!("view {view}"));
                 let places: Vec<String> = of_condition.into_iter().chain(of_view).collect();
                 let name = if places.is_empty() { name } else { format!("{name} ({})", places.join(", ")) };
-                found.push(SearchQuantity { name, condition, quantity });
+                found.push(NamedQuantity { name, condition, quantity });
             }
         }
         Some(found)

@@ -5,7 +5,7 @@ use papilio_display::scene::{Method as Solver, MetricSource, Scene};
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 
-use super::{Optimisation, SearchCondition, SearchRange, SearchVariable};
+use super::{Key, Optimisation, SearchCondition, SearchRange, SearchVariable};
 use crate::describe::optimize as describe;
 use crate::error::{Errors, ScenarioErrors};
 use crate::library::hex;
@@ -51,7 +51,7 @@ struct ReadVariable {
 impl ReadVariable {
     /// Returns a note on the value of the compensating key at `x`.
     fn given(&self, x: f64) -> Option<String> {
-        let (path, slope, offset) = self.variable.keys.iter().find(|(_, slope, _)| *slope < 0.0)?;
+        let Key { path, slope, offset } = self.variable.keys.iter().find(|key| key.slope < 0.0)?;
         Some(format!("at this bound `{path}` is {}", tidy(slope * x + offset)))
     }
 }
@@ -133,8 +133,7 @@ impl Reader {
             self.errors.push(spec.origin, mistake::exactly_one("`key` and `keys`", given));
             return None;
         }
-        let mut keys: Vec<(String, f64, f64)> =
-            paths.iter().map(|(path, _)| (path.clone(), 1.0, 0.0)).collect();
+        let mut keys: Vec<Key> = paths.iter().map(|(path, _)| Key::plain(path)).collect();
         let mut origins: Vec<Origin> = paths.iter().map(|(_, origin)| *origin).collect();
         for (path, origin) in paths
             .iter()
@@ -169,7 +168,8 @@ impl Reader {
                 self.errors.push(origin, problem);
                 return None;
             };
-            keys.push((compensating.clone(), -(paths.len() as f64), other + paths.len() as f64 * own));
+            let count = paths.len() as f64;
+            keys.push(Key { path: compensating.clone(), slope: -count, offset: other + count * own });
             origins.push(spec.compensated_by.origin);
         }
         let (range, ends) = self.range(spec)?;
@@ -222,7 +222,7 @@ impl Reader {
         let all: Vec<(&str, Origin)> = found
             .iter()
             .flat_map(|one| {
-                one.variable.keys.iter().map(|(path, ..)| path.as_str()).zip(one.origins.iter().copied())
+                one.variable.keys.iter().map(|key| key.path.as_str()).zip(one.origins.iter().copied())
             })
             .collect();
         for (i, (path, origin)) in all.iter().enumerate() {
@@ -245,8 +245,8 @@ impl Reader {
     fn conditions(&self, spec: &describe::Optimize, found: &[ReadVariable]) -> Vec<SearchCondition> {
         let keys = found.iter().flat_map(|one| {
             let keys = one.variable.keys.iter().zip(&one.origins);
-            keys.map(|((path, ..), origin)| VariedKey {
-                path: KeyPath::new(path),
+            keys.map(|(key, origin)| VariedKey {
+                path: KeyPath::new(&key.path),
                 origin: *origin,
                 values: one.values,
             })
