@@ -130,6 +130,29 @@ fn white_and_black_are_those_of_the_display() {
     }
 }
 
+/// Given adjustments are used and reported; `"auto"` is as without the key; other intents have no report.
+#[test]
+fn adjustments_are_used_and_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[150, 90, 60]]);
+    let file = file.to_str().unwrap();
+    let found = |sets: &[&str]| {
+        let sets: Vec<&str> = sets.iter().flat_map(|one| ["--set", one]).collect();
+        json(&scenario("six-ink"), &[&[file][..], &sets].concat())
+    };
+    let plain = found(&[]);
+    let auto = found(&["image.exposure=\"auto\"", "image.contrast=\"auto\"", "image.white_balance=\"none\""]);
+    assert_eq!((&plain["rendition"], &plain["coverage"]), (&auto["rendition"], &auto["coverage"]));
+    let given = found(&["image.exposure=-1", "image.saturation=0", "image.white_balance=3000"]);
+    let of = |key: &str| given["rendition"][key].as_f64().unwrap();
+    assert_eq!((of("exposure"), of("saturation"), of("white_balance_k")), (-1.0, 0.0, 3000.0));
+    let luminance = |one: &Value| one["mean_XYZ"][1].as_f64().unwrap();
+    assert!(luminance(&given) < 0.8 * luminance(&plain));
+    assert!(given["against_photograph"]["chroma_ratio"].as_f64().unwrap() < 0.5, "{given}");
+    let relative = found(&["image.intent=\"relative\""]);
+    assert!(relative["rendition"].is_null() && !relative["against_photograph"]["hue_error_deg"].is_null());
+}
+
 /// A halftone has the mean colour that was to be shown, apart from the errors that leave the picture at its
 /// borders.
 #[test]
@@ -266,6 +289,13 @@ fn wrong_input_is_answered() {
         (vec![good, "--set", "image.kernel=\"floyd\""], "floyd-steinberg"),
         (vec![good, "--set", "viewer.theta_deg=[0,10]"], "computed for one view"),
         (vec![good, "--set", "image.states=[\"white\"]"], "2 to 64"),
+        (
+            vec![good, "--set", "image.intent=\"relative\"", "--set", "image.contrast=1.2"],
+            "contrast is a factor on natural and vivid pictures",
+        ),
+        (vec![good, "--set", "image.exposure=\"more\""], "auto"),
+        (vec![good, "--set", "image.white_balance=100"], "1700"),
+        (vec![good, "--set", "image.intent=\"perceptual\""], "natural"),
     ] {
         let output = image(&scenario("six-ink"), &arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

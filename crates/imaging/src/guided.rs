@@ -35,8 +35,8 @@ pub fn guided(values: &[f32], columns: usize, radius: usize, epsilon: f64) -> Re
     Ok(lines.map(|((value, slope), offset)| (slope * value + offset) as f32).collect())
 }
 
-/// Mean of the values in the window about each pixel, in place.
-fn window_means(mut values: Vec<f64>, columns: usize, radius: usize) -> Vec<f64> {
+/// Mean of the values in the square window about each pixel, which ends at the borders; of whole rows.
+pub fn window_means(mut values: Vec<f64>, columns: usize, radius: usize) -> Vec<f64> {
     let mut sums = vec![0.0; columns + 1];
     for row in values.chunks_exact_mut(columns) {
         (0..columns).for_each(|x| sums[x + 1] = sums[x] + row[x]);

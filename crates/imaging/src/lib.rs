@@ -32,6 +32,6 @@ pub mod text;
 
 pub use error::ImagingError;
 pub use fit::{Fit, fitted};
-pub use guided::guided;
+pub use guided::{guided, window_means};
 pub use half::{half_bits, push_halves};
 pub use pattern::TestPattern;

@@ -8,12 +8,17 @@ use crate::Xyz;
 use crate::matrix::{Matrix, dot, times};
 use crate::states::nearest_weights;
 
-/// Sharpness of the tone curve of natural and of vivid pictures.
+/// Sharpness of the tone curve of natural and of vivid pictures, on a display whose black has no lightness, and
+/// what it gains where all tones are darker than the black. By eye, and by local contrast, shadows of photographs
+/// on six inks (black 0.42) and on black and white paper (0.52) are best with 3 to 4; S-CIELAB differences from the
+/// photograph would decrease up to 8, which makes the tones above the black gloomy.
 const NATURAL: f64 = 6.0;
-const VIVID: f64 = 8.4;
+const VIVID: f64 = 10.0;
+const DARK: f64 = 2.0;
 
 /// How much a difference across the hue counts, over that of lightness and chroma. With 1, orange becomes
-/// yellow or red; with 4, it loses much chroma.
+/// yellow or red. With 3, the hue error of photographs on six inks is 4 % smaller, but black, white and red show
+/// orange as grey.
 const ACROSS: f64 = 2.0;
 
 /// Largest number of steps towards the nearest colour; 3 to 6 are usual.
@@ -28,9 +33,12 @@ impl GamutMapping {
         self.coordinates(self.adaptation.apply(source))
     }
 
-    /// The tone curve of the intent: natural, or vivid.
-    pub fn tone(&self) -> Tone {
-        Tone::new(self.lightness_of_black(), if self.intent == Intent::Vivid { VIVID } else { NATURAL })
+    /// The tone curve of the intent, natural or vivid, for a picture of which this fraction is darker than the
+    /// display's black.
+    pub fn tone(&self, below_black: f64) -> Tone {
+        let black = self.lightness_of_black();
+        let sharpness = if self.intent == Intent::Vivid { VIVID } else { NATURAL };
+        Tone::new(black, (sharpness + DARK * below_black) * (1.0 - black))
     }
 
     /// Lightness of the display's black, 1 for its white.
@@ -112,10 +120,11 @@ impl GamutMapping {
     /// The colour on the display of X, Y, Z relative to D65, each colour by itself.
     pub(super) fn natural(&self, source: Xyz) -> Xyz {
         let [lightness, a, b] = self.appearance(source);
-        self.alike(self.beside_grey([self.tone().lightness(lightness), a, b]))
+        self.alike(self.beside_grey([self.tone(0.0).lightness(lightness), a, b]))
     }
 
-    fn coordinates(&self, colour: Xyz) -> [f64; 3] {
+    /// Coordinates of a colour of the display.
+    pub fn coordinates(&self, colour: Xyz) -> [f64; 3] {
         self.space.coordinates(colour).map(|one| one / self.unit())
     }
 

@@ -190,7 +190,7 @@ fn lattice_is_nearly_exact_and_without_memory() {
         .map(|_| {
             let rgb = [0, 1, 2].map(|_| dice.throw().powi(2));
             let [l, a, b] = mapping.appearance(SourceSpace::Srgb.xyz(rgb));
-            [mapping.tone().lightness(l), a, b]
+            [mapping.tone(0.3).lightness(l), a, b]
         })
         .collect();
     let mut lattice = AlikeLattice::new(&mapping);

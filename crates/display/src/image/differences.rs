@@ -2,6 +2,7 @@
 
 use papilio_colour::pictures::{FlipPicture, Picture, scielab};
 use papilio_colour::{Adaptation, ColourError, D65_WHITE, Xyz};
+use papilio_imaging::window_means;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -22,6 +23,48 @@ pub struct PictureDifferences {
     pub scielab_p95: Option<f64>,
     /// FLIP, 0 to 1: the mean.
     pub flip_mean: Option<f64>,
+    /// Mean difference of the hue in CIELAB after the eye's blur, deg, weighted with the other picture's chroma,
+    /// where that is above 8; null where there is none.
+    pub hue_error_deg: Option<f64>,
+    /// Mean chroma in CIELAB after the eye's blur over that of the other picture, where that is above 8.
+    pub chroma_ratio: Option<f64>,
+    /// Mean standard deviation of L* after the eye's blur in windows of 0.15 degrees over that of the other
+    /// picture.
+    pub local_contrast_ratio: Option<f64>,
+}
+
+/// Chroma of the other picture from which hue and chroma are compared, and of what is seen, below which it has no
+/// hue.
+const COLOURED: f64 = 8.0;
+const WITH_HUE: f64 = 2.0;
+
+/// Side of the windows of local contrast, degrees.
+const WINDOW_DEG: f64 = 0.15;
+
+/// Hue error in degrees, ratio of chroma and ratio of local contrast of a picture in CIELAB to another.
+fn likeness(seen: &Picture, other: &Picture, per_degree: f64) -> [Option<f64>; 3] {
+    let [mut chromas, mut shown, mut hued, mut turned] = [0.0; 4];
+    for ([_, a, b], [_, other_a, other_b]) in seen.pixels().zip(other.pixels()) {
+        let (chroma, wanted) = (a.hypot(b), other_a.hypot(other_b));
+        if wanted > COLOURED {
+            chromas += wanted;
+            shown += chroma;
+            if chroma > WITH_HUE {
+                let (across, along) = (other_a * b - other_b * a, other_a * a + other_b * b);
+                hued += wanted;
+                turned += wanted * across.atan2(along).abs().to_degrees();
+            }
+        }
+    }
+    let radius = ((0.5 * WINDOW_DEG * per_degree).round() as usize).max(1);
+    let contrast = |picture: &Picture| {
+        let lightness = &picture.planes()[0];
+        let mean = window_means(lightness.clone(), picture.columns(), radius);
+        let square = window_means(lightness.iter().map(|one| one * one).collect(), picture.columns(), radius);
+        mean.iter().zip(square).map(|(mean, square)| (square - mean * mean).max(0.0).sqrt()).sum::<f64>()
+    };
+    let ratio = |part: f64, whole: f64| (whole > 0.0).then(|| part / whole);
+    [ratio(turned, hued), ratio(shown, chromas), ratio(contrast(seen), contrast(other))]
 }
 
 /// Mean, median and 95th percentile.
@@ -79,17 +122,23 @@ impl PictureDifferences {
                 scielab_mean: None,
                 scielab_p95: None,
                 flip_mean: None,
+                hue_error_deg: None,
+                chroma_ratio: None,
+                local_contrast_ratio: None,
             })
         })?;
         drop(own);
         let Some(per_degree) = pixels_per_degree else { return Ok(differences) };
         let [own] = scielab([xyz(seen)?], white, per_degree)?;
-        let blurred: [Difference; N] = each(threads, |k| {
+        let blurred: [(Difference, [Option<f64>; 3]); N] = each(threads, |k| {
             let [other] = scielab([xyz(others[k])?], white, per_degree)?;
-            Ok(Difference::of(own.delta_e_2000(&other)?))
+            Ok((Difference::of(own.delta_e_2000(&other)?), likeness(&own, &other, per_degree)))
         })?;
-        for (differences, blurred) in differences.iter_mut().zip(blurred) {
+        for (differences, (blurred, likeness)) in differences.iter_mut().zip(blurred) {
             (differences.scielab_mean, differences.scielab_p95) = (Some(blurred.mean), Some(blurred.p95));
+            let [hue, chroma, contrast] = likeness;
+            (differences.hue_error_deg, differences.chroma_ratio) = (hue, chroma);
+            differences.local_contrast_ratio = contrast;
         }
         drop(own);
         let flip = |pixels| {
@@ -151,5 +200,37 @@ mod tests {
         assert!(none.scielab_mean.unwrap() < 1e-12, "{none:?}");
         assert!(0.0 < one.delta_e_2000_p50 && one.delta_e_2000_p50 < one.delta_e_2000_p95);
         assert!(one.flip_mean.unwrap() > 0.0 && one.scielab_mean.unwrap() > 0.0);
+    }
+
+    /// A uniform colour with half of its chroma and its hue turned by 10 degrees; stripes with a third of their
+    /// contrast, and none of colour.
+    #[test]
+    fn hue_chroma_and_local_contrast_are_those_of_the_change() {
+        let white = D65_WHITE;
+        let of = |lab: [f64; 3]| {
+            let [l, a, b] = lab;
+            let root = |t: f64| if t > 6.0 / 29.0 { t.powi(3) } else { 108.0 / 841.0 * (t - 4.0 / 29.0) };
+            let y = (l + 16.0) / 116.0;
+            let xyz = [white.x * root(y + a / 500.0), white.y * root(y), white.z * root(y - b / 200.0)];
+            xyz.map(|one| one as f32)
+        };
+        let uniform = |chroma: f64, hue_deg: f64| {
+            let hue = hue_deg.to_radians();
+            vec![of([60.0, chroma * hue.cos(), chroma * hue.sin()]); 48 * 48]
+        };
+        let against = |seen: &[[f32; 3]], other: &[[f32; 3]]| {
+            PictureDifferences::against(seen, [other], 48, white, Some(20.0), 1).unwrap()[0]
+        };
+        let turned = against(&uniform(20.0, 70.0), &uniform(40.0, 60.0));
+        assert!((turned.hue_error_deg.unwrap() - 10.0).abs() < 1e-3, "{turned:?}");
+        assert!((turned.chroma_ratio.unwrap() - 0.5).abs() < 1e-4, "{turned:?}");
+        let stripes = |contrast: f64| {
+            let tone = |at: usize| [0.0, 1.0][at % 48 / 6 % 2] - 0.5;
+            (0..48 * 48).map(|at| of([50.0 + contrast * tone(at), 0.0, 0.0])).collect::<Vec<_>>()
+        };
+        let flat = against(&stripes(4.0), &stripes(12.0));
+        assert_eq!((flat.hue_error_deg, flat.chroma_ratio), (None, None));
+        // The blur is linear in light, not in L*.
+        assert!((flat.local_contrast_ratio.unwrap() - 1.0 / 3.0).abs() < 0.01, "{flat:?}");
     }
 }

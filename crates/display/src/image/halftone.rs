@@ -4,7 +4,7 @@ use papilio_imaging::halftone::{ErrorDiffusion, Mask};
 
 use super::masks::masked;
 use super::search::searched;
-use super::{ImageSettings, Rendering};
+use super::{ImageSettings, Rendering, colour};
 use crate::DisplayError;
 use crate::palette::Palette;
 use crate::run::Control;
@@ -14,6 +14,8 @@ use crate::run::Control;
 pub enum Halftone {
     /// Every pixel shows the mapped colour itself: a reference without halftone.
     None,
+    /// Each pixel has the state that is most alike to its colour: no pattern.
+    Nearest,
     /// Each pixel is compared with Bayer's mask.
     Ordered,
     /// Each pixel is compared with a void-and-cluster mask.
@@ -62,6 +64,10 @@ pub(super) fn states(
     }
     match settings.halftone {
         Halftone::None => Ok((Vec::new(), 0)),
+        Halftone::Nearest => {
+            let nearest = |pixel: &[f32; 3]| panel.rendering.most_alike_state(colour(*pixel)) as u8;
+            Ok((mapped.iter().map(nearest).collect(), 0))
+        }
         Halftone::Ordered => Ok((masked(&Mask::bayer(BAYER)?, mapped, panel, control)?, 0)),
         Halftone::VoidAndCluster => {
             let mask = Mask::void_and_cluster(VOID_AND_CLUSTER, settings.seed)?;

@@ -35,6 +35,8 @@ mod search;
 mod stack;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_of_natural;
 
 use std::f64::consts::PI;
 

@@ -6,9 +6,9 @@
 //! stay neutral: mixtures of the display's white and black.
 //!
 //! **Chosen for each picture**, unless the user does: the fraction of its tones that are darker than the
-//! display's black, `d`, raises the contrast of detail to `1.15 + 0.25 d` and chroma to `1.05 + 0.1 d`. A picture
-//! in which most pixels equal their neighbours (a drawing, a chart, a page) has no base: each colour has one
-//! tone, and flat areas stay flat. A photograph without any light tone is exposed for more light.
+//! display's black, `d`, makes the tone curve sharper, and raises the contrast of detail to `1.15 + 0.25 d` and chroma to `1.05 + 0.1 d`. A picture
+//! in which most pixels equal their neighbours (a drawing, a chart) has no base: each colour has one tone, and flat
+//! areas stay flat. White pixels, such as the margins of a picture on a panel, do not count. A photograph without any light tone is exposed for more light.
 
 use std::borrow::Cow;
 
@@ -128,7 +128,8 @@ impl Adjustments {
         let mut targets: Vec<[f32; 3]> = pixels.iter().map(limited).collect();
         let lightness: Vec<f32> = targets.iter().map(|target| target[0]).collect();
         let below = lightness.iter().filter(|one| f64::from(**one) < black).count();
-        let below_black_fraction = below as f64 / lightness.len().max(1) as f64;
+        let toned = pixels.iter().filter(|pixel| !is_white(pixel)).count();
+        let below_black_fraction = below as f64 / toned.max(1) as f64;
         let is_drawing = adjusted.is_drawing;
         let [contrast, saturation] = match (vivid, is_drawing) {
             (true, _) => VIVID,
@@ -145,7 +146,7 @@ impl Adjustments {
         };
         let radius = (RADIUS * columns as f64).round().max(1.0) as usize;
         let base = if is_drawing { lightness } else { guided(&lightness, columns, radius, EPSILON)? };
-        let tone = mapping.tone();
+        let tone = mapping.tone(below_black_fraction);
         for (target, base) in targets.iter_mut().zip(base) {
             let [lightness, a, b] = target.map(f64::from);
             let base = f64::from(base).clamp(0.0, 1.0);
@@ -158,14 +159,22 @@ impl Adjustments {
     }
 }
 
-/// Fraction of the pixels that equal their right and lower neighbours.
+/// Fraction of the pixels, without white ones, that equal their right and lower neighbours; 1 if all are white.
 fn flat_fraction(pixels: &[[f32; 3]], columns: usize) -> f64 {
     let rows = pixels.len() / columns.max(1);
-    let count = columns.saturating_sub(1) * rows.saturating_sub(1);
     let is_flat = |at: &usize| pixels[*at] == pixels[at + 1] && pixels[*at] == pixels[at + columns];
-    let all = (0..rows.saturating_sub(1))
+    let inner = (0..rows.saturating_sub(1))
         .flat_map(|y| (0..columns.saturating_sub(1)).map(move |x| y * columns + x));
-    if count == 0 { 1.0 } else { all.filter(is_flat).count() as f64 / count as f64 }
+    let toned: Vec<usize> = inner.filter(|at| !is_white(&pixels[*at])).collect();
+    if toned.is_empty() {
+        return 1.0;
+    }
+    toned.iter().filter(|at| is_flat(at)).count() as f64 / toned.len() as f64
+}
+
+/// Whether a pixel is the white of the picture, to half a step of 8 bits.
+fn is_white(pixel: &[f32; 3]) -> bool {
+    pixel.iter().zip(D65_WHITE.to_array()).all(|(one, white)| f64::from(*one) > 0.995 * white)
 }
 
 /// Stops by which the light tones of a photograph are too dark; 0 where they are light enough.

@@ -114,6 +114,17 @@ impl Rendering {
         self.mapping.hull().excess(colour)
     }
 
+    /// Number of the state that is most alike to a colour, in the space of the mapping.
+    pub(super) fn most_alike_state(&self, colour: Xyz) -> usize {
+        let here = self.mapping.coordinates(colour);
+        let distance = |[x, y, z]: &[f64; 3]| {
+            let there = self.mapping.coordinates(Xyz { x: *x, y: *y, z: *z });
+            here.iter().zip(there).map(|(a, b)| (a - b).powi(2)).sum::<f64>()
+        };
+        let distances: Vec<f64> = self.states.iter().map(distance).collect();
+        (0..distances.len()).min_by(|a, b| distances[*a].total_cmp(&distances[*b])).unwrap_or(0)
+    }
+
     /// Number of the state that is nearest to a colour.
     pub(super) fn nearest_state(&self, colour: Xyz) -> usize {
         let distance = |at: &usize| {

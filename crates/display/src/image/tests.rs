@@ -46,7 +46,7 @@ fn film() -> Palette {
     palette(&[7, 0, 1, 2, 4, 6, 5, 3].map(state))
 }
 
-fn inks() -> Palette {
+pub(super) fn inks() -> Palette {
     palette(&[
         ("black", [0.026, 0.027, 0.031]),
         ("white", [0.334, 0.352, 0.381]),
@@ -185,6 +185,20 @@ fn states_that_are_left_out_are_not_used() {
             });
             assert!(mean.distance(centre) < 4.0 / 256.0 * points[0].y, "{halftone:?}: {mean:?} {centre:?}");
         }
+    }
+}
+
+/// A colour that is a state is that state, one between two the nearer one.
+#[test]
+fn nearest_states_have_no_pattern() {
+    let inks = inks();
+    let settings = settings(Halftone::Nearest);
+    for (k, ink) in inks.colours.iter().enumerate() {
+        let white = &inks.colours[1];
+        let pairs = [(ink.X, white.X), (ink.Y, white.Y), (ink.Z, white.Z)];
+        let near = pairs.map(|(ink, white)| 0.95 * ink + 0.05 * white);
+        let found = halftoned(&inks, &settings, &[single([ink.X, ink.Y, ink.Z]), single(near)].repeat(32));
+        assert!(found.iter().all(|state| usize::from(*state) == k), "{}: {found:?}", ink.state);
     }
 }
 

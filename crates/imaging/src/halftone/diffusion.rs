@@ -6,7 +6,7 @@
 //!
 //! **Sources.** R. W. Floyd and L. Steinberg, Proc. SID 17(2), 75 (1976); J. F. Jarvis, C. N. Judice and W.
 //! H. Ninke, Computer Graphics and Image Processing 5, 13 (1976); P. Stucki, IBM Research Report RZ1060
-//! (1981); F. Sierra (1989, 1990); D. Burkes (1988).
+//! (1981); F. Sierra (1989, 1990); D. Burkes (1988); B. Atkinson (1987, MacPaint and HyperScan).
 //!
 //! **Arithmetic.** Errors are whole numbers of a unit (about 6e-8 of the palette's largest coordinate), and
 //! the parts of an error add up to it exactly. Therefore the ledger is exact: wanted = shown + lost, to the
@@ -31,12 +31,27 @@ pub enum DiffusionKernel {
     SierraLite,
     /// Burkes: Stucki's first two rows, 32 parts to seven neighbours.
     Burkes,
+    /// Atkinson: an eighth to each of six neighbours. A quarter of the error is lost: light and dark tones lose
+    /// their detail, and the mean colour is not kept.
+    Atkinson,
 }
 
 impl DiffusionKernel {
     /// All kernels.
-    pub const ALL: [Self; 6] =
-        [Self::FloydSteinberg, Self::Jarvis, Self::Stucki, Self::Sierra, Self::SierraLite, Self::Burkes];
+    pub const ALL: [Self; 7] = [
+        Self::FloydSteinberg,
+        Self::Jarvis,
+        Self::Stucki,
+        Self::Sierra,
+        Self::SierraLite,
+        Self::Burkes,
+        Self::Atkinson,
+    ];
+
+    /// Whether all of an error is passed on.
+    pub fn keeps_the_mean(self) -> bool {
+        self != Self::Atkinson
+    }
 }
 
 /// Order of the pixels.
@@ -101,8 +116,8 @@ impl Default for ErrorDiffusion {
 pub struct Diffused<const N: usize> {
     /// The state of each pixel.
     pub states: Vec<u8>,
-    /// Sum over all pixels of what was wanted and is not shown: passed beyond the borders of the picture, or
-    /// above the limit.
+    /// Sum over all pixels of what was wanted and is not shown: passed beyond the borders of the picture, above
+    /// the limit, or not passed on by the kernel.
     pub lost: [f64; N],
     /// The part of `lost` above the limit: of colours outside the hull of the palette, or because of the
     /// metric.
@@ -165,6 +180,7 @@ impl ErrorDiffusion {
             DiffusionKernel::Sierra => picture.diffused(&palette, &SIERRA),
             DiffusionKernel::SierraLite => picture.diffused(&palette, &SIERRA_LITE),
             DiffusionKernel::Burkes => picture.diffused(&palette, &BURKES),
+            DiffusionKernel::Atkinson => picture.diffused(&palette, &ATKINSON),
         })
     }
 }
@@ -204,6 +220,7 @@ const JARVIS: [Part; 12] = parts(
 const SIERRA_LITE: [Part; 3] = parts([(1, 0, 2), (-1, 1, 1), (0, 1, 1)], 4);
 const BURKES: [Part; 7] =
     parts([(1, 0, 8), (2, 0, 4), (-2, 1, 2), (-1, 1, 4), (0, 1, 8), (1, 1, 4), (2, 1, 2)], 32);
+const ATKINSON: [Part; 6] = parts([(1, 0, 1), (2, 0, 1), (-1, 1, 1), (0, 1, 1), (1, 1, 1), (0, 2, 1)], 8);
 const STUCKI: [Part; 12] = parts(
     [
         (1, 0, 8),
@@ -402,18 +419,32 @@ fn one_row<const N: usize, const W: usize, const ALONG: isize>(
             ledger.cut(&mut error, palette.limit);
         }
         let mut left = error;
+        let last = if keeps_all(kernel) { W - 1 } else { W };
         for (k, (along, down, part)) in kernel.iter().enumerate() {
             let at = (x + BORDER).wrapping_add_signed(ALONG * along);
             let received = &mut rows[*down][at];
             for ((received, left), error) in received.iter_mut().zip(&mut left).zip(error) {
                 // The last neighbour gets what remains, so that the parts add up to the error.
                 let passed =
-                    if k + 1 == W { *left } else { ((i64::from(error) * part + (1 << 31)) >> 32) as i32 };
+                    if k == last { *left } else { ((i64::from(error) * part + (1 << 31)) >> 32) as i32 };
                 *left -= passed;
                 *received += passed;
             }
         }
+        if last == W {
+            ledger.lose(&[left]);
+        }
     }
+}
+
+/// Whether the parts of a kernel add up to the error.
+const fn keeps_all<const W: usize>(kernel: &[Part; W]) -> bool {
+    let (mut sum, mut k) = (0, 0);
+    while k < W {
+        sum += kernel[k].2;
+        k += 1;
+    }
+    sum > 0xF000_0000
 }
 
 #[cfg(test)]
@@ -439,6 +470,7 @@ mod tests {
                 assert!(!symmetric || *down == 0 || mirrored);
             }
         }
+        assert!(!keeps_all(&ATKINSON) && keeps_all(&STUCKI) && keeps_all(&BURKES));
         // Burkes' kernel is that of Stucki without its third row, 32 of 42 parts.
         for ((x, y, part), (of_stucki_x, of_stucki_y, of_stucki)) in BURKES.into_iter().zip(STUCKI) {
             assert_eq!((x, y), (of_stucki_x, of_stucki_y));

@@ -193,6 +193,8 @@ choice! {
     for Halftone {
         /// Every pixel shows the colour itself, a reference.
         None = "none",
+        /// Each pixel has the state most alike to its colour: no pattern.
+        Nearest = "nearest",
         /// By Bayer's mask of 16 x 16 pixels.
         Ordered = "ordered",
         /// By a void-and-cluster mask of 64 x 64 pixels.
@@ -218,6 +220,8 @@ choice! {
         SierraLite = "sierra-lite",
         /// That of Burkes (1988).
         Burkes = "burkes",
+        /// That of Atkinson (1987), which loses a quarter of the error.
+        Atkinson = "atkinson",
     }
 }
 

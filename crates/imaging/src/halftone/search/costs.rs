@@ -98,29 +98,28 @@ impl<const N: usize> Costs<N> {
                 (best, most) = (Some(Change { state: state as u8, other: None }), -cost);
             }
         }
-        let tries_all = count <= ALL_PAIRS;
         lowest(here, best_here);
         for (number, neighbour) in neighbours.into_iter().enumerate() {
             let Some((other, r)) = neighbour else { continue };
             let other = usize::from(other);
             self.single(other, r, there);
             lowest(there, best_there);
+            // The costs of both, and the sum of c (state - own) (to - other) from its four products.
             let near = &self.near[number];
-            // The sum of c (s - own) (t - other), from its four products.
-            let product = |state: usize, there: usize| near[state * count + there];
+            let (apart, products) = (near[own * count + other], &near[own * count..][..count]);
+            there.iter_mut().zip(products).for_each(|(cost, product)| *cost += apart - product);
             let mut consider = |state: usize, to: usize| {
-                let together =
-                    product(state, to) - product(own, to) - product(state, other) + product(own, other);
-                let gain = -(here[state] + there[to] + together);
+                let row = &near[state * count..][..count];
+                let gain = row[other] - here[state] - there[to] - row[to];
                 if gain > most {
                     let change = Change { state: state as u8, other: Some((number, to as u8)) };
                     (best, most) = (Some(change), gain);
                 }
             };
-            for state in best_here.iter().copied().filter(|state| *state != own) {
-                best_there.iter().copied().filter(|to| *to != other).for_each(|to| consider(state, to));
+            for state in &*best_here {
+                best_there.iter().for_each(|to| consider(*state, *to));
             }
-            if !tries_all && own != other {
+            if count > ALL_PAIRS && own != other {
                 consider(other, own);
             }
         }
@@ -130,6 +129,9 @@ impl<const N: usize> Costs<N> {
 
 /// The states with the lowest costs, in their own order.
 fn lowest(costs: &[f64], states: &mut Vec<usize>) {
+    if costs.len() <= ALL_PAIRS && states.len() == costs.len() {
+        return;
+    }
     states.clear();
     states.extend(0..costs.len());
     if costs.len() > ALL_PAIRS {

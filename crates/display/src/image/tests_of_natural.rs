@@ -1,0 +1,120 @@
+//! Tests of natural pictures: tone, contrast and chroma of whole pictures.
+
+use papilio_colour::mapping::{Intent, MapSpace};
+use papilio_colour::{Adaptation, D65_WHITE, Observer, Xyz};
+use papilio_spectra::{Grid, planck};
+use papilio_testing::Dice;
+
+use super::rendering::{Rendered, Rendering};
+use super::tests::inks;
+use super::{Adjustments, Rendition};
+
+const COLUMNS: usize = 64;
+
+/// A picture on six inks, without a halftone.
+fn shown(pixels: &[[f32; 3]], adjustments: Adjustments) -> (Vec<[f64; 3]>, Rendition) {
+    let rendering =
+        Rendering::new(&inks(), D65_WHITE, (Intent::Natural, MapSpace::Oklab), pixels.len()).unwrap();
+    let Rendered { mapped, rendition, .. } = rendering.rendered(pixels, COLUMNS, &adjustments).unwrap();
+    (mapped.into_iter().map(|pixel| pixel.map(f64::from)).collect(), rendition.unwrap())
+}
+
+fn grey(light: f64) -> [f32; 3] {
+    D65_WHITE.to_array().map(|one| (one * light) as f32)
+}
+
+/// A photograph: noise about a dark and a light half, up to this light.
+fn photograph(most: f64) -> Vec<[f32; 3]> {
+    let mut dice = Dice::new(2, 0);
+    (0..COLUMNS * 48)
+        .map(|at| grey(most * if at % 64 < 40 { 0.05 } else { 0.9 } * dice.between(0.8, 1.0)))
+        .collect()
+}
+
+/// Of a ramp from black to white, ends are exact, each tone is a mixture of white and black, and none is darker
+/// than the one before; in a photograph and in a drawing.
+#[test]
+fn natural_ramps_of_grey_increase_between_white_and_black_without_colour() {
+    let inks = inks();
+    let [black, white] = [0, 1].map(|k| [inks.colours[k].X, inks.colours[k].Y, inks.colours[k].Z]);
+    for steps in [63, 7] {
+        let tone = |at: usize| (at % COLUMNS * (steps + 1) / COLUMNS) as f64 / steps as f64;
+        let ramp: Vec<[f32; 3]> = (0..COLUMNS * 32).map(|at| grey(tone(at).powf(2.2))).collect();
+        let (found, rendition) = shown(&ramp, Adjustments::default());
+        assert_eq!(rendition.is_drawing, steps == 7, "{rendition:?}");
+        let row = &found[16 * COLUMNS..][..COLUMNS];
+        for (k, pixel) in row.iter().enumerate() {
+            let part = (pixel[1] - black[1]) / (white[1] - black[1]);
+            let mixture = [0, 1, 2].map(|i| black[i] + part * (white[i] - black[i]));
+            assert!(
+                pixel.iter().zip(mixture).all(|(one, other)| (one - other).abs() < 1e-6),
+                "{k}: {pixel:?}"
+            );
+            assert!(k == 0 || pixel[1] >= row[k - 1][1] - 1e-7, "{steps} {k}: {row:?}");
+        }
+        let ends = [(row[0], black), (row[COLUMNS - 1], white)];
+        assert!(ends.iter().all(|(one, other)| (0..3).all(|k| (one[k] - other[k]).abs() < 1e-6)), "{ends:?}");
+    }
+}
+
+/// Fine detail far below the display's black keeps a part of its contrast, which a tone for each colour alone
+/// would take.
+#[test]
+fn shadows_keep_detail() {
+    // Four columns dark, four a little lighter; a light half beside them.
+    let tone =
+        |at: usize| if at % 64 < 40 { [0.004, 0.02][at / 4 % 2] } else { 0.6 + 0.01 * (at % 7) as f64 };
+    let picture: Vec<[f32; 3]> = (0..COLUMNS * 48).map(|at| grey(tone(at))).collect();
+    let difference = |contrast| {
+        let (found, _) = shown(&picture, Adjustments { contrast, ..Adjustments::default() });
+        found[20 * COLUMNS + 14][1] / found[20 * COLUMNS + 10][1]
+    };
+    let [none, chosen] = [Some(0.0), None].map(difference);
+    assert!(none < 1.1 && chosen > none + 0.15, "{none} {chosen}");
+}
+
+/// Photographs without light tones are exposed for them, drawings and pictures with margins of white are not
+/// taken for each other, and given numbers are used.
+#[test]
+fn adjustments_are_chosen_for_the_picture() {
+    let of = |pixels: &[[f32; 3]]| shown(pixels, Adjustments::default()).1;
+    let bright = of(&photograph(1.0));
+    assert!(bright.exposure == 0.0 && !bright.is_drawing && bright.contrast > 1.15, "{bright:?}");
+    // The brightest tones have 0.25 x 0.9 of white: two stops to 0.9, by their noise a little more.
+    let dark = of(&photograph(0.25));
+    assert!((1.9..=2.0).contains(&dark.exposure), "{dark:?}");
+    let mut margins = vec![grey(1.0); COLUMNS * 200];
+    margins.extend(photograph(1.0));
+    let framed = of(&margins);
+    assert_eq!((framed.is_drawing, framed.below_black_fraction), (false, bright.below_black_fraction));
+    let chart: Vec<[f32; 3]> = (0..COLUMNS * 48).map(|at| grey([0.1, 0.3][at / 32 % 2])).collect();
+    let chart = of(&chart);
+    assert_eq!((chart.is_drawing, chart.exposure, chart.contrast, chart.saturation), (true, 0.0, 1.0, 1.0));
+    let given = Adjustments {
+        exposure: Some(-1.0),
+        contrast: Some(2.0),
+        saturation: Some(0.5),
+        white_balance_k: None,
+    };
+    let (_, found) = shown(&photograph(0.25), given);
+    assert_eq!((found.exposure, found.contrast, found.saturation), (-1.0, 2.0, 0.5));
+}
+
+/// A white below a black body of 3000 K becomes white with that white balance.
+#[test]
+fn white_balance_makes_the_light_of_the_photograph_white() {
+    let grid = Grid::new(380.0, 780.0, 5.0).unwrap();
+    let Xyz { x, y, z } = Observer::new(&grid).unwrap().xyz(&planck(3000.0, &grid).unwrap());
+    let warm = Adaptation::between(D65_WHITE, Xyz { x: x / y, y: 1.0, z: z / y }).unwrap();
+    let through = |pixel: &[f32; 3]| warm.apply(super::colour(*pixel)).to_array().map(|one| one as f32);
+    let picture = photograph(1.0);
+    let tinted: Vec<[f32; 3]> = picture.iter().map(through).collect();
+    let balanced = Adjustments { white_balance_k: Some(3000.0), ..Adjustments::default() };
+    let [plain, corrected, left] =
+        [(&picture, Adjustments::default()), (&tinted, balanced), (&tinted, Adjustments::default())]
+            .map(|(pixels, adjustments)| shown(pixels, adjustments).0);
+    let apart = |one: &[[f64; 3]], other: &[[f64; 3]]| {
+        one.iter().flatten().zip(other.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    assert!(apart(&plain, &corrected) < 1e-3 && apart(&plain, &left) > 0.05);
+}
