@@ -255,7 +255,7 @@ impl Cells {
         Self { turn: turn_deg.to_radians(), ..self }
     }
 
-    #[inline]
+    #[inline(always)]
     fn at(&self, beta: Beta) -> f64 {
         let square = beta.squared();
         let row = match self.squares.partition_point(|edge| *edge <= square) {
@@ -278,7 +278,7 @@ impl Cells {
         ((turn * self.columns as f64) as usize).min(self.columns - 1)
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample(&self, u: [f64; 2]) -> (Beta, f64) {
         let (row, along) = pick(&self.up_to_row, u[0]);
         let (column, turn) = pick(&self.up_to_column[row * self.columns..][..self.columns], u[1]);

@@ -65,7 +65,7 @@ impl Channel {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn add(&mut self, light: Reflected<'_>, weight: f64) {
         match light {
             Reflected::LookUp(stencil) => self.look_up(&stencil, weight),
