@@ -358,7 +358,7 @@ fn paths_in_groups_equal_single_paths() {
     for (k, (name, number)) in numbers.into_iter().enumerate() {
         let [a, b] = [(&together, vec![0.5]), (&single, vec![0.0, 0.5])].map(|(stack, lengths)| {
             let what = if k < 2 { What::Pattern(&stripes) } else { What::Kernel(kernel.clone()) };
-            let stack = thick(&stack, &lengths);
+            let stack = thick(stack, &lengths);
             let walk = PlacedWalk::new(&stack, seen, &sources, what).unwrap();
             let paths = if stack.layers().len() == 1 { 4096 } else { 1024 };
             mean_and_error(replicates(&walk, 11, paths).iter().map(number))
