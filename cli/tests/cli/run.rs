@@ -257,14 +257,21 @@ fn matrix_changes_nothing_but_scenario_and_hash() {
 
 /// Light enters and leaves through different parts of a filter: its colours are not the mean over its area.
 #[test]
-fn filter_above_mirror_like_pixels_is_refused() {
+fn filter_below_a_diffuser_and_a_front_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let filter =
-        "display.matrix.filter={ height_um = 30, transmittance = { red = 0.9, green = 0.9, blue = 0.9 } }";
-    let output = run("matrix", &["--out", out.to_str().unwrap(), "--set", filter]);
+    let sets = [
+        "display.matrix={ ppi = 227, filter = { height_um = 30, transmittance = { red = 0.9, green = 0.9, blue = 0.9 } } }",
+        "display.glass.surface=\"coated\"",
+        "display.diffuser={ model = \"k-correlation\", width = 0.1, transmittance = 0.9 }",
+        "display.front=[{ reflectance = 0.04, gap_mm = 1 }]",
+        "solver.method=\"adding\"",
+    ];
+    let mut arguments = vec!["--out", out.to_str().unwrap()];
+    sets.iter().for_each(|set| arguments.extend(["--set", set]));
+    let output = run("laminated-text", &arguments);
     assert_eq!(output.status.code(), Some(2));
     let message = stderr(&output);
-    assert!(message.contains("a colour filter above mirror-like pixels"), "{message}");
+    assert!(message.contains("a colour filter below a diffuser and a front"), "{message}");
     assert!(!out.exists());
 }
