@@ -59,7 +59,7 @@ pub(super) fn drawn(number: u64) -> Drawn {
         Above::Layers => layers(&mut dice, &mut text, thickness),
     }
     pixel(&mut dice, &mut text, above, thickness);
-    let has_filter = matrix(&mut dice, &mut text, above, thickness);
+    let has_filter = matrix(&mut dice, &mut text, above, (thickness, number));
     lighting(&mut dice, &mut text, above);
     let (theta, phi) = (dice.between(0.0, 60.0), dice.between(0.0, 360.0));
     let along_normal = dice.one_in(3);
@@ -162,12 +162,17 @@ fn pixel(dice: &mut Dice, text: &mut String, above: Above, thickness: f64) {
 }
 
 /// Returns whether there is a colour filter.
-fn matrix(dice: &mut Dice, text: &mut String, above: Above, thickness: f64) -> bool {
+fn matrix(dice: &mut Dice, text: &mut String, above: Above, (thickness, number): (f64, u64)) -> bool {
     let pitch = thickness * dice.log_between(0.1, 5.0);
     *text += &format!("[display.matrix]\npitch_um = {:.2}\n", 1e3 * pitch);
-    let has_filter = above != Above::Layers && !text.contains("spread_um") && dice.one_in(3);
+    // Films, mirrors and glass that absorbs have one by their number, so that all other displays are those that
+    // were drawn before these were computed.
+    let is_drawn = text.contains("kind = \"lambertian\"") && !text.contains("BK7");
+    let may_have = above != Above::Layers && !text.contains("spread_um");
+    let has_filter = may_have && if is_drawn { dice.one_in(3) } else { number.is_multiple_of(3) };
     if has_filter {
-        let height = 1e3 * dice.between(0.05, 0.4) * thickness.min(pitch);
+        let part = if is_drawn { dice.between(0.05, 0.4) } else { 0.05 + 0.05 * (number % 8) as f64 };
+        let height = 1e3 * part * thickness.min(pitch);
         *text += &format!("[display.matrix.filter]\nheight_um = {height:.2}\n");
         *text += "transmittance = { red = 0.8, green = 0.5, blue = 0.3 }\n";
     }
