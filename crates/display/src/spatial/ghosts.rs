@@ -10,7 +10,8 @@
 //! sums of both shifts.
 //!
 //! The images of a pattern multiply: light of order k has met the pixel at k + 1 places, each 2 D from the
-//! one before. The mean over a period of that product depends on the view: a moire of the panel with itself.
+//! one before. Lines, text and patterns are computed so; their light is not that of the spread, which holds for
+//! small signals. The mean of a pattern over a period depends on the view: a moire of the panel with itself.
 
 use std::f64::consts::PI;
 
@@ -19,7 +20,7 @@ use papilio_optics::Beta;
 use papilio_transport::spatial::{Cells, Peak, displacement};
 
 use super::irradiance::irradiance;
-use super::patterns::Pattern;
+use super::patterns::{Pattern, Text};
 use super::response::Lit;
 use super::{Level, PatternKind, Response};
 use crate::DisplayError;
@@ -30,6 +31,9 @@ const FAINTEST: f64 = 1e-9;
 /// Most orders of the mean of stripes and of checkerboards with exact edges: those of pixels that return 0.96
 /// or 0.81 of the light with the face. Brighter ones are divided into cells.
 const MOST_ORDERS: [usize; 2] = [500, 100];
+
+/// Most trips through the glass of light whose places are followed, without and with trips through the air.
+const MOST_FOLLOWED: [usize; 2] = [500, 60];
 
 /// Most trips of light through the air below a front.
 const MOST_TRIPS: i32 = 6;
@@ -64,8 +68,9 @@ struct RoundTrips {
 
 /// Round trips at one wavelength.
 struct RoundTrip {
-    /// Part of Y that a pixel of reflectance 1 returns to first order.
-    through: f64,
+    /// Part of Y that a pixel of reflectance 1 would return to first order, by the state that is seen: a field of
+    /// view has a mean of each.
+    through: Vec<f64>,
     face: Faces,
     /// Reflectance of each state.
     pixel: Vec<f64>,
@@ -80,8 +85,18 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
     let per_beta = 2.0 * (thickness_mm / (index.min() * index.min() - 1.0).max(0.1).sqrt() + air_mm);
     let phase = 2.0 * PI * level.most_per_mm * per_beta * view.field.half_angle();
     let directions = view.field.directions(phase, level.digits.min(MOST_DIGITS));
+    // What pixels return in each direction of the field, and in its mean.
+    let mut mean = vec![0.0; via_pixel.len()];
     for (beta, share) in &directions {
-        add_direction(lit, (*beta, *share), (weights, via_pixel), (&mut trips, &mut images))?;
+        let returned = returned_along(lit, *beta);
+        mean.iter_mut().zip(returned).for_each(|(mean, returned)| *mean += share * returned);
+    }
+    let through = |(at, mean): (usize, &f64)| {
+        if *mean > 0.0 { weights[at % weights.len()] * via_pixel[at] / mean } else { 0.0 }
+    };
+    let through: Vec<f64> = mean.iter().enumerate().map(through).collect();
+    for (beta, share) in &directions {
+        add_direction(lit, (*beta, *share), &through, (&mut trips, &mut images))?;
     }
     let is_wide = directions.len() > 1;
     Ok(Ghosts { images, states: panel.base.states(), thickness_mm, trips, is_wide })
@@ -90,28 +105,49 @@ pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Resu
 /// Place of an image, mm, and the light of each state in it.
 type GhostImage = ([f64; 2], Vec<f64>);
 
-/// Adds what is seen along a direction of the field, which has this share of its light. Places are relative to
-/// its own ray.
+/// Reflectance of the pixel along a direction, `[state][wavelength]`.
+fn reflectance_along(lit: Lit<'_>, beta: Beta) -> Vec<f64> {
+    let base = &lit.panel.base;
+    let mut reflectance = vec![0.0; base.states() * base.bins()];
+    base.reflectance(beta.squared(), &lit.panel.medium, &mut reflectance);
+    reflectance
+}
+
+/// What a uniform pixel returns along a direction through all orders, relative to light that meets it for the
+/// first time, `[state][wavelength]`.
+fn returned_along(lit: Lit<'_>, beta: Beta) -> Vec<f64> {
+    let mut returned = reflectance_along(lit, beta);
+    let bins = lit.panel.base.bins();
+    let by_faces: Vec<f64> =
+        (0..bins).map(|bin| Faces::new(lit.faces(bin, beta), false).returned()).collect();
+    for row in returned.chunks_exact_mut(bins) {
+        row.iter_mut().zip(&by_faces).for_each(|(rho, face)| *rho /= 1.0 - face * *rho);
+    }
+    returned
+}
+
+/// Adds what is seen along a direction of the field, which has this share of its light; `through`: the part of Y
+/// of a pixel that returns all light, `[state][wavelength]`. Places are relative to its own ray.
 fn add_direction(
     lit: Lit<'_>,
     (beta, share): (Beta, f64),
-    (weights, via_pixel): (&[f64], &[f64]),
+    through: &[f64],
     (trips, images): (&mut Vec<RoundTrips>, &mut Vec<GhostImage>),
 ) -> Result<(), DisplayError> {
     let panel = lit.panel;
-    let (states, bins) = (panel.base.states(), weights.len());
-    let mut reflectance = vec![0.0; states * bins];
-    panel.base.reflectance(beta.squared(), &panel.medium, &mut reflectance);
+    let (states, bins) = (panel.base.states(), panel.base.bins());
+    let (reflectance, returned) = (reflectance_along(lit, beta), returned_along(lit, beta));
     let index = panel.medium.index();
     let (thickness_mm, air_mm) = (lit.thickness_mm(), displacement(beta, 2.0 * lit.air_mm()?, 1.0));
     let trip = |bin: usize| {
         let face = Faces::new(lit.faces(bin, beta), air_mm != [0.0; 2]);
-        let pixel: Vec<f64> = (0..states).map(|state| reflectance[state * bins + bin]).collect();
-        let brightest = (0..states).max_by(|a, b| pixel[*a].total_cmp(&pixel[*b])).unwrap_or(0);
-        let returned = share * weights[bin] * via_pixel[brightest * bins + bin];
-        let rho = pixel[brightest];
-        let through = if rho > 0.0 { returned * (1.0 - face.returned() * rho) / rho } else { 0.0 };
-        RoundTrip { through, face, pixel }
+        let of_states = |values: &[f64]| (0..states).map(|state| values[state * bins + bin]).collect();
+        let through: Vec<f64> = of_states(through);
+        RoundTrip {
+            through: through.iter().map(|part| share * part).collect(),
+            face,
+            pixel: of_states(&reflectance),
+        }
     };
     // Wavelengths of the same index have the same places.
     let mut bin = 0;
@@ -129,8 +165,8 @@ fn add_direction(
                 let of_state = |state: usize| -> f64 {
                     let row = rows.iter().zip(bin..);
                     let one = |(row, bin): (&Vec<Vec<f64>>, usize)| {
-                        let light = share * weights[bin] * via_pixel[state * bins + bin];
-                        light * row[state].get(air).copied().unwrap_or(0.0)
+                        let at = state * bins + bin;
+                        share * through[at] * returned[at] * row[state].get(air).copied().unwrap_or(0.0)
                     };
                     row.map(one).sum()
                 };
@@ -263,10 +299,37 @@ impl RoundTrips {
         for trip in &self.bins {
             let rho: Vec<f64> = is_on.iter().map(|is_on| trip.pixel[if *is_on { on } else { off }]).collect();
             let irradiance = irradiance(&trip.face, [self.step_mm, self.air_mm], cells, &rho, FAINTEST);
-            let light = rho.iter().zip(irradiance).map(|(rho, e)| rho * e).sum::<f64>();
-            sum += trip.through * light / rho.len() as f64;
+            let through = is_on.iter().map(|is_on| trip.through[if *is_on { on } else { off }]);
+            let light: f64 = through.zip(rho.iter().zip(irradiance)).map(|(t, (rho, e))| t * rho * e).sum();
+            sum += light / rho.len() as f64;
         }
         sum
+    }
+
+    /// Light that is seen of a point of a pattern, through all orders: `state_at` is the state at a place relative
+    /// to the point, mm, and `page` that of most of the page, far away.
+    fn of_point(&self, state_at: impl Fn([f64; 2]) -> usize, page: usize) -> f64 {
+        let of_bin = |trip: &RoundTrip| {
+            let brightest = trip.pixel.iter().copied().fold(0.0, f64::max);
+            (trip.face.returned() * brightest, trip.face.returned.len(), trip.face.leaving.len())
+        };
+        let (most, returns, images) = self
+            .bins
+            .iter()
+            .map(of_bin)
+            .fold((0.0_f64, 1, 1), |all, one| (all.0.max(one.0), all.1.max(one.1), all.2.max(one.2)));
+        let needed = if most > 0.0 { (FAINTEST.ln() / most.min(0.999).ln()).ceil() as usize } else { 0 };
+        let trips = needed.min(MOST_FOLLOWED[usize::from(returns > 1)]);
+        // After each trip through the glass, places by the number of trips through the air.
+        let states: Vec<Vec<usize>> = (0..=trips)
+            .map(|glass| {
+                let at = |air: usize| {
+                    [0, 1].map(|k| -(glass as f64 * self.step_mm[k] + air as f64 * self.air_mm[k]))
+                };
+                (0..images + glass * (returns - 1)).map(|air| state_at(at(air))).collect()
+            })
+            .collect();
+        self.bins.iter().map(|trip| trip.seen(&states, page)).sum()
     }
 }
 
@@ -281,9 +344,26 @@ impl RoundTrip {
         (0..states).map(of_state).collect()
     }
 
+    /// Light that is seen at the places of images that have these states, `[trips through glass][through air]`.
+    fn seen(&self, states: &[Vec<usize>], page: usize) -> f64 {
+        let far = 1.0 / (1.0 - self.face.returned() * self.pixel[page]);
+        let mut irradiance = vec![far; states.last().map_or(0, Vec::len)];
+        for (here, before) in states.iter().zip(&states[1..]).rev() {
+            let left: Vec<f64> =
+                before.iter().zip(&irradiance).map(|(state, e)| self.pixel[*state] * e).collect();
+            let of = |air: usize| {
+                let parts = self.face.returned.iter().zip(&left[air..]);
+                1.0 + parts.map(|(part, light)| part * light).sum::<f64>()
+            };
+            irradiance = (0..here.len()).map(of).collect();
+        }
+        let images = self.face.leaving.iter().zip(&states[0]).zip(irradiance);
+        images.map(|((part, state), e)| part * self.through[*state] * self.pixel[*state] * e).sum()
+    }
+
     /// Light of all orders that meet these states in turn.
     fn light(&self, states: &[usize]) -> f64 {
-        let (mut product, mut sum, face) = (self.through, 0.0, self.face.returned());
+        let (mut product, mut sum, face) = (self.through[states[0]], 0.0, self.face.returned());
         for (order, state) in states.iter().enumerate() {
             product *= self.pixel[*state] * if order > 0 { face } else { 1.0 };
             sum += product;
@@ -336,6 +416,25 @@ impl Response for Ghosts {
             let inside = column > 0 && column <= columns && row > 0 && row < y_mm.len();
             [if inside { (row - 1) * columns + column - 1 } else { usize::MAX }; 2]
         })
+    }
+
+    fn line(&self, [line, surround]: [usize; 2], axis: usize, width_mm: f64, _: Level) -> Option<f64> {
+        let state_at = |at: [f64; 2]| if at[axis].abs() < 0.5 * width_mm { line } else { surround };
+        Some(self.trips.iter().map(|trips| trips.of_point(state_at, surround)).sum())
+    }
+
+    fn text(&self, text: &Text<'_>, [black, white]: [usize; 2], _: Level) -> Option<Vec<f64>> {
+        let [columns, rows] = text.bitmap.count.map(|count| count as i64);
+        let of_stroke = |pixel: &usize| {
+            let middle = [*pixel as i64 % columns, *pixel as i64 / columns];
+            let state_at = |at: [f64; 2]| {
+                let [x, y] = [0, 1].map(|k| middle[k] + (at[k] / text.pitch_mm[k]).round() as i64);
+                let is_inside = (0..columns).contains(&x) && (0..rows).contains(&y);
+                if is_inside && text.bitmap.black[(y * columns + x) as usize] { black } else { white }
+            };
+            self.trips.iter().map(|trips| trips.of_point(state_at, white)).sum()
+        };
+        Some(text.middles.iter().map(of_stroke).collect())
     }
 
     fn pattern_mean(&self, pattern: Pattern, level: Level) -> Option<f64> {

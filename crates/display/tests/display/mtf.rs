@@ -351,3 +351,71 @@ fn stripes_of_mirrors_beat_with_their_images() {
         assert!(found > first && found < first + rest, "{part}: {found}, {first} to {}", first + rest);
     }
 }
+
+/// Lines of mirrors below a bare face, seen obliquely: light that the face returned has met the pixel elsewhere.
+/// Where that is beside the line, it multiplies line and surround alike; in a line that is as wide as one way of
+/// this light, but not two, `rho (1 + F rho/(1 - F rho'))`; along the other axis, pages. Text is like lines.
+#[test]
+fn lines_of_mirrors_multiply_with_their_images() {
+    let [theta, index] = [50.0_f64, 1.5_f64];
+    let [outside, inside] =
+        [theta.to_radians().cos(), (1.0 - (theta.to_radians().sin() / index).powi(2)).sqrt()];
+    let [s, p] = [
+        (outside - index * inside) / (outside + index * inside),
+        (index * outside - inside) / (index * outside + inside),
+    ];
+    let face = 0.5 * (s * s + p * p);
+    let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.3 }\n";
+    let view = format!("[viewer]\ntheta_deg = {theta}\nfield_deg = 0\n");
+    let lines = |thickness_mm: f64| {
+        let glass = glass("fresnel", thickness_mm);
+        computed(&[&glass, MATRIX, mirror, DIFFUSE, &view]).unwrap().views.remove(0)
+    };
+    let page = |rho: f64| rho / (1.0 - face * rho);
+    let contrast = |a: f64, b: f64| (a - b).abs() / (a + b);
+    // The first image is 356 um away, farther than half of 4 pixels of 84.67 um.
+    let far = lines(0.3);
+    let via = far.line_contrast_via_pixel;
+    let beside = contrast(0.9, 0.3);
+    for found in [via.white_1_x, via.white_4_x, via.black_1_x, via.black_4_x] {
+        near("beside", found.unwrap(), beside, 1e-9);
+    }
+    for found in [via.white_1_y, via.black_4_y] {
+        near("along", found.unwrap(), contrast(page(0.9), page(0.3)), 1e-9);
+    }
+    // Some strokes have an image on other strokes, which return less; in the middle, the second one.
+    let text = [far.text_contrast_min_via_pixel, far.text_contrast_median_via_pixel].map(Option::unwrap);
+    near("text", text[1], beside, face * face);
+    assert!(text[0] >= beside - 1e-9 && text[0] < beside + face, "{text:?}");
+    // It is 119 um away, and the second 238.
+    let near_by = lines(0.1).line_contrast_via_pixel;
+    let wide = |line: f64, surround: f64| {
+        contrast(line * (1.0 + face * line / (1.0 - face * surround)), page(surround))
+    };
+    near("white, wide", near_by.white_4_x.unwrap(), wide(0.9, 0.3), 1e-9);
+    near("black, wide", near_by.black_4_x.unwrap(), wide(0.3, 0.9), 1e-9);
+    near("white, narrow", near_by.white_1_x.unwrap(), beside, 1e-9);
+}
+
+/// Films below a face in a wide field: each direction of it has its own reflectance. The mean of fine stripes
+/// is that of paths.
+#[test]
+fn stripes_of_films_in_a_wide_field_are_those_of_paths() {
+    let film = "[display.pixel]\nmodel = \"film\"\nsubstrate = \"Al\"\narea = { red = 0.4, green = 0.35, blue = 0.25 }\n\
+        gap_nm = { red = 276, green = 192, blue = 138, dark = 20 }\nfill_factor = 0.9\n\
+        film = [{ material = \"Cr:Johnson\", thickness_nm = 12 }, { material = \"air\", thickness_nm = \"gap\" }]\n";
+    let pattern = "[pattern]\nkind = [\"stripes\"]\nperiod_mm = [0.2, 0.7]\n";
+    let view = "[viewer]\ntheta_deg = 50\nphi_deg = 20\nfield_deg = 16\n";
+    let parts = [film, &glass("fresnel", 0.9), DIFFUSE, view, pattern];
+    let means = |solver: &str| {
+        let resolved = resolved(&[&parts.concat(), "[solver]\n", solver]);
+        let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+        mtf(&resolved.scene, &resolved.patterns, &control).unwrap().views.remove(0).patterns
+    };
+    let paths = means("method = \"monte-carlo\"\npaths = 16384\n");
+    for (exact, found) in means("relative_error = 1e-4\n").iter().zip(&paths) {
+        let (off, allowed) = (exact.mean_Y - found.mean_Y, 4.5 * found.error + exact.error);
+        assert!(off.abs() < allowed, "{exact:?} {found:?}");
+        assert!(found.error < 3e-3 * found.mean_Y, "{found:?}");
+    }
+}
