@@ -32,6 +32,9 @@ const FAINTEST: f64 = 1e-9;
 /// or 0.81 of the light with the face. Brighter ones are divided into cells.
 const MOST_ORDERS: [usize; 2] = [500, 100];
 
+/// Light of which less than this fraction is left has met the page far away.
+const FAR: f64 = 1e-7;
+
 /// Most trips through the glass of light whose places are followed, without and with trips through the air.
 const MOST_FOLLOWED: [usize; 2] = [500, 60];
 
@@ -191,10 +194,22 @@ fn add_direction(
                     .for_each(|(row, rho)| *row = trip.face.returned_of(row, *rho));
             }
         }
-        trips.push(trip);
+        trips.push(RoundTrips { bins: merged(trip.bins), ..trip });
         bin += same;
     }
     Ok(())
+}
+
+/// Wavelengths that follow each other with the same face and pixel as one.
+fn merged(all: Vec<RoundTrip>) -> Vec<RoundTrip> {
+    let mut merged: Vec<RoundTrip> = Vec::new();
+    for one in all {
+        match merged.last_mut().filter(|last| last.face == one.face && last.pixel == one.pixel) {
+            Some(last) => last.through.iter_mut().zip(one.through).for_each(|(sum, more)| *sum += more),
+            None => merged.push(one),
+        }
+    }
+    merged
 }
 
 /// What a face, and a front above it, return to the pixel and let through, by the number of trips through the
@@ -306,9 +321,9 @@ impl RoundTrips {
         sum
     }
 
-    /// Light that is seen of a point of a pattern, through all orders: `state_at` is the state at a place relative
-    /// to the point, mm, and `page` that of most of the page, far away.
-    fn of_point(&self, state_at: impl Fn([f64; 2]) -> usize, page: usize) -> f64 {
+    /// Places where light that is seen at a point has met the pixel, relative to it, mm,
+    /// `[trips through glass][through air]`.
+    fn places(&self) -> Vec<Vec<[f64; 2]>> {
         let of_bin = |trip: &RoundTrip| {
             let brightest = trip.pixel.iter().copied().fold(0.0, f64::max);
             (trip.face.returned() * brightest, trip.face.returned.len(), trip.face.leaving.len())
@@ -318,18 +333,19 @@ impl RoundTrips {
             .iter()
             .map(of_bin)
             .fold((0.0_f64, 1, 1), |all, one| (all.0.max(one.0), all.1.max(one.1), all.2.max(one.2)));
-        let needed = if most > 0.0 { (FAINTEST.ln() / most.min(0.999).ln()).ceil() as usize } else { 0 };
+        let needed = if most > 0.0 { (FAR.ln() / most.min(0.999).ln()).ceil() as usize } else { 0 };
         let trips = needed.min(MOST_FOLLOWED[usize::from(returns > 1)]);
-        // After each trip through the glass, places by the number of trips through the air.
-        let states: Vec<Vec<usize>> = (0..=trips)
-            .map(|glass| {
-                let at = |air: usize| {
-                    [0, 1].map(|k| -(glass as f64 * self.step_mm[k] + air as f64 * self.air_mm[k]))
-                };
-                (0..images + glass * (returns - 1)).map(|air| state_at(at(air))).collect()
-            })
-            .collect();
-        self.bins.iter().map(|trip| trip.seen(&states, page)).sum()
+        let after = |glass: usize| {
+            let at =
+                |air: usize| [0, 1].map(|k| -(glass as f64 * self.step_mm[k] + air as f64 * self.air_mm[k]));
+            (0..images + glass * (returns - 1)).map(at).collect()
+        };
+        (0..=trips).map(after).collect()
+    }
+
+    /// Light of a point through all orders: states at its [`Self::places`], and that of most of the page, far away.
+    fn of_point(&self, states: &[Vec<usize>], page: usize) -> f64 {
+        self.bins.iter().map(|trip| trip.seen(states, page)).sum()
     }
 }
 
@@ -419,22 +435,35 @@ impl Response for Ghosts {
     }
 
     fn line(&self, [line, surround]: [usize; 2], axis: usize, width_mm: f64, _: Level) -> Option<f64> {
-        let state_at = |at: [f64; 2]| if at[axis].abs() < 0.5 * width_mm { line } else { surround };
-        Some(self.trips.iter().map(|trips| trips.of_point(state_at, surround)).sum())
+        let state_at = |at: &[f64; 2]| if at[axis].abs() < 0.5 * width_mm { line } else { surround };
+        let of_trips = |trips: &RoundTrips| {
+            let places = trips.places();
+            let states: Vec<_> = places.iter().map(|row| row.iter().map(state_at).collect()).collect();
+            trips.of_point(&states, surround)
+        };
+        Some(self.trips.iter().map(of_trips).sum())
     }
 
     fn text(&self, text: &Text<'_>, [black, white]: [usize; 2], _: Level) -> Option<Vec<f64>> {
         let [columns, rows] = text.bitmap.count.map(|count| count as i64);
-        let of_stroke = |pixel: &usize| {
-            let middle = [*pixel as i64 % columns, *pixel as i64 / columns];
-            let state_at = |at: [f64; 2]| {
-                let [x, y] = [0, 1].map(|k| middle[k] + (at[k] / text.pitch_mm[k]).round() as i64);
-                let is_inside = (0..columns).contains(&x) && (0..rows).contains(&y);
-                if is_inside && text.bitmap.black[(y * columns + x) as usize] { black } else { white }
-            };
-            self.trips.iter().map(|trips| trips.of_point(state_at, white)).sum()
-        };
-        Some(text.middles.iter().map(of_stroke).collect())
+        let mut light = vec![0.0; text.middles.len()];
+        for trips in &self.trips {
+            let pixels = |at: &[f64; 2]| [0, 1].map(|k| (at[k] / text.pitch_mm[k]).round() as i64);
+            let places = trips.places();
+            let ways: Vec<Vec<[i64; 2]>> =
+                places.iter().map(|row| row.iter().map(pixels).collect()).collect();
+            for (light, middle) in light.iter_mut().zip(text.middles) {
+                let (column, row) = (*middle as i64 % columns, *middle as i64 / columns);
+                let state_at = |way: &[i64; 2]| {
+                    let (x, y) = (column + way[0], row + way[1]);
+                    let is_inside = (0..columns).contains(&x) && (0..rows).contains(&y);
+                    if is_inside && text.bitmap.black[(y * columns + x) as usize] { black } else { white }
+                };
+                let states: Vec<_> = ways.iter().map(|row| row.iter().map(state_at).collect()).collect();
+                *light += trips.of_point(&states, white);
+            }
+        }
+        Some(light)
     }
 
     fn pattern_mean(&self, pattern: Pattern, level: Level) -> Option<f64> {
