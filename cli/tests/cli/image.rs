@@ -293,7 +293,7 @@ fn wrong_input_is_answered() {
             vec![good, "--set", "image.intent=\"relative\"", "--set", "image.contrast=1.2"],
             "contrast is a factor on natural and vivid pictures",
         ),
-        (vec![good, "--set", "image.exposure=\"more\""], "auto"),
+        (vec![good, "--set", "image.exposure=\"more\""], "a number from -10 to 10 (stops), or \"auto\""),
         (vec![good, "--set", "image.white_balance=100"], "1700"),
         (vec![good, "--set", "image.intent=\"perceptual\""], "natural"),
     ] {

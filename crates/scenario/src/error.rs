@@ -212,6 +212,18 @@ impl Errors {
         self.found.is_empty()
     }
 
+    pub(crate) fn count(&self) -> usize {
+        self.found.len()
+    }
+
+    /// States what a value may be in all its forms, in the errors at its place after the first `before`.
+    pub(crate) fn expected_at(&mut self, before: usize, origin: Origin, words: &str) {
+        let own = self.found.iter_mut().skip(before).filter(|(at, ..)| *at == origin);
+        for (_, mistake, _) in own {
+            mistake.diagnostic = mistake.diagnostic.clone().expected(words);
+        }
+    }
+
     /// Returns `value`, or all errors in the order of the text.
     pub(crate) fn finish<T>(mut self, value: Option<T>, sources: &Sources) -> Result<T, ScenarioErrors> {
         match value {

@@ -263,10 +263,15 @@ macro_rules! forms {
 
             fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
                 use $crate::tree::Value;
-                match &node.value {
+                let before = errors.count();
+                let read = match &node.value {
                     $( $pattern => <$ty as $crate::read::Read>::read(node, errors).map(Self::$variant), )*
                     _ => node.wrong_type(Self::in_words(), errors),
+                };
+                if read.is_none() && matches!(node.value, Value::Text(_)) {
+                    errors.expected_at(before, node.origin, &Self::in_words());
                 }
+                read
             }
         }
 

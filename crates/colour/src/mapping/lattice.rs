@@ -1,6 +1,6 @@
-//! The most alike colours of a hull on a lattice, for pictures.
+//! The closest colours of a hull, interpolated on a lattice, for pictures.
 //!
-//! **What.** [`GamutMapping::alike`] at the nodes of a lattice of coordinates, each computed when it is first
+//! **What.** [`GamutMapping::closest`] at the nodes of a lattice of coordinates, each computed when it is first
 //! needed, with linear interpolation of X, Y, Z: the hull is convex, so that an interpolated colour is in it.
 //! What the hull contains is not interpolated. The result does not depend on the order of the colours.
 //!
@@ -15,20 +15,20 @@ const NODES: usize = STEPS + 1;
 
 /// Nodes of a lattice that are known so far.
 #[derive(Debug)]
-pub struct AlikeLattice<'a> {
+pub struct ClosestLattice<'a> {
     mapping: &'a GamutMapping,
     /// X, Y, Z by lightness, a and b; NaN where a node was not needed yet.
     nodes: Vec<[f64; 3]>,
 }
 
-impl<'a> AlikeLattice<'a> {
+impl<'a> ClosestLattice<'a> {
     /// A lattice without nodes.
     pub fn new(mapping: &'a GamutMapping) -> Self {
         Self { mapping, nodes: vec![[f64::NAN; 3]; NODES * NODES * NODES] }
     }
 
-    /// The colour that is most alike to coordinates, and whether it is that colour itself.
-    pub fn alike(&mut self, target: [f64; 3]) -> (Xyz, bool) {
+    /// The colour of the hull closest to coordinates, and whether it has these coordinates itself.
+    pub fn closest(&mut self, target: [f64; 3]) -> (Xyz, bool) {
         if let Some(colour) = self.mapping.contained(target) {
             return (colour, true);
         }
@@ -37,7 +37,7 @@ impl<'a> AlikeLattice<'a> {
         let mut parts = [0.0; 3];
         for (k, value) in [lightness, a + 0.5, b + 0.5].into_iter().enumerate() {
             if !(0.0..=1.0).contains(&value) {
-                return (self.mapping.alike(target), false);
+                return (self.mapping.closest(target), false);
             }
             base[k] = ((value * STEPS as f64) as usize).min(STEPS - 1);
             parts[k] = value * STEPS as f64 - base[k] as f64;
@@ -57,7 +57,7 @@ impl<'a> AlikeLattice<'a> {
         let index = (at[0] * NODES + at[1]) * NODES + at[2];
         if self.nodes[index][0].is_nan() {
             let [lightness, a, b] = at.map(|k| k as f64 / STEPS as f64);
-            self.nodes[index] = self.mapping.alike([lightness, a - 0.5, b - 0.5]).to_array();
+            self.nodes[index] = self.mapping.closest([lightness, a - 0.5, b - 0.5]).to_array();
         }
         let [x, y, z] = self.nodes[index];
         Xyz { x, y, z }

@@ -15,7 +15,7 @@
 //! - Relative and absolute: constant lightness and hue in [`MapSpace`]; chroma is reduced until the colour is
 //!   in the hull.
 //! - Natural and vivid: the nearest colour of the hull in [`MapSpace`], differences of hue counting twice
-//!   ([`GamutMapping::alike`]).
+//!   ([`GamutMapping::closest`]).
 //! - Clip: the nearest colour of the hull, in X, Y, Z relative to white ([`StateHull::nearest`]).
 //!
 //! Hue and chroma are relative to grey, or, where the hull has no grey of this lightness (a bluish black), to
@@ -32,7 +32,7 @@
 //! **Source.** Morovič, *Color Gamut Mapping* (Wiley, 2008); black point compensation: ISO 18619:2015, here
 //! with the colour of black. The constant hue of Oklab or CAM16-UCS instead of CIELAB avoids purple blues.
 
-mod alike;
+mod closest;
 mod intent;
 mod lattice;
 mod source;
@@ -43,7 +43,7 @@ mod tests;
 mod tone;
 
 pub use intent::{DisplayColours, Intent, MapSpace};
-pub use lattice::AlikeLattice;
+pub use lattice::ClosestLattice;
 pub use source::SourceSpace;
 pub use table::{GamutTable, TableError};
 pub use tone::Tone;

@@ -99,10 +99,10 @@ fn colours_outside_keep_lightness_and_hue() {
     }
 }
 
-/// No mixture of the states, of a fine grid of them, is more alike: also of flat hulls, and of colours far
+/// No mixture of the states, of a fine grid of them, is closer: also of flat hulls, and of colours far
 /// outside.
 #[test]
-fn alike_colours_are_the_nearest_of_all_mixtures() {
+fn closest_colours_are_those_of_all_mixtures() {
     let states = inks();
     let cases = [&states[..], &states[..3], &states[..2], &[states[0], states[1], states[3], states[5]]];
     for (states, space) in cases.into_iter().flat_map(|states| SPACES.map(|space| (states, space))) {
@@ -121,7 +121,7 @@ fn alike_colours_are_the_nearest_of_all_mixtures() {
                 let across = (b * target[1] - a * target[2]) / chroma;
                 (l - target[0]).powi(2) + along * along + 4.0 * across * across
             };
-            let found = mapping.alike(target);
+            let found = mapping.closest(target);
             assert!(mapping.hull().contains(found));
             let best = mixtures.iter().map(|one| square(*one)).fold(f64::INFINITY, f64::min);
             worst = worst.max(square(found).sqrt() - best.sqrt());
@@ -193,10 +193,10 @@ fn lattice_is_nearly_exact_and_without_memory() {
             [mapping.tone(0.3).lightness(l), a, b]
         })
         .collect();
-    let mut lattice = AlikeLattice::new(&mapping);
-    let forwards: Vec<Xyz> = targets.iter().map(|target| lattice.alike(*target).0).collect();
-    let mut again = AlikeLattice::new(&mapping);
-    let mut backwards: Vec<Xyz> = targets.iter().rev().map(|target| again.alike(*target).0).collect();
+    let mut lattice = ClosestLattice::new(&mapping);
+    let forwards: Vec<Xyz> = targets.iter().map(|target| lattice.closest(*target).0).collect();
+    let mut again = ClosestLattice::new(&mapping);
+    let mut backwards: Vec<Xyz> = targets.iter().rev().map(|target| again.closest(*target).0).collect();
     backwards.reverse();
     assert_eq!(forwards, backwards);
     let mut differences: Vec<f64> = targets
@@ -204,13 +204,13 @@ fn lattice_is_nearly_exact_and_without_memory() {
         .zip(&forwards)
         .map(|(target, found)| {
             assert!(mapping.hull().contains(*found));
-            let labs = [*found, mapping.alike(*target)].map(|colour| colour.lab(states[1]).unwrap());
+            let labs = [*found, mapping.closest(*target)].map(|colour| colour.lab(states[1]).unwrap());
             labs[0].delta_e_2000(labs[1])
         })
         .collect();
     differences.sort_by(f64::total_cmp);
     assert!(differences[380] < 0.5 && differences[399] < 2.5, "{} {}", differences[380], differences[399]);
-    assert!(lattice.alike([0.7, 0.9, 0.0]).0.distance(mapping.alike([0.7, 0.9, 0.0])) < 1e-15);
+    assert!(lattice.closest([0.7, 0.9, 0.0]).0.distance(mapping.closest([0.7, 0.9, 0.0])) < 1e-15);
 }
 
 /// A hull in a plane keeps the hue of its ink and reduces others to the part towards it.

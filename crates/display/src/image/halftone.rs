@@ -14,7 +14,7 @@ use crate::run::Control;
 pub enum Halftone {
     /// Every pixel shows the mapped colour itself: a reference without halftone.
     None,
-    /// Each pixel has the state that is most alike to its colour: no pattern.
+    /// Each pixel has the state closest to its colour: no pattern.
     Nearest,
     /// Each pixel is compared with Bayer's mask.
     Ordered,
@@ -65,7 +65,7 @@ pub(super) fn states(
     match settings.halftone {
         Halftone::None => Ok((Vec::new(), 0)),
         Halftone::Nearest => {
-            let nearest = |pixel: &[f32; 3]| panel.rendering.most_alike_state(colour(*pixel)) as u8;
+            let nearest = |pixel: &[f32; 3]| panel.rendering.closest_state(colour(*pixel)) as u8;
             Ok((mapped.iter().map(nearest).collect(), 0))
         }
         Halftone::Ordered => Ok((masked(&Mask::bayer(BAYER)?, mapped, panel, control)?, 0)),

@@ -2,7 +2,7 @@
 //! with the states of the display, and a table for large pictures.
 
 use papilio_colour::mapping::{
-    AlikeLattice, DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SourceSpace,
+    ClosestLattice, DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SourceSpace,
 };
 use papilio_colour::states::StateHull;
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
@@ -114,8 +114,8 @@ impl Rendering {
         self.mapping.hull().excess(colour)
     }
 
-    /// Number of the state that is most alike to a colour, in the space of the mapping.
-    pub(super) fn most_alike_state(&self, colour: Xyz) -> usize {
+    /// Number of the state closest to a colour, in the space of the mapping.
+    pub(super) fn closest_state(&self, colour: Xyz) -> usize {
         let here = self.mapping.coordinates(colour);
         let distance = |[x, y, z]: &[f64; 3]| {
             let there = self.mapping.coordinates(Xyz { x: *x, y: *y, z: *z });
@@ -178,21 +178,21 @@ impl Rendering {
         let vivid = self.intent == Intent::Vivid;
         let (targets, rendition) = adjustments.targets(&self.mapping, pixels, columns, vivid, adjusted)?;
         rendered.rendition = Some(rendition);
-        let mut lattice = (pixels.len() > MANY).then(|| AlikeLattice::new(&self.mapping));
+        let mut lattice = (pixels.len() > MANY).then(|| ClosestLattice::new(&self.mapping));
         let mut errors = Vec::new();
         let every = (pixels.len() / PROBES).max(1);
         for (at, (pixel, target)) in pixels.iter().zip(targets).enumerate() {
             rendered.wanted.push(single(self.mapping.target_xyz(colour(*pixel))));
             let target = target.map(f64::from);
             let (mapped, is_inside) = match &mut lattice {
-                Some(lattice) => lattice.alike(target),
+                Some(lattice) => lattice.closest(target),
                 None => self
                     .mapping
                     .contained(target)
-                    .map_or_else(|| (self.mapping.alike(target), false), |contained| (contained, true)),
+                    .map_or_else(|| (self.mapping.closest(target), false), |contained| (contained, true)),
             };
             if lattice.is_some() && at % every == 0 {
-                let labs = [mapped, self.mapping.alike(target)].map(|one| one.lab(self.white));
+                let labs = [mapped, self.mapping.closest(target)].map(|one| one.lab(self.white));
                 if let [Some(ours), Some(exact)] = labs {
                     errors.push(ours.delta_e_2000(exact));
                 }

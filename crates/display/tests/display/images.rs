@@ -12,7 +12,7 @@ use papilio_display::spatial::walk::pattern;
 use papilio_display::spatial::{Patterns, mtf};
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::Scenario;
-use papilio_testing::{Dice, everyday, sized};
+use papilio_testing::{Dice, everyday};
 use papilio_transport::walk::places::{Pattern, SeenFrom};
 
 use crate::common::prepared_for;
@@ -24,12 +24,7 @@ const LIGHT: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"A\"\ndiffuse
 const VIEW: &str = "[viewer]\ntheta_deg = 8\nfield_deg = 0\n";
 
 fn scene(parts: &[&str]) -> Scene {
-    scene_within(1e-5, parts)
-}
-
-fn scene_within(relative_error: f64, parts: &[&str]) -> Scene {
-    let text =
-        format!("[spectrum]\nstep_nm = 40\n{}[solver]\nrelative_error = {relative_error}\n", parts.concat());
+    let text = format!("[spectrum]\nstep_nm = 40\n{}[solver]\nrelative_error = 1e-5\n", parts.concat());
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
     Scenario::from_text(&text, "images.toml", &folder, &[]).unwrap().resolve().unwrap().scene
 }
@@ -462,8 +457,7 @@ fn assert_picture_is_that_of_paths(side: usize) {
         (MIRROR, DIFFUSED),
     ];
     for (pixel, layers) in everyday(3, cases) {
-        // Either is below the errors of paths.
-        let display = scene_within(sized(1e-3, 1e-5), &[layers, MATRIX, pixel, LIGHT, VIEW]);
+        let display = scene(&[layers, MATRIX, pixel, LIGHT, VIEW]);
         let (seen, stated) = seen_of(&held, &display, layers == LAYERED);
         let place = |at: usize| [(at % side) as f64 * pitch_mm, -((at / side) as f64) * pitch_mm];
         let places_mm: Vec<[f64; 2]> = (0..side * side).map(place).collect();

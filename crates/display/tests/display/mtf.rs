@@ -397,6 +397,40 @@ fn lines_of_mirrors_multiply_with_their_images() {
     near("white, narrow", near_by.white_1_x.unwrap(), beside, 1e-9);
 }
 
+/// The same below a front, in a wide field, with text: light also moves through the air, and each direction of the
+/// field has images of its own. By paths over the actual lines and letters.
+#[test]
+fn lines_and_text_of_mirrors_below_a_front_are_those_of_paths() {
+    let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.3 }\n";
+    let front = "[[display.front]]\nreflectance = 0.3\ngap_mm = 0.1\n";
+    let view = "[viewer]\ntheta_deg = 50\nphi_deg = 20\nfield_deg = 4\n";
+    let parts = [front, &glass("fresnel", 0.15), MATRIX, mirror, DIFFUSE, view, "[pattern]\ntext = \"it\"\n"];
+    let found = |solver: &str| {
+        let resolved = resolved(&[&parts.concat(), "[solver]\n", solver]);
+        let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+        let view = mtf(&resolved.scene, &resolved.patterns, &control).unwrap().views.remove(0);
+        let (lines, errors) = (view.line_contrast_via_pixel, view.line_contrast_error);
+        let median = (view.text_contrast_median_via_pixel, view.text_contrast_error.map(|errors| errors[1]));
+        [
+            (lines.white_1_x, errors.white_1_x),
+            (lines.white_4_x, errors.white_4_x),
+            (lines.black_2_x, errors.black_2_x),
+            (lines.black_4_x, errors.black_4_x),
+            (lines.white_4_y, errors.white_4_y),
+            (lines.black_4_y, errors.black_4_y),
+            median,
+        ]
+        .map(|(value, error)| (value.unwrap(), error.unwrap()))
+    };
+    let exact = found("relative_error = 1e-4\n");
+    for ((value, stated), (path, error)) in
+        exact.into_iter().zip(found("method = \"monte-carlo\"\npaths = 16384\n"))
+    {
+        assert!((value - path).abs() < 4.5 * error + stated + 1e-6, "{value} +- {stated}, {path} +- {error}");
+        assert!(error < 0.01 * value, "{path} +- {error}");
+    }
+}
+
 /// Films below a face in a wide field: each direction of it has its own reflectance. The mean of fine stripes
 /// is that of paths.
 #[test]

@@ -166,7 +166,7 @@ forms! {
 choice! {
     for Intent {
         /// The best picture of a photograph: light tones stay, dark ones bend towards the display's black;
-        /// colours outside its gamut become the most alike inside.
+        /// colours outside its gamut become the closest inside.
         Natural = "natural",
         /// As natural, darker and with more chroma and contrast.
         Vivid = "vivid",
@@ -193,7 +193,7 @@ choice! {
     for Halftone {
         /// Every pixel shows the colour itself, a reference.
         None = "none",
-        /// Each pixel has the state most alike to its colour: no pattern.
+        /// Each pixel has the state closest to its colour: no pattern.
         Nearest = "nearest",
         /// By Bayer's mask of 16 x 16 pixels.
         Ordered = "ordered",

@@ -11,7 +11,7 @@ use crate::states::nearest_weights;
 /// Sharpness of the tone curve of natural and of vivid pictures, on a display whose black has no lightness, and
 /// what it gains where all tones are darker than the black. By eye, and by local contrast, shadows of photographs
 /// on six inks (black 0.42) and on black and white paper (0.52) are best with 3 to 4; S-CIELAB differences from the
-/// photograph would decrease up to 8, which makes the tones above the black gloomy.
+/// photograph decrease up to 8, but then the tones above the black look too dark.
 const NATURAL: f64 = 6.0;
 const VIVID: f64 = 10.0;
 const DARK: f64 = 2.0;
@@ -64,10 +64,10 @@ impl GamutMapping {
         self.xyz(coordinates).is_some_and(|colour| self.hull.contains_within(colour, tolerance))
     }
 
-    /// The colour of the hull that is most alike to coordinates: the least sum of the squared differences in
-    /// lightness, along the hue and, with a weight of 4, across it. Newton's method with the best mixture of
+    /// The colour of the hull closest to coordinates: the one with the least sum of squared differences in
+    /// lightness, in chroma and, with a weight of 4, across the hue. Newton's method with the best mixture of
     /// states in each step, which is a convex problem (Wolfe, as for [`nearest`](crate::states::StateHull::nearest)).
-    pub fn alike(&self, target: [f64; 3]) -> Xyz {
+    pub fn closest(&self, target: [f64; 3]) -> Xyz {
         if let Some(colour) = self.contained(target) {
             return colour;
         }
@@ -120,7 +120,7 @@ impl GamutMapping {
     /// The colour on the display of X, Y, Z relative to D65, each colour by itself.
     pub(super) fn natural(&self, source: Xyz) -> Xyz {
         let [lightness, a, b] = self.appearance(source);
-        self.alike(self.beside_grey([self.tone(0.0).lightness(lightness), a, b]))
+        self.closest(self.beside_grey([self.tone(0.0).lightness(lightness), a, b]))
     }
 
     /// Coordinates of a colour of the display.
