@@ -252,8 +252,13 @@ pub fn image(
     let to_screen =
         Adaptation::between(lit.white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let picture = Picture { size, states: &states, wholes: &[] };
-    let Seen { pixels: seen, error, neighbours_light } = match states.is_empty() {
-        true => Seen { pixels: mapped.clone(), error: lit.palette.error(), neighbours_light: false },
+    let Seen { pixels: seen, error, between_places, neighbours_light } = match states.is_empty() {
+        true => Seen {
+            pixels: mapped.clone(),
+            error: lit.palette.error(),
+            between_places: 0.0,
+            neighbours_light: false,
+        },
         false => control.within([0.6, 0.8], |control| seen_by_reader(&lit, picture, settings, control))?,
     };
     control.check()?;
@@ -271,10 +276,13 @@ pub fn image(
         PictureDifferences::against(&seen, [&photograph], size[0], rendering.white, per_degree, threads)?;
     let mut warnings = lit.result.warnings.clone();
     if error > LARGE_ERROR {
-        warnings.push(format!(
-            "X, Y or Z of a pixel may be wrong by {error:.2} of a perfect white: the light changes much from one part of the panel to the next; \
-             image.perspective = false shows all of it in one direction"
-        ));
+        let reason = if between_places > 0.5 * error {
+            "the light changes much from one part of the panel to the next; image.perspective = false shows all of it in one direction"
+        } else {
+            "light that the layers return to it is that of a page of its state, other states and a mask beside it return more or less"
+        };
+        warnings
+            .push(format!("X, Y or Z of a pixel may be wrong by {error:.2} of a perfect white: {reason}"));
     }
     if let Stop::RelativeError { target, .. } = scene.solver.stop
         && error > target

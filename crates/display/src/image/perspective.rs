@@ -147,7 +147,8 @@ impl Eye {
         for lamp in lamp_images(&lit.setup, &names) {
             lamp.add(self, (size, states), 0.5 * scene.viewer.field_deg, &mut pixels);
         }
-        Ok(Seen { pixels, error: layers.error() + error, neighbours_light: layers.have_neighbours_light() })
+        let neighbours_light = layers.have_neighbours_light();
+        Ok(Seen { pixels, error: layers.error() + error, between_places: error, neighbours_light })
     }
 }
 

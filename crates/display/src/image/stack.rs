@@ -23,6 +23,8 @@ pub(super) struct Seen {
     pub(super) pixels: Vec<[f32; 3]>,
     /// Estimated error of X, Y, Z.
     pub(super) error: f64,
+    /// The part of it between places of the panel whose directions are computed.
+    pub(super) between_places: f64,
     /// Whether light that the layers return to neighbours is contained.
     pub(super) neighbours_light: bool,
 }
@@ -117,7 +119,7 @@ impl Layers {
         let mut blurred = |blur: Blur, error: &mut f64| {
             let blur = blur.with_wholes(wholes);
             let shown = shares_of(&states, names.len());
-            *error += blur.error(&shown);
+            *error += blur.error(&shown, surround);
             let rows = blur.rows(&pages, &shown);
             let picture = blur.picture(&states, size[0], surround, known, control.thread_count());
             (Kind::Diffuser(Box::new((blur, picture))), rows)
@@ -144,11 +146,8 @@ impl Layers {
         } else if let Some(blur) = Blur::new(&setups, several.missed, without_lamps, control)? {
             blurred(blur, &mut error)
         } else if is_paper(scene) && !(is_layered && (!several.by_paths || is_walked)) {
-            if surround == PictureSurround::BlackMask {
-                let what = "a black mask around pictures below a flat face".to_owned();
-                return Err(DisplayError::PlacesNotComputed { what, key: "image.surround".to_owned() });
-            }
-            match LitPicture::new(&setups, (size, &states), Precision::FAST, without_lamps, control) {
+            match LitPicture::new(&setups, (size, &states, surround), Precision::FAST, without_lamps, control)
+            {
                 Ok((picture, rows)) => {
                     error += picture.error;
                     (Kind::Paper(Box::new(picture)), rows)
@@ -231,6 +230,7 @@ impl Layers {
         let seen = |pixels: Vec<[f32; 3]>| Seen {
             pixels,
             error: self.error,
+            between_places: 0.0,
             neighbours_light: self.have_neighbours_light(),
         };
         all.into_iter().map(seen).collect()

@@ -30,9 +30,9 @@ use crate::threads::each;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PictureSurround {
     /// The picture again and again.
-    #[default]
     Repeat,
     /// A mask that reflects no light.
+    #[default]
     BlackMask,
 }
 
@@ -258,16 +258,23 @@ impl Blur {
     }
 
     /// Largest error of X, Y and Z: what shapes miss, and that of fine detail, where each state has the gain
-    /// of a mixture of all.
-    pub(crate) fn error(&self, shown: &[f64]) -> f64 {
+    /// of a mixture of all, and that beside a mask, from which half of the light does not return.
+    pub(crate) fn error(&self, shown: &[f64], surround: PictureSurround) -> f64 {
         let mut largest = 0.0_f64;
+        // Fraction of a mask in what is around a pixel.
+        let masked = match surround {
+            PictureSurround::Repeat => 0.0,
+            PictureSurround::BlackMask => 0.5,
+        };
         let kernels = self.shapes.mixtures.chunks_exact(self.states);
         for (gains, kernels) in self.gains.chunks_exact(self.states).zip(kernels) {
-            // A gain is 1/(1 - A rho): that of a mixture has its mean reflectance.
-            let mixed = 1.0 / gains.iter().zip(shown).map(|(gain, shown)| shown / gain).sum::<f64>();
+            // A gain is 1/(1 - A rho): that of a mixture has its mean reflectance, and a mask has none.
+            let mixed = gains.iter().zip(shown).map(|(gain, shown)| shown / gain).sum::<f64>();
             for ((gain, kernel), shown) in gains.iter().zip(kernels).zip(shown) {
+                let beside_mask = masked + (1.0 - masked) / gain;
                 if *shown > 0.0 {
-                    largest = largest.max((gain - mixed).abs() * self.near(kernel));
+                    let around = [mixed, beside_mask].map(|around| (gain - 1.0 / around).abs());
+                    largest = largest.max(around[0].max(around[1]) * self.near(kernel));
                 }
             }
         }

@@ -4,9 +4,12 @@
 //! **General layers.** Light of the pixels through all orders is seen through the point spread of a view
 //! ([`Layers`]), in the middle of each pixel. Light from farther away than [`REACH`] is that of the mean of
 //! the picture. Pictures in several views have the point spread of the one in the middle.
+//!
+//! **A mask.** Light is solved on a picture that repeats. A black mask around it is a margin of pixels that reflect
+//! nothing, so wide that hardly any light passes below it to the opposite border ([`MARGIN`]).
 
 use num_complex::Complex64;
-use papilio_fourier::Plane;
+use papilio_fourier::{Plane, smooth};
 use papilio_transport::spatial::{
     Accuracy, LambertianReturn, LitPage, Page, PageLight, Precision, air_below_front_mm,
 };
@@ -14,7 +17,7 @@ use papilio_transport::{Panel, Reflector, Top};
 
 use super::below_layers::Layers;
 use super::response::face_reflectance;
-use super::{Level, Refused};
+use super::{Level, PictureSurround, Refused};
 use crate::DisplayError;
 use crate::lamp_images;
 use crate::meter::Meter;
@@ -51,6 +54,16 @@ const MOST_CELLS: usize = 1 << 23;
 /// Natural digits of light that a front returns.
 const DIGITS: f64 = 12.0;
 
+/// Width of a mask around a picture, in heights of the layers. Light that spreads from a straight border and is
+/// reflected at the height `h` arrives beyond a distance `x` by the fraction `(1 - x/sqrt(x^2 + 4 h^2))/2`: 1e-3.
+const MARGIN: f64 = 32.0;
+
+/// Largest width of a mask, pixels.
+const MOST_MARGIN: usize = 2048;
+
+/// State of the pixels of a mask, which has no reflectance.
+const MASK: u8 = u8::MAX;
+
 /// Level of the colours of pages, and below general layers.
 const LEVEL: u32 = 4;
 const LEVEL_OF_LAYERS: u32 = 2;
@@ -79,7 +92,8 @@ pub fn picture(
         let lights = views.iter().map(|view| ViewLight::new(&setup, view, control));
         let lights = lights.collect::<Result<Vec<ViewLight>, _>>()?;
         let of = (&setup, views.first());
-        let (lit, rows) = LitPicture::of(of, &lights, picture.clone(), precision, control)?;
+        let of_picture = (picture.clone(), PictureSurround::Repeat);
+        let (lit, rows) = LitPicture::of(of, &lights, of_picture, precision, control)?;
         colours.views.extend(rows.iter().map(|row| lit.seen(row)));
         colours.error = colours.error.max(lit.error);
     }
@@ -90,7 +104,10 @@ pub fn picture(
 /// in the numbers of a row, light via the pixel in `[X, Y, Z][state and wavelength]` and that of faces in X,
 /// Y, Z.
 pub(crate) struct LitPicture {
+    /// With the mask around it on the right and at the top.
     picture: Picture,
+    /// Number of columns and rows without the mask.
+    inside: [usize; 2],
     pitch_mm: [f64; 2],
     /// Number of states and of wavelengths.
     states: usize,
@@ -125,7 +142,7 @@ impl LitPicture {
     /// Those of [`picture`].
     pub(crate) fn new(
         setups: &[&Setup],
-        (size, states): ([usize; 2], &[u8]),
+        (size, states, surround): ([usize; 2], &[u8], PictureSurround),
         precision: Precision,
         without_lamps: bool,
         control: &Control<'_>,
@@ -143,13 +160,13 @@ impl LitPicture {
         let lights = setups.iter().map(of_view).filter_map(Result::transpose);
         let lights = lights.collect::<Result<Vec<ViewLight>, DisplayError>>()?;
         let middle = setups[setups.len() / 2];
-        Self::of((middle, middle.views.first()), &lights, picture, precision, control)
+        Self::of((middle, middle.views.first()), &lights, (picture, surround), precision, control)
     }
 
     fn of(
         (setup, view): (&Setup, Option<&ViewPoint>),
         lights: &[ViewLight],
-        picture: Picture,
+        (picture, surround): (Picture, PictureSurround),
         precision: Precision,
         control: &Control<'_>,
     ) -> Result<(Self, Vec<Vec<f64>>), DisplayError> {
@@ -177,6 +194,26 @@ impl LitPicture {
             });
         }
         let (states, count) = (setup.states.len(), setup.scene.grid.len());
+        let inside = picture.count;
+        let reach = reach_of_layers(stack.thickness_mm(), pitch_mm);
+        let mut picture = picture;
+        let mut passes = 0.0;
+        if surround == PictureSurround::BlackMask {
+            let air_mm = panel.map_or(Ok(0.0), air_below_front_mm).map_err(Refused::Fronts)?;
+            let inside_mm = setup.scene.display.pixel_spread().map_or(0.0, |spread| spread.radius_mm());
+            let height_mm = stack.thickness_mm() + air_mm + inside_mm;
+            let wanted = |k: usize| (MARGIN * height_mm / pitch_mm[k]).ceil().max(reach as f64);
+            let margin = [0, 1].map(|k| (wanted(k) as usize).min(MOST_MARGIN));
+            let way_mm = (0..2).map(|k| margin[k] as f64 * pitch_mm[k]).fold(f64::INFINITY, f64::min);
+            passes = 0.5
+                * (1.0 - way_mm / way_mm.hypot(2.0 * height_mm))
+                * rho.iter().copied().fold(0.0, f64::max);
+            picture = picture.in_mask(margin);
+            if states > usize::from(MASK) {
+                let what = format!("a black mask around a picture of {states} states");
+                return Err(DisplayError::PlacesNotComputed { what, key: "image.surround".to_owned() });
+            }
+        }
         // A large picture has few cells in a pixel, at least one.
         let fit = (MOST_CELLS as f64 / picture.states.len() as f64).sqrt().max(1.0) as usize;
         let precision = Precision { most_per_pixel: precision.most_per_pixel.min(fit), ..precision };
@@ -188,6 +225,7 @@ impl LitPicture {
         };
         let mut rows: Vec<Vec<f64>> = lights.iter().map(ViewLight::row).collect();
         let empty = |picture: Picture| Self {
+            inside: picture.count,
             picture,
             pitch_mm,
             states,
@@ -195,8 +233,9 @@ impl LitPicture {
             groups: Vec::new(),
             error: 0.0,
         };
-        let mut parts = [empty(picture.part()), empty(picture.part())];
-        let mut whole = empty(picture);
+        let part = picture.part(inside);
+        let mut parts = [empty(part.clone()), empty(part)];
+        let mut whole = Self { inside, error: passes, ..empty(picture) };
         // Cells of half the size, and their diagonal.
         let most_per_mm = 2.0 / (finer.cell * thickness_mm);
         // Where light spreads inside the pixels, each is a cell.
@@ -205,14 +244,13 @@ impl LitPicture {
         // At the coarser and the finer level.
         let faces = match (panel, &layers) {
             (Some(panel), _) => {
-                whole.error = shifted(panel, &setup.views);
+                whole.error += shifted(panel, &setup.views);
                 let all = LambertianReturn::all(panel, accuracy).map_err(Refused::Fronts)?;
                 [all.clone(), all]
             }
             (None, [Some(coarse), Some(fine)]) => [coarse.returns(), fine.returns()],
             (None, _) => [Vec::new(), Vec::new()],
         };
-        let reach = reach_of_layers(stack.thickness_mm(), pitch_mm);
         let spreads = layers.each_ref().map(|layers| {
             layers.as_ref().map(|layers| layers.of_pixels(pitch_mm, reach)).unwrap_or_default()
         });
@@ -279,7 +317,11 @@ impl LitPicture {
             }
             sum.iter_mut().zip(more).for_each(|(sum, more)| (0..3).for_each(|k| sum[k] += more[k]));
         }
-        sum
+        if self.inside == self.picture.count {
+            return sum;
+        }
+        let rows = sum.chunks_exact(self.picture.count[0]).take(self.inside[1]);
+        rows.flat_map(|row| row[..self.inside[0]].iter().copied()).collect()
     }
 }
 
@@ -327,10 +369,26 @@ fn of_states(row: &[f64], states: usize, count: usize, bins: &[usize]) -> Vec<[V
 }
 
 impl Picture {
-    /// The middle of the picture.
-    fn part(&self) -> Self {
+    /// The picture with a mask beyond its right and upper borders, which are also beyond the other ones because
+    /// it repeats. The mask is at least `margin` pixels wide.
+    fn in_mask(&self, margin: [usize; 2]) -> Self {
+        let count = [0, 1].map(|k| smooth(self.count[k] + margin[k]));
+        let beside = vec![MASK; count[0] - self.count[0]];
+        let mut states: Vec<u8> = self
+            .states
+            .chunks_exact(self.count[0])
+            .flat_map(|row| row.iter().chain(&beside))
+            .copied()
+            .collect();
+        states.resize(count[0] * count[1], MASK);
+        Self { count, states }
+    }
+
+    /// The middle of the picture, or its upper right corner if only what is `inside` is no mask.
+    fn part(&self, inside: [usize; 2]) -> Self {
         let count = self.count.map(|count| count.min(PART));
-        let from = [0, 1].map(|k| (self.count[k] - count[k]) / 2);
+        let middle = |k: usize| if inside[k] < self.count[k] { inside[k] } else { self.count[k] / 2 };
+        let from = [0, 1].map(|k| middle(k).saturating_sub(count[k] / 2).min(self.count[k] - count[k]));
         let row = |row: usize| &self.states[(from[1] + row) * self.count[0] + from[0]..][..count[0]];
         Self { count, states: (0..count[1]).flat_map(row).copied().collect() }
     }

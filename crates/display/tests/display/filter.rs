@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::image::{ImageResult, ImageSettings, Screen, SourceImage, image};
+use papilio_display::image::{ImageResult, ImageSettings, PictureSurround, Screen, SourceImage, image};
 use papilio_display::scene::Ready;
 use papilio_display::spatial::{CrosstalkResult, Figure, crosstalk, walk};
 use papilio_display::{Control, DisplayError, Progress, run};
@@ -86,8 +86,8 @@ fn pictures_below_a_filter_have_the_colours_of_pages() {
     let shown = |matrix: &str| -> ImageResult {
         let scene = resolved(&[&glass("fresnel", 0.5), PAPER, LIGHT, matrix, view]).scene;
         let names = ["white", "black"].map(str::to_owned).to_vec();
-        let settings =
-            ImageSettings { given: Some(states.clone()), states: names, ..ImageSettings::default() };
+        let (given, surround) = (Some(states.clone()), PictureSurround::Repeat);
+        let settings = ImageSettings { given, surround, states: names, ..ImageSettings::default() };
         let source = SourceImage { columns: 8, pixels: vec![[0.5; 3]; 64] };
         let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
         image(&scene, &source, &settings, Screen::default(), &control).unwrap()

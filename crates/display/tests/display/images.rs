@@ -235,6 +235,11 @@ fn stripes_below_a_diffuser_are_sums_of_the_edge_spread() {
     assert!(lost > 0.01 && off.abs() < 2e-3 * page("white"), "{middle} {edge} {lost}");
 }
 
+/// Settings for a picture that repeats.
+fn repeated() -> ImageSettings {
+    ImageSettings { surround: PictureSurround::Repeat, ..ImageSettings::default() }
+}
+
 /// A uniform page before an eye at a distance: its corners and its middle have the colours of `run` in their
 /// own directions, and so has, within the stated error, a place between them.
 #[test]
@@ -243,7 +248,7 @@ fn each_part_of_a_panel_is_seen_in_its_own_direction() {
     let viewer = "[viewer]\ntheta_deg = 20\nfield_deg = 2\ndistance_mm = 400\n";
     let display = scene(&[DIFFUSED, matrix, MIRROR, LIGHT, viewer]);
     let source = SourceImage { columns: 9, pixels: vec![[0.95047, 1.0, 1.08883]; 9 * 13] };
-    let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
+    let settings = ImageSettings { perspective: true, ..repeated() };
     let found = control(|control| image(&display, &source, &settings, Screen::default(), control));
     assert_eq!(found.numbers.coverage.as_ref().unwrap().get("white"), Some(&1.0));
     for [column, row] in [[4, 6], [0, 0], [8, 0], [8, 12], [2, 3]] {
@@ -253,7 +258,7 @@ fn each_part_of_a_panel_is_seen_in_its_own_direction() {
         let allowed = if [column, row] == [2, 3] { 2.0 * found.numbers.error } else { 1e-4 };
         assert!((seen - page).abs() < allowed, "{column}, {row}: {seen} {page}");
     }
-    let one = ImageSettings::default();
+    let one = repeated();
     let flat = control(|control| image(&display, &source, &one, Screen::default(), control));
     assert!(flat.seen.iter().all(|pixel| (pixel[1] - found.seen[6 * 9 + 4][1]).abs() < 1e-4));
 }
@@ -280,7 +285,7 @@ fn lamps_have_their_images_at_their_places() {
     for pixel in [PAPER, MIRROR] {
         let display = scene(&[GLASS, matrix, pixel, lamp, viewer]);
         let source = SourceImage { columns: 9, pixels: vec![[0.95047, 1.0, 1.08883]; 9 * 13] };
-        let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
+        let settings = ImageSettings { perspective: true, ..repeated() };
         let found = control(|control| image(&display, &source, &settings, Screen::default(), control));
         let (mut bright, mut dark) = (0, 0);
         for (column, row) in (0..13).flat_map(|row| (0..9).map(move |column| (column, row))) {
@@ -371,12 +376,12 @@ fn pictures_in_perspective_are_those_of_single_directions() {
     };
     for (pixel, thickness) in [(MIRROR, thick.as_str()), (PAPER, GLASS)] {
         let display = scene(&[thickness, matrix, pixel, LIGHT, viewer]);
-        let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
+        let settings = ImageSettings { perspective: true, ..repeated() };
         let found = control(|control| image(&display, &source, &settings, Screen::default(), control));
         assert!(found.numbers.neighbours_light && found.numbers.error < 5e-3, "{}", found.numbers.error);
         for [column, row] in [[7, 3], [41, 11], [52, 66]] {
             let there = from_pixel(&display, [60, 80], [column, row], 1.0);
-            let one = ImageSettings { given: Some(found.states.clone()), ..ImageSettings::default() };
+            let one = ImageSettings { given: Some(found.states.clone()), ..repeated() };
             let flat = control(|control| image(&there, &source, &one, Screen::default(), control));
             let at = row * 60 + column;
             for (k, seen) in found.seen[at].iter().enumerate() {
@@ -409,14 +414,22 @@ impl Pattern for Repeated<'_> {
     fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
         // The middle of the first pixel is the origin; rows are counted from the top.
         let [right, up] = place_mm.map(|place| (place / self.pitch_mm + 0.5).floor() as i64);
-        let column = right.rem_euclid(self.held.size[0] as i64) as usize;
-        let row = (-up).rem_euclid(self.held.size[1] as i64) as usize;
+        let [columns, rows] = self.held.size.map(|count| count as i64);
+        let is_beyond = !(0..columns).contains(&right) || !(0..rows).contains(&-up);
+        if is_beyond && self.held.surround == PictureSurround::BlackMask {
+            return covered(0, BLACK, 1.0);
+        }
+        let [column, row] = [right.rem_euclid(columns), (-up).rem_euclid(rows)].map(|at| at as usize);
         covered(0, usize::from(self.held.states[row * self.held.size[0] + column]), 1.0);
     }
 }
 
+/// State that has no reflectance where a mask is compared.
+const BLACK: usize = 2;
+
 /// Two methods: each pixel of a random picture of three states as a sum over kernels, or through all orders
-/// below a flat face, and by paths over the actual pattern. In `cargo xtask full` with 64 x 64 pixels.
+/// below a flat face, and by paths over the actual pattern; that repeats, or lies in a mask. In `cargo xtask full` with
+/// 64 x 64 pixels.
 #[test]
 fn pictures_are_those_of_paths() {
     everyday(1, [12, 64]).for_each(assert_picture_is_that_of_paths);
@@ -433,7 +446,8 @@ fn seen_of(held: &HeldPicture, display: &Scene, in_all_light: bool) -> (Vec<f32>
         let sum = |at: usize| factors.lights.iter().map(|one| one.pixels[at][1]).sum();
         return ((0..held.states.len()).map(sum).collect(), factors.error);
     }
-    let settings = ImageSettings { given: Some(held.states.clone()), ..ImageSettings::default() };
+    let (given, surround) = (Some(held.states.clone()), held.surround);
+    let settings = ImageSettings { given, surround, ..ImageSettings::default() };
     let source = SourceImage { columns: held.size[0], pixels: vec![[0.5; 3]; held.states.len()] };
     let found = control(|control| image(display, &source, &settings, Screen::default(), control));
     assert!(found.numbers.neighbours_light);
@@ -444,24 +458,29 @@ fn assert_picture_is_that_of_paths(side: usize) {
     let mut dice = Dice::new(20, 7);
     let states: Vec<u8> = (0..side * side).map(|_| dice.below(3) as u8).collect();
     let names = ["white", "grey", "black"].map(str::to_owned).to_vec();
-    let held = HeldPicture { size: [side; 2], states, names, surround: PictureSurround::Repeat };
+    let repeated = HeldPicture { size: [side; 2], states, names, surround: PictureSurround::Repeat };
+    let in_mask = HeldPicture { surround: PictureSurround::BlackMask, ..repeated.clone() };
     let pitch_mm = 25.4 / 150.0;
+    let paper = PAPER.replace("black = 0.03", "black = 0");
     let fronted = format!("{DIFFUSED}[[display.front]]\nreflectance = 0.1\ngap_mm = 0.3\n");
     let cases = [
-        (MIRROR, fronted.as_str()),
-        (MIRROR, LAYERED),
-        (PAPER, GLASS),
+        (MIRROR, fronted.as_str(), &repeated),
+        (MIRROR, LAYERED, &repeated),
+        (PAPER, GLASS, &repeated),
+        (&paper, GLASS, &in_mask),
+        (&paper, DIFFUSED, &in_mask),
         // Compared with paths every day below two lobes (`below_layers.rs`).
-        (PAPER, LAYERED),
-        (PAPER, DIFFUSED),
-        (MIRROR, DIFFUSED),
+        (PAPER, LAYERED, &repeated),
+        (PAPER, DIFFUSED, &repeated),
+        (MIRROR, DIFFUSED, &repeated),
+        (&paper, LAYERED, &in_mask),
     ];
-    for (pixel, layers) in everyday(3, cases) {
+    for (pixel, layers, held) in everyday(5, cases) {
         let display = scene(&[layers, MATRIX, pixel, LIGHT, VIEW]);
-        let (seen, stated) = seen_of(&held, &display, layers == LAYERED);
+        let (seen, stated) = seen_of(held, &display, layers == LAYERED);
         let place = |at: usize| [(at % side) as f64 * pitch_mm, -((at / side) as f64) * pitch_mm];
         let places_mm: Vec<[f64; 2]> = (0..side * side).map(place).collect();
-        let repeated = Repeated { held: &held, pitch_mm };
+        let repeated = Repeated { held, pitch_mm };
         let seen_from = SeenFrom { pattern: &repeated, places_mm: &places_mm };
         let paths = control(|control| pattern(&display, &seen_from, 1 << 15, control)).remove(0);
         let mut errors = 0.0;

@@ -1,8 +1,10 @@
 //! Pictures on paper below a flat face: pages of `run`, figures of `crosstalk`, errors, and what is refused.
 
+use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use papilio_display::image::{HeldPicture, PictureSurround};
 use papilio_display::spatial::{Figure, Picture, PictureColours, Precision, crosstalk, picture};
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario};
@@ -107,6 +109,96 @@ fn columns_have_the_contrast_of_stripes() {
     let pairs = fast.views[0].iter().flatten().zip(fine.views[0].iter().flatten());
     let off = pairs.map(|(fast, fine)| f64::from((fast - fine).abs())).fold(0.0, f64::max);
     assert!(off < 1e-3 && off < 3.0 * fast.error + 1e-5, "{off} {}", fast.error);
+}
+
+/// Reflectance of the face of a medium of index 1.5 from inside, unpolarised (Fresnel).
+fn from_inside(cos: f64) -> f64 {
+    let sin_outside = 1.5 * (1.0 - cos * cos).sqrt();
+    if sin_outside >= 1.0 {
+        return 1.0;
+    }
+    let cos_outside = (1.0 - sin_outside * sin_outside).sqrt();
+    let [s, p] =
+        [(1.5 * cos, cos_outside), (cos, 1.5 * cos_outside)].map(|(a, b)| ((a - b) / (a + b)).powi(2));
+    0.5 * (s + p)
+}
+
+/// Irradiance of a square of pixels over that of light from outside, rows from the bottom, for pixels of this
+/// reflectance and a mask around them: each of 9 x 9 parts of a pixel sends Lambertian light by the face at the height `h` to
+/// the place `r` away, `R 4 h^2/(pi (r^2 + 4 h^2)^2)` of it.
+fn irradiance_in_a_mask(side: usize, pitch_mm: f64, height_mm: f64, reflectance: f64) -> Vec<f64> {
+    const PARTS: usize = 9;
+    let part_mm = pitch_mm / PARTS as f64;
+    let way = 2.0 * height_mm;
+    let kernel = |x: f64, y: f64| {
+        let square = x * x + y * y + way * way;
+        from_inside(way / square.sqrt()) * way * way / (PI * square * square)
+    };
+    let many = side * PARTS;
+    let table: Vec<f64> = (0..many * many)
+        .map(|at| kernel((at % many) as f64 * part_mm, (at / many) as f64 * part_mm) * part_mm * part_mm)
+        .collect();
+    // From all parts of one pixel to all of another, as many pixels away.
+    let parts = || (0..PARTS * PARTS).map(|part| [part % PARTS, part / PARTS]);
+    let sent = |[right, up]: [usize; 2]| {
+        let to = |[x, y]: [usize; 2]| -> f64 {
+            let from = |[i, j]: [usize; 2]| {
+                table[(PARTS * up + y).abs_diff(j) * many + (PARTS * right + x).abs_diff(i)]
+            };
+            parts().map(from).sum()
+        };
+        parts().map(to).sum::<f64>() / (PARTS * PARTS) as f64
+    };
+    let by_distance: Vec<f64> = (0..side * side).map(|at| sent([at % side, at / side])).collect();
+    let between = |from: usize, to: usize| {
+        by_distance[(from / side).abs_diff(to / side) * side + (from % side).abs_diff(to % side)]
+    };
+    let count = side * side;
+    let transfer: Vec<f64> =
+        (0..count * count).map(|at| reflectance * between(at % count, at / count)).collect();
+    let mut light = vec![1.0; count];
+    for _ in 0..40 {
+        let next =
+            |row: &[f64]| 1.0 + row.iter().zip(&light).map(|(share, light)| share * light).sum::<f64>();
+        light = transfer.chunks_exact(count).map(next).collect();
+    }
+    light
+}
+
+/// White pixels in a black mask, against light by place that is summed pixel by pixel. In glass of 0.5 mm the corners of
+/// a square of 1.6 mm are brighter than its middle: light is reflected totally at 0.9 mm from where it began.
+#[test]
+fn a_mask_around_a_picture_returns_no_light() {
+    let paper = PAPER.replace("black = 0.03", "black = 0.0");
+    let names = ["white", "grey", "black"].map(str::to_owned).to_vec();
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    let page_returns = {
+        let steps = 20_000;
+        let cosines = (0..steps).map(|k| (f64::from(k) + 0.5) / f64::from(steps));
+        2.0 * cosines.map(|cos| from_inside(cos) * cos).sum::<f64>() / f64::from(steps)
+    };
+    for (glass_mm, pitch_um) in [(0.5, 200.0), (0.2, 350.0), (1.3, 100.0)] {
+        let glass = GLASS.replace("0.5", &glass_mm.to_string());
+        let matrix = format!("[display.matrix]\npitch_um = {pitch_um}\n");
+        let display = resolved(&[&glass, &matrix, &paper, LIGHT, view]);
+        let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+        let seen = |state: u8, surround: PictureSurround| {
+            let held = HeldPicture { size: [8, 8], states: vec![state; 64], names: names.clone(), surround };
+            let found = held.factors(&display.scene, &control).unwrap();
+            let y = |k: usize| found.lights.iter().map(|one| f64::from(one.pixels[k][1])).sum::<f64>();
+            ((0..64).map(y).collect::<Vec<f64>>(), found.error)
+        };
+        let (faces, _) = seen(2, PictureSurround::Repeat);
+        let (page, _) = seen(0, PictureSurround::Repeat);
+        let (masked, error) = seen(0, PictureSurround::BlackMask);
+        assert!(error < 2e-3, "{error}");
+        let of_page = 1.0 / (1.0 - 0.6 * page_returns);
+        let light = irradiance_in_a_mask(8, 1e-3 * pitch_um, glass_mm, 0.6);
+        for (found, light) in masked.iter().zip(light) {
+            let expected = faces[0] + (page[0] - faces[0]) * light / of_page;
+            near(&format!("{glass_mm} mm"), *found, expected, error + 1e-3);
+        }
+    }
 }
 
 /// A front light. What is seen of grey states is linear in their light: uniform pages determine the line, and

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::image::{ImageResult, ImageSettings, Screen, SourceImage, image};
+use papilio_display::image::{ImageResult, ImageSettings, PictureSurround, Screen, SourceImage, image};
 use papilio_display::scene::Scene;
 use papilio_display::spatial::crosstalk;
 use papilio_display::{Control, DisplayError};
@@ -29,7 +29,8 @@ fn scene(parts: &[&str]) -> Scene {
 
 /// A picture of given states, with several samples in each pixel.
 fn sampled(display: &Scene, columns: usize, states: &[u8], samples_per_pixel: usize) -> ImageResult {
-    let settings = ImageSettings { given: Some(states.to_vec()), samples_per_pixel, ..Default::default() };
+    let (given, surround) = (Some(states.to_vec()), PictureSurround::Repeat);
+    let settings = ImageSettings { given, surround, samples_per_pixel, ..Default::default() };
     tried(display, columns, &settings, states.len()).unwrap()
 }
 

@@ -62,17 +62,16 @@ table! {
         /// Samples along each side of a pixel in seen.png and seen.exr. With more than one, sub-pixels are
         /// seen at their places.
         samples_per_pixel as "Samples along a pixel": Count<1, 32> = Count(1),
-        /// What lies beyond the borders of the picture. Below a flat face that lights Lambertian pixels, it
-        /// repeats.
-        surround: Word<PictureSurround> = Word(PictureSurround::Repeat),
+        /// What lies beyond the borders of the picture.
+        surround: Word<PictureSurround> = Word(PictureSurround::BlackMask),
     }
 }
 
 choice! {
     for PictureSurround {
-        /// The picture again: its borders see the opposite ones.
+        /// The picture again: its borders see the opposite ones, as in a swatch without end.
         Repeat = "repeat",
-        /// A mask that reflects no light.
+        /// A mask that reflects no light, as around a panel in its frame.
         BlackMask = "black mask",
     }
 }
