@@ -123,13 +123,13 @@ pub(super) fn cumulative(bins: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Density at each border: of the two bins beside it.
+/// Density at each border: of the two bins beside it. At a single border, of a point, it is 0.
 pub(super) fn density(places: &[f64], bins: &[f64]) -> Vec<f64> {
     let total: f64 = bins.iter().sum();
     let at = |k: usize| {
         let from = places[k.saturating_sub(1)];
         let to = places[(k + 1).min(places.len() - 1)];
-        let inside = bins[(k.max(1))..=k.min(places.len() - 2) + 1].iter().sum::<f64>();
+        let inside = bins[(k.max(1))..=k.min(places.len().saturating_sub(2)) + 1].iter().sum::<f64>();
         if to > from && total > 0.0 { inside / (to - from) / total } else { 0.0 }
     };
     (0..places.len()).map(at).collect()
