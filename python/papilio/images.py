@@ -136,7 +136,7 @@ def image(
 
     Args:
         scenario: a `Scenario`, or the path of a scenario file, with one view.
-        picture: path of a PNG or JPEG file, or red, green and blue of sRGB as an array of the shape [row, column, 3] (or [row, column] of
+        picture: path of a PNG, JPEG, OpenEXR or Radiance file, or red, green and blue of sRGB as an array of the shape [row, column, 3] (or [row, column] of
             grey): integers of 8 or 16 bits without sign, or numbers from 0 to 1; None: the picture, text or pattern of the scenario.
         states: number of the state of each pixel, shape [row, column], instead of a halftone; the numbers are those of ``Image.states``.
         encoding: ``"srgb"``, or ``"linear"`` if the numbers of an array are proportional to light.

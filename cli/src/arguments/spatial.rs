@@ -51,7 +51,7 @@ pub(crate) struct Gonio {
 pub(crate) struct ImageCommand {
     #[command(flatten)]
     pub(crate) command: SpatialCommand,
-    /// The picture, PNG or JPEG; sets image.file
+    /// The picture: PNG, JPEG, OpenEXR or Radiance; sets image.file
     #[arg(value_name = "PICTURE")]
     pub(crate) picture: Option<String>,
     /// What is white in seen.png

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use papilio_formats::{DataFile, RgbSpace, read_picture, write_rgb_png};
+use papilio_formats::{DataFile, RgbSpace, read_picture, write_rgb_png, write_scene_exr};
 use serde_json::Value;
 
 use crate::common::{names, papilio_command as papilio, scenario, stderr};
@@ -45,6 +45,29 @@ fn files_are_written() {
     let sum: f64 = coverage.values().map(|fraction| fraction.as_f64().unwrap()).sum();
     assert!((sum - 1.0).abs() < 1e-12 && numbers["out_of_gamut_fraction"].as_f64().unwrap() > 0.3);
     assert_eq!(numbers["states"].as_array().unwrap().len(), 6);
+}
+
+/// The light of a scene: ten times as much is the same picture, and the table says what became white.
+#[test]
+fn pictures_of_high_dynamic_range_get_a_white() {
+    let folder = tempfile::tempdir().unwrap();
+    let coverage = [1.0, 10.0].map(|factor| {
+        let pixels: Vec<[f32; 3]> = (0..24 * 16)
+            .map(|at| [0.5, 0.1, 0.02].map(|value| factor * value * 1.03_f32.powi(at % 200)))
+            .collect();
+        let path = folder.path().join("scene.exr");
+        let mut bytes = Vec::new();
+        write_scene_exr(&mut bytes, 24, &pixels, None).unwrap();
+        fs::write(&path, bytes).unwrap();
+        let output = image(&scenario("six-ink"), &[path.to_str().unwrap(), "--json"]);
+        assert!(stderr(&output).contains("has no white"), "{}", stderr(&output));
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()["coverage"].clone()
+    });
+    assert!(coverage[0]["red"].as_f64().unwrap() > 0.1, "{coverage:?}");
+    for (state, share) in coverage[0].as_object().unwrap() {
+        let other = coverage[1][state].as_f64().unwrap();
+        assert!((share.as_f64().unwrap() - other).abs() < 0.02, "{state} {coverage:?}");
+    }
 }
 
 /// A picture for a screen with a wide gamut states its space, and decodes to the same colours.

@@ -6,7 +6,7 @@ use exr::meta::header::Header;
 use papilio_diagnostics::Diagnostic;
 
 use super::cube::equirectangular;
-use super::map::{MapChannel, check_size};
+use super::map::{MapChannel, Shape};
 
 /// Window that is the map.
 pub(super) enum Window {
@@ -21,28 +21,29 @@ fn data_window(header: &Header) -> IntegerBounds {
     IntegerBounds { position: header.own_attributes.layer_position, size: header.layer_size }
 }
 
-pub(super) fn window(header: &Header) -> Result<Window, Diagnostic> {
+pub(super) fn window(header: &Header, shape: Shape) -> Result<Window, Diagnostic> {
     let (data, display) = (header.layer_size, header.shared_attributes.display_window.size);
-    if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
+    if shape == Shape::Sphere && header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
         let fits = data.0 >= 2 && data.0 <= 1024 && data.0.checked_mul(6) == Some(data.1);
         let wrong = || Diagnostic::new(format!("this cube has {} x {} pixels", data.0, data.1));
         let expected = "six square faces of 2 to 1024 pixels, one below the other";
         return if fits { Ok(Window::Cube) } else { Err(wrong().expected(expected)) };
     }
-    if check_size(display.0, display.1).is_ok() {
+    if shape.check_size(display.0, display.1).is_ok() {
         return Ok(Window::Display);
     }
-    check_size(data.0, data.1).map(|()| Window::Data)
+    shape.check_size(data.0, data.1).map(|()| Window::Data)
 }
 
 /// Moves the pixels to their places on the sphere; returns width and height of the map.
 pub(super) fn place(
     header: &Header,
+    shape: Shape,
     channels: &mut [MapChannel],
     notes: &mut Vec<String>,
 ) -> Result<(usize, usize), Diagnostic> {
     let (data, display) = (data_window(header), header.shared_attributes.display_window);
-    match window(header)? {
+    match window(header, shape)? {
         Window::Cube => {
             let (width, height) = equirectangular(data.size.0, channels);
             notes.push(format!(
@@ -52,18 +53,19 @@ pub(super) fn place(
             Ok((width, height))
         }
         Window::Data => {
-            notes.push(
-                "the display window is no map of the sphere and is not used: the data window is taken as the whole sphere"
-                    .to_owned(),
-            );
+            notes.push(match shape {
+                Shape::Sphere => {
+                    "the display window is no map of the sphere and is not used: the data window is taken as the whole sphere".to_owned()
+                }
+                Shape::Picture => "the display window is not used: the data window is the picture".to_owned(),
+            });
             Ok((data.size.0, data.size.1))
         }
         Window::Display if data == display => Ok((data.size.0, data.size.1)),
         Window::Display => {
             let outside = moved(data, display, channels);
-            notes.push(format!(
-                "the data window differs from the display window, which is the whole sphere: {outside}"
-            ));
+            let is_map = if shape == Shape::Sphere { ", which is the whole sphere" } else { "" };
+            notes.push(format!("the data window differs from the display window{is_map}: {outside}"));
             Ok((display.size.0, display.size.1))
         }
     }

@@ -2,6 +2,7 @@
 
 use papilio_diagnostics::Diagnostic;
 
+use super::primaries::Primaries;
 use super::{openexr, primaries, radiance};
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -59,14 +60,43 @@ pub fn read_light_map(file: &DataFile) -> Result<LightMap, FormatError> {
     crate::guard::read(file, of_any_format)
 }
 
-fn of_any_format(file: &DataFile) -> Result<LightMap, FormatError> {
-    let map = if file.bytes.starts_with(&openexr::MAGIC) {
-        openexr::read(&file.bytes)
-    } else if file.bytes.starts_with(b"#?") {
-        radiance::read(&file.bytes)
+/// What the pixels of a file of linear light are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shape {
+    /// The whole sphere, equirectangular.
+    Sphere,
+    /// A picture of any size.
+    Picture,
+}
+
+impl Shape {
+    /// Fails unless it may have this size.
+    pub(super) fn check_size(self, width: usize, height: usize) -> Result<(), Diagnostic> {
+        match self {
+            Self::Sphere => check_size(width, height),
+            Self::Picture => crate::picture::check_size(width, height),
+        }
+    }
+}
+
+/// Reads a Radiance picture or an OpenEXR file, and the primaries that it states, of which X, Y and Z are one kind; `None`
+/// if it is neither.
+pub(crate) fn read_linear(
+    bytes: &[u8],
+    shape: Shape,
+) -> Option<Result<(LightMap, Option<Primaries>), Diagnostic>> {
+    if bytes.starts_with(&openexr::MAGIC) {
+        Some(openexr::read(bytes, shape))
+    } else if bytes.starts_with(b"#?") {
+        Some(radiance::read(bytes, shape))
     } else {
-        Err(picture_format(&file.bytes).map_or_else(not_a_map, other_format))
-    };
+        None
+    }
+}
+
+fn of_any_format(file: &DataFile) -> Result<LightMap, FormatError> {
+    let other = || Err(picture_format(&file.bytes).map_or_else(not_a_map, other_format));
+    let map = read_linear(&file.bytes, Shape::Sphere).unwrap_or_else(other);
     let converted = map.and_then(|(map, primaries)| {
         let mut map = checked(map)?;
         if let Some(primaries) = primaries {

@@ -17,7 +17,7 @@ use papilio_diagnostics::Diagnostic;
 
 use super::exr_channels::{ChannelSet, channels, chosen, values};
 use super::exr_window::{place, window};
-use super::map::{LightMap, MapChannel};
+use super::map::{LightMap, MapChannel, Shape};
 use super::primaries::{PICTURE_LM_PER_W, Primaries, XYZ};
 
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -25,11 +25,11 @@ pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Largest number of values of all channels.
 const MOST_VALUES: usize = 1 << 26;
 
-pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), Diagnostic> {
+pub(super) fn read(bytes: &[u8], shape: Shape) -> Result<(LightMap, Option<Primaries>), Diagnostic> {
     let refused = |error: exr::error::Error| unreadable(&error.to_string());
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(refused)?;
     let headers = &meta.headers;
-    let (part, set) = checked(headers)?;
+    let (part, set) = checked(headers, shape)?;
     let header = &headers[part];
     let mut notes = Vec::new();
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
@@ -45,14 +45,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), Diagno
         list.into_iter().map(|channel| (channel.name.to_string(), values(&channel.sample_data))).collect();
     let primaries = primaries(header, &set, &mut notes);
     let mut channels = channels(named, &set, primaries).ok_or_else(|| other_channels(headers))?;
-    let (width, height) = place(header, &mut channels, &mut notes)?;
-    meaning(header, &set, &mut channels, &mut notes);
+    let (width, height) = place(header, shape, &mut channels, &mut notes)?;
+    meaning(header, shape, &set, &mut channels, &mut notes);
     let primaries = if matches!(set, ChannelSet::Xyz(_)) { Some(XYZ) } else { primaries };
     Ok((LightMap { width, height, channels, notes }, primaries))
 }
 
 /// Returns the first part with a map, and its channels. Sizes are checked before memory is allocated.
-fn checked(headers: &[Header]) -> Result<(usize, ChannelSet), Diagnostic> {
+fn checked(headers: &[Header], shape: Shape) -> Result<(usize, ChannelSet), Diagnostic> {
     let all = || headers.iter().flat_map(|header| &header.channels.list);
     if headers.iter().any(|header| header.deep) {
         let message =
@@ -73,7 +73,7 @@ fn checked(headers: &[Header]) -> Result<(usize, ChannelSet), Diagnostic> {
     };
     let found = headers.iter().enumerate().find_map(found);
     let (part, set) = found.ok_or_else(|| other_channels(headers))?;
-    window(&headers[part])?;
+    window(&headers[part], shape)?;
     let count = |header: &Header| header.layer_size.area().saturating_mul(header.channels.list.len());
     let most = headers.iter().map(count).fold(0_usize, usize::saturating_add);
     if most > MOST_VALUES {
@@ -89,7 +89,7 @@ fn unreadable(message: &str) -> Diagnostic {
 fn other_channels(headers: &[Header]) -> Diagnostic {
     let all = headers.iter().flat_map(|header| &header.channels.list);
     let found = all.map(|channel| channel.name.to_string()).collect::<Vec<_>>().join(", ");
-    Diagnostic::new(format!("this map has the channels {found}")).expected(
+    Diagnostic::new(format!("this file has the channels {found}")).expected(
         "R, G and B, or X, Y and Z, or Y, or wavelengths such as `S0.550,0nm`, all in one part of the file",
     )
 }
@@ -123,9 +123,16 @@ fn primaries(header: &Header, set: &ChannelSet, notes: &mut Vec<String>) -> Opti
 }
 
 /// Applies, or notes, attributes that concern the meaning of the values.
-fn meaning(header: &Header, set: &ChannelSet, channels: &mut [MapChannel], notes: &mut Vec<String>) {
+fn meaning(
+    header: &Header,
+    shape: Shape,
+    set: &ChannelSet,
+    channels: &mut [MapChannel],
+    notes: &mut Vec<String>,
+) {
     let own = &header.own_attributes;
-    if let Some(white) = own.white_luminance {
+    // A picture is brought to a white of its own.
+    if let Some(white) = own.white_luminance.filter(|_| shape == Shape::Sphere) {
         let is_colour = !matches!(set, ChannelSet::Spectral(_));
         if is_colour && white.is_finite() && white > 0.0 {
             let by = f64::from(white) / PICTURE_LM_PER_W;
@@ -142,7 +149,11 @@ fn meaning(header: &Header, set: &ChannelSet, channels: &mut [MapChannel], notes
     }
     if header.shared_attributes.pixel_aspect != 1.0 {
         let aspect = header.shared_attributes.pixel_aspect;
-        notes.push(format!("pixelAspectRatio {aspect} is not used: the pixels cover the whole sphere"));
+        let pixels = match shape {
+            Shape::Sphere => "cover the whole sphere",
+            Shape::Picture => "are taken as square",
+        };
+        notes.push(format!("pixelAspectRatio {aspect} is not used: the pixels {pixels}"));
     }
     let other = own.other.iter().chain(&header.shared_attributes.other);
     let space = other.filter(|(name, _)| *name == "colorInteropID").map(|(_, value)| value);

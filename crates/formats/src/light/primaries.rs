@@ -9,13 +9,13 @@ use papilio_diagnostics::Diagnostic;
 use super::map::{LightMap, MapColour};
 
 /// Chromaticities x, y of red, green, blue and white.
-pub(super) type Primaries = [[f64; 2]; 4];
+pub(crate) type Primaries = [[f64; 2]; 4];
 
 /// Those of sRGB (IEC 61966-2-1).
 const SRGB: Primaries = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
 
 /// Primaries whose colours are X, Y and Z.
-pub(super) const XYZ: Primaries = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]];
+pub(crate) const XYZ: Primaries = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]];
 
 /// Luminous efficacy of pictures, lm/W: the convention of Radiance.
 pub(super) const PICTURE_LM_PER_W: f64 = 179.0;

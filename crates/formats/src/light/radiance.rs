@@ -9,11 +9,11 @@
 
 use papilio_diagnostics::Diagnostic;
 
-use super::map::{LightMap, MapChannel, MapColour, check_size, not_a_map};
+use super::map::{LightMap, MapChannel, MapColour, Shape, not_a_map};
 use super::primaries::{PICTURE_LM_PER_W, Primaries, XYZ};
 
-pub(super) fn read(bytes: &[u8]) -> Result<(LightMap, Option<Primaries>), Diagnostic> {
-    let header = Header::read(bytes)?;
+pub(super) fn read(bytes: &[u8], shape: Shape) -> Result<(LightMap, Option<Primaries>), Diagnostic> {
+    let header = Header::read(bytes, shape)?;
     let Header { order, start, scale, primaries, notes } = header;
     let Order { width, height, .. } = order;
     let mut input = &bytes[start..];
@@ -63,7 +63,7 @@ impl Order {
         let words: Vec<&str> = line.split_whitespace().collect();
         let other = || {
             let found: String = line.chars().take(40).collect();
-            Diagnostic::new(format!("the scanlines of this map have the order `{found}`"))
+            Diagnostic::new(format!("the scanlines of this file have the order `{found}`"))
                 .expected("an order such as `-Y height +X width`")
         };
         let [first, slow, second, fast] = words[..] else { return Err(other()) };
@@ -110,7 +110,7 @@ struct Header {
 }
 
 impl Header {
-    fn read(bytes: &[u8]) -> Result<Self, Diagnostic> {
+    fn read(bytes: &[u8], shape: Shape) -> Result<Self, Diagnostic> {
         let mut scale = [1.0; 3];
         let (mut primaries, mut notes) = (None, Vec::new());
         let mut at = 0;
@@ -127,12 +127,14 @@ impl Header {
             at += end.unwrap_or_default() + 1;
             if !in_lines {
                 let order = Order::read(line)?;
-                check_size(order.width, order.height)?;
+                shape.check_size(order.width, order.height)?;
                 if is_xyz {
                     if primaries.replace(XYZ).is_some() {
                         notes.push("PRIMARIES is not used: the colours are X, Y and Z".to_owned());
                     }
-                    notes.push("X, Y and Z are taken in cd/m2, 179 lm/W".to_owned());
+                    if shape == Shape::Sphere {
+                        notes.push("X, Y and Z are taken in cd/m2, 179 lm/W".to_owned());
+                    }
                     scale.iter_mut().for_each(|scale| *scale *= PICTURE_LM_PER_W);
                 }
                 return Ok(Self { order, start: at.min(bytes.len()), scale, primaries, notes });
@@ -168,13 +170,17 @@ impl Header {
                 primaries = Some([[rx, ry], [gx, gy], [bx, by], [wx, wy]]);
             } else if let Some(text) = line.strip_prefix("PIXASPECT=") {
                 if text.trim().parse() != Ok(1.0) {
-                    notes.push("PIXASPECT is not used: the pixels cover the whole sphere".to_owned());
+                    let pixels = match shape {
+                        Shape::Sphere => "cover the whole sphere",
+                        Shape::Picture => "are taken as square",
+                    };
+                    notes.push(format!("PIXASPECT is not used: the pixels {pixels}"));
                 }
             } else if let Some(text) = line.strip_prefix("GAMMA=") {
                 if text.trim().parse() != Ok(1.0) {
                     notes.push("GAMMA is not used: the pixels are taken as linear".to_owned());
                 }
-            } else if let Some(text) = line.strip_prefix("VIEW=") {
+            } else if let Some(text) = line.strip_prefix("VIEW=").filter(|_| shape == Shape::Sphere) {
                 notes.push(format!(
                     "VIEW={} is not used: the map is taken as equirectangular",
                     text.trim_end()

@@ -13,6 +13,10 @@ use super::{check_size, cut_off, exif, icc, unsupported};
 /// First bytes of the file.
 pub(super) const MAGIC: [u8; 3] = [0xff, 0xd8, 0xff];
 
+/// Marks of a gain map, by Adobe's XMP and by ISO 21496-1, and the first bytes of a file in which they are.
+const GAIN_MAP: [&[u8]; 2] = [b"hdrgm:Version", b"urn:iso:std:iso:ts:21496:-1"];
+const HEADERS: usize = 1 << 18;
+
 /// Reads a JPEG file.
 pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePicture>, Diagnostic> {
     let options = DecoderOptions::default()
@@ -31,6 +35,11 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
         return Err(cut_off("JPEG"));
     }
     let mut warnings = Vec::new();
+    if GAIN_MAP.iter().any(|mark| bytes.windows(mark.len()).take(HEADERS).any(|part| part == *mark)) {
+        warnings.push(
+            "its gain map for bright screens is not used: this is the picture for ordinary ones".to_owned(),
+        );
+    }
     let profile = decoder.icc_profile();
     let of_inks = profile.as_ref().and_then(|profile| icc::read(profile, 4));
     let (channels, output) = match (decoder.input_colorspace(), &of_inks) {

@@ -1,4 +1,4 @@
-//! Pictures: PNG and JPEG files as linear light, and PNG and OpenEXR files of what a display shows.
+//! Pictures: PNG, JPEG, OpenEXR and Radiance files as linear light, and PNG and OpenEXR files of what a display shows.
 //!
 //! A picture in memory keeps the samples of its file; [`SourcePicture::row`] converts them to X, Y, Z row by
 //! row, so that a picture of 64 megapixels never exists as three planes of real numbers.
@@ -10,6 +10,7 @@ mod icc_table;
 mod jpeg;
 mod other;
 mod png_read;
+mod scene;
 mod source;
 mod transfer;
 mod write;
@@ -25,6 +26,7 @@ use papilio_diagnostics::{Diagnostic, Warned};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
+use crate::light::{Shape, read_linear};
 
 /// Largest size of the file of a picture, bytes.
 pub const LARGEST_PICTURE_FILE: u64 = 512 << 20;
@@ -32,7 +34,9 @@ pub const LARGEST_PICTURE_FILE: u64 = 512 << 20;
 /// Largest number of pixels of a picture.
 pub const MOST_PICTURE_PIXELS: usize = 64_000_000;
 
-/// Reads a PNG or JPEG file, detected from the content.
+/// Reads a PNG, JPEG, OpenEXR or Radiance file, detected from the content.
+///
+/// Pictures of high dynamic range (OpenEXR, Radiance) whose values exceed 1 have no white: `scene.rs` chooses one.
 ///
 /// The colour space is that of the file: for PNG the first of its chunks cICP, iCCP, sRGB, gAMA with cHRM;
 /// for JPEG its ICC profile. A file that states none is in `untagged`, usually [`RgbSpace::srgb`].
@@ -41,7 +45,7 @@ pub const MOST_PICTURE_PIXELS: usize = 64_000_000;
 ///
 /// # Errors
 /// If the file is neither, is damaged or cut off, or has more than [`MOST_PICTURE_PIXELS`]; sizes are checked
-/// before memory is allocated. If its encoding is one of high dynamic range, which has no white.
+/// before memory is allocated. If it is a PNG file whose encoding is one of high dynamic range.
 pub fn read_picture(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePicture>, FormatError> {
     crate::guard::read(file, |file| of_any_format(file, untagged))
 }
@@ -51,21 +55,24 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
         png_read::read(&file.bytes, untagged)
     } else if file.bytes.starts_with(&jpeg::MAGIC) {
         jpeg::read(&file.bytes, untagged)
+    } else if let Some(linear) = read_linear(&file.bytes, Shape::Picture) {
+        linear.and_then(|(light, primaries)| scene::developed(light, primaries))
     } else {
         Err(match picture_format(&file.bytes) {
             Some(format) => other_format(format),
-            None if file.bytes.starts_with(b"#?") => other_format("Radiance"),
-            None if file.bytes.starts_with(b"\x76\x2f\x31\x01") => other_format("OpenEXR"),
             None => Diagnostic::new("this is not a picture in a supported format")
-                .expected("a PNG or JPEG file")
+                .expected(SUPPORTED)
                 .hint("save the picture as PNG in the program that created it"),
         })
     };
     picture.map_err(|problem| FormatError::whole(&file.name, problem))
 }
 
+/// What is read.
+const SUPPORTED: &str = "a PNG, JPEG, OpenEXR (.exr) or Radiance (.hdr) file";
+
 /// Fails unless a picture has a permitted size.
-fn check_size(columns: usize, rows: usize) -> Result<(), Diagnostic> {
+pub(crate) fn check_size(columns: usize, rows: usize) -> Result<(), Diagnostic> {
     let fits = columns.checked_mul(rows).is_some_and(|pixels| (1..=MOST_PICTURE_PIXELS).contains(&pixels));
     let wrong = || Diagnostic::new(format!("this picture has {columns} x {rows} pixels"));
     let hint = "reduce the picture; a panel has a few million pixels";
@@ -74,7 +81,7 @@ fn check_size(columns: usize, rows: usize) -> Result<(), Diagnostic> {
 
 fn other_format(format: &'static str) -> Diagnostic {
     Diagnostic::new(format!("this is a {format} file, which is not supported"))
-        .expected("a PNG or JPEG file")
+        .expected(SUPPORTED)
         .hint(convert_to(format, "PNG"))
 }
 

@@ -26,6 +26,8 @@ pub struct SourcePicture {
 pub(super) enum Samples {
     Eight(Vec<u8>),
     Sixteen(Vec<u16>),
+    /// Linear light of red, green and blue, or X, Y and Z: 1 is white.
+    Linear(Vec<[f32; 3]>),
 }
 
 impl Samples {
@@ -33,13 +35,14 @@ impl Samples {
         match self {
             Self::Eight(values) => values.len(),
             Self::Sixteen(values) => values.len(),
+            Self::Linear(values) => 3 * values.len(),
         }
     }
 
     fn largest(&self) -> u16 {
         match self {
             Self::Eight(_) => 255,
-            Self::Sixteen(_) => u16::MAX,
+            Self::Sixteen(_) | Self::Linear(_) => u16::MAX,
         }
     }
 }
@@ -128,6 +131,19 @@ impl SourcePicture {
         Ok(Self { columns, rows, channels, inputs, samples, encoding: encoded, space })
     }
 
+    /// A picture of linear light; the matrix leads to X, Y and Z under D65.
+    pub(super) fn linear(
+        [columns, rows]: [usize; 2],
+        pixels: Vec<[f32; 3]>,
+        xyz_from_pixel: [[f64; 3]; 3],
+        space: &str,
+    ) -> Self {
+        let xyz_from_rgb = xyz_from_pixel.map(|row| row.map(|value| value as f32));
+        let encoding = Encoding::Matrix { light: Default::default(), xyz_from_rgb };
+        let (samples, space) = (Samples::Linear(pixels), space.to_owned());
+        Self { columns, rows, channels: 3, inputs: 3, samples, encoding, space }
+    }
+
     /// Pixels in a row.
     pub fn columns(&self) -> usize {
         self.columns
@@ -151,6 +167,13 @@ impl SourcePicture {
         match &self.samples {
             Samples::Eight(values) => self.converted(values.get(range).unwrap_or_default()),
             Samples::Sixteen(values) => self.converted(values.get(range).unwrap_or_default()),
+            Samples::Linear(values) => {
+                let Encoding::Matrix { xyz_from_rgb, .. } = &self.encoding else { return Vec::new() };
+                let of = |rgb: &[f32; 3]| {
+                    xyz_from_rgb.map(|row| row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2])
+                };
+                values.get(range.start / 3..range.end / 3).unwrap_or_default().iter().map(of).collect()
+            }
         }
     }
 
@@ -208,6 +231,7 @@ impl SourcePicture {
                 Samples::Sixteen(values) => {
                     values.chunks_exact(self.channels).any(|pixel| pixel.last() < Some(&u16::MAX))
                 }
+                Samples::Linear(_) => false,
             }
     }
 
@@ -243,6 +267,8 @@ impl SourcePicture {
             Samples::Sixteen(values) => {
                 Samples::Sixteen(moved(values, self.channels, [self.columns, self.rows], from))
             }
+            // Files of linear light state their order of rows.
+            Samples::Linear(values) => Samples::Linear(values.clone()),
         };
         self
     }

@@ -19,5 +19,6 @@ mod meshes;
 mod other_pictures;
 mod pictures;
 mod reading;
+mod scene_pictures;
 mod tables;
 mod writing;

@@ -46,9 +46,12 @@ fn picture_for_another_reader_is_refused_by_its_name() {
     let file = |bytes: &[u8]| DataFile { name: "picture".into(), bytes: bytes.to_vec() };
     let hdr = file(b"#?RADIANCE\n\n-Y 2 +X 4\n");
     let exr = file(b"\x76\x2f\x31\x01\x02\0\0\0");
-    for (picture, name) in [(&hdr, "Radiance"), (&exr, "OpenEXR")] {
+    // Both are pictures, too, here cut off.
+    for (picture, cut_off) in
+        [(&hdr, "the file ends in row 1 of 2"), (&exr, "this OpenEXR file cannot be read")]
+    {
         let error = read_picture(picture, &RgbSpace::srgb()).unwrap_err().to_string();
-        assert!(error.contains(&format!("this is a {name} file")), "{error}");
+        assert!(error.contains(cut_off), "{error}");
     }
     for (bytes, name) in [(&b"\x89PNG\r\n\x1a\n"[..], "PNG"), (&b"\xff\xd8\xff\xe0"[..], "JPEG")] {
         let error = read_light_map(&file(bytes)).unwrap_err().to_string();

@@ -14,7 +14,7 @@ use crate::word::Word;
 table! {
     /// A picture on the display, for `papilio image` only.
     Image {
-        /// The picture, a PNG or JPEG file. `papilio image` takes it as an argument, too.
+        /// The picture, a PNG, JPEG, OpenEXR or Radiance file. `papilio image` takes it as an argument, too.
         file: Option<String>,
         /// Text in lines of the panel's width, black on white, with the bundled font; beside a `file` both
         /// are a page. It needs `display.matrix.pixels`.

@@ -197,8 +197,10 @@ impl Resolver<'_> {
                 Some(SourceImage { columns: to[0], pixels: photograph.fitted(to, image.fit.0) })
             }
             (None, None) => {
-                let mut wrong =
-                    mistake::missing_key("file", "a picture, PNG or JPEG; or a `text` or `pattern`");
+                let mut wrong = mistake::missing_key(
+                    "file",
+                    "a picture, PNG, JPEG, OpenEXR or Radiance; or a `text` or `pattern`",
+                );
                 wrong.diagnostic = wrong
                     .diagnostic
                     .hint("papilio image SCENARIO PICTURE, or file = \"picture.png\" in [image]");

@@ -1,0 +1,96 @@
+//! Pictures of high dynamic range, OpenEXR and Radiance: which light becomes white.
+
+use papilio_formats::{DataFile, RgbSpace, SourcePicture, Warned, read_picture, write_scene_exr};
+
+fn read(bytes: &[u8]) -> Result<Warned<SourcePicture>, String> {
+    let file = DataFile { name: "scene".into(), bytes: bytes.to_vec() };
+    read_picture(&file, &RgbSpace::srgb()).map_err(|error| error.to_string())
+}
+
+fn exr(columns: usize, pixels: &[[f32; 3]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_scene_exr(&mut bytes, columns, pixels, Some(80.0)).unwrap();
+    bytes
+}
+
+#[track_caller]
+fn near(found: f32, expected: f64, tolerance: f64) {
+    assert!((f64::from(found) - expected).abs() < tolerance, "{found} {expected}");
+}
+
+/// Grey of 4 and of 1/4, as many of each: their geometric mean is 1 and becomes 0.18, so that they are 0.72 and 0.045
+/// on the curve, of which 0.72 is below its white of 1 (Reinhard et al. 2002, equation 4).
+#[test]
+fn light_of_a_scene_passes_the_published_curve() {
+    let pixels: Vec<[f32; 3]> = (0..40).map(|k| [if k % 2 == 0 { 4.0 } else { 0.25 }; 3]).collect();
+    let Warned { value, warnings } = read(&exr(8, &pixels)).unwrap();
+    assert_eq!((value.columns(), value.rows()), (8, 5));
+    let row = value.row(0);
+    near(row[0][1], 0.72, 1e-6);
+    near(row[1][1], 0.045, 1e-6);
+    assert!(
+        warnings.iter().any(|one| one.contains("has no white") && one.contains("1.000)")),
+        "{warnings:?}"
+    );
+    // Ten times the light: the same picture.
+    let more: Vec<[f32; 3]> = pixels.iter().map(|pixel| pixel.map(|value| 10.0 * value)).collect();
+    near(read(&exr(8, &more)).unwrap().value.row(0)[0][1], 0.72, 1e-6);
+    // A lamp: 1/1000 of the pixels may be brighter than white, and white is the brightest other light.
+    let with_lamp: Vec<[f32; 3]> = (0..4000)
+        .map(|k| if k == 7 { [1e4; 3] } else { [(f64::from(k) / 400.0 - 5.0).exp2() as f32; 3] })
+        .collect();
+    let found = read(&exr(100, &with_lamp)).unwrap().value.xyz();
+    near(found[3995][1], 1.0, 0.01);
+    assert!(found[7][1] > 1.0 && found[3999][1] >= found[3995][1]);
+    assert!(
+        found[1000..3999].windows(2).all(|pair| pair[1][1] >= pair[0][1]),
+        "light tones keep their order"
+    );
+}
+
+/// Hue: red, green and blue keep their ratios, so that x and y do not change.
+#[test]
+fn colours_of_a_scene_keep_their_chromaticity() {
+    let pixels = [[3.0, 1.0, 0.5], [0.2, 0.3, 0.9], [0.05, 0.02, 0.01], [8.0, 8.0, 8.0]];
+    let seen = read(&exr(4, &pixels)).unwrap().value.row(0);
+    let matrix = RgbSpace::srgb().xyz_from_rgb().unwrap();
+    for (pixel, seen) in pixels.iter().zip(seen) {
+        let xyz =
+            matrix.map(|row| row.iter().zip(pixel).map(|(m, value)| m * f64::from(*value)).sum::<f64>());
+        let sum: f64 = xyz.iter().sum();
+        let total: f32 = seen.iter().sum();
+        (0..3).for_each(|k| near(seen[k] / total, xyz[k] / sum, 1e-5));
+    }
+}
+
+/// Values up to 1 are those of a picture that has a white; negative ones are colours outside the primaries.
+#[test]
+fn pictures_with_a_white_are_kept() {
+    let pixels = [[0.5, 0.25, 1.0], [1.0; 3], [0.0; 3], [-0.05, 0.4, 0.1]];
+    let Warned { value, warnings } = read(&exr(2, &pixels)).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    near(value.row(0)[0][1], 0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722, 1e-4);
+    near(value.row(0)[1][2], 1.089, 1e-3);
+    assert!(value.row(1)[1][0] < value.row(1)[1][1]);
+    let wrong = read(&exr(2, &[[0.5; 3], [f32::NAN, 0.0, 0.0]])).unwrap_err();
+    assert!(wrong.contains("pixel 2 in row 1 has a value that is not finite"), "{wrong}");
+}
+
+/// A Radiance picture of any size, here 3 x 1: mantissas and exponent by Ward's rule, its EXPOSURE divided out.
+#[test]
+fn radiance_pictures_are_read() {
+    let pixel = |exponent: u8| [128, 128, 128, exponent];
+    let bytes = [
+        b"#?RADIANCE\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 3\n".as_slice(),
+        &[pixel(128), pixel(129), pixel(127)].concat(),
+    ];
+    // 128.5/256 = 0.502, 1.004 and 0.251, each over 2: 1 is white.
+    let seen = read(&bytes.concat()).unwrap().value.row(0);
+    for (seen, expected) in seen.iter().zip([0.502 / 2.0, 1.004 / 2.0, 0.251 / 2.0]) {
+        near(seen[1], expected, 1e-3);
+    }
+    // A picture need not be twice as wide as high, a light map must.
+    let huge = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n";
+    let wrong = read(huge).unwrap_err();
+    assert!(wrong.contains("100000 x 100000 pixels"), "{wrong}");
+}
