@@ -19,6 +19,7 @@ pub(crate) use other::convert_to;
 pub use other::picture_format;
 pub use source::SourcePicture;
 pub use transfer::Transfer;
+pub(crate) use write::{write_grey_bits, write_named_png};
 pub use write::{write_indexed_png, write_rgb_png, write_scene_exr};
 
 use papilio_diagnostics::{Diagnostic, Warned};
@@ -54,6 +55,9 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
     } else {
         Err(match picture_format(&file.bytes) {
             Some(format) => other_format(format),
+            None if file.bytes.is_empty() => Diagnostic::new("this file is empty")
+                .expected("a PNG or JPEG file")
+                .hint("copy or download it again"),
             None if file.bytes.starts_with(b"#?") => other_format("Radiance"),
             None if file.bytes.starts_with(b"\x76\x2f\x31\x01") => other_format("OpenEXR"),
             None => Diagnostic::new("this is not a picture in a supported format")
@@ -65,10 +69,10 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
 }
 
 /// Fails unless a picture has a permitted size.
-fn check_size(columns: usize, rows: usize) -> Result<(), Diagnostic> {
+pub(crate) fn check_size(columns: usize, rows: usize) -> Result<(), Diagnostic> {
     let fits = columns.checked_mul(rows).is_some_and(|pixels| (1..=MOST_PICTURE_PIXELS).contains(&pixels));
     let wrong = || Diagnostic::new(format!("this picture has {columns} x {rows} pixels"));
-    let hint = "reduce the picture; a panel has a few million pixels";
+    let hint = "reduce the picture: a panel has a few million pixels; for example by ImageMagick: magick picture.png -resize 4000x4000 small.png";
     if fits { Ok(()) } else { Err(wrong().expected("1 to 64 million pixels").hint(hint)) }
 }
 
