@@ -8,15 +8,15 @@ use papilio_display::image::{
 };
 use papilio_display::palette::{PaletteColour, bytes};
 use papilio_display::{DisplayError, LightSummary};
-use papilio_formats::{
-    TitledFile, device_colour, write_file, write_indexed_png, write_rgb_png, write_scene_exr,
-};
+use papilio_formats::panel::write_states_png;
+use papilio_formats::{ImageFile, TitledFile, device_colour, write_file, write_rgb_png, write_scene_exr};
 use papilio_imaging::ImagingError;
 use papilio_imaging::text::{Font, Setting};
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
 use crate::arguments::{ImageCommand, RelativeTo};
+use crate::frame::{self, Frame, FrameRequest};
 use crate::numbers::measured;
 use crate::palette::room;
 use crate::spatial::{SpatialOutput, show};
@@ -39,6 +39,9 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
     };
     let screen = Screen { white, space: arguments.space };
     crate::palette::check_rooms(&arguments.rooms)?;
+    let frame = FrameRequest::new(&arguments.frame, request, resolved.scene.display.state_names())?;
+    let title =
+        resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.command.scenario.file));
     let rooms = arguments.rooms.iter().map(|name| Ok((name, room(&arguments.command, &resolved, name)?)));
     let rooms = rooms.collect::<Result<Vec<(&String, Resolved)>, Failure>>()?;
     show(&arguments.command, &resolved, |control| {
@@ -63,7 +66,8 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
         let numbers =
             rooms.iter().map(|(room, one)| ImageInRoom { room: room.clone(), numbers: one.numbers.clone() });
         here.numbers.rooms = numbers.collect();
-        Ok(ImageOutput { rooms, here, device_colours: arguments.device_colours })
+        let frame = frame.map(|frame| frame.frame(&here, title));
+        Ok(ImageOutput { rooms, here, device_colours: arguments.device_colours, frame })
     })
 }
 
@@ -73,6 +77,8 @@ struct ImageOutput {
     rooms: Vec<(String, ImageResult)>,
     /// Whether states.png has the usual codes of states.
     device_colours: bool,
+    /// The frame for the panel, if it was requested.
+    frame: Option<Frame>,
 }
 
 /// Columns between the pictures of several rooms.
@@ -133,11 +139,10 @@ impl SpatialOutput for ImageOutput {
     const FIGURES: &'static [&'static str] = &["seen", "rooms", "states"];
 
     fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
-        TitledFile {
-            papilio: env!("CARGO_PKG_VERSION"),
-            title,
-            hash: &resolved.hash,
-            result: &self.here.numbers,
+        let (papilio, hash) = (env!("CARGO_PKG_VERSION"), &resolved.hash);
+        ImageFile {
+            file: TitledFile { papilio, title, hash, result: &self.here.numbers },
+            frame: self.frame.as_ref().map(|frame| &frame.numbers),
         }
     }
 
@@ -152,12 +157,16 @@ impl SpatialOutput for ImageOutput {
                 report::table(&rows)
             ));
         }
+        if let Some(frame) = &self.frame {
+            all.push_str(&format!("\n{}", frame.text()));
+        }
         all
     }
 
     fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
         let ImageResult { size: [columns, _], states, palette, .. } = &self.here;
         let [across, _] = self.here.seen_size();
+        frame::remove_old(folder)?;
         let mut names = Vec::new();
         let mut png = |name: String, columns: usize, pixels: &[[u8; 3]]| {
             let is_display_p3 = self.here.space == ScreenSpace::DisplayP3;
@@ -185,8 +194,13 @@ impl SpatialOutput for ImageOutput {
                 device.unwrap_or_else(|| one.srgb.map_or([0; 3], bytes))
             };
             let palette: Vec<[u8; 3]> = colours.map(shown).collect();
-            write_file(&folder.join("states.png"), |out| write_indexed_png(out, *columns, states, &palette))?;
+            write_file(&folder.join("states.png"), |out| {
+                write_states_png(out, *columns, states, &palette, &self.here.numbers.states)
+            })?;
             names.push("states.png".to_owned());
+            if let Some(frame) = &self.frame {
+                names.extend(frame.write(folder, &palette)?);
+            }
         }
         Ok(names)
     }

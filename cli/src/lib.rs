@@ -22,6 +22,7 @@ mod crosstalk;
 mod diffuser;
 mod failure;
 mod folder;
+mod frame;
 mod gonio;
 mod image;
 mod input;
@@ -114,8 +115,9 @@ commands! {
     #[command(after_help = "Examples:\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n  \
-                      papilio image scenarios/page.toml --rooms FL11,D65\n\n\
-                      docs/image.md describes the files.")]
+                      papilio image scenarios/page.toml --rooms FL11,D65\n  \
+                      papilio image scenarios/six-ink.toml photograph.jpg --packed 4 --rotate 90\n\n\
+                      docs/image.md describes the files, docs/panel.md those for a panel.")]
     Image(arguments::ImageCommand) => image::command,
     /// Compute the palette of a display: the colours of all states in this light and in other rooms, for
     /// other programs too

@@ -47,7 +47,7 @@ fn on_cores(threads: usize, stop: &AtomicBool) -> Control<'_> {
 /// Shows a picture repeatedly, each time with a larger change of the scene.
 fn held(bencher: Bencher<'_, '_>, size: [usize; 2], threads: usize, change: impl Fn(&mut Scene, f64)) {
     let mut resolved = with_picture("matrix", size);
-    let ImageRequest { source, settings } = resolved.image.take().unwrap();
+    let ImageRequest { source, settings, .. } = resolved.image.take().unwrap();
     let scene = resolved.scene;
     let stop = AtomicBool::new(false);
     let control = on_cores(threads, &stop);

@@ -2,6 +2,7 @@
 
 mod brdf;
 mod diffuser;
+mod frame;
 mod spatial;
 mod studies;
 
@@ -14,6 +15,7 @@ use papilio_scenario::ExampleDisplay;
 
 pub(crate) use self::brdf::{ALL_STATES, Brdf, BrdfFormat};
 pub(crate) use self::diffuser::{Calibrate, Convert, Diffuser, FitArguments, Inspect, Measure, Steps};
+pub(crate) use self::frame::{FrameArguments, FrameForm, Packed};
 pub(crate) use self::spatial::{
     Gonio, ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, SpatialCommand,
 };

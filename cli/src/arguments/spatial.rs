@@ -3,7 +3,7 @@
 use clap::Args;
 use papilio_display::image::ScreenSpace;
 
-use super::{ScenarioArguments, Solver, Workers, one_of};
+use super::{FrameArguments, ScenarioArguments, Solver, Workers, one_of};
 
 /// A command that depends on the places of pixels.
 #[derive(Debug, Args)]
@@ -64,10 +64,12 @@ pub(crate) struct ImageCommand {
     /// illuminants; the view remains
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) rooms: Vec<String>,
-    /// Give states.png the usual codes of states, #000000 for black and #ff0000 for red, instead of the
+    /// Give states.png and frame.bmp the usual codes of states, #000000 for black and #ff0000 for red, instead of the
     /// colours that are seen
     #[arg(long)]
     pub(crate) device_colours: bool,
+    #[command(flatten)]
+    pub(crate) frame: FrameArguments,
 }
 
 impl ImageCommand {

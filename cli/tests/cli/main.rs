@@ -23,6 +23,7 @@ mod extremes;
 mod figures;
 mod fine_detail;
 mod first_steps;
+mod frame;
 mod gonio;
 mod image;
 mod lab_files;

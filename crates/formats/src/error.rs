@@ -165,7 +165,7 @@ impl Problem {
                 .hint("wait until it has finished, or specify a different folder"),
             Self::TooLarge { bytes, limit } => Diagnostic::new(format!("this file has {bytes} bytes"))
                 .expected(format!("at most {limit} bytes"))
-                .hint("remove unnecessary data: use fewer rows or a coarser grid"),
+                .hint("remove unnecessary data: use fewer rows, a coarser grid or a smaller picture"),
             Self::NotUtf8 => {
                 Diagnostic::new("this file is not text in UTF-8").hint("save it as plain text in UTF-8")
             }

@@ -31,6 +31,7 @@
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
 //! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
+//! | [`panel`] | frames for the controllers of panels |
 //! | [`SurfaceAuditFile`] with [`write_json`], [`write_totals`], [`write_face`] | `audit.json`, `totals.csv`, `totals_by_azimuth.csv`, `face.npz` of a surface |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
 //! | [`write_bsdf_klems`] | `display-STATE.xml` |
@@ -80,6 +81,7 @@ mod mtf;
 mod npy;
 mod npz;
 mod palette;
+pub mod panel;
 mod picture;
 mod pixel_table;
 mod refractiveindex;
@@ -149,7 +151,7 @@ pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result};
 pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};
-pub use spatial::{SpatialFile, TitledFile, image_schema, palette_schema};
+pub use spatial::{ImageFile, SpatialFile, TitledFile, image_schema, palette_schema};
 pub use spectrum::{
     read_fractions, read_fractions_with_notes, read_light, read_light_with_notes, read_spectrum,
 };

@@ -5,6 +5,8 @@ use papilio_display::palette::PaletteResult;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::panel::FrameNumbers;
+
 /// Content of a JSON file: the scenario and its result.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SpatialFile<'a, R> {
@@ -33,6 +35,17 @@ pub struct TitledFile<'a, R> {
     pub result: &'a R,
 }
 
+/// Content of `image.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ImageFile<'a> {
+    /// The head, and the numbers of the picture.
+    #[serde(flatten)]
+    pub file: TitledFile<'a, ImageNumbers>,
+    /// The frame for the panel, if it was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<&'a FrameNumbers>,
+}
+
 /// Returns the JSON Schema of `palette.json`.
 pub fn palette_schema() -> serde_json::Value {
     schemars::schema_for!(TitledFile<'_, PaletteResult>).to_value()
@@ -40,5 +53,5 @@ pub fn palette_schema() -> serde_json::Value {
 
 /// Returns the JSON Schema of `image.json`.
 pub fn image_schema() -> serde_json::Value {
-    schemars::schema_for!(TitledFile<'_, ImageNumbers>).to_value()
+    schemars::schema_for!(ImageFile<'_>).to_value()
 }

@@ -108,6 +108,7 @@ pub use path::KeyPath;
 pub use preset::{ExampleDisplay, UsedPreset, new_scenario, new_scenario_of, preset_names};
 pub use resolve::ImageRequest;
 pub use resolve::LayerSurface;
+pub use resolve::PanelCodes;
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::{schema, surface_schema};

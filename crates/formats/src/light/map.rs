@@ -112,10 +112,10 @@ pub(super) fn not_a_map() -> Diagnostic {
 }
 
 fn other_format(format: &'static str) -> Diagnostic {
-    let instead = "OpenEXR; a usual photograph has no radiances, and lamps in it are as bright as paper";
+    let photograph = "a usual photograph has no radiances, and lamps in it are as bright as paper";
     Diagnostic::new(format!("this is a {format} file, which is not supported"))
         .expected("a Radiance picture (.hdr) or an OpenEXR file (.exr)")
-        .hint(convert_to(format, instead))
+        .hint(format!("{}; {photograph}", convert_to(format, "OpenEXR")))
 }
 
 /// Fails unless this is the size of an equirectangular map.

@@ -20,6 +20,7 @@ pub(crate) use other::convert_to;
 pub use other::picture_format;
 pub use source::SourcePicture;
 pub use transfer::Transfer;
+pub(crate) use write::{write_grey_bits, write_named_png};
 pub use write::{write_indexed_png, write_rgb_png, write_scene_exr};
 
 use papilio_diagnostics::{Diagnostic, Warned};
@@ -60,6 +61,9 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
     } else {
         Err(match picture_format(&file.bytes) {
             Some(format) => other_format(format),
+            None if file.bytes.is_empty() => {
+                Diagnostic::new("this file is empty").expected(SUPPORTED).hint("copy or download it again")
+            }
             None => Diagnostic::new("this is not a picture in a supported format")
                 .expected(SUPPORTED)
                 .hint("save the picture as PNG in the program that created it"),
@@ -75,7 +79,7 @@ const SUPPORTED: &str = "a PNG, JPEG, OpenEXR (.exr) or Radiance (.hdr) file";
 pub(crate) fn check_size(columns: usize, rows: usize) -> Result<(), Diagnostic> {
     let fits = columns.checked_mul(rows).is_some_and(|pixels| (1..=MOST_PICTURE_PIXELS).contains(&pixels));
     let wrong = || Diagnostic::new(format!("this picture has {columns} x {rows} pixels"));
-    let hint = "reduce the picture; a panel has a few million pixels";
+    let hint = "reduce the picture: a panel has a few million pixels; for example by ImageMagick: magick picture.png -resize 4000x4000 small.png";
     if fits { Ok(()) } else { Err(wrong().expected("1 to 64 million pixels").hint(hint)) }
 }
 

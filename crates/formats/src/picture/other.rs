@@ -43,6 +43,9 @@ pub fn picture_format(bytes: &[u8]) -> Option<&'static str> {
         let brand = bytes.get(8..12)?;
         return BRANDS.iter().find(|(_, known)| *known == brand).map(|(name, _)| *name);
     }
+    if is_svg(bytes) {
+        return Some("SVG");
+    }
     // Two letters are no signature: the reserved bytes of the header are zero.
     if bytes.starts_with(b"BM") && bytes.get(6..10) == Some(&[0; 4]) {
         return Some("BMP");
@@ -50,8 +53,45 @@ pub fn picture_format(bytes: &[u8]) -> Option<&'static str> {
     BY_FIRST_BYTES.iter().find(|(_, first)| bytes.starts_with(first)).map(|(name, _)| *name)
 }
 
-/// What to do with a picture of a format that is not read: the hint of an error.
+/// Bytes at the beginning of a text in which the first element stands.
+const HEAD_OF_TEXT: usize = 4096;
+
+/// Whether a text is a drawing in XML: comments and a document type may be before its element.
+fn is_svg(bytes: &[u8]) -> bool {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
+    let head = &bytes[..bytes.len().min(HEAD_OF_TEXT)];
+    head.starts_with(b"<") && head.windows(4).any(|four| four == b"<svg")
+}
+
+/// Formats whose files may have several pictures, of which the first is taken.
+const WITH_SEVERAL: [&str; 4] = ["GIF", "PDF", "Photoshop", "TIFF"];
+
+/// Endings of the names of files, where they are not the name of the format in small letters.
+const ENDINGS: [(&str, &str); 8] = [
+    ("JPEG XL", "jxl"),
+    ("JPEG 2000", "jp2"),
+    ("Photoshop", "psd"),
+    ("Portable Anymap", "ppm"),
+    ("Portable Float Map", "pfm"),
+    ("Radiance", "hdr"),
+    ("OpenEXR", "exr"),
+    ("JPEG", "jpg"),
+];
+
+/// What to do with a picture of a format that is not read: the hint of an error, with the command of a common
+/// tool.
 pub(crate) fn convert_to(format: &str, target: &str) -> String {
+    let ending = |format: &str| {
+        let known = ENDINGS.iter().find(|(name, _)| *name == format);
+        known.map_or(format.to_ascii_lowercase(), |(_, ending)| (*ending).to_owned())
+    };
+    let (from, to) = (ending(format), ending(target));
+    let command = match format {
+        "SVG" => format!("rsvg-convert --width 800 drawing.svg --output drawing.{to}"),
+        _ if WITH_SEVERAL.contains(&format) => format!("magick 'picture.{from}[0]' picture.{to}"),
+        _ => format!("magick picture.{from} picture.{to}"),
+    };
+    let tool = if format == "SVG" { "librsvg" } else { "ImageMagick" };
     let phone = if format == "HEIC" { "; telephones save JPEG by the setting `most compatible`" } else { "" };
-    format!("convert it to {target} in the program that created it or an image editor{phone}")
+    format!("convert it to {target}, for example by {tool}: {command}{phone}")
 }

@@ -17,6 +17,17 @@ pub fn write_indexed_png(
     states: &[u8],
     palette: &[[u8; 3]],
 ) -> io::Result<()> {
+    write_named_png(out, columns, states, palette, None)
+}
+
+/// The same, with a text of a keyword.
+pub(crate) fn write_named_png(
+    out: &mut dyn Write,
+    columns: usize,
+    states: &[u8],
+    palette: &[[u8; 3]],
+    text: Option<(&str, &str)>,
+) -> io::Result<()> {
     if palette.is_empty()
         || palette.len() > 256
         || states.iter().any(|state| usize::from(*state) >= palette.len())
@@ -28,6 +39,9 @@ pub fn write_indexed_png(
     encoder.set_color(ColorType::Indexed);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_palette(palette.concat());
+    if let Some((keyword, text)) = text {
+        encoder.add_itxt_chunk(keyword.to_owned(), text.to_owned())?;
+    }
     encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
     finish(encoder, states)
 }
@@ -57,6 +71,19 @@ pub fn write_rgb_png(
     writer.write_chunk(png::chunk::ChunkType(*b"cICP"), &[12, 13, 0, 1])?;
     writer.write_image_data(pixels.as_flattened())?;
     Ok(writer.finish()?)
+}
+
+/// Writes rows of bytes with 1 bit for each pixel as a PNG of black (0) and white (1).
+pub(crate) fn write_grey_bits(
+    out: &mut dyn Write,
+    [columns, rows]: [usize; 2],
+    data: &[u8],
+) -> io::Result<()> {
+    let [width, height] = size(columns, columns * rows)?;
+    let mut encoder = Encoder::new(out, width, height);
+    encoder.set_color(ColorType::Grayscale);
+    encoder.set_depth(BitDepth::One);
+    finish(encoder, data)
 }
 
 fn finish(encoder: Encoder<'_, &mut dyn Write>, data: &[u8]) -> io::Result<()> {

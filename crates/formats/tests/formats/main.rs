@@ -17,6 +17,7 @@ mod light_maps;
 mod luminaires;
 mod meshes;
 mod other_pictures;
+mod panel;
 mod pictures;
 mod reading;
 mod scene_pictures;

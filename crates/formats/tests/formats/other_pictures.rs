@@ -4,7 +4,7 @@
 use papilio_formats::{DataFile, RgbSpace, picture_format, read_heights, read_light_map, read_picture};
 
 /// First bytes of files as programs write them.
-const FILES: [(&str, &[u8]); 15] = [
+const FILES: [(&str, &[u8]); 17] = [
     ("WebP", b"RIFF\x24\0\0\0WEBPVP8 "),
     ("HEIC", b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"),
     ("HEIC", b"\0\0\0\x18ftypmif1\0\0\0\0mif1heic"),
@@ -19,6 +19,8 @@ const FILES: [(&str, &[u8]); 15] = [
     ("Photoshop", b"8BPS\0\x01"),
     ("PDF", b"%PDF-1.7\n"),
     ("Portable Anymap", b"P6\n4 2\n255\n"),
+    ("SVG", b"<svg xmlns=\"http://www.w3.org/2000/svg\"/>"),
+    ("SVG", b"\xEF\xBB\xBF<?xml version=\"1.0\"?>\n<!-- a drawing -->\n<svg width=\"8\"/>"),
     ("Portable Float Map", b"PF\n4 2\n-1.0\n"),
 ];
 
@@ -60,4 +62,27 @@ fn picture_for_another_reader_is_refused_by_its_name() {
     // Letters that begin a name, and text.
     assert_eq!(picture_format(b"BMI,value\n1,2\n"), None);
     assert_eq!(picture_format(b"theta,radiance\n"), None);
+}
+
+/// The hint has a command that a reader can copy, for each format; the first picture of those that may have
+/// several.
+#[test]
+fn hint_for_a_picture_of_another_format_has_a_command() {
+    let hint = |bytes: &[u8]| {
+        let file = DataFile { name: "picture".into(), bytes: bytes.to_vec() };
+        read_picture(&file, &RgbSpace::srgb()).unwrap_err().to_string()
+    };
+    for (bytes, command) in [
+        (&b"RIFF\x24\0\0\0WEBPVP8 "[..], "magick picture.webp picture.png"),
+        (b"\0\0\0\x18ftypheic\0\0\0\0mif1heic", "magick picture.heic picture.png; telephones"),
+        (b"GIF89a\x01\0\x01\0", "magick 'picture.gif[0]' picture.png"),
+        (b"8BPS\0\x01", "magick 'picture.psd[0]' picture.png"),
+        (b"\xff\x0a\xfa\x1f", "magick picture.jxl picture.png"),
+        (b"<svg/>", "rsvg-convert --width 800 drawing.svg --output drawing.png"),
+    ] {
+        assert!(hint(bytes).contains(command), "{}", hint(bytes));
+    }
+    assert!(hint(b"").contains("this file is empty"), "{}", hint(b""));
+    // Tables of other programs in XML are no drawings.
+    assert_eq!(picture_format(b"<?xml version=\"1.0\"?><WindowElement/>"), None);
 }

@@ -6,6 +6,7 @@ use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{TableAngles, UniformKind};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
+use super::codes::Codes;
 use super::diffuser::{Extrapolate, Normalise};
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{FaceIndex, Micrometres, Nanometres, PositiveShare, Share};
@@ -43,6 +44,17 @@ impl Pixel {
             Self::Palette(palette) => palette.origin,
         }
     }
+
+    /// Codes of its states.
+    pub(crate) fn codes(&self) -> &Spanned<Option<Codes>> {
+        match self {
+            Self::Film(film) => &film.value.codes,
+            Self::Table(table) => &table.value.codes,
+            Self::Uniform(uniform) => &uniform.value.codes,
+            Self::Measured(measured) => &measured.value.codes,
+            Self::Palette(palette) => &palette.value.codes,
+        }
+    }
 }
 
 table! {
@@ -65,6 +77,8 @@ table! {
         /// Whether to define the states white, black, red, green, blue, cyan, magenta and yellow, if sub-pixels red, green and
         /// blue exist.
         default_states: bool = true,
+        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        codes as "Codes of the states": Option<Codes>,
     }
 }
 
@@ -182,6 +196,8 @@ table! {
         file: String,
         /// Medium of the angles of the file.
         angles: Word<TableAngles>,
+        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        codes as "Codes of the states": Option<Codes>,
     }
 }
 
@@ -207,6 +223,8 @@ table! {
         /// How far light spreads sideways within a Lambertian pixel: the distance at which the line spread has decreased to 1/e.
         /// Default: 0.
         spread_um as "Spread within the pixel": Option<SpreadWithin>,
+        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        codes as "Codes of the states": Option<Codes>,
     }
 }
 
@@ -297,6 +315,8 @@ table! {
         /// How far light spreads sideways within the pixels: the distance at which the line spread has decreased to 1/e.
         /// Default: 0.
         spread_um as "Spread within the pixel": Option<SpreadWithin>,
+        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        codes as "Codes of the states": Option<Codes>,
     }
 }
 
@@ -315,5 +335,7 @@ table! {
         extrapolate_tails: bool = false,
         /// Treatment of light beyond the measured directions. Default: `"hold"`, with a note where a file ends.
         extrapolate: Option<Extrapolate>,
+        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        codes as "Codes of the states": Option<Codes>,
     }
 }

@@ -8,7 +8,7 @@ use papilio_diagnostics::Diagnostic;
 use papilio_display::image::{Adjustments, Halftone, ImageSettings, SourceImage};
 use papilio_display::scene::Scene;
 
-use super::Resolver;
+use super::{PanelCodes, Resolver};
 use crate::describe::File;
 use crate::describe::image::{Adjusted, Exposure, Image, ImageMapSpace, WhiteBalance};
 use crate::mistake;
@@ -22,6 +22,8 @@ pub struct ImageRequest {
     pub source: SourceImage,
     /// Settings.
     pub settings: ImageSettings,
+    /// Codes of its states for the panel.
+    pub codes: Option<PanelCodes>,
 }
 
 impl Resolver<'_> {
@@ -67,8 +69,15 @@ impl Resolver<'_> {
                 "add [display.matrix] with ppi or pitch_um; `viewer.distance_mm` is the distance of the eye";
             self.err(&image.halftone, wrong.hint(hint));
         }
+        let used = match &image.states[..] {
+            [] => known.clone(),
+            states => {
+                states.iter().map(|state| state.0.clone()).filter(|state| known.contains(state)).collect()
+            }
+        };
+        let codes = self.codes(file.display.pixel.codes(), &used, &known);
         let source = self.picture(image, file, scene, given)?;
-        Some(ImageRequest { source, settings: settings(image, scene.lighting.illuminance_lx) })
+        Some(ImageRequest { source, settings: settings(image, scene.lighting.illuminance_lx), codes })
     }
 }
 

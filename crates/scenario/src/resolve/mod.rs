@@ -2,6 +2,7 @@
 //! together.
 
 mod cache;
+mod codes;
 mod data;
 mod diffuser;
 mod environment;
@@ -67,6 +68,7 @@ const MOST_WORK: usize = 8_000_000;
 /// Largest number of distinct film gaps x wavelengths: each film is tabulated at up to 1088 angles.
 const MOST_FILMS: usize = 100_000;
 
+pub use codes::PanelCodes;
 pub use image::ImageRequest;
 pub use microgeometry::LayerSurface;
 

@@ -5,8 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Words of code that follows light: a solver and its control, rays of a surface, lobes that are balanced.
-const LIGHT: [&str; 10] = [
-    "Control",
+const LIGHT: [&str; 11] = [
+    "Control<",
+    "Control::",
     "Prepared",
     "papilio_display::run",
     "adding::",
