@@ -65,11 +65,12 @@ impl FrameRequest {
     }
 
     /// The frame of a picture; `title` is that of its scenario.
-    pub(crate) fn frame(self, result: &ImageResult, title: String) -> Frame {
-        let Self { codes, packing, forms, mounting, since } = self;
+    pub(crate) fn frame(&self, result: &ImageResult, title: String) -> Frame {
+        let Self { codes, forms, since, .. } = self;
+        let (packing, mounting) = (self.packing, self.mounting);
         let of_states: Vec<u8> = codes.of_states.iter().map(|(_, code)| *code).collect();
         let frame = PanelFrame::new(result.size, &result.states, &of_states, mounting);
-        let changed = since.map(|shown| {
+        let changed = since.as_ref().map(|shown| {
             let differ: Vec<bool> =
                 shown.states.iter().zip(&result.states).map(|(before, now)| before != now).collect();
             mounting.turned(result.size, &differ)
@@ -80,7 +81,7 @@ impl FrameRequest {
             planes: matches!(packing, Packing::Planes(_)),
             bytes_per_row: row_bytes(frame.size[0], packing.bits_in_row()),
             controller: codes.controller.map(|controller| controller.name),
-            codes: Named(codes.of_states),
+            codes: Named(codes.of_states.clone()),
             rotation_deg: 90 * u16::from(mounting.quarter_turns),
             mirrored: mounting.is_mirrored,
             changed: changed.as_ref().map(|changed| ChangedPixels {
@@ -88,7 +89,7 @@ impl FrameRequest {
                 rectangle: changed_rectangle(frame.size[0], changed),
             }),
         };
-        Frame { frame, title, packing, forms, changed, numbers }
+        Frame { frame, title, packing, forms: forms.clone(), changed, numbers }
     }
 }
 

@@ -2,63 +2,94 @@
 
 use std::path::Path;
 
+use papilio_colour::{Xyz, encoded_byte};
 use papilio_display::image::{
     ImageInRoom, ImageNumbers, ImageResult, ImageSettings, PictureDifferences, Rendition, Screen,
-    ScreenSpace, ScreenWhite, Sharpness, image,
+    ScreenSpace, ScreenWhite, Sharpness, SourceImage, image,
 };
 use papilio_display::palette::{PaletteColour, bytes};
-use papilio_display::{DisplayError, LightSummary};
+use papilio_display::{Control, DisplayError, LightSummary};
 use papilio_formats::panel::write_states_png;
 use papilio_formats::{ImageFile, TitledFile, device_colour, write_file, write_rgb_png, write_scene_exr};
 use papilio_imaging::ImagingError;
 use papilio_imaging::text::{Font, Setting};
-use papilio_scenario::Resolved;
+use papilio_scenario::{ImageRequest, Resolved};
 use serde::Serialize;
 
 use crate::arguments::{ImageCommand, RelativeTo};
 use crate::frame::{self, Frame, FrameRequest};
 use crate::numbers::measured;
 use crate::palette::room;
-use crate::spatial::{SpatialOutput, show};
+use crate::pictures::Shown;
+use crate::spatial::{SpatialOutput, compute_files, show, title};
 use crate::{Failure, report};
 
-pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
-    let picture = arguments.picture_key();
-    let resolved =
-        arguments.command.scenario(picture.clone())?.resolve_with_picture().map_err(
-            |errors| match &picture {
-                Some(key) => errors.in_argument(key),
-                None => errors,
-            },
-        )?;
-    let no_picture = || Failure::Input("the scenario names no picture".to_owned());
-    let request = resolved.image.as_ref().ok_or_else(no_picture)?;
-    let white = match arguments.relative_to {
-        RelativeTo::White => ScreenWhite::Perfect,
-        RelativeTo::Display => ScreenWhite::Display,
-    };
-    let screen = Screen { white, space: arguments.space };
-    crate::palette::check_rooms(&arguments.rooms)?;
-    let frame = FrameRequest::new(&arguments.frame, request, resolved.scene.display.state_names())?;
-    let title =
-        resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.command.scenario.file));
-    let rooms = arguments.rooms.iter().map(|name| Ok((name, room(&arguments.command, &resolved, name)?)));
-    let rooms = rooms.collect::<Result<Vec<(&String, Resolved)>, Failure>>()?;
-    show(&arguments.command, &resolved, |control| {
+/// Shows one picture, and prints its numbers.
+pub(crate) fn show_one(shown: &Shown<'_>) -> Result<(), Failure> {
+    let request = Request::new(shown)?;
+    show(&shown.command, &request.resolved, |control| request.computed(control))
+}
+
+/// Shows one picture without printing; returns its numbers.
+pub(crate) fn write_one(shown: &Shown<'_>, resolved: Resolved) -> Result<ImageNumbers, Failure> {
+    let request = Request::of(shown, resolved)?;
+    let output = compute_files(&shown.command, &request.resolved, |control| request.computed(control))?;
+    Ok(output.here.numbers)
+}
+
+/// A picture that is shown in one or several rooms.
+struct Request<'a> {
+    arguments: &'a ImageCommand,
+    resolved: Resolved,
+    rooms: Vec<(String, Resolved)>,
+    frame: Option<FrameRequest>,
+    title: String,
+}
+
+impl<'a> Request<'a> {
+    fn new(shown: &Shown<'a>) -> Result<Self, Failure> {
+        Self::of(shown, shown.resolved()?)
+    }
+
+    /// Checks everything that can be checked before the picture is computed.
+    fn of(shown: &Shown<'a>, resolved: Resolved) -> Result<Self, Failure> {
+        let arguments = shown.arguments;
+        crate::palette::check_rooms(&arguments.rooms)?;
+        let states = resolved.scene.display.state_names();
+        let frame = FrameRequest::new(&arguments.frame, image_of(&resolved)?, states)?;
+        let title = title(&shown.command, &resolved);
+        let of_room = |name: &String| {
+            let in_room = |more| Ok(shown.scenario(more)?.resolve()?);
+            Ok((name.clone(), room(in_room, &resolved, name)?))
+        };
+        let rooms = arguments.rooms.iter().map(of_room).collect::<Result<Vec<_>, Failure>>()?;
+        Ok(Self { arguments, resolved, rooms, frame, title })
+    }
+
+    fn computed(&self, control: &Control<'_>) -> Result<ImageOutput, DisplayError> {
+        let ImageRequest { source, settings, .. } =
+            self.resolved.image.as_ref().ok_or(DisplayError::NoWhite { what: "a picture" })?;
+        let white = match self.arguments.relative_to {
+            Some(RelativeTo::White) => ScreenWhite::Perfect,
+            Some(RelativeTo::Display) => ScreenWhite::Display,
+            None if self.arguments.on.is_some() => ScreenWhite::Display,
+            None => ScreenWhite::Perfect,
+        };
+        let screen = Screen { white, space: self.arguments.space };
         let part =
-            |number: usize| [number, number + 1].map(|lights| lights as f64 / (1 + rooms.len()) as f64);
-        let (source, settings) = (&request.source, &request.settings);
-        let mut here =
-            control.within(part(0), |control| image(&resolved.scene, source, settings, screen, control))?;
+            |number: usize| [number, number + 1].map(|lights| lights as f64 / (1 + self.rooms.len()) as f64);
+        let scene = &self.resolved.scene;
+        let mut here = control.within(part(0), |control| image(scene, source, settings, screen, control))?;
         // The panel holds its states while the light changes.
         let given = (!here.states.is_empty()).then(|| here.states.clone());
-        let held = ImageSettings { given, ..request.settings.clone() };
-        let there = |(number, (name, room)): (usize, &(&String, Resolved))| {
+        let held = ImageSettings { given, ..settings.clone() };
+        let there = |(number, (name, room)): (usize, &(String, Resolved))| {
             let seen = control
                 .within(part(number + 1), |control| image(&room.scene, source, &held, screen, control))?;
-            Ok(((*name).clone(), seen))
+            Ok((name.clone(), seen))
         };
-        let rooms = rooms
+        let rooms = self
+            .rooms
             .iter()
             .enumerate()
             .map(there)
@@ -66,13 +97,21 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
         let numbers =
             rooms.iter().map(|(room, one)| ImageInRoom { room: room.clone(), numbers: one.numbers.clone() });
         here.numbers.rooms = numbers.collect();
-        let frame = frame.map(|frame| frame.frame(&here, title));
-        Ok(ImageOutput { rooms, here, device_colours: arguments.device_colours, frame })
-    })
+        let frame = self.frame.as_ref().map(|frame| frame.frame(&here, self.title.clone()));
+        let picture = if rooms.is_empty() { Vec::new() } else { on_screen(source, here.samples_per_pixel) };
+        Ok(ImageOutput { picture, rooms, here, device_colours: self.arguments.device_colours, frame })
+    }
+}
+
+/// The picture of a scenario.
+fn image_of(resolved: &Resolved) -> Result<&ImageRequest, Failure> {
+    resolved.image.as_ref().ok_or_else(|| Failure::Input("the scenario names no picture".to_owned()))
 }
 
 /// A picture in the light of the scenario, and in other rooms.
 struct ImageOutput {
+    /// The picture itself, with as many pixels as what is seen; empty without rooms.
+    picture: Vec<[u8; 3]>,
     here: ImageResult,
     rooms: Vec<(String, ImageResult)>,
     /// Whether states.png has the usual codes of states.
@@ -81,26 +120,41 @@ struct ImageOutput {
     frame: Option<Frame>,
 }
 
+/// Encoded red, green and blue of a picture, each pixel as this number of samples along each axis.
+fn on_screen(source: &SourceImage, samples: usize) -> Vec<[u8; 3]> {
+    let encoded = |[x, y, z]: &[f32; 3]| {
+        let rgb = Xyz { x: f64::from(*x), y: f64::from(*y), z: f64::from(*z) }.linear_srgb();
+        rgb.map(|value| encoded_byte(value.clamp(0.0, 1.0)))
+    };
+    let pixels: Vec<[u8; 3]> = source.pixels.iter().map(encoded).collect();
+    let rows = pixels.chunks(source.columns.max(1)).flat_map(|row| std::iter::repeat_n(row, samples));
+    rows.flat_map(|row| row.iter().flat_map(|pixel| std::iter::repeat_n(*pixel, samples))).collect()
+}
+
 /// Columns between the pictures of several rooms.
 const BETWEEN: usize = 12;
 
 impl ImageOutput {
-    /// The pictures of all rooms side by side on white, each below its name: number of columns, and the
-    /// pixels.
+    /// The picture itself and what is seen of it in all rooms, side by side on white, each below its name and its difference
+    /// from the picture: number of columns, and the pixels.
     fn side_by_side(&self) -> Result<(usize, Vec<[u8; 3]>), Failure> {
-        let here = std::iter::once(("this light", &self.here));
-        let all: Vec<(&str, &ImageResult)> =
-            here.chain(self.rooms.iter().map(|(name, room)| (name.as_str(), room))).collect();
         let [columns, rows] = self.here.seen_size();
-        let label = |(name, room): &(&str, &ImageResult)| {
-            let text = format!("{name}: {}", light(&room.numbers.light));
-            label(&text, columns).map_err(|error| Failure::Input(error.to_string()))
+        let here = ("this light", &self.here);
+        let seen = std::iter::once(here).chain(self.rooms.iter().map(|(name, room)| (name.as_str(), room)));
+        let mut all: Vec<(String, &[[u8; 3]])> = vec![("the picture".to_owned(), &self.picture)];
+        all.extend(seen.map(|(name, one)| {
+            let difference = one.numbers.against_photograph.scielab_mean;
+            let difference = difference.map_or(String::new(), |mean| format!(", S-CIELAB {mean:.1}"));
+            (format!("{name}: {}{difference}", light(&one.numbers.light)), &one.on_screen[..])
+        }));
+        let label = |(text, _): &(String, &[[u8; 3]])| {
+            label(text, columns).map_err(|error| Failure::Input(error.to_string()))
         };
         let labels = all.iter().map(label).collect::<Result<Vec<_>, Failure>>()?;
         let row = |row: usize| {
             let parts = all.iter().zip(&labels).map(|((_, one), label)| match row.checked_sub(LABEL) {
                 None => &label[row * columns..][..columns],
-                Some(row) => &one.on_screen[row * columns..][..columns],
+                Some(row) => &one[row * columns..][..columns],
             });
             parts.collect::<Vec<_>>().join(&[[255; 3]; BETWEEN][..])
         };
@@ -153,7 +207,7 @@ impl SpatialOutput for ImageOutput {
             let rows = differences(numbers);
             let light = light(&numbers.light);
             all.push_str(&format!(
-                "\nthe same states in the light of {name}, {light}\n{}",
+                "\nthe same states in the light of {name}, {light}\n{}\n",
                 report::table(&rows)
             ));
         }

@@ -36,6 +36,7 @@ mod optimize;
 mod output;
 mod palette;
 mod parallel;
+mod pictures;
 mod pixel;
 mod progress;
 mod report;
@@ -113,12 +114,13 @@ commands! {
     Crosstalk(arguments::SolvedSpatially) => crosstalk::crosstalk,
     /// Show a picture on the display: what the reader sees in this light, and what to send to the panel
     #[command(after_help = "Examples:\n  \
+                      papilio image photograph.jpg --on six-ink --rooms office,LED-B1\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n  \
                       papilio image scenarios/page.toml --rooms FL11,D65\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg --packed 4 --rotate 90\n\n\
                       docs/image.md describes the files, docs/panel.md those for a panel.")]
-    Image(arguments::ImageCommand) => image::command,
+    Image(arguments::ImageCommand) => pictures::command,
     /// Compute the palette of a display: the colours of all states in this light and in other rooms, for
     /// other programs too
     #[command(after_help = "Examples:\n  \

@@ -9,7 +9,7 @@ use papilio_formats::{TitledFile, palette_files, write_file};
 use papilio_scenario::{Resolved, illuminant_sheet, preset_names};
 use serde::Serialize;
 
-use crate::arguments::{PaletteCommand, RelativeTo, SpatialCommand};
+use crate::arguments::{PaletteCommand, RelativeTo};
 use crate::numbers::measured;
 use crate::spatial::{SpatialOutput, show};
 use crate::{Failure, report};
@@ -18,7 +18,10 @@ pub(crate) fn palette(arguments: &PaletteCommand) -> Result<(), Failure> {
     let command = &arguments.command;
     let resolved = command.resolve(None)?;
     check_rooms(&arguments.rooms)?;
-    let rooms = arguments.rooms.iter().map(|name| Ok((name.clone(), room(command, &resolved, name)?)));
+    let rooms = arguments
+        .rooms
+        .iter()
+        .map(|name| Ok((name.clone(), room(|more| command.resolve(more), &resolved, name)?)));
     let rooms = rooms.collect::<Result<Vec<(String, Resolved)>, Failure>>()?;
     let scenes: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.scene)).collect();
     show(command, &resolved, |control| {
@@ -44,7 +47,13 @@ pub(crate) fn check_rooms(rooms: &[String]) -> Result<(), Failure> {
 
 /// The scenario in the light of a preset, or in its own light with the spectrum of a CIE illuminant; in the
 /// same view.
-pub(crate) fn room(command: &SpatialCommand, resolved: &Resolved, name: &str) -> Result<Resolved, Failure> {
+///
+/// `resolve` reads the scenario with further overrides.
+pub(crate) fn room(
+    resolve: impl Fn(Vec<String>) -> Result<Resolved, Failure>,
+    resolved: &Resolved,
+    name: &str,
+) -> Result<Resolved, Failure> {
     let light = match (preset_names().any(|known| known == name), illuminant_sheet(name)) {
         (true, _) => format!("lighting={{ preset = \"{name}\" }}"),
         (false, Ok(_)) => format!("lighting.spectrum=\"{name}\""),
@@ -59,7 +68,7 @@ pub(crate) fn room(command: &SpatialCommand, resolved: &Resolved, name: &str) ->
     let viewer = &resolved.scene.viewer;
     let view =
         [format!("viewer.theta_deg={:?}", viewer.theta_deg), format!("viewer.phi_deg={:?}", viewer.phi_deg)];
-    command.resolve([light].into_iter().chain(view))
+    resolve([light].into_iter().chain(view).collect())
 }
 
 /// Colours, and what is white in files for other programs.

@@ -55,13 +55,8 @@ pub(crate) fn show<R: SpatialOutput>(
     resolved: &Resolved,
     compute: impl FnOnce(&Control<'_>) -> Result<R, DisplayError>,
 ) -> Result<(), Failure> {
-    if arguments.png && !papilio_figures::HAS_PNG {
-        return Err(papilio_figures::PngError::NotBuilt.into());
-    }
-    let folder = arguments.folder(&resolved.hash)?;
-    let result = with_progress(resolved, arguments.workers.threads, compute)?;
-    let result = result.ok_or(Failure::Interrupted("no file was written"))?;
-    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let (result, folder) = computed(arguments, resolved, compute)?;
+    let title = title(arguments, resolved);
     let mut stdout = terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &result.content(resolved, &title))?;
@@ -77,6 +72,39 @@ pub(crate) fn show<R: SpatialOutput>(
     let warnings = resolved.warnings.iter().chain(result.warnings());
     warnings.for_each(|warning| print_message(&format!("warning: {warning}")));
     Ok(())
+}
+
+/// Computes a result, and writes its files to the folder of the arguments without printing anything but progress.
+pub(crate) fn compute_files<R: SpatialOutput>(
+    arguments: &SpatialCommand,
+    resolved: &Resolved,
+    compute: impl FnOnce(&Control<'_>) -> Result<R, DisplayError>,
+) -> Result<R, Failure> {
+    let (result, folder) = computed(arguments, resolved, compute)?;
+    if let Some(folder) = &folder {
+        let title = title(arguments, resolved);
+        interrupt::uninterrupted(|| write(folder, &result, resolved, &title, arguments.png))?;
+    }
+    Ok(result)
+}
+
+/// Computes a result; the folder for its files is checked before.
+fn computed<R>(
+    arguments: &SpatialCommand,
+    resolved: &Resolved,
+    compute: impl FnOnce(&Control<'_>) -> Result<R, DisplayError>,
+) -> Result<(R, Option<ResultFolder>), Failure> {
+    if arguments.png && !papilio_figures::HAS_PNG {
+        return Err(papilio_figures::PngError::NotBuilt.into());
+    }
+    let folder = arguments.folder(&resolved.hash)?;
+    let result = with_progress(resolved, arguments.workers.threads, compute)?;
+    Ok((result.ok_or(Failure::Interrupted("no file was written"))?, folder))
+}
+
+/// Title of a scenario, or the name of its file.
+pub(crate) fn title(arguments: &SpatialCommand, resolved: &Resolved) -> String {
+    resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file))
 }
 
 /// Writes all files, after those of an earlier run are removed; returns their names.
@@ -104,10 +132,13 @@ impl SpatialCommand {
 
     /// Reads the scenario, with the seed and further overrides.
     pub(crate) fn scenario(&self, more: impl IntoIterator<Item = String>) -> Result<Scenario, Failure> {
-        let mut overrides = self.scenario.set.clone();
-        overrides.extend(more);
-        overrides.extend(self.seed.map(|seed| format!("solver.seed={seed}")));
-        input::scenario::<Scenario>(&self.scenario.file, &overrides)
+        input::scenario::<Scenario>(&self.scenario.file, &self.overrides(more))
+    }
+
+    /// All overrides: those of `--set`, further ones, and the seed.
+    pub(crate) fn overrides(&self, more: impl IntoIterator<Item = String>) -> Vec<String> {
+        let seed = self.seed.map(|seed| format!("solver.seed={seed}"));
+        self.scenario.set.iter().cloned().chain(more).chain(seed).collect()
     }
 
     /// Returns the folder for files; `None` if only JSON is printed.

@@ -173,14 +173,15 @@ fn example_display() -> impl TypedValueParser<Value = ExampleDisplay> {
 }
 
 /// A parser of values by their names; the help lists them with what they are.
-fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
-    values: [(&'static str, &'static str, T); N],
+fn one_of<T: Copy + Send + Sync + 'static>(
+    values: impl Into<Vec<(&'static str, &'static str, T)>>,
 ) -> impl TypedValueParser<Value = T> {
-    let names = values.map(|(name, about, _)| match about {
+    let values = values.into();
+    let name = |(name, about, _): &(&'static str, &'static str, T)| match *about {
         "" => PossibleValue::new(name),
         about => PossibleValue::new(name).help(about),
-    });
-    PossibleValuesParser::new(names).try_map(move |name| {
+    };
+    PossibleValuesParser::new(values.iter().map(name)).try_map(move |name| {
         let found = values.iter().find(|(known, ..)| *known == name);
         found.map(|(.., value)| *value).ok_or("this name is unknown")
     })
@@ -272,7 +273,7 @@ pub(crate) enum Angles {
     Glass,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct Workers {
     /// Number of threads [default: one per processor]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
@@ -280,7 +281,7 @@ pub(crate) struct Workers {
     pub(crate) threads: Option<u16>,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct ScenarioArguments {
     /// Scenario file (TOML); - reads standard input
     #[arg(value_name = "FILE")]

@@ -1,12 +1,14 @@
 //! Commands that depend on the places of pixels: sharpness, crosstalk, sparkle, pictures and palettes.
 
 use clap::Args;
+use clap::builder::TypedValueParser;
 use papilio_display::image::ScreenSpace;
+use papilio_scenario::ExampleDisplay;
 
 use super::{FrameArguments, ScenarioArguments, Solver, Workers, one_of};
 
 /// A command that depends on the places of pixels.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct SpatialCommand {
     #[command(flatten)]
     pub(crate) scenario: ScenarioArguments,
@@ -51,12 +53,17 @@ pub(crate) struct Gonio {
 pub(crate) struct ImageCommand {
     #[command(flatten)]
     pub(crate) command: SpatialCommand,
-    /// The picture: PNG, JPEG, OpenEXR or Radiance; sets image.file
+    /// The picture: PNG, JPEG, OpenEXR or Radiance; sets image.file. Or a folder of pictures, each of which gets a folder of
+    /// results
     #[arg(value_name = "PICTURE")]
     pub(crate) picture: Option<String>,
-    /// What is white in seen.png
-    #[arg(long, value_enum, value_name = "WHITE", default_value = "white")]
-    pub(crate) relative_to: RelativeTo,
+    /// Show the picture, which is then the only argument, on a usual panel of this kind in a living room, without a scenario
+    /// file
+    #[arg(long, value_name = "DISPLAY", value_parser = panels())]
+    pub(crate) on: Option<ExampleDisplay>,
+    /// What is white in seen.png [default: white; with --on: display]
+    #[arg(long, value_enum, value_name = "WHITE")]
+    pub(crate) relative_to: Option<RelativeTo>,
     /// Colour space of seen.png, which states it
     #[arg(long, value_parser = one_of(SPACES), value_name = "SPACE", default_value = "srgb")]
     pub(crate) space: ScreenSpace,
@@ -72,12 +79,9 @@ pub(crate) struct ImageCommand {
     pub(crate) frame: FrameArguments,
 }
 
-impl ImageCommand {
-    /// The picture as an override.
-    pub(crate) fn picture_key(&self) -> Option<String> {
-        let text = |picture: &String| picture.replace('\\', "\\\\").replace('"', "\\\"");
-        self.picture.as_ref().map(|picture| format!("image.file=\"{}\"", text(picture)))
-    }
+fn panels() -> impl TypedValueParser<Value = ExampleDisplay> {
+    let panels = ExampleDisplay::with_panels().into_iter();
+    one_of(panels.map(|display| (display.name, display.about, display)).collect::<Vec<_>>())
 }
 
 /// The palette of a display.

@@ -70,6 +70,73 @@ fn pictures_of_high_dynamic_range_get_a_white() {
     }
 }
 
+/// Without a scenario file: a photograph on a usual panel, which is upright if the photograph is.
+#[test]
+fn pictures_are_shown_on_usual_panels() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[200, 150, 125], [20, 60, 200], [255, 0, 0]]);
+    let lying = json(&file, &["--on", "seven-ink", "--set", "image.halftone=\"nearest\""]);
+    assert_eq!(lying["size"], serde_json::json!([600, 448]));
+    assert_eq!(lying["states"].as_array().unwrap().len(), 7);
+    let pixels = vec![[128, 128, 128]; 8 * 12];
+    let mut bytes = Vec::new();
+    write_rgb_png(&mut bytes, 8, &pixels, false).unwrap();
+    fs::write(&file, bytes).unwrap();
+    let upright = json(&file, &["--on", "four-grey", "--rooms", "office"]);
+    assert_eq!(upright["size"], serde_json::json!([480, 800]));
+    assert_eq!(upright["rooms"][0]["room"], "office");
+    let twice = image(&scenario("six-ink"), &[file.to_str().unwrap(), "--on", "six-ink"]);
+    assert!(stderr(&twice).contains("takes the place of a scenario"), "{}", stderr(&twice));
+    let none = image(Path::new("missing.png"), &["--on", "six-ink"]);
+    assert!(stderr(&none).contains("missing.png"), "{}", stderr(&none));
+    let unknown = image(&file, &["--on", "imod"]);
+    assert!(stderr(&unknown).contains("six-ink, seven-ink"), "{}", stderr(&unknown));
+}
+
+/// A folder of pictures: each has its results; the same command does not compute them again, another light does, and a
+/// damaged picture does not keep the others from being shown.
+#[test]
+fn folders_of_pictures_are_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[200, 150, 125], [20, 60, 200], [255, 0, 0]]);
+    let photographs = folder.path().join("photographs");
+    fs::create_dir(&photographs).unwrap();
+    for name in ["a.png", "b.PNG", "notes.txt"] {
+        fs::copy(&file, photographs.join(name)).unwrap();
+    }
+    fs::write(photographs.join("b.jpg"), b"\xff\xd8\xff").unwrap();
+    let out = folder.path().join("out");
+    let run = |more: &[&str]| {
+        let arguments = [photographs.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        image(&scenario("six-ink"), &[&arguments, more].concat())
+    };
+    let first = run(&[]);
+    assert!(
+        !first.status.success() && stderr(&first).contains("1 of 3 pictures could not be shown"),
+        "{}",
+        stderr(&first)
+    );
+    assert_eq!(names(&out), ["a", "b.PNG", "pictures.json"]);
+    let all = || -> Value { serde_json::from_slice(&fs::read(out.join("pictures.json")).unwrap()).unwrap() };
+    let before = all();
+    assert_eq!(before[0]["results"], "a");
+    assert!(before[0]["hue_error_deg"].as_f64().is_some());
+    let written = |name: &str| fs::metadata(out.join(name).join("seen.png")).unwrap().modified().unwrap();
+    let time = written("a");
+    fs::remove_file(photographs.join("b.jpg")).unwrap();
+    fs::rename(out.join("b.PNG"), out.join("b")).unwrap();
+    fs::remove_dir_all(out.join("b")).unwrap();
+    let again = run(&[]);
+    assert!(again.status.success(), "{}", stderr(&again));
+    assert_eq!(written("a"), time, "a finished picture is computed again");
+    assert_eq!(all()[1]["results"], "b");
+    run(&["--set", "lighting.spectrum=D65"]);
+    assert!(written("a") > time && all()[0]["hash"] != before[0]["hash"]);
+    fs::remove_file(photographs.join("a.png")).unwrap();
+    fs::remove_file(photographs.join("b.PNG")).unwrap();
+    assert!(stderr(&run(&[])).contains("contains no picture"), "{}", stderr(&run(&[])));
+}
+
 /// A picture for a screen with a wide gamut states its space, and decodes to the same colours.
 #[test]
 fn both_spaces_of_screens_have_the_same_colours() {

@@ -49,6 +49,16 @@ pub struct ExampleDisplay {
     text: &'static str,
     /// Names and contents of the files that the scenario names; they belong into its folder.
     pub files: &'static [(&'static str, &'static str)],
+    /// A usual panel of this kind, for pictures.
+    panel: Option<ExamplePanel>,
+}
+
+/// Size of a panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct ExamplePanel {
+    /// Pixels along the longer and the shorter side.
+    pixels: [usize; 2],
+    ppi: u32,
 }
 
 impl ExampleDisplay {
@@ -58,40 +68,53 @@ impl ExampleDisplay {
         about: "Interferometric pixels under a diffuser",
         text: include_str!("imod.toml"),
         files: &[],
+        panel: None,
     };
 
     /// All displays.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::IMOD,
         Self {
             name: "epaper",
             about: "Electronic paper below a bare glass surface",
             text: include_str!("epaper.toml"),
             files: &[],
+            panel: None,
         },
         Self {
             name: "table",
             about: "A pixel tabulated by another tool, under a diffuser; also writes an example of the table",
             text: include_str!("table.toml"),
             files: &[("example-pixel.csv", include_str!("example-pixel.csv"))],
+            panel: None,
         },
         Self {
             name: "bwry",
             about: "Electronic paper with black, white, red and yellow inks; also writes synthetic spectra",
             text: include_str!("bwry.toml"),
             files: &[("four-inks.csv", include_str!("four-inks.csv"))],
+            panel: Some(ExamplePanel { pixels: [800, 480], ppi: 127 }),
         },
         Self {
             name: "six-ink",
             about: "Electronic paper with six inks; also writes synthetic spectra",
             text: include_str!("six-ink.toml"),
             files: &[("six-inks.csv", include_str!("six-inks.csv"))],
+            panel: Some(ExamplePanel { pixels: [800, 480], ppi: 127 }),
         },
         Self {
             name: "seven-ink",
             about: "Electronic paper with seven inks; also writes synthetic spectra",
             text: include_str!("seven-ink.toml"),
             files: &[("seven-inks.csv", include_str!("seven-inks.csv"))],
+            panel: Some(ExamplePanel { pixels: [600, 448], ppi: 132 }),
+        },
+        Self {
+            name: "four-grey",
+            about: "Electronic paper with four greys; also writes synthetic colours",
+            text: include_str!("four-grey.toml"),
+            files: &[("four-greys.csv", include_str!("four-greys.csv"))],
+            panel: Some(ExamplePanel { pixels: [800, 480], ppi: 124 }),
         },
         Self {
             name: "printed-filter",
@@ -102,8 +125,14 @@ impl ExampleDisplay {
                 ("filter-green.csv", include_str!("filter-green.csv")),
                 ("filter-blue.csv", include_str!("filter-blue.csv")),
             ],
+            panel: None,
         },
     ];
+
+    /// The displays with a panel for pictures: [`picture_scenario`] shows one on them.
+    pub fn with_panels() -> Vec<Self> {
+        Self::ALL.into_iter().filter(|display| display.panel.is_some()).collect()
+    }
 
     /// Returns the display of this name.
     pub fn named(name: &str) -> Option<Self> {
@@ -138,6 +167,23 @@ pub fn new_scenario_of(display: ExampleDisplay, light: &str) -> Option<String> {
     }
     let (about, keys) = text(light)?.split_once("\n\n")?;
     Some(format!("{about}\n\ntitle = \"{}, {light}\"\n\n{keys}\n{}", display.name, display.text))
+}
+
+/// Returns a complete scenario of a picture on a usual panel of this kind, upright or lying, in a living room; `None` if the display
+/// has no panel. The picture is cut to its size about the middle. The scenario may name [files](ExampleDisplay::files).
+///
+/// ```
+/// use papilio_scenario::{ExampleDisplay, picture_scenario};
+/// let inks = ExampleDisplay::named("six-ink").unwrap();
+/// assert!(picture_scenario(inks, true).unwrap().contains("pixels = [480, 800]"));
+/// ```
+pub fn picture_scenario(display: ExampleDisplay, is_upright: bool) -> Option<String> {
+    let ExamplePanel { pixels: [longer, shorter], ppi } = display.panel?;
+    let [columns, rows] = if is_upright { [shorter, longer] } else { [longer, shorter] };
+    let scenario = new_scenario_of(display, "living-room")?;
+    Some(format!(
+        "{scenario}\n[display.matrix]\nppi = {ppi}\npixels = [{columns}, {rows}]\n\n[image]\nfit = \"cover\"\n"
+    ))
 }
 
 /// Returns the keys of a preset as TOML.

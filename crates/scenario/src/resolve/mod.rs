@@ -71,6 +71,7 @@ const MOST_FILMS: usize = 100_000;
 pub use codes::PanelCodes;
 pub use image::ImageRequest;
 pub use microgeometry::LayerSurface;
+pub use picture::picture_size;
 
 /// Smallest number of paths of a view: 32 replicates with at least one path each.
 const FEWEST_PATHS: u64 = 32;

@@ -8,7 +8,8 @@ use papilio_display::image::SourceImage;
 use papilio_display::readability::DEFAULT_TEXT_HEIGHT_MM;
 use papilio_display::scene::Scene;
 use papilio_formats::{
-    FormatError, LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, SourcePicture, Warned, read_picture,
+    DataFile, FormatError, LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, SourcePicture, Warned,
+    read_picture,
 };
 use papilio_imaging::text::{Font, X_HEIGHT};
 use papilio_imaging::{Fit, TestPattern, fitted};
@@ -89,6 +90,15 @@ impl FilePicture {
         *kept = (pixels.len() <= MOST_KEPT_PIXELS).then(|| FittedPicture { to, fit, pixels: pixels.clone() });
         pixels
     }
+}
+
+/// Number of columns and rows of a picture in a file. It is kept, so that a scenario with it does not read it again.
+///
+/// # Errors
+/// As [`read_picture`].
+pub fn picture_size(file: DataFile) -> Result<[usize; 2], FormatError> {
+    let read = FilePicture::read(&MemoryFile::new(file), SourceSpace::Srgb)?;
+    Ok([read.picture.columns(), read.picture.rows()])
 }
 
 /// A picture before it is fitted to the panel.

@@ -1,0 +1,265 @@
+//! Which pictures `papilio image` shows, and on what: the display of a scenario file, or with `--on` a usual panel; one
+//! picture, or all of a folder.
+//!
+//! A folder has a file `pictures.json` with the numbers of its pictures, which is written after each of them: the same command
+//! skips those that are finished.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use papilio_display::image::ImageNumbers;
+use papilio_formats::{DataFile, LARGEST_PICTURE_FILE, write_file, write_json};
+use papilio_scenario::{
+    ExampleDisplay, Library, MemoryFile, Resolved, Scenario, picture_scenario, picture_size,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::arguments::{ImageCommand, SpatialCommand};
+use crate::numbers::measured;
+use crate::{Failure, image, interrupt, output, print_message, report, terminal};
+
+pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
+    let picture = match (arguments.on, &arguments.picture) {
+        (Some(display), Some(picture)) => {
+            return Err(Failure::Input(format!(
+                "--on {} takes the place of a scenario: there are two files, {} and {picture}\n  = help: papilio image {picture} --on {}",
+                display.name,
+                arguments.command.scenario.file.display(),
+                display.name
+            )));
+        }
+        (Some(_), None) => Some(arguments.command.scenario.file.display().to_string()),
+        (None, picture) => picture.clone(),
+    };
+    match picture {
+        Some(folder) if Path::new(&folder).is_dir() => show_all(arguments, Path::new(&folder)),
+        picture => image::show_one(&Shown { arguments, command: arguments.command.clone(), picture }),
+    }
+}
+
+/// A picture, and the display that shows it.
+pub(crate) struct Shown<'a> {
+    pub(crate) arguments: &'a ImageCommand,
+    /// The arguments of all commands with places, with the folder for the results.
+    pub(crate) command: SpatialCommand,
+    /// The file, unless the scenario states the picture.
+    picture: Option<String>,
+}
+
+impl Shown<'_> {
+    /// Reads the scenario, with the picture and further overrides.
+    pub(crate) fn scenario(&self, more: Vec<String>) -> Result<Scenario, Failure> {
+        let all = self.picture_key().into_iter().chain(more);
+        match (self.arguments.on, &self.picture) {
+            (Some(display), Some(picture)) => self.on_panel(display, picture, all),
+            _ => self.command.scenario(all),
+        }
+    }
+
+    /// Resolves the scenario, with the picture.
+    pub(crate) fn resolved(&self) -> Result<Resolved, Failure> {
+        let resolved = self.scenario(Vec::new())?.resolve_with_picture();
+        Ok(resolved.map_err(|errors| match self.picture_key() {
+            Some(key) => errors.in_argument(&key),
+            None => errors,
+        })?)
+    }
+
+    /// The picture as an override.
+    fn picture_key(&self) -> Option<String> {
+        let text = |picture: &String| picture.replace('\\', "\\\\").replace('"', "\\\"");
+        self.picture.as_ref().map(|picture| format!("image.file=\"{}\"", text(picture)))
+    }
+
+    /// The scenario of a usual panel, upright if the picture is.
+    fn on_panel(
+        &self,
+        display: ExampleDisplay,
+        picture: &str,
+        more: impl IntoIterator<Item = String>,
+    ) -> Result<Scenario, Failure> {
+        let file = DataFile::open_within(Path::new(picture), picture, LARGEST_PICTURE_FILE);
+        let [columns, rows] = file.and_then(picture_size).map_err(Failure::Data)?;
+        let text = picture_scenario(display, rows > columns)
+            .ok_or_else(|| Failure::Input(format!("--on: {} has no panel for pictures", display.name)))?;
+        let file = |(name, content): &(&str, &str)| {
+            let file = DataFile { name: (*name).to_owned(), bytes: content.as_bytes().to_vec() };
+            ((*name).to_owned(), MemoryFile::new(file))
+        };
+        let files: BTreeMap<String, MemoryFile> = display.files.iter().map(file).collect();
+        let library = Library::Both { files: Arc::new(files), folder: PathBuf::new() };
+        let overrides: Vec<String> = self.command.overrides(more);
+        Ok(Scenario::from_text(&text, &format!("--on {}", display.name), library, &overrides)?)
+    }
+}
+
+/// File with the numbers of all pictures of a folder.
+const ALL: &str = "pictures.json";
+
+/// Ends of the names of pictures.
+const ENDS: [&str; 6] = ["png", "jpg", "jpeg", "exr", "hdr", "pic"];
+
+/// A finished picture of a folder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Finished {
+    /// File of the picture.
+    picture: String,
+    /// Folder of its results, within that of all.
+    results: String,
+    /// Hash of the scenario with the picture.
+    hash: String,
+    /// What else the command states.
+    arguments: String,
+    /// S-CIELAB against the photograph, mean.
+    scielab_mean: Option<f64>,
+    hue_error_deg: Option<f64>,
+    chroma_ratio: Option<f64>,
+    local_contrast_ratio: Option<f64>,
+}
+
+/// Shows all pictures of a folder; the others, if one of them cannot be shown.
+fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
+    let pictures = pictures_in(folder)?;
+    let scenario = &arguments.command.scenario;
+    let out = scenario.out.clone().unwrap_or_else(|| scenario.default_out());
+    output::check(&out)?;
+    let before: Vec<Finished> = fs::read(out.join(ALL))
+        .ok()
+        .and_then(|bytes| serde_json::from_slice(&bytes).ok())
+        .unwrap_or_default();
+    // Threads and the folder do not change a result.
+    let stated = format!(
+        "{:?} {:?} {:?} {} {} {:?}",
+        arguments.relative_to,
+        arguments.space,
+        arguments.rooms,
+        arguments.device_colours,
+        arguments.command.png,
+        arguments.frame
+    );
+    let mut all: Vec<Finished> = Vec::new();
+    let mut wrong = Vec::new();
+    for (path, results) in &pictures {
+        let picture = path.display().to_string();
+        let mut command = arguments.command.clone();
+        // Results of a picture are files, whatever is printed.
+        (command.json, command.scenario.out) = (false, Some(out.join(results)));
+        let shown = Shown { arguments, command, picture: Some(picture.clone()) };
+        let one = || {
+            let resolved = shown.resolved()?;
+            let is_it = |one: &&Finished| (&one.hash, &one.arguments) == (&resolved.hash, &stated);
+            let is_there = || out.join(results).join("image.json").exists();
+            if let Some(known) = before.iter().filter(|one| one.results == *results).find(is_it)
+                && is_there()
+            {
+                return Ok(known.clone());
+            }
+            let hash = resolved.hash.clone();
+            let numbers = image::write_one(&shown, resolved)?;
+            Ok(Finished::new(&picture, results, hash, &stated, &numbers))
+        };
+        match one() {
+            Ok(finished) => all.push(finished),
+            Err(Failure::Interrupted(_)) => {
+                return Err(Failure::Interrupted(
+                    "finished pictures are kept: run the same command again to resume",
+                ));
+            }
+            Err(failure) => {
+                print_message(&failure);
+                wrong.push(picture);
+                continue;
+            }
+        }
+        interrupt::uninterrupted(|| {
+            output::make_folder(&out)?;
+            write_file(&out.join(ALL), |out| write_json(out, &all)).map_err(Failure::from)
+        })?;
+    }
+    print(&all, arguments.command.json)?;
+    if !all.is_empty() {
+        print_message(&format!("wrote {} and the folder of each picture in {}", ALL, out.display()));
+    }
+    if wrong.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::Input(format!(
+        "{} of {} pictures could not be shown: {}\n  = help: the messages above say why; all others are finished",
+        wrong.len(),
+        pictures.len(),
+        wrong.join(", ")
+    )))
+}
+
+/// Pictures of a folder in the order of their names, each with the name of the folder of its results.
+fn pictures_in(folder: &Path) -> Result<Vec<(PathBuf, String)>, Failure> {
+    let unreadable = |error: std::io::Error| {
+        Failure::Input(format!("the folder {} cannot be read: {error}", folder.display()))
+    };
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        let end = path.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
+        if path.is_file() && ENDS.contains(&&*end) {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    if paths.is_empty() {
+        let ends = ENDS.map(|end| format!(".{end}")).join(", ");
+        return Err(Failure::Input(format!(
+            "the folder {} contains no picture\n  = help: pictures are files that end in {ends}",
+            folder.display()
+        )));
+    }
+    let name = |path: &Path, whole: bool| {
+        let name = if whole { path.file_name() } else { path.file_stem() };
+        name.unwrap_or_default().to_string_lossy().into_owned()
+    };
+    let is_unique =
+        |path: &PathBuf| paths.iter().filter(|other| name(other, false) == name(path, false)).count() == 1;
+    Ok(paths.iter().map(|path| (path.clone(), name(path, !is_unique(path)))).collect())
+}
+
+impl Finished {
+    fn new(picture: &str, results: &str, hash: String, arguments: &str, numbers: &ImageNumbers) -> Self {
+        let against = numbers.against_photograph;
+        Self {
+            picture: picture.to_owned(),
+            results: results.to_owned(),
+            hash,
+            arguments: arguments.to_owned(),
+            scielab_mean: against.scielab_mean,
+            hue_error_deg: against.hue_error_deg,
+            chroma_ratio: against.chroma_ratio,
+            local_contrast_ratio: against.local_contrast_ratio,
+        }
+    }
+}
+
+/// Prints the numbers of all pictures.
+fn print(all: &[Finished], as_json: bool) -> Result<(), Failure> {
+    use std::io::Write;
+    let mut stdout = terminal::output(as_json);
+    if as_json {
+        write_json(&mut stdout, &all)?;
+    } else {
+        let head = ["picture", "S-CIELAB: mean", "hue error, deg", "chroma ratio", "local contrast ratio"];
+        let row = |one: &Finished| {
+            let numbers = [
+                (one.scielab_mean, 2),
+                (one.hue_error_deg, 1),
+                (one.chroma_ratio, 2),
+                (one.local_contrast_ratio, 2),
+            ];
+            let numbers = numbers.into_iter().map(|(value, digits)| measured(value, None, digits));
+            std::iter::once(one.results.clone()).chain(numbers).collect::<Vec<String>>()
+        };
+        let rows: Vec<Vec<String>> =
+            std::iter::once(head.map(str::to_owned).to_vec()).chain(all.iter().map(row)).collect();
+        stdout.write_all(format!("seen against the photographs\n{}", report::table(&rows)).as_bytes())?;
+    }
+    Ok(stdout.flush()?)
+}
