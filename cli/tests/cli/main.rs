@@ -7,6 +7,7 @@
 )]
 
 mod bad_input;
+mod bad_pictures;
 mod brdf;
 mod catalogue;
 mod common;

@@ -6,7 +6,7 @@ use super::primaries::Primaries;
 use super::{openexr, primaries, radiance};
 use crate::error::FormatError;
 use crate::file::DataFile;
-use crate::picture::convert_to;
+use crate::picture::{a_file, convert_to};
 use crate::picture_format;
 
 /// Largest width of a map, pixels.
@@ -113,7 +113,7 @@ pub(super) fn not_a_map() -> Diagnostic {
 
 fn other_format(format: &'static str) -> Diagnostic {
     let photograph = "a usual photograph has no radiances, and lamps in it are as bright as paper";
-    Diagnostic::new(format!("this is a {format} file, which is not supported"))
+    Diagnostic::new(format!("this is {}, which is not supported", a_file(format)))
         .expected("a Radiance picture (.hdr) or an OpenEXR file (.exr)")
         .hint(format!("{}; {photograph}", convert_to(format, "OpenEXR")))
 }

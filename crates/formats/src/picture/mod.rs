@@ -16,8 +16,8 @@ mod transfer;
 mod write;
 
 pub use colour_space::RgbSpace;
-pub(crate) use other::convert_to;
 pub use other::picture_format;
+pub(crate) use other::{a_file, convert_to};
 pub use source::SourcePicture;
 pub use transfer::Transfer;
 pub(crate) use write::{write_grey_bits, write_named_png};
@@ -84,7 +84,7 @@ pub(crate) fn check_size(columns: usize, rows: usize) -> Result<(), Diagnostic> 
 }
 
 fn other_format(format: &'static str) -> Diagnostic {
-    Diagnostic::new(format!("this is a {format} file, which is not supported"))
+    Diagnostic::new(format!("this is {}, which is not supported", a_file(format)))
         .expected(SUPPORTED)
         .hint(convert_to(format, "PNG"))
 }

@@ -43,8 +43,8 @@ pub fn picture_format(bytes: &[u8]) -> Option<&'static str> {
         let brand = bytes.get(8..12)?;
         return BRANDS.iter().find(|(_, known)| *known == brand).map(|(name, _)| *name);
     }
-    if is_svg(bytes) {
-        return Some("SVG");
+    if let Some(name) = text_format(bytes) {
+        return Some(name);
     }
     // Two letters are no signature: the reserved bytes of the header are zero.
     if bytes.starts_with(b"BM") && bytes.get(6..10) == Some(&[0; 4]) {
@@ -53,14 +53,25 @@ pub fn picture_format(bytes: &[u8]) -> Option<&'static str> {
     BY_FIRST_BYTES.iter().find(|(_, first)| bytes.starts_with(first)).map(|(name, _)| *name)
 }
 
-/// Bytes at the beginning of a text in which the first element stands.
+/// Bytes at the beginning of a text in which its first element stands.
 const HEAD_OF_TEXT: usize = 4096;
 
-/// Whether a text is a drawing in XML: comments and a document type may be before its element.
-fn is_svg(bytes: &[u8]) -> bool {
+/// Elements of texts that browsers show as pictures; a page may contain a drawing.
+const ELEMENTS: [(&str, &[u8]); 3] = [("HTML", b"<!doctype html"), ("HTML", b"<html"), ("SVG", b"<svg")];
+
+/// The name of a text in XML or HTML: comments and a document type may be before its element.
+fn text_format(bytes: &[u8]) -> Option<&'static str> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
-    let head = &bytes[..bytes.len().min(HEAD_OF_TEXT)];
-    head.starts_with(b"<") && head.windows(4).any(|four| four == b"<svg")
+    let head = bytes[..bytes.len().min(HEAD_OF_TEXT)].to_ascii_lowercase();
+    let has = |element: &[u8]| head.windows(element.len()).any(|part| part == element);
+    let found = ELEMENTS.iter().find(|(_, element)| head.starts_with(b"<") && has(element));
+    found.map(|(name, _)| *name)
+}
+
+/// A file of a format, with its article.
+pub(crate) fn a_file(format: &str) -> String {
+    let is_spoken_with_a_vowel = ["AVIF", "HTML", "OpenEXR", "SVG"].contains(&format);
+    format!("{} {format} file", if is_spoken_with_a_vowel { "an" } else { "a" })
 }
 
 /// Formats whose files may have several pictures, of which the first is taken.
@@ -86,12 +97,17 @@ pub(crate) fn convert_to(format: &str, target: &str) -> String {
         known.map_or(format.to_ascii_lowercase(), |(_, ending)| (*ending).to_owned())
     };
     let (from, to) = (ending(format), ending(target));
-    let command = match format {
-        "SVG" => format!("rsvg-convert --width 800 drawing.svg --output drawing.{to}"),
-        _ if WITH_SEVERAL.contains(&format) => format!("magick 'picture.{from}[0]' picture.{to}"),
-        _ => format!("magick picture.{from} picture.{to}"),
+    let (tool, command) = match format {
+        "SVG" => ("librsvg", format!("rsvg-convert --width 800 drawing.svg --output drawing.{to}")),
+        "HTML" => (
+            "Chromium",
+            format!("chromium --headless --window-size=800,480 --screenshot=page.{to} page.html"),
+        ),
+        _ if WITH_SEVERAL.contains(&format) => {
+            ("ImageMagick", format!("magick 'picture.{from}[0]' picture.{to}"))
+        }
+        _ => ("ImageMagick", format!("magick picture.{from} picture.{to}")),
     };
-    let tool = if format == "SVG" { "librsvg" } else { "ImageMagick" };
     let phone = if format == "HEIC" { "; telephones save JPEG by the setting `most compatible`" } else { "" };
     format!("convert it to {target}, for example by {tool}: {command}{phone}")
 }

@@ -5,6 +5,7 @@ use papilio_diagnostics::Diagnostic;
 
 use super::unsupported;
 
+use crate::picture::a_file;
 use crate::picture_format;
 
 /// First bytes, the format with its article, and what to export instead.
@@ -52,7 +53,7 @@ pub(super) fn recognised(bytes: &[u8]) -> Option<Diagnostic> {
                 "export the heights as SDF or X3P from the program of the instrument, or as a grey PNG of 16 bits: 8 bits are too coarse"
             }
         };
-        return Some(unsupported(&format!("a {format} file"), export));
+        return Some(unsupported(&a_file(format), export));
     }
     let (_, format, export) = FORMATS.iter().find(|(magic, ..)| bytes.starts_with(magic))?;
     Some(unsupported(format, export))

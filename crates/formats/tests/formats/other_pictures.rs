@@ -4,7 +4,7 @@
 use papilio_formats::{DataFile, RgbSpace, picture_format, read_heights, read_light_map, read_picture};
 
 /// First bytes of files as programs write them.
-const FILES: [(&str, &[u8]); 17] = [
+const FILES: [(&str, &[u8]); 18] = [
     ("WebP", b"RIFF\x24\0\0\0WEBPVP8 "),
     ("HEIC", b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"),
     ("HEIC", b"\0\0\0\x18ftypmif1\0\0\0\0mif1heic"),
@@ -21,6 +21,7 @@ const FILES: [(&str, &[u8]); 17] = [
     ("Portable Anymap", b"P6\n4 2\n255\n"),
     ("SVG", b"<svg xmlns=\"http://www.w3.org/2000/svg\"/>"),
     ("SVG", b"\xEF\xBB\xBF<?xml version=\"1.0\"?>\n<!-- a drawing -->\n<svg width=\"8\"/>"),
+    ("HTML", b"\n<!DOCTYPE html><html><body><svg/></body></html>"),
     ("Portable Float Map", b"PF\n4 2\n-1.0\n"),
 ];
 
@@ -32,7 +33,7 @@ fn picture_of_another_format_is_refused_by_its_name_with_what_to_do() {
         let picture = read_picture(&file, &RgbSpace::srgb()).unwrap_err().to_string();
         let map = read_light_map(&file).unwrap_err().to_string();
         let heights = read_heights(&file).unwrap_err().to_string();
-        let wanted = format!("this is a {name} file, which is not supported");
+        let wanted = format!(" {name} file, which is not supported");
         assert!(picture.contains(&wanted) && picture.contains("convert it to PNG"), "{picture}");
         assert!(map.contains(&wanted) && map.contains("convert it to OpenEXR"), "{map}");
         // Heights are read from TIFF files.
@@ -57,7 +58,7 @@ fn picture_for_another_reader_is_refused_by_its_name() {
     }
     for (bytes, name) in [(&b"\x89PNG\r\n\x1a\n"[..], "PNG"), (&b"\xff\xd8\xff\xe0"[..], "JPEG")] {
         let error = read_light_map(&file(bytes)).unwrap_err().to_string();
-        assert!(error.contains(&format!("this is a {name} file")), "{error}");
+        assert!(error.contains(&format!(" {name} file, which is not supported")), "{error}");
     }
     // Letters that begin a name, and text.
     assert_eq!(picture_format(b"BMI,value\n1,2\n"), None);
@@ -78,6 +79,8 @@ fn hint_for_a_picture_of_another_format_has_a_command() {
         (b"GIF89a\x01\0\x01\0", "magick 'picture.gif[0]' picture.png"),
         (b"8BPS\0\x01", "magick 'picture.psd[0]' picture.png"),
         (b"\xff\x0a\xfa\x1f", "magick picture.jxl picture.png"),
+        (b"<html lang=\"en\">", "chromium --headless --window-size=800,480 --screenshot=page.png page.html"),
+        (b"<svg/>", "this is an SVG file"),
         (b"<svg/>", "rsvg-convert --width 800 drawing.svg --output drawing.png"),
     ] {
         assert!(hint(bytes).contains(command), "{}", hint(bytes));

@@ -1,0 +1,54 @@
+//! Pictures that `papilio image` is given by mistake: an answer says what the file is and what to do. Unusual ones
+//! (transparent, CMYK, 16 bit, animated) are tested with their reader.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use papilio_formats::write_rgb_png;
+
+use crate::common::{papilio_command as papilio, scenario, stderr};
+
+fn image(folder: &Path, name: &str, bytes: &[u8]) -> Output {
+    let file = folder.join(name);
+    fs::write(&file, bytes).unwrap();
+    let size = ["--set", "display.matrix.pixels=[8,6]", "--json"];
+    papilio().arg("image").arg(scenario("six-ink")).arg(&file).args(size).output().unwrap()
+}
+
+#[test]
+fn pictures_that_are_not_read_say_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    // The header of a grey picture of 9000 x 9000 pixels, with its checksum, and where its pixels begin.
+    let huge =
+        b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x23\x28\0\0\x23\x28\x08\0\0\0\0\x48\xbe\x2d\x66\0\0\0\0IDAT";
+    let mut whole = Vec::new();
+    write_rgb_png(&mut whole, 8, &[[90, 40, 10]; 48], false).unwrap();
+    for (name, bytes, parts) in [
+        ("a.webp", &b"RIFF\x24\0\0\0WEBPVP8X"[..], &["a WebP file", "magick picture.webp picture.png"][..]),
+        (
+            "a.heic",
+            b"\0\0\0\x18ftypheic\0\0\0\0mif1heic",
+            &["a HEIC file", "picture.heic", "most compatible"],
+        ),
+        (
+            "a.jpg",
+            b"\0\0\0\x1cftypavif\0\0\0\0avifmif1",
+            &["an AVIF file", "magick picture.avif picture.png"],
+        ),
+        ("a.html", b"<!DOCTYPE html><html></html>", &["an HTML file", "chromium --headless"]),
+        ("empty.png", b"", &["this file is empty", "a PNG, JPEG"]),
+        ("huge.png", huge, &["9000 x 9000 pixels", "64 million", "magick picture.png -resize 4000x4000"]),
+        (
+            "cut.png",
+            &whole[..whole.len() / 2],
+            &["ends before its picture is complete", "copy or download it again"],
+        ),
+    ] {
+        let output = image(folder.path(), name, bytes);
+        let answer = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{name}: {answer}");
+        assert!(answer.contains(name) && output.stdout.is_empty(), "{name}: {answer}");
+        parts.iter().for_each(|part| assert!(answer.contains(part), "{part}: {answer}"));
+    }
+}
