@@ -70,6 +70,32 @@ fn pictures_of_high_dynamic_range_get_a_white() {
     }
 }
 
+/// A frame for two rooms: in each of them it is closer to the photograph than the frame that was made for the other.
+#[test]
+fn compromise_beats_the_frame_of_the_other_room() {
+    let shown = |prepared_for: &str| {
+        let prepared_for = format!("image.prepared_for={prepared_for}");
+        let more = ["--set", &prepared_for, "--set", "display.matrix.pixels=[150,100]", "--rooms", "D65"];
+        let found = json(&scenario("six-ink"), &[&more[..], &["--set", "image.fit=\"cover\""]].concat());
+        let in_both = |against: &str| {
+            [&found, &found["rooms"][0]].map(|one| one[against]["scielab_mean"].as_f64().unwrap())
+        };
+        ["against_photograph", "against_mapped"].map(in_both)
+    };
+    let [here, there, both] = ["\"this\"", "\"D65\"", "[\"this\", \"D65\"]"].map(shown);
+    for ((here, there), both) in here.iter().zip(there).zip(both) {
+        assert!(both[0] < there[0] && both[1] < here[1], "{here:?} {there:?} {both:?}");
+    }
+    // Each room's own frame is closest to the target in its light.
+    assert!(here[1][0] < both[1][0] && there[1][1] < both[1][1], "{here:?} {there:?} {both:?}");
+    let wrong = |list: &str| {
+        let prepared_for = format!("image.prepared_for={list}");
+        stderr(&image(&scenario("six-ink"), &["--set", &prepared_for]))
+    };
+    assert!(wrong("[]").contains("the list is empty"), "{}", wrong("[]"));
+    assert!(wrong("[\"this\", \"moon\"]").contains("no illuminant named `moon`"));
+}
+
 /// Without a scenario file: a photograph on a usual panel, which is upright if the photograph is.
 #[test]
 fn pictures_are_shown_on_usual_panels() {

@@ -13,6 +13,7 @@ use serde_json::{Map, Value, json};
 
 use crate::browse::illuminant_sheet;
 use crate::describe::File;
+use crate::describe::image::PreparedFor;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
 use crate::mistake::{self, Mistake};
@@ -211,41 +212,63 @@ impl Scenario {
 }
 
 impl Scenario {
-    /// Adds the light for which the states of a picture are decided, if it is another one; the view is the
+    /// Adds the lights for which the states of a picture are decided, if they are not this one; the view is the
     /// same.
     fn prepared(&self, mut image: ImageRequest, scene: &Scene) -> Result<ImageRequest, ScenarioErrors> {
-        let Some(Spanned { value: name, origin }) = self
-            .file
-            .image
-            .value
-            .as_ref()
-            .map(|image| &image.prepared_for)
-            .filter(|name| name.value != "this")
+        let Some(Spanned { value: stated, origin }) =
+            self.file.image.value.as_ref().map(|image| &image.prepared_for)
         else {
             return Ok(image);
         };
-        let sources = &self.written.sources;
-        let (path, value) = match (preset::text(name), illuminant_sheet(name)) {
-            (Some(_), _) => ("lighting", json!({ "preset": name })),
-            (None, Ok(_)) => ("lighting.spectrum", json!(name)),
-            (None, Err(_)) => {
-                let presets = preset::preset_names().collect::<Vec<_>>().join(", ");
-                let wrong = Diagnostic::new(format!("there is no preset and no illuminant named `{name}`"))
-                    .expected("\"this\", a preset, or an illuminant of `papilio illuminants`")
-                    .hint(format!("the presets are {presets}"));
-                let mut errors = Errors::default();
-                errors.push(*origin, wrong);
-                return errors.finish(None, sources);
+        let one;
+        let lights: &[Spanned<String>] = match stated {
+            PreparedFor::One(name) => {
+                one = [Spanned { value: name.clone(), origin: *origin }];
+                &one
             }
+            PreparedFor::List(lights) => lights,
         };
-        let change =
-            Change { path: KeyPath::new(path), origin: *origin, value: Node::from_json(&value, *origin) };
-        let there = Self::read(assemble(sources, &[change])?, self.library.clone(), sources.clone())?;
-        let lighting = there.resolve()?.scene.lighting;
-        image.settings.prepared_for = Some(Box::new(Scene { lighting, ..scene.clone() }));
-        Ok(image)
+        if lights.iter().all(|light| light.value == THIS) && !lights.is_empty() {
+            return Ok(image);
+        }
+        let mut errors = Errors::default();
+        if lights.is_empty() {
+            errors.push(*origin, Diagnostic::new("the list is empty").expected(LIGHTS));
+        }
+        for &Spanned { value: ref name, origin } in lights {
+            let changed = match (&**name, preset::text(name), illuminant_sheet(name)) {
+                (THIS, ..) => None,
+                (_, Some(_), _) => Some(("lighting", json!({ "preset": name }))),
+                (_, None, Ok(_)) => Some(("lighting.spectrum", json!(name))),
+                (_, None, Err(_)) => {
+                    let presets = preset::preset_names().collect::<Vec<_>>().join(", ");
+                    let wrong =
+                        Diagnostic::new(format!("there is no preset and no illuminant named `{name}`"))
+                            .expected(LIGHTS)
+                            .hint(format!("the presets are {presets}"));
+                    errors.push(origin, wrong);
+                    continue;
+                }
+            };
+            image.settings.prepared_for.push(match changed {
+                None => scene.clone(),
+                Some((path, value)) => {
+                    let value = Node::from_json(&value, origin);
+                    let change = Change { path: KeyPath::new(path), origin: origin, value };
+                    let sources = &self.written.sources;
+                    let there =
+                        Self::read(assemble(sources, &[change])?, self.library.clone(), sources.clone())?;
+                    Scene { lighting: there.resolve()?.scene.lighting, ..scene.clone() }
+                }
+            });
+        }
+        errors.finish(Some(image), &self.written.sources)
     }
 }
+
+/// The light of the scenario itself, and what may be stated in its place.
+const THIS: &str = "this";
+const LIGHTS: &str = "\"this\", a preset, or an illuminant of `papilio illuminants`";
 
 impl Resolved {
     /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key

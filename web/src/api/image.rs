@@ -223,12 +223,12 @@ fn brought(
         let (held, prepared_elsewhere, states, source) = (None, false, Vec::new(), Some(source));
         return Ok(Answer { resolved, panel, held, prepared_elsewhere, names, states, factors, source });
     }
-    let there = settings.prepared_for.as_deref();
+    let is_elsewhere = !settings.prepared_for.is_empty();
     let key = format!("{} {:?} {:?}", resolved.hash, scene.viewer.theta_deg, scene.viewer.phi_deg);
     let picture = match site.held().get(&key) {
         Some(picture) => picture,
         None => {
-            let picture = HeldPicture::new(there.unwrap_or(scene), &source, &settings, control);
+            let picture = HeldPicture::new(scene, &source, &settings, control);
             let picture = Arc::new(picture.map_err(fault)?);
             site.held().insert(key.clone(), picture.clone());
             picture
@@ -236,7 +236,7 @@ fn brought(
     };
     let factors = factors(site, &picture, &resolved, control)?;
     let (names, states) = (picture.names.clone(), picture.states.clone());
-    let (held, prepared_elsewhere, source) = (Some(key), there.is_some(), Some(source));
+    let (held, prepared_elsewhere, source) = (Some(key), is_elsewhere, Some(source));
     Ok(Answer { resolved, panel, held, prepared_elsewhere, names, states, factors, source })
 }
 

@@ -33,7 +33,7 @@ pub fn exact(
     let settings = ImageSettings {
         halftone: super::Halftone::None,
         given: None,
-        prepared_for: None,
+        prepared_for: Vec::new(),
         ..settings.clone()
     };
     let lit = Lit::new(scene, &settings, prepared, control)?;

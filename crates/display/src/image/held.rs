@@ -1,6 +1,6 @@
 //! A picture that the panel holds: its states were decided in one light and view, and it is seen in others.
 
-use papilio_colour::{Observer, Xyz};
+use papilio_colour::{Adaptation, Observer, Xyz};
 
 use super::halftone::{self, Halftone, Panel};
 use super::known::KnownLights;
@@ -105,6 +105,29 @@ impl Lit {
     }
 }
 
+impl Lit {
+    /// The first of several lights with colours of the states that are their means over all lights, each as an eye sees them that is
+    /// adapted to a perfect white in its light.
+    fn compromise(all: Vec<Self>) -> Result<Self, DisplayError> {
+        let count = all.len() as f64;
+        let mut lights = all.into_iter();
+        let no_white = DisplayError::NoWhite { what: "a picture" };
+        let mut first = lights.next().ok_or(no_white.clone())?;
+        let mut sums = first.palette.pages();
+        for other in lights {
+            let adapted = Adaptation::between(other.white, first.white).ok_or(no_white.clone())?;
+            for (sum, [x, y, z]) in sums.iter_mut().zip(other.palette.pages()) {
+                let seen = adapted.apply(Xyz { x, y, z }).to_array();
+                sum.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+            }
+        }
+        for (colour, sum) in first.palette.colours.iter_mut().zip(sums) {
+            [colour.X, colour.Y, colour.Z] = sum.map(|value| value / count);
+        }
+        Ok(first)
+    }
+}
+
 impl Brought {
     /// Maps the colours of a picture to those of the display, and decides the states.
     pub(super) fn new(
@@ -135,7 +158,7 @@ impl Brought {
 }
 
 impl HeldPicture {
-    /// Decides the states of a picture in the light and view of a scene.
+    /// Decides the states of a picture in the light and view of a scene, or in those of the settings' `prepared_for`.
     ///
     /// # Errors
     /// As [`image`](super::image); if the settings have no halftone.
@@ -160,7 +183,15 @@ impl HeldPicture {
             return Err(DisplayError::NoHalftone);
         }
         let size = source.size_on(scene)?;
-        let lit = control.within([0.0, 0.3], |control| Lit::new(scene, settings, prepared, control))?;
+        let lights = if settings.prepared_for.is_empty() {
+            std::slice::from_ref(scene)
+        } else {
+            &settings.prepared_for[..]
+        };
+        let lit = control.within([0.0, 0.3], |control| {
+            let lit = lights.iter().map(|scene| Lit::new(scene, settings, prepared, control));
+            Lit::compromise(lit.collect::<Result<_, _>>()?)
+        })?;
         let brought = control.within([0.3, 1.0], |control| Brought::new(&lit, source, settings, control))?;
         Ok(Self { size, states: brought.states, names: lit.palette.names(), surround: settings.surround })
     }

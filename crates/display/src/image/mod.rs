@@ -101,8 +101,9 @@ pub struct ImageSettings {
     pub surround: PictureSurround,
     /// Whether each part of the panel is seen in its own direction, by an eye at `viewer.distance_mm`; otherwise all of it in that of the view.
     pub perspective: bool,
-    /// Display in the light and view for which the states of the pixels are decided; `None`: those in which the picture is seen.
-    pub prepared_for: Option<Box<Scene>>,
+    /// Displays in the lights and the view for which the states of the pixels are decided: a compromise, if there are several. Empty: those in
+    /// which the picture is seen.
+    pub prepared_for: Vec<Scene>,
     /// Samples along each side of a pixel in [`ImageResult::seen`]; up to 1: one for each pixel, without sub-pixels.
     pub samples_per_pixel: usize,
     /// State of each pixel by its number in `states`, instead of a halftone.
@@ -233,17 +234,15 @@ pub fn image(
     let size = source.size_on(scene)?;
     let mut prepared = Prepared::empty();
     let held;
-    let settings = match &settings.prepared_for {
-        Some(there) if settings.given.is_none() && settings.halftone != Halftone::None => {
-            let given = control.within([0.0, 0.3], |control| {
-                Ok::<_, DisplayError>(
-                    HeldPicture::with(there, source, settings, &mut prepared, control)?.states,
-                )
-            })?;
-            held = ImageSettings { given: Some(given), ..settings.clone() };
-            &held
-        }
-        _ => settings,
+    let is_decided = settings.given.is_some() || settings.halftone == Halftone::None;
+    let settings = if settings.prepared_for.is_empty() || is_decided {
+        settings
+    } else {
+        let given = control.within([0.0, 0.3], |control| {
+            HeldPicture::with(scene, source, settings, &mut prepared, control).map(|held| held.states)
+        })?;
+        held = ImageSettings { given: Some(given), ..settings.clone() };
+        &held
     };
     let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
     let Brought { rendering, rendered, states, cut } =

@@ -54,8 +54,8 @@ table! {
         /// States that are used, in the order of the palette of states.png. Default: all.
         states: Vec<Spanned<Title>> = Vec::new(),
         /// The light for which the states are decided: `"this"`, a preset, or a CIE illuminant as the
-        /// spectrum of this light.
-        prepared_for: String = "this".to_owned(),
+        /// spectrum of this light. With a list of such, the states are a compromise for all of them.
+        prepared_for: PreparedFor = PreparedFor::One("this".to_owned()),
         /// Whether the eye at `viewer.distance_mm` sees each part of the panel in its own direction (with
         /// `display.matrix`).
         perspective: bool = true,
@@ -99,6 +99,16 @@ choice! {
         Stretch = "stretch",
         /// Pixel by pixel.
         None = "none",
+    }
+}
+
+forms! {
+    /// Lights for which states are decided.
+    PreparedFor, "the name of a light, or a list of such"; {
+        /// One light.
+        One(String) if Value::Text(_),
+        /// A compromise for several lights.
+        List(Vec<Spanned<String>>) if Value::Array(_),
     }
 }
 

@@ -105,7 +105,7 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
         perspective: image.perspective.value,
         samples_per_pixel: image.samples_per_pixel.0 as usize,
         given: None,
-        prepared_for: None,
+        prepared_for: Vec::new(),
     }
 }
 
