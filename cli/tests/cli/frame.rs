@@ -88,6 +88,12 @@ fn frame_has_the_states_in_the_codes_of_the_controller() {
     let bmp = fs::read(out.join("frame.bmp")).unwrap();
     let rows: Vec<u8> = bmp[118..].chunks(12).rev().flat_map(|row| row[..11].to_vec()).collect();
     assert_eq!((bmp.len(), found(&rows)), (118 + 12 * SIZE[1], wanted));
+    // The schema of image.json has all of its keys.
+    let schema = papilio().args(["schema", "--image"]).output().unwrap();
+    let schema: Value = serde_json::from_slice(&schema.stdout).unwrap();
+    let described = schema["$defs"]["FrameNumbers"]["properties"].as_object().unwrap();
+    assert!(schema["properties"].as_object().unwrap().contains_key("frame"));
+    assert_eq!(described.keys().collect::<Vec<_>>(), frame.as_object().unwrap().keys().collect::<Vec<_>>());
     // A later run without a frame leaves none behind.
     let (out, frame) = run(folder.path(), "out", &scenario("six-ink"), &picture, &[]);
     assert_eq!(
