@@ -22,6 +22,8 @@ pub(crate) struct FrameRequest {
     codes: PanelCodes,
     packing: Packing,
     forms: Vec<FrameForm>,
+    /// Whether the codes are the numbers of the states.
+    is_numbered: bool,
     mounting: Mounting,
     /// The frame that the panel shows.
     since: Option<ShownStates>,
@@ -61,7 +63,8 @@ impl FrameRequest {
         let columns = request.source.columns.max(1);
         let size = [columns, request.source.pixels.len() / columns];
         let since = arguments.since.as_deref().map(|path| shown(path, size, &codes)).transpose()?;
-        Ok(Some(Self { codes, packing, forms, mounting, since }))
+        let is_numbered = request.codes.is_none();
+        Ok(Some(Self { codes, packing, forms, is_numbered, mounting, since }))
     }
 
     /// The frame of a picture; `title` is that of its scenario.
@@ -89,7 +92,8 @@ impl FrameRequest {
                 rectangle: changed_rectangle(frame.size[0], changed),
             }),
         };
-        Frame { frame, title, packing, forms: forms.clone(), changed, numbers }
+        let (forms, is_numbered) = (forms.clone(), self.is_numbered);
+        Frame { frame, title, packing, forms, is_numbered, changed, numbers }
     }
 }
 
@@ -100,6 +104,8 @@ pub(crate) struct Frame {
     title: String,
     packing: Packing,
     forms: Vec<FrameForm>,
+    /// Whether the codes are the numbers of the states.
+    is_numbered: bool,
     /// Whether each pixel differs from what the panel shows.
     changed: Option<Vec<bool>>,
     pub(crate) numbers: FrameNumbers,
@@ -144,8 +150,11 @@ impl Frame {
         let packing = if *planes { "planes" } else { "bits for each pixel" };
         let codes: Vec<String> =
             self.numbers.codes.iter().map(|(state, code)| format!("{state} {code}")).collect();
+        let codes = codes.join(", ");
+        let numbered = " (the numbers of the states: display.pixel.codes states those of a controller)";
+        let numbered = if self.is_numbered { numbered } else { "" };
         let mut text =
-            format!("frame: {columns} x {rows} pixels, {bits} {packing}; codes: {}\n", codes.join(", "));
+            format!("frame: {columns} x {rows} pixels, {bits} {packing}; codes: {codes}{numbered}\n");
         if let Some(ChangedPixels { pixels, rectangle }) = changed {
             let rectangle = rectangle.map_or(String::new(), |[x, y, width, height]| {
                 format!(", in {width} x {height} pixels from column {x}, row {y}")

@@ -7,6 +7,7 @@ use std::process::Output;
 
 use papilio_formats::panel::{CONTROLLERS, read_shown_states};
 use papilio_formats::{DataFile, write_rgb_png};
+use papilio_scenario::ExampleDisplay;
 use serde_json::{Value, json};
 
 use crate::common::{names, papilio_command as papilio, scenario, stderr, stdout};
@@ -88,6 +89,12 @@ fn frame_has_the_states_in_the_codes_of_the_controller() {
     let bmp = fs::read(out.join("frame.bmp")).unwrap();
     let rows: Vec<u8> = bmp[118..].chunks(12).rev().flat_map(|row| row[..11].to_vec()).collect();
     assert_eq!((bmp.len(), found(&rows)), (118 + 12 * SIZE[1], wanted));
+    // The schema of image.json has all of its keys.
+    let schema = papilio().args(["schema", "--image"]).output().unwrap();
+    let schema: Value = serde_json::from_slice(&schema.stdout).unwrap();
+    let described = schema["$defs"]["FrameNumbers"]["properties"].as_object().unwrap();
+    assert!(schema["properties"].as_object().unwrap().contains_key("frame"));
+    assert_eq!(described.keys().collect::<Vec<_>>(), frame.as_object().unwrap().keys().collect::<Vec<_>>());
     // A later run without a frame leaves none behind.
     let (out, frame) = run(folder.path(), "out", &scenario("six-ink"), &picture, &[]);
     assert_eq!(
@@ -145,7 +152,27 @@ fn codes_may_be_given_or_left_out() {
     assert_eq!((&named["bits"], &named["planes"]), (&json!(2), &json!(true)));
     let output =
         image(&epaper, &picture, &["--packed", "2", "--out", folder.path().join("o").to_str().unwrap()]);
-    assert!(stdout(&output).contains("frame: 21 x 12 pixels, 2 bits for each pixel"), "{}", stdout(&output));
+    let table = stdout(&output);
+    assert!(
+        table.contains("frame: 21 x 12 pixels, 2 bits for each pixel; codes: white 0, black 1 (the"),
+        "{table}"
+    );
+}
+
+/// A usual panel has the codes of a controller of its kind, without a scenario file.
+#[test]
+fn usual_panels_have_codes_of_controllers() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = picture(folder.path(), 7);
+    for display in ExampleDisplay::with_panels() {
+        let small = ["--set", "display.matrix.pixels=[16,12]", "--frame", "bin", "--json"];
+        let output =
+            papilio().arg("image").arg(&picture).args(["--on", display.name]).args(small).output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let numbers: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let name = numbers["frame"]["controller"].as_str().unwrap();
+        assert!(CONTROLLERS.iter().any(|controller| controller.name == name), "{}: {name}", display.name);
+    }
 }
 
 /// The mask is white exactly where two frames differ, in the rows and columns of the frame, and the rectangle has
