@@ -207,7 +207,7 @@ impl SpatialOutput for ImageOutput {
             let rows = differences(numbers);
             let light = light(&numbers.light);
             all.push_str(&format!(
-                "\nthe same states in the light of {name}, {light}\n{}\n",
+                "\nthe same states in the light of {name}, {light}\n{}",
                 report::table(&rows)
             ));
         }
@@ -321,23 +321,25 @@ fn text(title: &str, result: &ImageResult) -> String {
 fn differences(numbers: &ImageNumbers) -> Vec<Vec<String>> {
     let head = [
         "seen against",
-        "CIEDE2000: mean",
-        "median",
-        "95th pct.",
         "S-CIELAB: mean",
         "95th pct.",
+        "hue error, deg",
+        "chroma",
+        "local contrast",
         "FLIP: mean",
+        "CIEDE2000: mean",
     ];
     let row = |name: &str, one: PictureDifferences| {
         let number = |value: Option<f64>, digits| measured(value, None, digits);
         vec![
             name.to_owned(),
-            number(Some(one.delta_e_2000_mean), 2),
-            number(Some(one.delta_e_2000_p50), 2),
-            number(Some(one.delta_e_2000_p95), 2),
             number(one.scielab_mean, 2),
             number(one.scielab_p95, 2),
+            number(one.hue_error_deg, 1),
+            number(one.chroma_ratio, 2),
+            number(one.local_contrast_ratio, 2),
             number(one.flip_mean, 4),
+            number(Some(one.delta_e_2000_mean), 2),
         ]
     };
     vec![
