@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
 type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const PICTURES: [Picture; 23] = [
+const PICTURES: [Picture; 30] = [
     (
         &["run"],
         "indoor.toml",
@@ -92,6 +92,22 @@ const PICTURES: [Picture; 23] = [
         &["seen.png"],
         "sub-pixels-",
     ),
+    (&GALLERY, "data/chelsea.png", &["rooms.png"], "gallery-chelsea-"),
+    (&GALLERY, "data/photographs/coffee.jpg", &["rooms.png"], "gallery-coffee-"),
+    (&GALLERY, "data/photographs/astronaut.jpg", &["rooms.png"], "gallery-astronaut-"),
+    (&GALLERY, "data/photographs/rocket.jpg", &["rooms.png"], "gallery-rocket-"),
+    (&GALLERY, "data/photographs/deep-field.jpg", &["rooms.png"], "gallery-deep-field-"),
+    (&GALLERY, "data/photographs/camera.jpg", &["rooms.png"], "gallery-camera-"),
+    (&GALLERY, "data/photographs/dashboard.png", &["rooms.png"], "gallery-dashboard-"),
+];
+
+/// A picture of the gallery: on six inks in daylight, and below a sodium lamp.
+const GALLERY: [&str; 5] = [
+    "image",
+    "--on=six-ink",
+    "--set=display.matrix.pixels=[400,300]",
+    "--set=image.halftone=\"direct-binary-search\"",
+    "--rooms=HP1",
 ];
 
 /// Runs the task.
