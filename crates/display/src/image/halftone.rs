@@ -3,7 +3,7 @@
 use papilio_imaging::halftone::{ErrorDiffusion, Mask};
 
 use super::masks::masked;
-use super::search::searched;
+use super::search::{REFINED, TO_THE_END, searched};
 use super::{ImageSettings, Rendering, colour};
 use crate::DisplayError;
 use crate::palette::Palette;
@@ -21,8 +21,11 @@ pub enum Halftone {
     /// Each pixel is compared with a void-and-cluster mask.
     VoidAndCluster,
     /// The error of each pixel is passed on to its neighbours.
-    #[default]
     ErrorDiffusion,
+    /// Error diffusion, then two passes of the search of [`DirectBinarySearch`](Self::DirectBinarySearch), which
+    /// removes worms and most of the visible pattern; error diffusion alone without a size of pixels.
+    #[default]
+    RefinedErrorDiffusion,
     /// Error diffusion, then changes of pixels as long as one lowers the visible error.
     DirectBinarySearch,
 }
@@ -73,17 +76,19 @@ pub(super) fn states(
             let mask = Mask::void_and_cluster(VOID_AND_CLUSTER, settings.seed)?;
             Ok((masked(&mask, mapped, panel, control)?, 0))
         }
-        Halftone::ErrorDiffusion | Halftone::DirectBinarySearch => {
+        Halftone::ErrorDiffusion | Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {
             let (kernel, scan, metric) = (settings.kernel, settings.scan, panel.rendering.metric());
             let diffusion = ErrorDiffusion { kernel, scan, metric, ..ErrorDiffusion::default() };
             let (framed, columns) = framed(mapped, panel.columns);
             let found = diffusion.colours(&framed, columns, &panel.rendering.states)?;
             let states = without_frame(&found.states, columns, mapped.len());
             let cut = found.cut_pixels.min(mapped.len());
-            if settings.halftone == Halftone::ErrorDiffusion {
-                return Ok((states, cut));
-            }
-            Ok((searched(&states, mapped, panel, control)?, cut))
+            let stages = match settings.halftone {
+                Halftone::DirectBinarySearch => &TO_THE_END[..],
+                Halftone::RefinedErrorDiffusion if panel.pixels_per_degree.is_some() => &REFINED,
+                _ => return Ok((states, cut)),
+            };
+            Ok((searched(&states, mapped, panel, stages, control)?, cut))
         }
     }
 }

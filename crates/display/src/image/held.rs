@@ -141,7 +141,9 @@ impl Brought {
         let rendered = rendering.rendered(&source.pixels, source.columns, &settings.adjustments)?;
         control.check()?;
         let spread = match settings.halftone {
-            Halftone::DirectBinarySearch => Blur::spread_of_white(&lit.setup, REACH_OF_LAYERS, control)?,
+            Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {
+                Blur::spread_of_white(&lit.setup, REACH_OF_LAYERS, control)?
+            }
             _ => None,
         };
         let panel = Panel {
