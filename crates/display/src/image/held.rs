@@ -138,7 +138,8 @@ impl Brought {
     ) -> Result<Self, DisplayError> {
         let mapping = (settings.intent, settings.space);
         let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
-        let rendered = rendering.rendered(&source.pixels, source.columns, &settings.adjustments)?;
+        let threads = control.thread_count();
+        let rendered = rendering.rendered(&source.pixels, source.columns, &settings.adjustments, threads)?;
         control.check()?;
         let spread = match settings.halftone {
             Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {

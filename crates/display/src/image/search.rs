@@ -78,11 +78,7 @@ pub(super) fn with_filters(
 ) -> Result<Vec<u8>, DisplayError> {
     let per_degree = panel.pixels_per_degree.ok_or(DisplayError::NoPixelPitch)?;
     let metric = panel.rendering.opponent(RED_GREEN, BLUE_YELLOW);
-    let coordinates =
-        |pixel: [f64; 3]| metric.map(|row| row.iter().zip(pixel).map(|(a, b)| a * b).sum::<f64>());
-    let wanted: Vec<[f32; 3]> =
-        mapped.iter().map(|pixel| coordinates(pixel.map(f64::from)).map(|value| value as f32)).collect();
-    let states: Vec<[f64; 3]> = panel.rendering.states.iter().map(|state| coordinates(*state)).collect();
+    let states = &panel.rendering.states;
     let spread = panel.spread.as_deref();
     let [lightness, red_green, blue_yellow] = WIDTHS_DEG.map(|one| filter(width * one, per_degree, spread));
     let filters = [lightness?, red_green?, blue_yellow?];
@@ -100,7 +96,7 @@ pub(super) fn with_filters(
         stop: &|| control.stop.load(Ordering::Relaxed),
         watch: &mut watch,
     };
-    let found = direct_binary_search(&wanted, panel.columns, &states, &filters, start, told)?;
+    let found = direct_binary_search(mapped, panel.columns, (states, metric), &filters, start, told)?;
     control.check()?;
     Ok(found.states)
 }

@@ -51,6 +51,9 @@ fn error(
 const PALETTE: [[f64; 2]; 3] = [[0.0, 0.1], [1.0, 0.3], [0.4, 0.9]];
 const COLUMNS: usize = 11;
 
+/// Coordinates are the values themselves.
+const AS_IS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
+
 /// Rounding of the error, relative to that of the start: correlated errors are numbers of 32 bits.
 const SINGLE: f64 = 1e-6;
 
@@ -81,7 +84,7 @@ impl Case {
             Filter::new(3, self.values[1].clone()).unwrap(),
         ];
         let control = SearchControl { threads: 1, stop: &|| false, watch };
-        direct_binary_search(&self.wanted, COLUMNS, &PALETTE, &filters, &self.start, control).unwrap()
+        direct_binary_search(&self.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &self.start, control).unwrap()
     }
 }
 
@@ -130,7 +133,7 @@ fn direct_binary_search_stops_when_asked() {
     let filters = [bell(1, 1.0), bell(1, 1.0)];
     let watch = &mut |_| ControlFlow::Continue(());
     let control = SearchControl { threads: 2, stop: &|| true, watch };
-    let none = direct_binary_search(&case.wanted, COLUMNS, &PALETTE, &filters, &case.start, control).unwrap();
+    let none = direct_binary_search(&case.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &case.start, control).unwrap();
     assert_eq!((none.states, none.passes, none.is_complete), (case.start, 0, false));
 }
 
@@ -146,7 +149,7 @@ fn direct_binary_search_beats_error_diffusion_from_any_start() {
         let watch = &mut |_| ControlFlow::Continue(());
         let palette = [[0.0], [1.0]];
         let control = SearchControl { threads: 1, stop: &|| false, watch };
-        direct_binary_search(wanted.as_chunks().0, side, &palette, &[bell(5, 1.5)], start, control).unwrap()
+        direct_binary_search(wanted.as_chunks().0, side, (&palette, [[1.0]]), &[bell(5, 1.5)], start, control).unwrap()
     };
     let (from_diffused, from_noise) = (search(&diffused), search(&noise));
     assert!(from_diffused.error < 0.5 * from_diffused.error_at_start, "{from_diffused:?}");
@@ -161,7 +164,7 @@ fn direct_binary_search_of_unusable_input_is_refused() {
         let filters = [bell(1, 1.0), bell(1, 1.0)];
         let watch = &mut |_| ControlFlow::Continue(());
         let control = SearchControl { threads: 1, stop: &|| false, watch };
-        direct_binary_search(&case.wanted, COLUMNS, palette, &filters, start, control)
+        direct_binary_search(&case.wanted, COLUMNS, (palette, AS_IS), &filters, start, control)
             .unwrap_err()
             .to_string()
     };
@@ -189,7 +192,7 @@ fn direct_binary_search_has_the_same_bits_with_any_number_of_threads() {
         let search = |start: &[u8], threads| {
             let watch = &mut |_| ControlFlow::Continue(());
             let control = SearchControl { threads, stop: &|| false, watch };
-            direct_binary_search(&wanted, columns, &palette, &filters, start, control).unwrap()
+            direct_binary_search(&wanted, columns, (&palette, AS_IS), &filters, start, control).unwrap()
         };
         let alone = search(&start, 1);
         assert!(

@@ -13,6 +13,8 @@ pub(super) struct Shown<'a, const N: usize> {
     pub(super) wanted: &'a [[f32; N]],
     pub(super) columns: usize,
     pub(super) states: &'a [u8],
+    /// From `wanted` to the coordinates.
+    pub(super) metric: [[f32; N]; N],
 }
 
 /// Some rows of a picture that are correlated; the result is the error E of them.
@@ -32,8 +34,11 @@ impl<const N: usize> Shown<'_, N> {
         let pixels = row * self.columns..(row + 1) * self.columns;
         let both = self.wanted[pixels.clone()].iter().zip(&self.states[pixels]);
         for (error, (wanted, state)) in into.iter_mut().zip(both) {
-            let wanted = if wanted[k].is_finite() { wanted[k] } else { 0.0 };
-            *error = costs.palette[usize::from(*state)][k] - wanted;
+            let mut along = 0.0;
+            for (metric, wanted) in self.metric[k].iter().zip(wanted) {
+                along += metric * wanted;
+            }
+            *error = costs.palette[usize::from(*state)][k] - if along.is_finite() { along } else { 0.0 };
         }
     }
 }

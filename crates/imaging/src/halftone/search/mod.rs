@@ -71,9 +71,9 @@ pub struct SearchControl<'a> {
 
 /// Direct binary search from a start.
 ///
-/// `wanted` has the coordinates of each pixel by rows, `palette` those of each state: X, Y, Z, or linear
-/// combinations of them such as opponent colours, for which the eye's filters differ. `filters` are those of
-/// the coordinates. `start` has a state for each pixel, usually from [error
+/// `wanted` has the values of each pixel by rows, `palette` those of each state, such as X, Y, Z. `metric` has the
+/// coordinates that are compared, one in each row: linear combinations of them such as opponent colours, for which
+/// the eye's filters differ. `filters` are those of the coordinates. `start` has a state for each pixel, usually from [error
 /// diffusion](super::ErrorDiffusion).
 ///
 /// # Errors
@@ -82,7 +82,7 @@ pub struct SearchControl<'a> {
 pub fn direct_binary_search<const N: usize>(
     wanted: &[[f32; N]],
     columns: usize,
-    palette: &[[f64; N]],
+    (palette, metric): (&[[f64; N]], [[f64; N]; N]),
     filters: &[Filter; N],
     start: &[u8],
     control: SearchControl<'_>,
@@ -101,8 +101,12 @@ pub fn direct_binary_search<const N: usize>(
     let SearchControl { threads, stop, watch } = control;
     let mut searched =
         Searched { states: Vec::new(), error_at_start: 0.0, error: 0.0, passes: 0, is_complete: false };
-    let costs = Costs::new(palette, filters);
-    let shown = Shown { wanted, columns, states: start };
+    let in_metric = |colour: &[f64; N]| {
+        metric.map(|row| row.iter().zip(colour).map(|(m, value)| m * value).sum::<f64>())
+    };
+    let costs = Costs::new(&palette.iter().map(in_metric).collect::<Vec<_>>(), filters);
+    let metric = metric.map(|row| row.map(|one| one as f32));
+    let shown = Shown { wanted, columns, states: start, metric };
     let Some((mut field, mut error)) = Field::new(shown, &costs, (threads, stop)) else {
         searched.states = start.to_vec();
         return Ok(searched);
