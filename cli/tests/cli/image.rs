@@ -287,11 +287,33 @@ fn halftone_keeps_the_mean_colour() {
     // Errors of half a white pixel, at most, leave at each of the 4 x 160 pixels of the border. 160 is a
     // multiple of the sides of neither mask, whose levels are finer.
     let wanted = mean("none");
-    for halftone in ["error-diffusion", "ordered", "void-and-cluster", "direct-binary-search"] {
+    let halftones =
+        ["refined-error-diffusion", "error-diffusion", "ordered", "void-and-cluster", "direct-binary-search"];
+    for halftone in halftones {
         for ((shown, wanted), white) in mean(halftone).into_iter().zip(wanted).zip([0.43, 0.38, 0.13]) {
             assert!((shown - wanted).abs() < 2.0 * white / 160.0, "{halftone}: {shown} {wanted}");
         }
     }
+}
+
+/// Without keys, error diffusion is refined; with a kernel it is as the kernel has it.
+#[test]
+fn kernel_without_halftone_is_plain_error_diffusion() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[60, 90, 130], [200, 160, 90]]);
+    let coverage = |sets: &[&str]| {
+        let sets = sets.iter().flat_map(|one| ["--set", one]);
+        let size = ["--set", "display.matrix.pixels=[90,60]"];
+        let all: Vec<&str> = [file.to_str().unwrap()].into_iter().chain(size).chain(sets).collect();
+        json(&scenario("six-ink"), &all)["coverage"].clone()
+    };
+    let plain = "image.halftone=\"error-diffusion\"";
+    let kernel = "image.kernel=\"jarvis\"";
+    assert_eq!(coverage(&[kernel]), coverage(&[plain, kernel]));
+    assert_eq!(coverage(&["image.scan=\"raster\""]), coverage(&[plain, "image.scan=\"raster\""]));
+    let refined = "image.halftone=\"refined-error-diffusion\"";
+    assert_eq!(coverage(&[]), coverage(&[refined]));
+    assert_ne!(coverage(&[refined, kernel]), coverage(&[kernel]));
 }
 
 /// Text is black on white, half of the area of stripes is black, and a page has a photograph besides; all on

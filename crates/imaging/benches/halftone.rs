@@ -97,10 +97,11 @@ fn direct_binary_search_of_256_by_256(bencher: Bencher<'_, '_>) {
     let start = ErrorDiffusion::default().colours(&wanted, 256, &palette).unwrap().states;
     let bell =
         |at: usize| (-(((at % 13) as f64 - 6.0).powi(2) + ((at / 13) as f64 - 6.0).powi(2)) / 8.0).exp();
+    let metric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let filters = [0; 3].map(|_| Filter::new(13, (0..169).map(bell).collect()).unwrap());
     bencher.bench_local(|| {
         let watch = &mut |_| ControlFlow::Continue(());
         let control = SearchControl { threads: 1, stop: &|| false, watch };
-        direct_binary_search(&wanted, 256, &palette, &filters, &start, control).unwrap()
+        direct_binary_search(&wanted, 256, (&palette, metric), &filters, &start, control).unwrap()
     });
 }

@@ -20,29 +20,41 @@ use crate::halftone::check_rows;
 /// If the number of pixels is not a multiple of `columns`.
 pub fn guided(values: &[f32], columns: usize, radius: usize, epsilon: f64) -> Result<Vec<f32>, ImagingError> {
     check_rows(values.len(), columns)?;
-    let values: Vec<f64> =
-        values.iter().map(|value| if value.is_finite() { f64::from(*value) } else { 0.0 }).collect();
-    let mean = window_means(values.clone(), columns, radius);
-    let mut slope = window_means(values.iter().map(|value| value * value).collect(), columns, radius);
-    let mut offset = mean;
+    let finite = |value: &f32| if value.is_finite() { *value } else { 0.0 };
+    // Sums have double precision, planes single.
+    let means = |values: Vec<f32>| means_of(values, columns, radius, |mean| mean as f32);
+    let mut offset = means(values.iter().map(finite).collect());
+    let mut slope = means(values.iter().map(|value| finite(value) * finite(value)).collect());
     for (slope, mean) in slope.iter_mut().zip(&mut offset) {
-        let variance = (*slope - *mean * *mean).max(0.0);
-        *slope = if variance > 0.0 { variance / (variance + epsilon) } else { 0.0 };
+        let variance = (f64::from(*slope) - f64::from(*mean) * f64::from(*mean)).max(0.0);
+        *slope = if variance > 0.0 { (variance / (variance + epsilon)) as f32 } else { 0.0 };
         *mean *= 1.0 - *slope;
     }
-    let (slope, offset) = (window_means(slope, columns, radius), window_means(offset, columns, radius));
-    let lines = values.iter().zip(slope).zip(offset);
-    Ok(lines.map(|((value, slope), offset)| (slope * value + offset) as f32).collect())
+    let (slope, mut base) = (means(slope), means(offset));
+    for ((base, slope), value) in base.iter_mut().zip(slope).zip(values) {
+        *base += slope * finite(value);
+    }
+    Ok(base)
 }
 
 /// Mean of the values in the square window about each pixel, which ends at the borders; of whole rows.
-pub fn window_means(mut values: Vec<f64>, columns: usize, radius: usize) -> Vec<f64> {
+pub fn window_means(values: Vec<f64>, columns: usize, radius: usize) -> Vec<f64> {
+    means_of(values, columns, radius, |mean| mean)
+}
+
+/// The same of numbers of any precision.
+fn means_of<T: Copy + Into<f64>>(
+    mut values: Vec<T>,
+    columns: usize,
+    radius: usize,
+    rounded: impl Fn(f64) -> T,
+) -> Vec<T> {
     let mut sums = vec![0.0; columns + 1];
     for row in values.chunks_exact_mut(columns) {
-        (0..columns).for_each(|x| sums[x + 1] = sums[x] + row[x]);
+        (0..columns).for_each(|x| sums[x + 1] = sums[x] + row[x].into());
         for (x, value) in row.iter_mut().enumerate() {
             let (first, end) = (x.saturating_sub(radius), (x + radius + 1).min(columns));
-            *value = (sums[end] - sums[first]) / (end - first) as f64;
+            *value = rounded((sums[end] - sums[first]) / (end - first) as f64);
         }
     }
     // Down the columns, the sum of the rows in the window: one row enters and one leaves.
@@ -54,14 +66,14 @@ pub fn window_means(mut values: Vec<f64>, columns: usize, radius: usize) -> Vec<
     let mut entered = 0;
     for y in 0..rows {
         while entered < (y + radius + 1).min(rows) {
-            sums.iter_mut().zip(row(entered)).for_each(|(sum, value)| *sum += value);
+            sums.iter_mut().zip(row(entered)).for_each(|(sum, value)| *sum += (*value).into());
             entered += 1;
         }
         if y > radius {
-            sums.iter_mut().zip(row(y - radius - 1)).for_each(|(sum, value)| *sum -= value);
+            sums.iter_mut().zip(row(y - radius - 1)).for_each(|(sum, value)| *sum -= (*value).into());
         }
         let count = (entered - y.saturating_sub(radius)) as f64;
-        values[y * columns..][..columns].iter_mut().zip(&*sums).for_each(|(value, sum)| *value = sum / count);
+        values[y * columns..][..columns].iter_mut().zip(&*sums).for_each(|(value, sum)| *value = rounded(sum / count));
     }
     values
 }

@@ -2,9 +2,11 @@
 //!
 //! **What.** [`GamutMapping::closest`] at the nodes of a lattice of coordinates, each computed when it is first
 //! needed, with linear interpolation of X, Y, Z: the hull is convex, so that an interpolated colour is in it.
-//! What the hull contains is not interpolated. The result does not depend on the order of the colours.
+//! What the hull contains is not interpolated. The result does not depend on the order of the colours, nor on threads.
 //!
 //! **Range.** Chromatic coordinates from -0.5 to 0.5 of the white's lightness; others are computed one by one.
+
+use std::sync::OnceLock;
 
 use super::GamutMapping;
 use crate::Xyz;
@@ -17,18 +19,19 @@ const NODES: usize = STEPS + 1;
 #[derive(Debug)]
 pub struct ClosestLattice<'a> {
     mapping: &'a GamutMapping,
-    /// X, Y, Z by lightness, a and b; NaN where a node was not needed yet.
-    nodes: Vec<[f64; 3]>,
+    /// X, Y, Z by lightness, a and b, of the nodes that were needed.
+    nodes: Vec<OnceLock<[f64; 3]>>,
 }
 
 impl<'a> ClosestLattice<'a> {
     /// A lattice without nodes.
     pub fn new(mapping: &'a GamutMapping) -> Self {
-        Self { mapping, nodes: vec![[f64::NAN; 3]; NODES * NODES * NODES] }
+        let nodes = (0..NODES * NODES * NODES).map(|_| OnceLock::new()).collect();
+        Self { mapping, nodes }
     }
 
     /// The colour of the hull closest to coordinates, and whether it has these coordinates itself.
-    pub fn closest(&mut self, target: [f64; 3]) -> (Xyz, bool) {
+    pub fn closest(&self, target: [f64; 3]) -> (Xyz, bool) {
         if let Some(colour) = self.mapping.contained(target) {
             return (colour, true);
         }
@@ -53,13 +56,13 @@ impl<'a> ClosestLattice<'a> {
         (sum, false)
     }
 
-    fn node(&mut self, at: [usize; 3]) -> Xyz {
+    fn node(&self, at: [usize; 3]) -> Xyz {
         let index = (at[0] * NODES + at[1]) * NODES + at[2];
-        if self.nodes[index][0].is_nan() {
+        let closest = || {
             let [lightness, a, b] = at.map(|k| k as f64 / STEPS as f64);
-            self.nodes[index] = self.mapping.closest([lightness, a - 0.5, b - 0.5]).to_array();
-        }
-        let [x, y, z] = self.nodes[index];
+            self.mapping.closest([lightness, a - 0.5, b - 0.5]).to_array()
+        };
+        let [x, y, z] = *self.nodes[index].get_or_init(closest);
         Xyz { x, y, z }
     }
 }

@@ -193,9 +193,9 @@ fn lattice_is_nearly_exact_and_without_memory() {
             [mapping.tone(0.3).lightness(l), a, b]
         })
         .collect();
-    let mut lattice = ClosestLattice::new(&mapping);
+    let lattice = ClosestLattice::new(&mapping);
     let forwards: Vec<Xyz> = targets.iter().map(|target| lattice.closest(*target).0).collect();
-    let mut again = ClosestLattice::new(&mapping);
+    let again = ClosestLattice::new(&mapping);
     let mut backwards: Vec<Xyz> = targets.iter().rev().map(|target| again.closest(*target).0).collect();
     backwards.reverse();
     assert_eq!(forwards, backwards);

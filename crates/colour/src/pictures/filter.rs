@@ -36,6 +36,7 @@ impl Kernel {
 
     /// Adds the value and those at its sides, of which `at` returns the one below and the one above at a
     /// distance.
+    #[inline(always)]
     fn apply<'a>(&self, middle: &[f32], sums: &mut [f32], at: impl Fn(usize) -> [&'a [f32]; 2]) {
         sums.iter_mut().zip(middle).for_each(|(sum, value)| *sum = self.total * value);
         for (k, weight) in self.sides.iter().enumerate() {
@@ -52,6 +53,7 @@ impl Kernel {
     }
 
     /// Convolves the rows of a plane. Beyond its borders the picture continues with the values at the border.
+    #[inline(always)]
     pub(super) fn along_rows(&self, plane: &[f32], columns: usize) -> Vec<f32> {
         let radius = self.sides.len();
         let mut padded = vec![0.0; columns + 2 * radius + BLOCK];
@@ -74,6 +76,7 @@ impl Kernel {
     }
 
     /// Convolves the columns of a plane, likewise.
+    #[inline(always)]
     pub(super) fn along_columns(&self, plane: &[f32], columns: usize) -> Vec<f32> {
         let last = plane.len() / columns - 1;
         let row = |at: usize| &plane[at * columns..(at + 1) * columns];

@@ -18,6 +18,7 @@
 
 use std::f32::consts::FRAC_1_SQRT_2;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use super::Picture;
 use super::filter::Kernel;
@@ -71,14 +72,47 @@ impl FlipPicture {
     /// Computes what is seen of a picture in linear sRGB. `pixels_per_degree`: of the visual angle, in the
     /// middle of the picture.
     pub fn new(picture: &Picture, pixels_per_degree: f64) -> Self {
-        let (columns, count) = (picture.columns(), picture.planes[0].len());
-        let mut planes = [0; 3].map(|_| Vec::with_capacity(count));
-        for rgb in picture.pixels() {
-            let values = opponent(to_xyz(rgb.map(|value| value.clamp(0.0, 1.0) as f32)));
-            planes.iter_mut().zip(values).for_each(|(plane, value)| plane.push(value));
+        let planes = picture.planes.each_ref().map(|plane| plane.iter().map(|one| *one as f32).collect());
+        Self::of_rows(planes, picture.columns(), pixels_per_degree, 0..picture.rows())
+    }
+
+    /// The same of some of the rows of planes, which have those around them that the kernels [reach](Self::reach).
+    #[inline(always)]
+    pub(super) fn of_rows(
+        mut planes: [Vec<f32>; 3],
+        columns: usize,
+        pixels_per_degree: f64,
+        rows: Range<usize>,
+    ) -> Self {
+        let [one, two, three] = &mut planes;
+        for ((one, two), three) in one.iter_mut().zip(two).zip(three) {
+            [*one, *two, *three] =
+                opponent(to_xyz([one.clamp(0.0, 1.0), two.clamp(0.0, 1.0), three.clamp(0.0, 1.0)]));
         }
-        let features = features(&planes[0], columns, pixels_per_degree);
-        Self { size: [columns, picture.rows()], colours: seen(planes, columns, pixels_per_degree), features }
+        let mut features = features(&planes[0], columns, pixels_per_degree);
+        let mut colours = seen(planes, columns, pixels_per_degree);
+        colours.truncate(rows.end * columns);
+        features.truncate(rows.end * columns);
+        colours.drain(..rows.start * columns);
+        features.drain(..rows.start * columns);
+        Self { size: [columns, rows.len()], colours, features }
+    }
+
+    /// Rows about a pixel on which its values depend.
+    pub(super) fn reach(pixels_per_degree: f64) -> usize {
+        let feature = 3.0 * 0.5 * FEATURE_DEG * pixels_per_degree;
+        radius(pixels_per_degree).max(feature.ceil()) as usize
+    }
+
+    /// Sum of the differences of the pixels of a picture of the same size.
+    #[inline(always)]
+    pub(super) fn sum_of_differences(&self, other: &Self) -> f64 {
+        let most = largest_colour_difference();
+        let colours = self.colours.iter().zip(&other.colours);
+        let features = self.features.iter().zip(&other.features);
+        let difference =
+            |((one, other), (feature, far))| f64::from(difference((one, other), (feature, far), most));
+        colours.zip(features).map(difference).sum()
     }
 
     /// Computes the difference of each pixel, 0 to 1.
@@ -94,25 +128,36 @@ impl FlipPicture {
         let colours = self.colours.iter().zip(&other.colours);
         let features = self.features.iter().zip(&other.features);
         let mut differences = Vec::with_capacity(self.colours.len());
-        for ((one, other), (feature, far)) in colours.zip(features) {
-            if one == other {
-                differences.push(0.0);
-                continue;
-            }
-            let strength = (feature[0] - far[0]).abs().max((feature[1] - far[1]).abs());
-            // The exponent of the difference of features is a half.
-            let feature = (strength * FRAC_1_SQRT_2).sqrt();
-            differences.push(compressed(hyab(*one, *other), most).powf(1.0 - feature));
+        for (colours, features) in colours.zip(features) {
+            differences.push(difference(colours, features, most));
         }
         Ok(differences)
     }
 }
 
+/// The difference of a pixel from its colours and features.
+#[inline(always)]
+fn difference(
+    (one, other): (&[f32; 3], &[f32; 3]),
+    (feature, far): (&[f32; 2], &[f32; 2]),
+    most: f32,
+) -> f32 {
+    if one == other {
+        return 0.0;
+    }
+    let strength = (feature[0] - far[0]).abs().max((feature[1] - far[1]).abs());
+    // The exponent of the difference of features is a half.
+    let feature = (strength * FRAC_1_SQRT_2).sqrt();
+    compressed(hyab(*one, *other), most).powf(1.0 - feature)
+}
+
+#[inline(always)]
 fn times(matrix: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
     matrix.map(|[x, y, z]| x * a + y * b + z * c)
 }
 
 /// X, Y and Z relative to the white.
+#[inline(always)]
 fn to_xyz(rgb: [f32; 3]) -> [f32; 3] {
     let [x, y, z] = times(&RGB_TO_XYZ, rgb);
     [x / WHITE[0], y, z / WHITE[2]]
@@ -120,17 +165,20 @@ fn to_xyz(rgb: [f32; 3]) -> [f32; 3] {
 
 /// CIELAB without its cube roots: linear in light, so that it can be filtered. Lightness is on a scale of 0
 /// to 1.
+#[inline(always)]
 fn opponent([x, y, z]: [f32; 3]) -> [f32; 3] {
     [y, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
+#[inline(always)]
 fn from_opponent([y, red_green, blue_yellow]: [f32; 3]) -> [f32; 3] {
     [WHITE[0] * (y + red_green / 500.0), y, WHITE[2] * (y - blue_yellow / 200.0)]
 }
 
 /// Cube root of a normal positive number, within 3e-7 of it: a third of its exponent, and two steps of
 /// Halley's method.
-fn cube_root(value: f32) -> f32 {
+#[inline(always)]
+pub(super) fn cube_root(value: f32) -> f32 {
     let first = f32::from_bits(value.to_bits() / 3 + 709_958_130);
     (0..2).fold(first, |root, _| {
         let cube = root * root * root;
@@ -139,6 +187,7 @@ fn cube_root(value: f32) -> f32 {
 }
 
 /// CIELAB with less chroma in dark colours.
+#[inline(always)]
 fn hunt_adjusted(xyz: [f32; 3]) -> [f32; 3] {
     let root = |ratio: f32| {
         const DELTA: f32 = 6.0 / 29.0;
@@ -151,6 +200,7 @@ fn hunt_adjusted(xyz: [f32; 3]) -> [f32; 3] {
 }
 
 /// Difference of lightness plus distance in chroma, to the power of [`COLOUR_EXPONENT`].
+#[inline(always)]
 fn hyab(one: [f32; 3], other: [f32; 3]) -> f32 {
     let [l, a, b] = [0, 1, 2].map(|k| one[k] - other[k]);
     (l.abs() + (a * a + b * b).sqrt()).powf(COLOUR_EXPONENT)
@@ -163,6 +213,7 @@ fn largest_colour_difference() -> f32 {
 }
 
 /// Maps 0 to `most` to 0 to 1, in two straight lines: large differences are compressed.
+#[inline(always)]
 fn compressed(difference: f32, most: f32) -> f32 {
     let bend = COMPRESSED_FROM * most;
     if difference < bend {
@@ -172,9 +223,15 @@ fn compressed(difference: f32, most: f32) -> f32 {
     }
 }
 
+/// Radius of the kernels of colours, pixels.
+fn radius(pixels_per_degree: f64) -> f64 {
+    (3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil()
+}
+
 /// The colours of a picture after the eye's blur.
+#[inline(always)]
 fn seen(planes: [Vec<f32>; 3], columns: usize, pixels_per_degree: f64) -> Vec<[f32; 3]> {
-    let radius = (3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil();
+    let radius = radius(pixels_per_degree);
     let mut gaussians = SENSITIVITY.iter();
     let [l, a, b] = planes.map(|plane| {
         blurred(plane, columns, gaussians.next().unwrap_or(&SENSITIVITY[2]), radius, pixels_per_degree)
@@ -187,6 +244,7 @@ fn seen(planes: [Vec<f32>; 3], columns: usize, pixels_per_degree: f64) -> Vec<[f
 }
 
 /// Filters a plane by a sum of Gaussians, normalised to the sum of its samples.
+#[inline(always)]
 fn blurred(
     plane: Vec<f32>,
     columns: usize,
@@ -228,6 +286,7 @@ fn both_sides(weights: &[f64]) -> f64 {
 }
 
 /// Strength of edges and points at each pixel, from lightness on a scale of 0 to 1.
+#[inline(always)]
 fn features(lightness: &[f32], columns: usize, pixels_per_degree: f64) -> Vec<[f32; 2]> {
     let sigma = 0.5 * FEATURE_DEG * pixels_per_degree;
     let radius = (3.0 * sigma).ceil();

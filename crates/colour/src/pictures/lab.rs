@@ -57,14 +57,14 @@ fn cube_root(value: f64) -> f64 {
     })
 }
 
-const COS_30: f64 = 0.866_025_403_784_438_6;
-const COS_6: f64 = 0.994_521_895_368_273_3;
-const SIN_6: f64 = 0.104_528_463_267_653_46;
-const COS_63: f64 = 0.453_990_499_739_546_8;
-const SIN_63: f64 = 0.891_006_524_188_367_9;
+pub(super) const COS_30: f64 = 0.866_025_403_784_438_6;
+pub(super) const COS_6: f64 = 0.994_521_895_368_273_3;
+pub(super) const SIN_6: f64 = 0.104_528_463_267_653_46;
+pub(super) const COS_63: f64 = 0.453_990_499_739_546_8;
+pub(super) const SIN_63: f64 = 0.891_006_524_188_367_9;
 /// Of 275 degrees.
-const COS_BLUE: f64 = 0.087_155_742_747_658_17;
-const SIN_BLUE: f64 = -0.996_194_698_091_745_5;
+pub(super) const COS_BLUE: f64 = 0.087_155_742_747_658_17;
+pub(super) const SIN_BLUE: f64 = -0.996_194_698_091_745_5;
 
 /// [`Lab::delta_e_2000`] from the cosine and sine of the mean hue, which is the direction of the sum of both
 /// hues' unit vectors.

@@ -4,6 +4,7 @@
 //! - [`Picture::into_lab`] and [`Picture::delta_e_2000`]: colour differences of the pixels.
 //! - [`scielab`]: colours after the eye's blur, whose differences are those of S-CIELAB (Zhang and Wandell
 //!   1996).
+//! - [`compared`]: the same differences of large pictures, with little memory and several threads.
 //! - [`FlipPicture`]: the difference that is noticed when two pictures alternate (FLIP, Andersson and others
 //!   2020).
 //!
@@ -11,13 +12,17 @@
 //!
 //! A reader's distance enters as [pixels per degree](pixels_per_degree) of the visual angle.
 
+mod difference;
 mod filter;
 mod flip;
+mod histogram;
 mod lab;
 mod scielab;
+mod stripes;
 
 pub use flip::{FLIP_PIXELS_PER_DEGREE, FlipPicture};
 pub use scielab::{scielab, scielab_transfer};
+pub use stripes::{Comparison, LEAST_PER_DEGREE, Reader, Spread, compared};
 
 use crate::ColourError;
 

@@ -27,7 +27,7 @@ use crate::matrix::{Matrix, inverse, times};
 use crate::{ColourError, D65_WHITE, Xyz};
 
 /// Matrix from X, Y, Z to the opponent colours: luminance, red-green, blue-yellow.
-const OPPONENT: Matrix = [
+pub(super) const OPPONENT: Matrix = [
     [0.278_733_6, 0.721_803_1, -0.106_552_0],
     [-0.448_773_6, 0.289_805_6, 0.077_156_9],
     [0.085_951_3, -0.589_985_9, 0.501_108_9],
@@ -35,14 +35,14 @@ const OPPONENT: Matrix = [
 
 /// Filters of the opponent colours: full widths at half maximum (degrees) and weights of their Gaussians,
 /// which sum to 1 within 2e-6; they are divided by their sum.
-const FILTERS: [&[(f64, f64)]; 3] = [
+pub(super) const FILTERS: [&[(f64, f64)]; 3] = [
     &[(0.05, 1.003_27), (0.225, 0.114_416), (7.0, -0.117_686)],
     &[(0.0685, 0.616_725), (0.826, 0.383_275)],
     &[(0.092, 0.567_885), (0.6451, 0.432_115)],
 ];
 
 /// Transfer function of a Gaussian.
-fn gaussian(cycles_per_degree: f64, width_deg: f64) -> f64 {
+pub(super) fn gaussian(cycles_per_degree: f64, width_deg: f64) -> f64 {
     (-(PI * cycles_per_degree * width_deg).powi(2) / (4.0 * LN_2)).exp()
 }
 

@@ -1,6 +1,8 @@
 //! How much two pictures in the same light differ: CIEDE2000 of each pixel, and for a reader at a distance S-CIELAB and FLIP.
 
-use papilio_colour::pictures::{FlipPicture, Picture, scielab};
+use papilio_colour::pictures::{
+    Comparison, FlipPicture, LEAST_PER_DEGREE, Picture, Reader, compared, scielab,
+};
 use papilio_colour::{Adaptation, ColourError, D65_WHITE, Xyz};
 use papilio_imaging::window_means;
 use schemars::JsonSchema;
@@ -41,6 +43,31 @@ const WITH_HUE: f64 = 2.0;
 /// Side of the windows of local contrast, degrees.
 const WINDOW_DEG: f64 = 0.15;
 
+fn window_radius(per_degree: f64) -> usize {
+    ((0.5 * WINDOW_DEG * per_degree).round() as usize).max(1)
+}
+
+/// Pixels from which differences are computed stripe by stripe.
+const MANY: usize = 200_000;
+
+impl From<Comparison> for PictureDifferences {
+    fn from(one: Comparison) -> Self {
+        let ratio = |part: f64, whole: f64| (whole > 0.0).then(|| part / whole);
+        let [wanted, shown, hued, turned] = one.chromas;
+        Self {
+            delta_e_2000_mean: one.plain.mean,
+            delta_e_2000_p50: one.plain.p50,
+            delta_e_2000_p95: one.plain.p95,
+            scielab_mean: Some(one.scielab.mean),
+            scielab_p95: Some(one.scielab.p95),
+            flip_mean: Some(one.flip_mean),
+            hue_error_deg: ratio(turned, hued),
+            chroma_ratio: ratio(shown, wanted),
+            local_contrast_ratio: ratio(one.contrasts[0], one.contrasts[1]),
+        }
+    }
+}
+
 /// Hue error in degrees, ratio of chroma and ratio of local contrast of a picture in CIELAB to another.
 fn likeness(seen: &Picture, other: &Picture, per_degree: f64) -> [Option<f64>; 3] {
     let [mut chromas, mut shown, mut hued, mut turned] = [0.0; 4];
@@ -56,7 +83,7 @@ fn likeness(seen: &Picture, other: &Picture, per_degree: f64) -> [Option<f64>; 3
             }
         }
     }
-    let radius = ((0.5 * WINDOW_DEG * per_degree).round() as usize).max(1);
+    let radius = window_radius(per_degree);
     let contrast = |picture: &Picture| {
         let lightness = &picture.planes()[0];
         let mean = window_means(lightness.clone(), picture.columns(), radius);
@@ -96,6 +123,26 @@ impl PictureDifferences {
     /// # Errors
     /// If the white has no X, Y or Z.
     pub(super) fn against<const N: usize>(
+        seen: &[[f32; 3]],
+        others: [&[[f32; 3]]; N],
+        columns: usize,
+        white: Xyz,
+        pixels_per_degree: Option<f64>,
+        threads: usize,
+    ) -> Result<[Self; N], ColourError> {
+        if let Some(per_degree) = pixels_per_degree
+            && per_degree >= LEAST_PER_DEGREE
+            && seen.len() >= MANY
+        {
+            let (coloured, window) = ([COLOURED as f32, WITH_HUE as f32], window_radius(per_degree));
+            let reader = Reader { white, per_degree, coloured, window };
+            return Ok(compared(seen, others, columns, reader, threads)?.map(Self::from));
+        }
+        Self::one_by_one(seen, others, columns, white, pixels_per_degree, threads)
+    }
+
+    /// The same, of whole pictures one by one, in double precision.
+    fn one_by_one<const N: usize>(
         seen: &[[f32; 3]],
         others: [&[[f32; 3]]; N],
         columns: usize,
@@ -200,6 +247,56 @@ mod tests {
         assert!(none.scielab_mean.unwrap() < 1e-12, "{none:?}");
         assert!(0.0 < one.delta_e_2000_p50 && one.delta_e_2000_p50 < one.delta_e_2000_p95);
         assert!(one.flip_mean.unwrap() > 0.0 && one.scielab_mean.unwrap() > 0.0);
+    }
+
+    /// Stripe by stripe, with any number of threads, numbers are those of whole pictures.
+    #[test]
+    fn differences_of_large_pictures_are_those_of_whole_ones() {
+        let white = Xyz { x: 0.9, y: 0.8, z: 0.3 };
+        let mut dice = papilio_testing::Dice::new(8, 0);
+        let states =
+            [[0.05, 0.05, 0.02], [0.8, 0.75, 0.28], [0.6, 0.62, 0.05], [0.35, 0.2, 0.03], [0.08, 0.1, 0.2]];
+        let (columns, rows) = (201, 150);
+        let smooth: Vec<[f32; 3]> = (0..columns * rows)
+            .map(|at| {
+                let (x, y) = ((at % columns) as f32 / 201.0, (at / columns) as f32 / 150.0);
+                [0.2 + 0.4 * x, 0.2 + 0.3 * x + 0.1 * (9.0 * y).sin(), 0.05 + 0.2 * y]
+            })
+            .collect();
+        let seen: Vec<[f32; 3]> = smooth
+            .iter()
+            .map(|pixel| if dice.throw() < 0.5 { *pixel } else { states[dice.below(5)] })
+            .collect();
+        let darker: Vec<[f32; 3]> = smooth.iter().map(|pixel| pixel.map(|one| 0.8 * one)).collect();
+        for per_degree in [25.0, 44.0, 90.0] {
+            let others = [&smooth[..], &darker];
+            let plain =
+                PictureDifferences::one_by_one(&seen, others, columns, white, Some(per_degree), 1).unwrap();
+            let (coloured, window) = ([COLOURED as f32, WITH_HUE as f32], window_radius(per_degree));
+            let reader = Reader { white, per_degree, coloured, window };
+            let of = |threads| compared(&seen, others, columns, reader, threads).unwrap();
+            assert_eq!(of(1), of(3));
+            for (plain, found) in plain.into_iter().zip(of(2).map(PictureDifferences::from)) {
+                let numbers = |one: PictureDifferences| {
+                    [
+                        Some(one.delta_e_2000_mean),
+                        Some(one.delta_e_2000_p50),
+                        Some(one.delta_e_2000_p95),
+                        one.scielab_mean,
+                        one.scielab_p95,
+                        one.flip_mean,
+                        one.hue_error_deg,
+                        one.chroma_ratio,
+                        one.local_contrast_ratio,
+                    ]
+                };
+                for (plain, found) in numbers(plain).into_iter().zip(numbers(found)) {
+                    let (plain, found) = (plain.unwrap(), found.unwrap());
+                    // The last blocks overhang this small picture, and few pixels are near a quantile.
+                    assert!((plain - found).abs() < 4e-3 * plain + 2e-3, "{per_degree}: {plain} {found}");
+                }
+            }
+        }
     }
 
     /// A uniform colour with half of its chroma and its hue turned by 10 degrees; stripes with a third of their

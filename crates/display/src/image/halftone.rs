@@ -3,7 +3,7 @@
 use papilio_imaging::halftone::{ErrorDiffusion, Mask};
 
 use super::masks::masked;
-use super::search::searched;
+use super::search::{REFINED, TO_THE_END, searched};
 use super::{ImageSettings, Rendering, colour};
 use crate::DisplayError;
 use crate::palette::Palette;
@@ -21,8 +21,11 @@ pub enum Halftone {
     /// Each pixel is compared with a void-and-cluster mask.
     VoidAndCluster,
     /// The error of each pixel is passed on to its neighbours.
-    #[default]
     ErrorDiffusion,
+    /// Error diffusion, then two passes of the search of [`DirectBinarySearch`](Self::DirectBinarySearch), which
+    /// removes worms and most of the visible pattern; error diffusion alone without a size of pixels.
+    #[default]
+    RefinedErrorDiffusion,
     /// Error diffusion, then changes of pixels as long as one lowers the visible error.
     DirectBinarySearch,
 }
@@ -73,17 +76,19 @@ pub(super) fn states(
             let mask = Mask::void_and_cluster(VOID_AND_CLUSTER, settings.seed)?;
             Ok((masked(&mask, mapped, panel, control)?, 0))
         }
-        Halftone::ErrorDiffusion | Halftone::DirectBinarySearch => {
+        Halftone::ErrorDiffusion | Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {
             let (kernel, scan, metric) = (settings.kernel, settings.scan, panel.rendering.metric());
             let diffusion = ErrorDiffusion { kernel, scan, metric, ..ErrorDiffusion::default() };
-            let (framed, columns) = framed(mapped, panel.columns);
-            let found = diffusion.colours(&framed, columns, &panel.rendering.states)?;
+            let (row, [columns, rows]) = framed(mapped, panel.columns);
+            let found = diffusion.colours_by_rows(&row, [columns, rows], &panel.rendering.states)?;
             let states = without_frame(&found.states, columns, mapped.len());
             let cut = found.cut_pixels.min(mapped.len());
-            if settings.halftone == Halftone::ErrorDiffusion {
-                return Ok((states, cut));
-            }
-            Ok((searched(&states, mapped, panel, control)?, cut))
+            let stages = match settings.halftone {
+                Halftone::DirectBinarySearch => &TO_THE_END[..],
+                Halftone::RefinedErrorDiffusion if panel.pixels_per_degree.is_some() => &REFINED,
+                _ => return Ok((states, cut)),
+            };
+            Ok((searched(&states, mapped, panel, stages, control)?, cut))
         }
     }
 }
@@ -92,20 +97,21 @@ pub(super) fn states(
 /// from neighbours yet, or loses them, and would draw a frame of another colour.
 const FRAME: usize = 24;
 
-/// A picture between its mirror images at both sides and above, and the number of its columns.
-fn framed(pixels: &[[f32; 3]], columns: usize) -> (Vec<[f32; 3]>, usize) {
+/// The rows of a picture between its mirror images at both sides and above, and the number of its columns and rows.
+fn framed(pixels: &[[f32; 3]], columns: usize) -> (impl Fn(usize, &mut [[f32; 3]]), [usize; 2]) {
     let rows = pixels.len() / columns;
     // Beyond a border, the picture continues as its mirror image.
     let mirrored = |at: isize, count: usize| {
         let at = at.rem_euclid(2 * count as isize) as usize;
         if at < count { at } else { 2 * count - 1 - at }
     };
-    let frame = FRAME as isize;
-    let row = |y: isize| {
-        let row = &pixels[mirrored(y, rows) * columns..][..columns];
-        (-frame..columns as isize + frame).map(move |x| row[mirrored(x, columns)])
+    let row = move |y: usize, into: &mut [[f32; 3]]| {
+        let row = &pixels[mirrored(y as isize - FRAME as isize, rows) * columns..][..columns];
+        for (x, into) in into.iter_mut().enumerate() {
+            *into = row[mirrored(x as isize - FRAME as isize, columns)];
+        }
     };
-    ((-frame..rows as isize).flat_map(row).collect(), columns + 2 * FRAME)
+    (row, [columns + 2 * FRAME, rows + FRAME])
 }
 
 /// The states of a picture that was framed.
@@ -127,8 +133,10 @@ mod tests {
     fn frames_are_mirror_images() {
         for [columns, rows] in [[1, 1], [5, 3], [40, 30]] {
             let pixels: Vec<[f32; 3]> = (0..columns * rows).map(|k| [k as f32; 3]).collect();
-            let (framed, wide) = framed(&pixels, columns);
-            assert_eq!((wide, framed.len()), (columns + 2 * FRAME, (columns + 2 * FRAME) * (rows + FRAME)));
+            let (row, [wide, high]) = framed(&pixels, columns);
+            assert_eq!([wide, high], [columns + 2 * FRAME, rows + FRAME]);
+            let mut framed = vec![[0.0; 3]; wide * high];
+            framed.chunks_exact_mut(wide).enumerate().for_each(|(y, line)| row(y, line));
             let first = &framed[FRAME * wide..][..wide];
             assert_eq!(first[FRAME - 1], first[FRAME]);
             let numbers: Vec<u8> = framed.iter().map(|pixel| (pixel[0] as usize % 256) as u8).collect();

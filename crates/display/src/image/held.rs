@@ -138,10 +138,13 @@ impl Brought {
     ) -> Result<Self, DisplayError> {
         let mapping = (settings.intent, settings.space);
         let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
-        let rendered = rendering.rendered(&source.pixels, source.columns, &settings.adjustments)?;
+        let threads = control.thread_count();
+        let rendered = rendering.rendered(&source.pixels, source.columns, &settings.adjustments, threads)?;
         control.check()?;
         let spread = match settings.halftone {
-            Halftone::DirectBinarySearch => Blur::spread_of_white(&lit.setup, REACH_OF_LAYERS, control)?,
+            Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {
+                Blur::spread_of_white(&lit.setup, REACH_OF_LAYERS, control)?
+            }
             _ => None,
         };
         let panel = Panel {

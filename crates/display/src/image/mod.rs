@@ -18,6 +18,7 @@
 //!
 //! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
 
+mod chunks;
 mod differences;
 mod exact;
 mod filter;
@@ -40,6 +41,7 @@ mod tests_of_natural;
 
 use std::f64::consts::PI;
 
+use chunks::in_chunks;
 pub use differences::PictureDifferences;
 pub use exact::exact;
 pub use halftone::Halftone;
@@ -247,7 +249,7 @@ pub fn image(
     let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
     let Brought { rendering, rendered, states, cut } =
         control.within([0.4, 0.6], |control| Brought::new(&lit, source, settings, control))?;
-    let Rendered { wanted, mapped, photograph, inside, table_error, rendition } = rendered;
+    let Rendered { wanted, mapped, inside, table_error, rendition } = rendered;
     let to_screen =
         Adaptation::between(lit.white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let picture = Picture { size, states: &states, wholes: &[] };
@@ -271,8 +273,10 @@ pub fn image(
     let threads = control.thread_count();
     let [against_source, against_mapped] =
         PictureDifferences::against(&seen, [&wanted, &mapped], size[0], lit.white, per_degree, threads)?;
+    let photograph = rendering.photograph(&source.pixels, threads);
     let [against_photograph] =
         PictureDifferences::against(&seen, [&photograph], size[0], rendering.white, per_degree, threads)?;
+    drop(photograph);
     let mut warnings = lit.result.warnings.clone();
     if error > LARGE_ERROR {
         let reason = if between_places > 0.5 * error {
@@ -303,7 +307,7 @@ pub fn image(
     let Lit { view, result, palette, .. } = lit;
     let shown = sampled.as_ref().unwrap_or(&seen);
     let OnScreen { bytes: on_screen, linear, clipped } =
-        OnScreen::of(shown, &shown_as, &to_screen, screen.space);
+        OnScreen::of(shown, &shown_as, &to_screen, screen.space, threads);
     let numbers = ImageNumbers {
         light: LightSummary::of(scene, &result),
         view,
@@ -357,20 +361,32 @@ struct OnScreen {
 
 impl OnScreen {
     /// `shown_as` adapts X, Y, Z to what is white on the screen, `to_screen` to D65.
-    fn of(seen: &[[f32; 3]], shown_as: &Adaptation, to_screen: &Adaptation, space: ScreenSpace) -> Self {
-        let is_same = shown_as == to_screen && space == ScreenSpace::Srgb;
-        let mut found = Self { bytes: Vec::new(), linear: Vec::new(), clipped: 0 };
-        found.bytes.reserve_exact(seen.len());
-        found.linear.reserve_exact(seen.len());
-        for sample in seen {
-            let on_screen = space.linear(shown_as.apply(colour(*sample)));
-            let is_clipped = on_screen.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
-            found.clipped += usize::from(is_clipped);
-            found.bytes.push(with_hue(on_screen).map(encoded_byte));
-            let linear = if is_same { on_screen } else { to_screen.apply(colour(*sample)).linear_srgb() };
-            found.linear.push(linear.map(|value| value as f32));
-        }
-        found
+    fn of(
+        seen: &[[f32; 3]],
+        shown_as: &Adaptation,
+        to_screen: &Adaptation,
+        space: ScreenSpace,
+        threads: usize,
+    ) -> Self {
+        let on_screen = |sample: &[f32; 3]| space.linear(shown_as.apply(colour(*sample)));
+        let mut bytes = vec![[0; 3]; seen.len()];
+        let clipped = in_chunks(threads, &mut bytes, |first, bytes| {
+            let mut clipped = 0;
+            for (bytes, sample) in bytes.iter_mut().zip(&seen[first..]) {
+                let shown = on_screen(sample);
+                let is_clipped = shown.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
+                clipped += usize::from(is_clipped);
+                *bytes = with_hue(shown).map(encoded_byte);
+            }
+            clipped
+        });
+        let mut linear = vec![[0.0; 3]; seen.len()];
+        in_chunks(threads, &mut linear, |first, linear| {
+            for (linear, sample) in linear.iter_mut().zip(&seen[first..]) {
+                *linear = to_screen.apply(colour(*sample)).linear_srgb().map(|value| value as f32);
+            }
+        });
+        Self { bytes, linear, clipped: clipped.into_iter().sum() }
     }
 }
 

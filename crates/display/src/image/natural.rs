@@ -19,6 +19,7 @@ use papilio_spectra::{Grid, daylight, planck};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::chunks::in_chunks;
 use super::colour;
 use crate::DisplayError;
 
@@ -119,13 +120,17 @@ impl Adjustments {
         columns: usize,
         vivid: bool,
         adjusted: &AdjustedSource,
+        threads: usize,
     ) -> Result<(Vec<[f32; 3]>, Rendition), DisplayError> {
         let black = mapping.lightness_of_black();
         let limited = |pixel: &[f32; 3]| {
             let [lightness, a, b] = mapping.appearance(colour(*pixel));
             [if lightness > 0.0 { lightness.min(1.0) } else { 0.0 }, a, b].map(|one| one as f32)
         };
-        let mut targets: Vec<[f32; 3]> = pixels.iter().map(limited).collect();
+        let mut targets = vec![[0.0; 3]; pixels.len()];
+        in_chunks(threads, &mut targets, |first, targets| {
+            targets.iter_mut().zip(&pixels[first..]).for_each(|(target, pixel)| *target = limited(pixel));
+        });
         let lightness: Vec<f32> = targets.iter().map(|target| target[0]).collect();
         let below = lightness.iter().filter(|one| f64::from(**one) < black).count();
         let toned = pixels.iter().filter(|pixel| !is_white(pixel)).count();
@@ -147,14 +152,16 @@ impl Adjustments {
         let radius = (RADIUS * columns as f64).round().max(1.0) as usize;
         let base = if is_drawing { lightness } else { guided(&lightness, columns, radius, EPSILON)? };
         let tone = mapping.tone(below_black_fraction);
-        for (target, base) in targets.iter_mut().zip(base) {
-            let [lightness, a, b] = target.map(f64::from);
-            let base = f64::from(base).clamp(0.0, 1.0);
-            let shown = tone.lightness(base) + rendition.contrast * (lightness - base);
-            let chroma = [a, b].map(|one| rendition.saturation * one);
-            let shown = mapping.beside_grey([shown.clamp(black, 1.0), chroma[0], chroma[1]]);
-            *target = shown.map(|one| one as f32);
-        }
+        in_chunks(threads, &mut targets, |first, targets| {
+            for (target, base) in targets.iter_mut().zip(&base[first..]) {
+                let [lightness, a, b] = target.map(f64::from);
+                let base = f64::from(*base).clamp(0.0, 1.0);
+                let shown = tone.lightness(base) + rendition.contrast * (lightness - base);
+                let chroma = [a, b].map(|one| rendition.saturation * one);
+                let shown = mapping.beside_grey([shown.clamp(black, 1.0), chroma[0], chroma[1]]);
+                *target = shown.map(|one| one as f32);
+            }
+        });
         Ok((targets, rendition))
     }
 }
@@ -165,11 +172,12 @@ fn flat_fraction(pixels: &[[f32; 3]], columns: usize) -> f64 {
     let is_flat = |at: &usize| pixels[*at] == pixels[at + 1] && pixels[*at] == pixels[at + columns];
     let inner = (0..rows.saturating_sub(1))
         .flat_map(|y| (0..columns.saturating_sub(1)).map(move |x| y * columns + x));
-    let toned: Vec<usize> = inner.filter(|at| !is_white(&pixels[*at])).collect();
-    if toned.is_empty() {
-        return 1.0;
+    let (mut toned, mut flat) = (0_usize, 0_usize);
+    for at in inner.filter(|at| !is_white(&pixels[*at])) {
+        toned += 1;
+        flat += usize::from(is_flat(&at));
     }
-    toned.iter().filter(|at| is_flat(at)).count() as f64 / toned.len() as f64
+    if toned == 0 { 1.0 } else { flat as f64 / toned as f64 }
 }
 
 /// Whether a pixel is the white of the picture, to half a step of 8 bits.

@@ -7,6 +7,7 @@ use papilio_colour::mapping::{
 use papilio_colour::states::StateHull;
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 
+use super::chunks::in_chunks;
 use super::colour;
 use super::natural::{AdjustedSource, Adjustments, Rendition};
 use crate::DisplayError;
@@ -50,8 +51,6 @@ pub(super) struct Rendered {
     pub(super) wanted: Vec<[f32; 3]>,
     /// In the gamut of the display.
     pub(super) mapped: Vec<[f32; 3]>,
-    /// The picture itself: its white is that of the display, its black is 0.
-    pub(super) photograph: Vec<[f32; 3]>,
     /// Number of pixels whose colour some mixture of states has.
     pub(super) inside: usize,
     /// Error of the mapping of such colours by a table, CIEDE2000, 95th percentile; `None` if each was mapped.
@@ -140,17 +139,19 @@ impl Rendering {
         pixels: &[[f32; 3]],
         columns: usize,
         adjustments: &Adjustments,
+        threads: usize,
     ) -> Result<Rendered, DisplayError> {
         let adjusted = adjustments.of_source(pixels, columns, is_natural(self.intent))?;
         let shown = adjusted.pixels.as_deref().unwrap_or(pixels);
-        let photograph = pixels.iter().map(|pixel| single(self.to_white.apply(colour(*pixel)))).collect();
-        let mut rendered = if is_natural(self.intent) {
-            self.natural(shown, columns, adjustments, &adjusted)?
-        } else {
-            self.colour_by_colour(shown)
-        };
-        rendered.photograph = photograph;
-        Ok(rendered)
+        if is_natural(self.intent) {
+            return self.natural(shown, columns, adjustments, &adjusted, threads);
+        }
+        Ok(self.colour_by_colour(shown))
+    }
+
+    /// The picture itself: its white is that of the display, its black is 0.
+    pub(super) fn photograph(&self, pixels: &[[f32; 3]], threads: usize) -> Vec<[f32; 3]> {
+        changed(threads, pixels, |pixel| single(self.to_white.apply(colour(pixel))))
     }
 
     /// Maps the colour of each pixel by itself.
@@ -173,37 +174,43 @@ impl Rendering {
         columns: usize,
         adjustments: &Adjustments,
         adjusted: &AdjustedSource,
+        threads: usize,
     ) -> Result<Rendered, DisplayError> {
-        let mut rendered = Rendered::with_room_for(pixels.len());
         let vivid = self.intent == Intent::Vivid;
-        let (targets, rendition) = adjustments.targets(&self.mapping, pixels, columns, vivid, adjusted)?;
-        rendered.rendition = Some(rendition);
-        let mut lattice = (pixels.len() > MANY).then(|| ClosestLattice::new(&self.mapping));
-        let mut errors = Vec::new();
+        let (mut mapped, rendition) =
+            adjustments.targets(&self.mapping, pixels, columns, vivid, adjusted, threads)?;
+        let lattice = (pixels.len() > MANY).then(|| ClosestLattice::new(&self.mapping));
         let every = (pixels.len() / PROBES).max(1);
-        for (at, (pixel, target)) in pixels.iter().zip(targets).enumerate() {
-            rendered.wanted.push(single(self.mapping.target_xyz(colour(*pixel))));
-            let target = target.map(f64::from);
-            let (mapped, is_inside) = match &mut lattice {
-                Some(lattice) => lattice.closest(target),
-                None => self
-                    .mapping
-                    .contained(target)
-                    .map_or_else(|| (self.mapping.closest(target), false), |contained| (contained, true)),
-            };
-            if lattice.is_some() && at % every == 0 {
-                let labs = [mapped, self.mapping.closest(target)].map(|one| one.lab(self.white));
-                if let [Some(ours), Some(exact)] = labs {
-                    errors.push(ours.delta_e_2000(exact));
+        // Of each chunk, the number of colours of the display, and errors of the lattice.
+        let found = in_chunks(threads, &mut mapped, |first, mapped| {
+            let (mut inside, mut errors) = (0, Vec::new());
+            for (at, pixel) in mapped.iter_mut().enumerate() {
+                let target = pixel.map(f64::from);
+                let (closest, is_inside) = match &lattice {
+                    Some(lattice) => lattice.closest(target),
+                    None => self
+                        .mapping
+                        .contained(target)
+                        .map_or_else(|| (self.mapping.closest(target), false), |contained| (contained, true)),
+                };
+                if lattice.is_some() && (first + at).is_multiple_of(every) {
+                    let labs = [closest, self.mapping.closest(target)].map(|one| one.lab(self.white));
+                    if let [Some(ours), Some(exact)] = labs {
+                        errors.push(ours.delta_e_2000(exact));
+                    }
                 }
+                inside += usize::from(is_inside || self.mapping.is_nearly_contained(target, COUNTED_INSIDE));
+                *pixel = single(closest);
             }
-            let counts = is_inside || self.mapping.is_nearly_contained(target, COUNTED_INSIDE);
-            rendered.inside += usize::from(counts);
-            rendered.mapped.push(single(mapped));
-        }
+            (inside, errors)
+        });
+        let inside = found.iter().map(|(inside, _)| inside).sum();
+        let mut errors: Vec<f64> = found.into_iter().flat_map(|(_, errors)| errors).collect();
         errors.sort_by(f64::total_cmp);
-        rendered.table_error = errors.get(errors.len() * 95 / 100).copied();
-        Ok(rendered)
+        let table_error = errors.get(errors.len() * 95 / 100).copied();
+        let wanted = changed(threads, pixels, |pixel| single(self.mapping.target_xyz(colour(pixel))));
+        let rendition = Some(rendition);
+        Ok(Rendered { wanted, mapped, inside, table_error, rendition })
     }
 
     /// The colour that the display should show, the one that it can show instead, and whether a mixture of
@@ -226,8 +233,17 @@ impl Rendered {
     fn with_room_for(pixels: usize) -> Self {
         let all = || Vec::with_capacity(pixels);
         let (table_error, rendition) = (None, None);
-        Self { wanted: all(), mapped: all(), photograph: Vec::new(), inside: 0, table_error, rendition }
+        Self { wanted: all(), mapped: all(), inside: 0, table_error, rendition }
     }
+}
+
+/// The pixels of a picture after a change.
+fn changed(threads: usize, pixels: &[[f32; 3]], change: impl Fn([f32; 3]) -> [f32; 3] + Sync) -> Vec<[f32; 3]> {
+    let mut all = vec![[0.0; 3]; pixels.len()];
+    in_chunks(threads, &mut all, |first, all| {
+        all.iter_mut().zip(&pixels[first..]).for_each(|(to, pixel)| *to = change(*pixel));
+    });
+    all
 }
 
 /// Whether the mapping of a pixel depends on its surroundings.

@@ -36,7 +36,10 @@ const BLUE_YELLOW: f64 = 0.95;
 
 /// Fine to coarse: widths of the filters, as factors, and passes with them. Coarse filters alone end in patterns
 /// with 8 % larger S-CIELAB differences.
-const STAGES: [(f64, usize); 3] = [(0.6, 3), (0.8, 3), (1.0, usize::MAX)];
+pub(super) const TO_THE_END: [(f64, usize); 3] = [(0.6, 3), (0.8, 3), (1.0, usize::MAX)];
+
+/// What removes most of the visible pattern of error diffusion in little time.
+pub(super) const REFINED: [(f64, usize); 2] = [(0.8, 1), (1.0, 1)];
 
 /// Largest number of pixels per degree.
 const MOST_PER_DEGREE: f64 = 120.0;
@@ -47,17 +50,18 @@ const REACH: f64 = 3.0;
 /// Pixels around one over which the layers spread its light; what they spread more widely has no pattern.
 pub(super) const REACH_OF_LAYERS: i64 = 6;
 
-/// Searches from a start, fine to coarse.
+/// Searches from a start with filters of these widths, one after the other.
 pub(super) fn searched(
     start: &[u8],
     mapped: &[[f32; 3]],
     panel: &Panel<'_>,
+    stages: &[(f64, usize)],
     control: &Control<'_>,
 ) -> Result<Vec<u8>, DisplayError> {
     let mut states = start.to_vec();
-    for (number, (width, passes)) in STAGES.into_iter().enumerate() {
-        let from = number as f64 / STAGES.len() as f64;
-        let range = [from, from + 1.0 / STAGES.len() as f64];
+    for (number, (width, passes)) in stages.iter().copied().enumerate() {
+        let from = number as f64 / stages.len() as f64;
+        let range = [from, from + 1.0 / stages.len() as f64];
         states = control
             .within(range, |control| with_filters(&states, mapped, panel, (width, passes), control))?;
     }
@@ -74,11 +78,7 @@ pub(super) fn with_filters(
 ) -> Result<Vec<u8>, DisplayError> {
     let per_degree = panel.pixels_per_degree.ok_or(DisplayError::NoPixelPitch)?;
     let metric = panel.rendering.opponent(RED_GREEN, BLUE_YELLOW);
-    let coordinates =
-        |pixel: [f64; 3]| metric.map(|row| row.iter().zip(pixel).map(|(a, b)| a * b).sum::<f64>());
-    let wanted: Vec<[f32; 3]> =
-        mapped.iter().map(|pixel| coordinates(pixel.map(f64::from)).map(|value| value as f32)).collect();
-    let states: Vec<[f64; 3]> = panel.rendering.states.iter().map(|state| coordinates(*state)).collect();
+    let states = &panel.rendering.states;
     let spread = panel.spread.as_deref();
     let [lightness, red_green, blue_yellow] = WIDTHS_DEG.map(|one| filter(width * one, per_degree, spread));
     let filters = [lightness?, red_green?, blue_yellow?];
@@ -96,7 +96,7 @@ pub(super) fn with_filters(
         stop: &|| control.stop.load(Ordering::Relaxed),
         watch: &mut watch,
     };
-    let found = direct_binary_search(&wanted, panel.columns, &states, &filters, start, told)?;
+    let found = direct_binary_search(mapped, panel.columns, (states, metric), &filters, start, told)?;
     control.check()?;
     Ok(found.states)
 }

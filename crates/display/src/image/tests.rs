@@ -62,7 +62,7 @@ fn rendering(palette: &Palette, intent: Intent, pixels: usize) -> Rendering {
 }
 
 fn rendered(rendering: &Rendering, pixels: &[[f32; 3]], columns: usize) -> Rendered {
-    rendering.rendered(pixels, columns, &Adjustments::default()).unwrap()
+    rendering.rendered(pixels, columns, &Adjustments::default(), 2).unwrap()
 }
 
 fn settings(halftone: Halftone) -> ImageSettings {
@@ -259,17 +259,7 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
     let last = (1.0, usize::MAX);
     assert_eq!(search::with_filters(&found, &picture, &panel, last, &control).unwrap(), found);
-    let xyz = |pixels: &mut dyn Iterator<Item = [f64; 3]>| {
-        let values: Vec<[f64; 3]> = pixels.collect();
-        Picture::new(64, [0, 1, 2].map(|k| values.iter().map(|value| value[k]).collect())).unwrap()
-    };
-    let wanted = xyz(&mut picture.iter().map(|pixel| pixel.map(f64::from)));
-    let seen = |shown: &[u8]| {
-        let shown = xyz(&mut shown.iter().map(|state| rendering.states[usize::from(*state)]));
-        let [shown, wanted] = scielab([shown, wanted.clone()], rendering.white, PER_DEGREE[0]).unwrap();
-        let found = shown.delta_e_2000(&wanted).unwrap();
-        found.iter().sum::<f64>() / found.len() as f64
-    };
+    let seen = |shown: &[u8]| seen_error(&rendering, shown, &picture);
     assert!(seen(&found) < 0.85 * seen(&diffused), "{} {}", seen(&found), seen(&diffused));
     // Below layers that spread a third of the light over the eight neighbours, other patterns are best, and
     // the search ends there, too.
@@ -286,14 +276,87 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
         pixels_per_degree: Some(PER_DEGREE),
         spread: Some(spread),
     };
-    let blurred = search::searched(&diffused, &picture, &below, &control).unwrap();
+    let blurred = search::searched(&diffused, &picture, &below, &search::TO_THE_END, &control).unwrap();
     assert_ne!(blurred, found);
     assert_eq!(search::with_filters(&blurred, &picture, &below, last, &control).unwrap(), blurred);
     let settings = settings(Halftone::DirectBinarySearch);
     let no_pitch = Panel { pixels_per_degree: None, spread: None, ..panel };
     assert_eq!(states(&settings, &picture, &no_pitch, &control), Err(DisplayError::NoPixelPitch));
     stop.store(true, std::sync::atomic::Ordering::Relaxed);
-    assert_eq!(search::searched(&diffused, &picture, &no_pitch, &control), Err(DisplayError::NoPixelPitch));
+    assert_eq!(
+        search::searched(&diffused, &picture, &no_pitch, &search::TO_THE_END, &control),
+        Err(DisplayError::NoPixelPitch)
+    );
     let pitch = Panel { pixels_per_degree: Some(PER_DEGREE), spread: None, ..no_pitch };
     assert_eq!(states(&settings, &picture, &pitch, &control), Err(DisplayError::Interrupted));
+}
+
+/// Power of the luminance of a pattern of 64 x 64 pixels below 0.12 cycles per pixel, which a reader sees.
+fn visible_power(shown: &[f64]) -> f64 {
+    let mean = shown.iter().sum::<f64>() / shown.len() as f64;
+    let mut power = 0.0;
+    for (u, v) in (0..8).flat_map(|u| (-7..8).map(move |v| (f64::from(u), f64::from(v)))) {
+        if (1.0..60.0).contains(&(u * u + v * v)) {
+            let [mut re, mut im] = [0.0; 2];
+            for (at, value) in shown.iter().enumerate() {
+                let turn = 2.0 * PI * (u * (at % 64) as f64 + v * (at / 64) as f64) / 64.0;
+                re += (value - mean) * turn.cos();
+                im += (value - mean) * turn.sin();
+            }
+            power += re * re + im * im;
+        }
+    }
+    power
+}
+
+/// Flat tones have less than three quarters of the visible power of error diffusion, whose worms it is; a gradient is nearer
+/// to its picture for a reader; any number of threads gives the same bits; and without a pitch it is error
+/// diffusion.
+#[test]
+fn refined_error_diffusion_has_less_visible_pattern_than_error_diffusion() {
+    let inks = inks();
+    let [plain, refined] = [Halftone::ErrorDiffusion, Halftone::RefinedErrorDiffusion].map(settings);
+    assert_eq!(ImageSettings::default().halftone, refined.halftone);
+    let [black, white] = [&inks.colours[0], &inks.colours[1]].map(|one| [one.X, one.Y, one.Z]);
+    let power = |settings: &ImageSettings| {
+        let of_tone = |part: f64| {
+            let tone = single([0, 1, 2].map(|k| black[k] + part * (white[k] - black[k])));
+            let states = halftoned(&inks, settings, &[tone; 64 * 64]);
+            visible_power(&states.iter().map(|state| inks.colours[usize::from(*state)].Y).collect::<Vec<_>>())
+        };
+        [0.08, 0.2, 0.45, 0.7, 0.93].map(of_tone).iter().sum::<f64>()
+    };
+    let [with_worms, without] = [power(&plain), power(&refined)];
+    assert!(without < 0.75 * with_worms, "{without} {with_worms}");
+    let picture = gradient(&inks);
+    let rendering = rendering(&inks, Intent::Relative, 1);
+    let panel = |per_degree| Panel {
+        columns: 64,
+        palette: &inks,
+        rendering: &rendering,
+        pixels_per_degree: per_degree,
+        spread: None,
+    };
+    let shown = |settings: &ImageSettings, per_degree, threads| {
+        let control = Control { threads: Some(threads), progress: &|_| {}, stop: &AtomicBool::new(false) };
+        states(settings, &picture, &panel(per_degree), &control).unwrap().0
+    };
+    let found = shown(&refined, Some(PER_DEGREE), 1);
+    let diffused = shown(&plain, Some(PER_DEGREE), 1);
+    assert_eq!(shown(&refined, Some(PER_DEGREE), 3), found);
+    assert_eq!(shown(&refined, None, 1), diffused);
+    let error = |states: &[u8]| seen_error(&rendering, states, &picture);
+    assert!(error(&found) < 0.85 * error(&diffused), "{} {}", error(&found), error(&diffused));
+}
+
+/// Mean S-CIELAB difference of states of 64 columns from a picture.
+fn seen_error(rendering: &Rendering, states: &[u8], wanted: &[[f32; 3]]) -> f64 {
+    let xyz = |pixels: Vec<[f64; 3]>| {
+        Picture::new(64, [0, 1, 2].map(|k| pixels.iter().map(|value| value[k]).collect())).unwrap()
+    };
+    let shown = xyz(states.iter().map(|state| rendering.states[usize::from(*state)]).collect());
+    let wanted = xyz(wanted.iter().map(|pixel| pixel.map(f64::from)).collect());
+    let [shown, wanted] = scielab([shown, wanted], rendering.white, PER_DEGREE[0]).unwrap();
+    let found = shown.delta_e_2000(&wanted).unwrap();
+    found.iter().sum::<f64>() / found.len() as f64
 }

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::image::{ImageResult, ImageSettings, Screen, Sharpness, SourceImage, image};
+use papilio_display::image::{Halftone, ImageResult, ImageSettings, Screen, Sharpness, SourceImage, image};
 use papilio_display::scene::{Method, Stop};
 use papilio_display::spatial::{CrosstalkResult, Picture, Precision, crosstalk, picture};
 use papilio_display::{Control, DisplayError};
@@ -139,8 +139,9 @@ fn source() -> SourceImage {
     SourceImage { columns: 16, pixels: (0..16 * 14).map(pixel).collect() }
 }
 
+/// By error diffusion: a search may end in another pattern where the blur differs by rounding.
 fn seen(resolved: &Resolved) -> ImageResult {
-    let settings = ImageSettings::default();
+    let settings = ImageSettings { halftone: Halftone::ErrorDiffusion, ..ImageSettings::default() };
     with_control(|control| image(&resolved.scene, &source(), &settings, Screen::default(), control))
 }
 

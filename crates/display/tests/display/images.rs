@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_colour::mapping::Intent;
 use papilio_display::image::{
-    HeldPicture, ImageSettings, KnownLights, PictureSurround, Screen, SourceImage, exact, image,
+    Halftone, HeldPicture, ImageSettings, KnownLights, PictureSurround, Screen, SourceImage, exact, image,
 };
 use papilio_display::scene::Scene;
 use papilio_display::spatial::walk::pattern;
@@ -330,7 +330,8 @@ fn lamps_are_those_of_a_halftone_without_one() {
             "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.6\n[[lighting.directed]]\ntheta_deg = -23\nshare = 0.4\n{radius}"
         );
         let display = scene(&[GLASS, MATRIX, MIRROR, &lamp, viewer]);
-        let settings = ImageSettings { intent: Intent::Relative, ..ImageSettings::default() };
+        let (intent, halftone) = (Intent::Relative, Halftone::ErrorDiffusion);
+        let settings = ImageSettings { intent, halftone, ..ImageSettings::default() };
         let held = control(|control| HeldPicture::new(&display, &ramp(), &settings, control));
         let by_states = control(|control| held.factors(&display, control));
         let mut prepared = prepared_for(&display).unwrap();

@@ -142,7 +142,23 @@ impl ErrorDiffusion {
         columns: usize,
         palette: &[[f64; 3]],
     ) -> Result<Diffused<3>, ImagingError> {
-        self.diffuse(wanted, columns, palette, self.metric)
+        check_rows(wanted.len(), columns)?;
+        let row = |y: usize, row: &mut [[f32; 3]]| row.copy_from_slice(&wanted[y * columns..][..columns]);
+        self.diffuse(&row, [columns, wanted.len() / columns], palette, self.metric)
+    }
+
+    /// [`colours`](Self::colours) of a picture of this many columns and rows, whose rows a function writes.
+    ///
+    /// # Errors
+    /// As [`colours`](Self::colours).
+    pub fn colours_by_rows(
+        &self,
+        row: &dyn Fn(usize, &mut [[f32; 3]]),
+        [columns, rows]: [usize; 2],
+        palette: &[[f64; 3]],
+    ) -> Result<Diffused<3>, ImagingError> {
+        check_rows(columns * rows, columns)?;
+        self.diffuse(row, [columns, rows], palette, self.metric)
     }
 
     /// Error diffusion of single numbers, such as the coverage of one sub-pixel, to these levels.
@@ -156,22 +172,24 @@ impl ErrorDiffusion {
         levels: &[f64],
     ) -> Result<Diffused<1>, ImagingError> {
         let palette: Vec<[f64; 1]> = levels.iter().map(|level| [*level]).collect();
-        self.diffuse(wanted.as_chunks().0, columns, &palette, [[1.0]])
+        check_rows(wanted.len(), columns)?;
+        let wanted = wanted.as_chunks().0;
+        let row = |y: usize, row: &mut [[f32; 1]]| row.copy_from_slice(&wanted[y * columns..][..columns]);
+        self.diffuse(&row, [columns, wanted.len() / columns], &palette, [[1.0]])
     }
 
     fn diffuse<const N: usize>(
         &self,
-        wanted: &[[f32; N]],
-        columns: usize,
+        row: &dyn Fn(usize, &mut [[f32; N]]),
+        [columns, rows]: [usize; 2],
         palette: &[[f64; N]],
         metric: [[f64; N]; N],
     ) -> Result<Diffused<N>, ImagingError> {
-        check_rows(wanted.len(), columns)?;
         check_states(palette.len())?;
         if let Some(state) = palette.iter().position(|colour| !colour.iter().all(|value| value.is_finite())) {
             return Err(ImagingError::Palette { state });
         }
-        let picture = Picture { wanted, columns, scan: self.scan };
+        let picture = Picture { row, columns, rows, scan: self.scan };
         let palette = Palette::new(palette, metric, self.limit);
         Ok(match self.kernel {
             DiffusionKernel::FloydSteinberg => picture.diffused(&palette, &FLOYD_STEINBERG),
@@ -332,8 +350,10 @@ impl<const N: usize> Palette<N> {
 }
 
 struct Picture<'a, const N: usize> {
-    wanted: &'a [[f32; N]],
+    /// Writes the wanted values of a row.
+    row: &'a dyn Fn(usize, &mut [[f32; N]]),
     columns: usize,
+    rows: usize,
     scan: Scan,
 }
 
@@ -342,14 +362,15 @@ impl<const N: usize> Picture<'_, N> {
         let width = self.columns + 2 * BORDER;
         // Errors passed to the present row and the two below it.
         let mut rows = [0; 3].map(|_| vec![[0_i32; N]; width]);
-        let mut states = vec![0; self.wanted.len()];
+        let mut states = vec![0; self.columns * self.rows];
+        let mut wanted = vec![[0.0; N]; self.columns];
         let mut ledger = Ledger { lost: [0; N], cut: [0; N], cut_pixels: 0 };
-        let lines = self.wanted.chunks_exact(self.columns).zip(states.chunks_exact_mut(self.columns));
-        for (y, (wanted, states)) in lines.enumerate() {
+        for (y, states) in states.chunks_exact_mut(self.columns).enumerate() {
+            (self.row)(y, &mut wanted);
             if self.scan == Scan::Serpentine && y % 2 == 1 {
-                one_row::<N, W, -1>(palette, kernel, &mut rows, wanted, states, &mut ledger);
+                one_row::<N, W, -1>(palette, kernel, &mut rows, &wanted, states, &mut ledger);
             } else {
-                one_row::<N, W, 1>(palette, kernel, &mut rows, wanted, states, &mut ledger);
+                one_row::<N, W, 1>(palette, kernel, &mut rows, &wanted, states, &mut ledger);
             }
             ledger.lose(&rows[0][..BORDER]);
             ledger.lose(&rows[0][width - BORDER..]);

@@ -51,6 +51,12 @@ fn error(
 const PALETTE: [[f64; 2]; 3] = [[0.0, 0.1], [1.0, 0.3], [0.4, 0.9]];
 const COLUMNS: usize = 11;
 
+/// Coordinates are the values themselves.
+const AS_IS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
+
+/// Rounding of the error, relative to that of the start: correlated errors are numbers of 32 bits.
+const SINGLE: f64 = 1e-6;
+
 struct Case {
     wanted: Vec<[f32; 2]>,
     values: [Vec<f64>; 2],
@@ -78,7 +84,7 @@ impl Case {
             Filter::new(3, self.values[1].clone()).unwrap(),
         ];
         let control = SearchControl { threads: 1, stop: &|| false, watch };
-        direct_binary_search(&self.wanted, COLUMNS, &PALETTE, &filters, &self.start, control).unwrap()
+        direct_binary_search(&self.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &self.start, control).unwrap()
     }
 }
 
@@ -93,9 +99,10 @@ fn direct_binary_search_lowers_its_error_until_no_change_of_a_pixel_or_a_pair_do
     assert!(found.is_complete && found.passes == errors.len() && errors.len() > 2);
     assert!(errors.windows(2).all(|pair| pair[1] <= pair[0]) && errors[0] < found.error_at_start);
     let at_end = case.error(&found.states);
-    assert!((case.error(&case.start) - found.error_at_start).abs() < 1e-9 * found.error_at_start);
-    assert!((at_end - found.error).abs() < 1e-9 * found.error_at_start, "{at_end} {}", found.error);
-    let improves = |states: &[u8]| case.error(states) < at_end - 1e-6;
+    assert!((case.error(&case.start) - found.error_at_start).abs() < SINGLE * found.error_at_start);
+    assert!((at_end - found.error).abs() < SINGLE * found.error_at_start, "{at_end} {}", found.error);
+    // Changes count from 1e-5 of what the largest change of one pixel may gain, which is 7 here.
+    let improves = |states: &[u8]| case.error(states) < at_end - 1e-4;
     for at in 0..found.states.len() {
         let mut changed = found.states.clone();
         for state in 0..3 {
@@ -122,11 +129,11 @@ fn direct_binary_search_stops_when_asked() {
     let stopped = case
         .search(&mut |pass| if pass.pass == 1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
     assert!(!stopped.is_complete && stopped.passes == 1);
-    assert!((case.error(&stopped.states) - stopped.error).abs() < 1e-9 * stopped.error_at_start);
+    assert!((case.error(&stopped.states) - stopped.error).abs() < SINGLE * stopped.error_at_start);
     let filters = [bell(1, 1.0), bell(1, 1.0)];
     let watch = &mut |_| ControlFlow::Continue(());
     let control = SearchControl { threads: 2, stop: &|| true, watch };
-    let none = direct_binary_search(&case.wanted, COLUMNS, &PALETTE, &filters, &case.start, control).unwrap();
+    let none = direct_binary_search(&case.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &case.start, control).unwrap();
     assert_eq!((none.states, none.passes, none.is_complete), (case.start, 0, false));
 }
 
@@ -142,7 +149,7 @@ fn direct_binary_search_beats_error_diffusion_from_any_start() {
         let watch = &mut |_| ControlFlow::Continue(());
         let palette = [[0.0], [1.0]];
         let control = SearchControl { threads: 1, stop: &|| false, watch };
-        direct_binary_search(wanted.as_chunks().0, side, &palette, &[bell(5, 1.5)], start, control).unwrap()
+        direct_binary_search(wanted.as_chunks().0, side, (&palette, [[1.0]]), &[bell(5, 1.5)], start, control).unwrap()
     };
     let (from_diffused, from_noise) = (search(&diffused), search(&noise));
     assert!(from_diffused.error < 0.5 * from_diffused.error_at_start, "{from_diffused:?}");
@@ -157,7 +164,7 @@ fn direct_binary_search_of_unusable_input_is_refused() {
         let filters = [bell(1, 1.0), bell(1, 1.0)];
         let watch = &mut |_| ControlFlow::Continue(());
         let control = SearchControl { threads: 1, stop: &|| false, watch };
-        direct_binary_search(&case.wanted, COLUMNS, palette, &filters, start, control)
+        direct_binary_search(&case.wanted, COLUMNS, (palette, AS_IS), &filters, start, control)
             .unwrap_err()
             .to_string()
     };
@@ -185,7 +192,7 @@ fn direct_binary_search_has_the_same_bits_with_any_number_of_threads() {
         let search = |start: &[u8], threads| {
             let watch = &mut |_| ControlFlow::Continue(());
             let control = SearchControl { threads, stop: &|| false, watch };
-            direct_binary_search(&wanted, columns, &palette, &filters, start, control).unwrap()
+            direct_binary_search(&wanted, columns, (&palette, AS_IS), &filters, start, control).unwrap()
         };
         let alone = search(&start, 1);
         assert!(
@@ -201,6 +208,6 @@ fn direct_binary_search_has_the_same_bits_with_any_number_of_threads() {
         let again = search(&alone.states, 3);
         assert_eq!((again.passes, &again.states), (1, &alone.states));
         let moved = (again.error_at_start - alone.error).abs();
-        assert!(moved < 1e-9 * alone.error_at_start, "{} {}", again.error_at_start, alone.error);
+        assert!(moved < SINGLE * alone.error_at_start, "{} {}", again.error_at_start, alone.error);
     }
 }

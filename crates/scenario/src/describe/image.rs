@@ -44,7 +44,7 @@ table! {
         /// Space in which the hue of such colours is constant.
         map_space: ImageMapSpace = ImageMapSpace::Oklab,
         /// How pixels with few states show many colours.
-        halftone: Word<Halftone> = Word(Halftone::ErrorDiffusion),
+        halftone: Word<Halftone> = Word(Halftone::RefinedErrorDiffusion),
     /// Weights of error diffusion.
         kernel: Word<DiffusionKernel> = Word(DiffusionKernel::FloydSteinberg),
     /// Order of the pixels in error diffusion.
@@ -210,6 +210,9 @@ choice! {
         VoidAndCluster = "void-and-cluster",
         /// The error of each pixel is passed on to its neighbours, in X, Y, Z.
         ErrorDiffusion = "error-diffusion",
+        /// Error diffusion, then two passes of the search of `direct-binary-search`. Without `[display.matrix]`,
+        /// and with `kernel` or `scan` but without `halftone`, it is error diffusion alone.
+        RefinedErrorDiffusion = "refined-error-diffusion",
         /// The least that a reader at `viewer.distance_mm` sees of the pattern.
         DirectBinarySearch = "direct-binary-search",
     }

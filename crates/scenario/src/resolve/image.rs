@@ -12,6 +12,7 @@ use super::{PanelCodes, Resolver};
 use crate::describe::File;
 use crate::describe::image::{Adjusted, Exposure, Image, ImageMapSpace, WhiteBalance};
 use crate::mistake;
+use crate::origin::Origin;
 use crate::read::Read as _;
 use crate::tree::Node;
 
@@ -77,7 +78,15 @@ impl Resolver<'_> {
         };
         let codes = self.codes(file.display.pixel.codes(), &used, &known);
         let source = self.picture(image, file, scene, given)?;
-        Some(ImageRequest { source, settings: settings(image, scene.lighting.illuminance_lx), codes })
+        let mut settings = settings(image, scene.lighting.illuminance_lx);
+        // Defaults have the place of the table.
+        let is_given = |origin: Origin| origin != file.image.origin;
+        if !is_given(image.halftone.origin) && (is_given(image.kernel.origin) || is_given(image.scan.origin))
+        {
+            // Who chooses how errors are passed on gets the pattern of just that.
+            settings.halftone = Halftone::ErrorDiffusion;
+        }
+        Some(ImageRequest { source, settings, codes })
     }
 }
 

@@ -6,7 +6,10 @@
 
 use std::ops::Range;
 
-use super::costs::{Change, Costs, NEIGHBOURS, Scratch};
+use pulp::NullaryFnOnce;
+
+use super::correlate::{Correlate, Shown};
+use super::costs::{Change, Costs, LANES, NEIGHBOURS, Scratch};
 
 /// Columns and rows of the blocks of pixels that are left out while nothing near them changes.
 const BLOCK: usize = 8;
@@ -18,8 +21,10 @@ const LEAST_ROWS: usize = 64;
 pub(super) struct Field<const N: usize> {
     pub(super) columns: usize,
     pub(super) states: Vec<u8>,
-    /// By rows, then by coordinates, then by columns.
-    pub(super) correlated: Vec<f64>,
+    /// By rows, then by coordinates, then by columns, between margins.
+    correlated: Vec<f32>,
+    /// Columns on both sides of a row of `correlated` that changes may reach.
+    margin: usize,
     /// For each block, by rows of blocks, whether something in reach has changed since its last visit.
     touched: Vec<bool>,
 }
@@ -34,37 +39,40 @@ pub(super) struct Progress {
 /// Rows of a field.
 struct Band<'a, const N: usize> {
     columns: usize,
+    margin: usize,
     states: &'a mut [u8],
-    correlated: &'a mut [f64],
+    correlated: &'a mut [f32],
     touched: &'a mut [bool],
     /// Rows that may change.
     inner: Range<usize>,
 }
 
+/// Rows that are correlated at once.
+const CORRELATED_ROWS: usize = 32;
+
 impl<const N: usize> Field<N> {
-    /// Correlates the errors of the states; `None` if it was stopped.
+    /// Correlates the errors of the states, and returns their error E, too; `None` if it was stopped.
     pub(super) fn new(
-        errors: &[[f64; N]],
-        columns: usize,
-        states: &[u8],
+        shown: Shown<'_, N>,
         costs: &Costs<N>,
         (threads, stop): (usize, &(dyn Fn() -> bool + Sync)),
-    ) -> Option<Self> {
+    ) -> Option<(Self, f64)> {
+        let Shown { columns, states, .. } = shown;
         let rows = states.len() / columns;
-        let mut correlated = vec![0.0; states.len() * N];
-        let bands: Vec<_> = correlated.chunks_mut(columns * N * BLOCK).enumerate().collect();
-        let done = in_turn(threads, bands, |(number, band)| {
-            for (y, row) in band.chunks_exact_mut(columns * N).enumerate() {
-                if stop() {
-                    return false;
-                }
-                correlate_row(row, errors, columns, number * BLOCK + y, costs);
-            }
-            true
+        let margin = costs.reach()[0] + LANES;
+        let per_row = N * (columns + 2 * margin);
+        let mut correlated = vec![0.0; rows * per_row];
+        let bands: Vec<_> = correlated.chunks_mut(per_row * CORRELATED_ROWS).enumerate().collect();
+        let errors = in_turn(threads, bands, |(number, into)| {
+            let first = number * CORRELATED_ROWS;
+            let rows = first..first + into.len() / per_row;
+            let work = Correlate { shown, costs, rows, into, margin };
+            (!stop()).then(|| pulp::Arch::new().dispatch(work))
         });
+        let error = errors.into_iter().collect::<Option<Vec<f64>>>()?.into_iter().sum();
         let blocks = columns.div_ceil(BLOCK) * rows.div_ceil(BLOCK);
-        let field = Self { columns, states: states.to_vec(), correlated, touched: vec![true; blocks] };
-        done.into_iter().all(|done| done).then_some(field)
+        let states = states.to_vec();
+        Some((Self { columns, states, correlated, margin, touched: vec![true; blocks] }, error))
     }
 
     /// One pass over all pixels near which something has changed; `None` if it was stopped.
@@ -79,7 +87,8 @@ impl<const N: usize> Field<N> {
         let mut progress = Progress::default();
         for shift in [0, 2 * quarter] {
             let bands = self.bands(quarter, shift);
-            let found = in_turn(threads, bands, |mut band| band.search(costs, stop));
+            let found =
+                in_turn(threads, bands, |band| pulp::Arch::new().dispatch(Search { band, costs, stop }));
             for found in found {
                 let Progress { changes, gain } = found?;
                 progress.changes += changes;
@@ -92,7 +101,8 @@ impl<const N: usize> Field<N> {
     /// Bands of four quarters, whose middle half is searched; with a shift, the first one has its upper half
     /// left away.
     fn bands(&mut self, quarter: usize, shift: usize) -> Vec<Band<'_, N>> {
-        let columns = self.columns;
+        let (columns, margin) = (self.columns, self.margin);
+        let per_row = N * (columns + 2 * margin);
         let across = columns.div_ceil(BLOCK);
         let mut bands = Vec::new();
         let (mut states, mut correlated, mut touched) =
@@ -103,42 +113,35 @@ impl<const N: usize> Field<N> {
             let band;
             (band, states) = states.split_at_mut(rows * columns);
             let own;
-            (own, correlated) = correlated.split_at_mut(rows * columns * N);
+            (own, correlated) = correlated.split_at_mut(rows * per_row);
             let blocks;
             (blocks, touched) = touched.split_at_mut(rows.div_ceil(BLOCK) * across);
             let inner = quarter.saturating_sub(left_away)..(3 * quarter - left_away).min(rows);
-            bands.push(Band { columns, states: band, correlated: own, touched: blocks, inner });
+            bands.push(Band { columns, margin, states: band, correlated: own, touched: blocks, inner });
             left_away = 0;
         }
         bands
     }
 }
 
-/// One row of the errors correlated with the autocorrelations.
-fn correlate_row<const N: usize>(
-    row: &mut [f64],
-    errors: &[[f64; N]],
-    columns: usize,
-    y: usize,
-    costs: &Costs<N>,
-) {
-    let rows = errors.len() / columns;
-    let mut padded = Vec::new();
-    for (k, (correlation, row)) in costs.correlations.iter().zip(row.chunks_exact_mut(columns)).enumerate() {
-        let [across, down] = correlation.reach;
-        for from in y.saturating_sub(down)..(y + down + 1).min(rows) {
-            padded.clear();
-            padded.resize(across, 0.0);
-            padded.extend(errors[from * columns..][..columns].iter().map(|error| error[k]));
-            padded.resize(columns + 2 * across, 0.0);
-            for (x, weight) in correlation.row(from as isize - y as isize).iter().enumerate() {
-                row.iter_mut().zip(&padded[x..]).for_each(|(sum, error)| *sum += weight * error);
-            }
-        }
+/// The search of a band.
+struct Search<'a, 'b, const N: usize> {
+    band: Band<'a, N>,
+    costs: &'b Costs<N>,
+    stop: &'b (dyn Fn() -> bool + Sync),
+}
+
+impl<const N: usize> NullaryFnOnce for Search<'_, '_, N> {
+    type Output = Option<Progress>;
+
+    #[inline(always)]
+    fn call(mut self) -> Option<Progress> {
+        self.band.search(self.costs, self.stop)
     }
 }
 
 impl<const N: usize> Band<'_, N> {
+    #[inline(always)]
     fn search(&mut self, costs: &Costs<N>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Progress> {
         let mut progress = Progress::default();
         let mut scratch = Scratch::default();
@@ -156,28 +159,43 @@ impl<const N: usize> Band<'_, N> {
                     let Some((change, gain)) = self.best(costs, x, y, &mut scratch) else { continue };
                     self.make(costs, x, y, change);
                     progress.changes += 1;
-                    progress.gain += gain;
+                    progress.gain += f64::from(gain);
                 }
             }
         }
         Some(progress)
     }
 
-    fn at(&self, x: usize, y: usize) -> (u8, [f64; N]) {
-        let r = std::array::from_fn(|k| self.correlated[(y * N + k) * self.columns + x]);
+    /// The place of a column in a row of `correlated`.
+    #[inline(always)]
+    fn place(&self, x: usize, y: usize, k: usize) -> usize {
+        (y * N + k) * (self.columns + 2 * self.margin) + self.margin + x
+    }
+
+    #[inline(always)]
+    fn at(&self, x: usize, y: usize) -> (u8, [f32; N]) {
+        let mut r = [0.0; N];
+        for (k, r) in r.iter_mut().enumerate() {
+            *r = self.correlated[self.place(x, y, k)];
+        }
         (self.states[y * self.columns + x], r)
     }
 
-    fn best(&self, costs: &Costs<N>, x: usize, y: usize, scratch: &mut Scratch) -> Option<(Change, f64)> {
+    #[inline(always)]
+    fn best(&self, costs: &Costs<N>, x: usize, y: usize, scratch: &mut Scratch) -> Option<(Change, f32)> {
         let rows = self.states.len() / self.columns;
-        let neighbours = NEIGHBOURS.map(|(right, down)| {
+        let mut neighbours = [None; 4];
+        for (neighbour, (right, down)) in neighbours.iter_mut().zip(NEIGHBOURS) {
             let (x, y) = (x.wrapping_add_signed(right), y.wrapping_add_signed(down));
-            (x < self.columns && y < rows).then(|| self.at(x, y))
-        });
+            if x < self.columns && y < rows {
+                *neighbour = Some(self.at(x, y));
+            }
+        }
         let (own, r) = self.at(x, y);
         costs.best(own, r, neighbours, scratch)
     }
 
+    #[inline(always)]
     fn make(&mut self, costs: &Costs<N>, x: usize, y: usize, change: Change) {
         self.show(costs, x, y, change.state);
         if let Some((number, state)) = change.other {
@@ -187,6 +205,7 @@ impl<const N: usize> Band<'_, N> {
     }
 
     /// Gives a pixel another state, and adds that to the correlated error.
+    #[inline(always)]
     fn show(&mut self, costs: &Costs<N>, x: usize, y: usize, state: u8) {
         let columns = self.columns;
         let rows = self.states.len() / columns;
@@ -195,11 +214,18 @@ impl<const N: usize> Band<'_, N> {
         for (k, correlation) in costs.correlations.iter().enumerate() {
             let by = shown[k] - before[k];
             let [across, down] = correlation.reach;
-            let (first, end) = (x.saturating_sub(across), (x + across + 1).min(columns));
             for to in y.saturating_sub(down)..(y + down + 1).min(rows) {
-                let values = &correlation.row(to as isize - y as isize)[first + across - x..];
-                let row = &mut self.correlated[(to * N + k) * columns..][first..end];
-                row.iter_mut().zip(values).for_each(|(sum, value)| *sum += by * value);
+                let values = correlation.row(to as isize - y as isize);
+                let at = self.place(x, to, k) - across;
+                // Beyond the borders are margins, and beyond the values are zeros.
+                let row = &mut self.correlated[at..at + values.len()];
+                for (sums, values) in
+                    row.as_chunks_mut::<LANES>().0.iter_mut().zip(values.as_chunks::<LANES>().0)
+                {
+                    for lane in 0..LANES {
+                        sums[lane] += by * values[lane];
+                    }
+                }
             }
         }
         // A pixel depends on the errors of its neighbours, too.

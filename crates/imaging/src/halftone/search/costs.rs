@@ -1,4 +1,6 @@
 //! What a change of one pixel, or of two neighbours at once, adds to the error.
+//!
+//! Numbers have single precision: the costs of up to [`LANES`] states are computed at once.
 
 use super::Filter;
 use super::filter::Correlation;
@@ -6,9 +8,16 @@ use super::filter::Correlation;
 /// The neighbours with which a pixel changes at once; the other four find this pixel as their neighbour.
 pub(super) const NEIGHBOURS: [(isize, isize); 4] = [(1, 0), (-1, 1), (0, 1), (1, 1)];
 
-/// Largest number of states of which all pairs are tried; of more, those of the states that are best alone,
-/// and the exchange.
-const ALL_PAIRS: usize = 8;
+/// Numbers that are computed at once, and the largest number of states of which all pairs are tried; of more,
+/// those of the states that are best alone, and the exchange.
+pub(super) const LANES: usize = 8;
+
+/// Cost of a state that does not exist.
+const IMPOSSIBLE: f32 = 1e30;
+
+/// Part of the largest gain of a single change by which a change must lower the error, so that rounding cannot go
+/// in circles.
+const LEAST: f64 = 1e-5;
 
 /// A change of a pixel to a state, and of one of its neighbours to another.
 #[derive(Debug, Clone, Copy)]
@@ -20,24 +29,38 @@ pub(super) struct Change {
 
 /// The states and the correlations, prepared for the costs of changes.
 pub(super) struct Costs<const N: usize> {
-    pub(super) palette: Vec<[f64; N]>,
+    pub(super) palette: Vec<[f32; N]>,
     pub(super) correlations: [Correlation; N],
-    middles: [f64; N],
+    middles: [f32; N],
     /// For each neighbour and each pair of states: twice the sum of the products of their coordinates, each
     /// with the correlation there.
-    near: [Vec<f64>; 4],
-    /// A change must lower the error by this much, so that rounding cannot go in circles.
-    least: f64,
+    near: [Vec<f32>; 4],
+    /// The same for up to [`LANES`] states.
+    lanes: Option<Lanes<N>>,
+    least: f32,
 }
 
-/// Costs of all states at two pixels.
+/// Costs of up to [`LANES`] states.
+struct Lanes<const N: usize> {
+    /// Twice each coordinate of the states.
+    doubled: [[f32; LANES]; N],
+    /// For each state of a pixel: the squares of the changes to the others, each with the middle of the
+    /// correlation.
+    squares: Vec<[f32; LANES]>,
+    near: [Vec<[f32; LANES]>; 4],
+}
+
+/// Costs of all states at two pixels, of many states.
 #[derive(Default)]
 pub(super) struct Scratch {
-    here: Vec<f64>,
-    there: Vec<f64>,
+    here: Vec<f32>,
+    there: Vec<f32>,
     best_here: Vec<usize>,
     best_there: Vec<usize>,
 }
+
+/// The neighbours of a pixel inside the picture, with their states and correlated errors.
+pub(super) type Neighbours<const N: usize> = [Option<(u8, [f32; N])>; 4];
 
 impl<const N: usize> Costs<N> {
     pub(super) fn new(palette: &[[f64; N]], filters: &[Filter; N]) -> Self {
@@ -51,12 +74,14 @@ impl<const N: usize> Costs<N> {
         let near = NEIGHBOURS.map(|(right, down)| {
             let at = correlations.each_ref().map(|correlation| correlation.at(right, down));
             let product = |one: &[f64; N], other: &[f64; N]| {
-                2.0 * (0..N).map(|k| at[k] * one[k] * other[k]).sum::<f64>()
+                (2.0 * (0..N).map(|k| at[k] * one[k] * other[k]).sum::<f64>()) as f32
             };
             palette.iter().flat_map(|one| palette.iter().map(move |other| product(one, other))).collect()
         });
-        let middles = correlations.each_ref().map(Correlation::middle);
-        Self { palette: palette.to_vec(), correlations, middles, near, least: 1e-9 * extent }
+        let middles = correlations.each_ref().map(|one| one.middle() as f32);
+        let palette: Vec<[f32; N]> = palette.iter().map(|colour| colour.map(|value| value as f32)).collect();
+        let lanes = (palette.len() <= LANES).then(|| Lanes::new(&palette, middles, &near));
+        Self { palette, correlations, middles, near, lanes, least: (LEAST * extent) as f32 }
     }
 
     /// Rows and columns over which a change of a pixel is felt.
@@ -65,8 +90,23 @@ impl<const N: usize> Costs<N> {
         [largest(0), largest(1)]
     }
 
+    /// The change of a pixel, alone or with a neighbour, that lowers the error most, and by how much.
+    #[inline(always)]
+    pub(super) fn best(
+        &self,
+        own: u8,
+        r: [f32; N],
+        neighbours: Neighbours<N>,
+        scratch: &mut Scratch,
+    ) -> Option<(Change, f32)> {
+        match &self.lanes {
+            Some(lanes) => lanes.best(self.palette.len(), self.least, (own, r), neighbours),
+            None => self.best_of_many(own, r, neighbours, scratch),
+        }
+    }
+
     /// Costs of the states of a pixel in a state, where the correlated error is `r`.
-    fn single(&self, own: usize, r: [f64; N], costs: &mut Vec<f64>) {
+    fn single(&self, own: usize, r: [f32; N], costs: &mut Vec<f32>) {
         let shown = self.palette[own];
         costs.clear();
         costs.extend(self.palette.iter().map(|colour| {
@@ -75,19 +115,18 @@ impl<const N: usize> Costs<N> {
                     let d = colour[k] - shown[k];
                     d * (2.0 * r[k] + d * self.middles[k])
                 })
-                .sum::<f64>()
+                .sum::<f32>()
         }));
     }
 
-    /// The change of a pixel, alone or with a neighbour, that lowers the error most, and by how much.
-    /// `neighbours` have their states and correlated errors.
-    pub(super) fn best(
+    #[inline(never)]
+    fn best_of_many(
         &self,
         own: u8,
-        r: [f64; N],
-        neighbours: [Option<(u8, [f64; N])>; 4],
+        r: [f32; N],
+        neighbours: Neighbours<N>,
         scratch: &mut Scratch,
-    ) -> Option<(Change, f64)> {
+    ) -> Option<(Change, f32)> {
         let Scratch { here, there, best_here, best_there } = scratch;
         let own = usize::from(own);
         let count = self.palette.len();
@@ -119,7 +158,7 @@ impl<const N: usize> Costs<N> {
             for state in &*best_here {
                 best_there.iter().for_each(|to| consider(*state, *to));
             }
-            if count > ALL_PAIRS && own != other {
+            if own != other {
                 consider(other, own);
             }
         }
@@ -127,16 +166,93 @@ impl<const N: usize> Costs<N> {
     }
 }
 
-/// The states with the lowest costs, in their own order.
-fn lowest(costs: &[f64], states: &mut Vec<usize>) {
-    if costs.len() <= ALL_PAIRS && states.len() == costs.len() {
-        return;
+impl<const N: usize> Lanes<N> {
+    fn new(palette: &[[f32; N]], middles: [f32; N], near: &[Vec<f32>; 4]) -> Self {
+        let lanes = |of: &dyn Fn(usize) -> f32, rest: f32| {
+            std::array::from_fn(|at| if at < palette.len() { of(at) } else { rest })
+        };
+        let square = |one: &[f32; N], other: &[f32; N]| {
+            (0..N).map(|k| (other[k] - one[k]) * (other[k] - one[k]) * middles[k]).sum::<f32>()
+        };
+        let row = |near: &[f32]| lanes(&|at| near[at], 0.0);
+        Self {
+            doubled: std::array::from_fn(|k| lanes(&|at| 2.0 * palette[at][k], 0.0)),
+            squares: palette.iter().map(|own| lanes(&|at| square(own, &palette[at]), IMPOSSIBLE)).collect(),
+            near: near.each_ref().map(|near| near.chunks(palette.len().max(1)).map(row).collect()),
+        }
     }
+
+    /// Costs of the states of a pixel in a state, where the correlated error is `r`.
+    #[inline(always)]
+    fn single(&self, own: usize, r: [f32; N]) -> [f32; LANES] {
+        let mut costs = [0.0; LANES];
+        for (r, doubled) in r.iter().zip(&self.doubled) {
+            for (cost, doubled) in costs.iter_mut().zip(doubled) {
+                *cost += r * doubled;
+            }
+        }
+        let before = costs[own];
+        let squares = &self.squares[own];
+        for (cost, square) in costs.iter_mut().zip(squares) {
+            *cost = *cost - before + square;
+        }
+        costs
+    }
+
+    #[inline(always)]
+    fn best(
+        &self,
+        count: usize,
+        least: f32,
+        (own, r): (u8, [f32; N]),
+        neighbours: Neighbours<N>,
+    ) -> Option<(Change, f32)> {
+        let own = usize::from(own);
+        let here = self.single(own, r);
+        let (mut best, mut lowest) = (None, -least);
+        for (state, cost) in here.into_iter().enumerate() {
+            if cost < lowest {
+                (best, lowest) = (Some(Change { state: state as u8, other: None }), cost);
+            }
+        }
+        for (number, neighbour) in neighbours.into_iter().enumerate() {
+            let Some((other, r)) = neighbour else { continue };
+            let other = usize::from(other);
+            let near = &self.near[number];
+            // The costs of both, and the sum of c (state - own) (to - other) from its four products.
+            let mut there = self.single(other, r);
+            let apart = near[own][other];
+            for to in 0..LANES {
+                there[to] += apart - near[own][to];
+            }
+            let mut smallest = [IMPOSSIBLE; LANES];
+            for state in 0..count {
+                let (row, alone) = (&near[state], here[state] - near[state][other]);
+                for to in 0..LANES {
+                    let cost = alone + there[to] + row[to];
+                    smallest[to] = if cost < smallest[to] { cost } else { smallest[to] };
+                }
+            }
+            for (to, cost) in smallest.into_iter().enumerate() {
+                if cost < lowest {
+                    let is_it = |state: &usize| {
+                        here[*state] - near[*state][other] + there[to] + near[*state][to] == cost
+                    };
+                    let state = (0..count).find(is_it).unwrap_or(own);
+                    lowest = cost;
+                    best = Some(Change { state: state as u8, other: Some((number, to as u8)) });
+                }
+            }
+        }
+        best.map(|change| (change, -lowest))
+    }
+}
+
+/// The states with the lowest costs, in their own order.
+fn lowest(costs: &[f32], states: &mut Vec<usize>) {
     states.clear();
     states.extend(0..costs.len());
-    if costs.len() > ALL_PAIRS {
-        states.select_nth_unstable_by(ALL_PAIRS, |a, b| costs[*a].total_cmp(&costs[*b]).then(a.cmp(b)));
-        states.truncate(ALL_PAIRS);
-        states.sort_unstable();
-    }
+    states.select_nth_unstable_by(LANES, |a, b| costs[*a].total_cmp(&costs[*b]).then(a.cmp(b)));
+    states.truncate(LANES);
+    states.sort_unstable();
 }

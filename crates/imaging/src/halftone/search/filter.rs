@@ -1,6 +1,7 @@
 //! Filters and their autocorrelations.
 
 use super::super::check_rows;
+use super::costs::LANES;
 use crate::ImagingError;
 
 /// A sampled filter, symmetric in the sense that its middle is its place: an odd number of columns and rows,
@@ -51,7 +52,7 @@ impl Filter {
         let [along_x, along_y] = reaches;
         let inner = (rows - 1 - along_y..rows + along_y)
             .flat_map(|y| &values[y * wide..][columns - 1 - along_x..columns + along_x]);
-        Correlation { reach: reaches, values: inner.copied().collect() }
+        Correlation::new(reaches, inner.copied().collect())
     }
 }
 
@@ -61,9 +62,34 @@ pub(super) struct Correlation {
     /// Columns and rows on each side of the middle.
     pub(super) reach: [usize; 2],
     values: Vec<f64>,
+    /// The values by rows, each followed by zeros up to a multiple of [`LANES`].
+    wide: Vec<f32>,
+    /// Values along x and along y whose products are the values, if there are such.
+    pub(super) factors: Option<[Vec<f32>; 2]>,
 }
 
+/// Part of the middle by which products may differ from the values.
+const ROUNDING: f64 = 1e-12;
+
 impl Correlation {
+    fn new(reach: [usize; 2], values: Vec<f64>) -> Self {
+        let columns = 2 * reach[0] + 1;
+        let middle = values[values.len() / 2];
+        let across = &values[reach[1] * columns..][..columns];
+        let down: Vec<f64> = values.iter().skip(reach[0]).step_by(columns).map(|one| one / middle).collect();
+        let is_product = values.iter().enumerate().all(|(at, value)| {
+            (across[at % columns] * down[at / columns] - value).abs() <= ROUNDING * middle.abs()
+        });
+        let single = |values: &[f64]| values.iter().map(|one| *one as f32).collect::<Vec<f32>>();
+        let factors = is_product.then(|| [single(across), single(&down)]);
+        let wide_columns = columns.next_multiple_of(LANES);
+        let mut wide = vec![0.0; wide_columns * (2 * reach[1] + 1)];
+        for (row, values) in wide.chunks_exact_mut(wide_columns).zip(values.chunks_exact(columns)) {
+            row.iter_mut().zip(values).for_each(|(to, value)| *to = *value as f32);
+        }
+        Self { reach, values, wide, factors }
+    }
+
     pub(super) fn middle(&self) -> f64 {
         self.values[self.values.len() / 2]
     }
@@ -74,12 +100,13 @@ impl Correlation {
         if right.unsigned_abs() > x || down.unsigned_abs() > y {
             return 0.0;
         }
-        self.row(down)[x.wrapping_add_signed(right)]
+        self.values[y.wrapping_add_signed(down) * (2 * x + 1) + x.wrapping_add_signed(right)]
     }
 
-    /// The values of a row within the reach, from the left.
-    pub(super) fn row(&self, down: isize) -> &[f64] {
-        let wide = 2 * self.reach[0] + 1;
-        &self.values[self.reach[1].wrapping_add_signed(down) * wide..][..wide]
+    /// The values of a row within the reach, from the left, and zeros up to a multiple of [`LANES`].
+    #[inline(always)]
+    pub(super) fn row(&self, down: isize) -> &[f32] {
+        let wide = (2 * self.reach[0] + 1).next_multiple_of(LANES);
+        &self.wide[self.reach[1].wrapping_add_signed(down) * wide..][..wide]
     }
 }

@@ -19,12 +19,14 @@
 //! page, by the size of the filter.
 
 mod band;
+mod correlate;
 mod costs;
 mod filter;
 
 use std::ops::ControlFlow;
 
 use band::{Field, Progress};
+use correlate::Shown;
 use costs::Costs;
 pub use filter::Filter;
 
@@ -69,9 +71,9 @@ pub struct SearchControl<'a> {
 
 /// Direct binary search from a start.
 ///
-/// `wanted` has the coordinates of each pixel by rows, `palette` those of each state: X, Y, Z, or linear
-/// combinations of them such as opponent colours, for which the eye's filters differ. `filters` are those of
-/// the coordinates. `start` has a state for each pixel, usually from [error
+/// `wanted` has the values of each pixel by rows, `palette` those of each state, such as X, Y, Z. `metric` has the
+/// coordinates that are compared, one in each row: linear combinations of them such as opponent colours, for which
+/// the eye's filters differ. `filters` are those of the coordinates. `start` has a state for each pixel, usually from [error
 /// diffusion](super::ErrorDiffusion).
 ///
 /// # Errors
@@ -80,7 +82,7 @@ pub struct SearchControl<'a> {
 pub fn direct_binary_search<const N: usize>(
     wanted: &[[f32; N]],
     columns: usize,
-    palette: &[[f64; N]],
+    (palette, metric): (&[[f64; N]], [[f64; N]; N]),
     filters: &[Filter; N],
     start: &[u8],
     control: SearchControl<'_>,
@@ -99,16 +101,18 @@ pub fn direct_binary_search<const N: usize>(
     let SearchControl { threads, stop, watch } = control;
     let mut searched =
         Searched { states: Vec::new(), error_at_start: 0.0, error: 0.0, passes: 0, is_complete: false };
-    let costs = Costs::new(palette, filters);
-    let errors = errors(wanted, palette, start);
-    let Some(mut field) = Field::new(&errors, columns, start, &costs, (threads, stop)) else {
+    let in_metric = |colour: &[f64; N]| {
+        metric.map(|row| row.iter().zip(colour).map(|(m, value)| m * value).sum::<f64>())
+    };
+    let costs = Costs::new(&palette.iter().map(in_metric).collect::<Vec<_>>(), filters);
+    let metric = metric.map(|row| row.map(|one| one as f32));
+    let shown = Shown { wanted, columns, states: start, metric };
+    let Some((mut field, mut error)) = Field::new(shown, &costs, (threads, stop)) else {
         searched.states = start.to_vec();
         return Ok(searched);
     };
     // Without the small values of the autocorrelations, an error of nearly 0 may be negative.
-    let mut error = squared(&errors, &field);
     (searched.error_at_start, searched.error) = (error.max(0.0), error.max(0.0));
-    drop(errors);
     while let Some(Progress { changes, gain }) = field.pass(&costs, threads, stop) {
         searched.passes += 1;
         error -= gain;
@@ -121,29 +125,4 @@ pub fn direct_binary_search<const N: usize>(
     }
     searched.states = field.states;
     Ok(searched)
-}
-
-/// What is shown less what is wanted; what is not finite is wanted as 0.
-fn errors<const N: usize>(wanted: &[[f32; N]], palette: &[[f64; N]], states: &[u8]) -> Vec<[f64; N]> {
-    let one = |(wanted, state): (&[f32; N], &u8)| {
-        let shown = palette[usize::from(*state)];
-        std::array::from_fn(|k| {
-            let wanted = f64::from(wanted[k]);
-            shown[k] - if wanted.is_finite() { wanted } else { 0.0 }
-        })
-    };
-    wanted.iter().zip(states).map(one).collect()
-}
-
-/// The error E: the products of the errors and the correlated errors.
-fn squared<const N: usize>(errors: &[[f64; N]], field: &Field<N>) -> f64 {
-    let columns = field.columns;
-    let rows = errors.chunks_exact(columns).zip(field.correlated.chunks_exact(columns * N));
-    let row = |(errors, correlated): (&[[f64; N]], &[f64])| {
-        let plane = |(k, plane): (usize, &[f64])| {
-            errors.iter().zip(plane).map(|(error, r)| error[k] * r).sum::<f64>()
-        };
-        correlated.chunks_exact(columns).enumerate().map(plane).sum::<f64>()
-    };
-    rows.map(row).sum()
 }
