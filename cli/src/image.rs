@@ -4,7 +4,7 @@ use std::path::Path;
 
 use papilio_colour::{Xyz, encoded_byte};
 use papilio_display::image::{
-    ImageInRoom, ImageNumbers, ImageResult, ImageSettings, PictureDifferences, Rendition, Screen,
+    ImageInRoom, ImageNumbers, ImageResult, ImageSettings, Losses, PictureDifferences, Rendition, Screen,
     ScreenSpace, ScreenWhite, Sharpness, SourceImage, image,
 };
 use papilio_display::palette::{PaletteColour, bytes};
@@ -69,6 +69,7 @@ impl<'a> Request<'a> {
     fn computed(&self, control: &Control<'_>) -> Result<ImageOutput, DisplayError> {
         let ImageRequest { source, settings, .. } =
             self.resolved.image.as_ref().ok_or(DisplayError::NoWhite { what: "a picture" })?;
+        let settings = ImageSettings { losses: !self.rooms.is_empty(), ..settings.clone() };
         let white = match self.arguments.relative_to {
             Some(RelativeTo::White) => ScreenWhite::Perfect,
             Some(RelativeTo::Display) => ScreenWhite::Display,
@@ -79,7 +80,7 @@ impl<'a> Request<'a> {
         let part =
             |number: usize| [number, number + 1].map(|lights| lights as f64 / (1 + self.rooms.len()) as f64);
         let scene = &self.resolved.scene;
-        let mut here = control.within(part(0), |control| image(scene, source, settings, screen, control))?;
+        let mut here = control.within(part(0), |control| image(scene, source, &settings, screen, control))?;
         // The panel holds its states while the light changes.
         let given = (!here.states.is_empty()).then(|| here.states.clone());
         let held = ImageSettings { given, ..settings.clone() };
@@ -135,34 +136,49 @@ fn on_screen(source: &SourceImage, samples: usize) -> Vec<[u8; 3]> {
 const BETWEEN: usize = 12;
 
 impl ImageOutput {
-    /// The picture itself and what is seen of it in all rooms, side by side on white, each below its name and its difference
-    /// from the picture: number of columns, and the pixels.
+    /// The picture itself and what is seen of it in all rooms, side by side on white, each below its name, its difference
+    /// from the picture and the losses of the steps: number of columns, and the pixels.
     fn side_by_side(&self) -> Result<(usize, Vec<[u8; 3]>), Failure> {
         let [columns, rows] = self.here.seen_size();
         let here = ("this light", &self.here);
         let seen = std::iter::once(here).chain(self.rooms.iter().map(|(name, room)| (name.as_str(), room)));
-        let mut all: Vec<(String, &[[u8; 3]])> = vec![("the picture".to_owned(), &self.picture)];
+        let mut all: Vec<([String; 2], &[[u8; 3]])> =
+            vec![(["the picture".to_owned(), String::new()], &self.picture)];
         all.extend(seen.map(|(name, one)| {
             let difference = one.numbers.against_photograph.scielab_mean;
             let difference = difference.map_or(String::new(), |mean| format!(", S-CIELAB {mean:.1}"));
-            (format!("{name}: {}{difference}", light(&one.numbers.light)), &one.on_screen[..])
+            let name = format!("{name}: {}{difference}", light(&one.numbers.light));
+            ([name, one.numbers.losses.map_or(String::new(), in_words)], &one.on_screen[..])
         }));
-        let label = |(text, _): &(String, &[[u8; 3]])| {
-            label(text, columns).map_err(|error| Failure::Input(error.to_string()))
+        let label = |(lines, _): &([String; 2], &[[u8; 3]])| {
+            let lines = lines.each_ref().map(|text| label(text, columns));
+            let lines: Vec<Vec<[u8; 3]>> = lines.into_iter().collect::<Result<_, _>>()?;
+            Ok(lines.concat())
         };
+        let label = |one: &_| label(one).map_err(|error: ImagingError| Failure::Input(error.to_string()));
         let labels = all.iter().map(label).collect::<Result<Vec<_>, Failure>>()?;
         let row = |row: usize| {
-            let parts = all.iter().zip(&labels).map(|((_, one), label)| match row.checked_sub(LABEL) {
+            let parts = all.iter().zip(&labels).map(|((_, one), label)| match row.checked_sub(2 * LABEL) {
                 None => &label[row * columns..][..columns],
                 Some(row) => &one[row * columns..][..columns],
             });
             parts.collect::<Vec<_>>().join(&[[255; 3]; BETWEEN][..])
         };
-        Ok((all.len() * (columns + BETWEEN) - BETWEEN, (0..rows + LABEL).flat_map(row).collect()))
+        Ok((all.len() * (columns + BETWEEN) - BETWEEN, (0..rows + 2 * LABEL).flat_map(row).collect()))
     }
 }
 
-/// Rows of the label above a picture, and size of its letters in pixels.
+/// A line with the losses of the steps, if they were computed.
+fn losses_line(numbers: &ImageNumbers) -> String {
+    numbers.losses.map_or(String::new(), |losses| format!("S-CIELAB of each step: {}\n", in_words(losses)))
+}
+
+/// The losses of the steps in words.
+fn in_words(Losses { tone, gamut, halftone, layers }: Losses) -> String {
+    format!("tone {tone:.1}, gamut {gamut:.1}, halftone {halftone:.1}, layers {layers:.1}")
+}
+
+/// Rows of a line of the label above a picture, and size of its letters in pixels.
 const LABEL: usize = 24;
 const LETTERS_PX: f64 = 14.0;
 
@@ -207,8 +223,9 @@ impl SpatialOutput for ImageOutput {
             let rows = differences(numbers);
             let light = light(&numbers.light);
             all.push_str(&format!(
-                "\nthe same states in the light of {name}, {light}\n{}",
-                report::table(&rows)
+                "\nthe same states in the light of {name}, {light}\n{}{}",
+                report::table(&rows),
+                losses_line(numbers)
             ));
         }
         if let Some(frame) = &self.frame {
@@ -300,13 +317,14 @@ fn text(title: &str, result: &ImageResult) -> String {
             percent(one.below_black_fraction)
         )
     });
+    let losses = losses_line(numbers);
     let luminous = result.palette.colours.iter().map(|one| one.Y);
     let (darkest, lightest) = (luminous.clone().fold(f64::INFINITY, f64::min), luminous.fold(0.0, f64::max));
     let contrast =
         if darkest > 0.0 { format!(", contrast {:.1}", lightest / darkest) } else { String::new() };
     format!(
         "{}\n\n{columns} x {lines} pixels in light of {}; {neighbours}\n{}luminance of the lightest state {lightest:.3}, of the darkest \
-         {darkest:.3} of a perfect white{contrast}\n\n{}{distance}{sharpness}\n{rendition}colours outside the gamut: {} of the pixels; clipped in \
+         {darkest:.3} of a perfect white{contrast}\n\n{}{losses}{distance}{sharpness}\n{rendition}colours outside the gamut: {} of the pixels; clipped in \
          seen.png: {}\n",
         report::plain(title),
         light(&numbers.light),

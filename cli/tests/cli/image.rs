@@ -111,6 +111,14 @@ fn pictures_are_shown_on_usual_panels() {
     let upright = json(&file, &["--on", "four-grey", "--rooms", "office"]);
     assert_eq!(upright["size"], serde_json::json!([480, 800]));
     assert_eq!(upright["rooms"][0]["room"], "office");
+    // A flat grey: tone darkens it, four greys have no layers above them.
+    let losses = &upright["losses"];
+    assert!(losses["tone"].as_f64().unwrap() > 0.5 && losses["layers"].as_f64().unwrap() < 1e-3, "{losses}");
+    assert!(
+        losses["gamut"].as_f64().unwrap() < 0.1 && losses["halftone"].as_f64().unwrap() > 0.1,
+        "{losses}"
+    );
+    assert_eq!(lying["losses"], Value::Null);
     let twice = image(&scenario("six-ink"), &[file.to_str().unwrap(), "--on", "six-ink"]);
     assert!(stderr(&twice).contains("takes the place of a scenario"), "{}", stderr(&twice));
     let none = image(Path::new("missing.png"), &["--on", "six-ink"]);

@@ -128,7 +128,8 @@ impl GamutMapping {
         self.space.coordinates(colour).map(|one| one / self.unit())
     }
 
-    fn xyz(&self, coordinates: [f64; 3]) -> Option<Xyz> {
+    /// The colour of coordinates, on the display or not; `None` if there is none.
+    pub fn xyz(&self, coordinates: [f64; 3]) -> Option<Xyz> {
         self.space.xyz(coordinates.map(|one| one * self.unit()))
     }
 

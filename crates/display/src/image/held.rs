@@ -139,7 +139,10 @@ impl Brought {
         let mapping = (settings.intent, settings.space);
         let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
         let threads = control.thread_count();
-        let rendered = rendering.rendered(&source.pixels, source.columns, &settings.adjustments, threads)?;
+        let rendered = {
+            let pixels = (&source.pixels[..], source.columns);
+            rendering.rendered(pixels, &settings.adjustments, settings.losses, threads)?
+        };
         control.check()?;
         let spread = match settings.halftone {
             Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {

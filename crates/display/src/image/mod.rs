@@ -106,6 +106,8 @@ pub struct ImageSettings {
     /// Displays in the lights and the view for which the states of the pixels are decided: a compromise, if there are several. Empty: those in
     /// which the picture is seen.
     pub prepared_for: Vec<Scene>,
+    /// Whether the loss of each step is computed, [`ImageNumbers::losses`].
+    pub losses: bool,
     /// Samples along each side of a pixel in [`ImageResult::seen`]; up to 1: one for each pixel, without sub-pixels.
     pub samples_per_pixel: usize,
     /// State of each pixel by its number in `states`, instead of a halftone.
@@ -198,6 +200,9 @@ pub struct ImageNumbers {
     pub against_source: PictureDifferences,
     /// Differences from the picture after tone and gamut mapping: what the halftone should show.
     pub against_mapped: PictureDifferences,
+    /// What each step changes; present if it was requested, and the size of the pixels is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub losses: Option<Losses>,
     /// Sharpness of the white of the display; null without [display.matrix] and the thickness of the layers, and below a colour filter.
     pub sharpness: Option<Sharpness>,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
@@ -209,6 +214,19 @@ pub struct ImageNumbers {
     /// The same states in the light of other rooms, if they were requested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rooms: Vec<ImageInRoom>,
+}
+
+/// What each step between a photograph and what is seen of it changes: S-CIELAB, mean, against the picture before the step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct Losses {
+    /// Exposure, tone and chroma: against the photograph.
+    pub tone: f64,
+    /// Gamut mapping.
+    pub gamut: f64,
+    /// A state for each pixel.
+    pub halftone: f64,
+    /// Layers above the pixels: blur, and light from neighbours.
+    pub layers: f64,
 }
 
 /// Numbers of a picture in the light of another room.
@@ -249,7 +267,7 @@ pub fn image(
     let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
     let Brought { rendering, rendered, states, cut } =
         control.within([0.4, 0.6], |control| Brought::new(&lit, source, settings, control))?;
-    let Rendered { wanted, mapped, inside, table_error, rendition } = rendered;
+    let Rendered { wanted, toned, mapped, inside, table_error, rendition } = rendered;
     let to_screen =
         Adaptation::between(lit.white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let picture = Picture { size, states: &states, wholes: &[] };
@@ -276,7 +294,34 @@ pub fn image(
     let photograph = rendering.photograph(&source.pixels, threads);
     let [against_photograph] =
         PictureDifferences::against(&seen, [&photograph], size[0], rendering.white, per_degree, threads)?;
-    drop(photograph);
+    let losses = if settings.losses
+        && let Some(per_degree) = per_degree
+    {
+        let pages =
+            lit.palette.pages().into_iter().map(|page| page.map(|value| value as f32)).collect::<Vec<_>>();
+        let halftone: Vec<[f32; 3]> = states.iter().map(|state| pages[usize::from(*state)]).collect();
+        let halftone = if states.is_empty() { &mapped } else { &halftone };
+        let step = |after: &[[f32; 3]], before: &[[f32; 3]]| {
+            let [one] = PictureDifferences::against(
+                after,
+                [before],
+                size[0],
+                rendering.white,
+                Some(per_degree),
+                threads,
+            )?;
+            Ok::<_, DisplayError>(one.scielab_mean.unwrap_or_default())
+        };
+        Some(Losses {
+            tone: step(&toned, &photograph)?,
+            gamut: step(&mapped, &toned)?,
+            halftone: step(halftone, &mapped)?,
+            layers: step(&seen, halftone)?,
+        })
+    } else {
+        None
+    };
+    drop((photograph, toned));
     let mut warnings = lit.result.warnings.clone();
     if error > LARGE_ERROR {
         let reason = if between_places > 0.5 * error {
@@ -324,6 +369,7 @@ pub fn image(
         against_photograph,
         against_source,
         against_mapped,
+        losses,
         sharpness,
         neighbours_light,
         error,

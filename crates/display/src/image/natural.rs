@@ -72,6 +72,9 @@ const EPSILON: f64 = 0.01;
 /// Fraction of the pixels that equal their right and lower neighbours, from which a picture is a drawing.
 const FLAT: f64 = 0.5;
 
+/// Largest difference of X, Y, Z of equal pixels: far below a step of 8 bits, of which the smallest is 3e-4.
+const SAME: f32 = 1e-5;
+
 /// Brightest tones of a photograph that are left out when its exposure is decided.
 const HIGHLIGHTS: f64 = 0.005;
 /// Light of the largest primary, 1 for white, that the other tones should reach, and below which a photograph
@@ -169,7 +172,10 @@ impl Adjustments {
 /// Fraction of the pixels, without white ones, that equal their right and lower neighbours; 1 if all are white.
 fn flat_fraction(pixels: &[[f32; 3]], columns: usize) -> f64 {
     let rows = pixels.len() / columns.max(1);
-    let is_flat = |at: &usize| pixels[*at] == pixels[at + 1] && pixels[*at] == pixels[at + columns];
+    // A picture that was scaled has the rounding of its weights.
+    let is_like = |one: [f32; 3], other: [f32; 3]| one.iter().zip(other).all(|(a, b)| (a - b).abs() < SAME);
+    let is_flat =
+        |at: &usize| is_like(pixels[*at], pixels[at + 1]) && is_like(pixels[*at], pixels[at + columns]);
     let inner = (0..rows.saturating_sub(1))
         .flat_map(|y| (0..columns.saturating_sub(1)).map(move |x| y * columns + x));
     let (mut toned, mut flat) = (0_usize, 0_usize);

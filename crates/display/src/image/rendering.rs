@@ -49,6 +49,8 @@ pub(super) struct Rendering {
 pub(super) struct Rendered {
     /// With the white and black of the display.
     pub(super) wanted: Vec<[f32; 3]>,
+    /// After exposure, tone and chroma, before gamut mapping; empty unless it is requested.
+    pub(super) toned: Vec<[f32; 3]>,
     /// In the gamut of the display.
     pub(super) mapped: Vec<[f32; 3]>,
     /// Number of pixels whose colour some mixture of states has.
@@ -133,20 +135,24 @@ impl Rendering {
         (0..self.states.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     }
 
-    /// Maps all pixels of a picture with these columns.
+    /// Maps all pixels of a picture with these columns; the picture before gamut mapping is kept if `keep_toned`.
     pub(super) fn rendered(
         &self,
-        pixels: &[[f32; 3]],
-        columns: usize,
+        (pixels, columns): (&[[f32; 3]], usize),
         adjustments: &Adjustments,
+        keep_toned: bool,
         threads: usize,
     ) -> Result<Rendered, DisplayError> {
         let adjusted = adjustments.of_source(pixels, columns, is_natural(self.intent))?;
         let shown = adjusted.pixels.as_deref().unwrap_or(pixels);
         if is_natural(self.intent) {
-            return self.natural(shown, columns, adjustments, &adjusted, threads);
+            return self.natural((shown, columns), adjustments, &adjusted, keep_toned, threads);
         }
-        Ok(self.colour_by_colour(shown))
+        let mut rendered = self.colour_by_colour(shown);
+        if keep_toned {
+            rendered.toned = rendered.wanted.clone();
+        }
+        Ok(rendered)
     }
 
     /// The picture itself: its white is that of the display, its black is 0.
@@ -170,15 +176,23 @@ impl Rendering {
     /// Maps a natural picture: the tone of a pixel depends on its surroundings.
     fn natural(
         &self,
-        pixels: &[[f32; 3]],
-        columns: usize,
+        (pixels, columns): (&[[f32; 3]], usize),
         adjustments: &Adjustments,
         adjusted: &AdjustedSource,
+        keep_toned: bool,
         threads: usize,
     ) -> Result<Rendered, DisplayError> {
         let vivid = self.intent == Intent::Vivid;
         let (mut mapped, rendition) =
             adjustments.targets(&self.mapping, pixels, columns, vivid, adjusted, threads)?;
+        let toned = if keep_toned {
+            let black = self.mapping.target_xyz(Xyz { x: 0.0, y: 0.0, z: 0.0 });
+            changed(threads, &mapped, |target| {
+                single(self.mapping.xyz(target.map(f64::from)).unwrap_or(black))
+            })
+        } else {
+            Vec::new()
+        };
         let lattice = (pixels.len() > MANY).then(|| ClosestLattice::new(&self.mapping));
         let every = (pixels.len() / PROBES).max(1);
         // Of each chunk, the number of colours of the display, and errors of the lattice.
@@ -210,7 +224,7 @@ impl Rendering {
         let table_error = errors.get(errors.len() * 95 / 100).copied();
         let wanted = changed(threads, pixels, |pixel| single(self.mapping.target_xyz(colour(pixel))));
         let rendition = Some(rendition);
-        Ok(Rendered { wanted, mapped, inside, table_error, rendition })
+        Ok(Rendered { wanted, toned, mapped, inside, table_error, rendition })
     }
 
     /// The colour that the display should show, the one that it can show instead, and whether a mixture of
@@ -233,12 +247,16 @@ impl Rendered {
     fn with_room_for(pixels: usize) -> Self {
         let all = || Vec::with_capacity(pixels);
         let (table_error, rendition) = (None, None);
-        Self { wanted: all(), mapped: all(), inside: 0, table_error, rendition }
+        Self { wanted: all(), toned: Vec::new(), mapped: all(), inside: 0, table_error, rendition }
     }
 }
 
 /// The pixels of a picture after a change.
-fn changed(threads: usize, pixels: &[[f32; 3]], change: impl Fn([f32; 3]) -> [f32; 3] + Sync) -> Vec<[f32; 3]> {
+fn changed(
+    threads: usize,
+    pixels: &[[f32; 3]],
+    change: impl Fn([f32; 3]) -> [f32; 3] + Sync,
+) -> Vec<[f32; 3]> {
     let mut all = vec![[0.0; 3]; pixels.len()];
     in_chunks(threads, &mut all, |first, all| {
         all.iter_mut().zip(&pixels[first..]).for_each(|(to, pixel)| *to = change(*pixel));

@@ -62,7 +62,7 @@ fn rendering(palette: &Palette, intent: Intent, pixels: usize) -> Rendering {
 }
 
 fn rendered(rendering: &Rendering, pixels: &[[f32; 3]], columns: usize) -> Rendered {
-    rendering.rendered(pixels, columns, &Adjustments::default(), 2).unwrap()
+    rendering.rendered((pixels, columns), &Adjustments::default(), false, 2).unwrap()
 }
 
 fn settings(halftone: Halftone) -> ImageSettings {

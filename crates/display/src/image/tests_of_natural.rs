@@ -15,7 +15,8 @@ const COLUMNS: usize = 64;
 fn shown(pixels: &[[f32; 3]], adjustments: Adjustments) -> (Vec<[f64; 3]>, Rendition) {
     let rendering =
         Rendering::new(&inks(), D65_WHITE, (Intent::Natural, MapSpace::Oklab), pixels.len()).unwrap();
-    let Rendered { mapped, rendition, .. } = rendering.rendered(pixels, COLUMNS, &adjustments, 1).unwrap();
+    let Rendered { mapped, rendition, .. } =
+        rendering.rendered((pixels, COLUMNS), &adjustments, false, 1).unwrap();
     (mapped.into_iter().map(|pixel| pixel.map(f64::from)).collect(), rendition.unwrap())
 }
 

@@ -115,6 +115,7 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
         samples_per_pixel: image.samples_per_pixel.0 as usize,
         given: None,
         prepared_for: Vec::new(),
+        losses: false,
     }
 }
 
