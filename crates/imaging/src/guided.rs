@@ -73,7 +73,10 @@ fn means_of<T: Copy + Into<f64>>(
             sums.iter_mut().zip(row(y - radius - 1)).for_each(|(sum, value)| *sum -= (*value).into());
         }
         let count = (entered - y.saturating_sub(radius)) as f64;
-        values[y * columns..][..columns].iter_mut().zip(&*sums).for_each(|(value, sum)| *value = rounded(sum / count));
+        values[y * columns..][..columns]
+            .iter_mut()
+            .zip(&*sums)
+            .for_each(|(value, sum)| *value = rounded(sum / count));
     }
     values
 }

@@ -238,7 +238,11 @@ impl Rendered {
 }
 
 /// The pixels of a picture after a change.
-fn changed(threads: usize, pixels: &[[f32; 3]], change: impl Fn([f32; 3]) -> [f32; 3] + Sync) -> Vec<[f32; 3]> {
+fn changed(
+    threads: usize,
+    pixels: &[[f32; 3]],
+    change: impl Fn([f32; 3]) -> [f32; 3] + Sync,
+) -> Vec<[f32; 3]> {
     let mut all = vec![[0.0; 3]; pixels.len()];
     in_chunks(threads, &mut all, |first, all| {
         all.iter_mut().zip(&pixels[first..]).for_each(|(to, pixel)| *to = change(*pixel));

@@ -84,7 +84,8 @@ impl Case {
             Filter::new(3, self.values[1].clone()).unwrap(),
         ];
         let control = SearchControl { threads: 1, stop: &|| false, watch };
-        direct_binary_search(&self.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &self.start, control).unwrap()
+        direct_binary_search(&self.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &self.start, control)
+            .unwrap()
     }
 }
 
@@ -133,7 +134,8 @@ fn direct_binary_search_stops_when_asked() {
     let filters = [bell(1, 1.0), bell(1, 1.0)];
     let watch = &mut |_| ControlFlow::Continue(());
     let control = SearchControl { threads: 2, stop: &|| true, watch };
-    let none = direct_binary_search(&case.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &case.start, control).unwrap();
+    let none = direct_binary_search(&case.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &case.start, control)
+        .unwrap();
     assert_eq!((none.states, none.passes, none.is_complete), (case.start, 0, false));
 }
 
@@ -149,7 +151,8 @@ fn direct_binary_search_beats_error_diffusion_from_any_start() {
         let watch = &mut |_| ControlFlow::Continue(());
         let palette = [[0.0], [1.0]];
         let control = SearchControl { threads: 1, stop: &|| false, watch };
-        direct_binary_search(wanted.as_chunks().0, side, (&palette, [[1.0]]), &[bell(5, 1.5)], start, control).unwrap()
+        direct_binary_search(wanted.as_chunks().0, side, (&palette, [[1.0]]), &[bell(5, 1.5)], start, control)
+            .unwrap()
     };
     let (from_diffused, from_noise) = (search(&diffused), search(&noise));
     assert!(from_diffused.error < 0.5 * from_diffused.error_at_start, "{from_diffused:?}");

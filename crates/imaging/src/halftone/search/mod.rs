@@ -101,9 +101,8 @@ pub fn direct_binary_search<const N: usize>(
     let SearchControl { threads, stop, watch } = control;
     let mut searched =
         Searched { states: Vec::new(), error_at_start: 0.0, error: 0.0, passes: 0, is_complete: false };
-    let in_metric = |colour: &[f64; N]| {
-        metric.map(|row| row.iter().zip(colour).map(|(m, value)| m * value).sum::<f64>())
-    };
+    let in_metric =
+        |colour: &[f64; N]| metric.map(|row| row.iter().zip(colour).map(|(m, value)| m * value).sum::<f64>());
     let costs = Costs::new(&palette.iter().map(in_metric).collect::<Vec<_>>(), filters);
     let metric = metric.map(|row| row.map(|one| one as f32));
     let shown = Shown { wanted, columns, states: start, metric };
