@@ -254,7 +254,7 @@ impl Scenario {
                 None => scene.clone(),
                 Some((path, value)) => {
                     let value = Node::from_json(&value, origin);
-                    let change = Change { path: KeyPath::new(path), origin: origin, value };
+                    let change = Change { path: KeyPath::new(path), origin, value };
                     let sources = &self.written.sources;
                     let there =
                         Self::read(assemble(sources, &[change])?, self.library.clone(), sources.clone())?;

@@ -26,7 +26,7 @@ pub(super) fn in_chunks<T: Send, R: Send>(
     let mut results = match threads {
         1 => work(),
         _ => std::thread::scope(|scope| {
-            let running: Vec<_> = (0..threads).map(|_| scope.spawn(&work)).collect();
+            let running: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
             let join = |one: std::thread::ScopedJoinHandle<'_, _>| {
                 one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
             };

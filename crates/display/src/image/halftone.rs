@@ -79,8 +79,9 @@ pub(super) fn states(
         Halftone::ErrorDiffusion | Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {
             let (kernel, scan, metric) = (settings.kernel, settings.scan, panel.rendering.metric());
             let diffusion = ErrorDiffusion { kernel, scan, metric, ..ErrorDiffusion::default() };
-            let (row, [columns, rows]) = framed(mapped, panel.columns);
-            let found = diffusion.colours_by_rows(&row, [columns, rows], &panel.rendering.states)?;
+            let size @ [columns, _] = framed_size(mapped.len(), panel.columns);
+            let row = framed(mapped, panel.columns);
+            let found = diffusion.colours_by_rows(&row, size, &panel.rendering.states)?;
             let states = without_frame(&found.states, columns, mapped.len());
             let cut = found.cut_pixels.min(mapped.len());
             let stages = match settings.halftone {
@@ -97,21 +98,25 @@ pub(super) fn states(
 /// from neighbours yet, or loses them, and would draw a frame of another colour.
 const FRAME: usize = 24;
 
-/// The rows of a picture between its mirror images at both sides and above, and the number of its columns and rows.
-fn framed(pixels: &[[f32; 3]], columns: usize) -> (impl Fn(usize, &mut [[f32; 3]]), [usize; 2]) {
+/// Columns and rows of a picture with its frame.
+fn framed_size(pixels: usize, columns: usize) -> [usize; 2] {
+    [columns + 2 * FRAME, pixels / columns + FRAME]
+}
+
+/// Writes the rows of a picture between its mirror images at both sides and above.
+fn framed(pixels: &[[f32; 3]], columns: usize) -> impl Fn(usize, &mut [[f32; 3]]) {
     let rows = pixels.len() / columns;
     // Beyond a border, the picture continues as its mirror image.
     let mirrored = |at: isize, count: usize| {
         let at = at.rem_euclid(2 * count as isize) as usize;
         if at < count { at } else { 2 * count - 1 - at }
     };
-    let row = move |y: usize, into: &mut [[f32; 3]]| {
+    move |y: usize, into: &mut [[f32; 3]]| {
         let row = &pixels[mirrored(y as isize - FRAME as isize, rows) * columns..][..columns];
         for (x, into) in into.iter_mut().enumerate() {
             *into = row[mirrored(x as isize - FRAME as isize, columns)];
         }
-    };
-    (row, [columns + 2 * FRAME, rows + FRAME])
+    }
 }
 
 /// The states of a picture that was framed.
@@ -133,8 +138,8 @@ mod tests {
     fn frames_are_mirror_images() {
         for [columns, rows] in [[1, 1], [5, 3], [40, 30]] {
             let pixels: Vec<[f32; 3]> = (0..columns * rows).map(|k| [k as f32; 3]).collect();
-            let (row, [wide, high]) = framed(&pixels, columns);
-            assert_eq!([wide, high], [columns + 2 * FRAME, rows + FRAME]);
+            let row = framed(&pixels, columns);
+            let [wide, high] = framed_size(pixels.len(), columns);
             let mut framed = vec![[0.0; 3]; wide * high];
             framed.chunks_exact_mut(wide).enumerate().for_each(|(y, line)| row(y, line));
             let first = &framed[FRAME * wide..][..wide];
