@@ -169,7 +169,9 @@ impl Shell<'_> {
         // A file that an earlier command writes may not be there: that one was not run either.
         let is_there =
             |file: &PathBuf| exit == 0 && (file.exists() || shipped.iter().any(|of| file.starts_with(of)));
-        let Some(file) = file.filter(is_there) else { return Ok(()) };
+        // `papilio image PICTURE --on DISPLAY` has no scenario file.
+        let is_picture = of.try_contains_id("on").unwrap_or(false);
+        let Some(file) = file.filter(is_there).filter(|_| !is_picture) else { return Ok(()) };
         let checked = match name {
             "sweep" => Sweep::load(&file, &set).map(drop),
             "optimize" => Optimisation::load(&file, &set).map(drop),
