@@ -234,10 +234,40 @@ impl SpatialOutput for ImageOutput {
         all
     }
 
+    /// The largest file is written while the others are.
     fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
+        frame::remove_old(folder)?;
+        std::thread::scope(|scope| {
+            let linear = scope.spawn(|| self.write_linear(folder));
+            let names = self.write_others(folder);
+            linear.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+            names
+        })
+    }
+
+    fn figures(&self, _: &str) -> Vec<(String, String)> {
+        Vec::new()
+    }
+
+    fn warnings(&self) -> &[String] {
+        &self.here.numbers.warnings
+    }
+}
+
+/// The file of linear light.
+const LINEAR: &str = "seen.exr";
+
+impl ImageOutput {
+    fn write_linear(&self, folder: &Path) -> Result<(), Failure> {
+        let ImageResult { linear, white_cd_m2, .. } = &self.here;
+        let [across, _] = self.here.seen_size();
+        Ok(write_file(&folder.join(LINEAR), |out| write_scene_exr(out, across, linear, Some(*white_cd_m2)))?)
+    }
+
+    /// Writes all but the file of linear light, and returns the names of all.
+    fn write_others(&self, folder: &Path) -> Result<Vec<String>, Failure> {
         let ImageResult { size: [columns, _], states, palette, .. } = &self.here;
         let [across, _] = self.here.seen_size();
-        frame::remove_old(folder)?;
         let mut names = Vec::new();
         let mut png = |name: String, columns: usize, pixels: &[[u8; 3]]| {
             let is_display_p3 = self.here.space == ScreenSpace::DisplayP3;
@@ -254,10 +284,7 @@ impl SpatialOutput for ImageOutput {
             let (columns, pixels) = self.side_by_side()?;
             png("rooms.png".to_owned(), columns, &pixels)?;
         }
-        write_file(&folder.join("seen.exr"), |out| {
-            write_scene_exr(out, across, &self.here.linear, Some(self.here.white_cd_m2))
-        })?;
-        names.push("seen.exr".to_owned());
+        names.push(LINEAR.to_owned());
         if !states.is_empty() {
             let colours = palette.colours.iter();
             let shown = |one: &PaletteColour| {
@@ -274,14 +301,6 @@ impl SpatialOutput for ImageOutput {
             }
         }
         Ok(names)
-    }
-
-    fn figures(&self, _: &str) -> Vec<(String, String)> {
-        Vec::new()
-    }
-
-    fn warnings(&self) -> &[String] {
-        &self.here.numbers.warnings
     }
 }
 

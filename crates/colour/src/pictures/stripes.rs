@@ -457,16 +457,18 @@ fn planes(pixels: &[[f32; 3]], matrix: &[[f32; 3]; 3]) -> [Vec<f32>; 3] {
     planes
 }
 
+/// Cube root of a ratio to the white, linear below the toe. Both branches are computed: vectors have no others.
+#[inline(always)]
+fn root(ratio: f32) -> f32 {
+    const TOE: f32 = 216.0 / 24_389.0;
+    let cube = super::flip::cube_root(if ratio > TOE { ratio } else { TOE });
+    let straight = 841.0 / 108.0 * ratio + 16.0 / 116.0;
+    if ratio > TOE { cube } else { straight }
+}
+
 /// Replaces X, Y and Z relative to the white by CIELAB.
 #[inline(always)]
 fn to_lab([x, y, z]: &mut [Vec<f32>; 3]) {
-    const TOE: f32 = 216.0 / 24_389.0;
-    // Both branches are computed: vectors have no others.
-    let root = |ratio: f32| {
-        let cube = super::flip::cube_root(if ratio > TOE { ratio } else { TOE });
-        let straight = 841.0 / 108.0 * ratio + 16.0 / 116.0;
-        if ratio > TOE { cube } else { straight }
-    };
     for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
         let (fx, fy, fz) = (root(*x), root(*y), root(*z));
         (*x, *y, *z) = (116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz));

@@ -154,18 +154,57 @@ impl Adjustments {
         };
         let radius = (RADIUS * columns as f64).round().max(1.0) as usize;
         let base = if is_drawing { lightness } else { guided(&lightness, columns, radius, EPSILON)? };
-        let tone = mapping.tone(below_black_fraction);
+        let shades = Shades::new(mapping, below_black_fraction);
         in_chunks(threads, &mut targets, |first, targets| {
             for (target, base) in targets.iter_mut().zip(&base[first..]) {
                 let [lightness, a, b] = target.map(f64::from);
                 let base = f64::from(*base).clamp(0.0, 1.0);
-                let shown = tone.lightness(base) + rendition.contrast * (lightness - base);
+                let shown = shades.tone(base) + rendition.contrast * (lightness - base);
+                let [lightness, grey_a, grey_b] = shades.grey(shown.clamp(black, 1.0));
                 let chroma = [a, b].map(|one| rendition.saturation * one);
-                let shown = mapping.beside_grey([shown.clamp(black, 1.0), chroma[0], chroma[1]]);
-                *target = shown.map(|one| one as f32);
+                *target = [lightness, grey_a + chroma[0], grey_b + chroma[1]].map(|one| one as f32);
             }
         });
         Ok((targets, rendition))
+    }
+}
+
+/// The tone curve by lightness, and the mixtures of white and black by their own: between the steps they are
+/// straight to 1e-7.
+struct Shades {
+    tones: Vec<f64>,
+    greys: Vec<[f64; 3]>,
+    black: f64,
+}
+
+impl Shades {
+    const STEPS: usize = 8192;
+
+    fn new(mapping: &GamutMapping, below_black_fraction: f64) -> Self {
+        let (tone, black) = (mapping.tone(below_black_fraction), mapping.lightness_of_black());
+        let part = |step: usize| step as f64 / Self::STEPS as f64;
+        let grey = |step: usize| mapping.beside_grey([black + part(step) * (1.0 - black), 0.0, 0.0]);
+        let tones = (0..=Self::STEPS).map(|step| tone.lightness(part(step))).collect();
+        Self { tones, greys: (0..=Self::STEPS).map(grey).collect(), black }
+    }
+
+    /// Step below a part of the range, and the part of the next one.
+    fn place(part: f64) -> (usize, f64) {
+        let place = part.clamp(0.0, 1.0) * Self::STEPS as f64;
+        let step = (place as usize).min(Self::STEPS - 1);
+        (step, place - step as f64)
+    }
+
+    fn tone(&self, lightness: f64) -> f64 {
+        let (step, part) = Self::place(lightness);
+        self.tones[step] * (1.0 - part) + self.tones[step + 1] * part
+    }
+
+    /// Coordinates of the mixture of white and black.
+    fn grey(&self, lightness: f64) -> [f64; 3] {
+        let (step, part) = Self::place((lightness - self.black) / (1.0 - self.black));
+        let (below, above) = (self.greys[step], self.greys[step + 1]);
+        [0, 1, 2].map(|k| below[k] * (1.0 - part) + above[k] * part)
     }
 }
 
