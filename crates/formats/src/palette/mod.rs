@@ -5,4 +5,5 @@ mod read;
 mod swatches;
 
 pub use read::{PaletteTable, read_palette};
-pub use swatches::{device_colour, palette_files};
+pub use papilio_display::palette::device_colour;
+pub use swatches::palette_files;

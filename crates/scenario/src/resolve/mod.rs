@@ -21,6 +21,7 @@ mod palette;
 mod panel;
 mod pattern;
 mod picture;
+mod regions;
 mod pixel;
 mod reflection;
 mod relief;
