@@ -328,11 +328,11 @@ fn text(title: &str, result: &ImageResult) -> String {
     });
     let rendition = numbers.rendition.map_or(String::new(), |one| {
         let Rendition { exposure, contrast, saturation, .. } = one;
-        let kind = if one.is_drawing { "a drawing" } else { "a photograph" };
         let balance = one.white_balance_k.map_or(String::new(), |kelvin| format!(", {kelvin} K is white"));
         format!(
-            "shown as {kind}: exposure {exposure:.2} stops, contrast of detail {contrast:.2}, saturation {saturation:.2}{balance}; {} of the \
+            "drawings: {} of the pixels; exposure {exposure:.2} stops, contrast of detail {contrast:.2}, saturation {saturation:.2}{balance}; {} of the \
              pixels are darker than the display's black\n",
+            percent(numbers.drawing_fraction),
             percent(one.below_black_fraction)
         )
     });

@@ -352,6 +352,14 @@ pub enum DisplayError {
         /// Number of states of the display.
         states: usize,
     },
+    /// Regions of a picture that has another number of pixels.
+    #[error("regions of {pixels} pixels are given (expected one for each of {expected})")]
+    Regions {
+        /// Number of given pixels.
+        pixels: usize,
+        /// Number of pixels of the picture.
+        expected: usize,
+    },
     /// A picture that is to be held by a panel without a halftone.
     #[error("a panel holds states, which a picture without a halftone does not have")]
     NoHalftone,

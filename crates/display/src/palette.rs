@@ -235,3 +235,21 @@ pub fn hex(srgb: [f64; 3]) -> String {
     let [r, g, b] = bytes(srgb);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
+
+/// What a panel is sent for states with usual names; other states are sent the colour that is seen.
+const DEVICE: [(&str, [u8; 3]); 9] = [
+    ("black", [0, 0, 0]),
+    ("white", [255, 255, 255]),
+    ("red", [255, 0, 0]),
+    ("green", [0, 255, 0]),
+    ("blue", [0, 0, 255]),
+    ("yellow", [255, 255, 0]),
+    ("cyan", [0, 255, 255]),
+    ("magenta", [255, 0, 255]),
+    ("orange", [255, 128, 0]),
+];
+
+/// Returns the usual code of a state, pure red for `red`; `None` for other names.
+pub fn device_colour(state: &str) -> Option<[u8; 3]> {
+    DEVICE.iter().find(|(name, _)| *name == state).map(|(_, colour)| *colour)
+}

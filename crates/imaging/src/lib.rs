@@ -4,6 +4,7 @@
 //! - [`text`]: text from the outlines of a font as black and white pixels, with the middles of its strokes
 //!   and gaps, or in the lines of a page.
 //! - [`TestPattern`]: edges, stripes, squares and stars, with the fraction of each pixel that is black.
+//! - [`Areas`]: drawings in a picture, flat areas and the text between them.
 //! - [`guided`]: the smooth base of a picture, which follows its edges.
 //! - [`push_halves`]: colours as numbers of 16 bits.
 //!
@@ -28,6 +29,7 @@ mod guided;
 mod half;
 pub mod halftone;
 mod pattern;
+mod regions;
 pub mod text;
 
 pub use error::ImagingError;
@@ -35,3 +37,4 @@ pub use fit::{Fit, fitted};
 pub use guided::{guided, window_means};
 pub use half::{half_bits, push_halves};
 pub use pattern::TestPattern;
+pub use regions::Areas;

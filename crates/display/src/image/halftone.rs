@@ -3,6 +3,7 @@
 use papilio_imaging::halftone::{ErrorDiffusion, Mask};
 
 use super::masks::masked;
+use super::regions::Drawn;
 use super::search::{REFINED, TO_THE_END, searched};
 use super::{ImageSettings, Rendering, colour};
 use crate::DisplayError;
@@ -47,6 +48,19 @@ pub(super) struct Panel<'a> {
     /// Part of a pixel's light that is seen in each of its neighbours, `REACH_OF_LAYERS` pixels around it;
     /// `None` without blur.
     pub(super) spread: Option<Vec<f64>>,
+    /// States of the pixels of drawings, except for `None` and `Nearest`.
+    pub(super) drawn: Option<Drawn>,
+}
+
+impl Panel<'_> {
+    /// States with those of the drawings.
+    fn with_drawings(&self, mut states: Vec<u8>) -> Vec<u8> {
+        if let Some(drawn) = &self.drawn {
+            let drawn = states.iter_mut().zip(&drawn.states);
+            drawn.for_each(|(state, drawn)| *state = drawn.unwrap_or(*state));
+        }
+        states
+    }
 }
 
 /// The state of each pixel, none without a halftone, and the number of pixels at which colour was lost.
@@ -71,17 +85,21 @@ pub(super) fn states(
             let nearest = |pixel: &[f32; 3]| panel.rendering.closest_state(colour(*pixel)) as u8;
             Ok((mapped.iter().map(nearest).collect(), 0))
         }
-        Halftone::Ordered => Ok((masked(&Mask::bayer(BAYER)?, mapped, panel, control)?, 0)),
+        Halftone::Ordered => {
+            Ok((panel.with_drawings(masked(&Mask::bayer(BAYER)?, mapped, panel, control)?), 0))
+        }
         Halftone::VoidAndCluster => {
             let mask = Mask::void_and_cluster(VOID_AND_CLUSTER, settings.seed)?;
-            Ok((masked(&mask, mapped, panel, control)?, 0))
+            Ok((panel.with_drawings(masked(&mask, mapped, panel, control)?), 0))
         }
         Halftone::ErrorDiffusion | Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {
             let (kernel, scan, metric) = (settings.kernel, settings.scan, panel.rendering.metric());
             let diffusion = ErrorDiffusion { kernel, scan, metric, ..ErrorDiffusion::default() };
             let size @ [columns, _] = framed_size(mapped.len(), panel.columns);
             let row = framed(mapped, panel.columns);
-            let found = diffusion.colours_by_rows(&row, size, &panel.rendering.states)?;
+            let drawn = panel.drawn.as_ref().map(|drawn| framed(&drawn.states, panel.columns));
+            let fixed = drawn.as_ref().map(|row| row as &dyn Fn(usize, &mut [Option<u8>]));
+            let found = diffusion.colours_beside(&row, fixed, size, &panel.rendering.states)?;
             let states = without_frame(&found.states, columns, mapped.len());
             let cut = found.cut_pixels.min(mapped.len());
             let stages = match settings.halftone {
@@ -104,14 +122,14 @@ fn framed_size(pixels: usize, columns: usize) -> [usize; 2] {
 }
 
 /// Writes the rows of a picture between its mirror images at both sides and above.
-fn framed(pixels: &[[f32; 3]], columns: usize) -> impl Fn(usize, &mut [[f32; 3]]) {
+fn framed<T: Copy>(pixels: &[T], columns: usize) -> impl Fn(usize, &mut [T]) {
     let rows = pixels.len() / columns;
     // Beyond a border, the picture continues as its mirror image.
     let mirrored = |at: isize, count: usize| {
         let at = at.rem_euclid(2 * count as isize) as usize;
         if at < count { at } else { 2 * count - 1 - at }
     };
-    move |y: usize, into: &mut [[f32; 3]]| {
+    move |y: usize, into: &mut [T]| {
         let row = &pixels[mirrored(y as isize - FRAME as isize, rows) * columns..][..columns];
         for (x, into) in into.iter_mut().enumerate() {
             *into = row[mirrored(x as isize - FRAME as isize, columns)];

@@ -6,7 +6,7 @@ use super::halftone::{self, Halftone, Panel};
 use super::known::KnownLights;
 use super::lamps::{LampImage, drawn_lamps};
 use super::light::each_alone;
-use super::rendering::{Rendered, Rendering};
+use super::rendering::{Rendered, Rendering, is_natural};
 use super::search::REACH_OF_LAYERS;
 use super::{ImageSettings, PictureSurround, SourceImage};
 use crate::DisplayError;
@@ -80,6 +80,8 @@ pub(super) struct Lit {
 pub(super) struct Brought {
     pub(super) rendering: Rendering,
     pub(super) rendered: Rendered,
+    /// Fraction of the pixels in drawings.
+    pub(super) drawing_fraction: f64,
     /// The state of each pixel; none without a halftone.
     pub(super) states: Vec<u8>,
     /// Number of pixels at which colour was lost.
@@ -139,9 +141,11 @@ impl Brought {
         let mapping = (settings.intent, settings.space);
         let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
         let threads = control.thread_count();
-        let rendered = {
-            let pixels = (&source.pixels[..], source.columns);
-            rendering.rendered(pixels, &settings.adjustments, settings.losses, threads)?
+        let drawing = settings.regions.drawing(source, is_natural(settings.intent), threads)?;
+        let is_drawn = drawing.as_ref().map(|drawing| &drawing.is_drawn[..]);
+        let mut rendered = {
+            let picture = (&source.pixels[..], source.columns, is_drawn);
+            rendering.rendered(picture, &settings.adjustments, settings.losses, threads)?
         };
         control.check()?;
         let spread = match settings.halftone {
@@ -150,16 +154,22 @@ impl Brought {
             }
             _ => None,
         };
-        let panel = Panel {
+        let mut panel = Panel {
             columns: source.columns,
             palette: &lit.palette,
             rendering: &rendering,
             pixels_per_degree: super::pixels_per_degree(&lit.setup.scene),
             spread,
+            drawn: None,
         };
+        let mut drawing_fraction = 0.0;
+        if let Some(drawing) = drawing {
+            drawing_fraction = drawing.fraction();
+            panel.drawn = Some(drawing.drawn(&mut rendered.mapped, &panel, control)?);
+        }
         let (states, cut) = halftone::states(settings, &rendered.mapped, &panel, control)?;
         control.check()?;
-        Ok(Self { rendering, rendered, states, cut })
+        Ok(Self { rendering, rendered, drawing_fraction, states, cut })
     }
 }
 

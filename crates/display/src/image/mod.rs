@@ -6,6 +6,7 @@
 //! |---|---|
 //! | the picture on the pixels of the panel, before | [`papilio_imaging::fitted`] |
 //! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs`, natural pictures also `natural.rs` |
+//! | drawings in it: flat colours, text and lines | `regions.rs` |
 //! | a state for each pixel | `halftone.rs`, `masks.rs`, `search.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
 //! | pixels below a colour filter | `filter.rs` |
@@ -30,6 +31,7 @@ mod light;
 mod masks;
 mod natural;
 mod perspective;
+mod regions;
 mod rendering;
 mod samples;
 mod search;
@@ -55,6 +57,7 @@ use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz, encoded_byte};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
 use perspective::Eye;
+pub use regions::Regions;
 use rendering::{Rendered, Rendering};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -89,6 +92,8 @@ pub struct ImageSettings {
     pub space: MapSpace,
     /// Exposure, contrast, saturation and white balance.
     pub adjustments: Adjustments,
+    /// Which parts are drawings.
+    pub regions: Regions,
     /// How pixels with few states show many colours.
     pub halftone: Halftone,
     /// Weights of error diffusion.
@@ -182,6 +187,8 @@ pub struct ImageNumbers {
     pub out_of_gamut_fraction: f64,
     /// Error of the mapping of such colours by a table, CIEDE2000, 95th percentile; null if each pixel was mapped.
     pub mapping_error_delta_e_2000: Option<f64>,
+    /// Fraction of the pixels in drawings: flat colours, text and lines, which have no error diffusion.
+    pub drawing_fraction: f64,
     /// What was chosen for a natural or vivid picture; null for other intents.
     pub rendition: Option<Rendition>,
     /// Fraction of the pixels at which error diffusion lost colour, because the error exceeded its limit; usually 0.
@@ -265,7 +272,7 @@ pub fn image(
         &held
     };
     let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
-    let Brought { rendering, rendered, states, cut } =
+    let Brought { rendering, rendered, drawing_fraction, states, cut } =
         control.within([0.4, 0.6], |control| Brought::new(&lit, source, settings, control))?;
     let Rendered { wanted, toned, mapped, inside, table_error, rendition } = rendered;
     let to_screen =
@@ -361,6 +368,7 @@ pub fn image(
         coverage: (!states.is_empty()).then(|| coverage(&palette, &states)),
         out_of_gamut_fraction: fraction(seen.len() - inside),
         mapping_error_delta_e_2000: table_error,
+        drawing_fraction,
         rendition,
         cut_fraction: fraction(cut),
         clipped_fraction: clipped as f64 / shown.len() as f64,

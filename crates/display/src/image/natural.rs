@@ -6,9 +6,9 @@
 //! stay neutral: mixtures of the display's white and black.
 //!
 //! **Chosen for each picture**, unless the user does: the fraction of its tones that are darker than the
-//! display's black, `d`, makes the tone curve sharper, and raises the contrast of detail to `1.15 + 0.25 d` and chroma to `1.05 + 0.1 d`. A picture
-//! in which most pixels equal their neighbours (a drawing, a chart) has no base: each colour has one tone, and flat
-//! areas stay flat. White pixels, such as the margins of a picture on a panel, do not count. A photograph without any light tone is exposed for more light.
+//! display's black, `d`, makes the tone curve sharper, and raises the contrast of detail to `1.15 + 0.25 d` and chroma to `1.05 + 0.1 d`. Drawings
+//! have no base: each colour has one tone, and flat areas stay flat. They do not count for what is chosen, unless all is a drawing, nor do white
+//! pixels, such as the margins of a picture on a panel. A photograph without any light tone is exposed for more light.
 
 use std::borrow::Cow;
 
@@ -47,10 +47,8 @@ pub struct Rendition {
     pub saturation: f64,
     /// Correlated colour temperature of the light that became white, K; null: as the picture states.
     pub white_balance_k: Option<f64>,
-    /// Fraction of the pixels that are darker than the display's black.
+    /// Fraction of the pixels of photographs that are darker than the display's black; of all, if there are none.
     pub below_black_fraction: f64,
-    /// Whether the picture is a drawing: most of its pixels equal their neighbours.
-    pub is_drawing: bool,
 }
 
 /// A picture after exposure and white balance.
@@ -58,7 +56,6 @@ pub(super) struct AdjustedSource {
     /// Its pixels, unless they are those of the source.
     pub(super) pixels: Option<Vec<[f32; 3]>>,
     exposure: f64,
-    is_drawing: bool,
 }
 
 /// Contrast and chroma of vivid pictures.
@@ -68,12 +65,6 @@ const VIVID: [f64; 2] = [1.5, 1.25];
 /// smooths.
 const RADIUS: f64 = 0.03;
 const EPSILON: f64 = 0.01;
-
-/// Fraction of the pixels that equal their right and lower neighbours, from which a picture is a drawing.
-const FLAT: f64 = 0.5;
-
-/// Largest difference of X, Y, Z of equal pixels: far below a step of 8 bits, of which the smallest is 3e-4.
-const SAME: f32 = 1e-5;
 
 /// Brightest tones of a photograph that are left out when its exposure is decided.
 const HIGHLIGHTS: f64 = 0.005;
@@ -92,11 +83,10 @@ impl Adjustments {
     pub(super) fn of_source(
         &self,
         pixels: &[[f32; 3]],
-        columns: usize,
+        is_drawn: Option<&[bool]>,
         is_natural: bool,
     ) -> Result<AdjustedSource, DisplayError> {
-        let is_drawing = is_natural && flat_fraction(pixels, columns) >= FLAT;
-        let chosen = || if is_natural && !is_drawing { missing_stops(pixels) } else { 0.0 };
+        let chosen = || if is_natural { missing_stops(pixels, is_drawn) } else { 0.0 };
         let exposure = self.exposure.unwrap_or_else(chosen);
         let mut adjusted = Cow::Borrowed(pixels);
         if let Some(kelvin) = self.white_balance_k {
@@ -106,21 +96,26 @@ impl Adjustments {
         }
         if exposure != 0.0 {
             let factor = exposure.exp2() as f32;
-            adjusted = Cow::Owned(adjusted.iter().map(|pixel| pixel.map(|one| one * factor)).collect());
+            // What is chosen for a photograph leaves drawings as they are.
+            let is_left =
+                |at: usize| self.exposure.is_none() && is_drawn.is_some_and(|is_drawn| is_drawn[at]);
+            let of = |(at, pixel): (usize, &[f32; 3])| {
+                if is_left(at) { *pixel } else { pixel.map(|one| one * factor) }
+            };
+            adjusted = Cow::Owned(adjusted.iter().enumerate().map(of).collect());
         }
         let pixels = match adjusted {
             Cow::Borrowed(_) => None,
             Cow::Owned(pixels) => Some(pixels),
         };
-        Ok(AdjustedSource { pixels, exposure, is_drawing })
+        Ok(AdjustedSource { pixels, exposure })
     }
 
     /// Lightness and chromatic coordinates that the display should show, before gamut mapping.
     pub(super) fn targets(
         &self,
         mapping: &GamutMapping,
-        pixels: &[[f32; 3]],
-        columns: usize,
+        (pixels, columns, is_drawn): (&[[f32; 3]], usize, Option<&[bool]>),
         vivid: bool,
         adjusted: &AdjustedSource,
         threads: usize,
@@ -135,10 +130,12 @@ impl Adjustments {
             targets.iter_mut().zip(&pixels[first..]).for_each(|(target, pixel)| *target = limited(pixel));
         });
         let lightness: Vec<f32> = targets.iter().map(|target| target[0]).collect();
-        let below = lightness.iter().filter(|one| f64::from(**one) < black).count();
-        let toned = pixels.iter().filter(|pixel| !is_white(pixel)).count();
+        let is_photograph = |at: &usize| is_drawn.is_none_or(|is_drawn| !is_drawn[*at]);
+        let is_drawing = !(0..pixels.len()).any(|at| is_photograph(&at));
+        let counts = |at: &usize| is_drawing || is_photograph(at);
+        let below = (0..pixels.len()).filter(counts).filter(|at| f64::from(lightness[*at]) < black).count();
+        let toned = (0..pixels.len()).filter(counts).filter(|at| !is_white(&pixels[*at])).count();
         let below_black_fraction = below as f64 / toned.max(1) as f64;
-        let is_drawing = adjusted.is_drawing;
         let [contrast, saturation] = match (vivid, is_drawing) {
             (true, _) => VIVID,
             (false, true) => [1.0, 1.0],
@@ -150,10 +147,15 @@ impl Adjustments {
             saturation: self.saturation.unwrap_or(saturation),
             white_balance_k: self.white_balance_k,
             below_black_fraction,
-            is_drawing,
         };
         let radius = (RADIUS * columns as f64).round().max(1.0) as usize;
-        let base = if is_drawing { lightness } else { guided(&lightness, columns, radius, EPSILON)? };
+        let mut base = if is_drawing { Vec::new() } else { guided(&lightness, columns, radius, EPSILON)? };
+        if is_drawing {
+            base = lightness;
+        } else if is_drawn.is_some() {
+            let drawn = (0..base.len()).filter(|at| !is_photograph(at));
+            drawn.for_each(|at| base[at] = lightness[at]);
+        }
         let shades = Shades::new(mapping, below_black_fraction);
         in_chunks(threads, &mut targets, |first, targets| {
             for (target, base) in targets.iter_mut().zip(&base[first..]) {
@@ -208,32 +210,17 @@ impl Shades {
     }
 }
 
-/// Fraction of the pixels, without white ones, that equal their right and lower neighbours; 1 if all are white.
-fn flat_fraction(pixels: &[[f32; 3]], columns: usize) -> f64 {
-    let rows = pixels.len() / columns.max(1);
-    // A picture that was scaled has the rounding of its weights.
-    let is_like = |one: [f32; 3], other: [f32; 3]| one.iter().zip(other).all(|(a, b)| (a - b).abs() < SAME);
-    let is_flat =
-        |at: &usize| is_like(pixels[*at], pixels[at + 1]) && is_like(pixels[*at], pixels[at + columns]);
-    let inner = (0..rows.saturating_sub(1))
-        .flat_map(|y| (0..columns.saturating_sub(1)).map(move |x| y * columns + x));
-    let (mut toned, mut flat) = (0_usize, 0_usize);
-    for at in inner.filter(|at| !is_white(&pixels[*at])) {
-        toned += 1;
-        flat += usize::from(is_flat(&at));
-    }
-    if toned == 0 { 1.0 } else { flat as f64 / toned as f64 }
-}
-
 /// Whether a pixel is the white of the picture, to half a step of 8 bits.
 fn is_white(pixel: &[f32; 3]) -> bool {
     pixel.iter().zip(D65_WHITE.to_array()).all(|(one, white)| f64::from(*one) > 0.995 * white)
 }
 
 /// Stops by which the light tones of a photograph are too dark; 0 where they are light enough.
-fn missing_stops(pixels: &[[f32; 3]]) -> f64 {
+fn missing_stops(pixels: &[[f32; 3]], is_drawn: Option<&[bool]>) -> f64 {
     let largest = |pixel: &[f32; 3]| colour(*pixel).linear_srgb().into_iter().fold(0.0, f64::max);
-    let mut light: Vec<f64> = pixels.iter().map(largest).collect();
+    let is_photograph = |at: &usize| is_drawn.is_none_or(|is_drawn| !is_drawn[*at]);
+    let photograph = (0..pixels.len()).filter(is_photograph);
+    let mut light: Vec<f64> = photograph.map(|at| largest(&pixels[at])).collect();
     let at = ((1.0 - HIGHLIGHTS) * light.len().saturating_sub(1) as f64).round() as usize;
     if light.is_empty() {
         return 0.0;

@@ -135,18 +135,19 @@ impl Rendering {
         (0..self.states.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     }
 
-    /// Maps all pixels of a picture with these columns; the picture before gamut mapping is kept if `keep_toned`.
+    /// Maps all pixels of a picture with these columns, some of which may be those of a drawing; the picture before gamut mapping is kept if
+    /// `keep_toned`.
     pub(super) fn rendered(
         &self,
-        (pixels, columns): (&[[f32; 3]], usize),
+        (pixels, columns, is_drawn): (&[[f32; 3]], usize, Option<&[bool]>),
         adjustments: &Adjustments,
         keep_toned: bool,
         threads: usize,
     ) -> Result<Rendered, DisplayError> {
-        let adjusted = adjustments.of_source(pixels, columns, is_natural(self.intent))?;
+        let adjusted = adjustments.of_source(pixels, is_drawn, is_natural(self.intent))?;
         let shown = adjusted.pixels.as_deref().unwrap_or(pixels);
         if is_natural(self.intent) {
-            return self.natural((shown, columns), adjustments, &adjusted, keep_toned, threads);
+            return self.natural((shown, columns, is_drawn), adjustments, &adjusted, keep_toned, threads);
         }
         let mut rendered = self.colour_by_colour(shown);
         if keep_toned {
@@ -176,7 +177,7 @@ impl Rendering {
     /// Maps a natural picture: the tone of a pixel depends on its surroundings.
     fn natural(
         &self,
-        (pixels, columns): (&[[f32; 3]], usize),
+        picture @ (pixels, ..): (&[[f32; 3]], usize, Option<&[bool]>),
         adjustments: &Adjustments,
         adjusted: &AdjustedSource,
         keep_toned: bool,
@@ -184,7 +185,7 @@ impl Rendering {
     ) -> Result<Rendered, DisplayError> {
         let vivid = self.intent == Intent::Vivid;
         let (mut mapped, rendition) =
-            adjustments.targets(&self.mapping, pixels, columns, vivid, adjusted, threads)?;
+            adjustments.targets(&self.mapping, picture, vivid, adjusted, threads)?;
         let toned = if keep_toned {
             let black = self.mapping.target_xyz(Xyz { x: 0.0, y: 0.0, z: 0.0 });
             changed(threads, &mapped, |target| {
@@ -265,7 +266,7 @@ fn changed(
 }
 
 /// Whether the mapping of a pixel depends on its surroundings.
-fn is_natural(intent: Intent) -> bool {
+pub(super) fn is_natural(intent: Intent) -> bool {
     matches!(intent, Intent::Natural | Intent::Vivid)
 }
 

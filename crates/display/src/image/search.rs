@@ -92,6 +92,7 @@ pub(super) fn with_filters(
         if pass.pass >= passes { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let told = SearchControl {
+        fixed: panel.drawn.as_ref().map_or(&[], |drawn| &drawn.is_drawn),
         threads: control.thread_count(),
         stop: &|| control.stop.load(Ordering::Relaxed),
         watch: &mut watch,

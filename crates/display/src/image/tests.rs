@@ -62,7 +62,7 @@ fn rendering(palette: &Palette, intent: Intent, pixels: usize) -> Rendering {
 }
 
 fn rendered(rendering: &Rendering, pixels: &[[f32; 3]], columns: usize) -> Rendered {
-    rendering.rendered((pixels, columns), &Adjustments::default(), false, 2).unwrap()
+    rendering.rendered((pixels, columns, None), &Adjustments::default(), false, 2).unwrap()
 }
 
 fn settings(halftone: Halftone) -> ImageSettings {
@@ -78,6 +78,7 @@ fn halftoned(palette: &Palette, settings: &ImageSettings, mapped: &[[f32; 3]]) -
         rendering: &rendering,
         pixels_per_degree: Some(PER_DEGREE),
         spread: None,
+        drawn: None,
     };
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     states(settings, mapped, &panel, &control).unwrap().0
@@ -206,8 +207,14 @@ fn nearest_states_have_no_pattern() {
 fn given_states_are_shown_or_refused() {
     let inks = inks();
     let rendering = rendering(&inks, Intent::Relative, 1);
-    let panel =
-        Panel { columns: 2, palette: &inks, rendering: &rendering, pixels_per_degree: None, spread: None };
+    let panel = Panel {
+        columns: 2,
+        palette: &inks,
+        rendering: &rendering,
+        pixels_per_degree: None,
+        spread: None,
+        drawn: None,
+    };
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let picture = [[0.1_f32; 3]; 4];
     let of = |given: &[u8]| {
@@ -254,6 +261,7 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
         rendering: &rendering,
         pixels_per_degree: Some(PER_DEGREE),
         spread: None,
+        drawn: None,
     };
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
@@ -275,6 +283,7 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
         rendering: &rendering,
         pixels_per_degree: Some(PER_DEGREE),
         spread: Some(spread),
+        drawn: None,
     };
     let blurred = search::searched(&diffused, &picture, &below, &search::TO_THE_END, &control).unwrap();
     assert_ne!(blurred, found);
@@ -336,6 +345,7 @@ fn refined_error_diffusion_has_less_visible_pattern_than_error_diffusion() {
         rendering: &rendering,
         pixels_per_degree: per_degree,
         spread: None,
+        drawn: None,
     };
     let shown = |settings: &ImageSettings, per_degree, threads| {
         let control = Control { threads: Some(threads), progress: &|_| {}, stop: &AtomicBool::new(false) };

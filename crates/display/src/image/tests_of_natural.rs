@@ -5,9 +5,10 @@ use papilio_colour::{Adaptation, D65_WHITE, Observer, Xyz};
 use papilio_spectra::{Grid, planck};
 use papilio_testing::Dice;
 
+use super::regions::Drawing;
 use super::rendering::{Rendered, Rendering};
 use super::tests::inks;
-use super::{Adjustments, Rendition};
+use super::{Adjustments, Regions, Rendition, SourceImage};
 
 const COLUMNS: usize = 64;
 
@@ -15,9 +16,21 @@ const COLUMNS: usize = 64;
 fn shown(pixels: &[[f32; 3]], adjustments: Adjustments) -> (Vec<[f64; 3]>, Rendition) {
     let rendering =
         Rendering::new(&inks(), D65_WHITE, (Intent::Natural, MapSpace::Oklab), pixels.len()).unwrap();
-    let Rendered { mapped, rendition, .. } =
-        rendering.rendered((pixels, COLUMNS), &adjustments, false, 1).unwrap();
+    let drawing = drawing(pixels);
+    let is_drawn = drawing.as_ref().map(|drawing| &drawing.is_drawn[..]);
+    let picture = (pixels, COLUMNS, is_drawn);
+    let Rendered { mapped, rendition, .. } = rendering.rendered(picture, &adjustments, false, 1).unwrap();
     (mapped.into_iter().map(|pixel| pixel.map(f64::from)).collect(), rendition.unwrap())
+}
+
+fn drawing(pixels: &[[f32; 3]]) -> Option<Drawing> {
+    let source = SourceImage { columns: COLUMNS, pixels: pixels.to_vec() };
+    Regions::Auto.drawing(&source, true, 1).unwrap()
+}
+
+/// Fraction of the pixels that are a drawing.
+fn drawn(pixels: &[[f32; 3]]) -> f64 {
+    drawing(pixels).map_or(0.0, |drawing| drawing.fraction())
 }
 
 fn grey(light: f64) -> [f32; 3] {
@@ -42,7 +55,7 @@ fn natural_ramps_of_grey_increase_between_white_and_black_without_colour() {
         let tone = |at: usize| (at % COLUMNS * (steps + 1) / COLUMNS) as f64 / steps as f64;
         let ramp: Vec<[f32; 3]> = (0..COLUMNS * 32).map(|at| grey(tone(at).powf(2.2))).collect();
         let (found, rendition) = shown(&ramp, Adjustments::default());
-        assert_eq!(rendition.is_drawing, steps == 7, "{rendition:?}");
+        assert_eq!(drawn(&ramp), if steps == 7 { 1.0 } else { 0.0 }, "{rendition:?}");
         let row = &found[16 * COLUMNS..][..COLUMNS];
         for (k, pixel) in row.iter().enumerate() {
             let part = (pixel[1] - black[1]) / (white[1] - black[1]);
@@ -80,17 +93,20 @@ fn shadows_keep_detail() {
 fn adjustments_are_chosen_for_the_picture() {
     let of = |pixels: &[[f32; 3]]| shown(pixels, Adjustments::default()).1;
     let bright = of(&photograph(1.0));
-    assert!(bright.exposure == 0.0 && !bright.is_drawing && bright.contrast > 1.15, "{bright:?}");
+    assert!(bright.exposure == 0.0 && drawn(&photograph(1.0)) == 0.0 && bright.contrast > 1.15, "{bright:?}");
     // The brightest tones have 0.25 x 0.9 of white: two stops to 0.9, by their noise a little more.
     let dark = of(&photograph(0.25));
     assert!((1.9..=2.0).contains(&dark.exposure), "{dark:?}");
     let mut margins = vec![grey(1.0); COLUMNS * 200];
     margins.extend(photograph(1.0));
     let framed = of(&margins);
-    assert_eq!((framed.is_drawing, framed.below_black_fraction), (false, bright.below_black_fraction));
+    // The margin is a drawing beside the photograph.
+    assert!((drawn(&margins) - 200.0 / 248.0).abs() < 1e-9);
+    assert_eq!(framed.below_black_fraction, bright.below_black_fraction);
     let chart: Vec<[f32; 3]> = (0..COLUMNS * 48).map(|at| grey([0.1, 0.3][at / 32 % 2])).collect();
+    assert_eq!(drawn(&chart), 1.0);
     let chart = of(&chart);
-    assert_eq!((chart.is_drawing, chart.exposure, chart.contrast, chart.saturation), (true, 0.0, 1.0, 1.0));
+    assert_eq!((chart.exposure, chart.contrast, chart.saturation), (0.0, 1.0, 1.0));
     let given = Adjustments {
         exposure: Some(-1.0),
         contrast: Some(2.0),

@@ -4,5 +4,6 @@
 mod read;
 mod swatches;
 
+pub use papilio_display::palette::device_colour;
 pub use read::{PaletteTable, read_palette};
-pub use swatches::{device_colour, palette_files};
+pub use swatches::palette_files;

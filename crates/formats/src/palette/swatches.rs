@@ -11,28 +11,11 @@
 
 use std::fmt::Write;
 
+use papilio_display::palette::device_colour;
 use serde_json::json;
 
 /// Colours of an `.act` file.
 const ACT_COLOURS: usize = 256;
-
-/// What a panel is sent for states with usual names; other states are sent the colour that is seen.
-const DEVICE: [(&str, [u8; 3]); 9] = [
-    ("black", [0, 0, 0]),
-    ("white", [255, 255, 255]),
-    ("red", [255, 0, 0]),
-    ("green", [0, 255, 0]),
-    ("blue", [0, 0, 255]),
-    ("yellow", [255, 255, 0]),
-    ("cyan", [0, 255, 255]),
-    ("magenta", [255, 0, 255]),
-    ("orange", [255, 128, 0]),
-];
-
-/// Returns the usual code of a state, pure red for `red`; `None` for other names.
-pub fn device_colour(state: &str) -> Option<[u8; 3]> {
-    DEVICE.iter().find(|(name, _)| *name == state).map(|(_, colour)| *colour)
-}
 
 /// Returns names and contents of all files with the colours `(state, bytes)`.
 pub fn palette_files(title: &str, colours: &[(&str, [u8; 3])]) -> Vec<(&'static str, Vec<u8>)> {

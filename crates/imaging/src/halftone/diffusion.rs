@@ -144,7 +144,7 @@ impl ErrorDiffusion {
     ) -> Result<Diffused<3>, ImagingError> {
         check_rows(wanted.len(), columns)?;
         let row = |y: usize, row: &mut [[f32; 3]]| row.copy_from_slice(&wanted[y * columns..][..columns]);
-        self.diffuse(&row, [columns, wanted.len() / columns], palette, self.metric)
+        self.diffuse((&row, None), [columns, wanted.len() / columns], palette, self.metric)
     }
 
     /// [`colours`](Self::colours) of a picture of this many columns and rows, whose rows a function writes.
@@ -157,8 +157,23 @@ impl ErrorDiffusion {
         [columns, rows]: [usize; 2],
         palette: &[[f64; 3]],
     ) -> Result<Diffused<3>, ImagingError> {
+        self.colours_beside(row, None, [columns, rows], palette)
+    }
+
+    /// [`colours_by_rows`](Self::colours_by_rows) beside pixels that have a state already, which `fixed` writes
+    /// for each row. They pass nothing on, and what is passed to them is lost, as beyond a border.
+    ///
+    /// # Errors
+    /// As [`colours`](Self::colours).
+    pub fn colours_beside(
+        &self,
+        row: &dyn Fn(usize, &mut [[f32; 3]]),
+        fixed: Option<&dyn Fn(usize, &mut [Option<u8>])>,
+        [columns, rows]: [usize; 2],
+        palette: &[[f64; 3]],
+    ) -> Result<Diffused<3>, ImagingError> {
         check_rows(columns * rows, columns)?;
-        self.diffuse(row, [columns, rows], palette, self.metric)
+        self.diffuse((row, fixed), [columns, rows], palette, self.metric)
     }
 
     /// Error diffusion of single numbers, such as the coverage of one sub-pixel, to these levels.
@@ -175,12 +190,12 @@ impl ErrorDiffusion {
         check_rows(wanted.len(), columns)?;
         let wanted = wanted.as_chunks().0;
         let row = |y: usize, row: &mut [[f32; 1]]| row.copy_from_slice(&wanted[y * columns..][..columns]);
-        self.diffuse(&row, [columns, wanted.len() / columns], &palette, [[1.0]])
+        self.diffuse((&row, None), [columns, wanted.len() / columns], &palette, [[1.0]])
     }
 
     fn diffuse<const N: usize>(
         &self,
-        row: &dyn Fn(usize, &mut [[f32; N]]),
+        (row, fixed): (&dyn Fn(usize, &mut [[f32; N]]), Option<&FixedRow<'_>>),
         [columns, rows]: [usize; 2],
         palette: &[[f64; N]],
         metric: [[f64; N]; N],
@@ -189,7 +204,7 @@ impl ErrorDiffusion {
         if let Some(state) = palette.iter().position(|colour| !colour.iter().all(|value| value.is_finite())) {
             return Err(ImagingError::Palette { state });
         }
-        let picture = Picture { row, columns, rows, scan: self.scan };
+        let picture = Picture { row, fixed, columns, rows, scan: self.scan };
         let palette = Palette::new(palette, metric, self.limit);
         Ok(match self.kernel {
             DiffusionKernel::FloydSteinberg => picture.diffused(&palette, &FLOYD_STEINBERG),
@@ -202,6 +217,9 @@ impl ErrorDiffusion {
         })
     }
 }
+
+/// Writes the states of a row that are fixed.
+type FixedRow<'a> = dyn Fn(usize, &mut [Option<u8>]) + 'a;
 
 /// One neighbour: columns along the scan, rows down, and its part of the error in units of 2^-32.
 type Part = (isize, usize, i64);
@@ -352,6 +370,7 @@ impl<const N: usize> Palette<N> {
 struct Picture<'a, const N: usize> {
     /// Writes the wanted values of a row.
     row: &'a dyn Fn(usize, &mut [[f32; N]]),
+    fixed: Option<&'a FixedRow<'a>>,
     columns: usize,
     rows: usize,
     scan: Scan,
@@ -364,13 +383,18 @@ impl<const N: usize> Picture<'_, N> {
         let mut rows = [0; 3].map(|_| vec![[0_i32; N]; width]);
         let mut states = vec![0; self.columns * self.rows];
         let mut wanted = vec![[0.0; N]; self.columns];
+        let mut fixed = vec![None; self.columns];
         let mut ledger = Ledger { lost: [0; N], cut: [0; N], cut_pixels: 0 };
         for (y, states) in states.chunks_exact_mut(self.columns).enumerate() {
             (self.row)(y, &mut wanted);
+            if let Some(write) = self.fixed {
+                write(y, &mut fixed);
+            }
+            let wanted = (&wanted[..], &fixed[..]);
             if self.scan == Scan::Serpentine && y % 2 == 1 {
-                one_row::<N, W, -1>(palette, kernel, &mut rows, &wanted, states, &mut ledger);
+                one_row::<N, W, -1>(palette, kernel, &mut rows, wanted, states, &mut ledger);
             } else {
-                one_row::<N, W, 1>(palette, kernel, &mut rows, &wanted, states, &mut ledger);
+                one_row::<N, W, 1>(palette, kernel, &mut rows, wanted, states, &mut ledger);
             }
             ledger.lose(&rows[0][..BORDER]);
             ledger.lose(&rows[0][width - BORDER..]);
@@ -421,7 +445,7 @@ fn one_row<const N: usize, const W: usize, const ALONG: isize>(
     palette: &Palette<N>,
     kernel: &[Part; W],
     rows: &mut [Vec<[i32; N]>; 3],
-    wanted: &[[f32; N]],
+    (wanted, fixed): (&[[f32; N]], &[Option<u8>]),
     states: &mut [u8],
     ledger: &mut Ledger<N>,
 ) {
@@ -429,6 +453,11 @@ fn one_row<const N: usize, const W: usize, const ALONG: isize>(
     for step in 0..columns {
         let x = if ALONG > 0 { step } else { columns - 1 - step };
         let mut colour = rows[0][x + BORDER];
+        if let Some(state) = fixed[x] {
+            states[x] = state;
+            ledger.lose(&[colour]);
+            continue;
+        }
         for (value, wanted) in colour.iter_mut().zip(wanted[x]) {
             *value += (wanted * palette.scale).clamp(-MOST_UNITS, MOST_UNITS) as i32;
         }

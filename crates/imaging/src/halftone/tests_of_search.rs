@@ -83,7 +83,7 @@ impl Case {
             Filter::new(5, self.values[0].clone()).unwrap(),
             Filter::new(3, self.values[1].clone()).unwrap(),
         ];
-        let control = SearchControl { threads: 1, stop: &|| false, watch };
+        let control = SearchControl { fixed: &[], threads: 1, stop: &|| false, watch };
         direct_binary_search(&self.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &self.start, control)
             .unwrap()
     }
@@ -133,7 +133,7 @@ fn direct_binary_search_stops_when_asked() {
     assert!((case.error(&stopped.states) - stopped.error).abs() < SINGLE * stopped.error_at_start);
     let filters = [bell(1, 1.0), bell(1, 1.0)];
     let watch = &mut |_| ControlFlow::Continue(());
-    let control = SearchControl { threads: 2, stop: &|| true, watch };
+    let control = SearchControl { fixed: &[], threads: 2, stop: &|| true, watch };
     let none = direct_binary_search(&case.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &case.start, control)
         .unwrap();
     assert_eq!((none.states, none.passes, none.is_complete), (case.start, 0, false));
@@ -150,7 +150,7 @@ fn direct_binary_search_beats_error_diffusion_from_any_start() {
     let search = |start: &[u8]| {
         let watch = &mut |_| ControlFlow::Continue(());
         let palette = [[0.0], [1.0]];
-        let control = SearchControl { threads: 1, stop: &|| false, watch };
+        let control = SearchControl { fixed: &[], threads: 1, stop: &|| false, watch };
         direct_binary_search(wanted.as_chunks().0, side, (&palette, [[1.0]]), &[bell(5, 1.5)], start, control)
             .unwrap()
     };
@@ -166,7 +166,7 @@ fn direct_binary_search_of_unusable_input_is_refused() {
     let search = |start: &[u8], palette: &[[f64; 2]]| {
         let filters = [bell(1, 1.0), bell(1, 1.0)];
         let watch = &mut |_| ControlFlow::Continue(());
-        let control = SearchControl { threads: 1, stop: &|| false, watch };
+        let control = SearchControl { fixed: &[], threads: 1, stop: &|| false, watch };
         direct_binary_search(&case.wanted, COLUMNS, (palette, AS_IS), &filters, start, control)
             .unwrap_err()
             .to_string()
@@ -194,7 +194,7 @@ fn direct_binary_search_has_the_same_bits_with_any_number_of_threads() {
         let filters = [bell(4, 1.3), bell(5, 1.6)];
         let search = |start: &[u8], threads| {
             let watch = &mut |_| ControlFlow::Continue(());
-            let control = SearchControl { threads, stop: &|| false, watch };
+            let control = SearchControl { fixed: &[], threads, stop: &|| false, watch };
             direct_binary_search(&wanted, columns, (&palette, AS_IS), &filters, start, control).unwrap()
         };
         let alone = search(&start, 1);

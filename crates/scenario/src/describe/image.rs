@@ -43,6 +43,10 @@ table! {
         white_balance: WhiteBalance = WhiteBalance::Word(BalanceWord::Auto),
         /// Space in which the hue of such colours is constant.
         map_space: ImageMapSpace = ImageMapSpace::Oklab,
+        /// Which parts are drawings: `"auto"` finds them in natural and vivid pictures, `"photograph"` and
+        /// `"drawing"` are for all of it, and the path of a picture is a mask: black for drawings, white for
+        /// photographs, of the size of the panel or with the proportions of the picture.
+        regions as "Drawings": String = "auto".to_owned(),
         /// How pixels with few states show many colours.
         halftone: Word<Halftone> = Word(Halftone::RefinedErrorDiffusion),
     /// Weights of error diffusion.

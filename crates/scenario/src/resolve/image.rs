@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Surround, Viewing};
 use papilio_diagnostics::Diagnostic;
-use papilio_display::image::{Adjustments, Halftone, ImageSettings, SourceImage};
+use papilio_display::image::{Adjustments, Halftone, ImageSettings, Regions, SourceImage};
 use papilio_display::scene::Scene;
 
 use super::{PanelCodes, Resolver};
@@ -79,6 +79,7 @@ impl Resolver<'_> {
         let codes = self.codes(file.display.pixel.codes(), &used, &known);
         let source = self.picture(image, file, scene, given)?;
         let mut settings = settings(image, scene.lighting.illuminance_lx);
+        settings.regions = self.regions(image, given, &source)?;
         // Defaults have the place of the table.
         let is_given = |origin: Origin| origin != file.image.origin;
         if !is_given(image.halftone.origin) && (is_given(image.kernel.origin) || is_given(image.scan.origin))
@@ -105,6 +106,7 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
             }),
         },
         adjustments: adjustments(image),
+        regions: Regions::Auto,
         halftone: image.halftone.0,
         kernel: image.kernel.0,
         scan: image.scan.0,

@@ -23,6 +23,7 @@ mod pattern;
 mod picture;
 mod pixel;
 mod reflection;
+mod regions;
 mod relief;
 mod sampling;
 mod sparkle;

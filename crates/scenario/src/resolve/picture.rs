@@ -220,6 +220,28 @@ impl Resolver<'_> {
         }
     }
 
+    /// Number of columns and rows of the picture before it is fitted; `None` for texts, pages and test patterns.
+    pub(super) fn size_of_picture(
+        &mut self,
+        image: &Image,
+        given: Option<&SourceImage>,
+    ) -> Option<[usize; 2]> {
+        if image.text.value.is_some() || image.pattern.value.is_some() {
+            return None;
+        }
+        match (given, &image.file.value) {
+            (Some(given), _) => Some(Photograph::Given(given).size()),
+            (None, Some(name)) => {
+                // It was read before, with its warnings.
+                let known = self.notes.len();
+                let photograph = self.photograph(image, name);
+                self.notes.truncate(known);
+                Some(Photograph::File(photograph?).size())
+            }
+            (None, None) => None,
+        }
+    }
+
     /// The pixels of the panel, which a text or pattern needs.
     fn needed(&mut self, pixels: Option<Pixels>, at: Origin, what: &str) -> Option<Pixels> {
         if pixels.is_none() {

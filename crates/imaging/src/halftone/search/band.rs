@@ -41,6 +41,8 @@ struct Band<'a, const N: usize> {
     columns: usize,
     margin: usize,
     states: &'a mut [u8],
+    /// Whether each pixel keeps its state; empty: none does.
+    fixed: &'a [bool],
     correlated: &'a mut [f32],
     touched: &'a mut [bool],
     /// Rows that may change.
@@ -79,6 +81,7 @@ impl<const N: usize> Field<N> {
     pub(super) fn pass(
         &mut self,
         costs: &Costs<N>,
+        fixed: &[bool],
         threads: usize,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Progress> {
@@ -86,7 +89,7 @@ impl<const N: usize> Field<N> {
         let quarter = (costs.reach()[1] + 1).max(LEAST_ROWS / 4).next_multiple_of(BLOCK);
         let mut progress = Progress::default();
         for shift in [0, 2 * quarter] {
-            let bands = self.bands(quarter, shift);
+            let bands = self.bands(quarter, shift, fixed);
             let found =
                 in_turn(threads, bands, |band| pulp::Arch::new().dispatch(Search { band, costs, stop }));
             for found in found {
@@ -100,7 +103,7 @@ impl<const N: usize> Field<N> {
 
     /// Bands of four quarters, whose middle half is searched; with a shift, the first one has its upper half
     /// left away.
-    fn bands(&mut self, quarter: usize, shift: usize) -> Vec<Band<'_, N>> {
+    fn bands<'a>(&'a mut self, quarter: usize, shift: usize, mut fixed: &'a [bool]) -> Vec<Band<'a, N>> {
         let (columns, margin) = (self.columns, self.margin);
         let per_row = N * (columns + 2 * margin);
         let across = columns.div_ceil(BLOCK);
@@ -112,12 +115,22 @@ impl<const N: usize> Field<N> {
             let rows = (4 * quarter - left_away).min(states.len() / columns);
             let band;
             (band, states) = states.split_at_mut(rows * columns);
+            let kept;
+            (kept, fixed) = fixed.split_at((rows * columns).min(fixed.len()));
             let own;
             (own, correlated) = correlated.split_at_mut(rows * per_row);
             let blocks;
             (blocks, touched) = touched.split_at_mut(rows.div_ceil(BLOCK) * across);
             let inner = quarter.saturating_sub(left_away)..(3 * quarter - left_away).min(rows);
-            bands.push(Band { columns, margin, states: band, correlated: own, touched: blocks, inner });
+            bands.push(Band {
+                columns,
+                margin,
+                states: band,
+                fixed: kept,
+                correlated: own,
+                touched: blocks,
+                inner,
+            });
             left_away = 0;
         }
         bands
@@ -156,6 +169,9 @@ impl<const N: usize> Band<'_, N> {
             let (top, left) = (block / across * BLOCK, block % across * BLOCK);
             for y in top..(top + BLOCK).min(self.inner.end) {
                 for x in left..(left + BLOCK).min(self.columns) {
+                    if self.is_fixed(x, y) {
+                        continue;
+                    }
                     let Some((change, gain)) = self.best(costs, x, y, &mut scratch) else { continue };
                     self.make(costs, x, y, change);
                     progress.changes += 1;
@@ -173,6 +189,11 @@ impl<const N: usize> Band<'_, N> {
     }
 
     #[inline(always)]
+    fn is_fixed(&self, x: usize, y: usize) -> bool {
+        !self.fixed.is_empty() && self.fixed[y * self.columns + x]
+    }
+
+    #[inline(always)]
     fn at(&self, x: usize, y: usize) -> (u8, [f32; N]) {
         let mut r = [0.0; N];
         for (k, r) in r.iter_mut().enumerate() {
@@ -187,7 +208,7 @@ impl<const N: usize> Band<'_, N> {
         let mut neighbours = [None; 4];
         for (neighbour, (right, down)) in neighbours.iter_mut().zip(NEIGHBOURS) {
             let (x, y) = (x.wrapping_add_signed(right), y.wrapping_add_signed(down));
-            if x < self.columns && y < rows {
+            if x < self.columns && y < rows && !self.is_fixed(x, y) {
                 *neighbour = Some(self.at(x, y));
             }
         }

@@ -59,8 +59,10 @@ pub struct Searched {
     pub is_complete: bool,
 }
 
-/// What a search is told while it runs.
+/// What a search is told.
 pub struct SearchControl<'a> {
+    /// Whether each pixel keeps the state of the start; empty: none does. The light of those that do is seen by the others.
+    pub fixed: &'a [bool],
     /// Number of threads.
     pub threads: usize,
     /// Whether to stop; asked often, by all threads.
@@ -98,7 +100,10 @@ pub fn direct_binary_search<const N: usize>(
     if let Some(state) = start.iter().find(|state| usize::from(**state) >= palette.len()) {
         return Err(ImagingError::Order { state: *state, states: palette.len() });
     }
-    let SearchControl { threads, stop, watch } = control;
+    let SearchControl { fixed, threads, stop, watch } = control;
+    if !fixed.is_empty() && fixed.len() != wanted.len() {
+        return Err(ImagingError::Planes { pixels: fixed.len(), expected: wanted.len() });
+    }
     let mut searched =
         Searched { states: Vec::new(), error_at_start: 0.0, error: 0.0, passes: 0, is_complete: false };
     let in_metric =
@@ -112,7 +117,7 @@ pub fn direct_binary_search<const N: usize>(
     };
     // Without the small values of the autocorrelations, an error of nearly 0 may be negative.
     (searched.error_at_start, searched.error) = (error.max(0.0), error.max(0.0));
-    while let Some(Progress { changes, gain }) = field.pass(&costs, threads, stop) {
+    while let Some(Progress { changes, gain }) = field.pass(&costs, fixed, threads, stop) {
         searched.passes += 1;
         error -= gain;
         searched.error = error.max(0.0);

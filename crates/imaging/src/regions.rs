@@ -1,0 +1,232 @@
+//! Drawings in a picture: flat areas with hard borders, and the text and lines between them.
+//!
+//! **What.** Pixels of exactly one colour that touch are an area. It is *flat* if it has [`LEAST_INNER`] pixels whose
+//! eight neighbours have its colour, and most of its border is hard: steps of more than [`SOFT`] of 255 in a
+//! component. The flat tones of a photograph, such as an overexposed sky, and the bands of a gradient end softly.
+//! Flat areas are a drawing, and so is what lies between them within [`REACH`] pixels (a morphological closing): text, lines.
+//! Drawings of less than [`LEAST_AREA`] pixels are left to the photograph.
+//!
+//! Colours are encoded bytes, so that rounding of resized pictures does not matter. Nothing depends on threads.
+
+use crate::ImagingError;
+use crate::halftone::check_rows;
+
+/// Inner pixels of a flat area at least.
+const LEAST_INNER: u32 = 16;
+/// Largest step of a component at a soft border.
+const SOFT: u8 = 8;
+/// Part of the border of a flat area that may be soft.
+const SOFT_PART: f64 = 0.25;
+/// Half of the width of what counts as a line between flat areas, pixels.
+const REACH: usize = 5;
+/// Pixels of a drawing at least.
+const LEAST_AREA: usize = 256;
+
+/// Areas of one colour.
+pub struct Areas<'a> {
+    colours: &'a [[u8; 3]],
+    columns: usize,
+    /// The first pixel of the area of each pixel.
+    first: Vec<u32>,
+    /// Whether all neighbours of a pixel have its colour.
+    inner: Vec<bool>,
+}
+
+impl<'a> Areas<'a> {
+    /// Finds the areas of a picture, of encoded bytes by rows.
+    ///
+    /// # Errors
+    /// If the number of pixels is not a multiple of `columns`.
+    pub fn new(colours: &'a [[u8; 3]], columns: usize) -> Result<Self, ImagingError> {
+        check_rows(colours.len(), columns)?;
+        let first = joined(colours.len(), columns, |one, other| colours[one] == colours[other]);
+        let inner = inner(colours, columns);
+        Ok(Self { colours, columns, first, inner })
+    }
+
+    /// Whether each pixel belongs to an area that is wider than a line: with an inner pixel.
+    pub fn solid(&self) -> Vec<bool> {
+        let mut is_solid = vec![false; self.first.len()];
+        for (first, inner) in self.first.iter().zip(&self.inner) {
+            is_solid[*first as usize] |= inner;
+        }
+        self.first.iter().map(|first| is_solid[*first as usize]).collect()
+    }
+
+    /// Whether the area of each pixel has at least this number of pixels.
+    pub fn with_pixels(&self, least: usize) -> Vec<bool> {
+        let mut counts = vec![0_usize; self.first.len()];
+        self.first.iter().for_each(|first| counts[*first as usize] += 1);
+        self.first.iter().map(|first| counts[*first as usize] >= least).collect()
+    }
+
+    /// Whether each pixel belongs to a drawing.
+    pub fn drawing(&self) -> Vec<bool> {
+        let mut drawing = self.flat();
+        if drawing.contains(&true) {
+            closed(&mut drawing, self.columns);
+            let first = joined(drawing.len(), self.columns, |one, other| drawing[one] == drawing[other]);
+            let mut counts = vec![0_usize; first.len()];
+            first.iter().for_each(|first| counts[*first as usize] += 1);
+            let is_large = |first: u32| counts[first as usize] >= LEAST_AREA.min(drawing.len());
+            let large: Vec<bool> = first.into_iter().map(is_large).collect();
+            drawing.iter_mut().zip(large).for_each(|(drawing, is_large)| *drawing &= is_large);
+        }
+        drawing
+    }
+
+    /// Whether each pixel belongs to a flat area.
+    fn flat(&self) -> Vec<bool> {
+        let mut counts = vec![0_u32; self.first.len()];
+        for (first, _) in self.first.iter().zip(&self.inner).filter(|(_, inner)| **inner) {
+            counts[*first as usize] += 1;
+        }
+        // Soft and hard steps at the borders of areas that are large enough.
+        let mut steps = vec![[0_u32; 2]; self.first.len()];
+        for (at, step) in pairs(self.first.len(), self.columns) {
+            let areas = [at, at + step].map(|at| self.first[at] as usize);
+            if areas[0] != areas[1] && areas.iter().any(|area| counts[*area] >= LEAST_INNER) {
+                let [one, other] = [at, at + step].map(|at| self.colours[at]);
+                let largest = one.iter().zip(other).fold(0, |most, (a, b)| most.max(a.abs_diff(b)));
+                areas.iter().for_each(|area| steps[*area][usize::from(largest > SOFT)] += 1);
+            }
+        }
+        let is_flat = |first: &u32| {
+            let [soft, hard] = steps[*first as usize].map(f64::from);
+            counts[*first as usize] >= LEAST_INNER && soft <= SOFT_PART * (soft + hard)
+        };
+        self.first.iter().map(is_flat).collect()
+    }
+}
+
+/// Pixels and the step to their right or lower neighbour.
+fn pairs(pixels: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..pixels).flat_map(move |at| {
+        let right = (at % columns + 1 < columns).then_some((at, 1));
+        let down = (at + columns < pixels).then_some((at, columns));
+        right.into_iter().chain(down)
+    })
+}
+
+/// The first pixel of the area of each pixel; neighbours are in the same area if they are alike.
+fn joined(pixels: usize, columns: usize, alike: impl Fn(usize, usize) -> bool) -> Vec<u32> {
+    let mut first: Vec<u32> = (0..pixels as u32).collect();
+    let root = |first: &mut [u32], mut at: u32| {
+        while first[at as usize] != at {
+            first[at as usize] = first[first[at as usize] as usize];
+            at = first[at as usize];
+        }
+        at
+    };
+    for (at, step) in pairs(pixels, columns).filter(|(at, step)| alike(*at, at + step)) {
+        let [one, other] = [at, at + step].map(|at| root(&mut first, at as u32));
+        first[one.max(other) as usize] = one.min(other);
+    }
+    // Each pixel comes after the first one of its area.
+    (0..pixels).for_each(|at| first[at] = first[first[at] as usize]);
+    first
+}
+
+/// Whether the neighbours of each pixel have its colour; beyond the borders all have.
+fn inner(colours: &[[u8; 3]], columns: usize) -> Vec<bool> {
+    let mut differs = vec![false; colours.len()];
+    let rows = colours.len() / columns;
+    for y in 0..rows {
+        for x in 0..columns {
+            let at = y * columns + x;
+            // Right, below, and both diagonals below.
+            for (right, down) in [(1, 0), (0, 1), (1, 1), (-1, 1)] {
+                let (x, y) = (x.wrapping_add_signed(right), y + down);
+                if x < columns && y < rows && colours[y * columns + x] != colours[at] {
+                    differs[at] = true;
+                    differs[y * columns + x] = true;
+                }
+            }
+        }
+    }
+    differs.into_iter().map(|differs| !differs).collect()
+}
+
+/// Morphological closing by a square: gaps of up to twice the reach are filled. Beyond the borders all continues.
+fn closed(mask: &mut [bool], columns: usize) {
+    spread(mask, columns, true);
+    spread(mask, columns, false);
+}
+
+/// Sets each pixel with the value within the reach.
+fn spread(mask: &mut [bool], columns: usize, value: bool) {
+    let rows = mask.len() / columns;
+    let mut line = Vec::new();
+    for y in 0..rows {
+        spread_line(mask, y * columns, 1, columns, value, &mut line);
+    }
+    for x in 0..columns {
+        spread_line(mask, x, columns, rows, value, &mut line);
+    }
+}
+
+fn spread_line(mask: &mut [bool], from: usize, step: usize, count: usize, value: bool, line: &mut Vec<bool>) {
+    line.clear();
+    line.extend((0..count).map(|k| mask[from + k * step]));
+    let mut free = 0;
+    for (k, one) in line.iter().enumerate() {
+        if *one == value {
+            for k in free.max(k.saturating_sub(REACH))..(k + REACH + 1).min(count) {
+                mask[from + k * step] = value;
+            }
+            free = (k + REACH + 1).min(count);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use papilio_testing::Dice;
+
+    use super::*;
+
+    const COLUMNS: usize = 160;
+
+    fn drawing(colour: impl Fn(usize, usize) -> u8) -> Vec<bool> {
+        let colours: Vec<[u8; 3]> =
+            (0..COLUMNS * 100).map(|at| [colour(at % COLUMNS, at / COLUMNS); 3]).collect();
+        Areas::new(&colours, COLUMNS).unwrap().drawing()
+    }
+
+    fn count(mask: &[bool]) -> usize {
+        mask.iter().filter(|one| **one).count()
+    }
+
+    /// Noise, a gradient and an overexposed sky are photographs; stripes and a chart are drawings.
+    #[test]
+    fn drawings_have_hard_borders() {
+        let mut dice = Dice::new(4, 0);
+        let noise: Vec<f64> = (0..COLUMNS * 100).map(|_| dice.between(0.0, 30.0)).collect();
+        assert_eq!(count(&drawing(|x, y| (100.0 + noise[y * COLUMNS + x]) as u8)), 0);
+        assert_eq!(count(&drawing(|x, _| (x / 5) as u8)), 0);
+        assert_eq!(count(&drawing(|_, y| (2 * y + 120).min(255) as u8)), 0);
+        let all = COLUMNS * 100;
+        assert_eq!(count(&drawing(|_, _| 90)), all);
+        assert_eq!(count(&drawing(|x, y| if (x / 20 + y / 25) % 2 == 0 { 30 } else { 90 })), all);
+        // Lines of one pixel in many tones on a flat ground, as antialiased text has.
+        assert_eq!(count(&drawing(|x, y| if x % 9 == 3 { (40 + y) as u8 } else { 255 })), all);
+    }
+
+    /// A photograph in a drawing has its own borders, and none of its pixels are of the drawing.
+    #[test]
+    fn regions_end_where_the_photograph_ends() {
+        let mut dice = Dice::new(5, 0);
+        let noise: Vec<f64> = (0..COLUMNS * 100).map(|_| dice.between(60.0, 140.0)).collect();
+        let is_photograph = |x: usize, y: usize| (40..120).contains(&x) && (30..80).contains(&y);
+        let found = drawing(|x, y| if is_photograph(x, y) { noise[y * COLUMNS + x] as u8 } else { 255 });
+        for (at, found) in found.into_iter().enumerate() {
+            assert_eq!(found, !is_photograph(at % COLUMNS, at / COLUMNS), "{at}");
+        }
+    }
+
+    #[test]
+    fn areas_of_nothing_are_refused() {
+        assert!(Areas::new(&[], 0).is_err() && Areas::new(&[[0; 3]; 5], 2).is_err());
+        assert_eq!(Areas::new(&[[0; 3]; 5], 5).unwrap().solid(), [true; 5]);
+    }
+}
