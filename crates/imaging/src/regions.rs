@@ -218,8 +218,7 @@ mod tests {
         let mut dice = Dice::new(5, 0);
         let noise: Vec<f64> = (0..COLUMNS * 100).map(|_| dice.between(60.0, 140.0)).collect();
         let is_photograph = |x: usize, y: usize| (40..120).contains(&x) && (30..80).contains(&y);
-        let found =
-            drawing(|x, y| if is_photograph(x, y) { noise[y * COLUMNS + x] as u8 } else { 255 });
+        let found = drawing(|x, y| if is_photograph(x, y) { noise[y * COLUMNS + x] as u8 } else { 255 });
         for (at, found) in found.into_iter().enumerate() {
             assert_eq!(found, !is_photograph(at % COLUMNS, at / COLUMNS), "{at}");
         }

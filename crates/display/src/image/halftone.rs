@@ -85,7 +85,9 @@ pub(super) fn states(
             let nearest = |pixel: &[f32; 3]| panel.rendering.closest_state(colour(*pixel)) as u8;
             Ok((mapped.iter().map(nearest).collect(), 0))
         }
-        Halftone::Ordered => Ok((panel.with_drawings(masked(&Mask::bayer(BAYER)?, mapped, panel, control)?), 0)),
+        Halftone::Ordered => {
+            Ok((panel.with_drawings(masked(&Mask::bayer(BAYER)?, mapped, panel, control)?), 0))
+        }
         Halftone::VoidAndCluster => {
             let mask = Mask::void_and_cluster(VOID_AND_CLUSTER, settings.seed)?;
             Ok((panel.with_drawings(masked(&mask, mapped, panel, control)?), 0))

@@ -97,7 +97,8 @@ impl Adjustments {
         if exposure != 0.0 {
             let factor = exposure.exp2() as f32;
             // What is chosen for a photograph leaves drawings as they are.
-            let is_left = |at: usize| self.exposure.is_none() && is_drawn.is_some_and(|is_drawn| is_drawn[at]);
+            let is_left =
+                |at: usize| self.exposure.is_none() && is_drawn.is_some_and(|is_drawn| is_drawn[at]);
             let of = |(at, pixel): (usize, &[f32; 3])| {
                 if is_left(at) { *pixel } else { pixel.map(|one| one * factor) }
             };

@@ -136,7 +136,8 @@ impl Drawing {
             }
         }
         // Photographs and inks need no pattern.
-        let nothing = panel.rendering.states.first().map_or([0.0; 3], |state| state.map(|value| value as f32));
+        let nothing =
+            panel.rendering.states.first().map_or([0.0; 3], |state| state.map(|value| value as f32));
         let mut flat = vec![nothing; mapped.len()];
         let mut has_patterns = false;
         for (at, (_, one)) in drawn() {
@@ -166,7 +167,8 @@ impl Drawing {
     ) -> Result<Vec<Shown>, DisplayError> {
         let areas = Areas::new(&self.colours, self.columns)?;
         let (solid, long) = (areas.solid(), areas.with_pixels(LINE));
-        let ink = |at: usize| inks.iter().find(|ink| ink.is(self.colours[at])).map(|ink| Shown::Ink(ink.state));
+        let ink =
+            |at: usize| inks.iter().find(|ink| ink.is(self.colours[at])).map(|ink| Shown::Ink(ink.state));
         // Of pixels with a colour of their own.
         let own: Vec<Option<Shown>> = (0..mapped.len())
             .map(|at| if self.is_drawn[at] { ink(at).or(solid[at].then_some(Shown::As(at))) } else { None })

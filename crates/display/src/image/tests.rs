@@ -207,8 +207,14 @@ fn nearest_states_have_no_pattern() {
 fn given_states_are_shown_or_refused() {
     let inks = inks();
     let rendering = rendering(&inks, Intent::Relative, 1);
-    let panel =
-        Panel { columns: 2, palette: &inks, rendering: &rendering, pixels_per_degree: None, spread: None, drawn: None };
+    let panel = Panel {
+        columns: 2,
+        palette: &inks,
+        rendering: &rendering,
+        pixels_per_degree: None,
+        spread: None,
+        drawn: None,
+    };
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let picture = [[0.1_f32; 3]; 4];
     let of = |given: &[u8]| {

@@ -4,6 +4,6 @@
 mod read;
 mod swatches;
 
-pub use read::{PaletteTable, read_palette};
 pub use papilio_display::palette::device_colour;
+pub use read::{PaletteTable, read_palette};
 pub use swatches::palette_files;

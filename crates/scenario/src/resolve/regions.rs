@@ -59,7 +59,8 @@ impl Resolver<'_> {
                 "the {} x {} pixels of the panel, or the proportions of the picture, {columns} x {rows}",
                 panel[0], panel[1]
             );
-            let hint = "draw it over the picture: black where it is a drawing, white where it is a photograph";
+            let hint =
+                "draw it over the picture: black where it is a drawing, white where it is a photograph";
             self.err(&image.regions, wrong.expected(expected).hint(hint));
             return None;
         }
