@@ -96,6 +96,36 @@ fn compromise_beats_the_frame_of_the_other_room() {
     assert!(wrong("[\"this\", \"moon\"]").contains("no illuminant named `moon`"));
 }
 
+/// Drawings by a mask; a mask with other proportions, or none at all, is answered with its place and a hint.
+#[test]
+fn regions_are_given_by_a_mask() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[200, 150, 125], [20, 60, 200], [255, 0, 0]]);
+    let write = |columns: usize, rows: usize| {
+        let half = |at: usize| if at % columns < columns / 2 { [0; 3] } else { [255; 3] };
+        let mut bytes = Vec::new();
+        let pixels: Vec<[u8; 3]> = (0..columns * rows).map(half).collect();
+        write_rgb_png(&mut bytes, columns, &pixels, false).unwrap();
+        fs::write(folder.path().join("mask.png"), bytes).unwrap();
+    };
+    let mask = format!("image.regions={:?}", folder.path().join("mask.png").to_str().unwrap());
+    let more = [file.to_str().unwrap(), "--set", &mask];
+    let fraction = |more: &[&str]| json(&scenario("six-ink"), more)["drawing_fraction"].as_f64().unwrap();
+    for (columns, rows) in [(24, 16), (48, 32)] {
+        write(columns, rows);
+        assert_eq!(fraction(&more), 0.5);
+    }
+    assert_eq!(fraction(&more[..1]), 0.0);
+    assert_eq!(fraction(&[more[0], "--set", "image.regions=drawing"]), 1.0);
+    write(24, 10);
+    let wrong = stderr(&image(&scenario("six-ink"), &more));
+    for part in ["24 x 10 pixels", "24 x 16", "black where it is a drawing"] {
+        assert!(wrong.contains(part), "{wrong}");
+    }
+    let missing = stderr(&image(&scenario("six-ink"), &[more[0], "--set", "image.regions=nowhere.png"]));
+    assert!(missing.contains("nowhere.png"), "{missing}");
+}
+
 /// Without a scenario file: a photograph on a usual panel, which is upright if the photograph is.
 #[test]
 fn pictures_are_shown_on_usual_panels() {

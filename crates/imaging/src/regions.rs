@@ -4,7 +4,7 @@
 //! eight neighbours have its colour, and most of its border is hard: steps of more than [`SOFT`] of 255 in a
 //! component. The flat tones of a photograph, such as an overexposed sky, and the bands of a gradient end softly.
 //! Flat areas are a drawing, and so is what lies between them within [`REACH`] pixels (a morphological closing): text, lines.
-//! Drawings of less than [`LEAST_AREA`] pixels are left to the photograph.
+//! Holes of less than [`LEAST_AREA`] pixels are filled, and drawings of less are left to the photograph.
 //!
 //! Colours are encoded bytes, so that rounding of resized pictures does not matter. Nothing depends on threads.
 
@@ -19,7 +19,7 @@ const SOFT: u8 = 8;
 const SOFT_PART: f64 = 0.25;
 /// Half of the width of what counts as a line between flat areas, pixels.
 const REACH: usize = 5;
-/// Pixels of a drawing at least.
+/// Pixels of a drawing, and of a photograph in it, at least.
 const LEAST_AREA: usize = 256;
 
 /// Areas of one colour.
@@ -55,9 +55,7 @@ impl<'a> Areas<'a> {
 
     /// Whether the area of each pixel has at least this number of pixels.
     pub fn with_pixels(&self, least: usize) -> Vec<bool> {
-        let mut counts = vec![0_usize; self.first.len()];
-        self.first.iter().for_each(|first| counts[*first as usize] += 1);
-        self.first.iter().map(|first| counts[*first as usize] >= least).collect()
+        large(&self.first, least)
     }
 
     /// Whether each pixel belongs to a drawing.
@@ -65,12 +63,16 @@ impl<'a> Areas<'a> {
         let mut drawing = self.flat();
         if drawing.contains(&true) {
             closed(&mut drawing, self.columns);
-            let first = joined(drawing.len(), self.columns, |one, other| drawing[one] == drawing[other]);
-            let mut counts = vec![0_usize; first.len()];
-            first.iter().for_each(|first| counts[*first as usize] += 1);
-            let is_large = |first: u32| counts[first as usize] >= LEAST_AREA.min(drawing.len());
-            let large: Vec<bool> = first.into_iter().map(is_large).collect();
-            drawing.iter_mut().zip(large).for_each(|(drawing, is_large)| *drawing &= is_large);
+            // First the holes of drawings, then drawings in photographs.
+            for small in [false, true] {
+                let first = joined(drawing.len(), self.columns, |one, other| drawing[one] == drawing[other]);
+                let large = large(&first, LEAST_AREA.min(drawing.len()));
+                for (drawing, _) in drawing.iter_mut().zip(large).filter(|(_, is_large)| !is_large) {
+                    if *drawing == small {
+                        *drawing = !small;
+                    }
+                }
+            }
         }
         drawing
     }
@@ -97,6 +99,13 @@ impl<'a> Areas<'a> {
         };
         self.first.iter().map(is_flat).collect()
     }
+}
+
+/// Whether the area of each pixel has at least this number of pixels.
+fn large(first: &[u32], least: usize) -> Vec<bool> {
+    let mut counts = vec![0_usize; first.len()];
+    first.iter().for_each(|first| counts[*first as usize] += 1);
+    first.iter().map(|first| counts[*first as usize] >= least).collect()
 }
 
 /// Pixels and the step to their right or lower neighbour.

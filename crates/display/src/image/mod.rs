@@ -40,6 +40,8 @@ mod stack;
 mod tests;
 #[cfg(test)]
 mod tests_of_natural;
+#[cfg(test)]
+mod tests_of_regions;
 
 use std::f64::consts::PI;
 
