@@ -98,14 +98,14 @@ const PICTURES: [Picture; 30] = [
     (&GALLERY, "data/photographs/rocket.jpg", &["rooms.png"], "gallery-rocket-"),
     (&GALLERY, "data/photographs/deep-field.jpg", &["rooms.png"], "gallery-deep-field-"),
     (&GALLERY, "data/photographs/camera.jpg", &["rooms.png"], "gallery-camera-"),
-    (&GALLERY, "data/photographs/dashboard.png", &["rooms.png"], "gallery-dashboard-"),
+    (&["image", "--on=six-ink"], "data/photographs/dashboard.png", &["seen.png"], "gallery-dashboard-"),
 ];
 
 /// A picture of the gallery: on six inks in daylight, and below a sodium lamp.
 const GALLERY: [&str; 5] = [
     "image",
     "--on=six-ink",
-    "--set=display.matrix.pixels=[400,300]",
+    "--set=display.matrix.pixels=[320,240]",
     "--set=image.halftone=\"direct-binary-search\"",
     "--rooms=HP1",
 ];

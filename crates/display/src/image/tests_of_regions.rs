@@ -21,7 +21,8 @@ const WHITE: u8 = 1;
 const RED: u8 = 3;
 
 fn source(colours: &[[u8; 3]]) -> SourceImage {
-    let linear = |byte: u8| ((f64::from(byte) / 255.0 + 0.055) / 1.055).powf(2.4).max(f64::from(byte) / 3294.6);
+    let linear =
+        |byte: u8| ((f64::from(byte) / 255.0 + 0.055) / 1.055).powf(2.4).max(f64::from(byte) / 3294.6);
     let xyz = |colour: &[u8; 3]| SourceSpace::Srgb.xyz(colour.map(linear)).to_array().map(|one| one as f32);
     SourceImage { columns: COLUMNS, pixels: colours.iter().map(xyz).collect() }
 }

@@ -92,7 +92,7 @@ impl SurfaceScenario {
                 found.radius_um
             ))
             .expected(format!("a radius of at least {least:.2} um, for a size parameter of {LEAST_SIZE}"))
-            .hint("layers `kind = \"slab\"` scatter light by Mie's theory; see docs/scattering.md");
+            .hint("layers `kind = \"slab\"` scatter light by a phase function that is stated; see docs/scattering.md");
             errors.push(volume.radius_um.origin, wrong);
             return None;
         }

@@ -261,6 +261,10 @@ fn unbounded_lobes_are_warned_of() {
     );
     let paper = "display.pixel={ model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.5 } }";
     assert!(said(&[wide, paper]).is_empty(), "{:?}", said(&[wide, paper]));
+    // The variance of paths over paper is not, for any width.
+    let paths = said(&[paper, "solver.method=monte-carlo"]);
+    assert!(paths.len() == 1 && paths[0].contains("the variance of light"), "{paths:?}");
+    assert!(said(&[paper, "solver.method=monte-carlo", "display.diffuser.normalisation=ward"]).is_empty());
 }
 
 /// Films that are too thick to tabulate are refused at their key, or at the `--set`.
