@@ -73,6 +73,12 @@ pub fn encoded_byte(linear: f64) -> u8 {
     BYTES.of(linear)
 }
 
+/// The linear component of an encoded byte, by the sRGB transfer function (IEC 61966-2-1).
+pub fn decoded_byte(byte: u8) -> f64 {
+    let encoded = f64::from(byte) / 255.0;
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
 /// Bytes of linear components, without the power function.
 static BYTES: LazyLock<Bytes> = LazyLock::new(Bytes::new);
 

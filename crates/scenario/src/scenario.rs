@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 
 use crate::browse::illuminant_sheet;
 use crate::describe::File;
-use crate::describe::image::PreparedFor;
+use crate::describe::image::DecidedFor;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
 use crate::mistake::{self, Mistake};
@@ -222,11 +222,11 @@ impl Scenario {
         };
         let one;
         let lights: &[Spanned<String>] = match stated {
-            PreparedFor::One(name) => {
+            DecidedFor::One(name) => {
                 one = [Spanned { value: name.clone(), origin: *origin }];
                 &one
             }
-            PreparedFor::List(lights) => lights,
+            DecidedFor::List(lights) => lights,
         };
         if lights.iter().all(|light| light.value == THIS) && !lights.is_empty() {
             return Ok(image);

@@ -156,7 +156,8 @@ impl Adjustments {
             let drawn = (0..base.len()).filter(|at| !is_photograph(at));
             drawn.for_each(|at| base[at] = lightness[at]);
         }
-        let shades = Shades::new(mapping, below_black_fraction);
+        // The tone of a drawing's colour does not depend on its other colours.
+        let shades = Shades::new(mapping, if is_drawing { 0.0 } else { below_black_fraction });
         in_chunks(threads, &mut targets, |first, targets| {
             for (target, base) in targets.iter_mut().zip(&base[first..]) {
                 let [lightness, a, b] = target.map(f64::from);

@@ -5,7 +5,7 @@
 //! that of an ink becomes this ink alone; any other gets the pattern of a mask, which is the same wherever the colour
 //! is the same. Error diffusion and the search leave these pixels as they are.
 
-use papilio_colour::encoded_byte;
+use papilio_colour::{decoded_byte, encoded_byte};
 use papilio_imaging::Areas;
 use papilio_imaging::halftone::Mask;
 
@@ -204,13 +204,17 @@ impl Drawing {
         near
     }
 
-    /// The nearer of the two colours that a pixel is a mixture of: of two around it, or of one of them and an ink.
+    /// The nearer, in its light, of the two colours that a pixel is a mixture of: of two around it, or of one of them and an ink. A
+    /// pixel that is half covered by a stroke is halfway in light, so that strokes keep their width.
     fn side(&self, at: usize, near: &[([u8; 3], Shown)], inks: &[Ink], is_long: bool) -> Option<Shown> {
         let pixel = self.colours[at];
         let mut best = (f32::INFINITY, None);
         let mut is_mixture = |a: ([u8; 3], Shown), b: ([u8; 3], Shown), more: f32| {
             let (distance, part) = from_mixtures(pixel, a.0, b.0);
             if distance + more < best.0 {
+                let [here, one, other] = [pixel, a.0, b.0].map(luminance);
+                let is_clear = (other - one).abs() > LIKE;
+                let part = if is_clear { (here - one) / (other - one) } else { part };
                 best = (distance + more, Some(if part < 0.5 { a.1 } else { b.1 }));
             }
         };
@@ -251,6 +255,15 @@ fn inks(palette: &Palette) -> Vec<Ink> {
     });
     coded.chain(own).collect()
 }
+
+/// Relative luminance of encoded red, green and blue.
+fn luminance(colour: [u8; 3]) -> f32 {
+    let [red, green, blue] = colour.map(decoded_byte);
+    (0.2126 * red + 0.7152 * green + 0.0722 * blue) as f32
+}
+
+/// Difference of luminances from which two colours are told apart by their light.
+const LIKE: f32 = 0.02;
 
 /// Squared distance of a colour from the mixtures of two others, and the part of the second in the nearest one.
 fn from_mixtures(colour: [u8; 3], one: [u8; 3], other: [u8; 3]) -> (f32, f32) {

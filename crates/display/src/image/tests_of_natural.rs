@@ -75,10 +75,11 @@ fn natural_ramps_of_grey_increase_between_white_and_black_without_colour() {
 /// would take.
 #[test]
 fn shadows_keep_detail() {
-    // Four columns dark, four a little lighter; a light half beside them.
+    // Four columns dark, four a little lighter; a light half beside them; with the noise of a photograph.
     let tone =
         |at: usize| if at % 64 < 40 { [0.004, 0.02][at / 4 % 2] } else { 0.6 + 0.01 * (at % 7) as f64 };
-    let picture: Vec<[f32; 3]> = (0..COLUMNS * 48).map(|at| grey(tone(at))).collect();
+    let noise = |at: usize| 6e-4 * (at * 7 % 5) as f64;
+    let picture: Vec<[f32; 3]> = (0..COLUMNS * 48).map(|at| grey(tone(at) + noise(at))).collect();
     let difference = |contrast| {
         let (found, _) = shown(&picture, Adjustments { contrast, ..Adjustments::default() });
         found[20 * COLUMNS + 14][1] / found[20 * COLUMNS + 10][1]

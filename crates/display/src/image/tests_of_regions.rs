@@ -2,8 +2,8 @@
 
 use std::sync::atomic::AtomicBool;
 
-use papilio_colour::D65_WHITE;
 use papilio_colour::mapping::{Intent, MapSpace, SourceSpace};
+use papilio_colour::{D65_WHITE, encoded_byte};
 use papilio_imaging::text::{Font, Setting};
 use papilio_testing::Dice;
 
@@ -119,6 +119,25 @@ fn inks_are_pure_and_text_has_the_states_of_its_sides() {
     let stray = shown(&colours, Regions::Photograph, Halftone::ErrorDiffusion, 1);
     let dots = (0..colours.len()).filter(|at| colours[*at] == [255, 0, 0] && stray[*at] != RED);
     assert!(dots.count() > 100);
+}
+
+/// Strokes of text whose pixels are as dark as they are covered have as many black pixels as they have area.
+#[test]
+fn strokes_keep_their_width() {
+    let setting = Setting { size_pt: 22.0, per_inch: [72.0; 2], margin: 0 };
+    let ([across, down], covered) = Font::bundled().coverage("Hamburge", setting).unwrap();
+    let mut colours = vec![[255; 3]; COLUMNS * ROWS];
+    let mut area = 0.0;
+    for (at, covered) in covered.iter().enumerate() {
+        let (x, y) = (4 + at % across, 4 + down - 1 - at / across);
+        if x < COLUMNS && y < ROWS {
+            colours[y * COLUMNS + x] = [encoded_byte(1.0 - covered); 3];
+            area += covered;
+        }
+    }
+    let found = shown(&colours, Regions::Drawing, Halftone::default(), 1);
+    let black = found.iter().filter(|state| **state == BLACK).count() as f64;
+    assert!(area > 400.0 && (black / area - 1.0).abs() < 0.04, "{black} {area}");
 }
 
 /// A grey has the same pattern wherever it is, and whatever is beside it.

@@ -168,7 +168,7 @@ impl ErrorDiffusion {
     pub fn colours_beside(
         &self,
         row: &dyn Fn(usize, &mut [[f32; 3]]),
-        fixed: Option<&dyn Fn(usize, &mut [Option<u8>])>,
+        fixed: Option<&FixedRow<'_>>,
         [columns, rows]: [usize; 2],
         palette: &[[f64; 3]],
     ) -> Result<Diffused<3>, ImagingError> {
@@ -195,7 +195,7 @@ impl ErrorDiffusion {
 
     fn diffuse<const N: usize>(
         &self,
-        (row, fixed): (&dyn Fn(usize, &mut [[f32; N]]), Option<&FixedRow<'_>>),
+        (row, fixed): (&WantedRow<'_, N>, Option<&FixedRow<'_>>),
         [columns, rows]: [usize; 2],
         palette: &[[f64; N]],
         metric: [[f64; N]; N],
@@ -218,8 +218,11 @@ impl ErrorDiffusion {
     }
 }
 
-/// Writes the states of a row that are fixed.
-type FixedRow<'a> = dyn Fn(usize, &mut [Option<u8>]) + 'a;
+/// Writes the colours of a row that are wanted.
+type WantedRow<'a, const N: usize> = dyn Fn(usize, &mut [[f32; N]]) + 'a;
+
+/// Writes the states of the pixels of a row that have one already.
+pub type FixedRow<'a> = dyn Fn(usize, &mut [Option<u8>]) + 'a;
 
 /// One neighbour: columns along the scan, rows down, and its part of the error in units of 2^-32.
 type Part = (isize, usize, i64);

@@ -59,7 +59,7 @@ table! {
         states: Vec<Spanned<Title>> = Vec::new(),
         /// The light for which the states are decided: `"this"`, a preset, or a CIE illuminant as the
         /// spectrum of this light. With a list of such, the states are a compromise for all of them.
-        prepared_for: PreparedFor = PreparedFor::One("this".to_owned()),
+        prepared_for: DecidedFor = DecidedFor::One("this".to_owned()),
         /// Whether the eye at `viewer.distance_mm` sees each part of the panel in its own direction (with
         /// `display.matrix`).
         perspective: bool = true,
@@ -108,7 +108,7 @@ choice! {
 
 forms! {
     /// Lights for which states are decided.
-    PreparedFor, "the name of a light, or a list of such"; {
+    DecidedFor, "the name of a light, or a list of such"; {
         /// One light.
         One(String) if Value::Text(_),
         /// A compromise for several lights.

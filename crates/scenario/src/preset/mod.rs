@@ -111,7 +111,7 @@ impl ExampleDisplay {
         },
         Self {
             name: "four-grey",
-            about: "Electronic paper with four greys; also writes synthetic colours",
+            about: "Electronic paper with four greys; also writes synthetic spectra",
             text: include_str!("four-grey.toml"),
             files: &[("four-greys.csv", include_str!("four-greys.csv"))],
             panel: Some(ExamplePanel { pixels: [800, 480], ppi: 124 }),

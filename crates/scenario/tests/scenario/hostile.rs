@@ -106,8 +106,8 @@ fn folder() -> Folder {
         let path = entry.unwrap().path();
         std::fs::copy(&path, surfaces.join(path.file_name().unwrap())).unwrap();
     }
-    for entry in std::fs::read_dir(shipped().join("data")).unwrap() {
-        let path = entry.unwrap().path();
+    let entries = std::fs::read_dir(shipped().join("data")).unwrap();
+    for path in entries.map(|entry| entry.unwrap().path()).filter(|path| path.is_file()) {
         let name = data.join(path.file_name().unwrap());
         if path.extension().is_some_and(|end| end == "bsdf") {
             let reflects = std::fs::read_to_string(&path).unwrap().contains("BRDF");
