@@ -37,6 +37,7 @@ PANELS = {
     "four-grey": ([800, 480], 124, "D65"),
 }
 DISTANCE_MM = 500
+PHOTOGRAPHS = "8 photographs"
 
 D65 = np.array([0.95047, 1.0, 1.08883])
 XYZ_FROM_RGB = np.array([[0.4123908, 0.3575843, 0.1804808], [0.2126390, 0.7151687, 0.0721923], [0.0193308, 0.1191948, 0.9505322]])
@@ -215,9 +216,9 @@ def rows(program):
         for name in PANELS:
             panel = Panel(program, pathlib.Path(folder), name)
             size = panel.columns, panel.rows
-            for group, pictures in (("8 photographs", list(photographs(*size))), *((one[0], [one]) for one in drawings(*size))):
+            for group, pictures in ((PHOTOGRAPHS, list(photographs(*size))), *((one[0], [one]) for one in drawings(*size))):
                 for other, show in programs(panel):
-                    if group != "8 photographs" and "tone" not in other and other not in ("Papilio", "Papilio, search", "Pillow"):
+                    if group != PHOTOGRAPHS and "tone" not in other and other not in ("Papilio", "Papilio, search", "Pillow"):
                         continue
                     found = [(picture, *show(picture)) for _, picture in pictures]
                     numbers = np.nanmean([judged(panel, panel.reference(picture), states) for picture, states, _ in found], 0)
@@ -231,7 +232,8 @@ def measure(program):
     lines = [head, "|---|---|---|---|---|---|---|---|"]
     for line in rows(program):
         print(line, flush=True)
-        lines.append(line)
+        # The page has the means over the photographs; of the drawings it says in words what they show.
+        lines += [line] if PHOTOGRAPHS in line else []
     before, rest = PAGE.read_text().split(MARKS[0])
     after = rest.split(MARKS[1])[1]
     PAGE.write_text(before + MARKS[0] + "\n" + "\n".join(lines) + "\n\n" + MARKS[1] + after)
