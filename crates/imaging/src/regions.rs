@@ -117,8 +117,8 @@ fn pairs(pixels: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> 
     })
 }
 
-/// The first pixel of the area of each pixel; neighbours are in the same area if they are alike.
-fn joined(pixels: usize, columns: usize, alike: impl Fn(usize, usize) -> bool) -> Vec<u32> {
+/// The first pixel of the area of each pixel; neighbours are in the same area if `is_same` says so.
+fn joined(pixels: usize, columns: usize, is_same: impl Fn(usize, usize) -> bool) -> Vec<u32> {
     let mut first: Vec<u32> = (0..pixels as u32).collect();
     let root = |first: &mut [u32], mut at: u32| {
         while first[at as usize] != at {
@@ -127,7 +127,7 @@ fn joined(pixels: usize, columns: usize, alike: impl Fn(usize, usize) -> bool) -
         }
         at
     };
-    for (at, step) in pairs(pixels, columns).filter(|(at, step)| alike(*at, at + step)) {
+    for (at, step) in pairs(pixels, columns).filter(|(at, step)| is_same(*at, at + step)) {
         let [one, other] = [at, at + step].map(|at| root(&mut first, at as u32));
         first[one.max(other) as usize] = one.min(other);
     }

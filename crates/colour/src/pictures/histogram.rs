@@ -3,7 +3,7 @@
 /// Steps of a difference of 1.
 const STEPS: f32 = 256.0;
 
-/// Largest difference that is told from larger ones.
+/// Differences of this size and larger ones are counted together.
 const MOST: usize = 200;
 
 /// Numbers of differences by size, of which 0 has a place of its own.

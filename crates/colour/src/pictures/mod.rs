@@ -17,6 +17,7 @@ mod filter;
 mod flip;
 mod histogram;
 mod lab;
+mod planes;
 mod scielab;
 mod stripes;
 

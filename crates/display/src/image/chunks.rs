@@ -2,6 +2,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use crate::threads::each;
+
 /// Pixels that a thread takes at once.
 const CHUNK: usize = 1 << 14;
 
@@ -12,29 +14,12 @@ pub(super) fn in_chunks<T: Send, R: Send>(
     values: &mut [T],
     of: impl Fn(usize, &mut [T]) -> R + Sync,
 ) -> Vec<R> {
-    let count = values.len().div_ceil(CHUNK);
-    let chunks = Mutex::new(values.chunks_mut(CHUNK).enumerate());
-    let work = || {
-        let mut done = Vec::new();
-        loop {
-            let next = chunks.lock().unwrap_or_else(PoisonError::into_inner).next();
-            let Some((number, chunk)) = next else { return done };
-            done.push((number, of(number * CHUNK, chunk)));
-        }
-    };
-    let threads = threads.clamp(1, count.max(1));
-    let mut results = match threads {
-        1 => work(),
-        _ => std::thread::scope(|scope| {
-            let running: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-            let join = |one: std::thread::ScopedJoinHandle<'_, _>| {
-                one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-            };
-            running.into_iter().flat_map(join).collect()
-        }),
-    };
-    results.sort_by_key(|(number, _)| *number);
-    results.into_iter().map(|(_, result)| result).collect()
+    // Each chunk belongs to one thread, which is what the locks tell the compiler.
+    let chunks: Vec<_> = values.chunks_mut(CHUNK).enumerate().map(Mutex::new).collect();
+    each(&chunks, threads, |chunk| {
+        let (number, chunk) = &mut *chunk.lock().unwrap_or_else(PoisonError::into_inner);
+        of(*number * CHUNK, chunk)
+    })
 }
 
 #[cfg(test)]

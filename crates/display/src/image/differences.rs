@@ -9,6 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::colour;
+use crate::threads::each;
 
 /// Differences of two pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
@@ -160,7 +161,7 @@ impl PictureDifferences {
         };
         let xyz = |pixels| picture(pixels, &Xyz::to_array);
         let own = xyz(seen)?.into_lab(white)?;
-        let mut differences: [Self; N] = each(threads, |k| {
+        let mut differences: [Self; N] = all_of(threads, |k| {
             let plain = Difference::of(own.delta_e_2000(&xyz(others[k])?.into_lab(white)?)?);
             Ok(Self {
                 delta_e_2000_mean: plain.mean,
@@ -177,7 +178,7 @@ impl PictureDifferences {
         drop(own);
         let Some(per_degree) = pixels_per_degree else { return Ok(differences) };
         let [own] = scielab([xyz(seen)?], white, per_degree)?;
-        let blurred: [(Difference, [Option<f64>; 3]); N] = each(threads, |k| {
+        let blurred: [(Difference, [Option<f64>; 3]); N] = all_of(threads, |k| {
             let [other] = scielab([xyz(others[k])?], white, per_degree)?;
             Ok((Difference::of(own.delta_e_2000(&other)?), likeness(&own, &other, per_degree)))
         })?;
@@ -193,7 +194,7 @@ impl PictureDifferences {
             Ok::<_, ColourError>(FlipPicture::new(&rgb, per_degree))
         };
         let own = flip(seen)?;
-        let flips: [f64; N] = each(threads, |k| {
+        let flips: [f64; N] = all_of(threads, |k| {
             let values = own.differences(&flip(others[k])?)?;
             Ok(values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len() as f64)
         })?;
@@ -204,21 +205,13 @@ impl PictureDifferences {
     }
 }
 
-/// The results of `of` for 0 to N - 1, at the same time if there are two threads.
-fn each<const N: usize, T: Send>(
+/// The results of `of` for 0 to N - 1, at the same time if there are several threads.
+fn all_of<const N: usize, T: Send>(
     threads: usize,
     of: impl Fn(usize) -> Result<T, ColourError> + Sync,
 ) -> Result<[T; N], ColourError> {
     let numbers: [usize; N] = std::array::from_fn(|k| k);
-    let results = match threads {
-        0 | 1 => numbers.map(&of),
-        _ => std::thread::scope(|scope| {
-            let of = &of;
-            let running = numbers.map(|k| scope.spawn(move || of(k)));
-            running.map(|one| one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-        }),
-    };
-    let all: Vec<T> = results.into_iter().collect::<Result<_, _>>()?;
+    let all: Vec<T> = each(&numbers, threads, |k| of(*k)).into_iter().collect::<Result<_, _>>()?;
     Ok(all.try_into().unwrap_or_else(|_| unreachable!("one result for each number")))
 }
 

@@ -59,7 +59,7 @@ pub struct Searched {
     pub is_complete: bool,
 }
 
-/// What a search is told.
+/// Fixed pixels, threads, and how a search is watched and stopped.
 pub struct SearchControl<'a> {
     /// Whether each pixel keeps the state of the start; empty: none does. The light of those that do is seen by the others.
     pub fixed: &'a [bool],
