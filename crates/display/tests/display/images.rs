@@ -480,12 +480,17 @@ fn assert_picture_is_that_of_paths(side: usize) {
         let display = scene(&[layers, MATRIX, pixel, LIGHT, VIEW]);
         let (seen, stated) = seen_of(held, &display, layers == LAYERED);
         let place = |at: usize| [(at % side) as f64 * pitch_mm, -((at / side) as f64) * pitch_mm];
-        let places_mm: Vec<[f64; 2]> = (0..side * side).map(place).collect();
+        // Pixels that reflect nothing show light that few paths find: with 2^15 of them, one of 4096 such pixels was 8 of its
+        // errors too dark, and at 2^22 within one. So fewer pixels, with more paths.
+        let step = if held.surround == PictureSurround::BlackMask { (side / 12).max(1) } else { 1 };
+        let shown: Vec<usize> = (0..side * side).step_by(step).collect();
+        let places_mm: Vec<[f64; 2]> = shown.iter().copied().map(place).collect();
+        let count = (1 << 15) * (step * step) as u64;
         let repeated = Repeated { held, pitch_mm };
         let seen_from = SeenFrom { pattern: &repeated, places_mm: &places_mm };
-        let paths = control(|control| pattern(&display, &seen_from, 1 << 15, control)).remove(0);
+        let paths = control(|control| pattern(&display, &seen_from, count, control)).remove(0);
         let mut errors = 0.0;
-        for (at, by_paths) in paths.via_pixel.iter().enumerate() {
+        for (at, by_paths) in shown.into_iter().zip(&paths.via_pixel) {
             let found = seen[at];
             let expected = by_paths.value + paths.front.value;
             let error = by_paths.standard_error.hypot(paths.front.standard_error);
