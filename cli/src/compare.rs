@@ -6,17 +6,19 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use papilio_display::compare::{
-    Colour, Comparison, Measured, Simulated, StateComparison, ViewComparison, compare,
+    Agreement, Colour, Comparison, Measured, Measurement, Simulated, StateComparison, ViewComparison,
+    compare_measurement,
 };
 use papilio_display::pixel::is_mixture;
 use papilio_figures::{compared_gamuts, compared_spectra};
 use papilio_formats::{
-    DataFile, read_measured_panel, read_result, write_compared_spectra, write_comparison, write_file,
-    write_json,
+    DataFile, read_measurement, read_result_with, write_compared_metrics, write_compared_spectra,
+    write_comparison, write_file, write_json,
 };
 use papilio_scenario::nearest;
 
 use crate::arguments::Compare;
+use crate::numbers::digits;
 use crate::{Failure, interrupt, numbers, output, print_message, report};
 
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
@@ -27,16 +29,15 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
         (None, false) => Some(PathBuf::from("out").join("compare")),
     };
     out.as_deref().map_or(Ok(()), output::check)?;
-    let read = read_result(&open(&result)?).map_err(Failure::Data)?;
-    let panel = read_measured_panel(&open(&arguments.measured)?).map_err(Failure::Data)?;
-    let measured = panel.value;
-    let suggestion = suggestion(&read.simulated, &measured);
-    let all = compare(&read.simulated, &measured).map_err(|error| {
+    let (measured, notes) = measurement(&arguments.measured)?;
+    let read = read_result_with(&open(&result)?, &measured.metrics).map_err(Failure::Data)?;
+    let suggestion = suggestion(&read.simulated, &measured.states);
+    let all = compare_measurement(&read.simulated, &measured).map_err(|error| {
         let help = suggestion.clone().unwrap_or_else(|| {
             "the names of states must equal those of the result, and angles must agree to within 1 deg"
                 .to_owned()
         });
-        let (result, measured) = (result.display(), arguments.measured.display());
+        let (result, measured) = (result.display(), names_of(&arguments.measured));
         Failure::Input(format!("{result} and {measured}: {error}\n  = help: {help}"))
     })?;
     let title = read.title.unwrap_or_else(|| report::file_title(&result));
@@ -55,8 +56,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     if let (Some(folder), Some(names)) = (out, written) {
         output::print_written(&folder, &names);
     }
-    let measured_name = arguments.measured.display();
-    panel.warnings.iter().for_each(|note| print_message(&format!("note: {measured_name}: {note}")));
+    notes.iter().for_each(|note| print_message(note));
     all.left_out.iter().for_each(|reason| print_message(&format!("note: {reason}")));
     suggestion.iter().for_each(|help| print_message(&format!("  = help: {help}")));
     if all.looks_like_percent() {
@@ -68,10 +68,27 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Reads a measurement from several files, with the notes on how they were read.
+pub(crate) fn measurement(files: &[PathBuf]) -> Result<(Measurement, Vec<String>), Failure> {
+    let (mut all, mut notes) = (Measurement::default(), Vec::new());
+    for file in files {
+        let read = read_measurement(&open(file)?).map_err(Failure::Data)?;
+        let name = file.display();
+        notes.extend(read.warnings.iter().map(|note| format!("note: {name}: {note}")));
+        all.append(read.value);
+    }
+    Ok((all, notes))
+}
+
+/// Paths with commas between them.
+pub(crate) fn names_of(files: &[PathBuf]) -> String {
+    files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
 /// A suggestion for measured states whose names are not in the result.
 fn suggestion(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
     let all = simulated.views.iter().flat_map(|view| &view.states);
-    let known: BTreeSet<&str> = all.map(|(name, ..)| name.as_str()).collect();
+    let known: BTreeSet<&str> = all.map(|one| one.name.as_str()).collect();
     let is_known = |name: &&str| known.iter().any(|known| known.to_lowercase() == name.to_lowercase());
     let unknown: BTreeSet<&str> =
         measured.iter().map(|one| one.state.as_str()).filter(|name| !is_known(name)).collect();
@@ -93,13 +110,19 @@ fn open(path: &Path) -> Result<DataFile, Failure> {
 fn write(folder: &Path, all: &Comparison, title: &str, png: bool) -> Result<Vec<String>, Failure> {
     output::make_folder(folder)?;
     // Figures of an earlier comparison could be mistaken for those of this one.
-    output::remove(folder, |name| name.starts_with("compared-") || name == "comparison-spectra.csv")?;
+    output::remove(folder, |name| {
+        name.starts_with("compared-") || ["comparison-spectra.csv", "comparison-metrics.csv"].contains(&name)
+    })?;
     let mut names = vec!["comparison.csv".to_owned(), "comparison.json".to_owned()];
     write_file(&folder.join("comparison.csv"), |out| write_comparison(out, all))?;
     write_file(&folder.join("comparison.json"), |out| write_json(out, all))?;
     if all.states.iter().any(|one| one.spectrum.is_some()) {
         write_file(&folder.join("comparison-spectra.csv"), |out| write_compared_spectra(out, all))?;
         names.push("comparison-spectra.csv".to_owned());
+    }
+    if !all.metrics.is_empty() {
+        write_file(&folder.join("comparison-metrics.csv"), |out| write_compared_metrics(out, all))?;
+        names.push("comparison-metrics.csv".to_owned());
     }
     for view in &all.views {
         let suffix = if all.views.len() == 1 {
@@ -117,11 +140,11 @@ fn write(folder: &Path, all: &Comparison, title: &str, png: bool) -> Result<Vec<
 
 /// Lines that identify the two sides: the folder may contain the result of another scenario than the user
 /// expects.
-fn heading(title: &str, hash: Option<&str>, result: &Path, measured: &Path) -> String {
+fn heading(title: &str, hash: Option<&str>, result: &Path, measured: &[PathBuf]) -> String {
     let hash =
         hash.map_or(String::new(), |hash| format!(" (hash {})", hash.chars().take(12).collect::<String>()));
     let title = report::plain(title);
-    format!("{title}\nsimulated: {}{hash}\nmeasured: {}\n", result.display(), measured.display())
+    format!("{title}\nsimulated: {}{hash}\nmeasured: {}\n", result.display(), names_of(measured))
 }
 
 /// Report of a comparison: a table for each view.
@@ -135,19 +158,50 @@ fn report_text(heading: &str, all: &Comparison) -> String {
         let _ = write!(text, ": simulated / measured\n{}", report::table(&rows(all, view)));
         text.push_str(&display_metrics(view));
     }
+    if !all.metrics.is_empty() {
+        let _ = write!(text, "\nmetrics\n{}", report::table(&metric_rows(all)));
+    }
+    if let Some(Agreement { count, z_rms, within_2 }) = all.agreement {
+        let percent = 100.0 * within_2;
+        let _ = write!(
+            text,
+            "\nz of {count} numbers with a standard deviation: rms {z_rms:.2}, {percent:.0} % within 2\n"
+        );
+    }
     text
+}
+
+fn metric_rows(all: &Comparison) -> Vec<Vec<String>> {
+    let titles = ["metric", "theta (deg)", "simulated", "measured", "z"];
+    let mut rows = vec![titles.map(str::to_owned).to_vec()];
+    rows.extend(all.metrics.iter().map(|one| {
+        let with = |value: f64, deviation: Option<f64>| match deviation {
+            Some(deviation) if deviation > 0.0 => format!("{} +- {}", digits(value), digits(deviation)),
+            _ => digits(value),
+        };
+        vec![
+            one.metric.clone(),
+            digits(one.theta_deg),
+            with(one.simulated, Some(one.simulated_deviation)),
+            with(one.measured, one.measured_deviation),
+            number(one.z, 2),
+        ]
+    }));
+    rows
 }
 
 fn rows(all: &Comparison, view: &ViewComparison) -> Vec<Vec<String>> {
     let titles = ["state", "Y", "contrast", "peak (nm)", "dE2000", "du'v'", "mean dR", "rms dR"];
-    let mut rows = vec![titles.map(str::to_owned).to_vec()];
+    let has_z = all.agreement.is_some();
+    let of_z = has_z.then_some("rms z");
+    let mut rows = vec![titles.into_iter().chain(of_z).map(str::to_owned).collect::<Vec<String>>()];
     let here = |one: &&StateComparison| one.theta_deg == view.theta_deg && one.phi_deg == view.phi_deg;
     for one in all.states.iter().filter(here) {
         let pair = |get: fn(&Colour) -> Option<f64>, decimals: usize| {
             pair_text([get(&one.simulated), get(&one.measured)], decimals)
         };
         let spectrum = one.spectrum.as_ref();
-        rows.push(vec![
+        let mut row = vec![
             one.state.clone(),
             pair(|colour| Some(colour.Y), 4),
             pair(|colour| colour.contrast, 2),
@@ -156,7 +210,9 @@ fn rows(all: &Comparison, view: &ViewComparison) -> Vec<Vec<String>> {
             number(one.distance_uv, 4),
             number(spectrum.map(|spectrum| spectrum.mean_difference), 4),
             number(spectrum.map(|spectrum| spectrum.rms_difference), 4),
-        ]);
+        ];
+        row.extend(has_z.then(|| number(one.agreement.map(|all| all.z_rms), 2)));
+        rows.push(row);
     }
     rows
 }

@@ -140,7 +140,8 @@ commands! {
                       papilio run scenarios/overcast.toml\n  \
                       papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
                       MEASURED has the columns state, theta_deg, phi_deg, and wavelength_nm and reflectance_factor, or X, Y, Z, or \
-                      L, a, b; or it is the file of an instrument. docs/compare.md describes it.")]
+                      L, a, b, and optionally standard_deviation; or metric, value, standard_deviation; or it is the file of an \
+                      instrument. docs/compare.md describes it.")]
     Compare(arguments::Compare) => compare::run,
     /// Write a commented scenario to start from: a display in the light of a preset
     #[command(

@@ -205,9 +205,9 @@ pub(crate) struct Compare {
     /// A result.json, or the folder that contains it
     #[arg(value_name = "RESULT")]
     pub(crate) result: PathBuf,
-    /// Measured spectra or colours (CSV, CGATS, CxF)
-    #[arg(value_name = "MEASURED")]
-    pub(crate) measured: PathBuf,
+    /// Measured spectra, colours or metrics (CSV, CGATS, CxF), in one or more files
+    #[arg(value_name = "MEASURED", required = true)]
+    pub(crate) measured: Vec<PathBuf>,
     /// Folder for tables and figures [default: out/compare]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,

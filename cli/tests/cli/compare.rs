@@ -63,6 +63,49 @@ fn synthetic_panel_differs_by_its_stated_deviations() {
     assert!(contrast[0].as_f64() > contrast[1].as_f64());
 }
 
+/// Measured spectra and metrics in two files, with standard deviations: z by row, by metric and of all.
+#[test]
+fn measurement_with_deviations_in_two_files_has_z() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let scenario = shipped("overcast.toml");
+    let output = papilio(&[Path::new("run"), &scenario, Path::new("--out"), &run]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let result: serde_json::Value =
+        serde_json::from_slice(&fs::read(run.join("result.json")).unwrap()).unwrap();
+    let white = &result["views"][0]["states"]["white"];
+    let rows = result["wavelength_nm"].as_array().unwrap().iter();
+    let rows = rows.zip(white["reflectance_factor"].as_array().unwrap());
+    let mut spectra = "state,wavelength_nm,reflectance_factor,standard_deviation\n".to_owned();
+    for (nm, factor) in rows {
+        spectra += &format!("white,{nm},{},0.01\n", factor.as_f64().unwrap() + 0.01);
+    }
+    let contrast = result["views"][0]["contrast_ratio"].as_f64().unwrap();
+    let metrics = format!("metric,value,standard_deviation\ncontrast_ratio,{},2\n", contrast - 6.0);
+    let files = [("spectra.csv", spectra), ("metrics.csv", metrics)];
+    let [spectra, metrics] = files.map(|(name, text)| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path
+    });
+    let out = folder.path().join("compared");
+    let output = compare(&run, &spectra, &[&metrics, Path::new("--out"), &out]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("rms z") && text.contains("within 2"), "{text}");
+    let all: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.join("comparison.json")).unwrap()).unwrap();
+    // The errors of the run are small beside those of the measurement.
+    let z = all["states"][0]["z"].as_array().unwrap();
+    assert!(z.iter().all(|z| (-1.0..-0.98).contains(&z.as_f64().unwrap())), "{z:?}");
+    let of_contrast = all["metrics"][0]["z"].as_f64().unwrap();
+    assert!((2.9..=3.0).contains(&of_contrast), "{of_contrast}");
+    assert_eq!(all["agreement"]["count"].as_u64().unwrap() as usize, z.len() + 1);
+    let svg = fs::read_to_string(out.join("compared-spectra.svg")).unwrap();
+    assert!(svg.contains("<polygon"), "the bands of the deviations");
+    assert!(out.join("comparison-metrics.csv").exists());
+}
+
 /// The tables of a run, read as a measurement, differ from the run by rounding only.
 #[test]
 fn tables_of_a_run_compare_as_equal() {

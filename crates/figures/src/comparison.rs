@@ -15,6 +15,8 @@ use crate::svg::{Point, Stroke, Svg, Text};
 
 /// Dash pattern of measured curves.
 const MEASURED: &str = "6 3";
+/// Half the width of a band, standard deviations.
+const BAND: f64 = 2.0;
 /// The panel of spectra, px.
 const ORIGIN: Point = (70.0, 44.0);
 const SIZE: Point = (540.0, 350.0);
@@ -53,6 +55,18 @@ pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) ->
     let mut labels = Vec::new();
     for (i, (name, one)) in spectra.iter().enumerate() {
         let stroke = Stroke::solid(&state_stroke(name, i).colour, 1.8);
+        for (values, deviations) in
+            [(&one.simulated, &one.simulated_deviation), (&one.measured, &one.measured_deviation)]
+        {
+            if !one.measured_deviation.is_empty() && deviations.iter().any(|deviation| *deviation > 0.0) {
+                let at = |times: f64| {
+                    let moved = values.iter().zip(deviations).map(|(value, by)| value + times * by);
+                    panel.points(&one.wavelength_nm, &moved.collect::<Vec<f64>>())
+                };
+                let back = at(-BAND).into_iter().rev();
+                svg.polygon(&at(BAND).into_iter().chain(back).collect::<Vec<Point>>(), &stroke.colour, 0.2);
+            }
+        }
         let points = panel.points(&one.wavelength_nm, &one.simulated);
         svg.polyline(&points, &stroke);
         let measured = panel.points(&one.wavelength_nm, &one.measured);

@@ -41,7 +41,7 @@ pub fn write_comparison(out: impl Write, all: &Comparison) -> io::Result<()> {
         "largest_difference",
     ];
     header.extend(differences.map(str::to_owned));
-    header.push("largest_at_nm".to_owned());
+    header.extend(["largest_at_nm", "z_rms", "within_2"].map(str::to_owned));
     csv.write_record(&header)?;
     for one in &all.states {
         let mut row = vec![one.theta_deg.to_string(), one.phi_deg.to_string(), one.state.clone()];
@@ -57,6 +57,8 @@ pub fn write_comparison(out: impl Write, all: &Comparison) -> io::Result<()> {
             cell(spectrum.map(|spectrum| spectrum.rms_difference)),
             cell(spectrum.map(|spectrum| spectrum.largest_difference)),
             cell(spectrum.map(|spectrum| spectrum.largest_at_nm)),
+            cell(one.agreement.map(|all| all.z_rms)),
+            cell(one.agreement.map(|all| all.within_2)),
         ]);
         csv.write_record(&row)?;
     }
@@ -70,11 +72,21 @@ pub fn write_comparison(out: impl Write, all: &Comparison) -> io::Result<()> {
 /// Those of `out`.
 pub fn write_compared_spectra(out: impl Write, all: &Comparison) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(["theta_deg", "phi_deg", "state", "wavelength_nm", "simulated", "measured"])?;
+    csv.write_record([
+        "theta_deg",
+        "phi_deg",
+        "state",
+        "wavelength_nm",
+        "simulated",
+        "measured",
+        "simulated_deviation",
+        "measured_deviation",
+        "z",
+    ])?;
     for one in &all.states {
         let Some(spectrum) = &one.spectrum else { continue };
         let both = spectrum.simulated.iter().zip(&spectrum.measured);
-        for (nm, (simulated, measured)) in spectrum.wavelength_nm.iter().zip(both) {
+        for (bin, (nm, (simulated, measured))) in spectrum.wavelength_nm.iter().zip(both).enumerate() {
             let numbers = [one.theta_deg, one.phi_deg].map(|angle| angle.to_string());
             let [theta, phi] = numbers;
             csv.write_record([
@@ -84,8 +96,42 @@ pub fn write_compared_spectra(out: impl Write, all: &Comparison) -> io::Result<(
                 nm.to_string(),
                 simulated.to_string(),
                 measured.to_string(),
+                cell(spectrum.simulated_deviation.get(bin).copied()),
+                cell(spectrum.measured_deviation.get(bin).copied()),
+                cell(one.z.get(bin).copied()),
             ])?;
         }
+    }
+    csv.flush()
+}
+
+/// Writes `comparison-metrics.csv`: one row per measured metric that has a counterpart.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_compared_metrics(out: impl Write, all: &Comparison) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record([
+        "theta_deg",
+        "phi_deg",
+        "metric",
+        "simulated",
+        "measured",
+        "simulated_deviation",
+        "measured_deviation",
+        "z",
+    ])?;
+    for one in &all.metrics {
+        csv.write_record([
+            one.theta_deg.to_string(),
+            one.phi_deg.to_string(),
+            one.metric.clone(),
+            one.simulated.to_string(),
+            one.measured.to_string(),
+            one.simulated_deviation.to_string(),
+            cell(one.measured_deviation),
+            cell(one.z),
+        ])?;
     }
     csv.flush()
 }

@@ -11,6 +11,7 @@
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
 //! | [`read_windows`] | rectangles of sub-pixels: name, x0, y0, x1, y1 |
 //! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
+//! | [`read_measurement`] | the same, or metrics by name |
 //! | [`read_result`] | `result.json` |
 //! | [`read_picture`] | PNG and JPEG pictures as linear X, Y, Z (detected from the content) |
 //! | [`read_heights`] | maps of heights in several formats (detected from the content) |
@@ -28,7 +29,7 @@
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; their description: [`ConeFile`] with [`write_json`] |
 //! | [`CrosstalkFile`] with [`write_json`], [`write_crosstalk_csv`], [`write_patterns_csv`] | `crosstalk.json`, `crosstalk.csv`, `patterns.csv`; schema: [`crosstalk_schema`] |
 //! | [`MtfFile`] with [`write_json`], [`write_mtf_csv`], [`write_spread_csv`], [`write_kernel_npy`] | `mtf.json`, `mtf.csv`, `spread.csv`, `kernel-STATE.npy`; schema: [`mtf_schema`] |
-//! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
+//! | [`write_comparison`], [`write_compared_spectra`], [`write_compared_metrics`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
 //! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
 //! | [`panel`] | frames for the controllers of panels |
@@ -76,6 +77,7 @@ mod instrument;
 mod journal;
 mod json;
 mod light;
+mod measured;
 mod measured_panel;
 mod mtf;
 mod npy;
@@ -118,7 +120,7 @@ pub use bsdf::{
     read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems,
     write_bsdf_radiant, write_measurement, write_mirror_csv, write_rgl,
 };
-pub use comparison::{write_compared_spectra, write_comparison};
+pub use comparison::{write_compared_metrics, write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};
 pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use error::{FormatError, Problem};
@@ -139,6 +141,7 @@ pub use light::{
     IntensityEdge, LightMap, Luminaire, MapChannel, MapColour, Opening, OpeningShape, is_luminaire,
     read_light_map, read_luminaire, read_profile,
 };
+pub use measured::read_measurement;
 pub use measured_panel::read_measured_panel;
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};
 pub use palette::{PaletteTable, device_colour, palette_files, read_palette};
@@ -149,7 +152,7 @@ pub use picture::{
 };
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
-pub use result_read::{ReadResult, read_result};
+pub use result_read::{ReadResult, read_result, read_result_with};
 pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};
 pub use spatial::{ImageFile, SpatialFile, TitledFile, image_schema, palette_schema};
 pub use spectrum::{

@@ -16,7 +16,7 @@ const LEAST: f64 = -0.05;
 /// A table names its columns in its header, in any order and with their units: `state`; optionally
 /// `theta_deg` and `phi_deg`; and either `wavelength_nm` and `reflectance_factor`, with one row per
 /// wavelength, or `X`, `Y` and `Z` relative to a perfect white (Y = 1), or `L`, `a` and `b`, with one row per
-/// state and direction. Tables with a column for each state or for each wavelength, and the files of
+/// state and direction. An optional column `standard_deviation` has the unit of the values. Tables with a column for each state or for each wavelength, and the files of
 /// instruments (CGATS, CxF), are read too. Further columns are noted, so that `spectra.csv` and `states.csv`
 /// of a run can also be read as measurements. Lines that begin with `#` are comments.
 ///
@@ -42,7 +42,7 @@ pub fn read_measured_panel(file: &DataFile) -> Result<Warned<Vec<Measured>>, For
             .into(),
     };
     let read = read_states(file, &accept)?;
-    let measured = |State { name, theta_deg, phi_deg, value }: State| Measured {
+    let measured = |State { name, theta_deg, phi_deg, value, deviation }: State| Measured {
         state: name,
         theta_deg,
         phi_deg,
@@ -51,6 +51,7 @@ pub fn read_measured_panel(file: &DataFile) -> Result<Warned<Vec<Measured>>, For
             Value::Xyz([x, y, z]) => Quantity::Xyz(Xyz { x, y, z }),
             Value::Lab([l, a, b]) => Quantity::Lab(Lab { l, a, b }),
         },
+        standard_deviation: deviation,
     };
     Ok(Warned { value: read.states.into_iter().map(measured).collect(), warnings: read.notes })
 }

@@ -4,9 +4,12 @@ use std::collections::BTreeMap;
 
 use papilio_colour::{Standard, Xyz};
 use papilio_diagnostics::{Diagnostic, Place};
-use papilio_display::compare::{Simulated, SimulatedView};
+use papilio_display::compare::{
+    MeasuredMetric, Simulated, SimulatedMetric, SimulatedState, SimulatedView, StateDeviation,
+};
 use papilio_spectra::Grid;
 use serde::Deserialize;
+use serde_json::Value as Json;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
@@ -63,6 +66,24 @@ struct State {
     X: f64,
     Y: f64,
     Z: f64,
+    #[serde(default)]
+    standard_error: Errors,
+    #[serde(default)]
+    discretisation_error: Errors,
+}
+
+/// Errors of the numbers of a state.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+#[allow(non_snake_case, reason = "as in result.json")]
+struct Errors {
+    reflectance_factor: Option<Vec<Option<f64>>>,
+    X: Option<f64>,
+    Y: Option<f64>,
+    Z: Option<f64>,
+    L_star: Option<f64>,
+    a_star: Option<f64>,
+    b_star: Option<f64>,
 }
 
 /// Reads a `result.json`.
@@ -71,6 +92,59 @@ struct State {
 /// If the file is not JSON or not a result, or if its parts are inconsistent.
 pub fn read_result(file: &DataFile) -> Result<ReadResult, FormatError> {
     crate::guard::read(file, of_json)
+}
+
+/// Reads a `result.json` with those of its metrics that were measured.
+///
+/// # Errors
+/// As [`read_result`].
+pub fn read_result_with(file: &DataFile, metrics: &[MeasuredMetric]) -> Result<ReadResult, FormatError> {
+    let mut read = read_result(file)?;
+    if metrics.is_empty() {
+        return Ok(read);
+    }
+    let whole: Json = serde_json::from_slice(&file.bytes).unwrap_or_default();
+    for (view, json) in read.simulated.views.iter_mut().zip(whole["views"].as_array().into_iter().flatten()) {
+        view.metrics = metrics.iter().filter_map(|metric| simulated_metric(json, metric)).collect();
+    }
+    Ok(read)
+}
+
+/// The metric of a view, with its errors; `None` if it is not in the result.
+fn simulated_metric(view: &Json, metric: &MeasuredMetric) -> Option<SimulatedMetric> {
+    let of = match &metric.state {
+        Some(state) => view.get("states")?.get(state)?,
+        None => view,
+    };
+    let name = metric.metric.name();
+    let error = |kind: &str| of.get(kind).and_then(|errors| errors.get(name)).and_then(Json::as_f64);
+    let errors = ["standard_error", "discretisation_error"].map(|kind| error(kind).unwrap_or(0.0));
+    Some(SimulatedMetric {
+        name: metric.name(),
+        value: of.get(name)?.as_f64()?,
+        standard_deviation: errors[0].hypot(errors[1]),
+    })
+}
+
+impl State {
+    /// Standard deviations by noise and discretisation together; an unknown one counts as 0.
+    fn deviation(&self) -> StateDeviation {
+        let both = |get: fn(&Errors) -> Option<f64>| {
+            let [noise, levels] =
+                [&self.standard_error, &self.discretisation_error].map(|errors| get(errors).unwrap_or(0.0));
+            noise.hypot(levels)
+        };
+        let at = |errors: &Errors, bin: usize| {
+            errors.reflectance_factor.as_ref().and_then(|all| all.get(bin).copied().flatten()).unwrap_or(0.0)
+        };
+        let bins = self.reflectance_factor.as_ref().map_or(0, Vec::len);
+        let factor = |bin| at(&self.standard_error, bin).hypot(at(&self.discretisation_error, bin));
+        StateDeviation {
+            reflectance_factor: (0..bins).map(factor).collect(),
+            xyz: [both(|one| one.X), both(|one| one.Y), both(|one| one.Z)],
+            lab: [both(|one| one.L_star), both(|one| one.a_star), both(|one| one.b_star)],
+        }
+    }
 }
 
 fn of_json(file: &DataFile) -> Result<ReadResult, FormatError> {
@@ -129,12 +203,16 @@ fn simulated(read: File) -> Result<ReadResult, &'static str> {
         return Err("`views` is empty");
     }
     let state = |(name, state): (String, State)| {
-        (name, state.reflectance_factor.unwrap_or_default(), Xyz { x: state.X, y: state.Y, z: state.Z })
+        let deviation = state.deviation();
+        let reflectance_factor = state.reflectance_factor.unwrap_or_default();
+        let xyz = Xyz { x: state.X, y: state.Y, z: state.Z };
+        SimulatedState { name, reflectance_factor, xyz, deviation }
     };
     let views = read.views.into_iter().map(|View { theta_deg, phi_deg, states }| SimulatedView {
         theta_deg,
         phi_deg,
         states: states.into_iter().map(state).collect(),
+        metrics: Vec::new(),
     });
     let observer = match read.scenario.metrics.observer.as_deref() {
         Some("1964") => Standard::Cie1964,
@@ -165,7 +243,7 @@ mod tests {
     fn result_of_a_run_is_read() {
         let result = read(GOOD).unwrap();
         assert_eq!((result.title.as_deref(), result.simulated.observer), (Some("A"), Standard::Cie1964));
-        assert_eq!(result.simulated.views[0].states[0].1, [0.1, 0.2, 0.3]);
+        assert_eq!(result.simulated.views[0].states[0].reflectance_factor, [0.1, 0.2, 0.3]);
     }
 
     #[test]

@@ -9,6 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use papilio_diagnostics::{Diagnostic, Place};
+use papilio_display::compare::StandardDeviation;
 use papilio_spectra::Tabulated;
 
 use crate::error::{FormatError, Problem};
@@ -17,8 +18,8 @@ use crate::instrument::{self, Kind, SpectralFile};
 use crate::is_name;
 use crate::pixel_table::NM;
 use crate::table::quantities::{
-    A_STAR, ABSORBANCE, B_STAR, EPS_1, EPS_2, K, L_STAR, LIGHT, N, PHI, REFLECTANCE, STATE, THETA,
-    WAVELENGTH, X, Y, Z,
+    A_STAR, ABSORBANCE, B_STAR, EPS_1, EPS_2, K, L_STAR, LIGHT, N, PHI, REFLECTANCE, STANDARD_DEVIATION,
+    STATE, THETA, WAVELENGTH, X, Y, Z,
 };
 use crate::table::{Column, ColumnName, Header, Quantity, Row, Table, TableText, body};
 
@@ -31,6 +32,8 @@ pub(crate) struct State {
     /// Azimuth of the meter, degrees.
     pub(crate) phi_deg: f64,
     pub(crate) value: Value,
+    /// Standard deviation of the value, if the file states it.
+    pub(crate) deviation: Option<StandardDeviation>,
 }
 
 /// What was measured.
@@ -96,8 +99,12 @@ struct Point {
     phi_deg: f64,
     /// Wavelengths in nm, values, and their places.
     spectrum: Vec<(f64, f64, Range<usize>)>,
+    /// Standard deviation at each of the wavelengths, if the file states it.
+    spectrum_deviation: Vec<f64>,
     lab: Option<[f64; 3]>,
     xyz: Option<[f64; 3]>,
+    /// Standard deviation of each of the three numbers of a colour, if the file states it.
+    colour_deviation: Option<f64>,
     /// Its first row.
     at: Range<usize>,
 }
@@ -106,6 +113,13 @@ struct Point {
 type Numbers = HashMap<(String, Option<u64>, u64), usize>;
 
 impl Point {
+    /// A point without values.
+    fn new(name: String, at: Range<usize>) -> Self {
+        let (spectrum, spectrum_deviation) = (Vec::new(), Vec::new());
+        let (theta_deg, lab, xyz, colour_deviation) = (None, None, None, None);
+        Self { name, theta_deg, phi_deg: 0.0, spectrum, spectrum_deviation, lab, xyz, colour_deviation, at }
+    }
+
     fn set_colour(&mut self, values: &Values, row: &Row<'_>, accept: &Accept) -> Result<(), FormatError> {
         match values {
             Values::Xyz(columns) => {
@@ -133,8 +147,20 @@ struct Points {
     is_table: bool,
 }
 
-static ACCEPTED: [&Quantity; 11] =
-    [&STATE, &THETA, &PHI, &WAVELENGTH, &REFLECTANCE, &X, &Y, &Z, &L_STAR, &A_STAR, &B_STAR];
+static ACCEPTED: [&Quantity; 12] = [
+    &STATE,
+    &THETA,
+    &PHI,
+    &WAVELENGTH,
+    &REFLECTANCE,
+    &X,
+    &Y,
+    &Z,
+    &L_STAR,
+    &A_STAR,
+    &B_STAR,
+    &STANDARD_DEVIATION,
+];
 
 /// The columns of values.
 enum Values {
@@ -172,7 +198,9 @@ impl Values {
 /// Returns the columns that are not angles or wavelengths, with their names without units.
 fn state_columns(header: &Header) -> Vec<(Column, String)> {
     let of_known = header.columns.iter().filter(|column| {
-        [&WAVELENGTH, &THETA, &PHI].iter().all(|other| !std::ptr::eq(column.quantity, *other))
+        [&WAVELENGTH, &THETA, &PHI, &STANDARD_DEVIATION]
+            .iter()
+            .all(|other| !std::ptr::eq(column.quantity, *other))
     });
     let known = of_known.map(|column| column.cell);
     let mut cells: Vec<usize> = known.chain(header.others.iter().map(|other| other.cell)).collect();
@@ -189,8 +217,8 @@ fn state_columns(header: &Header) -> Vec<(Column, String)> {
 impl Points {
     fn of_table(table: Table<'_>, accept: &Accept) -> Result<Self, FormatError> {
         let is_complete = |header: &Header| Values::of(header, accept).is_some();
-        // A palette has no directions, and no X, Y, Z.
-        let of_panel: [&Quantity; 5] = [&THETA, &PHI, &X, &Y, &Z];
+        // A palette has no directions, no X, Y, Z, and no deviations.
+        let of_panel: [&Quantity; 6] = [&THETA, &PHI, &X, &Y, &Z, &STANDARD_DEVIATION];
         let is_of_panel = |one: &Quantity| of_panel.iter().any(|other| std::ptr::eq(*other, one));
         let accepted = ACCEPTED.iter().copied().filter(|one| accept.xyz || !is_of_panel(one));
         let found = body(table, &accepted.collect::<Vec<_>>(), is_complete, "a required column");
@@ -207,6 +235,14 @@ impl Points {
         let values = Values::of(&header, accept).ok_or_else(|| head.error(accept.header.clone()))?;
         if !matches!(values, Values::Columns(..)) && !is_own(&head) {
             header.note_others();
+        }
+        if let (Values::Columns(_, states), Some(deviation)) = (&values, header.get(&STANDARD_DEVIATION))
+            && states.len() > 1
+        {
+            let wrong = Diagnostic::new("the column of standard deviations does not tell of which state they are")
+                .expected("one column of values beside it")
+                .hint("write a row for each state and wavelength: `state,wavelength_nm,reflectance_factor,standard_deviation`");
+            return Err(head.cell_error(deviation.cell, wrong.into()));
         }
         let notes = std::mem::take(&mut header.notes);
         let mut points = Self { all: Vec::new(), notes, is_table: true };
@@ -250,6 +286,7 @@ impl Points {
                 let (number, _) = self.number_of(name, direction, (row, column.cell), by_name)?;
                 let value = column.number(row)?;
                 self.all[number].spectrum.push((nm, value, row.cells[column.cell].bytes()));
+                self.all[number].spectrum_deviation.extend(deviation(header, column, row)?);
             }
             return Ok(());
         }
@@ -258,9 +295,13 @@ impl Points {
         if let Values::Spectrum(nm, factor) = values {
             let (nm, value) = (wavelength(nm)?, factor.number(row)?);
             self.all[number].spectrum.push((nm, value, row.cells[factor.cell].bytes()));
+            self.all[number].spectrum_deviation.extend(deviation(header, factor, row)?);
             return Ok(());
         }
         self.all[number].set_colour(values, row, accept)?;
+        if let Values::Xyz([first, ..]) | Values::Lab([first, ..]) = values {
+            self.all[number].colour_deviation = deviation(header, first, row)?;
+        }
         if is_known {
             return Err(row.error(two_values(&self.all[number].name, theta_deg, None)));
         }
@@ -282,8 +323,8 @@ impl Points {
         let next = self.all.len();
         let number = *by_name.entry(key).or_insert(next);
         if number == next {
-            let (name, spectrum, at) = (name.to_owned(), Vec::new(), row.bytes());
-            self.all.push(Point { name, theta_deg, phi_deg, spectrum, lab: None, xyz: None, at });
+            let (name, at) = (name.to_owned(), row.bytes());
+            self.all.push(Point { theta_deg, phi_deg, ..Point::new(name, at) });
         }
         Ok((number, number != next))
     }
@@ -298,7 +339,6 @@ impl Points {
         }
         let has_spectra = read.samples.iter().all(|sample| !sample.spectrum.is_empty());
         let point = |sample: instrument::Sample| Point {
-            name: sample.name,
             theta_deg: sample.theta_deg,
             phi_deg: sample.phi_deg.unwrap_or(0.0),
             spectrum: match has_spectra {
@@ -307,7 +347,7 @@ impl Points {
             },
             lab: sample.lab,
             xyz: sample.xyz,
-            at: 0..0,
+            ..Point::new(sample.name, 0..0)
         };
         Ok(Self { all: read.samples.into_iter().map(point).collect(), notes: read.notes, is_table: false })
     }
@@ -333,6 +373,10 @@ impl Points {
             return Err(head.error(problem.into()));
         }
         values.into_iter().for_each(|value| *value /= 100.0);
+        for point in &mut self.all {
+            let colour = point.colour_deviation.iter_mut();
+            point.spectrum_deviation.iter_mut().chain(colour).for_each(|one| *one /= 100.0);
+        }
         self.notes.push(instrument::percent_note(largest));
         Ok(())
     }
@@ -382,14 +426,36 @@ impl Points {
                 (true, None, Some(lab)) => Value::Lab(lab),
                 (true, None, None) => return fault(&point.at, accept.header.clone()),
             };
+            let deviation = match &value {
+                Value::Spectrum(_) if point.spectrum_deviation.is_empty() => None,
+                Value::Spectrum(_) => {
+                    let deviations = point.spectrum.iter().zip(&point.spectrum_deviation);
+                    let rows = deviations.map(|((nm, _, at), one)| (*nm, *one, at.clone())).collect();
+                    Some(StandardDeviation::Spectrum(tabulated(point, rows, &error)?))
+                }
+                Value::Xyz(_) | Value::Lab(_) => point.colour_deviation.map(StandardDeviation::Colour),
+            };
             let Point { name, theta_deg, phi_deg, .. } = point;
-            states.push(State { name: name.clone(), theta_deg: *theta_deg, phi_deg: *phi_deg, value });
+            let (name, theta_deg, phi_deg) = (name.clone(), *theta_deg, *phi_deg);
+            states.push(State { name, theta_deg, phi_deg, value, deviation });
         }
         if noise > 0 {
             self.notes.push(format!("{noise} small negative reflectances are taken as 0 (noise)"));
         }
         Ok(States { states, notes: self.notes })
     }
+}
+
+/// Standard deviation in a row of the value in a column, whose unit it has unless it states its own; `None`
+/// if the table has no such column.
+fn deviation(header: &Header, of: &Column, row: &Row<'_>) -> Result<Option<f64>, FormatError> {
+    let column = header.get(&STANDARD_DEVIATION);
+    column
+        .map(|column| {
+            let column = Column { unit: column.unit.or(of.unit), step: None, ..column };
+            column.number_within(row, "a standard deviation", (f64::MIN_POSITIVE, 1e4), "a number above 0")
+        })
+        .transpose()
 }
 
 fn tabulated(

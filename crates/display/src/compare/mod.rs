@@ -5,9 +5,15 @@
 //! on the simulation's grid, and both colours are computed over that range in the simulation's light. L\*, a\*, b\* are taken as
 //! relative to the white of that light. Names of states are compared with the case of their letters, or else without.
 //! States without a counterpart are skipped and reported.
+//!
+//! **Verdict.** A measured number with a standard deviation has `z`: the difference over the root of the sum of the
+//! squares of this deviation and of the simulation's (its numerical errors, and the spread by the tolerances of its
+//! inputs, if that is known).
 //! **Source.** Feng 2012, figures 5.6 (spectra) and 5.7 (gamuts); differences are CIEDE2000 and u'v' distances.
 
+mod deviation;
 mod left_out;
+mod metrics;
 mod pairs;
 mod views;
 
@@ -16,8 +22,10 @@ use papilio_spectra::{Grid, Tabulated};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+pub use deviation::{Agreement, StandardDeviation, StateDeviation};
 use left_out::{LeftOut, gathered};
-use pairs::{Pair, pair};
+pub use metrics::{MeasuredMetric, MetricComparison, SimulatedMetric};
+use pairs::{Pair, pair, view_at};
 use views::{not_measured, together};
 
 /// Largest angle between a measured direction and its simulated view, degrees.
@@ -43,8 +51,40 @@ pub struct SimulatedView {
     pub theta_deg: f64,
     /// Azimuth, degrees.
     pub phi_deg: f64,
-    /// Names, reflectance factors and relative X, Y, Z.
-    pub states: Vec<(String, Vec<f64>, Xyz)>,
+    /// Simulated states.
+    pub states: Vec<SimulatedState>,
+    /// Simulated metrics, those that were asked for.
+    pub metrics: Vec<SimulatedMetric>,
+}
+
+/// Simulated state from one direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedState {
+    /// Name of the state.
+    pub name: String,
+    /// Reflectance factors on the grid.
+    pub reflectance_factor: Vec<f64>,
+    /// Relative X, Y, Z.
+    pub xyz: Xyz,
+    /// Standard deviations of these.
+    pub deviation: StateDeviation,
+}
+
+/// Measurement of a display.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Measurement {
+    /// Spectra and colours of states.
+    pub states: Vec<Measured>,
+    /// Metrics by name.
+    pub metrics: Vec<MeasuredMetric>,
+}
+
+impl Measurement {
+    /// Adds what was measured in another file.
+    pub fn append(&mut self, other: Self) {
+        self.states.extend(other.states);
+        self.metrics.extend(other.metrics);
+    }
 }
 
 /// State measured from one direction.
@@ -59,6 +99,8 @@ pub struct Measured {
     pub phi_deg: f64,
     /// Measured quantity.
     pub quantity: Quantity,
+    /// Its standard deviation, if it is known.
+    pub standard_deviation: Option<StandardDeviation>,
 }
 
 /// Measured quantity of a state.
@@ -90,6 +132,12 @@ pub struct Comparison {
     pub states: Vec<StateComparison>,
     /// One for each direction, in the order of the measurement: simulated and measured contrast and gamut.
     pub views: Vec<ViewComparison>,
+    /// One for each measured metric that has a counterpart, in the order of the measurement.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub metrics: Vec<MetricComparison>,
+    /// Agreement of all numbers whose standard deviation is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub agreement: Option<Agreement>,
     /// Notes on the states without a counterpart.
     pub left_out: Vec<String>,
 }
@@ -117,6 +165,13 @@ pub struct StateComparison {
     /// Both spectra, if a spectrum was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spectrum: Option<SpectrumComparison>,
+    /// z of the measured numbers, if their standard deviation is known: of X, Y, Z or L\*, a\*, b\*, or of the
+    /// reflectance factors at `spectrum.wavelength_nm`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub z: Vec<f64>,
+    /// Agreement of these numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub agreement: Option<Agreement>,
 }
 
 /// Colour relative to a perfect white in the simulation's light.
@@ -168,6 +223,12 @@ pub struct SpectrumComparison {
     pub largest_difference: f64,
     /// Wavelength of the largest difference, nm.
     pub largest_at_nm: f64,
+    /// Standard deviations of the measured reflectance factors, if they are known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub measured_deviation: Vec<f64>,
+    /// Standard deviations of the simulated reflectance factors, if they are known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub simulated_deviation: Vec<f64>,
 }
 
 /// Comparison of metrics that combine the states of a view; the first value of each pair is simulated, the second measured.
@@ -205,9 +266,27 @@ impl Comparison {
 /// # Errors
 /// If no measured state has a counterpart.
 pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Comparison, CompareError> {
+    compare_measurement(simulated, &Measurement { states: measured.to_vec(), metrics: Vec::new() })
+}
+
+/// Compares measured states and metrics with a simulated display.
+///
+/// # Errors
+/// If nothing that was measured has a counterpart.
+pub fn compare_measurement(
+    simulated: &Simulated,
+    measurement: &Measurement,
+) -> Result<Comparison, CompareError> {
     let mut left_out: Vec<LeftOut> = Vec::new();
     let mut pairs = Vec::new();
-    for one in measured {
+    let mut metrics = Vec::new();
+    for one in &measurement.metrics {
+        match one.compared(simulated) {
+            Ok(found) => metrics.push(found),
+            Err(reason) => left_out.push(reason),
+        }
+    }
+    for one in &measurement.states {
         match pair(simulated, one) {
             Ok((pair, note)) => {
                 pairs.push(pair);
@@ -216,7 +295,7 @@ pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Compariso
             Err(reason) => left_out.push(reason),
         }
     }
-    if pairs.is_empty() {
+    if pairs.is_empty() && metrics.is_empty() {
         return Err(CompareError::Nothing { reasons: gathered(&left_out) });
     }
     left_out.extend(not_measured(simulated, &pairs));
@@ -231,7 +310,10 @@ pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Compariso
         together(of_view)
     });
     let (views, left_out) = (views.collect(), gathered(&left_out));
-    Ok(Comparison { views, left_out, states: pairs.into_iter().map(|pair| pair.comparison).collect() })
+    let states: Vec<StateComparison> = pairs.into_iter().map(|pair| pair.comparison).collect();
+    let all_z = states.iter().flat_map(|one| one.z.iter().copied());
+    let agreement = Agreement::of(all_z.chain(metrics.iter().filter_map(|one| one.z)));
+    Ok(Comparison { states, views, metrics, agreement, left_out })
 }
 
 #[cfg(test)]
@@ -248,12 +330,13 @@ mod tests {
         let white = observer.xyz(&light).y;
         let state = |name: &str, factor: Vec<f64>| {
             let xyz = observer.xyz(&factor) * (1.0 / white);
-            (name.to_owned(), factor, xyz)
+            let (name, deviation) = (name.to_owned(), StateDeviation::default());
+            SimulatedState { name, reflectance_factor: factor, xyz, deviation }
         };
         let view = |theta_deg, scale: f64| {
             let ramp = grid.wavelengths_nm().iter().map(|nm| scale * (nm - 300.0) / 500.0).collect();
             let states = vec![state("white", ramp), state("black", vec![0.02; grid.len()])];
-            SimulatedView { theta_deg, phi_deg: 0.0, states }
+            SimulatedView { theta_deg, phi_deg: 0.0, states, metrics: Vec::new() }
         };
         Simulated {
             grid,
@@ -273,7 +356,13 @@ mod tests {
         let nm: Vec<f64> = (nm[0]..=nm[1]).step_by(3).map(f64::from).collect();
         let values = nm.iter().map(|nm| of(*nm)).collect();
         let quantity = Quantity::Spectrum(Tabulated::new(nm, values).unwrap());
-        Measured { state: state.to_owned(), theta_deg: Some(theta_deg), phi_deg, quantity }
+        Measured {
+            state: state.to_owned(),
+            theta_deg: Some(theta_deg),
+            phi_deg,
+            quantity,
+            standard_deviation: None,
+        }
     }
 
     /// A linear spectrum that is measured at other wavelengths than simulated has no difference.
@@ -304,6 +393,7 @@ mod tests {
             theta_deg: Some(theta_deg),
             phi_deg: 0.0,
             quantity: xyz.clone(),
+            standard_deviation: None,
         };
         let measured = [
             at("orange", 8.0),
@@ -333,9 +423,10 @@ mod tests {
             theta_deg: None,
             phi_deg: 0.0,
             quantity: Quantity::Lab(xyz.lab(white).unwrap()),
+            standard_deviation: None,
         };
         let states = simulated.views[0].states.clone();
-        let measured: Vec<Measured> = states.iter().map(|(name, _, xyz)| lab(name, *xyz)).collect();
+        let measured: Vec<Measured> = states.iter().map(|one| lab(&one.name, one.xyz)).collect();
         let several = compare(&simulated, &measured).unwrap_err().to_string();
         assert!(several.contains("several views") && several.contains("WHITE"), "{several}");
         simulated.views.truncate(1);
@@ -359,6 +450,54 @@ mod tests {
         let all = compare(&simulated(), &measured).unwrap();
         assert_eq!(all.states.len(), 1);
         assert!(all.left_out.iter().any(|reason| reason.contains("negative")), "{:?}", all.left_out);
+    }
+
+    /// A measurement that differs by k deviations has z = -k; deviations of both sides add in squares.
+    #[test]
+    fn z_is_the_difference_over_both_deviations() {
+        let mut simulated = simulated();
+        simulated.views.truncate(1);
+        let bins = simulated.grid.len();
+        simulated.views[0].states[1].deviation.reflectance_factor = vec![0.003; bins];
+        simulated.views[0].metrics.push(SimulatedMetric {
+            name: "contrast_ratio".to_owned(),
+            value: 20.0,
+            standard_deviation: 0.6,
+        });
+        let with = |mut one: Measured, deviation: f64| {
+            if let Quantity::Spectrum(spectrum) = &one.quantity {
+                let nm = spectrum.wavelengths_nm().to_vec();
+                let values = vec![deviation; nm.len()];
+                let values = Tabulated::new(nm, values).unwrap();
+                one.standard_deviation = Some(StandardDeviation::Spectrum(values));
+            }
+            one
+        };
+        let ramp = |nm: f64| 0.5 * (nm - 300.0) / 500.0 + 0.03;
+        let metric = |value: f64| MeasuredMetric {
+            state: None,
+            metric: crate::scene::Metric::contrast_ratio,
+            theta_deg: None,
+            phi_deg: 0.0,
+            value,
+            standard_deviation: Some(0.8),
+        };
+        let states = vec![
+            with(spectrum("white", 8.0, 0.0, ramp, [350, 800]), 0.02),
+            with(spectrum("black", 8.0, 0.0, |_| 0.03, [350, 800]), 0.004),
+        ];
+        let measurement = Measurement { states, metrics: vec![metric(18.0)] };
+        let all = compare_measurement(&simulated, &measurement).unwrap();
+        assert!(all.states[0].z.iter().all(|z| (z + 1.5).abs() < 1e-9), "{:?}", all.states[0].z);
+        assert!(all.states[1].z.iter().all(|z| (z + 2.0).abs() < 1e-9), "{:?}", all.states[1].z);
+        assert!((all.metrics[0].z.unwrap() - 2.0).abs() < 1e-12);
+        let agreement = all.states[0].agreement.unwrap();
+        assert!((agreement.z_rms - 1.5).abs() < 1e-9 && agreement.within_2 == 1.0);
+        assert_eq!(all.agreement.unwrap().count, 2 * bins + 1);
+        // Without deviations there is no z.
+        let plain = [spectrum("white", 8.0, 0.0, ramp, [350, 800])];
+        let plain = compare(&simulated, &plain).unwrap();
+        assert!(plain.agreement.is_none() && plain.states[0].z.is_empty());
     }
 
     #[test]

@@ -5,7 +5,8 @@ use papilio_spectra::{Grid, SpectraError, Tabulated};
 
 use super::left_out::LeftOut;
 use super::{
-    Colour, Measured, NEAREST_DEG, Quantity, Simulated, SimulatedView, SpectrumComparison, StateComparison,
+    Agreement, Colour, Measured, NEAREST_DEG, Quantity, Simulated, SimulatedState, SimulatedView,
+    SpectrumComparison, StandardDeviation, StateComparison,
 };
 
 /// Note on states that are found without the case of their letters.
@@ -20,33 +21,24 @@ pub(super) struct Pair {
 /// Finds the simulated counterpart of a measured state and compares the two, with a note if their names
 /// differ in the case of letters; fails with the reason if there is none.
 pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, Option<LeftOut>), LeftOut> {
-    let Measured { state, theta_deg, phi_deg, quantity } = measured;
+    let Measured { state, theta_deg, phi_deg, quantity, standard_deviation } = measured;
     let direction = theta_deg.map(|theta_deg| [theta_deg, *phi_deg]);
     let left_out = |why: String| LeftOut { state: state.clone(), direction, why };
-    let (index, view) = match (direction, &simulated.views[..]) {
-        (Some(direction), views) => {
-            let away = |view: &SimulatedView| between([view.theta_deg, view.phi_deg], direction);
-            let nearest = views.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
-            nearest
-                .filter(|(_, view)| away(view) <= NEAREST_DEG)
-                .ok_or_else(|| left_out(format!("no view of the result is within {NEAREST_DEG} deg")))?
-        }
-        (None, [only]) => (0, only),
-        (None, _) => {
-            let why = "the measurement states no angle, and the result has several views (add a column `theta_deg`)";
-            return Err(left_out(why.to_owned()));
-        }
-    };
-    let (name, factor, xyz) =
-        named(view, state).ok_or_else(|| left_out("the result has no such state".to_owned()))?;
+    let (index, view) = view_at(simulated, direction).map_err(left_out)?;
+    let found = named(view, state).ok_or_else(|| left_out("the result has no such state".to_owned()))?;
+    let SimulatedState { name, reflectance_factor, xyz, deviation } = found;
     let note = (name != state).then(|| left_out(OTHER_CAPITALS.to_owned()));
     let compared = match quantity {
         Quantity::Xyz(measured) => simulated.colours(*xyz, |_| *measured),
         Quantity::Lab(measured) => simulated.colours(*xyz, |white| measured.xyz(white)),
-        Quantity::Spectrum(spectrum) => simulated.spectra(factor, spectrum),
+        Quantity::Spectrum(spectrum) => simulated.spectra(
+            (reflectance_factor, &deviation.reflectance_factor),
+            (spectrum, standard_deviation.as_ref()),
+        ),
     };
     let (colours, spectrum) = compared.map_err(|reason| left_out(reason.to_string()))?;
     let [(simulated_xyz, simulated), (measured_xyz, measured)] = colours;
+    let z = deviation.z(quantity, standard_deviation.as_ref(), [&simulated, &measured], spectrum.as_ref());
     let comparison = StateComparison {
         state: name.clone(),
         theta_deg: view.theta_deg,
@@ -57,17 +49,40 @@ pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, 
         simulated,
         measured,
         spectrum,
+        agreement: Agreement::of(z.iter().copied()),
+        z,
     };
     Ok((Pair { view: index, comparison }, note))
 }
 
+/// Returns the view nearest to a measured direction, with its number; fails with the reason if there is none.
+pub(super) fn view_at(
+    simulated: &Simulated,
+    direction: Option<[f64; 2]>,
+) -> Result<(usize, &SimulatedView), String> {
+    match (direction, &simulated.views[..]) {
+        (Some(direction), views) => {
+            let away = |view: &SimulatedView| between([view.theta_deg, view.phi_deg], direction);
+            let nearest = views.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+            nearest
+                .filter(|(_, view)| away(view) <= NEAREST_DEG)
+                .ok_or_else(|| format!("no view of the result is within {NEAREST_DEG} deg"))
+        }
+        (None, [only]) => Ok((0, only)),
+        (None, _) => Err(
+            "the measurement states no angle, and the result has several views (add a column `theta_deg`)"
+                .to_owned(),
+        ),
+    }
+}
+
 /// Returns the state of a view with this name, or else the only one whose name differs in the case of letters
 /// alone.
-fn named<'a>(view: &'a SimulatedView, name: &str) -> Option<&'a (String, Vec<f64>, Xyz)> {
-    let exact = view.states.iter().find(|(known, ..)| known == name);
+fn named<'a>(view: &'a SimulatedView, name: &str) -> Option<&'a SimulatedState> {
+    let exact = view.states.iter().find(|known| known.name == name);
     exact.or_else(|| {
         let mut same_letters =
-            view.states.iter().filter(|(known, ..)| known.to_lowercase() == name.to_lowercase());
+            view.states.iter().filter(|known| known.name.to_lowercase() == name.to_lowercase());
         same_letters.next().filter(|_| same_letters.next().is_none())
     })
 }
@@ -86,11 +101,11 @@ impl Simulated {
         Ok(([simulated, measured(white)].map(|xyz| (xyz, colour(xyz, white, None))), None))
     }
 
-    /// Compares both spectra over their common wavelength range.
+    /// Compares both spectra, each with its standard deviations, over their common wavelength range.
     fn spectra(
         &self,
-        simulated: &[f64],
-        measured: &Tabulated,
+        (simulated, simulated_deviation): (&[f64], &[f64]),
+        (measured, measured_deviation): (&Tabulated, Option<&StandardDeviation>),
     ) -> Result<(Colours, Option<SpectrumComparison>), Unequal> {
         let (from, to) = measured.range_nm();
         let inside = |i: &usize| (from..=to).contains(&self.grid.wavelength_nm(*i));
@@ -114,7 +129,12 @@ impl Simulated {
         if colours[1].0.y < 0.0 {
             return Err(Unequal::Negative { y: colours[1].0.y });
         }
-        Ok((colours, Some(differences(&common, simulated, &measured))))
+        let mut compared = differences(&common, simulated, &measured);
+        if let Some(StandardDeviation::Spectrum(deviation)) = measured_deviation {
+            compared.measured_deviation = deviation.on(&common)?.to_vec();
+        }
+        compared.simulated_deviation = simulated_deviation.get(first..=last).unwrap_or_default().to_vec();
+        Ok((colours, Some(compared)))
     }
 }
 
@@ -144,6 +164,8 @@ fn differences(grid: &Grid, simulated: &[f64], measured: &[f64]) -> SpectrumComp
         rms_difference: (differences.iter().map(|d| d * d).sum::<f64>() / count).sqrt(),
         largest_difference: differences[largest],
         largest_at_nm: grid.wavelength_nm(largest),
+        measured_deviation: Vec::new(),
+        simulated_deviation: Vec::new(),
     }
 }
 

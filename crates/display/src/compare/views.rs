@@ -57,7 +57,7 @@ pub(super) fn not_measured(simulated: &Simulated, pairs: &[Pair]) -> Vec<LeftOut
     for (v, view) in simulated.views.iter().enumerate() {
         let measured = |name: &str| pairs.iter().any(|pair| pair.view == v && pair.comparison.state == name);
         let missing: Vec<&String> =
-            view.states.iter().map(|(name, ..)| name).filter(|name| !measured(name)).collect();
+            view.states.iter().map(|one| &one.name).filter(|name| !measured(name)).collect();
         if missing.len() < view.states.len() {
             left_out.extend(missing.into_iter().map(|state| LeftOut {
                 state: state.clone(),

@@ -161,6 +161,16 @@ macro_rules! names {
                 $(Self::$mtf_view,)* $(Self::$mtf_state,)* $(Self::$crosstalk,)* $(Self::$sparkle,)* $(Self::$image,)*
             ];
 
+            /// Returns the state and the metric of a written name: `white.Y`, or `contrast_ratio` without a state.
+            pub fn with_state(text: &str) -> Option<(Option<&str>, Self)> {
+                let (state, name) = match text.rsplit_once('.') {
+                    Some((state, name)) => (Some(state), name),
+                    None => (None, text),
+                };
+                let metric = Self::named(name).filter(|metric| metric.is_of_view() == state.is_none())?;
+                Some((state, metric))
+            }
+
             /// Returns the metric of this name, if it can be a target.
             pub fn named(name: &str) -> Option<Self> {
                 Self::ALL.iter().copied().find(|metric| metric.name() == name)

@@ -476,6 +476,28 @@ pub(crate) static REMARK: Quantity = named(
     ],
     Dimension::Text,
 );
+/// The standard deviation of the value of a row, in the unit of the value.
+pub(crate) static STANDARD_DEVIATION: Quantity = named(
+    "the standard deviation of a value",
+    &[
+        "standard_deviation",
+        "standard_deviations",
+        "standard_uncertainty",
+        "std_dev",
+        "stdev",
+        "std",
+        "sd",
+        "sigma",
+    ],
+    Dimension::Fraction,
+);
+/// The name of a metric.
+pub(crate) static METRIC: Quantity = named("the name of a metric", &["metric"], Dimension::Text);
+/// The value of a metric, in the unit of the metric.
+pub(crate) static METRIC_VALUE: Quantity = named("the value of a metric", &["value"], Dimension::Number);
+/// The standard deviation of the value of a metric, in the unit of the metric.
+pub(crate) static METRIC_DEVIATION: Quantity =
+    named(STANDARD_DEVIATION.what, STANDARD_DEVIATION.names, Dimension::Number);
 /// An uncertainty of another column.
 pub(crate) static ERROR: Quantity = named(
     "an uncertainty",

@@ -35,12 +35,8 @@ pub(crate) struct MetricName {
 impl MetricName {
     /// Returns the metric with this name.
     pub(crate) fn named(text: &str) -> Option<Self> {
-        let (state, name) = match text.rsplit_once('.') {
-            Some((state, name)) => (Some(state.to_owned()), name),
-            None => (None, text),
-        };
-        let metric = Metric::named(name).filter(|metric| metric.is_of_view() == state.is_none())?;
-        Some(Self { state, metric })
+        let (state, metric) = Metric::with_state(text)?;
+        Some(Self { state: state.map(str::to_owned), metric })
     }
 
     /// The name as a scenario has it: `white.Y`.

@@ -1,0 +1,164 @@
+//! Measurements of a display: spectra and colours of its states, and metrics by name.
+
+use papilio_diagnostics::{Diagnostic, Warned, suggestion};
+use papilio_display::compare::{Measured, MeasuredMetric, Measurement};
+use papilio_display::scene::Metric;
+
+use crate::error::{FormatError, Problem, too_few};
+use crate::file::DataFile;
+use crate::measured_panel::read_measured_panel;
+use crate::table::quantities::{METRIC, METRIC_DEVIATION, METRIC_VALUE, PHI, THETA};
+use crate::table::{Header, Quantity, Row, Table, TableText, body};
+
+static ACCEPTED: [&Quantity; 5] = [&METRIC, &METRIC_VALUE, &METRIC_DEVIATION, &THETA, &PHI];
+
+/// Reads a measurement: a table with the columns `metric` and `value`, optionally `standard_deviation`,
+/// `theta_deg` and `phi_deg`, with a row for each metric; or any file of [`read_measured_panel`].
+///
+/// # Errors
+/// With line and column: those of [`read_measured_panel`]; metrics that do not exist, a metric with two values.
+pub fn read_measurement(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+    if let Ok(text) = TableText::new(file)
+        && text.table().data().next().is_some_and(|row| is_of_metrics(&row))
+    {
+        return metrics(text.table());
+    }
+    let Warned { value: states, warnings } = read_measured_panel(file)?;
+    Ok(Warned { value: Measurement { states, metrics: Vec::new() }, warnings })
+}
+
+/// Whether the first row of a table names a column of metrics.
+fn is_of_metrics(row: &Row<'_>) -> bool {
+    row.cells.iter().any(|cell| cell.text.trim().eq_ignore_ascii_case("metric"))
+}
+
+fn metrics(table: Table<'_>) -> Result<Warned<Measurement>, FormatError> {
+    let is_complete = |header: &Header| header.get(&METRIC).and(header.get(&METRIC_VALUE)).is_some();
+    let read = body(table, &ACCEPTED, is_complete, "`metric` or `value`")?;
+    let (Some(mut header), Some(head)) = (read.header, read.head) else {
+        return Err(table.error(too_few(0).into()));
+    };
+    header.refuse_others(&head, &ACCEPTED)?;
+    let mut metrics: Vec<MeasuredMetric> = Vec::new();
+    for row in &read.rows {
+        let one = metric(&header, row)?;
+        if metrics.iter().any(|other| other.names_the_same_as(&one)) {
+            let wrong = Diagnostic::new(format!("`{}` has two values", one.name()));
+            return Err(row.error(wrong.hint("remove one of the two").into()));
+        }
+        metrics.push(one);
+    }
+    if metrics.is_empty() {
+        return Err(table.error(too_few(0).expected("a row for each metric").into()));
+    }
+    let states: Vec<Measured> = Vec::new();
+    Ok(Warned { value: Measurement { states, metrics }, warnings: header.notes })
+}
+
+fn metric(header: &Header, row: &Row<'_>) -> Result<MeasuredMetric, FormatError> {
+    row.expect_cells(header.count, "as many columns as the header")?;
+    let within = |quantity: &'static Quantity, (least, most): (f64, f64), expected| {
+        let column = header.get(quantity);
+        column.map(|column| column.number_within(row, quantity.what, (least, most), expected)).transpose()
+    };
+    let name = header.get(&METRIC);
+    let text = name.map_or("", |column| column.text(row));
+    let (state, metric) = Metric::with_state(text)
+        .ok_or_else(|| row.cell_error(name.map_or(0, |column| column.cell), no_such_metric(text)))?;
+    let value = within(&METRIC_VALUE, (-1e12, 1e12), "a number")?.unwrap_or_default();
+    Ok(MeasuredMetric {
+        state: state.map(str::to_owned),
+        metric,
+        theta_deg: within(&THETA, (-90.0, 90.0), "an angle from -90 to 90 deg")?,
+        phi_deg: within(&PHI, (-360.0, 360.0), "an azimuth from -360 to 360 deg")?.unwrap_or(0.0),
+        value,
+        standard_deviation: within(&METRIC_DEVIATION, (f64::MIN_POSITIVE, 1e12), "a number above 0")?,
+    })
+}
+
+fn no_such_metric(text: &str) -> Problem {
+    let (state, name) = text.rsplit_once('.').unwrap_or(("", text));
+    let known = Metric::ALL.iter().filter(|metric| metric.is_of_view() == state.is_empty());
+    let names: Vec<&str> = known.map(|metric| metric.name()).collect();
+    let hint = match Metric::named(name) {
+        Some(metric) if !metric.is_of_view() => format!("write the state before it: `white.{name}`"),
+        Some(_) => format!("write it without a state: `{name}`"),
+        None => suggestion(name, names.iter().copied(), "metrics"),
+    };
+    Diagnostic::new(format!("there is no metric `{text}`"))
+        .expected("the name of a metric, as `contrast_ratio` or `white.Y`")
+        .hint(hint)
+        .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use papilio_display::compare::StandardDeviation;
+
+    use super::*;
+
+    fn read(text: &str) -> Result<Warned<Measurement>, FormatError> {
+        read_measurement(&DataFile { name: "m.csv".to_owned(), bytes: text.as_bytes().to_vec() })
+    }
+
+    #[test]
+    fn deviations_have_the_unit_of_their_values() {
+        let spectrum = |text: &str| match read(text).unwrap().value.states[0].standard_deviation.clone() {
+            Some(StandardDeviation::Spectrum(values)) => values.values().to_vec(),
+            other => panic!("{other:?}"),
+        };
+        let text =
+            "state,wavelength_nm,reflectance_factor,standard_deviation\nw,700,0.5,0.01\nw,400,0.3,0.02\n";
+        assert_eq!(spectrum(text), [0.02, 0.01]);
+        let percent = "state,wavelength_nm,R (%),sd\nw,400,50,1\nw,700,40,2\n";
+        assert_eq!(spectrum(percent), [0.01, 0.02]);
+        let unstated = "wavelength_nm,white,standard_deviation\n400,50,1\n700,40,2\n";
+        assert_eq!(spectrum(unstated), [0.01, 0.02]);
+        for (text, expected) in [
+            ("state,X,Y,Z,standard_deviation\nw,0.2,0.3,0.2,0.004\n", 0.004),
+            ("state,X (%),Y (%),Z (%),sigma\nw,20,30,20,0.4\n", 0.004),
+            ("state,L,a,b,standard_deviation\nw,50,1,2,0.4\n", 0.4),
+        ] {
+            let found = read(text).unwrap().value.states[0].standard_deviation.clone();
+            let Some(StandardDeviation::Colour(found)) = found else { panic!("{text}: {found:?}") };
+            assert!((found - expected).abs() < 1e-15, "{text}: {found}");
+        }
+    }
+
+    #[test]
+    fn metrics_are_read_by_their_names() {
+        let text =
+            "metric,theta_deg,value,standard_deviation\nwhite.Y,8,0.4,0.01\ncontrast_ratio,8,12.5,0.3\n";
+        let metrics = read(text).unwrap().value.metrics;
+        assert_eq!(metrics[0].name(), "white.Y");
+        assert_eq!((metrics[1].state.as_deref(), metrics[1].metric), (None, Metric::contrast_ratio));
+        assert_eq!((metrics[1].theta_deg, metrics[1].standard_deviation), (Some(8.0), Some(0.3)));
+        assert_eq!(
+            read("metric,value\ncontrast_ratio,12\n").unwrap().value.metrics[0].standard_deviation,
+            None
+        );
+    }
+
+    #[test]
+    fn malformed_measurement_is_an_error_with_its_place() {
+        for (text, place, words) in [
+            ("metric,value\ncontrast_rato,12\n", (2, 1), "did you mean `contrast_ratio`?"),
+            ("metric,value\nY,12\n", (2, 1), "write the state before it: `white.Y`"),
+            ("metric,value\nwhite.contrast_ratio,12\n", (2, 1), "write it without a state: `contrast_ratio`"),
+            ("metric,value\nwhite.Y,x\n", (2, 9), "NotANumber"),
+            ("metric,value,standard_deviation\nwhite.Y,1,0\n", (2, 11), "a number above 0"),
+            ("metric,value\nwhite.Y,1\nwhite.Y,2\n", (3, 1), "has two values"),
+            ("metric,value,colour\nwhite.Y,1,2\n", (1, 14), "`colour` is not understood"),
+            (
+                "state,wavelength_nm,reflectance_factor,standard_deviation\nw,400,1,-1\nw,500,1,1\n",
+                (2, 9),
+                "above 0",
+            ),
+            ("wavelength_nm,a,b,standard_deviation\n400,1,1,1\n500,1,1,1\n", (1, 19), "of which state"),
+        ] {
+            let error = read(text).unwrap_err();
+            assert_eq!(error.place.line_column(), Some(place), "{text:?}: {error}");
+            assert!(format!("{error:?}").contains(words), "{text:?}: {error:?}");
+        }
+    }
+}
