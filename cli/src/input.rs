@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use papilio_formats::{DataFile, LARGEST_FILE};
-use papilio_scenario::{Optimisation, Scenario, ScenarioErrors, SurfaceScenario, Sweep, Tolerance};
+use papilio_scenario::{Fit, Optimisation, Scenario, ScenarioErrors, SurfaceScenario, Sweep, Tolerance};
 
 use crate::Failure;
 
@@ -80,7 +80,7 @@ macro_rules! from_scenario {
         })*
     };
 }
-from_scenario!(Scenario, Sweep, Optimisation, Tolerance, SurfaceScenario);
+from_scenario!(Scenario, Sweep, Optimisation, Tolerance, Fit, SurfaceScenario);
 
 /// Reads a scenario, or a study, from a file or from standard input.
 pub(crate) fn scenario<T: FromScenario>(path: &Path, set: &[String]) -> Result<T, Failure> {

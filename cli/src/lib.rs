@@ -21,6 +21,7 @@ mod completions;
 mod crosstalk;
 mod diffuser;
 mod failure;
+mod fit;
 mod folder;
 mod frame;
 mod gonio;
@@ -182,6 +183,10 @@ commands! {
     #[command(after_help = "Example: papilio tolerance scenarios/tolerance.toml\n\n\
                       To resume an interrupted analysis, run the same command again.")]
     Tolerance(arguments::Tolerance) => tolerance::run,
+    /// Fit keys of a scenario (`[fit]`) to measured data: values with intervals, and the fitted scenario
+    #[command(after_help = "Example: papilio fit scenarios/fit.toml scenarios/data/synthetic-film.csv\n\n\
+                      MEASURED is as for `papilio compare`. docs/fit.md describes the results.")]
+    Fit(arguments::FitCommand) => fit::run,
     /// Study the numerical methods on a scenario
     #[command(subcommand)]
     Study(arguments::Study) => study::sampling,

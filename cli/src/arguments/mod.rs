@@ -20,7 +20,7 @@ pub(crate) use self::spatial::{
     Gonio, ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, SpatialCommand,
 };
 pub(crate) use self::studies::{
-    Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
+    FitCommand, Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
 };
 
 /// Papilio simulates the appearance of reflective displays
@@ -34,7 +34,7 @@ pub(crate) use self::studies::{
                   papilio new office office.toml\n  \
                   papilio run office.toml\n\n\
                   Results are written to out/ unless --out specifies another folder. docs/README.md lists the documentation.\n\n\
-                  Exit codes: 0 success; 1 internal error, or a full disk; 2 invalid input; 3 a search without a feasible design; 130 interrupted, with \
+                  Exit codes: 0 success; 1 internal error, or a full disk; 2 invalid input; 3 a search without a feasible design, or a fit without a minimum; 130 interrupted, with \
                   finished work saved. If the environment variable NO_COLOR is set, nothing is printed in colours."
 )]
 pub(crate) struct Arguments {

@@ -140,6 +140,23 @@ pub(crate) struct Optimize {
     pub(crate) workers: Workers,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct FitCommand {
+    #[command(flatten)]
+    pub(crate) scenario: ScenarioArguments,
+    /// Measured spectra, colours or metrics (CSV, CGATS, CxF), in one or more files
+    #[arg(value_name = "MEASURED", required = true)]
+    pub(crate) measured: Vec<PathBuf>,
+    /// Print the result as JSON on standard output, and write the files as usual
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write each figure as PNG too
+    #[arg(long)]
+    pub(crate) png: bool,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
+}
+
 /// Parses `K/N` with 1 <= K <= N.
 fn shard(text: &str) -> Result<(usize, usize), String> {
     let wrong = || "expected K/N with 1 <= K <= N <= 100000, for example 2/8".to_owned();

@@ -37,6 +37,12 @@ pub enum DesignError {
         /// Its number in the design.
         value: f64,
     },
+    /// A measurement that cannot be fitted.
+    #[error("{reason}")]
+    Fit {
+        /// Why.
+        reason: String,
+    },
     /// Too many combinations of choices for a search by derivatives.
     #[error(
         "the choices have {count} combinations; a search by derivatives tries each of them and accepts at \

@@ -52,6 +52,8 @@ struct ConditionState {
     fast_path: FilmFastPath,
     /// Evaluates all other designs.
     prepared: Option<Prepared>,
+    /// Level of discretisation of all runs; `None`: each meets the scene's target at its own.
+    level: Option<u32>,
 }
 
 /// Values and derivatives of the quantities of a design.
@@ -78,6 +80,7 @@ impl<'a> Evaluator<'a> {
                 of_pixels: of_pixels.into_iter().map(|(index, _)| index).collect(),
                 fast_path: FilmFastPath::new(quantities),
                 prepared: None,
+                level: None,
             }
         };
         let conditions = (0..study.conditions.len()).map(condition).collect();
@@ -92,6 +95,7 @@ impl<'a> Evaluator<'a> {
             of_pixels: state.of_pixels.clone(),
             fast_path: state.fast_path.clone(),
             prepared: None,
+            level: state.level,
         };
         Self {
             study: self.study.clone(),
@@ -300,6 +304,27 @@ impl<'a> Evaluator<'a> {
         Ok(above.iter().zip(&below).map(slope).collect())
     }
 
+    /// Computes all further designs at the level of discretisation that this one needs, so that differences
+    /// between designs are not differences between levels. Returns the result of this one under the first
+    /// condition.
+    ///
+    /// # Errors
+    /// Those of [`evaluate`](Self::evaluate); [`NotByAdding`](DisplayError::NotByAdding) for a display that is
+    /// computed by Monte Carlo.
+    pub fn hold_level(&mut self, design: &[f64]) -> Result<RunResult, DesignError> {
+        let mut first = None;
+        for condition in 0..self.conditions.len() {
+            self.conditions[condition].level = None;
+            let result = self.run(design, condition)?;
+            if result.solver.method != "adding" {
+                return Err(DisplayError::NotByAdding.into());
+            }
+            self.conditions[condition].level = result.solver.level;
+            first.get_or_insert(result);
+        }
+        first.ok_or_else(|| DisplayError::Interrupted.into())
+    }
+
     /// Computes the full result of a design under a condition, with its standard errors.
     ///
     /// # Errors
@@ -308,11 +333,11 @@ impl<'a> Evaluator<'a> {
         let values = self.study.values(design)?;
         let resolved = self.study.conditions[condition].varied.scenario(&values)?.resolve()?;
         let control = Control { threads: Some(1), progress: &|_| {}, stop: self.stop };
-        let kept = &mut self.conditions[condition].prepared;
-        let result = match kept {
-            Some(prepared) => prepared.run(&resolved.scene, &control),
-            None => Prepared::new(&resolved.scene, &control)
-                .and_then(|new| kept.insert(new).run(&resolved.scene, &control)),
+        let ConditionState { prepared, level, .. } = &mut self.conditions[condition];
+        let prepared = prepared.get_or_insert_with(Prepared::empty);
+        let result = match *level {
+            Some(level) => prepared.run_at_level(&resolved.scene, level, &control),
+            None => prepared.run(&resolved.scene, &control),
         };
         result.map_err(|error| resolved.located(&error).map_or_else(|| error.into(), DesignError::from))
     }

@@ -27,7 +27,7 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 //!
-//! [`search`] improves designs, [`tolerance`] computes the distribution of quantities in production, and
+//! [`search`] improves designs, [`fit`] determines them from measured data, [`tolerance`] computes the distribution of quantities in production, and
 //! [`output`] writes the results of both as tables, figures and scenarios.
 //!
 //! **Out of scope.** Writing files, printing, clocks.
@@ -36,6 +36,7 @@ mod error;
 mod evaluator;
 mod exact;
 mod film_fast_path;
+pub mod fit;
 mod light;
 pub mod output;
 mod parameter;

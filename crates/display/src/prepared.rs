@@ -60,6 +60,21 @@ impl Prepared {
         self.answer(scene, Accuracy::First, control)
     }
 
+    /// Runs a scene at a level of discretisation of adding, whatever its target: that of an earlier run
+    /// ([`SolverReport::level`](crate::result::SolverReport::level)). Between scenes that differ little, the errors of one
+    /// level differ little, too: for finite differences.
+    ///
+    /// # Errors
+    /// As for [`run`](Self::run).
+    pub fn run_at_level(
+        &mut self,
+        scene: &Scene,
+        level: u32,
+        control: &Control<'_>,
+    ) -> Result<RunResult, DisplayError> {
+        self.answer(scene, Accuracy::Level(level.max(1)), control)
+    }
+
     /// The scene, prepared.
     pub(crate) fn setup(&mut self, scene: &Scene, control: &Control<'_>) -> Result<&Setup, DisplayError> {
         let setup = match self.setup.take() {

@@ -64,6 +64,9 @@ pub struct SolverReport {
     /// Number of nodes (directions) over all views at the reported level (adding).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<u64>,
+    /// Finest level of discretisation over all views (adding), for further runs at the same one.
+    #[serde(skip)]
+    pub level: Option<u32>,
     /// Degrees of freedom of the standard errors: the number of independent replicates minus one; 0 without noise.
     pub degrees_of_freedom: u64,
     /// Largest relative error of Y over states and views (and wavelengths, with `per_wavelength`):

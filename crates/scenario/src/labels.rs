@@ -16,7 +16,7 @@ use crate::read::Table as _;
 use crate::schema::Row;
 
 /// What the items of lists, and tables whose keys need it, are called.
-const PARTS: [(&str, &str); 21] = [
+const PARTS: [(&str, &str); 22] = [
     ("display.pixel.film", "film layer"),
     ("display.pixel.substrate", "the substrate"),
     ("display.pixel.states", ""),
@@ -38,6 +38,7 @@ const PARTS: [(&str, &str); 21] = [
     ("optimize.constraints", "constraint"),
     ("optimize.objectives", "objective"),
     ("tolerance.keys", "tolerance"),
+    ("fit.variables", "variable"),
 ];
 
 /// Returns the label of a metric or of another number of a result (`white.Y`), or of a key of a scenario

@@ -16,6 +16,7 @@
 //! - An [`Optimisation`] is a scenario with variables, objectives and constraints.
 //! - A [`ParameterisedScenario`] is a scenario some of whose keys get values one set after the other.
 //! - A [`Tolerance`] is a [`ParameterisedScenario`] with distributions of its keys, and limits.
+//! - A [`Fit`] is a [`ParameterisedScenario`] with variables that measured data are to determine.
 //! - A [`SurfaceScenario`] is not a scenario of a display, but the geometry of a surface, for
 //!   `papilio gonio`.
 //! - The [hash](Resolved::hash) identifies the computation: the scenario with all its
@@ -54,6 +55,7 @@ mod browse;
 mod describe;
 mod edit;
 mod error;
+mod fit;
 mod grammar;
 mod here;
 mod kinds;
@@ -90,6 +92,7 @@ pub use browse::{
 };
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
+pub use fit::{Fit, FitTarget, FitVariable};
 pub use here::relative_path;
 pub use labels::label;
 pub use library::{Library, MemoryFile};

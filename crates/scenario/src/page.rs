@@ -1,7 +1,7 @@
 //! The tables of keys in `docs/scenario.md`, generated from the grammar.
 
 use crate::describe::{
-    File, Spectrum, diffuser, display, environment, image, layers, lighting, limits, matrix, measure,
+    File, Spectrum, diffuser, display, environment, fit, image, layers, lighting, limits, matrix, measure,
     metrics, microgeometry, optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
 };
 use crate::read::Table;
@@ -123,6 +123,9 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("tolerance.keys choices", tolerance::Bins::rows()),
         ("tolerance.correlations", tolerance::Correlated::rows()),
         ("tolerance.limits", limits::Limit::rows()),
+        ("fit", fit::Fit::rows()),
+        ("fit.variables", fit::FitVariable::rows()),
+        ("fit.variables.prior", fit::Prior::rows()),
     ]
 }
 

@@ -18,7 +18,7 @@ use crate::source::Sources;
 use crate::tree::{Entry, Node, Value};
 
 /// Tables of studies, which are not part of the scenario itself.
-pub(crate) const STUDY_TABLES: [&str; 3] = ["sweep", "optimize", "tolerance"];
+pub(crate) const STUDY_TABLES: [&str; 4] = ["sweep", "optimize", "tolerance", "fit"];
 
 /// A parsed scenario, and the library of its files.
 #[derive(Debug, Clone)]

@@ -1,8 +1,9 @@
-//! Output of searches, tolerance analyses and BSDF tables as text: tables, figures, scenarios and warnings.
+//! Output of searches, fits, tolerance analyses and BSDF tables as text: tables, figures, scenarios and warnings.
 //!
 //! | from | output |
 //! |---|---|
 //! | a search | [`search_table`] (`optimize.csv`), [`search_figures`], [`design_texts`] (`best.toml` or the front) |
+//! | a fit | [`fit_table`] (`fit.csv`), [`fit_figures`], [`fitted_text`] (`fitted.toml`) |
 //! | a tolerance analysis | [`tolerance_tables`], [`tolerance_figures`] |
 //! | the BSDF table of a display | [`brdf_warnings`], [`between_warning`], and the sufficient [`finer_step`] |
 //!
@@ -21,6 +22,7 @@
 
 mod brdf;
 mod designs;
+mod fit;
 mod search_figures;
 mod search_table;
 mod tolerance;
@@ -29,6 +31,7 @@ pub use brdf::{
     MOST_MISSED, Refinable, between_warning, brdf_warnings, finer_step, smallest_step, table_numbers,
 };
 pub use designs::{design_texts, moved};
+pub use fit::{fit_figures, fit_table, fitted_text};
 pub use search_figures::search_figures;
 pub use search_table::search_table;
 pub use tolerance::{tolerance_figures, tolerance_tables};

@@ -25,6 +25,7 @@ pub use records::{Batch, Record, SearchRecords, SearchResult};
 pub use run::{OnRecord, was_stopped};
 pub use schedule::{SearchProgress, SearchSchedule, WorkItem, WorkResult};
 pub use selection::SelectedDesign;
+pub(crate) use starts::random_point;
 
 use std::sync::Arc;
 

@@ -10,7 +10,7 @@ pub(super) const POINTS_PER_START: u64 = 8;
 
 /// Point of the unit cube: Owen-scrambled Sobol numbers in the first dimensions, random numbers in the
 /// others.
-pub(super) fn random_point(seed: u64, stream: u64, number: u64, variables: usize) -> Vec<f64> {
+pub(crate) fn random_point(seed: u64, stream: u64, number: u64, variables: usize) -> Vec<f64> {
     let numbers = SampleStream::new(Sampler::Sobol, seed, stream);
     let blocks = 0..variables.div_ceil(4) as u32;
     blocks.flat_map(|block| numbers.block(number, block)).take(variables).collect()

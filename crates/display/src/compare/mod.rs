@@ -15,6 +15,7 @@ mod deviation;
 mod left_out;
 mod metrics;
 mod pairs;
+mod simulated;
 mod views;
 
 use papilio_colour::{Lab, Standard, Xyz};

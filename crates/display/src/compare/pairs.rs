@@ -78,7 +78,7 @@ pub(super) fn view_at(
 
 /// Returns the state of a view with this name, or else the only one whose name differs in the case of letters
 /// alone.
-fn named<'a>(view: &'a SimulatedView, name: &str) -> Option<&'a SimulatedState> {
+pub(super) fn named<'a>(view: &'a SimulatedView, name: &str) -> Option<&'a SimulatedState> {
     let exact = view.states.iter().find(|known| known.name == name);
     exact.or_else(|| {
         let mut same_letters =

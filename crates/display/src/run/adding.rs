@@ -267,6 +267,8 @@ impl<'a> Runner<'a> {
         let first = FIRST_LEVELS as usize;
         let (begin, finest, target) = match run.accuracy {
             Accuracy::Exact => (first, finest, target),
+            // The level, and the next coarser one for its error.
+            Accuracy::Level(level) => ((first + level as usize).saturating_sub(1), 1, target),
             // Its last level is level 0.
             Accuracy::First => (0, first, target.max(FIRST_ERROR)),
         };
@@ -352,9 +354,12 @@ impl<'a> Runner<'a> {
             chosen_because: None,
             paths: None,
             nodes: Some(computed().map(|group| group.nodes as u64).sum()),
+            level: computed()
+                .map(|group| (self.begin + group.samples.level).saturating_sub(FIRST_LEVELS as usize) as u32)
+                .max(),
             degrees_of_freedom: 0,
             target: None,
-            is_final: self.run.accuracy == Accuracy::Exact,
+            is_final: self.run.accuracy != Accuracy::First,
             relative_error_reached: computed().map(|group| group.samples.error).fold(0.0, largest),
             interrupted: groups
                 .iter()

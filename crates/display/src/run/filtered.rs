@@ -98,6 +98,7 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
         chosen_because: None,
         paths: Some(all_paths),
         nodes: None,
+        level: None,
         degrees_of_freedom: REPLICATES - 1,
         relative_error_reached: reached,
         target,

@@ -57,6 +57,9 @@ pub(crate) enum Accuracy {
     Exact,
     /// Coarse, as soon as possible.
     First,
+    /// At a given level of discretisation of adding, whatever the target; a display below a colour filter has
+    /// its target.
+    Level(u32),
 }
 
 /// Control of a run by its caller.

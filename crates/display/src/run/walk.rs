@@ -284,6 +284,7 @@ impl Done {
             chosen_because: None,
             paths: Some(self.paths),
             nodes: None,
+            level: None,
             degrees_of_freedom: REPLICATES - 1,
             relative_error_reached: self.relative_error,
             target: matches!(run.scene.solver.stop, Stop::Target(_)).then_some(TargetReport {

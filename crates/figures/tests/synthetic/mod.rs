@@ -34,6 +34,7 @@ pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
             method: "monte-carlo".to_owned(),
             paths: Some(65_536),
             nodes: None,
+            level: None,
             degrees_of_freedom: 15,
             target: None,
             relative_error_reached: relative_error,

@@ -80,6 +80,7 @@ fn result() -> RunResult {
             method: "monte-carlo".to_owned(),
             paths: Some(1024),
             nodes: None,
+            level: None,
             degrees_of_freedom: 15,
             target: None,
             relative_error_reached: 1e-3,

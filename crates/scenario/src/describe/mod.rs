@@ -6,6 +6,7 @@ pub(crate) mod codes;
 pub(crate) mod diffuser;
 pub(crate) mod display;
 pub(crate) mod environment;
+pub(crate) mod fit;
 pub(crate) mod image;
 pub(crate) mod layers;
 pub(crate) mod lighting;
@@ -68,6 +69,8 @@ table! {
         optimize: Option<optimize::Optimize>,
         /// Production tolerances of keys, and the limits of good displays, for `papilio tolerance` only.
         tolerance: Option<tolerance::Tolerance>,
+        /// Keys that are fitted to measured data, for `papilio fit` only.
+        fit: Option<fit::Fit>,
     }
 }
 

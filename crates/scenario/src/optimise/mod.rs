@@ -1,7 +1,7 @@
 //! Searches: a scenario with the variables, conditions, objectives and constraints of its `[optimize]`.
 
 mod quantities;
-mod read;
+pub(crate) mod read;
 
 use papilio_display::Quantity;
 use serde_json::Value as Json;

@@ -37,6 +37,41 @@ pub(super) fn search(base: ParsedScenario) -> Result<Optimisation, ScenarioError
     Reader { base, root, errors: Errors::default(), file_notes: Vec::new() }.search(&described, title)
 }
 
+/// Reads variables that are numbers, for a fit: with the scenario that they parameterise, and its hash.
+pub(crate) fn numeric_variables(
+    base: ParsedScenario,
+    specs: &[Spanned<describe::Variable>],
+) -> Result<(Vec<SearchVariable>, ParameterisedScenario, String), ScenarioErrors> {
+    let root = base.assembled()?;
+    let mut reader = Reader { base, root, errors: Errors::default(), file_notes: Vec::new() };
+    let found: Vec<Option<ReadVariable>> = specs.iter().map(|one| reader.variable(one)).collect();
+    let found: Option<Vec<ReadVariable>> = found.into_iter().collect();
+    reader.check_once(found.as_deref().unwrap_or_default());
+    let found = std::mem::take(&mut reader.errors).finish(found, &reader.base.sources)?;
+    let varied = ParameterisedScenario::new(reader.base.clone(), Vec::new(), varied_keys(&found));
+    let own = condition_scene(&varied, &found)?;
+    reader.check_solver(
+        &own.scene,
+        "a fit with method = \"monte-carlo\" would follow the noise of the Monte Carlo solver",
+        "set solver.method = \"adding\"",
+    )?;
+    reader.check_ends(&varied, &found)?;
+    Ok((found.into_iter().map(|one| one.variable).collect(), varied, own.hash))
+}
+
+/// The keys of all variables, in order.
+fn varied_keys(found: &[ReadVariable]) -> Vec<VariedKey> {
+    let keys = found.iter().flat_map(|one| {
+        let keys = one.variable.keys.iter().zip(&one.origins);
+        keys.map(|(key, origin)| VariedKey {
+            path: KeyPath::new(&key.path),
+            origin: *origin,
+            values: one.values,
+        })
+    });
+    keys.collect()
+}
+
 /// A variable, with the places of its keys.
 struct ReadVariable {
     variable: SearchVariable,
@@ -87,7 +122,12 @@ impl Reader {
             .map(|one| condition_scene(&one.varied, &found))
             .collect::<Result<Vec<_>, _>>()?;
         for (condition, known) in conditions.iter().zip(&scenes) {
-            self.check_ends(&condition.varied, &found, &known.scene)?;
+            self.check_solver(
+                &known.scene,
+                "a search with method = \"monte-carlo\" would follow the noise of the Monte Carlo solver",
+                "set solver.method = \"adding\"; the Monte Carlo solver checks the best design afterwards",
+            )?;
+            self.check_ends(&condition.varied, &found)?;
         }
         let names: Vec<&str> = conditions.iter().map(|one| one.name.as_str()).collect();
         let weights: Vec<f64> = conditions.iter().map(|one| one.weight).collect();
@@ -141,7 +181,7 @@ impl Reader {
             .chain(spec.compensated_by.iter().map(|path| (path, spec.compensated_by.origin)))
         {
             if STUDY_TABLES.contains(&KeyPath::new(path).first()) {
-                let wrong = "keys of `[sweep]`, `[optimize]` and `[tolerance]` cannot be variables";
+                let wrong = "keys of `[sweep]`, `[optimize]`, `[tolerance]` and `[fit]` cannot be variables";
                 self.errors.push(origin, Diagnostic::new(wrong));
                 return None;
             }
@@ -243,15 +283,7 @@ impl Reader {
     }
 
     fn conditions(&self, spec: &describe::Optimize, found: &[ReadVariable]) -> Vec<SearchCondition> {
-        let keys = found.iter().flat_map(|one| {
-            let keys = one.variable.keys.iter().zip(&one.origins);
-            keys.map(|(key, origin)| VariedKey {
-                path: KeyPath::new(&key.path),
-                origin: *origin,
-                values: one.values,
-            })
-        });
-        let keys: Vec<VariedKey> = keys.collect();
+        let keys = varied_keys(found);
         let condition = |name: &str, weight, fixed: &[Change]| SearchCondition {
             name: name.to_owned(),
             weight,
@@ -264,22 +296,22 @@ impl Reader {
         described.map(|one| condition(&one.name.value, one.weight.0, &one.set.value.0)).collect()
     }
 
+    /// Fails for the Monte Carlo solver, whose noise derivatives would follow.
+    fn check_solver(&self, own: &Scene, wrong: &str, hint: &str) -> Result<(), ScenarioErrors> {
+        let mut errors = Errors::default();
+        if own.solver.method == Solver::MonteCarlo {
+            let place = self.root.at("solver.method").map_or(self.root.origin, |node| node.origin);
+            errors.push(place, Diagnostic::new(wrong).hint(hint));
+        }
+        errors.check(&self.base.sources)
+    }
+
     /// Tests each bound and each choice, with all other variables at their starting points.
     fn check_ends(
         &self,
         varied: &ParameterisedScenario,
         found: &[ReadVariable],
-        own: &Scene,
     ) -> Result<(), ScenarioErrors> {
-        if own.solver.method == Solver::MonteCarlo {
-            let mut errors = Errors::default();
-            let wrong = Diagnostic::new(
-                "a search with method = \"monte-carlo\" would follow the noise of the Monte Carlo solver",
-            )
-            .hint("set solver.method = \"adding\"; the Monte Carlo solver checks the best design afterwards");
-            errors.push(self.root.at("solver.method").map_or(self.root.origin, |node| node.origin), wrong);
-            return errors.check(&self.base.sources);
-        }
         for (i, one) in found.iter().enumerate() {
             for (origin, x) in &one.ends {
                 let changes = found.iter().enumerate().flat_map(|(j, other)| {

@@ -1,0 +1,94 @@
+//! `papilio fit`: keys of a scenario from measured data, with their intervals.
+
+mod report;
+
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+use papilio_design::DesignError;
+use papilio_design::fit::{FitReport, Fitting};
+use papilio_design::output::{fit_figures, fit_table, fitted_text};
+use papilio_design::search::was_stopped;
+use papilio_formats::{write_file, write_json};
+use papilio_scenario::{Edit, Fit, edit};
+
+use crate::arguments::FitCommand;
+use crate::compare::measurement;
+use crate::progress::FractionBar;
+use crate::{Failure, input, interrupt, output, print_message, print_notes};
+
+/// Files of an earlier fit, besides figures.
+const FILES: [&str; 3] = ["fitted.toml", "fit.json", "fit.csv"];
+
+pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
+    let spec = input::scenario::<Fit>(&arguments.scenario.file, &arguments.scenario.set)?;
+    print_notes(&spec.notes);
+    let (measured, notes) = measurement(&arguments.measured)?;
+    notes.iter().for_each(|note| print_message(note));
+    let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
+    output::check(&folder)?;
+    interrupt::catch_ctrl_c();
+    let started = Instant::now();
+    let title = spec.title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
+    let fitting = or_interrupted(Fitting::new(spec, &measured, &interrupt::STOP))?;
+    let threads = arguments.workers.threads.map(usize::from);
+    let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let found = {
+        let bar = FractionBar::new();
+        let _log = bar.in_log(String::new);
+        or_interrupted(fitting.run(threads, &|fraction, words| bar.advance(fraction, words.to_owned())))?
+    };
+    let Some(found) = found else {
+        return Err(Failure::Infeasible(
+            "no start led to a minimum\n  = help: use more starts (fit.starts), or narrower bounds around what is known",
+        ));
+    };
+    print_message(&format!(
+        "{} numbers fitted in {:.2} s",
+        found.observations,
+        started.elapsed().as_secs_f64()
+    ));
+    output::make_folder(&folder)?;
+    let names = interrupt::uninterrupted(|| write(arguments, &folder, &title, &fitting, &found))?;
+    let mut stdout = crate::terminal::output(arguments.json);
+    if arguments.json {
+        write_json(&mut stdout, &found)?;
+    } else {
+        stdout.write_all(report::text(&title, &found).as_bytes())?;
+    }
+    stdout.flush()?;
+    output::print_written(&folder, &names);
+    found.notes.iter().for_each(|note| print_message(&format!("note: {note}")));
+    Ok(())
+}
+
+fn or_interrupted<T>(result: Result<T, DesignError>) -> Result<T, Failure> {
+    result.map_err(|error| match was_stopped(&error) {
+        true => Failure::Interrupted("the fit is not saved; run the same command again"),
+        false => error.into(),
+    })
+}
+
+fn write(
+    arguments: &FitCommand,
+    folder: &Path,
+    title: &str,
+    fitting: &Fitting<'_>,
+    found: &FitReport,
+) -> Result<Vec<String>, Failure> {
+    output::remove(folder, |name| FILES.contains(&name) || output::is_figure_of(&["fit-"], name))?;
+    let path = &arguments.scenario.file;
+    let file = input::file(path)?;
+    let from = path.parent().unwrap_or(Path::new(""));
+    let set: Vec<Edit> =
+        arguments.scenario.set.iter().filter_map(|text| Edit::of_set_in(text, from)).collect();
+    let text = edit(file.text().map_err(Failure::Data)?, &set)?;
+    let text = fitted_text(&text, [from, folder], fitting, found)?;
+    write_file(&folder.join("fitted.toml"), |out| out.write_all(text.as_bytes()))?;
+    write_file(&folder.join("fit.json"), |out| write_json(out, found))?;
+    write_file(&folder.join("fit.csv"), |out| out.write_all(fit_table(found).as_bytes()))?;
+    let mut names = FILES.map(str::to_owned).to_vec();
+    names.extend(output::write_figures(folder, fit_figures(title, found), arguments.png)?);
+    Ok(names)
+}

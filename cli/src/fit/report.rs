@@ -1,0 +1,63 @@
+//! Report of a fit on the terminal.
+
+use std::fmt::Write as _;
+
+use papilio_design::fit::{FitReport, FittedVariable};
+use papilio_scenario::label;
+
+use crate::numbers::digits;
+use crate::report::{plain, table};
+
+pub(super) fn text(title: &str, found: &FitReport) -> String {
+    let titles = ["variable", "scenario", "fitted", "standard error", "68.3 %", "95 %"];
+    let mut rows = vec![titles.map(str::to_owned).to_vec()];
+    rows.extend(found.variables.iter().map(row));
+    let mut text = format!("{}\n{}", plain(title), table(&rows));
+    for group in &found.undetermined {
+        let names: Vec<&str> = group.iter().map(String::as_str).collect();
+        let _ = match names.as_slice() {
+            [only] => writeln!(text, "{only} has no effect on the data"),
+            several => writeln!(text, "the data cannot tell apart: {}", several.join(", ")),
+        };
+    }
+    let _ = writeln!(
+        text,
+        "\nchi-square {:.1}, {} degrees of freedom",
+        found.chi_square, found.degrees_of_freedom
+    );
+    if let Some(rms) = found.residual_rms {
+        let _ = writeln!(text, "residuals: rms {}", digits(rms));
+    }
+    let estimated = found.estimated_deviation;
+    for (deviation, of) in [(estimated.reflectance_factor, "reflectances"), (estimated.lab, "L*, a*, b*")] {
+        if let Some(deviation) = deviation {
+            let _ = writeln!(text, "standard deviation of {of}, from the residuals: {}", digits(deviation));
+        }
+    }
+    if let Some(runs) = found.runs {
+        let _ = writeln!(
+            text,
+            "runs of one sign: {}, of independent errors {:.0} (z = {:.1})",
+            runs.count, runs.expected, runs.z
+        );
+    }
+    let starts = found.starts;
+    let _ = writeln!(text, "BIC {:.1}", found.bic);
+    let _ = writeln!(text, "{} of {} starts led to this minimum", starts.best, starts.count);
+    text
+}
+
+fn row(one: &FittedVariable) -> Vec<String> {
+    let bound = if one.at_bound { " (at its bound)" } else { "" };
+    let interval = |ends: Option<[f64; 2]>| {
+        ends.map_or("-".to_owned(), |[from, to]| format!("{} to {}", digits(from), digits(to)))
+    };
+    vec![
+        label(&one.key).to_string(),
+        digits(one.start),
+        one.value.map_or("not determined".to_owned(), |value| format!("{}{bound}", digits(value))),
+        one.standard_error.map_or("-".to_owned(), digits),
+        interval(one.interval_68),
+        interval(one.interval_95),
+    ]
+}

@@ -1,0 +1,303 @@
+//! Measured numbers, and what predicts them.
+
+use papilio_colour::{Observer, Xyz};
+use papilio_display::compare::{
+    Measured, Measurement, Quantity as MeasuredQuantity, Simulated, SimulatedMetric, StandardDeviation,
+};
+use papilio_display::scene::Metric;
+use papilio_spectra::Grid;
+
+use super::interpolation::weights;
+use crate::{DesignError, NamedQuantity, Quantity};
+
+/// A measured number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observation {
+    /// State, or name of the metric.
+    pub name: String,
+    /// Direction of the simulated view, degrees.
+    pub theta_deg: f64,
+    /// Azimuth of the simulated view, degrees.
+    pub phi_deg: f64,
+    /// `reflectance_factor`, `X`, `Y`, `Z`, `L_star`, `a_star`, `b_star`, or `metric`.
+    pub quantity: &'static str,
+    /// Wavelength of a reflectance factor, nm, as measured.
+    pub wavelength_nm: Option<f64>,
+    /// Measured value.
+    pub value: f64,
+    /// Its standard deviation, if the measurement states it.
+    pub standard_deviation: Option<f64>,
+    /// Number of the spectrum, the colour or the metric to which it belongs, from 0.
+    pub series: usize,
+    prediction: Prediction,
+}
+
+/// Kinds of numbers, each with its own unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Unit {
+    /// Reflectance factors, X, Y, Z.
+    Fraction,
+    /// CIELAB.
+    Lab,
+    /// That of a metric.
+    Metric,
+}
+
+/// What predicts a number: indices are those of the model's quantities.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Prediction {
+    /// Spectrum that begins at a quantity, at a wavelength, nm.
+    Factor { first: usize, nm: f64 },
+    /// X, Y or Z, which begin at a quantity.
+    Xyz { first: usize, component: usize },
+    /// L\*, a\* or b\* of X, Y, Z, which begin at a quantity.
+    Lab { first: usize, component: usize },
+    /// A metric.
+    Metric { at: usize },
+}
+
+/// Errors of a meter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Meter {
+    pub(super) wavelength_offset_nm: f64,
+    pub(super) scale: f64,
+}
+
+impl Default for Meter {
+    fn default() -> Self {
+        Self { wavelength_offset_nm: 0.0, scale: 1.0 }
+    }
+}
+
+/// Measured numbers of a display, with the quantities that predict them.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Measured numbers.
+    pub observations: Vec<Observation>,
+    /// What was not used.
+    pub notes: Vec<String>,
+    pub(super) quantities: Vec<NamedQuantity>,
+    grid: Grid,
+    /// White in the light of the display, Y = 1.
+    white: Xyz,
+}
+
+impl Model {
+    /// Model of a measurement; wavelength offsets are within `offsets_nm`.
+    ///
+    /// # Errors
+    /// If nothing that was measured has a counterpart in the display; if a metric has no standard deviation.
+    pub(super) fn new(
+        simulated: &Simulated,
+        measurement: &Measurement,
+        offsets_nm: [f64; 2],
+    ) -> Result<Self, DesignError> {
+        let observer = Observer::of(simulated.observer, &simulated.grid)
+            .map_err(|error| DesignError::Fit { reason: error.to_string() })?;
+        let white = observer.xyz(&simulated.radiance_of_white);
+        let mut model = Self {
+            observations: Vec::new(),
+            notes: Vec::new(),
+            quantities: Vec::new(),
+            grid: simulated.grid,
+            white: white * (1.0 / white.y),
+        };
+        let mut series = 0;
+        for measured in &measurement.states {
+            let Some((view, state)) = simulated.counterpart(measured) else { continue };
+            let before = model.observations.len();
+            model.add_state(measured, (simulated, view, state), offsets_nm, series);
+            series += usize::from(model.observations.len() > before);
+        }
+        for metric in &measurement.metrics {
+            let Some(view) = simulated.view_of_metric(metric) else { continue };
+            let Some(deviation) = metric.standard_deviation else {
+                let reason =
+                    format!("the metric `{}` has no standard deviation, which a fit needs", metric.name());
+                return Err(DesignError::Fit { reason });
+            };
+            let quantity = Quantity::Metric { view, state: metric.state.clone(), metric: metric.metric };
+            let at = model.quantity(quantity);
+            model.observations.push(Observation {
+                name: metric.name(),
+                theta_deg: simulated.views[view].theta_deg,
+                phi_deg: simulated.views[view].phi_deg,
+                quantity: "metric",
+                wavelength_nm: None,
+                value: metric.value,
+                standard_deviation: Some(deviation),
+                series,
+                prediction: Prediction::Metric { at },
+            });
+            series += 1;
+        }
+        Ok(model)
+    }
+
+    /// Adds the values of the measured metrics to a simulated display.
+    pub(super) fn add_metrics(&self, simulated: &mut Simulated, values: &[Option<f64>]) {
+        for one in &self.observations {
+            let Prediction::Metric { at } = one.prediction else { continue };
+            let (Some(value), view) = (values[at], self.quantities[at].quantity.view()) else { continue };
+            let (name, standard_deviation) = (one.name.clone(), 0.0);
+            simulated.views[view].metrics.push(SimulatedMetric { name, value, standard_deviation });
+        }
+    }
+
+    /// Adds the numbers of a state.
+    fn add_state(
+        &mut self,
+        measured: &Measured,
+        (simulated, view, state): (&Simulated, usize, &str),
+        offsets_nm: [f64; 2],
+        series: usize,
+    ) {
+        let (theta_deg, phi_deg) = (simulated.views[view].theta_deg, simulated.views[view].phi_deg);
+        let observation = |quantity, wavelength_nm, value, standard_deviation, prediction| Observation {
+            name: state.to_owned(),
+            theta_deg,
+            phi_deg,
+            quantity,
+            wavelength_nm,
+            value,
+            standard_deviation,
+            series,
+            prediction,
+        };
+        let of_colour = match &measured.standard_deviation {
+            Some(StandardDeviation::Colour(deviation)) => Some(*deviation),
+            _ => None,
+        };
+        match &measured.quantity {
+            MeasuredQuantity::Spectrum(spectrum) => {
+                let deviations = match &measured.standard_deviation {
+                    Some(StandardDeviation::Spectrum(deviations)) => Some(deviations.values()),
+                    _ => None,
+                };
+                let first = self.spectrum(view, state);
+                let is_inside = |nm: f64| {
+                    let ends = [nm + offsets_nm[0].min(0.0), nm + offsets_nm[1].max(0.0)];
+                    ends.iter().all(|nm| (self.grid.start_nm()..=self.grid.stop_nm()).contains(nm))
+                };
+                let points = spectrum.wavelengths_nm().iter().zip(spectrum.values()).enumerate();
+                let (inside, outside): (Vec<_>, Vec<_>) = points.partition(|(_, (nm, _))| is_inside(**nm));
+                if !outside.is_empty() {
+                    let [from, to] = [self.grid.start_nm(), self.grid.stop_nm()];
+                    let count = outside.len();
+                    self.notes.push(format!(
+                        "{count} wavelengths of `{state}` are not used: they, or they with the offset, are outside {from} to {to} nm"
+                    ));
+                }
+                for (index, (nm, value)) in inside {
+                    let deviation = deviations.and_then(|all| all.get(index).copied());
+                    let prediction = Prediction::Factor { first, nm: *nm };
+                    self.observations.push(observation(
+                        "reflectance_factor",
+                        Some(*nm),
+                        *value,
+                        deviation,
+                        prediction,
+                    ));
+                }
+            }
+            MeasuredQuantity::Xyz(xyz) => {
+                let first = self.colour(view, state);
+                for (component, (name, value)) in
+                    ["X", "Y", "Z"].into_iter().zip([xyz.x, xyz.y, xyz.z]).enumerate()
+                {
+                    let prediction = Prediction::Xyz { first, component };
+                    self.observations.push(observation(name, None, value, of_colour, prediction));
+                }
+            }
+            MeasuredQuantity::Lab(lab) => {
+                let first = self.colour(view, state);
+                for (component, (name, value)) in
+                    ["L_star", "a_star", "b_star"].into_iter().zip([lab.l, lab.a, lab.b]).enumerate()
+                {
+                    let prediction = Prediction::Lab { first, component };
+                    self.observations.push(observation(name, None, value, of_colour, prediction));
+                }
+            }
+        }
+    }
+
+    /// First of the quantities of a spectrum, which are added if they are not there.
+    fn spectrum(&mut self, view: usize, state: &str) -> usize {
+        let at = |bin| Quantity::ReflectanceFactor { view, state: state.to_owned(), bin };
+        let first = self.quantity(at(0));
+        if first + 1 == self.quantities.len() {
+            (1..self.grid.len()).for_each(|bin| self.push(at(bin)));
+        }
+        first
+    }
+
+    /// First of the quantities X, Y, Z of a state, which are added if they are not there.
+    fn colour(&mut self, view: usize, state: &str) -> usize {
+        let at = |metric| Quantity::Metric { view, state: Some(state.to_owned()), metric };
+        let all = [Metric::X, Metric::Y, Metric::Z].map(at);
+        let known = self
+            .quantities
+            .windows(3)
+            .position(|three| three.iter().zip(&all).all(|(known, one)| known.quantity == *one));
+        known.unwrap_or_else(|| {
+            let first = self.quantities.len();
+            all.into_iter().for_each(|one| self.push(one));
+            first
+        })
+    }
+
+    fn quantity(&mut self, quantity: Quantity) -> usize {
+        let known = self.quantities.iter().position(|known| known.quantity == quantity);
+        known.unwrap_or_else(|| {
+            self.push(quantity);
+            self.quantities.len() - 1
+        })
+    }
+
+    fn push(&mut self, quantity: Quantity) {
+        self.quantities.push(NamedQuantity { name: String::new(), condition: 0, quantity });
+    }
+
+    /// Predicts all numbers from the values of the quantities; `None` if one of them is not defined.
+    pub(super) fn predict(&self, values: &[Option<f64>], meter: Meter) -> Option<Vec<f64>> {
+        let values: Vec<f64> = values.iter().copied().collect::<Option<_>>()?;
+        self.observations.iter().map(|one| self.predicted(one, &values, meter)).collect()
+    }
+
+    fn predicted(&self, one: &Observation, values: &[f64], meter: Meter) -> Option<f64> {
+        let xyz = |first: usize| {
+            let [x, y, z] = [0, 1, 2].map(|k| meter.scale * values[first + k]);
+            Xyz { x, y, z }
+        };
+        match one.prediction {
+            Prediction::Factor { first, nm } => {
+                let at = (nm + meter.wavelength_offset_nm - self.grid.start_nm()) / self.grid.step_nm();
+                let (bin, weights) = weights(at, self.grid.len())?;
+                let near = &values[first + bin..];
+                Some(
+                    meter.scale * weights.iter().zip(near).map(|(weight, value)| weight * value).sum::<f64>(),
+                )
+            }
+            Prediction::Xyz { first, component } => {
+                let xyz = xyz(first);
+                Some([xyz.x, xyz.y, xyz.z][component])
+            }
+            Prediction::Lab { first, component } => {
+                let lab = xyz(first).lab(self.white)?;
+                Some([lab.l, lab.a, lab.b][component])
+            }
+            Prediction::Metric { at } => Some(values[at]),
+        }
+    }
+}
+
+impl Observation {
+    /// Kind of the number.
+    pub(super) fn unit(&self) -> Unit {
+        match self.prediction {
+            Prediction::Factor { .. } | Prediction::Xyz { .. } => Unit::Fraction,
+            Prediction::Lab { .. } => Unit::Lab,
+            Prediction::Metric { .. } => Unit::Metric,
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! `[fit]`: keys that are fitted to measured data.
+
+use super::numbers::{Count, Seed};
+use super::sweep::Any;
+use super::tolerance::Deviation;
+use crate::grammar::table;
+use crate::read::Spanned;
+
+table! {
+    /// A fit of keys to measured data, for `papilio fit` only.
+    Fit {
+        /// Number of starting points: the scenario's own values, and points within the bounds.
+        starts: Count<1, 1000> = Count(8),
+        /// Seed of the starting points.
+        seed: Seed = Count(0),
+        /// Variables: what the data are to determine.
+        variables: Vec<Spanned<FitVariable>>,
+    }
+}
+
+table! {
+    /// A number that the data are to determine.
+    FitVariable {
+        /// A path as in `--set`; or `"meter.wavelength_offset_nm"` (what is to be added to the measured wavelengths) or
+        /// `"meter.scale"` (factor on the predicted reflectance factors, X, Y and Z) of the measurement. Either `key` or `keys`.
+        key: Option<String>,
+        /// Several paths that get the same value. Either `key` or `keys`.
+        keys: Option<Vec<Spanned<String>>>,
+        /// A key that changes by the opposite amount, so that the sum is constant: for areas and shares of the light.
+        compensated_by: Option<String>,
+        /// The smallest and the largest value.
+        bounds: Vec<Spanned<Any>>,
+        /// What is known of the value from elsewhere. Default: nothing.
+        prior: Option<Prior>,
+    }
+}
+
+table! {
+    /// A normal distribution of a value that is known from elsewhere.
+    Prior {
+        /// Mean.
+        mean: Any,
+        /// Standard deviation.
+        sigma: Deviation,
+    }
+}
