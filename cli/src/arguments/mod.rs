@@ -202,7 +202,8 @@ pub(crate) struct Man {
 
 #[derive(Debug, Args)]
 pub(crate) struct Compare {
-    /// A result.json, or the folder that contains it
+    /// A result.json, or the folder that contains it; or a scenario file (TOML), which is computed, with the
+    /// spread by its `[tolerance]`
     #[arg(value_name = "RESULT")]
     pub(crate) result: PathBuf,
     /// Measured spectra, colours or metrics (CSV, CGATS, CxF), in one or more files
@@ -211,12 +212,17 @@ pub(crate) struct Compare {
     /// Folder for tables and figures [default: out/compare]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Change a key of the scenario, if RESULT is one; can be repeated
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub(crate) set: Vec<String>,
     /// Print the comparison as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
     /// Write each figure as PNG too
     #[arg(long)]
     pub(crate) png: bool,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
 }
 
 #[derive(Debug, Args)]

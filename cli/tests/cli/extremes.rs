@@ -36,8 +36,8 @@ const EVERYDAY: u32 = 60;
 const FEW_RAYS: [&str; 2] = ["--set", "microgeometry.rays=64"];
 
 /// Tables that `papilio run` does not use.
-const OF_OTHER_COMMANDS: [&str; 7] =
-    ["sweep", "optimize", "tolerance", "image", "pattern", "sparkle", "measure"];
+const OF_OTHER_COMMANDS: [&str; 8] =
+    ["sweep", "optimize", "tolerance", "fit", "image", "pattern", "sparkle", "measure"];
 
 /// A number that a file may have.
 struct Key {

@@ -24,6 +24,7 @@ mod extremes;
 mod figures;
 mod fine_detail;
 mod first_steps;
+mod fit;
 mod frame;
 mod gonio;
 mod image;

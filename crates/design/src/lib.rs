@@ -27,8 +27,9 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 //!
-//! [`search`] improves designs, [`fit`] determines them from measured data, [`tolerance`] computes the distribution of quantities in production, and
-//! [`output`] writes the results of both as tables, figures and scenarios.
+//! [`search`] improves designs, [`fit`] determines them from measured data, [`tolerance`] computes the
+//! distribution of quantities in production, [`measured`] the simulated side of a comparison with a measurement,
+//! and [`output`] writes the results as tables, figures and scenarios.
 //!
 //! **Out of scope.** Writing files, printing, clocks.
 
@@ -38,7 +39,9 @@ mod exact;
 mod film_fast_path;
 pub mod fit;
 mod light;
+pub mod measured;
 pub mod output;
+mod parallel;
 mod parameter;
 mod pixels;
 pub mod search;

@@ -149,6 +149,11 @@ impl Scenario {
         Ok(found)
     }
 
+    /// True if the scenario has a `[tolerance]`.
+    pub fn has_tolerance(&self) -> bool {
+        self.file.tolerance.is_some()
+    }
+
     /// Evaluates materials, lights and files on the wavelength grid, and checks the whole scenario.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use papilio_scenario::{Optimisation, Scenario, SurfaceScenario, Sweep, Tolerance};
+use papilio_scenario::{Fit, Optimisation, Scenario, SurfaceScenario, Sweep, Tolerance};
 
 use super::output::compare;
 
@@ -176,6 +176,7 @@ impl Shell<'_> {
             "sweep" => Sweep::load(&file, &set).map(drop),
             "optimize" => Optimisation::load(&file, &set).map(drop),
             "tolerance" => Tolerance::load(&file, &set).map(drop),
+            "fit" if of.try_contains_id("measured").unwrap_or(false) => Fit::load(&file, &set).map(drop),
             "gonio" => SurfaceScenario::load(&file, &set).map(drop),
             "run" | "brdf" | "sparkle" | "mtf" | "crosstalk" | "image" | "palette" | "sampling" | "pixel"
             | "serve" => Scenario::load(&file, &set).map(drop),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use papilio_scenario::{Optimisation, Scenario, ScenarioErrors, SurfaceScenario, Sweep, Tolerance};
+use papilio_scenario::{Fit, Optimisation, Scenario, ScenarioErrors, SurfaceScenario, Sweep, Tolerance};
 use toml::{Table, Value};
 
 /// Reads a scenario, or a fragment in place of the tables of its base, and resolves it.
@@ -34,6 +34,9 @@ pub(super) fn check(text: &str, base: Option<&str>, folder: &Path, is_resolved: 
         }
         if has("tolerance") {
             Tolerance::from_text(&text, "block", folder, &none)?;
+        }
+        if has("fit") {
+            Fit::from_text(&text, "block", folder, &none)?;
         }
         Ok(())
     };

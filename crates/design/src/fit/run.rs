@@ -1,7 +1,7 @@
 //! A fit from its starting points to its report.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use papilio_display::DisplayError;
 use papilio_display::compare::{Measurement, Simulated, compare_measurement};
@@ -14,6 +14,7 @@ use super::profile::{End, end};
 use super::report::{Estimated, FitReport, FittedVariable, Residual, Starts};
 use super::statistics::{rms, runs, student};
 use super::undetermined::{Determined, determined};
+use crate::parallel::in_parallel;
 use crate::search::random_point;
 use crate::{Condition, DesignError, Evaluator, NamedQuantity, Study, Values, Variable};
 
@@ -422,41 +423,4 @@ fn study(spec: &Fit, quantities: Vec<NamedQuantity>) -> Study {
         variables: spec.variables.iter().filter_map(variable).collect(),
         quantities,
     }
-}
-
-/// Computes items on threads, each with its own worker; returns them in order. The first error ends all.
-fn in_parallel<W: Send, T: Send>(
-    threads: usize,
-    count: usize,
-    done: impl Fn(usize) + Sync,
-    worker: impl Fn() -> W + Sync,
-    compute: impl Fn(&mut W, usize) -> Result<T, DesignError> + Sync,
-) -> Result<Vec<T>, DesignError> {
-    let results: Mutex<Vec<Option<Result<T, DesignError>>>> = Mutex::new((0..count).map(|_| None).collect());
-    let (next, finished, failed) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
-    done(0);
-    std::thread::scope(|scope| {
-        for _ in 0..threads.clamp(1, count.max(1)) {
-            scope.spawn(|| {
-                let mut worker = worker();
-                while !failed.load(Ordering::Relaxed) {
-                    let item = next.fetch_add(1, Ordering::Relaxed);
-                    if item >= count {
-                        break;
-                    }
-                    let result = compute(&mut worker, item);
-                    if result.is_err() {
-                        failed.store(true, Ordering::Relaxed);
-                    }
-                    results.lock().unwrap_or_else(PoisonError::into_inner)[item] = Some(result);
-                    done(finished.fetch_add(1, Ordering::Relaxed) + 1);
-                }
-            });
-        }
-    });
-    let results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
-    if let Some(error) = results.iter().flatten().find_map(|one| one.as_ref().err()) {
-        return Err(error.clone());
-    }
-    results.into_iter().flatten().collect()
 }

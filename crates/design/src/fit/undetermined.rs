@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn weak_effect_is_undetermined_and_strong_correlation_is_not() {
         assert_eq!(determined(&[column(|x| 0.01 * x), column(|x| 50.0 + x)]).undetermined, [vec![0]]);
-        let correlated = [column(|x| 100.0 + x), column(|x| 100.0 + 1.02 * x)];
+        let correlated = [column(|x| 100.0 + x), column(|x| 100.0 + 1.2 * x)];
         assert!(determined(&correlated).undetermined.is_empty());
     }
 }

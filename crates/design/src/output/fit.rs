@@ -96,7 +96,7 @@ fn in_words(one: &FittedVariable, report: &FitReport) -> String {
     let bound = if one.at_bound { ", at its bound" } else { "" };
     match (one.standard_error, one.interval_68, one.interval_95) {
         (Some(error), Some([a, b]), Some([c, d])) => {
-            let [error, a, b, c, d] = [error, a, b, c, d].map(|number| digits(number, 4));
+            let [error, a, b, c, d] = [error, a, b, c, d].map(|number| digits(number, 6));
             format!("{key} = {value} +- {error}, {a} to {b}, {c} to {d}{bound}")
         }
         _ => {

@@ -3,4 +3,5 @@
 #![allow(clippy::panic, clippy::unwrap_used, reason = "test helpers unwrap what they expect")]
 
 mod design;
+mod fit;
 mod production;

@@ -1,5 +1,7 @@
 //! `papilio compare`: a simulated display against a measured panel.
 
+mod simulated;
+
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -12,8 +14,8 @@ use papilio_display::compare::{
 use papilio_display::pixel::is_mixture;
 use papilio_figures::{compared_gamuts, compared_spectra};
 use papilio_formats::{
-    DataFile, read_measurement, read_result_with, write_compared_metrics, write_compared_spectra,
-    write_comparison, write_file, write_json,
+    DataFile, read_measurement, write_compared_metrics, write_compared_spectra, write_comparison, write_file,
+    write_json,
 };
 use papilio_scenario::nearest;
 
@@ -22,7 +24,6 @@ use crate::numbers::digits;
 use crate::{Failure, interrupt, numbers, output, print_message, report};
 
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
-    let result = result_file(&arguments.result);
     let out = match (&arguments.out, arguments.json) {
         (Some(folder), _) => Some(folder.clone()),
         (None, true) => None,
@@ -30,7 +31,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     };
     out.as_deref().map_or(Ok(()), output::check)?;
     let (measured, notes) = measurement(&arguments.measured)?;
-    let read = read_result_with(&open(&result)?, &measured.metrics).map_err(Failure::Data)?;
+    let (result, read) = simulated::read(arguments, &measured)?;
     let suggestion = suggestion(&read.simulated, &measured.states);
     let all = compare_measurement(&read.simulated, &measured).map_err(|error| {
         let help = suggestion.clone().unwrap_or_else(|| {
@@ -96,11 +97,6 @@ fn suggestion(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
         unknown.iter().filter_map(|wrong| nearest(wrong, known.iter().copied()).map(|name| (wrong, name)));
     let close: Vec<String> = close.map(|(wrong, name)| format!("`{name}` for `{wrong}`")).collect();
     (!close.is_empty()).then(|| format!("did you mean {}?", close.join(", ")))
-}
-
-/// Path of the result; for a folder, of the `result.json` in it.
-fn result_file(path: &Path) -> PathBuf {
-    if path.is_dir() { path.join("result.json") } else { path.to_owned() }
 }
 
 fn open(path: &Path) -> Result<DataFile, Failure> {

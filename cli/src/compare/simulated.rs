@@ -1,0 +1,84 @@
+//! The simulated side of a comparison: a result, or a scenario, which is computed.
+
+use std::path::{Path, PathBuf};
+
+use papilio_design::DesignError;
+use papilio_design::measured::{SAMPLES, add_metrics, add_tolerances};
+use papilio_design::search::was_stopped;
+use papilio_display::compare::{Measurement, Simulated};
+use papilio_formats::{ReadResult, read_result_with};
+use papilio_scenario::{ParameterisedScenario, Scenario, Tolerance};
+
+use crate::arguments::Compare;
+use crate::progress::{FractionBar, with_progress};
+use crate::{Failure, input, interrupt, print_message, print_notes};
+
+/// Reads or computes the simulated side; returns the path of its file, too.
+pub(super) fn read(arguments: &Compare, measured: &Measurement) -> Result<(PathBuf, ReadResult), Failure> {
+    let path = &arguments.result;
+    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml")) {
+        return Ok((path.clone(), computed(arguments, measured)?));
+    }
+    if !arguments.set.is_empty() {
+        return Err(Failure::Input(format!(
+            "--set changes a scenario, but {} is a result\n  = help: give the scenario file instead",
+            path.display()
+        )));
+    }
+    // For a folder, the `result.json` in it.
+    let file = if path.is_dir() { path.join("result.json") } else { path.clone() };
+    let read = read_result_with(&super::open(&file)?, &measured.metrics).map_err(Failure::Data)?;
+    Ok((file, read))
+}
+
+/// Computes a scenario, its measured metrics, and the spread by its `[tolerance]`.
+fn computed(arguments: &Compare, measured: &Measurement) -> Result<ReadResult, Failure> {
+    let (path, set) = (&arguments.result, &arguments.set);
+    let scenario = input::scenario::<Scenario>(path, set)?;
+    let resolved = scenario.resolve()?;
+    print_notes(&resolved.notes);
+    let threads = arguments.workers.threads;
+    let result = with_progress(&resolved, threads, |control| papilio_display::run(&resolved.scene, control))?;
+    let result = result.filter(|result| !result.solver.interrupted).ok_or(INTERRUPTED)?;
+    let mut simulated = Simulated::of(&result, &resolved.scene).ok_or_else(|| {
+        Failure::Input(format!(
+            "{}: all of its light comes from the front light, so it has no reflectance factors to compare",
+            path.display()
+        ))
+    })?;
+    let varied = ParameterisedScenario::load(path, set, &[])?;
+    or_interrupted(add_metrics(&mut simulated, measured, varied, &interrupt::STOP))?;
+    if scenario.has_tolerance() {
+        add_spread(&mut simulated, measured, path, arguments)?;
+    }
+    Ok(ReadResult { title: resolved.title.clone(), hash: Some(resolved.hash.clone()), simulated })
+}
+
+/// Adds the spread by the tolerances of the inputs.
+fn add_spread(
+    simulated: &mut Simulated,
+    measured: &Measurement,
+    path: &Path,
+    arguments: &Compare,
+) -> Result<(), Failure> {
+    let tolerance = input::scenario::<Tolerance>(path, &arguments.set)?;
+    papilio_design::tolerance::Production::new(&tolerance).check(&tolerance)?;
+    let threads = arguments.workers.threads.map(usize::from);
+    let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let bar = FractionBar::new();
+    let _log = bar.in_log(String::new);
+    let progress = |done: usize| {
+        bar.advance(done as f64 / SAMPLES as f64, format!("{done} of {SAMPLES} displays of [tolerance]"))
+    };
+    let spread = add_tolerances(simulated, measured, &tolerance, (threads, &interrupt::STOP), &progress);
+    or_interrupted(spread)?;
+    drop(bar);
+    print_message(&format!("the spread by [tolerance] is that of {SAMPLES} displays"));
+    Ok(())
+}
+
+const INTERRUPTED: Failure = Failure::Interrupted("run the same command again");
+
+fn or_interrupted<T>(result: Result<T, DesignError>) -> Result<T, Failure> {
+    result.map_err(|error| if was_stopped(&error) { INTERRUPTED } else { error.into() })
+}
