@@ -25,6 +25,7 @@ mod figures;
 mod fine_detail;
 mod first_steps;
 mod frame;
+mod gloss;
 mod gonio;
 mod image;
 mod lab_files;
