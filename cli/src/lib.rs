@@ -24,6 +24,7 @@ mod failure;
 mod fit;
 mod folder;
 mod frame;
+mod gloss;
 mod gonio;
 mod image;
 mod input;
@@ -99,6 +100,12 @@ commands! {
                       The scenario needs [display.matrix] and [sparkle]. docs/sparkle.md describes them."
     )]
     Sparkle(arguments::SpatialCommand) => sparkle::sparkle,
+    /// Compute the gloss (ISO 2813) and the distinctness of image of each state
+    #[command(after_help = "Examples:\n  \
+                      papilio gloss scenarios/etched-face.toml\n  \
+                      papilio gloss scenarios/rough-glass.toml --solver monte-carlo\n\n\
+                      docs/gloss.md describes the results.")]
+    Gloss(arguments::SolvedSpatially) => gloss::gloss,
     /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine
     /// lines
     #[command(after_help = "Examples:\n  \
@@ -214,11 +221,12 @@ commands! {
 }
 
 /// The JSON files of results, which contain the hash of their scenario.
-const RESULTS: [ResultFile; 8] = [
+const RESULTS: [ResultFile; 9] = [
     ResultFile { name: "result.json", of: "", schema: Some(papilio_formats::result_schema) },
     ResultFile { name: "mtf.json", of: "", schema: Some(papilio_formats::mtf_schema) },
     ResultFile { name: "crosstalk.json", of: "", schema: Some(papilio_formats::crosstalk_schema) },
     ResultFile { name: "sparkle.json", of: "", schema: Some(papilio_formats::sparkle_schema) },
+    ResultFile { name: "gloss.json", of: "", schema: Some(papilio_formats::gloss_schema) },
     ResultFile { name: "palette.json", of: "", schema: Some(papilio_formats::palette_schema) },
     ResultFile { name: "image.json", of: "", schema: Some(papilio_formats::image_schema) },
     ResultFile {

@@ -8,7 +8,8 @@ Computes spectra, colours and metrics, with their errors, from a scenario::
     result["gamut_percent_srgb"]
 
 - `run` computes a scenario, `cone` a conoscopic map, `brdf` the BSDF of the display.
-- `mtf` computes how sharp a display is, `crosstalk` which sub-pixel lights which, `sparkle` how much an antiglare face glitters.
+- `mtf` computes how sharp a display is, `crosstalk` which sub-pixel lights which, `sparkle` how much an antiglare face glitters,
+  `gloss` what a glossmeter reads.
 - `gonio` measures a surface that is described by its geometry.
 - `image` shows a picture on the display, and `palette` computes the colours of all states in this and other rooms.
 - `sweep` computes thousands of designs with labelled axes, `Prepared` any designs, with derivatives.

@@ -1,6 +1,7 @@
-//! Sharpness, crosstalk and sparkle: the contents of the files of `papilio mtf`, `crosstalk` and `sparkle`.
+//! Sharpness, crosstalk, sparkle and gloss: the contents of the files of `papilio mtf`, `crosstalk`, `sparkle` and `gloss`.
 
 use numpy::PyArrayDyn;
+use papilio_display::gloss::{GlossResult, gloss};
 use papilio_display::spatial::{CrosstalkResult, MtfResult, SparkleResult, crosstalk, mtf, sparkle};
 use papilio_formats::{SparkleFile, SpatialFile, write_json};
 use pyo3::prelude::*;
@@ -11,7 +12,7 @@ use crate::errors;
 use crate::scenario::Resolved;
 use crate::watch::computed;
 
-exports! { classes Crosstalk, Mtf, Sparkle; }
+exports! { classes Crosstalk, Gloss, Mtf, Sparkle; }
 
 /// Names and SVG texts of figures.
 pub(crate) type Figures = Vec<(String, String)>;
@@ -180,6 +181,49 @@ impl Sparkle {
 
     fn figures(&self, py: Python<'_>, title: &str) -> Figures {
         py.detach(|| papilio_figures::of_sparkle(&self.of, title))
+    }
+}
+
+/// Gloss of a display.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Gloss {
+    of: GlossResult,
+    json: String,
+}
+
+#[pymethods]
+impl Gloss {
+    #[new]
+    #[pyo3(signature = (scenario, threads=None, progress=None))]
+    fn new(
+        py: Python<'_>,
+        scenario: &Resolved,
+        threads: Option<u16>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let resolved = &scenario.of;
+        let of = computed(py, resolved, threads, progress, |control| gloss(&resolved.scene, control))?;
+        let json = content(scenario, &of)?;
+        Ok(Self { of, json })
+    }
+
+    /// The text of `gloss.json`.
+    fn json(&self) -> &str {
+        &self.json
+    }
+
+    /// Numbers of each state by name (`gloss_60`, `error.gloss_60`).
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let mut columns = Columns::new(&[self.of.states.0.len()]);
+        for (number, (_, state)) in self.of.states.iter().enumerate() {
+            let state = serde_json::to_value(state).map_err(|error| errors::internal(&error.to_string()))?;
+            columns.add(number, "", &state);
+        }
+        columns.into_dict(py)
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.of.warnings.clone()
     }
 }
 

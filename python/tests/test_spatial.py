@@ -32,6 +32,9 @@ def test_files_are_those_of_the_program(sharp: papilio.Mtf, scenarios: Path, pro
     glitter = papilio.sparkle(scenarios / "antiglare.toml", set=values)
     assert glitter.to_json() == printed("sparkle", str(scenarios / "antiglare.toml"), *few)
     assert glitter["ppd"][0] == json.loads(glitter.to_json())["rows"][0]["ppd"]
+    shiny = papilio.gloss(scenarios / "epaper.toml", set=COARSE)
+    assert shiny.to_json() == printed("gloss", str(scenarios / "epaper.toml"), "--set", "spectrum.step_nm=50")
+    assert shiny["gloss_60"][1] == shiny.data["states"]["black"]["gloss_60"]
 
 
 def test_transfer_functions_and_kernels_have_the_light_of_a_state(sharp: papilio.Mtf) -> None:

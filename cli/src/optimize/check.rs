@@ -3,6 +3,7 @@
 
 use papilio_design::search::{Search, SelectedDesign};
 use papilio_design::{NamedQuantity, Study};
+use papilio_display::gloss::gloss;
 use papilio_display::result::RunResult;
 use papilio_display::scene::{Method, MetricSource};
 use papilio_display::spatial::{crosstalk, mtf};
@@ -127,7 +128,8 @@ pub(super) fn check(
 }
 
 /// What the Monte Carlo solver computes, in this order.
-const BY_PATHS: [MetricSource; 3] = [MetricSource::Colours, MetricSource::Mtf, MetricSource::Crosstalk];
+const BY_PATHS: [MetricSource; 4] =
+    [MetricSource::Colours, MetricSource::Mtf, MetricSource::Crosstalk, MetricSource::Gloss];
 
 /// A check of designs.
 struct Check<'a> {
@@ -187,6 +189,17 @@ impl Check<'_> {
                             .map(|one| {
                                 SolverComparison::new(number, one, one.0.quantity.of_crosstalk(&result))
                             })
+                            .collect()
+                    })
+                }
+                MetricSource::Gloss => {
+                    let one = |control: &Control<'_>| covered(gloss(&scene, control));
+                    let Some(result) = self.computation.part(&resolved, threads, one)? else {
+                        return Ok(None);
+                    };
+                    result.map(|result| {
+                        own(source)
+                            .map(|one| SolverComparison::new(number, one, one.0.quantity.of_gloss(&result)))
                             .collect()
                     })
                 }

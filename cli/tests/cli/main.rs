@@ -26,6 +26,7 @@ mod fine_detail;
 mod first_steps;
 mod fit;
 mod frame;
+mod gloss;
 mod gonio;
 mod image;
 mod lab_files;

@@ -130,7 +130,7 @@ fn figures_of_an_earlier_run_are_removed() {
 
 #[test]
 fn schema_option_prints_schemas() {
-    for more in [&[][..], &["--result"], &["--mtf"], &["--sparkle"]] {
+    for more in [&[][..], &["--result"], &["--mtf"], &["--sparkle"], &["--gloss"]] {
         let output = papilio().arg("schema").args(more).output().unwrap();
         let schema: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         assert!(schema["properties"].is_object());

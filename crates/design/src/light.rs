@@ -56,7 +56,7 @@ impl LightStudy {
     /// True for metrics that are estimated from random numbers.
     fn has_standard_error(&self, metric: &ReportedMetric) -> bool {
         match metric.metric.source() {
-            MetricSource::Mtf => self.sweep.method == Method::MonteCarlo,
+            MetricSource::Mtf | MetricSource::Gloss => self.sweep.method == Method::MonteCarlo,
             MetricSource::Sparkle => true,
             MetricSource::Colours | MetricSource::Crosstalk | MetricSource::Image => false,
         }

@@ -1,5 +1,6 @@
-//! Quantities of designs that no run computes: sharpness, crosstalk, sparkle, and those of pictures.
+//! Quantities of designs that no run computes: sharpness, crosstalk, sparkle, gloss, and those of pictures.
 
+use papilio_display::gloss::gloss;
 use papilio_display::image::{Screen, image};
 use papilio_display::scene::MetricSource;
 use papilio_display::spatial::{crosstalk, mtf, sparkle};
@@ -11,7 +12,7 @@ use crate::DesignError;
 /// Computes value and error of each quantity of a display.
 ///
 /// # Errors
-/// Those of [`mtf`], [`crosstalk`], [`sparkle`] and [`image`], for a display or a light that they do not
+/// Those of [`mtf`], [`crosstalk`], [`sparkle`], [`gloss`] and [`image`], for a display or a light that they do not
 /// cover; metrics of sparkle without an antiglare face.
 pub(crate) fn quantities(
     resolved: &Resolved,
@@ -38,6 +39,7 @@ pub(crate) fn quantities(
         }
         _ => None,
     };
+    let of_gloss = is_wanted(MetricSource::Gloss).then(|| gloss(scene, control)).transpose()?;
     let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
     let of = |quantity: &&Quantity| match quantity.source() {
         MetricSource::Colours => [None; 2],
@@ -48,6 +50,7 @@ pub(crate) fn quantities(
         MetricSource::Sparkle => {
             sparkle.as_ref().map(|found| quantity.of_sparkle(&found.rows, views)).unwrap_or_default()
         }
+        MetricSource::Gloss => of_gloss.as_ref().map(|found| quantity.of_gloss(found)).unwrap_or_default(),
         MetricSource::Image => picture.as_ref().map(|found| quantity.of_image(found)).unwrap_or_default(),
     };
     Ok(quantities.iter().map(of).collect())

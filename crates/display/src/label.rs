@@ -6,8 +6,8 @@
 use std::fmt;
 
 use crate::metrics::{
-    Cam16, CrosstalkMetrics, ImageMetrics, SharpnessMetrics, SparkleMetrics, SpatialScalars, StateMetrics,
-    VALUE_LABELS, ViewMetrics,
+    Cam16, CrosstalkMetrics, GlossMetrics, ImageMetrics, SharpnessMetrics, SparkleMetrics, SpatialScalars,
+    StateMetrics, VALUE_LABELS, ViewMetrics,
 };
 
 /// The name of a quantity in words, with its unit.
@@ -176,7 +176,11 @@ pub fn labelled_names() -> impl Iterator<Item = String> {
 }
 
 fn metrics() -> impl Iterator<Item = &'static KnownLabel> {
-    let of_states = VALUE_LABELS.iter().chain(StateMetrics::LABELS).chain(SpatialScalars::LABELS);
+    let of_states = VALUE_LABELS
+        .iter()
+        .chain(StateMetrics::LABELS)
+        .chain(SpatialScalars::LABELS)
+        .chain(GlossMetrics::LABELS);
     metrics_of_views().chain(of_states)
 }
 

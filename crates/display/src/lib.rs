@@ -76,6 +76,7 @@ mod designs;
 pub mod environment;
 mod error;
 mod filtered;
+pub mod gloss;
 mod half_vectors;
 pub mod image;
 mod label;

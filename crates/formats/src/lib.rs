@@ -70,6 +70,7 @@ mod crosstalk;
 mod error;
 mod face_read;
 mod file;
+mod gloss;
 mod gonio;
 mod guard;
 mod index;
@@ -126,6 +127,7 @@ pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_
 pub use error::{FormatError, Problem};
 pub use face_read::read_face;
 pub use file::{DataFile, LARGEST_FILE, unwritable, write_file};
+pub use gloss::{GlossFile, gloss_schema, write_gloss};
 pub use gonio::{
     AzimuthAudit, GonioHead, Holds, SurfaceAuditFile, WaveRow, WaveSide, roads_that_hold,
     surface_audit_schema, write_cutoffs, write_face, write_psd, write_totals, write_waves,

@@ -3,7 +3,7 @@
 //! **Model.** An interface whose microfacets reflect and refract by Fresnel's law: etched or sandblasted
 //! glass, an antiglare surface, the surfaces of a diffuser foil. Light is scattered to both sides.
 //!
-//! **Parameters.** The two indices, real, above 0 and different; the roughness alpha, 0.01 to 1; the
+//! **Parameters.** The two indices, real, above 0 and different; the roughness alpha, 0.001 to 1; the
 //! distribution of slopes, [`Distribution`]. Antiglare surfaces have 0.02 to 0.1, ground glass 0.3 to 0.6.
 //!
 //! **One microfacet.** In direction cosines, with wave vectors over k0 `p = (beta, q)`,
@@ -108,7 +108,7 @@ impl PartialEq for Rough {
 }
 
 impl Rough {
-    /// Returns an interface with GGX slopes and this roughness, 0.01 to 1, between media of these indices,
+    /// Returns an interface with GGX slopes and this roughness, 0.001 to 1, between media of these indices,
     /// above 0 and different.
     ///
     /// The first use takes a few tenths of a second: it tabulates the light that one microfacet alone would

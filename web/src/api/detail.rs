@@ -1,12 +1,13 @@
-//! The endpoint `/detail`: sharpness, crosstalk or sparkle, as by `papilio mtf`, `papilio crosstalk` and `papilio sparkle`.
+//! The endpoint `/detail`: sharpness, crosstalk, sparkle or gloss, as by `papilio mtf`, `crosstalk`, `sparkle` and `gloss`.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::Control;
+use papilio_display::gloss::gloss;
 use papilio_display::spatial::{self, MtfResult};
 use papilio_formats::{
-    write_crosstalk_csv, write_mtf_csv, write_patterns_csv, write_sparkle, write_spread_csv,
+    write_crosstalk_csv, write_gloss, write_mtf_csv, write_patterns_csv, write_sparkle, write_spread_csv,
 };
 use papilio_scenario::Resolved;
 use schemars::JsonSchema;
@@ -31,9 +32,11 @@ pub(super) enum Detail {
     Crosstalk,
     /// Sparkle: `papilio sparkle`.
     Sparkle,
+    /// Gloss: `papilio gloss`.
+    Gloss,
 }
 
-/// A request for sharpness, crosstalk or sparkle.
+/// A request for sharpness, crosstalk, sparkle or gloss.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DetailOf {
@@ -68,7 +71,7 @@ pub(super) struct Number {
     error: Option<f64>,
 }
 
-/// Sharpness, crosstalk or sparkle of a scenario.
+/// Sharpness, crosstalk, sparkle or gloss of a scenario.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Detailed {
     /// Numbers of the first view; those of sparkle are of the first row.
@@ -127,6 +130,15 @@ fn detailed(resolved: &Resolved, command: Detail, stop: &AtomicBool) -> Result<D
                 numbers(None, row.metrics().named(), row.errors().named()).collect()
             });
             (numbers, tables, papilio_figures::of_sparkle(&found, title), Vec::new())
+        }
+        Detail::Gloss => {
+            let found = gloss(scene, &control).map_err(fault)?;
+            let tables = vec![Table { name: "gloss", csv: text(|out| write_gloss(out, &found))? }];
+            let of_states = found.states.iter();
+            let numbers = of_states
+                .flat_map(|(name, state)| numbers(Some(name), state.values.named(), state.error.named()))
+                .collect();
+            (numbers, tables, Vec::new(), found.warnings)
         }
     };
     let figures = figures.into_iter().map(|(name, svg)| Figure { name, svg }).collect();

@@ -68,7 +68,7 @@ fn endpoints() -> Endpoints {
             "A scenario compared with a measured panel: table, figures, differences",
             compare::compare,
         )
-        .post("/detail", "Sharpness, crosstalk or sparkle of a scenario: tables and figures", detail::detail)
+        .post("/detail", "Sharpness, crosstalk, sparkle or gloss of a scenario: tables and figures", detail::detail)
         .post("/gonio", "A preview of a surface, measured as by papilio gonio: light, audit, waves, figures", gonio::gonio)
         .events::<_, gonio::GonioEvent, _>("/gonio/full", "A full measurement of a surface, with its progress", gonio::full)
         .post("/gonio/layers", "The surfaces that are layers of a display", gonio::layers)

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use papilio_display::gloss::GlossMetrics;
 use papilio_display::image::ImageMetrics;
 use papilio_display::metric_label;
 use papilio_display::result::{StateValues, ViewMetrics};
@@ -87,7 +88,7 @@ fn family(name: &str, names: &[&str]) -> Option<(&'static str, &'static str, boo
 pub(super) fn tables() -> String {
     let documented = documented();
     let mut text = String::new();
-    for source in [None, Some("mtf"), Some("crosstalk"), Some("sparkle"), Some("image")] {
+    for source in [None, Some("mtf"), Some("crosstalk"), Some("sparkle"), Some("gloss"), Some("image")] {
         for is_of_view in [true, false] {
             let all: Vec<&str> = Metric::ALL
                 .iter()
@@ -139,6 +140,7 @@ fn documented() -> BTreeMap<String, String> {
         schema_for!(SpatialScalars),
         schema_for!(CrosstalkMetrics),
         schema_for!(SparkleMetrics),
+        schema_for!(GlossMetrics),
         schema_for!(ImageMetrics),
     ];
     let mut found = BTreeMap::new();

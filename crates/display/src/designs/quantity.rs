@@ -4,6 +4,7 @@ use papilio_colour::{Lab, UvPrime};
 use papilio_spectra::Spectrum;
 
 use crate::DisplayError;
+use crate::gloss::GlossResult;
 use crate::image::ImageMetrics;
 use crate::result::{RunResult, StateValues, View};
 use crate::scene::{Metric, MetricSource};
@@ -120,6 +121,14 @@ impl Quantity {
     /// and where it is not defined.
     pub fn of_image(&self, metrics: &ImageMetrics) -> [Option<f64>; 2] {
         [self.metric().and_then(|metric| metric.of_image(metrics)), None]
+    }
+
+    /// Returns value and error of a metric of gloss; `None` for other quantities, and where it is not defined.
+    pub fn of_gloss(&self, result: &GlossResult) -> [Option<f64>; 2] {
+        let state = self.state().and_then(|name| result.states.get(name)).zip(self.metric());
+        let both =
+            state.map(|(state, metric)| [state.values, state.error].map(|values| metric.of_gloss(&values)));
+        both.unwrap_or_default()
     }
 
     /// Returns the number of the view, from 0.

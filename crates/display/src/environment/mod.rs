@@ -5,6 +5,7 @@
 //! - [`luminous_sheet`]: a luminous plane with a given intensity distribution;
 //! - [`Panorama`]: an image of the whole sphere;
 //! - [`Sky`]: the CIE standard general skies;
+//! - [`MeterWindow`]: what the receptor of a glossmeter accepts;
 //! - [`Pose`]: the orientation of the display below a sky or in a room.
 //!
 //! All distributions are relative: the scene defines their fractions of the illuminance and their spectra.
@@ -15,6 +16,7 @@ mod pose;
 mod profile;
 mod sheet;
 mod sky;
+mod window;
 
 pub use cap::cap;
 pub use map::{MapField, Panorama};
@@ -22,3 +24,4 @@ pub use pose::Pose;
 pub use profile::profile;
 pub use sheet::{Sheet, luminous_sheet};
 pub use sky::Sky;
+pub use window::MeterWindow;

@@ -72,6 +72,9 @@ macro_rules! names {
         image {
             $( $(#[doc = $image_doc:literal])* $image:ident $(= $image_quantity:literal $(in $image_unit:literal)?)? ),* $(,)?
         }
+        gloss {
+            $( $(#[doc = $gloss_doc:literal])* $gloss:ident $(= $gloss_quantity:literal $(in $gloss_unit:literal)?)? ),* $(,)?
+        }
     ) => {
         /// Labels of the fields of `StateValues` that are metrics.
         pub(crate) const VALUE_LABELS: &[KnownLabel] = &[$(label_of!($value $($quantity $($unit)?)?)),*];
@@ -79,7 +82,7 @@ macro_rules! names {
         /// Metric of a result, named as there.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[allow(missing_docs, non_camel_case_types, reason = "named and documented as the fields of a result")]
-        pub enum Metric { $($view,)* $($value,)* $($state,)* $($mtf_view,)* $($mtf_state,)* $($crosstalk,)* $($sparkle,)* $($image,)* }
+        pub enum Metric { $($view,)* $($value,)* $($state,)* $($mtf_view,)* $($mtf_state,)* $($crosstalk,)* $($sparkle,)* $($image,)* $($gloss,)* }
 
         impl Metric {
             /// Returns true for metrics of a view, which combine its states.
@@ -101,6 +104,7 @@ macro_rules! names {
                     $(Self::$crosstalk => stringify!($crosstalk),)*
                     $(Self::$sparkle => stringify!($sparkle),)*
                     $(Self::$image => stringify!($image),)*
+                    $(Self::$gloss => stringify!($gloss),)*
                 }
             }
 
@@ -111,6 +115,7 @@ macro_rules! names {
                     $(Self::$crosstalk)|* => MetricSource::Crosstalk,
                     $(Self::$sparkle)|* => MetricSource::Sparkle,
                     $(Self::$image)|* => MetricSource::Image,
+                    $(Self::$gloss)|* => MetricSource::Gloss,
                     _ => MetricSource::Colours,
                 }
             }
@@ -155,10 +160,19 @@ macro_rules! names {
                 }
             }
 
+            /// Returns the value of a metric of gloss; `None` for all others.
+            pub(crate) fn of_gloss(self, metrics: &GlossMetrics) -> Option<f64> {
+                match self {
+                    $(Self::$gloss => metrics.$gloss,)*
+                    _ => None,
+                }
+            }
+
             /// All metrics.
             pub const ALL: &[Self] = &[
                 $(Self::$view,)* $(Self::$value,)* $(Self::$state,)*
                 $(Self::$mtf_view,)* $(Self::$mtf_state,)* $(Self::$crosstalk,)* $(Self::$sparkle,)* $(Self::$image,)*
+                $(Self::$gloss,)*
             ];
 
             /// Returns the state and the metric of a written name: `white.Y`, or `contrast_ratio` without a state.
@@ -209,6 +223,7 @@ macro_rules! metrics {
         $(#[doc = $crosstalk_doc:literal])* crosstalk $crosstalk_name:ident { $($crosstalk:tt)* }
         $(#[doc = $sparkle_doc:literal])* sparkle $sparkle_name:ident { $($sparkle:tt)* }
         $(#[doc = $image_doc:literal])* image $image_name:ident { $($image:tt)* }
+        $(#[doc = $gloss_doc:literal])* gloss $gloss_name:ident { $($gloss:tt)* }
     ) => {
         numbers! { $(#[doc = $view_doc])* $view_name { $($view)* } }
         numbers! { $(#[doc = $state_doc])* $state_name { $($state)* $($between)* $($last)* } }
@@ -217,10 +232,12 @@ macro_rules! metrics {
         numbers! { $(#[doc = $crosstalk_doc])* $crosstalk_name { $($crosstalk)* } }
         numbers! { $(#[doc = $sparkle_doc])* $sparkle_name { $($sparkle)* } }
         numbers! { $(#[doc = $image_doc])* $image_name { $($image)* } }
+        numbers! { $(#[doc = $gloss_doc])* $gloss_name { $($gloss)* } }
         names! {
             view { $($view)* } values { $($value)* } state { $($state)* $($last)* }
             mtf_view { $($mtf_view)* } mtf_state { $($mtf_state)* }
             crosstalk { $($crosstalk)* } sparkle { $($sparkle)* } image { $($image)* }
+            gloss { $($gloss)* }
         }
     };
 }

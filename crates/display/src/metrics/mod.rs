@@ -4,7 +4,7 @@
 //! [`Metric`], all iterations and the [labels](crate::Label) of figures and tables. A new metric needs a line in the table,
 //! with its documentation and its label (`= quantity in unit`), and its value: in `meter/metrics.rs`, or where the result that it is
 //! from lists its `metrics` and `errors` (`spatial/result.rs`, `spatial/crosstalk/result.rs`, `spatial/sparkle.rs`,
-//! `image/mod.rs`).
+//! `image/mod.rs`, `gloss.rs`).
 
 #[macro_use]
 mod declare;
@@ -28,6 +28,8 @@ pub enum MetricSource {
     Sparkle,
     /// A picture on it: [`image`](crate::image::image()).
     Image,
+    /// Its gloss: [`gloss`](crate::gloss::gloss()).
+    Gloss,
 }
 
 impl MetricSource {
@@ -39,6 +41,7 @@ impl MetricSource {
             Self::Crosstalk => Some("crosstalk"),
             Self::Sparkle => Some("sparkle"),
             Self::Image => Some("image"),
+            Self::Gloss => Some("gloss"),
         }
     }
 }
@@ -320,6 +323,17 @@ metrics! {
         /// Fraction of the pixels that a screen cannot show.
         clipped_fraction = "Fraction of pixels clipped by a screen",
     }
+    /// Gloss of a state: results of [`gloss`](crate::gloss::gloss()).
+    gloss GlossMetrics {
+        /// Gloss at 20 deg (ISO 2813:2014), gloss units: 100 for polished black glass of index 1.567.
+        gloss_20 = "Gloss at 20°" in "GU",
+        /// The same at 60 deg.
+        gloss_60 = "Gloss at 60°" in "GU",
+        /// The same at 85 deg.
+        gloss_85 = "Gloss at 85°" in "GU",
+        /// Distinctness of the image of a slit at 30 deg (after ASTM E430), 100 for a flat mirror.
+        distinctness_of_image = "Distinctness of image",
+    }
 }
 
 #[cfg(test)]
@@ -353,7 +367,7 @@ mod tests {
         {
             assert!(Metric::named(name).is_some_and(Metric::is_of_view), "{name}");
         }
-        for (name, _) in SpatialScalars::default().named() {
+        for (name, _) in SpatialScalars::default().named().chain(GlossMetrics::default().named()) {
             assert!(Metric::named(name).is_some_and(|metric| !metric.is_of_view()), "{name}");
         }
         let comparing_views = ["delta_E_2000_with_angle", "shift_with_angle_uv"];

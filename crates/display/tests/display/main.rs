@@ -20,6 +20,7 @@ mod filter_above_mirrors;
 mod first_answers;
 mod front_light;
 mod fronts;
+mod gloss;
 mod half_vectors;
 mod honest_errors;
 mod images;

@@ -173,7 +173,7 @@ number!(
 );
 number!(
     /// The roughness of an interface.
-    Roughness, Range::from_to(0.01, 1.0).unit("roughness")
+    Roughness, Range::from_to(0.001, 1.0).unit("roughness")
 );
 number!(
     /// A root mean square slope.

@@ -68,7 +68,7 @@ fn not_of_colours(metric: scene::Metric) -> Diagnostic {
         scene::MetricSource::Sparkle => "sparkle.replicates sets its accuracy",
         scene::MetricSource::Crosstalk => "its error is the difference of two levels of discretisation",
         scene::MetricSource::Image => "image.json has the error of the colours that are seen",
-        scene::MetricSource::Mtf | scene::MetricSource::Colours => {
+        scene::MetricSource::Mtf | scene::MetricSource::Gloss | scene::MetricSource::Colours => {
             "solver.relative_error or solver.paths sets its accuracy"
         }
     };

@@ -1,4 +1,4 @@
-// Sharpness, crosstalk and sparkle, as by `papilio mtf`, `papilio crosstalk` and `papilio sparkle`: numbers, and figures drawn by the
+// Sharpness, crosstalk, sparkle and gloss, as by `papilio mtf`, `crosstalk`, `sparkle` and `gloss`: numbers, and figures drawn by the
 // same code as on the command line.
 
 import { useSignal } from "@preact/signals";
@@ -38,6 +38,11 @@ const KINDS: readonly Kind[] = [
     command: "sparkle",
     name: "Sparkle",
     about: "Random brightness of equal pixels below an antiglare face, which the table [sparkle] describes.",
+  },
+  {
+    command: "gloss",
+    name: "Gloss",
+    about: "What a glossmeter reads at 20, 60 and 85 deg (ISO 2813), and how distinct mirror images are.",
   },
 ];
 

@@ -1,4 +1,4 @@
-// Metrics of pixels: sharpness, crosstalk and sparkle. A sweep computes them only if it names them.
+// Metrics that no run computes: sharpness, crosstalk, sparkle and gloss. A sweep computes them only if it names them.
 
 import { computed, signal } from "@preact/signals";
 
@@ -27,6 +27,7 @@ const TABLES: Readonly<Record<string, string>> = {
   mtf: "display.matrix",
   crosstalk: "display.matrix",
   sparkle: "sparkle",
+  gloss: "display",
 };
 
 const known = computed(() => {

@@ -1,0 +1,121 @@
+//! Gloss and distinctness of image against closed forms, by both solvers.
+
+use std::f64::consts::SQRT_2;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::Control;
+use papilio_display::gloss::{GlossResult, StateGloss, gloss};
+use papilio_scenario::Scenario;
+
+/// Glass over an absorber: a face, its index, and the solver.
+fn read(layer: &str, index: f64, solver: &str) -> GlossResult {
+    let text = format!(
+        "[spectrum]\nrange_nm = [400, 700]\nstep_nm = 100\n[[display.layers]]\n{layer}\n[[display.layers]]\nkind = \"medium\"\n\
+         index = {index}\n[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = {{ dark = 0.0 }}\n\
+         [lighting]\ndiffuse = 1.0\n[viewer]\ntheta_deg = 0\nphi_deg = 25\n[solver]\nmethod = \"{solver}\"\nrelative_error = 0.004\n"
+    );
+    let scene =
+        Scenario::from_text(&text, "glass.toml", Path::new(""), &[]).unwrap().resolve().unwrap().scene;
+    gloss(&scene, &Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) }).unwrap()
+}
+
+fn dark(result: &GlossResult) -> StateGloss {
+    *result.states.get("dark").unwrap()
+}
+
+/// Unpolarised reflectance of glass in air, from the angles of incidence and refraction (Fresnel).
+fn fresnel(index: f64, theta_deg: f64) -> f64 {
+    let (i, r) = (theta_deg.to_radians(), (theta_deg.to_radians().sin() / index).asin());
+    let s = ((i - r).sin() / (i + r).sin()).powi(2);
+    let p = ((i - r).tan() / (i + r).tan()).powi(2);
+    0.5 * (s + p)
+}
+
+/// The standard has a gloss of 100, other glass that of its reflectance; its images are distinct.
+#[test]
+fn flat_glass_has_the_gloss_of_its_reflectance() {
+    for solver in ["adding", "monte-carlo"] {
+        for index in [1.567, 1.46, 2.0] {
+            let found = dark(&read("kind = \"fresnel\"", index, solver)).values;
+            let pairs = [(found.gloss_20, 20.0), (found.gloss_60, 60.0), (found.gloss_85, 85.0)];
+            for (value, theta_deg) in pairs {
+                let expected = 100.0 * fresnel(index, theta_deg) / fresnel(1.567, theta_deg);
+                assert!(
+                    (value.unwrap() - expected).abs() < 1e-9,
+                    "{solver} {index} {theta_deg}: {value:?} {expected}"
+                );
+            }
+            assert_eq!(found.distinctness_of_image, Some(100.0));
+        }
+    }
+}
+
+/// Gaussian slopes of a root mean square of `alpha/sqrt 2`: reflected light deviates by twice the slope in the plane of
+/// incidence, and by 2 cos(theta) times the slope across. The share of the receptor follows from normal distributions.
+#[test]
+fn rough_glass_has_the_gloss_of_its_slopes() {
+    for alpha in [0.001, 0.01, 0.0587] {
+        let face = format!("kind = \"rough\"\nalpha = {alpha}\ndistribution = \"beckmann\"");
+        let found = dark(&read(&face, 1.52, "monte-carlo"));
+        let (values, errors) = (found.values, found.error);
+        let meters = [
+            (values.gloss_20, errors.gloss_20, 20.0, [1.8, 3.6]),
+            (values.gloss_60, errors.gloss_60, 60.0, [4.4, 11.7]),
+            (values.gloss_85, errors.gloss_85, 85.0, [4.0, 6.0]),
+        ];
+        for (value, error, theta_deg, receptor) in meters {
+            let slope = alpha / SQRT_2;
+            let cosine = f64::to_radians(theta_deg).cos();
+            let accepted =
+                accepted(2.0 * slope, 0.75, receptor[0]) * accepted(2.0 * cosine * slope, 2.5, receptor[1]);
+            let expected = 100.0 * fresnel(1.52, theta_deg) / fresnel(1.567, theta_deg) * accepted;
+            // At 85 deg the reflectance changes over the lobe, and facets shadow each other.
+            let small_angles = if theta_deg > 80.0 { 0.012 * expected } else { 0.003 * expected };
+            let off = value.unwrap() - expected;
+            assert!(
+                off.abs() < small_angles + 4.0 * error.unwrap(),
+                "{alpha} {theta_deg}: {value:?} {expected}"
+            );
+        }
+    }
+}
+
+/// Mean over a source of the probability that a normally distributed deviation leaves the receptor no farther than its edge.
+/// Widths in degrees.
+fn accepted(deviation: f64, source: f64, receptor: f64) -> f64 {
+    let [source, receptor] = [source, receptor].map(f64::to_radians);
+    let count = 4000;
+    let cell = |k: usize| {
+        let angle = ((k as f64 + 0.5) / f64::from(count) - 0.5) * 16.0 * deviation;
+        let overlap =
+            (angle + 0.5 * source).min(0.5 * receptor) - (angle - 0.5 * source).max(-0.5 * receptor);
+        let weight = (-0.5 * (angle / deviation).powi(2)).exp();
+        [weight, weight * (overlap / source).clamp(0.0, 1.0)]
+    };
+    let [all, inside] = (0..4000).map(cell).fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+    inside / all
+}
+
+/// Both solvers agree where the light below the face counts, too.
+#[test]
+fn solvers_agree_on_the_gloss_of_paper_below_rough_glass() {
+    let both = ["adding", "monte-carlo"].map(|solver| {
+        let layer = "kind = \"rough\"\nalpha = 0.8";
+        let text = format!(
+            "[spectrum]\nrange_nm = [400, 700]\nstep_nm = 100\n[[display.layers]]\n{layer}\n[[display.layers]]\nkind = \"medium\"\n\
+             index = 1.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = {{ white = 0.8 }}\n\
+             [lighting]\ndiffuse = 1.0\n[viewer]\ntheta_deg = 0\n[solver]\nmethod = \"{solver}\"\nrelative_error = 0.01\n"
+        );
+        let scene = Scenario::from_text(&text, "paper.toml", Path::new(""), &[]).unwrap().resolve().unwrap().scene;
+        let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+        *gloss(&scene, &control).unwrap().states.get("white").unwrap()
+    });
+    let [adding, paths] = both;
+    for ((name, one), (_, other)) in adding.values.named().zip(paths.values.named()) {
+        let error = |of: &StateGloss| of.error.named().find(|(known, _)| *known == name).unwrap().1.unwrap();
+        let (off, allowed) = (one.unwrap() - other.unwrap(), error(&adding) + 4.0 * error(&paths));
+        assert!(off.abs() < allowed + 1e-9, "{name}: {one:?} {other:?}");
+    }
+    assert!(adding.values.distinctness_of_image.unwrap().abs() < 2.0);
+}
