@@ -197,9 +197,12 @@ commands! {
     /// Study the numerical methods on a scenario
     #[command(subcommand)]
     Study(arguments::Study) => study::sampling,
-    /// Reproduce the tables and figures of Feng (2012), and write them next to Papilio's results as HTML
-    #[command(after_help = "Example: papilio validate --out out/validate\n\n\
-                      Then open out/validate/report.html in a browser.")]
+    /// Reproduce the tables and figures of Feng (2012), and write them next to Papilio's results as HTML; or predict
+    /// samples that others measured
+    #[command(after_help = "Examples:\n  \
+                      papilio validate --out out/validate\n  \
+                      papilio validate --measured clear-glass\n\n\
+                      Then open report.html in the folder in a browser. docs/measured-samples.md describes the samples.")]
     Validate(arguments::Validate) => validate::validate,
     /// Start the web app: edit a display and see its result in the browser (local access only)
     #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\

@@ -1,4 +1,7 @@
-//! `papilio validate`: the tables and figures of Feng (2012) next to Papilio's results, as HTML.
+//! `papilio validate`: the tables and figures of Feng (2012) next to Papilio's results, as HTML; or samples that others
+//! measured.
+
+mod measured;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -12,6 +15,9 @@ use crate::progress::FractionBar;
 use crate::{Failure, interrupt, output, print_message};
 
 pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
+    if let Some(name) = &arguments.measured {
+        return measured::run(arguments, name.as_deref());
+    }
     let folder = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out/validate"));
     output::check(&folder)?;
     output::make_folder(&folder)?;

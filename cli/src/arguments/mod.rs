@@ -99,7 +99,13 @@ pub(crate) struct Run {
 
 #[derive(Debug, Args)]
 pub(crate) struct Validate {
-    /// Folder for the report and its scenarios [default: out/validate]
+    /// Predict samples that others measured instead: all, one by its name, or those of a list of one's own (.toml)
+    #[arg(long, value_name = "NAME", num_args = 0..=1)]
+    pub(crate) measured: Option<Option<String>>,
+    /// Print the result as JSON on standard output; write files only if --out is given
+    #[arg(long, requires = "measured")]
+    pub(crate) json: bool,
+    /// Folder for the report and its scenarios [default: out/validate, with --measured out/measured]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]

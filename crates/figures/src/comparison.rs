@@ -45,7 +45,15 @@ pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) ->
     if spectra.is_empty() {
         return None;
     }
-    let values = spectra.iter().flat_map(|(_, one)| one.simulated.iter().chain(&one.measured).copied());
+    let sides = |one: &SpectrumComparison| {
+        let of = |values: &[f64], deviations: &[f64]| -> Vec<f64> {
+            let deviations = deviations.iter().copied().chain(std::iter::repeat(0.0));
+            values.iter().zip(deviations).flat_map(|(value, by)| [value - BAND * by, value + BAND * by]).collect()
+        };
+        let simulated = of(&one.simulated, &one.simulated_deviation);
+        simulated.into_iter().chain(of(&one.measured, &one.measured_deviation))
+    };
+    let values = spectra.iter().flat_map(|(_, one)| sides(one));
     let y = Axis::covering(values.chain([0.0]), 6, "Reflectance factor");
     let nm = spectra.iter().flat_map(|(_, one)| one.wavelength_nm.iter().copied());
     let ends = [nm.clone().fold(f64::INFINITY, f64::min), nm.fold(f64::NEG_INFINITY, f64::max)];

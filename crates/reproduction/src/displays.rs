@@ -25,9 +25,15 @@ pub enum ReproductionError {
     /// A measurement could not be used.
     #[error("a measured sample of the report cannot be used: {0}")]
     Sample(String),
+    /// A list of samples, or a sample, cannot be used.
+    #[error("{0}")]
+    List(String),
     /// An example that the report runs is not part of the program.
     #[error("the program was built without its example `{0}`")]
     Example(String),
+    /// The spread by the tolerances of inputs, or a metric, could not be computed.
+    #[error(transparent)]
+    Design(#[from] papilio_design::DesignError),
     /// A folder could not be created.
     #[error("cannot create the folder {0}: {1}")]
     Folder(PathBuf, std::io::Error),

@@ -11,6 +11,8 @@
 //! bare panel) behind diffusers of the same haze; the measured samples are synthetic. Numbers of the bare
 //! panel should therefore agree, and those of diffused panels qualitatively.
 //!
+//! [`samples`] predicts samples that others measured.
+//!
 //! **Out of scope.** The thesis's photographs and drawings, its measured data, and the data that it took from
 //! charts of others.
 
@@ -22,6 +24,7 @@ mod chapter_5;
 mod dipoles;
 mod displays;
 mod report;
+pub mod samples;
 pub mod table_5_1;
 pub mod table_5_3;
 mod verdict;

@@ -13,13 +13,13 @@ pub struct Report {
     pub sections: Vec<Section>,
 }
 
-/// A section about a table or figure of the dissertation and its reproduction.
+/// A section about a table or figure of the dissertation and its reproduction, or about a measured sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// Identifier within the page: `table-5-1`.
-    pub id: &'static str,
-    /// Number and title in the dissertation.
-    pub title: &'static str,
+    pub id: String,
+    /// Number and title in the dissertation, or what was measured.
+    pub title: String,
     /// Contents.
     pub parts: Vec<Part>,
 }
@@ -46,8 +46,8 @@ pub struct Table {
 
 impl Section {
     /// Creates a section without parts.
-    pub fn new(id: &'static str, title: &'static str) -> Self {
-        Self { id, title, parts: Vec::new() }
+    pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
+        Self { id: id.into(), title: title.into(), parts: Vec::new() }
     }
 
     /// Adds a paragraph.
@@ -143,12 +143,12 @@ impl Report {
         self.about.iter().for_each(|text| paragraph(&mut page, text));
         page.push_str("<nav>\n");
         for section in &self.sections {
-            let _ = writeln!(page, "<a href=\"#{}\">{}</a>", section.id, escaped(section.title));
+            let _ = writeln!(page, "<a href=\"#{}\">{}</a>", section.id, escaped(&section.title));
         }
         page.push_str("</nav>\n");
         for section in &self.sections {
-            let _ = writeln!(page, "<section id=\"{}\">\n<h2>{}</h2>", section.id, escaped(section.title));
-            section.parts.iter().for_each(|part| part.html(&mut page, section.title));
+            let _ = writeln!(page, "<section id=\"{}\">\n<h2>{}</h2>", section.id, escaped(&section.title));
+            section.parts.iter().for_each(|part| part.html(&mut page, &section.title));
             page.push_str("</section>\n");
         }
         page.push_str("</body>\n</html>\n");

@@ -125,7 +125,7 @@ impl Report {
             let worst = one.percent.iter().copied().fold(0.0, f64::max);
             let counted = |count: usize, of: usize| if of == 0 { String::new() } else { count.to_string() };
             let of = one.percent.len();
-            let mut row = vec![section.title.to_owned(), counted(of, of)];
+            let mut row = vec![section.title.clone(), counted(of, of)];
             row.extend(PERCENT.map(|limit| counted(one.within(limit), of)));
             row.push(if of == 0 { String::new() } else { format!("{worst:.1} %") });
             row.extend([

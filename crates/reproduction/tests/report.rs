@@ -31,7 +31,7 @@ fn number(cell: &str) -> f64 {
 
 #[test]
 fn report_contains_all_tables_and_figures() {
-    let titles: Vec<&str> = report().sections.iter().map(|section| section.title).collect();
+    let titles: Vec<&str> = report().sections.iter().map(|section| section.title.as_str()).collect();
     for table in ["4.1", "5.1", "5.2", "5.3"] {
         assert!(titles.iter().any(|title| title.starts_with(&format!("Table {table}"))), "{table}");
     }

@@ -1,0 +1,165 @@
+//! Samples that others measured, predicted from their printed inputs without fitting.
+//!
+//! A list in TOML ([`SampleList`]) names for each sample its scenario, its measurement, the displays that were measured, the
+//! tolerances of the printed inputs, and the inputs that were not printed, with their range. [`predict`] computes the
+//! displays, and compares them with the measurement.
+//!
+//! **Verdict.** z is the difference, predicted minus measured, over the root of the sum of the squares of the measurement's
+//! standard deviation and of that by the tolerances of the inputs. A sample agrees if the root mean square of z is at most
+//! [`AGREES`], the band of 95 % of one normally distributed number, because the errors of a spectrum are rarely independent.
+//! Inputs that were not printed widen the band; a sample that agrees only with them is within its unknowns.
+
+mod page;
+mod predicted;
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
+mod tests;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::ReproductionError;
+use crate::displays::write_example;
+pub use page::report;
+pub use predicted::{CasePrediction, Prediction, Verdict, predict};
+
+/// Largest root mean square of z of a sample that agrees.
+pub const AGREES: f64 = 2.0;
+
+/// The shipped list, in the folder of the examples.
+const SHIPPED: &str = "data/samples.toml";
+
+/// A list of samples.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SampleList {
+    /// The samples, in the order of the report.
+    #[serde(rename = "sample")]
+    pub samples: Vec<Sample>,
+}
+
+/// A sample: files, and what is known of it. Paths are relative to the list.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sample {
+    /// Its name on the command line.
+    pub name: String,
+    /// What it is.
+    pub title: String,
+    /// Who measured it, and where the numbers are from.
+    pub source: String,
+    /// Licence of the numbers.
+    pub licence: String,
+    /// The inputs that were printed, and their uncertainty, in words.
+    pub inputs: String,
+    /// What explains the verdict, in words.
+    #[serde(default)]
+    pub remark: String,
+    /// Its scenario.
+    pub scenario: String,
+    /// Further files that the scenario names.
+    #[serde(default)]
+    pub files: Vec<String>,
+    /// Its measurement, as for `papilio compare`.
+    pub measured: String,
+    /// The displays that were measured.
+    pub cases: Vec<Case>,
+    /// Tolerances of the printed inputs: tables as of `tolerance.keys` in a scenario.
+    #[serde(default)]
+    pub tolerances: Vec<toml::Table>,
+    /// Inputs that were not printed.
+    #[serde(default)]
+    pub unknowns: Vec<Unknown>,
+}
+
+/// A display of a sample.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Its name.
+    pub name: String,
+    /// Values of keys that differ from the scenario.
+    #[serde(default)]
+    pub set: BTreeMap<String, toml::Value>,
+}
+
+/// An input that was not printed.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unknown {
+    /// What it is, and its range, in words.
+    pub what: String,
+    /// Its distribution: a table as of `tolerance.keys` in a scenario.
+    pub tolerance: toml::Table,
+}
+
+/// What `papilio validate --measured` reports.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct SampleReport {
+    /// Version of the program.
+    pub papilio: String,
+    /// The samples.
+    pub samples: Vec<Prediction>,
+}
+
+impl SampleList {
+    /// Reads a list; errors call it `name`.
+    ///
+    /// # Errors
+    /// For a text that is no such list, with its place.
+    pub fn parse(text: &str, name: &str) -> Result<Self, ReproductionError> {
+        toml::from_str(text).map_err(|error| ReproductionError::List(format!("{name}: {error}")))
+    }
+
+    /// Writes the shipped list and its files to a folder, and reads it.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn shipped(folder: &Path) -> Result<Self, ReproductionError> {
+        let data = folder.join("data");
+        std::fs::create_dir_all(&data).map_err(|error| ReproductionError::Folder(data, error))?;
+        write_example(&format!("scenarios/{SHIPPED}"), &folder.join(SHIPPED))?;
+        let list = Self::of_program()?;
+        for sample in &list.samples {
+            for file in sample.files.iter().chain([&sample.scenario, &sample.measured]) {
+                let path = file.strip_prefix("../").map_or_else(|| format!("data/{file}"), str::to_owned);
+                write_example(&format!("scenarios/{path}"), &folder.join(path))?;
+            }
+        }
+        Ok(list)
+    }
+
+    /// The shipped list.
+    ///
+    /// # Errors
+    /// If the program was built without it.
+    pub fn of_program() -> Result<Self, ReproductionError> {
+        let missing = || ReproductionError::Example(SHIPPED.to_owned());
+        let bytes = papilio_examples::file(&format!("scenarios/{SHIPPED}")).ok_or_else(missing)?;
+        Self::parse(&String::from_utf8_lossy(&bytes), SHIPPED)
+    }
+
+    /// The folder of the shipped list in the folder of the examples.
+    pub fn folder(examples: &Path) -> std::path::PathBuf {
+        examples.join("data")
+    }
+
+    /// Keeps the sample of this name.
+    ///
+    /// # Errors
+    /// If there is none, with the names that there are.
+    pub fn only(mut self, name: &str) -> Result<Self, ReproductionError> {
+        let known: Vec<String> = self.samples.iter().map(|sample| sample.name.clone()).collect();
+        self.samples.retain(|sample| sample.name == name);
+        if self.samples.is_empty() {
+            let known = known.join(", ");
+            return Err(ReproductionError::List(format!(
+                "there is no sample `{name}`; expected {known}, or a list of samples (.toml)"
+            )));
+        }
+        Ok(self)
+    }
+}

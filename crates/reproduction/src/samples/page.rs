@@ -1,0 +1,80 @@
+//! The report on samples as a page: a section for each, with its figures.
+
+use papilio_figures::compared_spectra;
+
+use super::Prediction;
+use crate::report::{Report, Section, Table, number};
+
+/// Returns the page of these samples.
+pub fn report(samples: &[Prediction]) -> Report {
+    let mut sections = vec![Section::new("summary", "All samples").table(summary(samples))];
+    sections.extend(samples.iter().map(section));
+    Report {
+        title: "Measured samples".to_owned(),
+        about: [
+            "Samples that others measured and published, predicted by Papilio from their printed inputs. Nothing was fitted.",
+            "z is predicted minus measured, over the root of the sum of the squares of both standard deviations: that of the \
+             measurement, and that by the tolerances of the printed inputs. A sample agrees if the root mean square of its z is at \
+             most 2. Inputs that were not printed widen the band, and are named.",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+        sections,
+    }
+}
+
+/// A row for each sample.
+fn summary(samples: &[Prediction]) -> Table {
+    let mut table = Table::new(&[
+        "sample",
+        "verdict",
+        "rms difference",
+        "of",
+        "rms z",
+        "rms z with unknowns",
+        "mean dE2000",
+    ]);
+    for sample in samples {
+        let value = |value: Option<f64>| value.map_or("-".to_owned(), |value| number(value, 2));
+        table.row([
+            sample.title.clone(),
+            sample.verdict.in_words().to_owned(),
+            number(sample.rms, 2),
+            sample.rms_of.clone(),
+            value(sample.z_rms),
+            value(sample.z_rms_with_unknowns),
+            value(sample.delta_e_2000_mean),
+        ]);
+    }
+    table
+}
+
+fn section(sample: &Prediction) -> Section {
+    let unknowns = if sample.unknowns.is_empty() {
+        String::new()
+    } else {
+        format!(" Not printed: {}.", sample.unknowns.join("; "))
+    };
+    let remark = if sample.remark.is_empty() { String::new() } else { format!(": {}", sample.remark) };
+    let mut section = Section::new(sample.name.clone(), sample.title.clone())
+        .say(format!("{} ({}).", sample.source, sample.licence))
+        .say(format!("Inputs: {}.{unknowns}", sample.inputs))
+        .say(format!("Verdict: {}{remark}.", sample.verdict.in_words()));
+    let metrics = sample.cases.iter().flat_map(|case| &case.comparison.metrics);
+    let mut table = Table::new(&["metric", "predicted", "measured", "z"]);
+    metrics.for_each(|one| {
+        let z = one.z.map_or("-".to_owned(), |z| number(z, 2));
+        table.row([one.metric.clone(), number(one.simulated, 3), number(one.measured, 3), z]);
+    });
+    if !table.rows.is_empty() {
+        section = section.table(table);
+    }
+    for case in &sample.cases {
+        for view in &case.comparison.views {
+            if let Some(svg) = compared_spectra(&case.comparison, view, &case.name) {
+                section = section.figure(svg, format!("{}, {}", sample.title, case.name));
+            }
+        }
+    }
+    section
+}

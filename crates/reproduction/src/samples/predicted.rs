@@ -1,0 +1,215 @@
+//! Prediction of a sample, and its comparison with the measurement.
+
+use std::path::Path;
+
+use papilio_design::measured::{add_metrics, add_tolerances};
+use papilio_display::Control;
+use papilio_display::compare::{Agreement, Comparison, Measurement, Simulated, compare_measurement};
+use papilio_formats::{DataFile, read_measurement};
+use papilio_scenario::{ParameterisedScenario, Scenario, Tolerance};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::{AGREES, Case, Sample};
+use crate::ReproductionError;
+
+/// Verdict on a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+pub enum Verdict {
+    /// Within the errors of the measurement and of the printed inputs.
+    #[serde(rename = "agrees")]
+    Agrees,
+    /// Within these and the range of the inputs that were not printed.
+    #[serde(rename = "within its unknowns")]
+    WithinUnknowns,
+    /// Outside both.
+    #[serde(rename = "disagrees")]
+    Disagrees,
+}
+
+impl Verdict {
+    /// The verdict in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Agrees => "agrees",
+            Self::WithinUnknowns => "within its unknowns",
+            Self::Disagrees => "disagrees",
+        }
+    }
+}
+
+/// A sample, predicted and compared.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Prediction {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub title: String,
+    /// Who measured it.
+    pub source: String,
+    /// Licence of the numbers.
+    pub licence: String,
+    /// The printed inputs and their uncertainty, in words.
+    pub inputs: String,
+    /// What explains the verdict, in words.
+    pub remark: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Root mean square of predicted minus measured, over all numbers.
+    pub rms: f64,
+    /// What `rms` is of: `reflectance factor`, or the name of a metric.
+    pub rms_of: String,
+    /// Root mean square of z, with the errors of the measurement and of the printed inputs.
+    pub z_rms: Option<f64>,
+    /// The same with the inputs that were not printed; null if there are none.
+    pub z_rms_with_unknowns: Option<f64>,
+    /// Mean CIEDE2000 difference of the measured states; null without spectra or colours.
+    pub delta_e_2000_mean: Option<f64>,
+    /// Root mean square difference of the peaks of spectra, nm; null without peaks.
+    pub peak_difference_rms_nm: Option<f64>,
+    /// The inputs that were not printed, in words.
+    pub unknowns: Vec<String>,
+    /// The displays.
+    pub cases: Vec<CasePrediction>,
+}
+
+/// One display of a sample.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct CasePrediction {
+    /// Its name.
+    pub name: String,
+    /// Its comparison with the measurement, with the errors of the printed inputs.
+    pub comparison: Comparison,
+}
+
+/// Predicts a sample, and compares it with its measurement. Its files are in `folder`.
+///
+/// # Errors
+/// If a file cannot be read, a scenario is invalid or cannot be computed, or nothing measured has a counterpart.
+pub fn predict(
+    sample: &Sample,
+    folder: &Path,
+    control: &Control<'_>,
+) -> Result<Prediction, ReproductionError> {
+    let file = DataFile::open(&folder.join(&sample.measured), &sample.measured)?;
+    let measurement = read_measurement(&file)?.value;
+    let mut cases = Vec::new();
+    let mut with_unknowns = Vec::new();
+    for (number, case) in sample.cases.iter().enumerate() {
+        let part = [number, number + 1].map(|done| done as f64 / sample.cases.len() as f64);
+        let found = control.within(part, |control| predict_case(sample, case, folder, &measurement, control));
+        let [stated, widened] = found?;
+        cases.push(CasePrediction { name: case.name.clone(), comparison: stated });
+        with_unknowns.push(widened);
+    }
+    let stated: Vec<&Comparison> = cases.iter().map(|case| &case.comparison).collect();
+    let z_rms = z_rms(&stated);
+    let z_rms_with_unknowns = if sample.unknowns.is_empty() {
+        None
+    } else {
+        self::z_rms(&with_unknowns.iter().collect::<Vec<_>>())
+    };
+    let verdict = match (z_rms, z_rms_with_unknowns) {
+        (Some(z), _) if z <= AGREES => Verdict::Agrees,
+        (_, Some(z)) if z <= AGREES => Verdict::WithinUnknowns,
+        _ => Verdict::Disagrees,
+    };
+    let (rms, rms_of) = rms(&stated);
+    let states = || stated.iter().flat_map(|one| &one.states);
+    let peaks = states().filter_map(|one| Some(one.simulated.peak_nm? - one.measured.peak_nm?));
+    Ok(Prediction {
+        name: sample.name.clone(),
+        title: sample.title.clone(),
+        source: sample.source.clone(),
+        licence: sample.licence.clone(),
+        inputs: sample.inputs.clone(),
+        remark: sample.remark.clone(),
+        verdict,
+        rms,
+        rms_of,
+        z_rms,
+        z_rms_with_unknowns,
+        delta_e_2000_mean: mean(states().filter_map(|one| one.delta_E_2000)),
+        peak_difference_rms_nm: mean(peaks.map(|off| off * off)).map(f64::sqrt),
+        unknowns: sample.unknowns.iter().map(|one| one.what.clone()).collect(),
+        cases,
+    })
+}
+
+/// Compares a display with the errors of the printed inputs, and with those of all inputs.
+fn predict_case(
+    sample: &Sample,
+    case: &Case,
+    folder: &Path,
+    measurement: &Measurement,
+    control: &Control<'_>,
+) -> Result<[Comparison; 2], ReproductionError> {
+    let path = folder.join(&sample.scenario);
+    let set: Vec<String> = case.set.iter().map(|(key, value)| format!("{key}={value}")).collect();
+    let resolved = Scenario::load(&path, &set)?.resolve()?;
+    let result = papilio_display::run(&resolved.scene, control)?;
+    if result.solver.interrupted {
+        return Err(papilio_display::DisplayError::Interrupted.into());
+    }
+    let no_light = || ReproductionError::List(format!("{}: there is no ambient light", sample.name));
+    let mut simulated = Simulated::of(&result, &resolved.scene).ok_or_else(no_light)?;
+    add_metrics(&mut simulated, measurement, ParameterisedScenario::load(&path, &set, &[])?, control.stop)?;
+    let unknown = sample.unknowns.iter().map(|unknown| &unknown.tolerance);
+    let printed: Vec<&toml::Table> = sample.tolerances.iter().collect();
+    let all: Vec<&toml::Table> = printed.iter().copied().chain(unknown).collect();
+    let compared = |keys: &[&toml::Table]| {
+        let mut simulated: Simulated = simulated.clone();
+        if !keys.is_empty() {
+            add_inputs(&mut simulated, measurement, &path, &set, keys, control)?;
+        }
+        let nothing = |error| ReproductionError::List(format!("{}, {}: {error}", sample.name, case.name));
+        compare_measurement(&simulated, measurement).map_err(nothing)
+    };
+    let stated = compared(&printed)?;
+    let widened = if sample.unknowns.is_empty() { stated.clone() } else { compared(&all)? };
+    Ok([stated, widened])
+}
+
+/// Adds the standard deviations by the distributions of inputs.
+fn add_inputs(
+    simulated: &mut Simulated,
+    measurement: &Measurement,
+    path: &Path,
+    set: &[String],
+    keys: &[&toml::Table],
+    control: &Control<'_>,
+) -> Result<(), ReproductionError> {
+    let keys: Vec<String> = keys.iter().map(|key| toml::Value::Table((*key).clone()).to_string()).collect();
+    let tolerance = format!("tolerance={{ keys = [{}] }}", keys.join(", "));
+    let tolerance = Tolerance::load(path, &[set, &[tolerance]].concat())?;
+    let threads =
+        control.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    Ok(add_tolerances(simulated, measurement, &tolerance, (threads, control.stop), &|_| {})?)
+}
+
+/// Root mean square of all z.
+fn z_rms(all: &[&Comparison]) -> Option<f64> {
+    let of_states = all.iter().flat_map(|one| one.states.iter().flat_map(|state| state.z.iter().copied()));
+    let of_metrics = all.iter().flat_map(|one| one.metrics.iter().filter_map(|metric| metric.z));
+    Agreement::of(of_states.chain(of_metrics)).map(|agreement| agreement.z_rms)
+}
+
+/// Root mean square difference of reflectance factors, or of metrics if there are no spectra, and what it is of.
+fn rms(all: &[&Comparison]) -> (f64, String) {
+    let spectra = all.iter().flat_map(|one| &one.states).filter_map(|state| state.spectrum.as_ref());
+    let of_spectra: Vec<f64> = spectra
+        .flat_map(|one| one.simulated.iter().zip(&one.measured).map(|(ours, theirs)| (ours - theirs).powi(2)))
+        .collect();
+    if let Some(mean) = mean(of_spectra.into_iter()) {
+        return (mean.sqrt(), "reflectance factor".to_owned());
+    }
+    let metrics = || all.iter().flat_map(|one| &one.metrics);
+    let name = metrics().next().map_or("-", |one| one.metric.rsplit('.').next().unwrap_or_default());
+    let squares = metrics().map(|one| (one.simulated - one.measured).powi(2));
+    (mean(squares).unwrap_or(f64::NAN).sqrt(), name.to_owned())
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}

@@ -1,0 +1,64 @@
+//! Predictions of the shipped samples against what is published of them, and answers to bad lists.
+
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::Control;
+
+use super::*;
+
+fn predicted(name: &str) -> Prediction {
+    let folder = tempfile::tempdir().unwrap();
+    let list = SampleList::shipped(folder.path()).unwrap().only(name).unwrap();
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    predict(&list.samples[0], &SampleList::folder(folder.path()), &control).unwrap()
+}
+
+/// The printed digits of the records are 0.001; the prediction is within 0.0015.
+#[test]
+fn clear_glass_is_predicted() {
+    let glass = predicted("clear-glass");
+    assert!(glass.rms < 0.0015 && glass.verdict == Verdict::Agrees, "{} {:?}", glass.rms, glass.verdict);
+    assert_eq!(glass.cases.len(), 2);
+    // Without tolerances, z is the difference over the standard deviation of the file.
+    assert!((glass.z_rms.unwrap() - glass.rms / 0.002).abs() < 1e-9, "{:?}", glass.z_rms);
+}
+
+/// Clean films reflect more than polished sheet of every metal.
+#[test]
+fn clean_films_are_upper_bounds_for_polished_metals() {
+    let metals = predicted("polished-metals");
+    assert_eq!((metals.verdict, metals.cases.len()), (Verdict::Disagrees, 7));
+    for case in &metals.cases {
+        let spectrum = case.comparison.states[0].spectrum.as_ref().unwrap();
+        assert!(spectrum.mean_difference > 0.0, "{}: {}", case.name, spectrum.mean_difference);
+    }
+}
+
+/// Widths of gaps and film explain most of the differences; the aperture, which is not printed, widens the band.
+#[test]
+fn nanochannels_agree_better_with_the_range_of_the_aperture() {
+    let film = predicted("nanochannels");
+    assert!((0.02..0.06).contains(&film.rms), "{}", film.rms);
+    assert!(
+        film.z_rms_with_unknowns.unwrap() < film.z_rms.unwrap(),
+        "{:?} {:?}",
+        film.z_rms_with_unknowns,
+        film.z_rms
+    );
+    assert_eq!(film.unknowns.len(), 1);
+}
+
+#[test]
+fn bad_lists_are_refused_with_their_place() {
+    let said = |text: &str| SampleList::parse(text, "mine.toml").unwrap_err().to_string();
+    let unknown = said("[[sample]]\nname = \"a\"\ncolour = 1\n");
+    assert!(
+        unknown.contains("mine.toml") && unknown.contains("line 3") && unknown.contains("colour"),
+        "{unknown}"
+    );
+    let missing = said("[[sample]]\nname = \"a\"\n");
+    assert!(missing.contains("missing field"), "{missing}");
+    let list = SampleList::of_program().unwrap();
+    let none = list.only("glass").unwrap_err().to_string();
+    assert!(none.contains("`glass`") && none.contains("clear-glass"), "{none}");
+}
