@@ -77,7 +77,6 @@ fn write(
     fitting: &Fitting<'_>,
     found: &FitReport,
 ) -> Result<Vec<String>, Failure> {
-    output::remove(folder, |name| FILES.contains(&name) || output::is_figure_of(&["fit-"], name))?;
     let path = &arguments.scenario.file;
     let file = input::file(path)?;
     let from = path.parent().unwrap_or(Path::new(""));
@@ -85,6 +84,8 @@ fn write(
         arguments.scenario.set.iter().filter_map(|text| Edit::of_set_in(text, from)).collect();
     let text = edit(file.text().map_err(Failure::Data)?, &set)?;
     let text = fitted_text(&text, [from, folder], fitting, found)?;
+    // After its text is read: it may be that of an earlier fit.
+    output::remove(folder, |name| FILES.contains(&name) || output::is_figure_of(&["fit-"], name))?;
     write_file(&folder.join("fitted.toml"), |out| out.write_all(text.as_bytes()))?;
     write_file(&folder.join("fit.json"), |out| write_json(out, found))?;
     write_file(&folder.join("fit.csv"), |out| out.write_all(fit_table(found).as_bytes()))?;

@@ -16,7 +16,7 @@ pub(super) fn text(title: &str, found: &FitReport) -> String {
     for group in &found.undetermined {
         let names: Vec<&str> = group.iter().map(String::as_str).collect();
         let _ = match names.as_slice() {
-            [only] => writeln!(text, "{only} has no effect on the data"),
+            [only] => writeln!(text, "the data do not determine {only}"),
             several => writeln!(text, "the data cannot tell apart: {}", several.join(", ")),
         };
     }

@@ -66,6 +66,8 @@ fn example_finds_the_true_values() {
     let again = papilio(&["fit", &fitted, &measured(), "--out", &out, "--json", "--set", "fit.starts=1"]);
     assert!(again.status.success(), "{}", stderr(&again));
     let again: Value = serde_json::from_slice(&again.stdout).unwrap();
+    let text = fs::read_to_string(&fitted).unwrap();
+    assert_eq!(text.matches("# display.pixel.gap_nm.red = 271").count(), 1, "{text}");
     assert!((again["chi_square"].as_f64().unwrap() - chi_square).abs() < 1e-2);
 }
 

@@ -32,6 +32,9 @@ pub enum DisplayError {
         /// Index of the medium of the angle.
         index: f64,
     },
+    /// A numerical aperture in light that is not diffuse: mirror images of lamps are averaged in solid angle.
+    #[error("`viewer.numerical_aperture` needs diffuse light alone, but there are lamps or an environment")]
+    ApertureInDirectedLight,
     /// An eye so close to a picture that it sees a part of it along the panel.
     #[error(
         "from `viewer.distance_mm` = {distance_mm} the reader sees a part of the picture at {theta_deg:.4} deg, along the panel (expected a larger distance, \

@@ -102,6 +102,7 @@ fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
     lit.viewer.theta_deg = vec![theta_deg];
     lit.viewer.phi_deg = vec![0.0];
     lit.viewer.field_deg = 0.0;
+    lit.viewer.numerical_aperture = None;
     lit.solver.method = Method::Adding;
     if !matches!(lit.solver.stop, Stop::RelativeError { .. }) {
         lit.solver.stop = Stop::RelativeError { target: DEFAULT_TARGET, per_wavelength: false };

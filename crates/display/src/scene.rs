@@ -413,6 +413,9 @@ pub struct Viewer {
     pub phi_deg: Vec<f64>,
     /// Full angle of the circular field of view, degrees.
     pub field_deg: f64,
+    /// Numerical aperture of an objective, instead of the field of view: its pupil is averaged uniformly. Only in
+    /// diffuse light.
+    pub numerical_aperture: Option<f64>,
     /// Distance of the eye, mm; it determines the angle of text (readability).
     pub distance_mm: f64,
 }

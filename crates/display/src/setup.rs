@@ -427,13 +427,23 @@ fn sources(scene: &Scene, index: f64) -> Result<Vec<Source>, DisplayError> {
 }
 
 fn views(scene: &Scene, index: f64) -> Result<Vec<ViewPoint>, DisplayError> {
+    let lighting = &scene.lighting;
+    let is_diffuse = lighting.directed.is_empty()
+        && lighting.environment.is_empty()
+        && lighting.front_light.as_ref().is_none_or(|guide| guide.field.is_none());
+    if scene.viewer.numerical_aperture.is_some() && !is_diffuse {
+        return Err(DisplayError::ApertureInDirectedLight);
+    }
     scene.viewer.directions().map(|(theta_deg, phi_deg)| view(scene, index, theta_deg, phi_deg)).collect()
 }
 
 fn view(scene: &Scene, index: f64, theta_deg: f64, phi_deg: f64) -> Result<ViewPoint, DisplayError> {
-    let half_field = 0.5 * scene.viewer.field_deg;
+    let aperture = scene.viewer.numerical_aperture;
+    // The numerical aperture is the sine in air, whatever the medium of the angles.
+    let half_field = aperture.map_or(0.5 * scene.viewer.field_deg, |sine| (sine / index).asin().to_degrees());
     check_above_horizon("view", theta_deg, half_field, index)?;
-    Ok(ViewPoint { theta_deg, phi_deg, field: Cone::new(theta_deg, phi_deg, half_field, index) })
+    let field = Cone::new(theta_deg, phi_deg, half_field, index);
+    Ok(ViewPoint { theta_deg, phi_deg, field: if aperture.is_some() { field.of_pupil() } else { field } })
 }
 
 impl Setup {

@@ -1,7 +1,9 @@
 //! Comparison of a simulated and a measured display: spectra as in Feng 2012, fig. 5.6, gamuts as in fig.
 //! 5.7.
 
-use papilio_display::compare::{Colour, Comparison, SIDES, StateComparison, ViewComparison};
+use papilio_display::compare::{
+    Colour, Comparison, SIDES, SpectrumComparison, StateComparison, ViewComparison,
+};
 
 use crate::axis::Axis;
 use crate::chromaticity;
@@ -48,7 +50,11 @@ pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) ->
     let sides = |one: &SpectrumComparison| {
         let of = |values: &[f64], deviations: &[f64]| -> Vec<f64> {
             let deviations = deviations.iter().copied().chain(std::iter::repeat(0.0));
-            values.iter().zip(deviations).flat_map(|(value, by)| [value - BAND * by, value + BAND * by]).collect()
+            values
+                .iter()
+                .zip(deviations)
+                .flat_map(|(value, by)| [value - BAND * by, value + BAND * by])
+                .collect()
         };
         let simulated = of(&one.simulated, &one.simulated_deviation);
         simulated.into_iter().chain(of(&one.measured, &one.measured_deviation))

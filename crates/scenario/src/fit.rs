@@ -28,6 +28,8 @@ pub struct Fit {
     pub variables: Vec<FitVariable>,
     /// Number of starting points, the scenario's own values included.
     pub starts: usize,
+    /// Standard deviations of the measured numbers.
+    pub deviations: FitDeviations,
     /// Seed of the starting points.
     pub seed: u64,
     /// Title of the scenario.
@@ -36,6 +38,15 @@ pub struct Fit {
     pub hash: String,
     /// One note for each old name of a key or a value.
     pub notes: Vec<String>,
+}
+
+/// Standard deviations of the measured numbers of a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FitDeviations {
+    /// Those of the measurement; from the residuals where it states none.
+    Stated,
+    /// From the residuals.
+    Residuals,
 }
 
 /// A number that the data are to determine.
@@ -107,6 +118,7 @@ impl Fit {
             variables: variables.collect(),
             varied,
             starts: read.starts.0 as usize,
+            deviations: read.deviations.0,
             seed: read.seed.0,
             title,
             hash: sha256(json!([hash, read]).to_string().as_bytes()),

@@ -92,7 +92,7 @@ pub use browse::{
 };
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
-pub use fit::{Fit, FitTarget, FitVariable};
+pub use fit::{Fit, FitDeviations, FitTarget, FitVariable};
 pub use here::relative_path;
 pub use labels::label;
 pub use library::{Library, MemoryFile};

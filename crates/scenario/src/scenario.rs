@@ -296,6 +296,12 @@ impl Resolved {
                 }
                 return errors.check(&self.written.sources).err();
             }
+            DisplayError::ApertureInDirectedLight => {
+                let wrong = Diagnostic::new("a numerical aperture needs diffuse light alone")
+                    .expected("no lamps and no environment in `[lighting]`: the light that an objective sends and receives")
+                    .hint("set lighting.diffuse = 1 without lamps; or field_deg instead, which is uniform in solid angle");
+                ("viewer.numerical_aperture", wrong.into())
+            }
             DisplayError::SparkleOfPoint { number } => {
                 source = format!("lighting.directed.{number}");
                 let mut wrong = mistake::missing_key("radius_deg", "the angular radius of the lamp, degrees");

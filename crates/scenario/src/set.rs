@@ -217,7 +217,8 @@ impl Grow for NodeBuilder {
 }
 
 /// Pairs of keys that exclude each other: setting one replaces the other.
-pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 8] = [
+pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 9] = [
+    ["field_deg", "numerical_aperture"],
     ["relative_error", "paths"],
     ["haze", "width"],
     ["transmittance", "total_transmittance"],

@@ -134,6 +134,12 @@ impl Model {
         Ok(model)
     }
 
+    /// Forgets the standard deviations that the measurement states, except those of metrics.
+    pub(super) fn forget_deviations(&mut self) {
+        let others = self.observations.iter_mut().filter(|one| one.unit() != Unit::Metric);
+        others.for_each(|one| one.standard_deviation = None);
+    }
+
     /// Adds the values of the measured metrics to a simulated display.
     pub(super) fn add_metrics(&self, simulated: &mut Simulated, values: &[Option<f64>]) {
         for one in &self.observations {

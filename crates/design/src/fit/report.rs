@@ -14,7 +14,7 @@ pub struct FitReport {
     pub variables: Vec<FittedVariable>,
     /// Correlations of the variables, row by row; null for those that the data do not determine.
     pub correlations: Vec<Vec<Option<f64>>>,
-    /// Groups of variables that the data cannot tell apart; a group of one has no effect on the data.
+    /// Groups of variables that the data cannot tell apart; of a group of one, all values fit.
     pub undetermined: Vec<Vec<String>>,
     /// Sum of the squares of residuals over standard deviations, those of priors included.
     pub chi_square: f64,

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_display::DisplayError;
 use papilio_display::compare::{Measurement, Simulated, compare_measurement};
-use papilio_scenario::{Fit, FitTarget, FitVariable};
+use papilio_scenario::{Fit, FitDeviations, FitTarget, FitVariable};
 
 use super::levenberg_marquardt::{Minimum, descend};
 use super::model::{Model, Unit};
@@ -13,7 +13,7 @@ use super::problem::{CommonDeviations, Problem, display_values, values};
 use super::profile::{End, end};
 use super::report::{Estimated, FitReport, FittedVariable, Residual, Starts};
 use super::statistics::{rms, runs, student};
-use super::undetermined::{Determined, determined};
+use super::undetermined::{Determined, determined, with_spanning};
 use crate::parallel::in_parallel;
 use crate::search::random_point;
 use crate::{Condition, DesignError, Evaluator, NamedQuantity, Study, Values, Variable};
@@ -62,6 +62,9 @@ impl<'stop> Fitting<'stop> {
         let of_offset = spec.variables.iter().find(|one| one.target == FitTarget::WavelengthOffset);
         let offsets = of_offset.map_or([0.0; 2], |one| one.bounds);
         let mut model = Model::new(&simulated, measurement, offsets)?;
+        if spec.deviations == FitDeviations::Residuals {
+            model.forget_deviations();
+        }
         let study = study(&spec, model.quantities.clone());
         let mut evaluator = Evaluator::new(Arc::new(study), stop);
         evaluator.hold_level(&own)?;
@@ -120,7 +123,9 @@ impl<'stop> Fitting<'stop> {
         for _ in 0..MOST_ROUNDS {
             (best, common) = self.refined(best, common)?;
             match self.intervals(&best, common, threads, progress)? {
-                Intervals::Found(ends) => return self.report(&best, common, starts, &ends).map(Some),
+                Intervals::Found { ends, undetermined } => {
+                    return self.report(&best, common, starts, (&ends, &undetermined)).map(Some);
+                }
                 Intervals::Better(point) => best.point = point,
             }
         }
@@ -252,7 +257,10 @@ impl<'stop> Fitting<'stop> {
             .collect();
         let count = tasks.len();
         let words = |done: usize| {
-            progress(0.5 + 0.5 * done as f64 / count as f64, &format!("{done} of {count} ends of intervals"))
+            progress(
+                0.5 + 0.5 * done as f64 / count.max(1) as f64,
+                &format!("{done} of {count} ends of intervals"),
+            )
         };
         let found = in_parallel(
             threads,
@@ -279,7 +287,10 @@ impl<'stop> Fitting<'stop> {
                 }
             }
         }
-        Ok(Intervals::Found(ends))
+        let spanning: Vec<usize> =
+            (0..n).filter(|k| ends[*k].is_some_and(|ends: [[f64; 2]; 2]| ends[1] == [0.0, 1.0])).collect();
+        spanning.iter().for_each(|k| ends[*k] = None);
+        Ok(Intervals::Found { ends, undetermined: with_spanning(undetermined, &spanning, &covariance) })
     }
 
     fn report(
@@ -287,10 +298,10 @@ impl<'stop> Fitting<'stop> {
         best: &Minimum,
         common: CommonDeviations,
         starts: Starts,
-        ends: &[Option<[[f64; 2]; 2]>],
+        (ends, undetermined): (&[Option<[[f64; 2]; 2]>], &[Vec<usize>]),
     ) -> Result<FitReport, DesignError> {
         let (variables, n) = (&self.spec.variables, best.point.len());
-        let Determined { undetermined, covariance } = determined(&best.jacobian);
+        let covariance = determined(&best.jacobian).covariance;
         let fitted = values(variables, &best.point);
         let error = |k: usize| covariance[k * n + k].sqrt();
         let variable = |(k, one): (usize, &FitVariable)| {
@@ -401,7 +412,11 @@ impl<'stop> Fitting<'stop> {
 
 /// Ends of intervals, in the unit cube, of the variables that the data determine; or a better minimum.
 enum Intervals {
-    Found(Vec<Option<[[f64; 2]; 2]>>),
+    /// With the groups of variables that the data do not determine.
+    Found {
+        ends: Vec<Option<[[f64; 2]; 2]>>,
+        undetermined: Vec<Vec<usize>>,
+    },
     Better(Vec<f64>),
 }
 

@@ -99,6 +99,34 @@ fn groups(null: &[Vec<f64>], errors: &[f64]) -> Vec<Vec<usize>> {
     groups
 }
 
+/// Correlation above which two variables whose intervals span their bounds are one group.
+const CORRELATED: f64 = 0.9;
+
+/// Adds variables whose intervals of 95 % span their bounds to the groups: every value within the bounds agrees
+/// with the data.
+pub(super) fn with_spanning(
+    mut groups: Vec<Vec<usize>>,
+    spanning: &[usize],
+    covariance: &[f64],
+) -> Vec<Vec<usize>> {
+    let n = covariance.len().isqrt();
+    let correlation =
+        |i: usize, k: usize| covariance[i * n + k] / (covariance[i * n + i] * covariance[k * n + k]).sqrt();
+    let mut left = spanning.to_vec();
+    while let Some(first) = left.pop() {
+        let mut group = vec![first];
+        while let Some(at) =
+            left.iter().position(|k| group.iter().any(|one| correlation(*one, *k).abs() > CORRELATED))
+        {
+            group.push(left.remove(at));
+        }
+        group.sort_unstable();
+        groups.push(group);
+    }
+    groups.sort();
+    groups
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,6 +134,9 @@ mod tests {
     fn column(f: impl Fn(f64) -> f64) -> Vec<f64> {
         (0..20).map(|i| f(f64::from(i))).collect()
     }
+
+    const COVARIANCE: [f64; 16] =
+        [1.0, 0.0, 0.1, -1.9, 0.0, 1.0, 0.0, 0.0, 0.1, 0.0, 1.0, 0.0, -1.9, 0.0, 0.0, 4.0];
 
     #[test]
     fn pair_with_proportional_effects_and_variable_without_effect_are_found() {
@@ -126,6 +157,7 @@ mod tests {
     #[test]
     fn weak_effect_is_undetermined_and_strong_correlation_is_not() {
         assert_eq!(determined(&[column(|x| 0.01 * x), column(|x| 50.0 + x)]).undetermined, [vec![0]]);
+        assert_eq!(with_spanning(vec![vec![1]], &[0, 2, 3], &COVARIANCE), [vec![0, 3], vec![1], vec![2]]);
         let correlated = [column(|x| 100.0 + x), column(|x| 100.0 + 1.2 * x)];
         assert!(determined(&correlated).undetermined.is_empty());
     }

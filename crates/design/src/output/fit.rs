@@ -83,12 +83,24 @@ pub fn fitted_text(
     let values: Vec<f64> = report.variables.iter().map(|one| rounded(one.best)).collect();
     let settings = fitting.settings(&values)?.into_iter();
     let edits: Vec<Edit> = settings.map(|(path, value)| Edit::Set { path, value }).collect();
-    let mut head =
-        "# Fitted to measured data; standard errors, and intervals of 68.3 and 95 % confidence:\n".to_owned();
+    let mut head = HEAD.to_owned();
     for one in &report.variables {
         let _ = writeln!(head, "# {}", in_words(one, report));
     }
-    Ok(format!("{head}{}", moved(&edit(text, &edits)?, from, to)))
+    Ok(format!("{head}{}", moved(&edit(without_head(text), &edits)?, from, to)))
+}
+
+/// First line of a fitted scenario.
+const HEAD: &str = "# Fitted to measured data; standard errors, and intervals of 68.3 and 95 % confidence:\n";
+
+/// Returns a text without the comments of an earlier fit.
+fn without_head(text: &str) -> &str {
+    let Some(mut rest) = text.strip_prefix(HEAD) else { return text };
+    let is_of_fit = |line: &str| line.starts_with("# ") && line.contains(" = ");
+    while let Some((_, after)) = rest.split_once('\n').filter(|(line, _)| is_of_fit(line)) {
+        rest = after;
+    }
+    rest
 }
 
 fn in_words(one: &FittedVariable, report: &FitReport) -> String {
@@ -104,7 +116,7 @@ fn in_words(one: &FittedVariable, report: &FitReport) -> String {
             let others: Vec<&str> =
                 others.into_iter().flatten().filter(|other| *other != key).map(String::as_str).collect();
             match others.is_empty() {
-                true => format!("{key} = {value}, which has no effect on the data"),
+                true => format!("{key} = {value}, which the data do not determine"),
                 false => {
                     format!("{key} = {value}, which the data cannot tell apart from {}", others.join(", "))
                 }

@@ -202,6 +202,11 @@ fn pair_that_the_data_cannot_tell_apart_has_no_numbers() {
         (named(&found, "meter.scale").best * named(&found, "display.pixel.fill_factor").best - 0.8).abs()
             < 5e-3
     );
+    // An index of the gap's mirror that the data hardly know: its interval spans narrow bounds.
+    let narrow = "[[fit.variables]]\nkey = \"display.pixel.substrate.n\"\nbounds = [3.4999, 3.5001]\n";
+    let bare = BARE.replace("substrate = 3.5", "substrate = { n = 3.5, k = 0 }");
+    let found = fit(&bare, &[FILM, narrow], &measured);
+    assert_eq!(found.undetermined, [["display.pixel.substrate.n"]]);
     let known = format!("{SCALE}prior = {{ mean = 1, sigma = 0.002 }}\n");
     let found = fit(BARE, &[FILM, FILL, &known], &measured);
     assert!(found.undetermined.is_empty(), "{:?}", found.undetermined);

@@ -7,6 +7,7 @@
 )]
 
 mod absorption;
+mod aperture;
 mod asked_metrics;
 mod auto;
 mod below_layers;

@@ -445,6 +445,8 @@ fn comparison_shows_simulated_and_measured() {
         distance_uv: None,
         difference_Y: f64::NAN,
         spectrum,
+        z: Vec::new(),
+        agreement: None,
     };
     let spectrum = SpectrumComparison {
         wavelength_nm: vec![400.0, 550.0, 700.0],
@@ -454,6 +456,8 @@ fn comparison_shows_simulated_and_measured() {
         rms_difference: 0.0,
         largest_difference: 0.0,
         largest_at_nm: 400.0,
+        measured_deviation: vec![0.01, f64::NAN, 0.02],
+        simulated_deviation: vec![0.0, 0.01, 0.01],
     };
     let view = ViewComparison {
         theta_deg: 8.0,
@@ -469,6 +473,8 @@ fn comparison_shows_simulated_and_measured() {
     let mut all = Comparison {
         states: states.map(|name| state(name, Some(spectrum.clone()))).to_vec(),
         views: vec![view.clone()],
+        metrics: vec![],
+        agreement: None,
         left_out: vec![],
     };
     assert_texts(

@@ -3,18 +3,31 @@
 use super::numbers::{Count, Seed};
 use super::sweep::Any;
 use super::tolerance::Deviation;
-use crate::grammar::table;
+use crate::fit::FitDeviations;
+use crate::grammar::{choice, table};
 use crate::read::Spanned;
+use crate::word::Word;
 
 table! {
     /// A fit of keys to measured data, for `papilio fit` only.
     Fit {
         /// Number of starting points: the scenario's own values, and points within the bounds.
         starts: Count<1, 1000> = Count(8),
+        /// Standard deviations of the measured numbers.
+        deviations: Word<FitDeviations> = Word(FitDeviations::Stated),
         /// Seed of the starting points.
         seed: Seed = Count(0),
         /// Variables: what the data are to determine.
         variables: Vec<Spanned<FitVariable>>,
+    }
+}
+
+choice! {
+    for FitDeviations {
+        /// Those of the measurement; from the residuals where it states none.
+        Stated = "stated",
+        /// From the residuals, one for each kind of numbers: for stated ones that are smaller than the errors of the measurement.
+        Residuals = "residuals",
     }
 }
 

@@ -1,6 +1,6 @@
 //! `[viewer]`: the viewing directions, and the reader.
 
-use super::numbers::{Azimuth, FieldAngle, Inclination, Millimetres};
+use super::numbers::{Azimuth, FieldAngle, Inclination, InnerShare, Millimetres};
 use crate::grammar::{forms, number, table};
 use crate::range::Range;
 use crate::read::Spanned;
@@ -14,6 +14,9 @@ table! {
         phi_deg as "Azimuth of the view": Azimuths = Azimuths::One(Azimuth(0.0)),
         /// Full angle of the round field of view, which must be above the horizon.
         field_deg as "Field of view": FieldAngle = FieldAngle(0.1),
+        /// Numerical aperture of a microscope's objective, instead of `field_deg`: the pupil is averaged uniformly, in diffuse
+        /// light alone.
+        numerical_aperture as "Numerical aperture": Option<InnerShare>,
         /// Viewing distance; it determines the angle of text (docs/readability.md), and has no effect on
         /// colours.
         distance_mm as "Viewing distance": Millimetres = Millimetres(500.0),

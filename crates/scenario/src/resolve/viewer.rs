@@ -15,6 +15,9 @@ use crate::read::{Read, Spanned};
 /// Largest number of views: larger results are too large to open.
 const MOST_VIEWS: usize = 5000;
 
+/// The field of view of a viewer that states none, degrees.
+const DEFAULT_FIELD_DEG: f64 = 0.1;
+
 impl Resolver<'_> {
     pub(super) fn viewer(&mut self, viewer: &describe::Viewer) -> Option<Viewer> {
         let theta_deg = match &viewer.theta_deg.value {
@@ -33,13 +36,22 @@ impl Resolver<'_> {
             let at = viewer.theta_deg.origin.or_override([viewer.phi_deg.origin]);
             self.errors.push(at, mistake::too_many("views", count as f64, MOST_VIEWS));
         }
-        let field_deg = viewer.field_deg.0;
+        let aperture = viewer.numerical_aperture.as_ref().map(|aperture| aperture.0);
+        if aperture.is_some() && viewer.field_deg.0 != DEFAULT_FIELD_DEG {
+            let wrong =
+                mistake::not_with("numerical_aperture", "`field_deg`: one of them is the cone of the meter");
+            self.errors.push(viewer.numerical_aperture.origin, wrong);
+        }
+        let field_deg = aperture.map_or(viewer.field_deg.0, |aperture| 2.0 * aperture.asin().to_degrees());
         let reach = theta_deg.iter().fold(0.0, |most: f64, theta| most.max(theta.abs())) + 0.5 * field_deg;
         if reach >= 90.0 {
-            let at = viewer.field_deg.origin.or_override([viewer.theta_deg.origin]);
+            let field =
+                if aperture.is_some() { viewer.numerical_aperture.origin } else { viewer.field_deg.origin };
+            let at = field.or_override([viewer.theta_deg.origin]);
             self.errors.push(at, mistake::below_horizon("cone", reach));
         }
-        Some(Viewer { theta_deg, phi_deg, field_deg, distance_mm: viewer.distance_mm.0 })
+        let distance_mm = viewer.distance_mm.0;
+        Some(Viewer { theta_deg, phi_deg, field_deg, numerical_aperture: aperture, distance_mm })
     }
 
     /// Returns the angles of a list, which must contain each once.

@@ -24,7 +24,7 @@ pub(crate) fn smooth_at(cone: &Cone, scale: f64) -> f64 {
     scale * cosine.max(cone.half_angle()).max(1e-9)
 }
 
-/// Returns points of a cone, with weights uniform in solid angle that sum to one, for functions that change
+/// Returns points of a cone, with weights uniform in solid angle (or over its pupil) that sum to one, for functions that change
 /// over a distance of `scale` (direction cosines: poles at this distance from the real plane). They are
 /// symmetric about the cone's plane of incidence.
 pub(crate) fn cone_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
@@ -63,8 +63,7 @@ pub(crate) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes)
     let (rings, spokes) = ((rings + more).max(nodes.rings), spokes + more);
     let mut points = Vec::with_capacity(rings * spokes);
     for ring in rule_of(rings) {
-        // Uniform in 1 - cos(angle).
-        let angle = 2.0 * (ring.x.sqrt() * (0.5 * half_angle).sin()).asin();
+        let angle = cone.angle_of(ring.x);
         for spoke in 0..spokes {
             let turn = 2.0 * PI * (spoke as f64 + 0.5) / spokes as f64;
             points.push(Point { beta: cone.around(angle, turn), weight: ring.weight / spokes as f64 });

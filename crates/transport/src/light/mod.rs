@@ -52,6 +52,8 @@ pub struct Cone {
     axis: [f64; 3],
     half_angle: f64,
     index: f64,
+    /// Whether its directions are uniform over the pupil of an objective, not in solid angle.
+    of_pupil: bool,
 }
 
 impl Cone {
@@ -60,10 +62,29 @@ impl Cone {
     pub fn new(theta_deg: f64, phi_deg: f64, half_angle_deg: f64, index: f64) -> Self {
         let (sin, cos) = (sine_of_inclination(theta_deg), theta_deg.to_radians().cos());
         let (sin_phi, cos_phi) = phi_deg.to_radians().sin_cos();
-        Self { axis: [sin * cos_phi, sin * sin_phi, cos], half_angle: half_angle_deg.to_radians(), index }
+        Self {
+            axis: [sin * cos_phi, sin * sin_phi, cos],
+            half_angle: half_angle_deg.to_radians(),
+            index,
+            of_pupil: false,
+        }
     }
 
-    /// Samples a direction of the cone, uniform in solid angle; returns the direction cosines of light that
+    /// Returns the directions of an objective whose pupil is this cone: uniform in direction cosines relative to
+    /// the axis (the sine condition), not in solid angle.
+    pub fn of_pupil(self) -> Self {
+        Self { of_pupil: true, ..self }
+    }
+
+    /// Angle from the axis within which a fraction of the directions is, radians.
+    pub(crate) fn angle_of(&self, fraction: f64) -> f64 {
+        match self.of_pupil {
+            true => (fraction.sqrt() * self.half_angle.sin()).min(1.0).asin(),
+            false => 2.0 * (fraction.sqrt() * (0.5 * self.half_angle).sin()).asin(),
+        }
+    }
+
+    /// Samples a direction of the cone, uniform in solid angle (or over its pupil); returns the direction cosines of light that
     /// leaves towards it.
     #[inline(always)]
     pub fn sample_towards(&self, u: [f64; 2]) -> Beta {
@@ -73,12 +94,18 @@ impl Cone {
     /// Returns a sampler of many directions, with the common terms precomputed.
     #[inline(always)]
     pub(crate) fn sampler(&self) -> impl Fn([f64; 2]) -> Beta {
-        let Self { axis, half_angle, index } = *self;
-        let one_minus_cos = warp::one_minus_cos(half_angle);
+        let Self { axis, index, .. } = *self;
+        let one_minus_cos = warp::one_minus_cos(self.half_angle);
+        let pupil = self.of_pupil.then(|| self.half_angle.sin().powi(2));
         #[inline(always)]
         move |[u, v]| {
+            let one_minus_cos = match pupil {
+                // 1 - cos, from the square of the sine, which is uniform.
+                Some(squared) => u * squared / (1.0 + (1.0 - u * squared).max(0.0).sqrt()),
+                None => one_minus_cos * u,
+            };
             // On the axis itself if the cone has zero width.
-            let [x, y, _] = warp::deflected(axis, one_minus_cos * u, v);
+            let [x, y, _] = warp::deflected(axis, one_minus_cos, v);
             Beta { x: index * x, y: index * y }
         }
     }
@@ -203,7 +230,7 @@ impl Cone {
             let towards = (large.axis[i] - cos * small.axis[i]) / sin;
             t.cos() * small.axis[i] + t.sin() * towards
         });
-        Some(Self { axis, half_angle, index: small.index })
+        Some(Self { axis, half_angle, index: small.index, of_pupil: false })
     }
 
     /// Returns the direction cosines of light that leaves towards its axis.
@@ -234,7 +261,11 @@ impl Cone {
     pub(crate) fn density(&self, beta: Beta) -> f64 {
         let n_squared = self.index * self.index;
         let cosine = (1.0 - beta.squared() / n_squared).max(1e-300).sqrt();
-        warp::uniform_cone_density(self.half_angle) / (n_squared * cosine)
+        let per_solid_angle = match self.of_pupil {
+            true => self.bearing_of(beta).0.cos() / (PI * self.half_angle.sin().powi(2)),
+            false => warp::uniform_cone_density(self.half_angle),
+        };
+        per_solid_angle / (n_squared * cosine)
     }
 
     /// Returns its area in direction cosines (in air: the projected solid angle), for a cone above the
