@@ -191,6 +191,11 @@ impl<'a> Tracer<'a> {
             path.move_back(|place| -per_beta(medium, place, beta, *thickness_mm));
         }
         path.entry_mm = path.place_mm.first().copied().unwrap_or_default();
+        path.own_at_filter_mm = path.own_mm;
+        if let (Some(filter), Some(layer)) = (&self.filter, self.stack.layers.last()) {
+            let way = per_beta(&layer.medium, self.bins() / 2, beta, filter.height_mm);
+            path.own_at_filter_mm = [path.own_mm[0] + way * beta.x, path.own_mm[1] + way * beta.y];
+        }
         let mut dice = Dice::new(numbers);
         loop {
             while self.step(&mut dice, work, record) && self.continues(&mut dice, work) {}
