@@ -1,5 +1,5 @@
-//! A small picture of Lambertian pixels: Y in the middle of each pixel, or its mean where light spreads inside
-//! the pixels and changes within them.
+//! A small picture of Lambertian pixels: the mean of Y over each pixel of an ordinary panel, Y in the middle of
+//! each pixel below general layers, as adding has it.
 
 use papilio_display::scene::Scene;
 use papilio_display::spatial::walk::pattern;
@@ -13,6 +13,17 @@ use super::numbers::{Number, Numbers};
 const COUNT: [usize; 2] = [4, 3];
 const STATES: [u8; 12] = [0, 1, 1, 0, 0, 0, 1, 0, 1, 0, 1, 1];
 
+/// Gauss's rule of five points on a length of 1 about the middle.
+const GAUSS_AT: [f64; 5] =
+    [-0.453_089_922_969_332, -0.269_234_655_052_841_5, 0.0, 0.269_234_655_052_841_5, 0.453_089_922_969_332];
+const GAUSS_WEIGHTS: [f64; 5] = [
+    0.118_463_442_528_094_5,
+    0.239_314_335_249_683_2,
+    0.284_444_444_444_444_4,
+    0.239_314_335_249_683_2,
+    0.118_463_442_528_094_5,
+];
+
 /// What `papilio image` computes.
 pub(super) fn by_adding(scene: &Scene, control: &Control<'_>) -> Result<Numbers, DisplayError> {
     let shown = Picture { count: COUNT, states: STATES.to_vec() };
@@ -25,11 +36,10 @@ pub(super) fn by_adding(scene: &Scene, control: &Control<'_>) -> Result<Numbers,
 pub(super) fn by_paths(scene: &Scene, paths: u64, control: &Control<'_>) -> Result<Numbers, DisplayError> {
     let pitch_mm = scene.display.matrix.as_ref().map_or([1.0; 2], |matrix| matrix.pitch_mm);
     let place = |at: usize| [(at % COUNT[0]) as f64 * pitch_mm[0], (at / COUNT[0]) as f64 * pitch_mm[1]];
-    // Points of a Gaussian rule along each axis, in pixels from the middle, and their weights.
-    let (at, weights): (&[f64], &[f64]) = match scene.display.pixel_spread() {
-        Some(_) => {
-            (&[-0.387_298_334_620_741_7, 0.0, 0.387_298_334_620_741_7], &[5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0])
-        }
+    // Points of a Gaussian rule along each axis, in pixels from the middle, and their weights: light changes
+    // within lengths of a tenth of a pixel.
+    let (at, weights): (&[f64], &[f64]) = match scene.display.panel() {
+        Some(_) => (&GAUSS_AT, &GAUSS_WEIGHTS),
         None => (&[0.0], &[1.0]),
     };
     let offsets: Vec<[f64; 2]> = at.iter().flat_map(|y| at.iter().map(move |x| [*x, *y])).collect();
