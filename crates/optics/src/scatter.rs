@@ -197,6 +197,16 @@ impl Scatter {
         }
     }
 
+    /// Returns K if the [albedo](Self::albedo_at) grows towards the horizon as K/c, with c the cosine of the
+    /// light: without a bound, and so fast that the variance of light near the horizon is infinite if
+    /// directions are sampled by the cosine. `None` for all kernels but Ward's with Duer's normalisation.
+    pub fn growth_at_horizon(&self) -> Option<f64> {
+        match self {
+            Self::Ward(ward) => ward.growth_at_horizon(),
+            Self::Table(..) | Self::Rings(_) => None,
+        }
+    }
+
     /// Returns true if the kernel is a Gaussian of half vectors.
     pub fn is_gaussian(&self) -> bool {
         matches!(self, Self::Ward(_))

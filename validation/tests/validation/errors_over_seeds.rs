@@ -189,6 +189,9 @@ fn errors_over_seeds_of_every_example_are_honest() {
     assert_honest(&all, MOST_OVER_ROOT);
 }
 
+/// The first random scenario, and two with Ward's lobe in Duer's normalisation over paper.
+const EVERYDAY_RANDOM: [u64; 3] = [0, 116, 247];
+
 /// A random scenario; `None` if it is refused (films with too many fringes) or warned of as infinite, of which `infinite`
 /// counts the latter.
 fn random(number: u64, infinite: &AtomicUsize) -> Option<(String, Scene)> {
@@ -208,7 +211,10 @@ fn random(number: u64, infinite: &AtomicUsize) -> Option<(String, Scene)> {
 
 #[test]
 fn errors_over_seeds_of_random_scenarios_are_honest() {
-    let numbers: Vec<u64> = range("PAPILIO_SCENARIOS").unwrap_or(0..sized(1, 200)).collect();
+    let numbers: Vec<u64> = match range("PAPILIO_SCENARIOS") {
+        Some(numbers) => numbers.collect(),
+        None => sized(EVERYDAY_RANDOM.to_vec(), (0..200).collect()),
+    };
     let infinite = AtomicUsize::new(0);
     let all = each(&numbers, |number| {
         let (name, scene) = random(*number, &infinite)?;
@@ -225,5 +231,65 @@ fn errors_over_seeds_of_random_scenarios_are_honest() {
     println!("{count} scenarios with noise, mean of the ratios {:.3?}", sums.map(|sum| sum / count));
     let compared = all.len() + infinite.into_inner();
     assert!(compared + 1 + numbers.len() / 20 >= numbers.len(), "{compared} of {}", numbers.len());
+    assert_honest(&all, MOST_OVER_ROOT_OF_RANDOM);
+}
+
+/// Displays in which light that is scattered comes to Ward's lobe in Duer's normalisation near the horizon,
+/// where its weight has no bound: from a pixel, another lobe above and below, a rough face, a slab.
+const TOWARDS_HORIZON: [(&str, &str); 5] = [
+    ("pixel", "{ kind = \"medium\", index = 1.5 }"),
+    (
+        "lobe above",
+        "{ kind = \"diffuser\", model = \"k-correlation\", width = 0.3, transmittance = 0.9 }, { kind = \"medium\", index = 1 }, DUER, \
+         { kind = \"medium\", index = 1.5 }",
+    ),
+    (
+        "lobe below",
+        "DUER, { kind = \"medium\", index = 1 }, { kind = \"diffuser\", model = \"lambertian\", transmittance = 0.9 }, \
+         { kind = \"medium\", index = 1.5 }",
+    ),
+    (
+        "rough face",
+        "DUER, { kind = \"medium\", index = 1 }, { kind = \"rough\", alpha = 0.6 }, { kind = \"medium\", index = 1.5 }",
+    ),
+    ("slab", "DUER, { kind = \"slab\", index = 1.3, optical_thickness = 0.7, anisotropy = 0.3 }"),
+];
+
+/// The scenario of these layers over paper, under diffuse light and a beam.
+fn towards_horizon(layers: &str, method: &str) -> Scene {
+    let duer = "{ kind = \"diffuser\", model = \"ward\", alpha = 0.3, normalisation = \"duer\", transmittance = 0.8 }";
+    let layers =
+        if layers.contains("DUER") { layers.replace("DUER", duer) } else { format!("{duer}, {layers}") };
+    let text = format!(
+        "[spectrum]\nrange_nm = [400, 700]\nstep_nm = 150\n[display]\nlayers = [{layers}]\n[display.pixel]\nmodel = \"uniform\"\n\
+         kind = \"lambertian\"\nreflectance = {{ white = 0.8 }}\n[lighting]\nspectrum = \"E\"\nilluminance_lx = 500\ndiffuse = 0.5\n\
+         [[lighting.directed]]\nshare = 0.5\ntheta_deg = 40\n[viewer]\ntheta_deg = 10\n[solver]\nmethod = \"{method}\"\n"
+    );
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let resolved = Scenario::from_text(&text, "horizon.toml", folder, &[]).and_then(|all| all.resolve());
+    resolved.unwrap_or_else(|errors| panic!("{errors}")).scene
+}
+
+/// Errors are honest and fall with the root of the number of paths, and the mean is that of *adding*.
+#[test]
+fn errors_of_light_near_the_horizon_are_honest() {
+    let all = each(&TOWARDS_HORIZON, |(name, layers)| {
+        let measured = measured(name, towards_horizon(layers, "monte-carlo"), sized(64, 1024)).unwrap();
+        println!("{}", measured.row());
+        let mut scene = towards_horizon(layers, "monte-carlo");
+        let [(_, value, error)] = &states(&mut scene, sized(1 << 13, 1 << 17), 7).unwrap()[..] else {
+            panic!()
+        };
+        let adding = run_on(&towards_horizon(layers, "adding"), Some(1)).unwrap();
+        let adding = &adding.views[0].states.iter().next().unwrap().1;
+        let exact = adding.value.Y;
+        let stated = adding.discretisation_error.as_ref().map_or(0.0, |error| error.Y);
+        println!("{name}: {value} +- {error}, adding {exact} +- {stated}");
+        assert!(
+            (value - exact).abs() < 4.5 * error + stated,
+            "{name}: {value} +- {error}, adding {exact} +- {stated}"
+        );
+        measured
+    });
     assert_honest(&all, MOST_OVER_ROOT_OF_RANDOM);
 }

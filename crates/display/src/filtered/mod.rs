@@ -12,7 +12,6 @@ mod light;
 
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::ops::Range;
 use std::rc::Rc;
 
 use papilio_optics::Beta;
@@ -206,6 +205,7 @@ impl<'a> Filtered<'a> {
         let of_optics = |optics: &Optics| {
             let pixels = FilteredPixels {
                 pitch_mm: [self.matrix.pitch_mm[0] * columns as f64, self.matrix.pitch_mm[1]],
+                columns,
                 windows: &windows,
                 transmittance: &transmittance,
                 between: &self.glass,
@@ -255,14 +255,20 @@ impl<'a> Filtered<'a> {
         states.iter().flat_map(|state| &self.filter.states[*state].pixel_states).copied().collect()
     }
 
+    /// Windows of the first pixel of a period, and the area between them.
+    pub(crate) fn of_first_pixel(&self, period: &Period) -> Vec<usize> {
+        let count = self.sub_pixels();
+        (0..count).chain([count * period.columns]).collect()
+    }
+
     /// What a view sees of a period whose pixels are in these states of the display, `[period][pixel]`, through
-    /// some of the windows; that after the last one is the area between them.
+    /// some of the windows; those after the last one are the areas between them.
     pub(crate) fn seen(
         &self,
         period: &Period,
         number: usize,
         states: &[Vec<usize>],
-        windows: Range<usize>,
+        windows: Vec<usize>,
     ) -> Result<Seen, DisplayError> {
         let states: Vec<Vec<usize>> = states.iter().map(|states| self.below(states)).collect();
         let asked = Asked { states: &states, windows };
@@ -298,7 +304,7 @@ impl<'a> Filtered<'a> {
     pub(crate) fn estimate(&self, period: &Period, number: usize) -> Result<Estimate, DisplayError> {
         let states: Vec<Vec<usize>> =
             (0..self.setup.states.len()).map(|state| vec![state; period.columns]).collect();
-        let Seen { shown, unfiltered } = self.seen(period, number, &states, 0..self.sub_pixels() + 1)?;
+        let Seen { shown, unfiltered } = self.seen(period, number, &states, self.of_first_pixel(period))?;
         let factor = |(shown, unfiltered): (Shown, ReflectanceFactor)| {
             let via_pixel = (0..states.len()).flat_map(|state| shown.all(state)).collect();
             ReflectanceFactor {
@@ -320,7 +326,7 @@ impl<'a> Filtered<'a> {
         let period = self.period(level, 1)?;
         let spread = PanelSpread::image(&self.panel, beta).map_err(not_computed)?;
         let below: Vec<Vec<usize>> = (0..states).map(|state| self.below(&[state])).collect();
-        let asked = Asked { states: &below, windows: 0..self.sub_pixels() + 1 };
+        let asked = Asked { states: &below, windows: self.of_first_pixel(&period) };
         let shown = period.planes.mirrored(&self.panel, &spread, &asked, level as u32);
         let shown = shown.map_err(not_computed)?;
         Ok(StateSpectra::new((0..states).flat_map(|state| shown.all(state)).collect(), bins))
@@ -398,7 +404,7 @@ impl<'a> Filtered<'a> {
     ) -> Result<Vec<Vec<Vec<f64>>>, DisplayError> {
         let (cells, entering) = (period.planes.cells(), self.entering(period, source)?);
         let count = self.sub_pixels() * period.columns;
-        let mut sums = vec![vec![vec![0.0; self.setup.scene.grid.len()]; count]; count + 1];
+        let mut sums = vec![vec![vec![0.0; self.setup.scene.grid.len()]; count]; count + period.columns];
         for cell in 0..cells.count() {
             let Some(own) = cells.window_of(cell) else { continue };
             for (window, sums) in sums.iter_mut().enumerate() {

@@ -1,16 +1,19 @@
 //! Convergence studies of the Monte Carlo solver: standard error against paths and time, for all samplers and
 //! strategies.
+//!
+//! The cost to a target is that of the rounds of a run ([`meet`]). A convergence curve has no stopping rule: its
+//! numbers of paths are given, whatever the error, so that it traces them in turn.
 
 use papilio_sampling::SampleStream;
-use papilio_transport::walk::Walk;
+use papilio_transport::walk::{Replicate, Walk};
 
 use super::REPLICATES;
-use super::rounds::{Confidence, slope};
-use super::walk::{least_paths, round_size};
+use super::rounds::{Confidence, Round, Rounds, meet, missed, slope};
+use super::walk::{MOST_PATHS, least_paths, paths_after_next};
 use super::{Control, Progress};
 use crate::DisplayError;
 use crate::meter::{Meter, Sample};
-use crate::scene::{Sampler, Scene, Strategy};
+use crate::scene::{Sampler, Scene, Solver, Stop, Strategy};
 use crate::setup::{Setup, ViewPoint};
 
 /// Convergence of one sampler with one strategy.
@@ -104,7 +107,7 @@ pub struct Cost {
 }
 
 /// Measures the cost of the scene's first view to a relative error of Y of all states, or of all wavelengths
-/// of all states, in rounds like those of a run. `seconds` is a clock.
+/// of all states, in the rounds of a run, up to the most paths of a run. `seconds` is a clock.
 ///
 /// # Errors
 /// If the scene is invalid, or the computation was stopped.
@@ -120,34 +123,65 @@ pub fn cost(
     let at = setup.views.first().ok_or(DisplayError::Interrupted)?;
     let tables = seconds();
     let walk = setup.walk(at, scene.solver.scattering);
-    let mut confidence = Confidence::in_walk(&walk, least_paths(&walk));
-    let mut replicates: Vec<_> = (0..REPLICATES).map(|_| walk.replicate()).collect();
-    let mut cost = Cost {
+    let stop = Stop::RelativeError { target, per_wavelength };
+    let cost = Cost {
         tables_s: tables - started,
         setup_s: seconds() - tables,
         tracing_s: 0.0,
         spectra_s: 0.0,
         paths: 0,
     };
-    while !control.stopped() {
-        let started = seconds();
-        let each = round_size(&scene.solver, cost.paths / REPLICATES);
-        for (stream, replicate) in replicates.iter_mut().enumerate() {
-            let numbers = SampleStream::new(scene.solver.sampler, scene.solver.seed, stream as u64);
-            walk.trace(replicate, &numbers, each);
-        }
-        let traced = seconds();
-        let estimates = walk.estimates(&replicates);
-        cost.tracing_s += traced - started;
-        cost.spectra_s += seconds() - traced;
-        cost.paths += each * REPLICATES;
-        let samples: Vec<Sample> = estimates.iter().map(|estimate| meter.sample(estimate)).collect();
-        confidence.add(meter.luminous_means(&samples));
-        if meter.standard_error(&samples, per_wavelength) <= target && confidence.holds(cost.paths) {
-            return Ok(cost);
-        }
+    let mut rounds = Timed {
+        solver: Solver { stop: stop.clone(), ..scene.solver.clone() },
+        per_wavelength,
+        meter,
+        walk: &walk,
+        replicates: (0..REPLICATES).map(|_| walk.replicate()).collect(),
+        cost,
+        seconds,
+        control,
+    };
+    let confidence = Confidence::in_walk(&walk, least_paths(&walk));
+    Ok(meet(&stop, MOST_PATHS, confidence, &mut rounds)?.0)
+}
+
+/// Rounds of a run on one thread, with the time that they take.
+struct Timed<'a> {
+    solver: Solver,
+    per_wavelength: bool,
+    meter: Meter<'a>,
+    walk: &'a Walk<'a>,
+    replicates: Vec<Replicate>,
+    cost: Cost,
+    seconds: &'a dyn Fn() -> f64,
+    control: &'a Control<'a>,
+}
+
+impl Rounds for Timed<'_> {
+    type Found = Cost;
+
+    fn next(&self, paths: u64, missed: f64) -> u64 {
+        paths_after_next(&self.solver, self.walk, paths, missed)
     }
-    Err(DisplayError::Interrupted)
+
+    fn round(&mut self, paths: u64) -> Result<Round<Cost>, DisplayError> {
+        let (solver, each) = (&self.solver, (paths - self.cost.paths) / REPLICATES);
+        let started = (self.seconds)();
+        for (stream, replicate) in self.replicates.iter_mut().enumerate() {
+            self.control.check()?;
+            let numbers = SampleStream::new(solver.sampler, solver.seed, stream as u64);
+            self.walk.trace(replicate, &numbers, each);
+        }
+        let traced = (self.seconds)();
+        let estimates = self.walk.estimates(&self.replicates);
+        self.cost.tracing_s += traced - started;
+        self.cost.spectra_s += (self.seconds)() - traced;
+        self.cost.paths = paths;
+        let samples: Vec<Sample> = estimates.iter().map(|estimate| self.meter.sample(estimate)).collect();
+        let error = self.meter.standard_error(&samples, self.per_wavelength);
+        let means = self.meter.luminous_means(&samples);
+        Ok(Round { found: self.cost, missed: missed(&solver.stop, error)?, means })
+    }
 }
 
 struct Study<'a> {

@@ -29,7 +29,7 @@ const LARGEST_ROUND: u64 = 1 << 14;
 const LAST_ROUND: f64 = 1.15;
 
 /// Largest number of paths of a view; a target that is not reached with them is missed.
-const MOST_PATHS: u64 = 1 << 31;
+pub(super) const MOST_PATHS: u64 = 1 << 31;
 
 /// Number of paths of a view after the first round.
 pub(super) const FIRST_PATHS: u64 = FIRST_ROUND * REPLICATES;
@@ -78,8 +78,24 @@ pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     }
 }
 
+/// Returns the number of all paths of a view after its next round; `missed` is the error over the target after
+/// `paths` of them.
+pub(super) fn paths_after_next(solver: &Solver, walk: &Walk<'_>, paths: u64, missed: f64) -> u64 {
+    let so_far = paths / REPLICATES;
+    let double = round_size(solver, so_far);
+    // The error falls with the root of the number of paths. A larger step than needed costs less than
+    // another round.
+    let more = so_far as f64 * (LAST_ROUND * missed * missed - 1.0);
+    let quarter = so_far / 4;
+    let is_free =
+        matches!(solver.stop, Stop::Paths(_)) || walk.prefers_powers_of_two() || so_far < 4 * FIRST_ROUND;
+    let each =
+        if is_free || !more.is_finite() { double } else { double.min((more as u64 / quarter + 1) * quarter) };
+    paths + each * REPLICATES
+}
+
 /// Returns the number of paths that the next round adds to each replicate, which has `so_far`.
-pub(super) fn round_size(solver: &Solver, so_far: u64) -> u64 {
+fn round_size(solver: &Solver, so_far: u64) -> u64 {
     let first = if solver.scattering == Strategy::Guided { FIRST_GUIDED_ROUND } else { FIRST_ROUND };
     let double = so_far.clamp(first, LARGEST_ROUND);
     match solver.stop {
@@ -177,21 +193,7 @@ impl Rounds for Work<'_> {
     type Found = ();
 
     fn next(&self, paths: u64, missed: f64) -> u64 {
-        let so_far = paths / REPLICATES;
-        let double = round_size(&self.run.scene.solver, so_far);
-        // The error falls with the root of the number of paths. A larger step than needed costs less than
-        // another round.
-        let more = so_far as f64 * (LAST_ROUND * missed * missed - 1.0);
-        let quarter = so_far / 4;
-        let is_free = matches!(self.run.scene.solver.stop, Stop::Paths(_))
-            || self.walk.prefers_powers_of_two()
-            || so_far < 4 * FIRST_ROUND;
-        let each = if is_free || !more.is_finite() {
-            double
-        } else {
-            double.min((more as u64 / quarter + 1) * quarter)
-        };
-        paths + each * REPLICATES
+        paths_after_next(&self.run.scene.solver, &self.walk, paths, missed)
     }
 
     /// Adds a round; one that is stopped is discarded.

@@ -196,6 +196,32 @@ fn filters_above_mirrors_agree() {
     assert_agree("filter below a lobe", &[LOBE, GLASS, FILM_BELOW_FILTER, PRINTED, MIXED, VIEW], 1 << 13);
 }
 
+/// Light that passes between the parts of the filter belongs to the pixel below it, of a line as of a page.
+/// Along the normal, below a face that returns nothing, all patterns have the same contrast.
+#[test]
+fn lines_with_gaps_between_sub_pixels_have_the_contrast_of_pages() {
+    let film = FILM.replace("inactive_reflectance = 0.2\n", "");
+    let glass = "[display.glass]\nindex = 1.5\nsurface = \"ideal-ar\"\nthickness_mm = 0.3\n";
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    let display = resolved(&[glass, &film, PRINTED, MIXED, view], "method = \"adding\"");
+    let patterns = computed(&display).unwrap().views.remove(0).patterns;
+    let contrasts: Vec<f64> =
+        patterns.iter().filter_map(|pattern| pattern.values.contrast_ratio_via_pixel).collect();
+    assert!(contrasts.len() == 3, "{contrasts:?}");
+    assert!(contrasts.iter().all(|contrast| (contrast / contrasts[0] - 1.0).abs() < 1e-9), "{contrasts:?}");
+}
+
+/// Oblique views of gaps, and a wide field: a line lies where the viewer sees the filter.
+#[test]
+fn gaps_and_wide_fields_above_mirrors_agree() {
+    let film = FILM.replace("inactive_reflectance = 0.2\n", "");
+    let view = "[viewer]\ntheta_deg = 20\nphi_deg = 30\nfield_deg = 10\n";
+    assert_agree("gaps", &[BARE, &film, PRINTED, MIXED, view], 1 << 12);
+    let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.8, black = 0.1 }\n";
+    let along = "[viewer]\ntheta_deg = 0\nfield_deg = 20\n";
+    assert_agree("field", &[BARE, mirror, PRINTED, MIXED, along], 1 << 12);
+}
+
 /// Below a lobe: shares and patches, and stripes and lines, which only paths compute: they are blurred above
 /// the filter, too.
 #[test]

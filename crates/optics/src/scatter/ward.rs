@@ -168,6 +168,13 @@ impl Ward {
         self.facets.alpha
     }
 
+    /// Returns K of the limit `K/c` of the albedo at small cosines c, in Duer's normalisation: about
+    /// `alpha/(2 sqrt(pi))`.
+    pub(super) fn growth_at_horizon(&self) -> Option<f64> {
+        let unbounded = self.normalisation == Normalisation::Duer;
+        unbounded.then(|| LEAST_COSINE * self.albedos.at(self, LEAST_COSINE))
+    }
+
     /// Returns the microfacets from which its directions are sampled.
     pub(super) fn facets(&self) -> &GaussianFacets {
         &self.facets

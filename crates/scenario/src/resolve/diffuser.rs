@@ -8,7 +8,6 @@ use papilio_spectra::Spectrum;
 
 use super::Resolver;
 use super::layers::{Neighbours, Part};
-use super::unbounded::UnboundedLobe;
 use crate::describe::diffuser::{Btdf, KCorrelation, Lambertian, Ward};
 use crate::describe::display::ShareSpectrum;
 use crate::describe::numbers::{NARROWEST_LOBE, Share};
@@ -50,21 +49,12 @@ impl Resolver<'_> {
                 return Some(vec![Part::Interface(self.microgeometry(path, face, [media.above, below])?)]);
             }
         };
-        Some(vec![Part::Interface(self.with_reflection(through?, reflection)?)])
+        Some(vec![Part::Interface(self.with_reflection(path, through?, reflection)?)])
     }
 
     pub(super) fn ward(&mut self, path: &str, ward: &Spanned<Ward>) -> Option<ScatterFace> {
         let (scatter, transmittance) = self.ward_lobe(ward)?;
-        if ward.normalisation.0 == Normalisation::Duer {
-            let lobe = UnboundedLobe {
-                path: path.to_owned(),
-                scatter: scatter.clone(),
-                alpha: ward.alpha.value.0,
-                transmittance: transmittance.max(),
-                regular_fraction: ward.regular_fraction.0,
-            };
-            self.unbounded.push(lobe);
-        }
+        self.unbounded_transmission(path, &scatter, &transmittance, ward.regular_fraction.0);
         Some(transmitting_face(scatter, &transmittance, ward.regular_fraction.0))
     }
 

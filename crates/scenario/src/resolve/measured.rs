@@ -60,7 +60,7 @@ impl Resolver<'_> {
             self.refuse_glass_tails(&diffuser.extrapolate, beside)?;
         }
         let interface = self.foil_interface(path, diffuser, backing)?;
-        let interface = self.with_reflection(scattering(interface), &diffuser.reflection)?;
+        let interface = self.with_reflection(path, scattering(interface), &diffuser.reflection)?;
         let gap = self.gap_below(path, diffuser)?;
         let mut parts = vec![Part::Interface(interface)];
         let below = match diffuser.mounting.value {

@@ -64,6 +64,7 @@ impl Resolver<'_> {
     /// Adds a described reflection to a diffuser without one.
     pub(super) fn with_reflection(
         &mut self,
+        path: &str,
         through: Ready,
         reflection: &Spanned<Option<Reflection>>,
     ) -> Option<Interface> {
@@ -71,6 +72,7 @@ impl Resolver<'_> {
             Some(_) => {
                 let sides = self.reflections(reflection)?;
                 let diffuser = ReflectingDiffuser::new(through, sides);
+                self.unbounded_reflections(path, &diffuser);
                 Some(Ready::Reflecting(Box::new(diffuser)).into())
             }
             None => {

@@ -171,6 +171,12 @@ pub(crate) trait LayerKind: Debug + Sync {
         Vec::new()
     }
 
+    /// Radii of the discs of direction cosines towards whose rim it scatters a growing multiple of the light
+    /// that arrives, without a bound; `indices` are those of the media above and below.
+    fn horizons(&self, _indices: [f64; 2]) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// As [`error_over_difference`](crate::adding::error_over_difference).
     fn error_over_difference(&self) -> f64 {
         1.0

@@ -243,6 +243,17 @@ impl LayerKind for ReflectingDiffuser {
         Flat { t: self.through.kind().regular(at).t, above: mirror(0), below: mirror(1) }
     }
 
+    fn horizons(&self, indices: [f64; 2]) -> Vec<f64> {
+        let mut all = self.through.kind().horizons(indices);
+        for (side, index) in self.sides.iter().zip(indices) {
+            let of = side.as_ref().map(|one| &one.lobe);
+            if matches!(of, Some(ReflectedLobe::Kernel(scatter)) if scatter.growth_at_horizon().is_some()) {
+                all.push(index);
+            }
+        }
+        all
+    }
+
     fn scattered(&self, at: &Incidence) -> [f64; 2] {
         let through = self.through.kind().scattered(at);
         std::array::from_fn(|side| {

@@ -246,6 +246,12 @@ impl LayerKind for ScatterFace {
         self.kernel_edges(bin).collect()
     }
 
+    fn horizons(&self, _: [f64; 2]) -> Vec<f64> {
+        let disc = self.disc.as_ref().map_or(1.0, Spectrum::max);
+        let unbounded = self.kernels().filter(|kernel| kernel.scatter.growth_at_horizon().is_some());
+        unbounded.map(|_| disc).collect()
+    }
+
     fn kinks(&self) -> Vec<f64> {
         self.regular.iter().flat_map(|regular| &regular.rings).flat_map(Rings::middles).collect()
     }

@@ -40,6 +40,7 @@ mod accumulator;
 mod bare;
 mod diffused;
 mod guide;
+mod horizon;
 mod images;
 mod layered;
 pub mod places;

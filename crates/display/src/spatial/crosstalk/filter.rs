@@ -76,14 +76,19 @@ fn seen(
     let (meter, page, black) = (Meter::new(setup), page(setup), state(setup, BLACK));
     let (count, states) = (filtered.sub_pixels(), setup.states.len());
     let of_states = |period: &dyn Fn(usize) -> Vec<usize>| (0..states).map(period).collect::<Vec<_>>();
-    let pages = filtered.seen(&levelled.page, number, &of_states(&|state| vec![state]), 0..count + 1)?;
+    let pages = filtered.seen(
+        &levelled.page,
+        number,
+        &of_states(&|state| vec![state]),
+        filtered.of_first_pixel(&levelled.page),
+    )?;
     let figures = |period: &Option<Period>, others: &[Vec<usize>]| {
         let Some(period) = period else { return Ok(None) };
-        // What passes the windows of the first pixel, over its part of the period.
+        // What leaves through the first pixel, over its part of the period.
         let on_page =
             |state: usize| (0..period.columns()).map(|pixel| if pixel == 0 { state } else { page }).collect();
         let periods = [of_states(&on_page), others.to_vec()].concat();
-        let seen = filtered.seen(period, number, &periods, 0..count)?;
+        let seen = filtered.seen(period, number, &periods, filtered.of_first_pixel(period))?;
         Ok::<_, DisplayError>(Some((seen, vec![[0.0; 3]; periods.len()], period.columns() as f64)))
     };
     let page_beside_black: Vec<Vec<usize>> = black.map(|black| vec![page, black]).into_iter().collect();

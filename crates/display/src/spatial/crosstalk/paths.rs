@@ -9,7 +9,6 @@
 //! Errors are those of a jackknife: each number is computed with each of the replicates left out in turn.
 
 use papilio_imaging::text::Bitmap;
-use papilio_transport::spatial::displacement;
 use papilio_transport::walk::places::{Entry, Estimate, Meeting, Pattern, What};
 
 use super::super::patterns;
@@ -136,7 +135,7 @@ impl<'a> Scenes<'a> {
         paths: u64,
         control: &Control<'_>,
     ) -> Result<(Measured, Vec<Measured>), DisplayError> {
-        let page = Page::new(self, view);
+        let page = Page::new(self);
         let estimates = self.panel.trace(view, What::Pattern(&page), paths, control)?;
         let mut parts: Vec<Vec<f64>> = estimates.iter().map(|one| page.numbers(one)).collect();
         if self.has_filter {
@@ -167,18 +166,12 @@ struct Page<'a> {
     /// State of the page, and black.
     page: usize,
     black: Option<usize>,
-    /// What the view's own ray moves by between the pixel and the plane of the windows, mm.
-    lift_mm: [f64; 2],
 }
 
 impl<'a> Page<'a> {
-    fn new(scenes: &'a Scenes<'a>, view: &ViewPoint) -> Self {
-        let Scenes { setup, .. } = scenes;
-        let index = setup.scene.display.index_above_pixel();
-        let index = index.get(index.len() / 2).copied().unwrap_or(1.0);
-        let height_mm = setup.scene.display.filter().map_or(0.0, |filter| filter.height_mm);
-        let lift_mm = displacement(view.field.axis_towards(), height_mm, index);
-        Self { scenes, page: page(setup), black: state(setup, BLACK), lift_mm }
+    fn new(scenes: &'a Scenes<'a>) -> Self {
+        let setup = &scenes.setup;
+        Self { scenes, page: page(setup), black: state(setup, BLACK) }
     }
 
     /// Number of windows.
@@ -312,14 +305,15 @@ impl Pattern for Page<'_> {
     }
 
     fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
-        let meeting = Meeting { place_mm, own_mm: place_mm, passed_mm: place_mm, is_first: true };
+        let [own_mm, own_at_filter_mm, passed_mm] = [place_mm; 3];
+        let meeting = Meeting { place_mm, own_mm, own_at_filter_mm, passed_mm, is_first: true };
         self.shows_at(&meeting, covered);
     }
 
     fn shows_at(&self, meeting: &Meeting, covered: &mut dyn FnMut(usize, usize, f64)) {
         let (here, count) = (self.window_at(meeting.place_mm), self.windows());
         let at = self.cell(meeting.place_mm);
-        let own = self.cell([0, 1].map(|k| meeting.own_mm[k] + self.lift_mm[k]));
+        let own = self.cell(meeting.own_at_filter_mm);
         let mut image = 0;
         let mut show = |state: usize, image: usize| {
             for (surface, fraction) in &self.scenes.shown[state][here] {

@@ -42,7 +42,10 @@ impl Pattern for BelowFilter<'_> {
 
     fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
         let own_mm = [0.0; 2];
-        self.shows_at(&Meeting { place_mm, own_mm, passed_mm: own_mm, is_first: true }, covered);
+        self.shows_at(
+            &Meeting { place_mm, own_mm, own_at_filter_mm: own_mm, passed_mm: own_mm, is_first: true },
+            covered,
+        );
     }
 
     fn shows_at(&self, meeting: &Meeting, covered: &mut dyn FnMut(usize, usize, f64)) {

@@ -6,7 +6,7 @@ use super::super::Window;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PeriodCells {
     axes: [Axis; 2],
-    /// Number of windows, which is that of the area between them.
+    /// Number of windows. The areas between them, one for each pixel, have the numbers that follow.
     windows: usize,
     /// Window of each field between edges, rows from the bottom.
     fields: Vec<usize>,
@@ -63,10 +63,13 @@ pub(super) struct Piece {
 const SAME: f64 = 1e-12;
 
 impl PeriodCells {
-    /// Divides a period with these windows into cells along each axis that the windows depend on. Near the
-    /// edges of windows, light changes over lengths of `reach`, a fraction of the period along each axis.
-    pub(super) fn new(windows: &[Window], division: &Division, reach: [f64; 2]) -> Self {
-        let axes = [0, 1].map(|axis| Axis::new(windows, axis, division, reach[axis]));
+    /// Divides a period of so many pixels along x, with these windows, into cells along each axis that the
+    /// windows depend on. Near the edges of windows, light changes over lengths of `reach`, a fraction of the
+    /// period along each axis.
+    pub(super) fn new((windows, columns): (&[Window], usize), division: &Division, reach: [f64; 2]) -> Self {
+        let pixels = columns;
+        let axes = [(0, columns), (1, 1)]
+            .map(|(axis, pixels)| Axis::new((windows, pixels), axis, division, reach[axis]));
         let [columns, rows] = axes.each_ref().map(|axis| axis.fields.len() - 1);
         let middle =
             |axis: usize, field: usize| 0.5 * (axes[axis].fields[field] + axes[axis].fields[field + 1]);
@@ -79,7 +82,8 @@ impl PeriodCells {
         let fields = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
         let fields = fields.map(|(column, row)| {
             let (x, y) = (middle(0, column), middle(1, row));
-            windows.iter().position(|window| holds(window, x, y)).unwrap_or(windows.len())
+            let between = || windows.len() + ((x * pixels as f64) as usize).min(pixels - 1);
+            windows.iter().position(|window| holds(window, x, y)).unwrap_or_else(between)
         });
         Self { fields: fields.collect(), windows: windows.len(), axes }
     }
@@ -115,17 +119,18 @@ impl PeriodCells {
         row * self.axes[0].count() + column
     }
 
-    /// Window of a field; that after the last one between windows.
+    /// Window of a field; those after the last one lie between windows.
     pub(super) fn window(&self, [column, row]: [usize; 2]) -> usize {
         self.fields[row * (self.axes[0].fields.len() - 1) + column]
     }
 }
 
 impl Axis {
-    fn new(windows: &[Window], axis: usize, division: &Division, reach: f64) -> Self {
+    fn new((windows, pixels): (&[Window], usize), axis: usize, division: &Division, reach: f64) -> Self {
         let rectangles = windows.iter().flat_map(|window| &window.rectangles);
+        let of_pixels = (0..=pixels).map(|pixel| pixel as f64 / pixels as f64);
         let mut fields: Vec<f64> =
-            rectangles.flat_map(|one| if axis == 0 { one.x } else { one.y }).chain([0.0, 1.0]).collect();
+            rectangles.flat_map(|one| if axis == 0 { one.x } else { one.y }).chain(of_pixels).collect();
         fields.sort_by(f64::total_cmp);
         fields.dedup_by(|a, b| (*a - *b).abs() < SAME);
         let (mut cells, mut field_of) = (vec![0.0], Vec::new());

@@ -177,7 +177,7 @@ impl TwoPlanes {
             return Vec::new();
         }
         let mut mean = vec![vec![0.0; factors.bins]; asked.states.len()];
-        let all = Asked { windows: 0..self.transmittance.len(), ..asked.clone() };
+        let all = Asked { windows: (0..self.transmittance.len()).collect(), ..asked.clone() };
         self.follow((&Line::once(), height), factors, (&all, &[]), |period, _, _, area, light| {
             mean[period].iter_mut().zip(light).for_each(|(sum, light)| *sum += area * light);
         });
@@ -199,7 +199,7 @@ impl TwoPlanes {
         (asked, far): (&Asked<'_>, &[Vec<f64>]),
         mut each: impl FnMut(usize, usize, usize, f64, &[f64]),
     ) {
-        let (places, bins, between) = (line.shifts.len(), factors.bins, self.transmittance.len() - 1);
+        let (places, bins, between) = (line.shifts.len(), factors.bins, self.sub_pixels);
         // Of each place: where light leaves through the filter, meets the pixel, and entered.
         let pieces = [0, 1].map(|axis| {
             let at = |shift: &[f64; 2]| [-1.0, 0.0, 1.0].map(|sign| shift[axis] + sign * height[axis]);
@@ -211,7 +211,7 @@ impl TwoPlanes {
             pieces[1].iter().flat_map(|y| pieces[0].iter().map(move |x| (y, x)))
         {
             let [left, own] = [0, 1].map(|k| self.cells.window([x[k], y[k]]));
-            if own == between || !asked.windows.contains(&left) {
+            if own >= between || !asked.windows.contains(&left) {
                 continue;
             }
             for (window, fields) in windows.iter_mut().zip(x.iter().zip(y)) {
@@ -222,7 +222,7 @@ impl TwoPlanes {
                     let [up, here, down] = [0, 1, 2].map(|k| windows[3 * place + k]);
                     let (own, before) = light.split_at_mut((place + 1) * bins);
                     let own = &mut own[place * bins..];
-                    if here == between {
+                    if here >= between {
                         own.fill(0.0);
                         continue;
                     }

@@ -39,6 +39,8 @@ use super::{PixelSpread, Window, displacement};
 pub struct FilteredPixels<'a> {
     /// Period along x and y, mm.
     pub pitch_mm: [f64; 2],
+    /// Number of pixels in the period along x: the area between windows is one area for each.
+    pub columns: usize,
     /// Windows of the pixels, and of the filter above them.
     pub windows: &'a [Window],
     /// Transmittance of each window of the filter along the normal, `[window][wavelength]`.
@@ -63,8 +65,10 @@ pub struct TwoPlanes {
     height_mm: f64,
     index: f64,
     bins: usize,
-    /// Transmittance of each window and, last, between them, `[window][wavelength]`.
+    /// Transmittance of each window and, last, of each area between them, `[window][wavelength]`.
     transmittance: Vec<Vec<f64>>,
+    /// Number of windows below which there are sub-pixels.
+    sub_pixels: usize,
     /// Return from cell to cell, `[to][from][wavelength]`: irradiance of a cell per radiosity of another.
     returned: Vec<f64>,
     /// Return of a uniform clear filter, by wavelength.
@@ -75,7 +79,7 @@ pub struct TwoPlanes {
 }
 
 /// Light that passes the filter above each cell, as an integral over the cell in fractions of the period:
-/// `[cell][window][wavelength]`. The last window is the area between the windows.
+/// `[cell][window][wavelength]`. The last windows are the areas between the windows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Passed {
     values: Vec<f64>,
@@ -136,14 +140,15 @@ impl TwoPlanes {
         let lengths = [Some(pixels.height_mm), pixels.spread.map(|spread| spread.radius_mm())];
         let shortest = lengths.into_iter().flatten().filter(|length| *length > 0.0).reduce(f64::min);
         let reach = pixels.pitch_mm.map(|pitch| shortest.unwrap_or(0.0) / pitch);
-        let mut cells = PeriodCells::new(pixels.windows, division, reach);
+        let mut cells = PeriodCells::new((pixels.windows, pixels.columns), division, reach);
         if cells.varies(0) && cells.varies(1) {
             // Their number is that along x times that along y.
             let fewer = Division { per_period: division.per_period * 6 / 10, per_window: 0, ..*division };
-            cells = PeriodCells::new(pixels.windows, &fewer, reach);
+            cells = PeriodCells::new((pixels.windows, pixels.columns), &fewer, reach);
         }
         let bins = pixels.between.len();
-        let transmittance = pixels.transmittance.iter().cloned().chain([pixels.between.to_vec()]).collect();
+        let between = std::iter::repeat_n(pixels.between.to_vec(), pixels.columns);
+        let transmittance = pixels.transmittance.iter().cloned().chain(between).collect();
         let count = cells.count();
         let mut planes = Self {
             cells,
@@ -152,6 +157,7 @@ impl TwoPlanes {
             index: pixels.index,
             bins,
             transmittance,
+            sub_pixels: pixels.windows.len(),
             returned: Vec::new(),
             returned_uniform: vec![0.0; bins],
             spread: Vec::new(),
@@ -243,7 +249,7 @@ impl TwoPlanes {
         for (list, radiosity) in radiosity.iter().enumerate() {
             for (cell, radiosity) in radiosity.as_ref().chunks_exact(bins).enumerate() {
                 let Some(own) = self.cells.window_of(cell) else { continue };
-                for window in asked.windows.clone() {
+                for window in asked.windows.iter().copied() {
                     let rows = leaving.by_window(cell, window).iter().zip(radiosity);
                     let slot = shown.slot(list, window, own);
                     slot.iter_mut().zip(rows).for_each(|(slot, (t, b))| *slot += t * b);
@@ -255,7 +261,7 @@ impl TwoPlanes {
 
     /// A period in the dark.
     fn nothing(&self, asked: &Asked<'_>) -> Shown {
-        Shown::dark(asked, self.transmittance.len() - 1, self.bins)
+        Shown::dark(asked, self.sub_pixels, self.bins)
     }
 
     fn passed(&self, directions: &[Direction], sign: f64) -> Passed {

@@ -1,14 +1,12 @@
 //! What is seen of a period of pixels below a filter.
 
-use std::ops::Range;
-
 /// States and windows of a period of pixels below a filter.
 #[derive(Debug, Clone)]
 pub struct Asked<'a> {
     /// State of the pixel below each window of the period, of several periods.
     pub states: &'a [Vec<usize>],
-    /// Windows that light passes last; that after the last one is the area between them.
-    pub windows: Range<usize>,
+    /// Windows that light passes last; after the last one follow the areas between them, one for each pixel.
+    pub windows: Vec<usize>,
 }
 
 /// Light of several periods as a mean over the period, `[period][window][sub-pixel][wavelength]`, by the window
@@ -16,7 +14,7 @@ pub struct Asked<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
     values: Vec<f64>,
-    windows: Range<usize>,
+    windows: Vec<usize>,
     sub_pixels: usize,
     bins: usize,
 }
@@ -55,7 +53,8 @@ impl Shown {
     }
 
     fn start(&self, period: usize, window: usize, sub_pixel: usize) -> usize {
-        let window = window - self.windows.start;
+        // Light of windows that were not asked for does not come here.
+        let window = self.windows.iter().position(|asked| *asked == window).unwrap_or(0);
         ((period * self.windows.len() + window) * self.sub_pixels + sub_pixel) * self.bins
     }
 }

@@ -14,6 +14,7 @@ fn fresnel(beta: f64) -> f64 {
 fn pixels<'a>(windows: &'a [Window], transmittance: &'a [Vec<f64>], thickness_mm: f64) -> FilteredPixels<'a> {
     FilteredPixels {
         pitch_mm: [1.0; 2],
+        columns: 1,
         windows,
         transmittance,
         between: &[1.0],

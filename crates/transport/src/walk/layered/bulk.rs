@@ -24,6 +24,7 @@ use super::{OutgoingRay, most_survival, orders};
 use crate::Medium;
 use crate::layers::Scattered;
 use crate::skeleton::{Propagation, Ray};
+use crate::walk::horizon::Horizons;
 
 /// The least probability with which a flight in a thin medium ends there.
 const LEAST_AGAIN: f64 = 0.05;
@@ -58,6 +59,7 @@ pub(super) struct Bulk<'a> {
     transmittance: Option<&'a Spectrum>,
     /// Nothing depends on wavelength.
     grey: bool,
+    horizons: Option<Horizons>,
 }
 
 /// Position of a branch in the medium, and its weights since its spectra were last updated.
@@ -100,7 +102,11 @@ impl Stay {
 }
 
 impl<'a> Bulk<'a> {
-    pub(super) fn new((element, number): (usize, usize), medium: &'a Medium) -> Option<Self> {
+    pub(super) fn new(
+        (element, number): (usize, usize),
+        medium: &'a Medium,
+        horizons: Option<Horizons>,
+    ) -> Option<Self> {
         let scattering = medium.scattering()?;
         let transmittance = medium.transmittance();
         Some(Self {
@@ -113,6 +119,7 @@ impl<'a> Bulk<'a> {
             largest_albedo: scattering.albedo.max(),
             transmittance,
             grey: transmittance.is_none() && scattering.albedo.is_constant(),
+            horizons: horizons.and_then(|all| all.within(medium.largest_index())),
         })
     }
 
@@ -175,7 +182,8 @@ impl<'a> Bulk<'a> {
         stay.direction = self.deflected(before, part, [angle, turn], about);
         let cos = cosine_between(before, stay.direction);
         let drawn = self.drawn(cos, stay.direction, part, about);
-        let ratio = if part > 0.0 { self.phase.at_cosine(cos) / drawn } else { 1.0 };
+        let is_mixed = part > 0.0 || self.horizons.is_some();
+        let ratio = if is_mixed { self.phase.at_cosine(cos) / drawn } else { 1.0 };
         let edge = self.way_out(stay);
         let (length, weight) = self.fly(edge, flight);
         let depth = 2.0 * stay.depth / self.optical_thickness - 1.0;
@@ -232,7 +240,11 @@ impl<'a> Bulk<'a> {
     }
 
     /// A direction after a deflection.
-    fn deflected(&self, from: [f64; 3], part: f64, [angle, turn]: [f64; 2], lamps: &[Beta]) -> [f64; 3] {
+    fn deflected(&self, from: [f64; 3], part: f64, [mut angle, turn]: [f64; 2], lamps: &[Beta]) -> [f64; 3] {
+        let towards = self.horizons.and_then(|horizons| horizons.of_medium(&mut angle, turn));
+        if let Some((beta, up)) = towards {
+            return self.direction(beta, if up { Propagation::Up } else { Propagation::Down });
+        }
         if angle >= part {
             let angle = if part > 0.0 { (angle - part) / (1.0 - part) } else { angle };
             return warp::deflected(from, 1.0 - self.phase.sample_cosine(angle), turn);
@@ -246,6 +258,12 @@ impl<'a> Bulk<'a> {
     /// Density per steradian with which [`Self::deflected`] samples a direction, at an angle of this
     /// cosine to the direction before.
     fn drawn(&self, cos: f64, to: [f64; 3], part: f64, lamps: &[Beta]) -> f64 {
+        let by_phase = self.drawn_by_phase(cos, to, part, lamps);
+        self.horizons.map_or(by_phase, |horizons| horizons.medium_density(by_phase, self.index, to))
+    }
+
+    /// The same without the directions towards the horizons.
+    fn drawn_by_phase(&self, cos: f64, to: [f64; 3], part: f64, lamps: &[Beta]) -> f64 {
         let kernel = self.phase.at_cosine(cos);
         if part == 0.0 {
             return kernel;

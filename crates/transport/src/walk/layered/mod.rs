@@ -43,6 +43,7 @@ use papilio_optics::Beta;
 use papilio_sampling::SampleStream;
 
 use super::PathNumbers;
+use super::horizon::Horizons;
 use crate::estimate::Account;
 use crate::skeleton::Ray;
 use crate::{Base, Cone, Medium, Reflector, Source};
@@ -86,6 +87,8 @@ pub(super) struct Layered<'a> {
     columns: Option<Columns>,
     view: Cone,
     sources: &'a [Source],
+    /// Where lobes of the stack have no bound.
+    horizons: Option<Horizons>,
     /// All kinds of scattering events.
     events: Vec<ScatterEvent<'a>>,
     /// Account of the absorption of each element.
@@ -156,7 +159,8 @@ impl<'a> Layered<'a> {
         let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
         let largest_index = stack.layers.iter().map(|layer| layer.medium.largest_index()).fold(1.0, f64::max);
         let columns = Columns::new(stack);
-        let mut events = events(stack);
+        let horizons = Horizons::of(stack);
+        let mut events = events(stack, horizons);
         events.iter_mut().for_each(|event| event.aim_half_way(view, sources));
         let base = columns.as_ref().map_or(stack.base(), |columns| &columns.base);
         // Light of two branches, and light and fields of what each source sends on.
@@ -170,6 +174,7 @@ impl<'a> Layered<'a> {
             columns,
             view,
             sources,
+            horizons,
             events,
             accounts,
             discs,
@@ -205,9 +210,11 @@ impl<'a> Layered<'a> {
         self.columns.as_ref().map_or(self.stack.base(), |columns| &columns.base)
     }
 
-    /// True if there are events that [`controls`] describes.
+    /// True if there are events that [`controls`] describes. Directions towards horizons beyond a lobe have
+    /// weights of any small size, for which no regression is stable.
     fn has_controls(&self) -> bool {
-        self.events.iter().any(|event| matches!(event.kind, Kind::Bulk(_) | Kind::Base(_)))
+        let described = self.events.iter().any(|event| matches!(event.kind, Kind::Bulk(_) | Kind::Base(_)));
+        described && self.horizons.is_none()
     }
 
     /// Traces paths, in batches.
@@ -419,10 +426,12 @@ impl<'a> Layered<'a> {
             }
             Kind::Base(medium) => {
                 let Reflector::Lambertian(reflectance) = &self.base().reflector else { return };
-                return at_lambertian_base((reflectance, medium), event.element, u, sums, workspace);
+                let of = (event.element, self.horizons.as_ref());
+                return at_lambertian_base((reflectance, medium), of, u, sums, workspace);
             }
             Kind::Pixel(kernels, medium) => {
-                let pixel = Pixel { kernels, medium, element: event.element };
+                let pixel =
+                    Pixel { kernels, medium, element: event.element, horizons: self.horizons.as_ref() };
                 pixel.reflect(sent.beta, [u[0], u[1], u[2]], sums, workspace)
             }
             Kind::Interface(..) => return event.pass_interface((branch.event, sent), u, sums, workspace),

@@ -10,6 +10,7 @@ use super::ledger::{Sums, Workspace};
 use super::light::Light;
 use crate::layers::Scattered;
 use crate::skeleton::{Propagation, Ray};
+use crate::walk::horizon::Horizons;
 use crate::{Medium, ScatterKernel};
 
 /// The base, under a medium (air, if there is none).
@@ -18,6 +19,7 @@ pub(super) struct Pixel<'a> {
     pub(super) kernels: &'a [ScatterKernel],
     pub(super) medium: Option<&'a Medium>,
     pub(super) element: usize,
+    pub(super) horizons: Option<&'a Horizons>,
 }
 
 impl Pixel<'_> {
@@ -87,14 +89,18 @@ impl Pixel<'_> {
         kernel.scatter.evaluate(self.of_air(from), self.of_air(to)) / self.index().powi(2)
     }
 
-    /// The mean density of all kernels.
+    /// The mean density of all kernels, with the directions towards the horizons.
     fn density(&self, from: Beta, to: Beta) -> f64 {
-        let (from, to) = (self.of_air(from), self.of_air(to));
-        let sum: f64 = self.kernels.iter().map(|kernel| kernel.scatter.density(from, to)).sum();
-        sum / (self.kernels.len() as f64 * self.index().powi(2))
+        let (from, of_air) = (self.of_air(from), self.of_air(to));
+        let sum: f64 = self.kernels.iter().map(|kernel| kernel.scatter.density(from, of_air)).sum();
+        let own = sum / (self.kernels.len() as f64 * self.index().powi(2));
+        self.horizons.map_or(own, |horizons| horizons.pixel_density(own, to))
     }
 
-    fn send(&self, from: Beta, u: [f64; 3]) -> Option<Beta> {
+    fn send(&self, from: Beta, mut u: [f64; 3]) -> Option<Beta> {
+        if let Some(towards) = self.horizons.and_then(|horizons| horizons.of_pixel(&mut u)) {
+            return Some(towards);
+        }
         let place = u[2] * self.kernels.len() as f64;
         let kernel = self.kernels.get(place as usize)?;
         let sent = kernel.scatter.sample(self.of_air(from), [u[0], u[1], place.fract(), 0.0])?;

@@ -11,9 +11,9 @@ use super::halfway::{HalfWay, mixed};
 use super::ledger::{Sums, Workspace};
 use super::light::Share;
 use super::{BRIGHT_SIDE, OutgoingRay, sources};
-use crate::layers::{Arrival, Channel, Colours, Departure, Scattered, ScatteringInterface};
+use crate::layers::{Arrival, Channel, Colours, Departure, Scattered};
 use crate::skeleton::{Field, Propagation, Ray, Skeleton};
-use crate::walk::{base_density, base_direction};
+use crate::walk::horizon::{Horizons, SampledInterface, emitted, emitted_density};
 use crate::{Cone, Medium, Reflector, ScatterKernel, Source, Stack};
 
 /// A scatterer, and the way in which light arrives at it.
@@ -30,7 +30,7 @@ pub(super) struct ScatterEvent<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Kind<'a> {
     /// A channel of an interface between these media; air, if there is none above.
-    Interface(&'a dyn ScatteringInterface, Channel, [Option<&'a Medium>; 2]),
+    Interface(SampledInterface<'a>, Channel, [Option<&'a Medium>; 2]),
     Bulk(Bulk<'a>),
     /// A Lambertian base, under this medium.
     Base(Option<&'a Medium>),
@@ -232,20 +232,21 @@ impl<F: Fn(Beta) -> Colours> ColoursAt<F> {
 }
 
 /// All scattering events that a stack has.
-pub(super) fn events(stack: &Stack) -> Vec<ScatterEvent<'_>> {
+pub(super) fn events(stack: &Stack, horizons: Option<Horizons>) -> Vec<ScatterEvent<'_>> {
     const BOTH_WAYS: [Propagation; 2] = [Propagation::Down, Propagation::Up];
     let mut events = Vec::new();
     for (element, (layer, media)) in stack.elements().enumerate() {
         let Some(interface) = layer.scattering_interface() else { continue };
         for going in BOTH_WAYS {
             let channels = interface.channels(going).into_iter();
+            let interface = SampledInterface::new(interface, horizons);
             let kind = |channel| Kind::Interface(interface, channel, media);
             events.extend(channels.map(|channel| ScatterEvent::new(element, going, kind(channel))));
         }
     }
     let mut media = 0;
     for (i, layer) in stack.layers.iter().enumerate() {
-        if let Some(bulk) = Bulk::new((2 * i + 1, media), &layer.medium) {
+        if let Some(bulk) = Bulk::new((2 * i + 1, media), &layer.medium, horizons) {
             media += 1;
             let kind = Kind::Bulk(bulk);
             events.extend(BOTH_WAYS.map(|going| ScatterEvent::new(2 * i + 1, going, kind)));
@@ -276,7 +277,7 @@ fn index(medium: Option<&Medium>, bin: usize) -> f64 {
 /// beyond.
 pub(super) fn at_lambertian_base(
     (reflectance, medium): (&[f64], Option<&Medium>),
-    element: usize,
+    (element, horizons): (usize, Option<&Horizons>),
     u: [f64; 4],
     sums: &mut Sums,
     workspace: &mut Workspace,
@@ -295,8 +296,8 @@ pub(super) fn at_lambertian_base(
         let n = index(medium, bin);
         if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 }
     };
-    let scattered =
-        |_, to: Beta| Scattered { value: density, density: base_density(largest, to), reverse: density };
+    let drawn = |to: Beta| emitted_density(horizons, largest, to);
+    let scattered = |_, to: Beta| Scattered { value: density, density: drawn(to), reverse: density };
     sources::connect([ray].into_iter(), f64::INFINITY, scattered, spread, sums, workspace);
 
     let (within, brightest) = (largest.powi(-2), workspace.light.brightest());
@@ -306,17 +307,18 @@ pub(super) fn at_lambertian_base(
     }
     if in_two {
         sums.unaccounted.add(&workspace.light, 1.0);
-        let (x, y) = warp::uniform_disc(1.0, [u[0], u[1]]);
+        let near = emitted(horizons, 1.0, [u[0], u[1]]);
+        let of_near = within * warp::uniform_disc_density(1.0) / emitted_density(horizons, 1.0, near);
         let (far_x, far_y) = warp::polar((1.0 + u[0] * (largest * largest - 1.0)).sqrt(), u[1]);
-        for (beta, part) in [(Beta { x: far_x, y: far_y }, 1.0 - within), (Beta { x, y }, within)] {
-            let next = OutgoingRay::exactly(beta, ray, base_density(largest, beta));
+        for (beta, part) in [(Beta { x: far_x, y: far_y }, 1.0 - within), (near, of_near)] {
+            let next = OutgoingRay::exactly(beta, ray, drawn(beta));
             let light = workspace.branch_part(next, |bin| part * spread(beta, bin));
             sums.unaccounted.add(light, -1.0);
         }
         return;
     }
-    let out = base_direction(largest, [u[0], u[1]]);
-    let drawn = base_density(largest, out);
+    let out = emitted(horizons, largest, [u[0], u[1]]);
+    let drawn = drawn(out);
     workspace.light.keep(|bin| spread(out, bin) * density / drawn, &mut sums.unaccounted);
     workspace.branch(OutgoingRay::exactly(out, ray, drawn));
 }

@@ -2,14 +2,15 @@
 
 use papilio_optics::Beta;
 
-use crate::layers::{Arrival, Channel, Colours, Departure, Scattered, ScatteringInterface};
+use crate::layers::{Arrival, Channel, Colours, Departure, Scattered};
 use crate::skeleton::Propagation;
+use crate::walk::horizon::{Horizons, SampledInterface};
 use crate::{Medium, Stack};
 
 /// Light that arrives at an interface in this sense and is scattered on a channel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Face<'a> {
-    interface: &'a dyn ScatteringInterface,
+    interface: SampledInterface<'a>,
     channel: Channel,
     going: Propagation,
     /// Media above (air, if there is none) and below.
@@ -18,12 +19,13 @@ pub(super) struct Face<'a> {
 
 impl<'a> Face<'a> {
     /// The channels of each interface of a stack, for light that goes down and up.
-    pub(super) fn of(stack: &'a Stack) -> Vec<[Vec<Self>; 2]> {
+    pub(super) fn of(stack: &'a Stack, horizons: Option<Horizons>) -> Vec<[Vec<Self>; 2]> {
         let interfaces = stack.elements().step_by(2);
         let of_interface = |(kind, media): (&'a dyn crate::layers::LayerKind, [Option<&'a Medium>; 2])| {
             [Propagation::Down, Propagation::Up].map(|going| {
                 let Some(interface) = kind.scattering_interface() else { return Vec::new() };
                 let channels = interface.channels(going).into_iter();
+                let interface = SampledInterface::new(interface, horizons);
                 channels.map(|channel| Self { interface, channel, going, media }).collect()
             })
         };

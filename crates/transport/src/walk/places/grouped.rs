@@ -171,7 +171,8 @@ impl<'a> Grouped<'a> {
         let place_mm = [meetings.place_mm[0][k], meetings.place_mm[1][k]];
         first.look_up = self.nodes.stencil(squared, self.index);
         if let Shows::Pattern(pattern) = self.tracer.shows {
-            let meeting = Meeting { place_mm, own_mm, passed_mm: own_mm, is_first: true };
+            let meeting =
+                Meeting { place_mm, own_mm, own_at_filter_mm: own_mm, passed_mm: own_mm, is_first: true };
             first.shown.set(pattern, &meeting, self.states);
         }
         let lights = lights.map(|(source, light)| (source, self.through * light));

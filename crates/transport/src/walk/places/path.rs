@@ -23,6 +23,8 @@ pub(super) struct Path {
     pub(super) entry_mm: [f64; 2],
     /// Where the view's own ray meets the pixel.
     pub(super) own_mm: [f64; 2],
+    /// Where the view's own ray passes the plane of the filter.
+    pub(super) own_at_filter_mm: [f64; 2],
     /// Where it passed the plane of the filter before its first meeting with the pixel, as `place_mm`; empty
     /// without filter.
     pub(super) passed_mm: Vec<[f64; 2]>,
@@ -63,6 +65,7 @@ impl Path {
             place_mm: vec![[0.0; 2]; places],
             entry_mm: [0.0; 2],
             own_mm: [0.0; 2],
+            own_at_filter_mm: [0.0; 2],
             passed_mm: Vec::new(),
             density: f64::INFINITY,
             light,
@@ -84,6 +87,7 @@ impl Path {
         self.density = other.density;
         self.place_mm.copy_from_slice(&other.place_mm);
         (self.entry_mm, self.own_mm) = (other.entry_mm, other.own_mm);
+        self.own_at_filter_mm = other.own_at_filter_mm;
         self.passed_mm.clone_from(&other.passed_mm);
         self.light.copy(&other.light);
         self.trace.copy(&other.trace);
@@ -106,6 +110,7 @@ impl Path {
         Meeting {
             place_mm: self.place_mm[place],
             own_mm: self.own_mm,
+            own_at_filter_mm: self.own_at_filter_mm,
             passed_mm: self.passed_mm.get(place).copied().unwrap_or(self.own_mm),
             is_first: self.light.meetings() == 0,
         }

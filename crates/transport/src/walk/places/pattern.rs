@@ -32,6 +32,8 @@ pub struct Meeting {
     pub place_mm: [f64; 2],
     /// Where the view's own ray meets the pixel.
     pub own_mm: [f64; 2],
+    /// Where the view's own ray passes the plane of the filter; without filter where it meets the pixel.
+    pub own_at_filter_mm: [f64; 2],
     /// Where the path first passed the plane of the filter; without filter that of the own ray.
     pub passed_mm: [f64; 2],
     /// True for the first meeting: the last one of the light.

@@ -11,7 +11,8 @@ use super::tally::Record;
 use super::tracer::{PixelWork, Shows, Tracer, Workspace};
 use crate::angular::Stencil;
 use crate::skeleton::Propagation;
-use crate::walk::{add_scaled, base_density, base_direction};
+use crate::walk::add_scaled;
+use crate::walk::horizon::{emitted, emitted_density};
 use crate::{Medium, PixelSpread, Reflector};
 
 impl Tracer<'_> {
@@ -158,11 +159,12 @@ impl Tracer<'_> {
             let n = medium.index()[bin];
             if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 }
         };
+        let horizons = self.horizons.as_ref();
         let Workspace { path, last, targets, flat, of_last, pixel, .. } = work;
         path.going = Propagation::Up;
         for (source, target) in targets.iter().enumerate() {
             let Some(target) = target else { continue };
-            let weight = target.balanced(value, || base_density(largest, target.beta), 0.0);
+            let weight = target.balanced(value, || emitted_density(horizons, largest, target.beta), 0.0);
             last.copy(path);
             last.beta = target.beta;
             let factors = flat.factors.iter_mut().enumerate();
@@ -171,8 +173,8 @@ impl Tracer<'_> {
             self.reach(source, &mut Last { path: last, flat: of_last, pixel }, dice, record);
         }
         let [u, v, ..] = dice.next();
-        path.beta = base_direction(largest, [u, v]);
-        path.density = base_density(largest, path.beta);
+        path.beta = emitted(horizons, largest, [u, v]);
+        path.density = emitted_density(horizons, largest, path.beta);
         for (bin, factor) in flat.factors.iter_mut().enumerate() {
             *factor = value / path.density * spread(path.beta, bin);
         }
@@ -193,7 +195,8 @@ impl Tracer<'_> {
         let from = work.path.beta;
         let density = |to: Beta| {
             let sum: f64 = kernels.iter().map(|one| one.scatter.density(of_air(from), of_air(to))).sum();
-            sum / (kernels.len() as f64 * index * index)
+            let own = sum / (kernels.len() as f64 * index * index);
+            self.horizons.map_or(own, |horizons| horizons.pixel_density(own, to))
         };
         let bins = self.bins();
         let set = |to: Beta, weight: f64, reflectance: &mut [f64]| {
@@ -213,13 +216,16 @@ impl Tracer<'_> {
             last.beta = target.beta;
             self.reach(source, &mut Last { path: last, flat: of_last, pixel }, dice, record);
         }
-        let u = dice.next();
-        let place = u[2] * kernels.len() as f64;
-        let Some(kernel) = kernels.get(place as usize) else { return false };
-        let Some(sent) = kernel.scatter.sample(of_air(from), [u[0], u[1], place.fract(), 0.0]) else {
-            return false;
+        let [u, v, w, _] = dice.next();
+        let mut u = [u, v, w];
+        let by_kernel = |u: [f64; 3]| {
+            let place = u[2] * kernels.len() as f64;
+            let kernel = kernels.get(place as usize)?;
+            let sent = kernel.scatter.sample(of_air(from), [u[0], u[1], place.fract(), 0.0])?.direction;
+            Some(Beta { x: sent.x * index, y: sent.y * index })
         };
-        let to = Beta { x: sent.direction.x * index, y: sent.direction.y * index };
+        let towards = self.horizons.and_then(|horizons| horizons.of_pixel(&mut u));
+        let Some(to) = towards.or_else(|| by_kernel(u)) else { return false };
         let drawn = density(to);
         set(to, 1.0 / drawn, &mut pixel.reflectance);
         self.reflect(path, pixel, record);

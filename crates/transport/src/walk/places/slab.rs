@@ -31,6 +31,11 @@ impl Tracer<'_> {
             [x, y, if going == Propagation::Down { z } else { -z }]
         };
         let over_cosines = |density: f64, z: f64| density / (index * index * z.abs().max(f64::MIN_POSITIVE));
+        let horizons = self.horizons.and_then(|horizons| horizons.within(index));
+        let drawn = |before: [f64; 3], to: [f64; 3]| {
+            let own = phase.at_cosine(dot(before, to));
+            horizons.map_or(own, |horizons| horizons.medium_density(own, index, to))
+        };
         if work.path.beta.squared() >= index * index {
             return false;
         }
@@ -76,7 +81,8 @@ impl Tracer<'_> {
                     let density = over_cosines(phase.at_cosine(dot(now, towards)), towards[2]);
                     let rest = if going == Propagation::Down { thickness - depth } else { depth };
                     let edge = rest / towards[2].abs();
-                    let weight = target.balanced(density, || density, 0.0) * (-edge).exp();
+                    let sampled = || over_cosines(drawn(now, towards), towards[2]);
+                    let weight = target.balanced(density, sampled, 0.0) * (-edge).exp();
                     last.copy(path);
                     last.beta = target.beta;
                     last.light.multiply(&[weight]);
@@ -90,8 +96,16 @@ impl Tracer<'_> {
                 return false;
             }
             let before = now;
-            now = warp::deflected(before, 1.0 - phase.sample_cosine(u[0]), u[1]);
-            path.density = over_cosines(phase.at_cosine(dot(before, now)), now[2]);
+            let mut angle = u[0];
+            now = match horizons.and_then(|horizons| horizons.of_medium(&mut angle, u[1])) {
+                Some((beta, up)) => direction(beta, if up { Propagation::Up } else { Propagation::Down }),
+                None => warp::deflected(before, 1.0 - phase.sample_cosine(angle), u[1]),
+            };
+            let density = drawn(before, now);
+            if horizons.is_some() {
+                path.light.multiply(&[phase.at_cosine(dot(before, now)) / density]);
+            }
+            path.density = over_cosines(density, now[2]);
             path.beta = Beta { x: index * now[0], y: index * now[1] };
         }
     }

@@ -10,6 +10,7 @@ use super::pattern::Pattern;
 use super::tally::Record;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
+use crate::walk::horizon::Horizons;
 use crate::walk::{PathNumbers, Target};
 use crate::{Cone, Layer, Medium, PixelSpread, Reflector, Source, Stack};
 use papilio_optics::Beta;
@@ -35,6 +36,8 @@ pub(super) struct Tracer<'a> {
     /// Spread of light inside a Lambertian pixel.
     pub(super) spread: Option<PixelSpread>,
     pub(super) air: Medium,
+    /// Where lobes of the stack have no bound.
+    pub(super) horizons: Option<Horizons>,
     /// Scattering of each interface, of light going down and up.
     pub(super) faces: Vec<[Vec<Face<'a>>; 2]>,
     /// Directions of beams and of the centres of discs, if directions are sampled around them.
@@ -99,6 +102,7 @@ impl<'a> Tracer<'a> {
         filter: Option<FilterPlane>,
     ) -> Self {
         let bins = stack.base().bins();
+        let horizons = Horizons::of(stack);
         let constant = stack.layers.iter().all(|layer| layer.medium.constant_index().is_some());
         let about = sources.iter().filter_map(Source::direction);
         Self {
@@ -107,7 +111,8 @@ impl<'a> Tracer<'a> {
             sources,
             shows,
             air: Medium::new(vec![1.0; bins].into()),
-            faces: Face::of(stack),
+            faces: Face::of(stack, horizons),
+            horizons,
             about: about.filter(|_| stack.base().is_specular()).collect(),
             has_points: sources.iter().any(Source::has_radiance),
             places: if constant { 1 } else { bins },
@@ -186,6 +191,11 @@ impl<'a> Tracer<'a> {
             path.move_back(|place| -per_beta(medium, place, beta, *thickness_mm));
         }
         path.entry_mm = path.place_mm.first().copied().unwrap_or_default();
+        path.own_at_filter_mm = path.own_mm;
+        if let (Some(filter), Some(layer)) = (&self.filter, self.stack.layers.last()) {
+            let way = per_beta(&layer.medium, self.bins() / 2, beta, filter.height_mm);
+            path.own_at_filter_mm = [path.own_mm[0] + way * beta.x, path.own_mm[1] + way * beta.y];
+        }
         let mut dice = Dice::new(numbers);
         loop {
             while self.step(&mut dice, work, record) && self.continues(&mut dice, work) {}
