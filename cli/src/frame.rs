@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use papilio_display::image::{Halftone, ImageResult};
-use papilio_display::result::Named;
 use papilio_formats::panel::{
-    ChangedPixels, FrameNumbers, HeaderHead, Mounting, Packing, PanelFrame, ShownStates, bits_of,
-    changed_rectangle, read_shown_states, row_bytes, write_frame_header, write_indexed_bmp, write_mask_png,
+    ChangedPixels, FrameNumbers, HeaderHead, Mounting, Packing, PanelFrame, RequestedPacking, ShownStates,
+    changed_rectangle, read_shown_states, write_frame_header, write_indexed_bmp, write_mask_png,
 };
 use papilio_formats::{DataFile, LARGEST_PICTURE_FILE, write_file};
 use papilio_scenario::{ImageRequest, PanelCodes};
@@ -79,18 +78,11 @@ impl FrameRequest {
             mounting.turned(result.size, &differ)
         });
         let numbers = FrameNumbers {
-            size: frame.size,
-            bits: packing.bits(),
-            planes: matches!(packing, Packing::Planes(_)),
-            bytes_per_row: row_bytes(frame.size[0], packing.bits_in_row()),
-            controller: codes.controller.map(|controller| controller.name),
-            codes: Named(codes.of_states.clone()),
-            rotation_deg: 90 * u16::from(mounting.quarter_turns),
-            mirrored: mounting.is_mirrored,
             changed: changed.as_ref().map(|changed| ChangedPixels {
                 pixels: changed.iter().filter(|one| **one).count(),
                 rectangle: changed_rectangle(frame.size[0], changed),
             }),
+            ..FrameNumbers::new(&frame, (packing, mounting), codes.controller, &codes.of_states)
         };
         let (forms, is_numbered) = (forms.clone(), self.is_numbered);
         Frame { frame, title, packing, forms, is_numbered, changed, numbers }
@@ -200,25 +192,24 @@ fn numbered(states: Vec<String>) -> Result<PanelCodes, Failure> {
 
 /// The packing that was requested, that of the controller, or the one of fewest bits.
 fn packing(requested: Option<Packed>, codes: &PanelCodes) -> Result<Packing, Failure> {
-    let Some((state, largest)) = codes.of_states.iter().max_by_key(|(_, code)| *code) else {
+    if codes.of_states.is_empty() {
         return Err(input("a frame needs states, and this display has none", "add states to the pixel"));
-    };
-    let needed = bits_of(*largest);
-    let usual = codes.controller.map(|controller| controller.packing);
-    match (requested, usual) {
-        (Some(Packed::Bits(bits)), _) if bits < needed => Err(input(
-            &format!(
-                "--packed {bits} holds codes up to {}, and the code of `{state}` is {largest}",
-                u8::MAX >> (8 - bits)
-            ),
-            &format!("it needs {needed} bits: --packed {}", Packing::fewest(*largest).bits()),
-        )),
-        (Some(Packed::Bits(bits)), _) => Ok(Packing::Bits(bits)),
-        (Some(Packed::Planes), Some(Packing::Planes(planes))) => Ok(Packing::Planes(planes)),
-        (Some(Packed::Planes), _) => Ok(Packing::Planes(needed)),
-        (None, Some(usual)) => Ok(usual),
-        (None, None) => Ok(Packing::fewest(*largest)),
     }
+    let requested = requested.map(|requested| match requested {
+        Packed::Bits(bits) => RequestedPacking::Bits(bits),
+        Packed::Planes => RequestedPacking::Planes,
+    });
+    let usual = codes.controller.map(|controller| controller.packing);
+    Packing::chosen(requested, usual, &codes.of_states).map_err(|few| {
+        let ([needed, bits], largest) = (few.needed(), few.largest());
+        input(
+            &format!(
+                "--packed {} holds codes up to {largest}, and the code of `{}` is {}",
+                few.bits, few.state, few.code
+            ),
+            &format!("it needs {needed} bits: --packed {bits}"),
+        )
+    })
 }
 
 /// The frame that a panel shows, if it has the size and the states of this one.

@@ -6,7 +6,8 @@ runs this file with the path of `papilio`.
 
 The judge shares nothing with Papilio: S-CIELAB of 1996 in numpy, CIEDE2000 of scikit-image. The reference is the photograph
 as a good screen beside the panel would show it, its white at the panel's white, its black at 0. What a program returns is
-seen through the colours of `papilio palette`, which all programs are given as the colours of the inks. Photographs: those of
+seen through the colours of `papilio palette`, which all programs are given as the colours of the inks. The halftones alone are
+judged against one target: each program gets the picture that Papilio's tone and gamut mapping makes. Photographs: those of
 scikit-image, scikit-learn and matplotlib; drawings are made here.
 """
 
@@ -96,6 +97,15 @@ class Panel:
             seconds = time.perf_counter() - start
             return np.asarray(Image.open(f"{folder}/states.png")), seconds
 
+    def target(self, picture):
+        """What Papilio's tone and gamut mapping wants the halftone to show, in sRGB relative to the panel's white."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "picture.png"
+            Image.fromarray(picture).save(file)
+            none = ["--set", 'image.halftone="none"', "--relative-to", "display", "--out", folder]
+            subprocess.run([self.program, "image", self.scenario, file, *self.set, *none], check=True, capture_output=True)
+            return np.asarray(Image.open(f"{folder}/seen.png").convert("RGB"))
+
 
 def pillow(panel, picture):
     inks = np.round(255 * panel.srgb()).astype(np.uint8)
@@ -157,7 +167,7 @@ def blurred_lab(xyz, white, per_degree):
 
 
 def judged(panel, reference, states):
-    """S-CIELAB, hue error in degrees, ratios of chroma and of local contrast."""
+    """S-CIELAB, hue error in degrees, ratios of chroma and of local contrast, and of the part of it that is the picture's own."""
     wanted, seen = (blurred_lab(xyz, panel.white, panel.per_degree) for xyz in (reference, panel.xyz[states]))
     chroma, chroma_seen = (np.hypot(lab[..., 1], lab[..., 2]) for lab in (wanted, seen))
     hue, hue_seen = (np.arctan2(lab[..., 2], lab[..., 1]) for lab in (wanted, seen))
@@ -166,16 +176,28 @@ def judged(panel, reference, states):
     some = coloured & (chroma_seen > 2)
     window = max(3, round(0.15 * panel.per_degree))
 
-    def contrast(lightness):
-        mean = uniform_filter(lightness, window)
-        return np.sqrt(np.maximum(uniform_filter(lightness**2, window) - mean**2, 0)).mean()
+    def covariance(one, other):
+        return uniform_filter(one * other, window) - uniform_filter(one, window) * uniform_filter(other, window)
 
+    def contrast(lightness):
+        return np.sqrt(np.maximum(covariance(lightness, lightness), 0))
+
+    # The contrast of what is seen that varies as the picture does: a visible pattern has contrast of its own.
+    own = (covariance(wanted[..., 0], seen[..., 0]) / np.maximum(contrast(wanted[..., 0]), 1e-6)).mean()
+    local = contrast(wanted[..., 0]).mean()
     return (
         deltaE_ciede2000(wanted, seen).mean(),
         np.degrees((apart * chroma)[some].sum() / max(chroma[some].sum(), 1e-9)),
         chroma_seen[coloured].sum() / max(chroma[coloured].sum(), 1e-9) if coloured.any() else np.nan,
-        contrast(seen[..., 0]) / max(contrast(wanted[..., 0]), 1e-9),
+        contrast(seen[..., 0]).mean() / max(local, 1e-9),
+        own / max(local, 1e-9),
     )
+
+
+def to_target(panel, name, show, picture, target):
+    """S-CIELAB between a halftone and the target that all programs are given."""
+    given = picture if name.startswith("Papilio") else target
+    return judged(panel, panel.reference(target), show(given)[0])[0]
 
 
 def photographs(columns, rows):
@@ -217,19 +239,27 @@ def rows(program):
             panel = Panel(program, pathlib.Path(folder), name)
             size = panel.columns, panel.rows
             for group, pictures in ((PHOTOGRAPHS, list(photographs(*size))), *((one[0], [one]) for one in drawings(*size))):
+                targets = [panel.target(picture) for _, picture in pictures]
                 for other, show in programs(panel):
                     if group != PHOTOGRAPHS and "tone" not in other and other not in ("Papilio", "Papilio, search", "Pillow"):
                         continue
                     found = [(picture, *show(picture)) for _, picture in pictures]
                     numbers = np.nanmean([judged(panel, panel.reference(picture), states) for picture, states, _ in found], 0)
                     seconds = np.median([seconds for *_, seconds in found])
-                    scielab, hue, chroma, contrast = numbers
-                    yield f"| {name} | {group} | {other} | {scielab:.2f} | {hue:.1f} | {chroma:.2f} | {contrast:.2f} | {seconds:.2f} s |"
+                    scielab, hue, chroma, contrast, own = numbers
+                    # A tone or gamut of its own would change the target.
+                    given = [] if group != PHOTOGRAPHS or "tone" in other else zip(pictures, targets)
+                    halftone = [to_target(panel, other, show, picture, target) for (_, picture), target in given]
+                    halftone = f"{np.mean(halftone):.2f}" if halftone else "-"
+                    yield (
+                        f"| {name} | {group} | {other} | {scielab:.2f} | {hue:.1f} | {chroma:.2f} | {contrast:.2f} | {own:.2f} | {halftone} "
+                        f"| {seconds:.2f} s |"
+                    )
 
 
 def measure(program):
-    head = "| panel | pictures | program | S-CIELAB | hue error, deg | chroma | local contrast | time |"
-    lines = [head, "|---|---|---|---|---|---|---|---|"]
+    head = "| panel | pictures | program | S-CIELAB | hue error, deg | chroma | local contrast | of the photograph | to one target | time |"
+    lines = [head, "|---|" + 9 * "---|"]
     for line in rows(program):
         print(line, flush=True)
         # The page has the means over the photographs; of the drawings it says in words what they show.

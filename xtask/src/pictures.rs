@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
 type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const PICTURES: [Picture; 30] = [
+const PICTURES: [Picture; 32] = [
     (
         &["run"],
         "indoor.toml",
@@ -98,6 +98,8 @@ const PICTURES: [Picture; 30] = [
     (&GALLERY, "data/photographs/rocket.jpg", &["rooms.png"], "gallery-rocket-"),
     (&GALLERY, "data/photographs/deep-field.jpg", &["rooms.png"], "gallery-deep-field-"),
     (&GALLERY, "data/photographs/camera.jpg", &["rooms.png"], "gallery-camera-"),
+    (&GALLERY, "data/photographs/raccoon.jpg", &["rooms.png"], "gallery-raccoon-"),
+    (&GALLERY, "data/photographs/hopper.jpg", &["rooms.png"], "gallery-hopper-"),
     (&["image", "--on=six-ink"], "data/photographs/dashboard.png", &["seen.png"], "gallery-dashboard-"),
 ];
 

@@ -375,6 +375,14 @@ pub enum DisplayError {
         /// What is computed.
         what: &'static str,
     },
+    /// A darkest or lightest state with a colour, where neutral colours shall have black and white only.
+    #[error(
+        "neutral colours cannot be shown by black and white only: the darkest or lightest state, `{state}`, is coloured; use a black and a white, or image.neutrals = \"all\""
+    )]
+    NoNeutral {
+        /// Name of the state.
+        state: String,
+    },
     /// A derivative with respect to a parameter that the film does not have.
     #[error("the film has no {what} number {number}")]
     NoSuchParameter {

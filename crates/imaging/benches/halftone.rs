@@ -101,7 +101,8 @@ fn direct_binary_search_of_256_by_256(bencher: Bencher<'_, '_>) {
     let filters = [0; 3].map(|_| Filter::new(13, (0..169).map(bell).collect()).unwrap());
     bencher.bench_local(|| {
         let watch = &mut |_| ControlFlow::Continue(());
-        let control = SearchControl { fixed: &[], threads: 1, stop: &|| false, watch };
+        let control =
+            SearchControl { fixed: &[], few: &[], allowed: &[], threads: 1, stop: &|| false, watch };
         direct_binary_search(&wanted, 256, (&palette, metric), &filters, &start, control).unwrap()
     });
 }

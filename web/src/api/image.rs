@@ -5,6 +5,7 @@
 //! recent pictures, so that a moved lamp or eye needs no new halftone. `/image/export` writes the files of the command line, in full size.
 
 use std::collections::BTreeMap;
+use std::io::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -15,9 +16,12 @@ use papilio_display::image::{
 use papilio_display::palette::bytes as encoded;
 use papilio_display::scene::{Drive, Pixel, Scene};
 use papilio_display::{Control, DisplayError};
+use papilio_formats::panel::{
+    FrameNumbers, HeaderHead, Mounting, Packing, PanelFrame, write_frame_header, write_indexed_bmp,
+};
 use papilio_formats::{TitledFile, palette_files, write_indexed_png, write_json, write_rgb_png};
 use papilio_imaging::{Fit, fitted};
-use papilio_scenario::{Edit, ImageRequest, Resolved};
+use papilio_scenario::{Edit, ImageRequest, PanelCodes, Resolved};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -426,7 +430,8 @@ pub(super) struct PictureFileOf {
     /// Azimuth of the eye, degrees; null: that of the first view.
     #[serde(default)]
     phi_deg: Option<f64>,
-    /// `states.png`, `seen.png`, `image.json`, or a file of `papilio palette`, such as `palette.gpl`.
+    /// `states.png`, `seen.png`, `image.json`, a frame for the panel (`frame.bin`, `frame.bmp`, `frame.h`), or a file of `papilio palette`, such as
+    /// `palette.gpl`.
     what: String,
 }
 
@@ -448,7 +453,7 @@ fn exported(site: &Site, request: PictureFileOf, stop: &AtomicBool) -> Result<Ex
     let white = Screen::default();
     let found =
         papilio_display::image::image(&resolved.scene, &request.source, &request.settings, white, &control);
-    file(&found.map_err(|error| Fault::of(&resolved, error))?, &resolved, &what)
+    file(&found.map_err(|error| Fault::of(&resolved, error))?, &resolved, request.codes, &what)
 }
 
 fn check_size(pixels: usize) -> Result<(), Fault> {
@@ -459,20 +464,29 @@ fn check_size(pixels: usize) -> Result<(), Fault> {
     Err(Fault::too_much(message, "use `papilio image`, which has no such limit"))
 }
 
-fn file(found: &ImageResult, resolved: &Resolved, what: &str) -> Result<Exported, Fault> {
+fn file(
+    found: &ImageResult,
+    resolved: &Resolved,
+    codes: Option<PanelCodes>,
+    what: &str,
+) -> Result<Exported, Fault> {
     let columns = found.size[0];
     let title = resolved.title.as_deref().unwrap_or_default();
     let colours = found.palette.colours.iter();
     let palette: Vec<(&str, [u8; 3])> =
         colours.map(|one| (one.state.as_str(), one.srgb.map_or([0; 3], encoded))).collect();
     let (kind, bytes) = match what {
-        "states.png" if found.states.is_empty() => {
+        "states.png" | "frame.bin" | "frame.bmp" | "frame.h" if found.states.is_empty() => {
             let message = "a picture without halftone has no states".to_owned();
             return Err(Fault::too_much(message, "choose a halftone, such as `error-diffusion`"));
         }
         "states.png" => {
             let palette: Vec<[u8; 3]> = palette.iter().map(|(_, colour)| *colour).collect();
             ("image/png", bytes(|out| write_indexed_png(out, columns, &found.states, &palette))?)
+        }
+        "frame.bin" | "frame.bmp" | "frame.h" => {
+            let colours: Vec<[u8; 3]> = palette.iter().map(|(_, colour)| *colour).collect();
+            ("application/octet-stream", frame(found, codes, title, (what, &colours))?)
         }
         "seen.png" => ("image/png", bytes(|out| write_rgb_png(out, columns, &found.on_screen, false))?),
         "image.json" => {
@@ -487,4 +501,35 @@ fn file(found: &ImageResult, resolved: &Resolved, what: &str) -> Result<Exported
         }
     };
     Ok(Exported { kind, bytes })
+}
+
+/// A frame with the codes and the packing of the scenario's controller, or else with the numbers of the states.
+fn frame(
+    found: &ImageResult,
+    codes: Option<PanelCodes>,
+    title: &str,
+    (what, colours): (&str, &[[u8; 3]]),
+) -> Result<Vec<u8>, Fault> {
+    let numbered = || PanelCodes {
+        controller: None,
+        of_states: found.palette.names().into_iter().zip(0..=u8::MAX).collect(),
+    };
+    let PanelCodes { controller, of_states } = codes.unwrap_or_else(numbered);
+    let packing = Packing::chosen(None, controller.map(|controller| controller.packing), &of_states);
+    let packing = packing.map_err(|_| Fault::internal("a code without bits"))?;
+    let of: Vec<u8> = of_states.iter().map(|(_, code)| *code).collect();
+    let frame = PanelFrame::new(found.size, &found.states, &of, Mounting::default());
+    let packed = frame.packed(packing);
+    bytes(|out| match what {
+        "frame.bin" => out.write_all(&packed),
+        "frame.bmp" => {
+            let palette: Vec<(u8, [u8; 3])> = of.iter().copied().zip(colours.iter().copied()).collect();
+            write_indexed_bmp(out, &frame, packing.bits(), &palette)
+        }
+        _ => {
+            let numbers = FrameNumbers::new(&frame, (packing, Mounting::default()), controller, &of_states);
+            let program = concat!("papilio ", env!("CARGO_PKG_VERSION"));
+            write_frame_header(out, HeaderHead { program, title, numbers: &numbers }, &packed)
+        }
+    })
 }

@@ -80,7 +80,7 @@ fn endpoints() -> Endpoints {
         )
         .export(
             "/image/export",
-            "A file of papilio image or papilio palette: states.png, seen.png, image.json, palette.gpl",
+            "A file of papilio image or papilio palette: states.png, seen.png, image.json, frame.bin, palette.gpl",
             image::export,
         )
         .export(

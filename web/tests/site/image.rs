@@ -115,6 +115,14 @@ fn sum_over_the_lights_equals_papilio_image() {
     let states = export("states.png");
     assert_eq!((states.status, &states.body[1..4]), (200, &b"PNG"[..]));
     assert!(export("palette.gpl").body.starts_with(b"GIMP Palette"));
+    // The scenario's codes are those of Spectra 6 in 4 bits: 12 columns have 6 bytes.
+    let frame = export("frame.bin");
+    let [columns, rows] = wanted.numbers.size;
+    assert_eq!((frame.status, frame.body.len()), (200, columns.div_ceil(2) * rows));
+    let first = [0, 1, 2, 3, 5, 6][usize::from(wanted.states[0])];
+    assert_eq!(frame.body[0] >> 4, first);
+    assert_eq!(&export("frame.bmp").body[..2], b"BM");
+    assert!(String::from_utf8(export("frame.h").body).unwrap().contains("#define FRAME_BITS 4"));
     // Reading a number may change its last bit.
     let as_read: Value = serde_json::from_str(&json!(wanted.numbers.mean_XYZ).to_string()).unwrap();
     assert_eq!(export("image.json").json()["mean_XYZ"], as_read);

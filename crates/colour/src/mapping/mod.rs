@@ -14,7 +14,7 @@
 //!
 //! - Relative and absolute: constant lightness and hue in [`MapSpace`]; chroma is reduced until the colour is
 //!   in the hull.
-//! - Natural and vivid: the nearest colour of the hull in [`MapSpace`], differences of hue counting twice
+//! - Natural and vivid: the nearest colour of the hull in [`MapSpace`], differences of hue counting three times, or twice in a plane
 //!   ([`GamutMapping::closest`]).
 //! - Clip: the nearest colour of the hull, in X, Y, Z relative to white ([`StateHull::nearest`]).
 //!

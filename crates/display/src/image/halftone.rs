@@ -1,8 +1,9 @@
 //! A state for each pixel of a picture.
 
-use papilio_imaging::halftone::{ErrorDiffusion, Mask};
+use papilio_imaging::halftone::{ErrorDiffusion, FewStates, Mask};
 
 use super::masks::masked;
+use super::neutrals::Neutral;
 use super::regions::Drawn;
 use super::search::{REFINED, TO_THE_END, searched};
 use super::{ImageSettings, Rendering, colour};
@@ -50,9 +51,22 @@ pub(super) struct Panel<'a> {
     pub(super) spread: Option<Vec<f64>>,
     /// States of the pixels of drawings, except for `None` and `Nearest`.
     pub(super) drawn: Option<Drawn>,
+    /// Pixels that take black, white and greys only.
+    pub(super) neutral: Option<Neutral>,
 }
 
 impl Panel<'_> {
+    /// Number of the state closest to the colour of a pixel, of those that it may take.
+    pub(super) fn closest_state(&self, at: usize, wanted: [f32; 3]) -> usize {
+        let few = self.neutral.as_ref().filter(|neutral| neutral.pixels[at]);
+        self.rendering.closest_state(colour(wanted), |state| few.is_none_or(|few| few.allowed[state]))
+    }
+
+    /// Which pixels take few states; empty: none does.
+    pub(super) fn few(&self) -> &[bool] {
+        self.neutral.as_ref().map_or(&[], |neutral| &neutral.pixels)
+    }
+
     /// States with those of the drawings.
     fn with_drawings(&self, mut states: Vec<u8>) -> Vec<u8> {
         if let Some(drawn) = &self.drawn {
@@ -82,15 +96,15 @@ pub(super) fn states(
     match settings.halftone {
         Halftone::None => Ok((Vec::new(), 0)),
         Halftone::Nearest => {
-            let nearest = |pixel: &[f32; 3]| panel.rendering.closest_state(colour(*pixel)) as u8;
-            Ok((mapped.iter().map(nearest).collect(), 0))
+            let nearest = |(at, pixel): (usize, &[f32; 3])| panel.closest_state(at, *pixel) as u8;
+            Ok((mapped.iter().enumerate().map(nearest).collect(), 0))
         }
         Halftone::Ordered => {
-            Ok((panel.with_drawings(masked(&Mask::bayer(BAYER)?, mapped, panel, control)?), 0))
+            Ok((panel.with_drawings(masked(&Mask::bayer(BAYER)?, (mapped, panel.few()), panel, control)?), 0))
         }
         Halftone::VoidAndCluster => {
             let mask = Mask::void_and_cluster(VOID_AND_CLUSTER, settings.seed)?;
-            Ok((panel.with_drawings(masked(&mask, mapped, panel, control)?), 0))
+            Ok((panel.with_drawings(masked(&mask, (mapped, panel.few()), panel, control)?), 0))
         }
         Halftone::ErrorDiffusion | Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {
             let (kernel, scan, metric) = (settings.kernel, settings.scan, panel.rendering.metric());
@@ -99,7 +113,14 @@ pub(super) fn states(
             let row = framed(mapped, panel.columns);
             let drawn = panel.drawn.as_ref().map(|drawn| framed(&drawn.states, panel.columns));
             let fixed = drawn.as_ref().map(|row| row as &dyn Fn(usize, &mut [Option<u8>]));
-            let found = diffusion.colours_beside(&row, fixed, size, &panel.rendering.states)?;
+            let marked =
+                panel.neutral.as_ref().map(|neutral| (neutral, framed(&neutral.pixels, panel.columns)));
+            let few = marked.as_ref().map(|(neutral, row)| FewStates {
+                row,
+                allowed: &neutral.allowed,
+                line: neutral.line,
+            });
+            let found = diffusion.colours_beside(&row, (fixed, few), size, &panel.rendering.states)?;
             let states = without_frame(&found.states, columns, mapped.len());
             let cut = found.cut_pixels.min(mapped.len());
             let stages = match settings.halftone {

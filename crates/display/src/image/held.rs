@@ -161,6 +161,7 @@ impl Brought {
             pixels_per_degree: super::pixels_per_degree(&lit.setup.scene),
             spread,
             drawn: None,
+            neutral: settings.neutrals.of(&mut rendered.mapped, &rendering, &lit.palette, threads)?,
         };
         let mut drawing_fraction = 0.0;
         if let Some(drawing) = drawing {

@@ -5,7 +5,7 @@
 //! Otherwise the states are those with the least variance of luminance ([`LeastVariance`]), in their order
 //! from light to dark.
 
-use papilio_colour::states::{LeastVariance, SubPixels};
+use papilio_colour::states::{LeastVariance, StateHull, SubPixels};
 use papilio_colour::{CORNERS, Corners, Xyz};
 use papilio_imaging::halftone::{Mask, light_to_dark, ordered, ordered_planes};
 
@@ -23,18 +23,34 @@ enum Mixer<'a> {
     /// Independent sub-pixels: the state of each combination of red (1), green (2) and blue (4), and a mask
     /// for each.
     SubPixels { sub_pixels: SubPixels, states: [u8; 8], masks: [Mask; 3] },
-    /// Any states, from light to dark.
-    States { solver: LeastVariance, order: Vec<u8>, mask: &'a Mask },
+    /// Some states, with their numbers, from light to dark.
+    States { solver: LeastVariance, hull: StateHull, order: Vec<u8>, numbers: Vec<u8>, mask: &'a Mask },
 }
 
-/// The states of a picture by a mask.
+/// The states of a picture by a mask; pixels that are marked, if any is, take the few states of neutral colours.
 pub(super) fn masked(
+    mask: &Mask,
+    (mapped, few): (&[[f32; 3]], &[bool]),
+    panel: &Panel<'_>,
+    control: &Control<'_>,
+) -> Result<Vec<u8>, DisplayError> {
+    let mut states = by(&Mixer::new(mask, panel)?, mask, mapped, panel, control)?;
+    if let Some(neutral) = panel.neutral.as_ref().filter(|_| few.contains(&true)) {
+        let greys = by(&Mixer::of_some(mask, panel, &neutral.allowed)?, mask, mapped, panel, control)?;
+        let marked = states.iter_mut().zip(greys).zip(few).filter(|(_, is_marked)| **is_marked);
+        marked.for_each(|((state, grey), _)| *state = grey);
+    }
+    Ok(states)
+}
+
+/// The states of a picture by a mixer.
+fn by(
+    mixer: &Mixer<'_>,
     mask: &Mask,
     mapped: &[[f32; 3]],
     panel: &Panel<'_>,
     control: &Control<'_>,
 ) -> Result<Vec<u8>, DisplayError> {
-    let mixer = Mixer::new(mask, panel)?;
     let mut states = Vec::with_capacity(mapped.len());
     // Bands of as many rows as the mask has: each begins with its first row.
     for band in mapped.chunks((panel.columns * mask.rows()).max(1)) {
@@ -53,9 +69,27 @@ impl<'a> Mixer<'a> {
             let masks = [mask.shifted(right, down), mask.clone(), mask.shifted(right, 0)];
             return Ok(Self::SubPixels { sub_pixels, states, masks });
         }
-        let points: Vec<Xyz> = rendering.states.iter().map(|[x, y, z]| Xyz { x: *x, y: *y, z: *z }).collect();
+        Self::of_some(mask, panel, &vec![true; rendering.states.len()])
+    }
+
+    /// The mixer of some of the states.
+    fn of_some(mask: &'a Mask, panel: &Panel<'_>, allowed: &[bool]) -> Result<Self, DisplayError> {
+        let numbers: Vec<u8> = (0..=u8::MAX)
+            .zip(allowed)
+            .filter(|(_, is_allowed)| **is_allowed)
+            .map(|(number, _)| number)
+            .collect();
+        let some: Vec<[f64; 3]> =
+            numbers.iter().map(|number| panel.rendering.states[usize::from(*number)]).collect();
+        let points: Vec<Xyz> = some.iter().map(|[x, y, z]| Xyz { x: *x, y: *y, z: *z }).collect();
         let solver = LeastVariance::new(&points)?;
-        Ok(Self::States { solver, order: light_to_dark(&rendering.states), mask })
+        Ok(Self::States {
+            solver,
+            hull: StateHull::new(&points)?,
+            order: light_to_dark(&some),
+            numbers,
+            mask,
+        })
     }
 
     fn states(&self, band: &[[f32; 3]], panel: &Panel<'_>) -> Result<Vec<u8>, DisplayError> {
@@ -68,21 +102,29 @@ impl<'a> Mixer<'a> {
                 let on = ordered_planes(&planes, panel.columns)?;
                 Ok(on.into_iter().map(|on| states[usize::from(on)]).collect())
             }
-            Self::States { solver, order, mask } => {
+            Self::States { solver, hull, order, numbers, mask } => {
                 let count = order.len();
                 let mut coverages = vec![0.0; band.len() * count];
                 for (pixel, coverages) in band.iter().zip(coverages.chunks_exact_mut(count)) {
                     let pixel = colour(*pixel);
                     // Rounding may leave a colour beside a thin hull.
-                    let nearest = || solver.coverages(panel.rendering.nearest(pixel));
+                    let nearest = || solver.coverages(hull.nearest(pixel, panel.rendering.white));
                     match solver.coverages(pixel).or_else(nearest) {
                         Some(found) => {
                             found.iter().for_each(|(state, coverage)| coverages[state] = coverage as f32);
                         }
-                        None => coverages[panel.rendering.nearest_state(pixel)] = 1.0,
+                        None => {
+                            let distance = |at: &usize| {
+                                let [x, y, z] = panel.rendering.states[usize::from(numbers[*at])];
+                                pixel.distance(Xyz { x, y, z })
+                            };
+                            let nearest = (0..count).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                            coverages[nearest.unwrap_or(0)] = 1.0;
+                        }
                     }
                 }
-                Ok(ordered(&coverages, panel.columns, order, mask)?)
+                let found = ordered(&coverages, panel.columns, order, mask)?;
+                Ok(found.into_iter().map(|number| numbers[usize::from(number)]).collect())
             }
         }
     }

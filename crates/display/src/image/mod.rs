@@ -7,6 +7,7 @@
 //! | the picture on the pixels of the panel, before | [`papilio_imaging::fitted`] |
 //! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs`, natural pictures also `natural.rs` |
 //! | drawings in it: flat colours, text and lines | `regions.rs` |
+//! | neutral colours by black and white alone | `neutrals.rs` |
 //! | a state for each pixel | `halftone.rs`, `masks.rs`, `search.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
 //! | pixels below a colour filter | `filter.rs` |
@@ -30,6 +31,7 @@ mod lamps;
 mod light;
 mod masks;
 mod natural;
+mod neutrals;
 mod perspective;
 mod regions;
 mod rendering;
@@ -40,6 +42,8 @@ mod stack;
 mod tests;
 #[cfg(test)]
 mod tests_of_natural;
+#[cfg(test)]
+mod tests_of_neutrals;
 #[cfg(test)]
 mod tests_of_regions;
 
@@ -54,6 +58,7 @@ pub use held::{Factors, HeldPicture, LightPicture};
 pub use known::KnownLights;
 pub use lamps::LampImage;
 pub use natural::{Adjustments, Rendition};
+pub use neutrals::Neutrals;
 pub use papilio_colour::ScreenSpace;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz, encoded_byte};
@@ -96,6 +101,8 @@ pub struct ImageSettings {
     pub adjustments: Adjustments,
     /// Which parts are drawings.
     pub regions: Regions,
+    /// Which states show neutral colours.
+    pub neutrals: Neutrals,
     /// How pixels with few states show many colours.
     pub halftone: Halftone,
     /// Weights of error diffusion.

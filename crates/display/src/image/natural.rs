@@ -6,9 +6,9 @@
 //! stay neutral: mixtures of the display's white and black.
 //!
 //! **Chosen for each picture**, unless the user does: the fraction of its tones that are darker than the
-//! display's black, `d`, makes the tone curve sharper, and raises the contrast of detail to `1.15 + 0.25 d` and chroma to `1.05 + 0.1 d`. Drawings
+//! display's black, `d`, raises the contrast of detail to `1.2 + 0.2 d`. Drawings
 //! have no base: each colour has one tone, and flat areas stay flat. They do not count for what is chosen, unless all is a drawing, nor do white
-//! pixels, such as the margins of a picture on a panel. A photograph without any light tone is exposed for more light.
+//! pixels, such as the margins of a picture on a panel. A photograph without any light tone is exposed for a little more light.
 
 use std::borrow::Cow;
 
@@ -30,7 +30,7 @@ pub struct Adjustments {
     pub exposure: Option<f64>,
     /// Factor on the contrast of detail in natural and vivid pictures; `None`: chosen for the picture.
     pub contrast: Option<f64>,
-    /// Factor on chroma in natural and vivid pictures; `None`: chosen for the picture.
+    /// Factor on chroma; `None`: 1 in natural pictures, more in vivid ones.
     pub saturation: Option<f64>,
     /// Correlated colour temperature of the light that becomes white, K; `None`: D65, as the picture states.
     pub white_balance_k: Option<f64>,
@@ -68,12 +68,11 @@ const EPSILON: f64 = 0.01;
 
 /// Brightest tones of a photograph that are left out when its exposure is decided.
 const HIGHLIGHTS: f64 = 0.005;
-/// Light of the largest primary, 1 for white, that the other tones should reach, and below which a photograph
-/// is exposed for more light.
-const EXPOSED: f64 = 0.9;
-const UNDEREXPOSED: f64 = 0.5;
-/// Largest exposure that is chosen, stops.
-const MOST_STOPS: f64 = 2.0;
+/// Light of the largest primary, 1 for white, that the other tones should reach.
+const LIGHT: f64 = 0.5;
+/// Largest exposure that is chosen, stops: what a camera's meter is wrong by. A photograph that is darker than that
+/// is dark on purpose, and a dusk should not become a day.
+const MOST_STOPS: f64 = 1.0;
 
 /// Colour temperature from which the light of a white balance is a phase of daylight, below it a black body.
 const DAYLIGHT_FROM_K: f64 = 5000.0;
@@ -139,7 +138,7 @@ impl Adjustments {
         let [contrast, saturation] = match (vivid, is_drawing) {
             (true, _) => VIVID,
             (false, true) => [1.0, 1.0],
-            (false, false) => [1.15 + 0.25 * below_black_fraction, 1.05 + 0.1 * below_black_fraction],
+            (false, false) => [1.2 + 0.2 * below_black_fraction, 1.0],
         };
         let rendition = Rendition {
             exposure: adjusted.exposure,
@@ -156,8 +155,7 @@ impl Adjustments {
             let drawn = (0..base.len()).filter(|at| !is_photograph(at));
             drawn.for_each(|at| base[at] = lightness[at]);
         }
-        // The tone of a drawing's colour does not depend on its other colours.
-        let shades = Shades::new(mapping, if is_drawing { 0.0 } else { below_black_fraction });
+        let shades = Shades::new(mapping);
         in_chunks(threads, &mut targets, |first, targets| {
             for (target, base) in targets.iter_mut().zip(&base[first..]) {
                 let [lightness, a, b] = target.map(f64::from);
@@ -183,8 +181,8 @@ struct Shades {
 impl Shades {
     const STEPS: usize = 8192;
 
-    fn new(mapping: &GamutMapping, below_black_fraction: f64) -> Self {
-        let (tone, black) = (mapping.tone(below_black_fraction), mapping.lightness_of_black());
+    fn new(mapping: &GamutMapping) -> Self {
+        let (tone, black) = (mapping.tone(), mapping.lightness_of_black());
         let part = |step: usize| step as f64 / Self::STEPS as f64;
         let grey = |step: usize| mapping.beside_grey([black + part(step) * (1.0 - black), 0.0, 0.0]);
         let tones = (0..=Self::STEPS).map(|step| tone.lightness(part(step))).collect();
@@ -227,7 +225,7 @@ fn missing_stops(pixels: &[[f32; 3]], is_drawn: Option<&[bool]>) -> f64 {
         return 0.0;
     }
     let light = *light.select_nth_unstable_by(at, f64::total_cmp).1;
-    if light > 0.0 && light < UNDEREXPOSED { (EXPOSED / light).log2().min(MOST_STOPS) } else { 0.0 }
+    if light > 0.0 { (LIGHT / light).log2().clamp(0.0, MOST_STOPS) } else { 0.0 }
 }
 
 /// Adaptation from the light of this colour temperature to D65.

@@ -139,15 +139,23 @@ impl Drawing {
         let nothing =
             panel.rendering.states.first().map_or([0.0; 3], |state| state.map(|value| value as f32));
         let mut flat = vec![nothing; mapped.len()];
+        let few = panel.few();
+        let mut few_of = vec![false; few.len()];
         let mut has_patterns = false;
         for (at, (_, one)) in drawn() {
             if let Shown::As(of) = one {
                 flat[at] = mapped[*of];
+                if let Some(is_few) = few_of.get_mut(at) {
+                    *is_few = few[*of];
+                }
                 has_patterns = true;
             }
         }
-        let patterns =
-            if has_patterns { masked(&Mask::bayer(MASK)?, &flat, panel, control)? } else { Vec::new() };
+        let patterns = if has_patterns {
+            masked(&Mask::bayer(MASK)?, (&flat, &few_of), panel, control)?
+        } else {
+            Vec::new()
+        };
         let mut states = vec![None; mapped.len()];
         for (at, (_, one)) in drawn() {
             states[at] = Some(match one {
@@ -179,7 +187,7 @@ impl Drawing {
             None => {
                 let near = NEAR.map(|reach| self.near(at, reach, &own));
                 let near = near.iter().find(|near| !near.is_empty()).map_or(&[][..], Vec::as_slice);
-                let closest = || Shown::Ink(panel.rendering.closest_state(colour(mapped[at])) as u8);
+                let closest = || Shown::Ink(panel.closest_state(at, mapped[at]) as u8);
                 self.side(at, near, inks, long[at]).unwrap_or_else(closest)
             }
         };

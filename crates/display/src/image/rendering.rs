@@ -39,6 +39,7 @@ pub(super) struct Rendering {
     table: Option<GamutTable>,
     intent: Intent,
     pub(super) white: Xyz,
+    black: Xyz,
     /// From D65 to the white of the display.
     to_white: Adaptation,
     /// X, Y, Z of the states.
@@ -83,7 +84,7 @@ impl Rendering {
         let mapping = GamutMapping::new(StateHull::new(&points)?, display, SourceSpace::Srgb, intent, space)?;
         let has_table = pixels > MANY && !is_natural(intent);
         let table = has_table.then(|| GamutTable::new(&mapping, GamutTable::LEVELS));
-        Ok(Self { mapping, table, intent, white, to_white, states })
+        Ok(Self { mapping, table, intent, white, black, to_white, states })
     }
 
     /// Coordinates in which error diffusion searches the nearest state: lightness, red-green and blue-yellow,
@@ -104,6 +105,11 @@ impl Rendering {
         [[0.0, y, 0.0], [red_green * x, -red_green * y, 0.0], [0.0, blue_yellow * y, -blue_yellow * z]]
     }
 
+    /// The display's black and white.
+    pub(super) fn black_and_white(&self) -> [Xyz; 2] {
+        [self.black, self.white]
+    }
+
     /// The colour of the hull that is nearest to a colour.
     pub(super) fn nearest(&self, colour: Xyz) -> Xyz {
         self.mapping.hull().nearest(colour, self.white)
@@ -115,24 +121,16 @@ impl Rendering {
         self.mapping.hull().excess(colour)
     }
 
-    /// Number of the state closest to a colour, in the space of the mapping.
-    pub(super) fn closest_state(&self, colour: Xyz) -> usize {
+    /// Number of the state closest to a colour, in the space of the mapping, of those that may be taken.
+    pub(super) fn closest_state(&self, colour: Xyz, is_allowed: impl Fn(usize) -> bool) -> usize {
         let here = self.mapping.coordinates(colour);
         let distance = |[x, y, z]: &[f64; 3]| {
             let there = self.mapping.coordinates(Xyz { x: *x, y: *y, z: *z });
             here.iter().zip(there).map(|(a, b)| (a - b).powi(2)).sum::<f64>()
         };
         let distances: Vec<f64> = self.states.iter().map(distance).collect();
-        (0..distances.len()).min_by(|a, b| distances[*a].total_cmp(&distances[*b])).unwrap_or(0)
-    }
-
-    /// Number of the state that is nearest to a colour.
-    pub(super) fn nearest_state(&self, colour: Xyz) -> usize {
-        let distance = |at: &usize| {
-            let [x, y, z] = self.states[*at];
-            colour.distance(Xyz { x, y, z })
-        };
-        (0..self.states.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+        let allowed = (0..distances.len()).filter(|state| is_allowed(*state));
+        allowed.min_by(|a, b| distances[*a].total_cmp(&distances[*b])).unwrap_or(0)
     }
 
     /// Maps all pixels of a picture with these columns, some of which may be those of a drawing; the picture before gamut mapping is kept if

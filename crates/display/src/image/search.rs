@@ -93,6 +93,8 @@ pub(super) fn with_filters(
     };
     let told = SearchControl {
         fixed: panel.drawn.as_ref().map_or(&[], |drawn| &drawn.is_drawn),
+        few: panel.few(),
+        allowed: panel.neutral.as_ref().map_or(&[], |neutral| &neutral.allowed),
         threads: control.thread_count(),
         stop: &|| control.stop.load(Ordering::Relaxed),
         watch: &mut watch,

@@ -9,6 +9,7 @@ use papilio_colour::{CORNERS, D65_WHITE, Xyz};
 use papilio_testing::Dice;
 
 use super::halftone::{Panel, states};
+use super::neutrals::Neutral;
 use super::rendering::{Rendered, Rendering};
 use super::*;
 use crate::palette::{PaletteColour, PaletteErrors};
@@ -71,6 +72,16 @@ fn settings(halftone: Halftone) -> ImageSettings {
 
 /// States of a picture of 64 columns.
 fn halftoned(palette: &Palette, settings: &ImageSettings, mapped: &[[f32; 3]]) -> Vec<u8> {
+    halftoned_with(palette, settings, None, mapped)
+}
+
+/// The same, with pixels that are neutral.
+pub(super) fn halftoned_with(
+    palette: &Palette,
+    settings: &ImageSettings,
+    neutral: Option<Neutral>,
+    mapped: &[[f32; 3]],
+) -> Vec<u8> {
     let rendering = rendering(palette, Intent::Relative, 1);
     let panel = Panel {
         columns: 64,
@@ -79,6 +90,7 @@ fn halftoned(palette: &Palette, settings: &ImageSettings, mapped: &[[f32; 3]]) -
         pixels_per_degree: Some(PER_DEGREE),
         spread: None,
         drawn: None,
+        neutral,
     };
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     states(settings, mapped, &panel, &control).unwrap().0
@@ -214,6 +226,7 @@ fn given_states_are_shown_or_refused() {
         pixels_per_degree: None,
         spread: None,
         drawn: None,
+        neutral: None,
     };
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let picture = [[0.1_f32; 3]; 4];
@@ -262,6 +275,7 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
         pixels_per_degree: Some(PER_DEGREE),
         spread: None,
         drawn: None,
+        neutral: None,
     };
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
@@ -284,6 +298,7 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
         pixels_per_degree: Some(PER_DEGREE),
         spread: Some(spread),
         drawn: None,
+        neutral: None,
     };
     let blurred = search::searched(&diffused, &picture, &below, &search::TO_THE_END, &control).unwrap();
     assert_ne!(blurred, found);
@@ -346,6 +361,7 @@ fn refined_error_diffusion_has_less_visible_pattern_than_error_diffusion() {
         pixels_per_degree: per_degree,
         spread: None,
         drawn: None,
+        neutral: None,
     };
     let shown = |settings: &ImageSettings, per_degree, threads| {
         let control = Control { threads: Some(threads), progress: &|_| {}, stop: &AtomicBool::new(false) };

@@ -44,6 +44,7 @@ fn shown(colours: &[[u8; 3]], regions: Regions, halftone: Halftone, threads: usi
         pixels_per_degree: Some([44.0; 2]),
         spread: None,
         drawn: None,
+        neutral: None,
     };
     let control = Control { threads: Some(threads), progress: &|_| {}, stop: &AtomicBool::new(false) };
     panel.drawn = drawing.map(|drawing| drawing.drawn(&mut rendered.mapped, &panel, &control).unwrap());

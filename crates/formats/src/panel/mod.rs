@@ -19,6 +19,6 @@ mod write;
 
 pub use controller::{CONTROLLERS, Controller};
 pub use numbers::{ChangedPixels, FrameNumbers, changed_rectangle};
-pub use packing::{Mounting, Packing, PanelFrame, bits_of, row_bytes};
+pub use packing::{Mounting, Packing, PanelFrame, RequestedPacking, TooFewBits, bits_of, row_bytes};
 pub use shown::{ShownStates, read_shown_states, write_states_png};
 pub use write::{HeaderHead, write_frame_header, write_indexed_bmp, write_mask_png};

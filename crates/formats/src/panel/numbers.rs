@@ -4,6 +4,8 @@ use papilio_display::result::Named;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::{Controller, Mounting, Packing, PanelFrame, row_bytes};
+
 /// Layout and codes of a frame for the controller of a panel.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FrameNumbers {
@@ -26,6 +28,28 @@ pub struct FrameNumbers {
     pub mirrored: bool,
     /// What differs from the frame that the panel shows; null without `--since`.
     pub changed: Option<ChangedPixels>,
+}
+
+impl FrameNumbers {
+    /// The numbers of a frame with the codes of its states, without a frame before it.
+    pub fn new(
+        frame: &PanelFrame,
+        (packing, mounting): (Packing, Mounting),
+        controller: Option<&'static Controller>,
+        codes: &[(String, u8)],
+    ) -> Self {
+        Self {
+            size: frame.size,
+            bits: packing.bits(),
+            planes: matches!(packing, Packing::Planes(_)),
+            bytes_per_row: row_bytes(frame.size[0], packing.bits_in_row()),
+            controller: controller.map(|controller| controller.name),
+            codes: Named(codes.to_vec()),
+            rotation_deg: 90 * u16::from(mounting.quarter_turns),
+            mirrored: mounting.is_mirrored,
+            changed: None,
+        }
+    }
 }
 
 /// The pixels that differ from another frame.

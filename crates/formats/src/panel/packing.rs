@@ -1,5 +1,37 @@
 //! From the state of each pixel to the bytes of a frame.
 
+/// A number of bits for each pixel that does not hold a code.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TooFewBits {
+    /// The bits.
+    pub bits: u8,
+    /// The state with the largest code.
+    pub state: String,
+    /// Its code.
+    pub code: u8,
+}
+
+impl TooFewBits {
+    /// Largest code that the bits hold.
+    pub fn largest(&self) -> u8 {
+        u8::MAX >> (8 - self.bits.clamp(1, 8))
+    }
+
+    /// Bits that the code needs, and the fewest for a pixel.
+    pub fn needed(&self) -> [u8; 2] {
+        [bits_of(self.code), Packing::fewest(self.code).bits()]
+    }
+}
+
+/// What is requested instead of the usual packing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RequestedPacking {
+    /// This number of bits for each pixel, 1, 2, 4 or 8.
+    Bits(u8),
+    /// Planes of 1 bit for each pixel, as many as the codes need or the controller takes.
+    Planes,
+}
+
 /// How the codes of a row become bytes. Rows begin with a byte of their own: the bits that remain in their
 /// last byte are 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +47,30 @@ impl Packing {
     /// The fewest bits that hold all codes up to `largest`.
     pub fn fewest(largest: u8) -> Self {
         Self::Bits(bits_of(largest).next_power_of_two())
+    }
+
+    /// The packing that was requested, that of a controller, or the one of fewest bits.
+    ///
+    /// # Errors
+    /// If the requested bits do not hold the largest of the `codes`.
+    pub fn chosen(
+        requested: Option<RequestedPacking>,
+        usual: Option<Self>,
+        codes: &[(String, u8)],
+    ) -> Result<Self, TooFewBits> {
+        let largest = codes.iter().max_by_key(|(_, code)| *code);
+        let (state, code) = largest.map_or(("", 0), |(state, code)| (state, *code));
+        let needed = bits_of(code);
+        match (requested, usual) {
+            (Some(RequestedPacking::Bits(bits)), _) if bits < needed => {
+                Err(TooFewBits { bits, state: state.to_owned(), code })
+            }
+            (Some(RequestedPacking::Bits(bits)), _) => Ok(Self::Bits(bits)),
+            (Some(RequestedPacking::Planes), Some(Self::Planes(planes))) => Ok(Self::Planes(planes)),
+            (Some(RequestedPacking::Planes), _) => Ok(Self::Planes(needed)),
+            (None, Some(usual)) => Ok(usual),
+            (None, None) => Ok(Self::fewest(code)),
+        }
     }
 
     /// Bits of a code that it holds.

@@ -144,7 +144,7 @@ impl ErrorDiffusion {
     ) -> Result<Diffused<3>, ImagingError> {
         check_rows(wanted.len(), columns)?;
         let row = |y: usize, row: &mut [[f32; 3]]| row.copy_from_slice(&wanted[y * columns..][..columns]);
-        self.diffuse((&row, None), [columns, wanted.len() / columns], palette, self.metric)
+        self.diffuse((&row, None, None), [columns, wanted.len() / columns], palette, self.metric)
     }
 
     /// [`colours`](Self::colours) of a picture of this many columns and rows, whose rows a function writes.
@@ -157,23 +157,25 @@ impl ErrorDiffusion {
         [columns, rows]: [usize; 2],
         palette: &[[f64; 3]],
     ) -> Result<Diffused<3>, ImagingError> {
-        self.colours_beside(row, None, [columns, rows], palette)
+        self.colours_beside(row, (None, None), [columns, rows], palette)
     }
 
     /// [`colours_by_rows`](Self::colours_by_rows) beside pixels that have a state already, which `fixed` writes
-    /// for each row. They pass nothing on, and what is passed to them is lost, as beyond a border.
+    /// for each row. They pass nothing on, and what is passed to them is lost, as beyond a border. The pixels that `few`
+    /// marks take some of the states only, whose colours lie about a line; of what is passed to them, they keep the part
+    /// along it, with the same first coordinate of the metric, and the rest is lost.
     ///
     /// # Errors
     /// As [`colours`](Self::colours).
     pub fn colours_beside(
         &self,
         row: &dyn Fn(usize, &mut [[f32; 3]]),
-        fixed: Option<&FixedRow<'_>>,
+        (fixed, few): (Option<&FixedRow<'_>>, Option<FewStates<'_>>),
         [columns, rows]: [usize; 2],
         palette: &[[f64; 3]],
     ) -> Result<Diffused<3>, ImagingError> {
         check_rows(columns * rows, columns)?;
-        self.diffuse((row, fixed), [columns, rows], palette, self.metric)
+        self.diffuse((row, fixed, few), [columns, rows], palette, self.metric)
     }
 
     /// Error diffusion of single numbers, such as the coverage of one sub-pixel, to these levels.
@@ -190,12 +192,12 @@ impl ErrorDiffusion {
         check_rows(wanted.len(), columns)?;
         let wanted = wanted.as_chunks().0;
         let row = |y: usize, row: &mut [[f32; 1]]| row.copy_from_slice(&wanted[y * columns..][..columns]);
-        self.diffuse((&row, None), [columns, wanted.len() / columns], &palette, [[1.0]])
+        self.diffuse((&row, None, None), [columns, wanted.len() / columns], &palette, [[1.0]])
     }
 
     fn diffuse<const N: usize>(
         &self,
-        (row, fixed): (&WantedRow<'_, N>, Option<&FixedRow<'_>>),
+        (row, fixed, few): (&WantedRow<'_, N>, Option<&FixedRow<'_>>, Option<FewStates<'_, N>>),
         [columns, rows]: [usize; 2],
         palette: &[[f64; N]],
         metric: [[f64; N]; N],
@@ -204,7 +206,8 @@ impl ErrorDiffusion {
         if let Some(state) = palette.iter().position(|colour| !colour.iter().all(|value| value.is_finite())) {
             return Err(ImagingError::Palette { state });
         }
-        let picture = Picture { row, fixed, columns, rows, scan: self.scan };
+        let few = few.map(|few| Few::new(few, metric[0]));
+        let picture = Picture { row, fixed, few, columns, rows, scan: self.scan };
         let palette = Palette::new(palette, metric, self.limit);
         Ok(match self.kernel {
             DiffusionKernel::FloydSteinberg => picture.diffused(&palette, &FLOYD_STEINBERG),
@@ -223,6 +226,43 @@ type WantedRow<'a, const N: usize> = dyn Fn(usize, &mut [[f32; N]]) + 'a;
 
 /// Writes the states of the pixels of a row that have one already.
 pub type FixedRow<'a> = dyn Fn(usize, &mut [Option<u8>]) + 'a;
+
+/// Pixels that take some of the states only.
+#[derive(Clone, Copy)]
+pub struct FewStates<'a, const N: usize = 3> {
+    /// Writes whether each pixel of a row is one.
+    pub row: &'a dyn Fn(usize, &mut [bool]),
+    /// Whether each state may be taken.
+    pub allowed: &'a [bool],
+    /// The line along which they lie, from one to another.
+    pub line: [f64; N],
+}
+
+/// The same, prepared.
+struct Few<'a, const N: usize> {
+    row: &'a dyn Fn(usize, &mut [bool]),
+    allowed: &'a [bool],
+    /// The error along the line, by the error.
+    along: [[f64; N]; N],
+}
+
+impl<'a, const N: usize> Few<'a, N> {
+    fn new(few: FewStates<'a, N>, first: [f64; N]) -> Self {
+        let FewStates { row, allowed, line } = few;
+        let size: f64 = line.iter().zip(first).map(|(one, first)| one * first).sum();
+        let size = if size == 0.0 { 1.0 } else { size };
+        Self { row, allowed, along: line.map(|one| first.map(|first| one * first / size)) }
+    }
+
+    /// Keeps the part of an error along the line; returns the rest.
+    fn keep(&self, error: &mut [i32; N]) -> [i32; N] {
+        let before = *error;
+        *error = self.along.map(|row| {
+            row.iter().zip(before).map(|(part, value)| part * f64::from(value)).sum::<f64>().round() as i32
+        });
+        std::array::from_fn(|k| before[k] - error[k])
+    }
+}
 
 /// One neighbour: columns along the scan, rows down, and its part of the error in units of 2^-32.
 type Part = (isize, usize, i64);
@@ -355,6 +395,12 @@ impl<const N: usize> Palette<N> {
     /// The state nearest to a colour in units; of several, the last one.
     #[inline]
     fn nearest(&self, colour: [i32; N]) -> usize {
+        self.nearest_of(colour, |_| true)
+    }
+
+    /// The same of some states.
+    #[inline]
+    fn nearest_of(&self, colour: [i32; N], is_allowed: impl Fn(usize) -> bool) -> usize {
         let colour = colour.map(|value| value as f32);
         let (mut nearest, mut smallest) = (0, f32::INFINITY);
         for (state, constant) in self.constants.iter().enumerate() {
@@ -362,7 +408,7 @@ impl<const N: usize> Palette<N> {
             for (value, gradients) in colour.iter().zip(&self.gradients) {
                 distance += value * gradients[state];
             }
-            if distance <= smallest {
+            if distance <= smallest && is_allowed(state) {
                 (nearest, smallest) = (state, distance);
             }
         }
@@ -374,9 +420,17 @@ struct Picture<'a, const N: usize> {
     /// Writes the wanted values of a row.
     row: &'a dyn Fn(usize, &mut [[f32; N]]),
     fixed: Option<&'a FixedRow<'a>>,
+    few: Option<Few<'a, N>>,
     columns: usize,
     rows: usize,
     scan: Scan,
+}
+
+/// One row: what is wanted, states that are given, and which pixels take few states.
+struct Row<'a, const N: usize> {
+    wanted: &'a [[f32; N]],
+    fixed: &'a [Option<u8>],
+    few: Option<(&'a Few<'a, N>, &'a [bool])>,
 }
 
 impl<const N: usize> Picture<'_, N> {
@@ -387,17 +441,22 @@ impl<const N: usize> Picture<'_, N> {
         let mut states = vec![0; self.columns * self.rows];
         let mut wanted = vec![[0.0; N]; self.columns];
         let mut fixed = vec![None; self.columns];
+        let mut marked = vec![false; self.columns];
         let mut ledger = Ledger { lost: [0; N], cut: [0; N], cut_pixels: 0 };
         for (y, states) in states.chunks_exact_mut(self.columns).enumerate() {
             (self.row)(y, &mut wanted);
             if let Some(write) = self.fixed {
                 write(y, &mut fixed);
             }
-            let wanted = (&wanted[..], &fixed[..]);
+            if let Some(few) = &self.few {
+                (few.row)(y, &mut marked);
+            }
+            let few = self.few.as_ref().map(|few| (few, &marked[..]));
+            let row = Row { wanted: &wanted, fixed: &fixed, few };
             if self.scan == Scan::Serpentine && y % 2 == 1 {
-                one_row::<N, W, -1>(palette, kernel, &mut rows, wanted, states, &mut ledger);
+                one_row::<N, W, -1>(palette, kernel, &mut rows, row, states, &mut ledger);
             } else {
-                one_row::<N, W, 1>(palette, kernel, &mut rows, wanted, states, &mut ledger);
+                one_row::<N, W, 1>(palette, kernel, &mut rows, row, states, &mut ledger);
             }
             ledger.lose(&rows[0][..BORDER]);
             ledger.lose(&rows[0][width - BORDER..]);
@@ -448,7 +507,7 @@ fn one_row<const N: usize, const W: usize, const ALONG: isize>(
     palette: &Palette<N>,
     kernel: &[Part; W],
     rows: &mut [Vec<[i32; N]>; 3],
-    (wanted, fixed): (&[[f32; N]], &[Option<u8>]),
+    Row { wanted, fixed, few }: Row<'_, N>,
     states: &mut [u8],
     ledger: &mut Ledger<N>,
 ) {
@@ -461,10 +520,17 @@ fn one_row<const N: usize, const W: usize, const ALONG: isize>(
             ledger.lose(&[colour]);
             continue;
         }
+        let few = few.filter(|(_, marked)| marked[x]).map(|(few, _)| few);
+        if let Some(few) = few {
+            ledger.lose(&[few.keep(&mut colour)]);
+        }
         for (value, wanted) in colour.iter_mut().zip(wanted[x]) {
             *value += (wanted * palette.scale).clamp(-MOST_UNITS, MOST_UNITS) as i32;
         }
-        let state = palette.nearest(colour);
+        let state = match few {
+            Some(few) => palette.nearest_of(colour, |state| few.allowed.get(state) == Some(&true)),
+            None => palette.nearest(colour),
+        };
         states[x] = state as u8;
         let mut error = colour;
         error.iter_mut().zip(palette.units[state]).for_each(|(error, shown)| *error -= shown);

@@ -28,7 +28,7 @@ mod tests_of_masks;
 #[cfg(test)]
 mod tests_of_search;
 
-pub use diffusion::{Diffused, DiffusionKernel, ErrorDiffusion, FixedRow, Scan};
+pub use diffusion::{Diffused, DiffusionKernel, ErrorDiffusion, FewStates, FixedRow, Scan};
 pub use mask::Mask;
 pub use ordered::{light_to_dark, ordered, ordered_planes};
 pub use search::{Filter, SearchControl, SearchPass, Searched, direct_binary_search};

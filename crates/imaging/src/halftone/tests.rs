@@ -205,3 +205,43 @@ fn atkinson_loses_a_quarter_of_the_error() {
     let dark = settings.levels(&[0.05; 32 * 32], 32, &[0.0, 1.0]).unwrap();
     assert!(dark.states.iter().all(|state| *state == 0));
 }
+
+/// Pixels that take few states have no others, keep the mean luminance, and pass on only what lies along their line.
+#[test]
+fn few_states_keep_luminance_beside_colours() {
+    let palette = [[0.05, 0.05, 0.05], [0.9, 1.0, 0.8], [0.4, 0.2, 0.05], [0.1, 0.15, 0.5]];
+    let allowed = [true, true, false, false];
+    let line = [0.85, 0.95, 0.75];
+    let (columns, rows) = (96, 64);
+    let mut dice = Dice::new(5, 0);
+    let wanted: Vec<[f32; 3]> = (0..columns * rows)
+        .map(|at| {
+            let part = 0.2 + 0.6 * dice.throw();
+            let colour = if at % columns < 48 { [0.28, 0.22, 0.15] } else { line };
+            [0, 1, 2].map(|k| (0.05 + part * colour[k]) as f32)
+        })
+        .collect();
+    let is_few = |x: usize| x >= 48;
+    let row = |y: usize, row: &mut [[f32; 3]]| row.copy_from_slice(&wanted[y * columns..][..columns]);
+    let mark =
+        |_: usize, marks: &mut [bool]| marks.iter_mut().enumerate().for_each(|(x, mark)| *mark = is_few(x));
+    let few = FewStates { row: &mark, allowed: &allowed, line };
+    let metric = [[0.0, 1.0, 0.0], [1.7, -1.7, 0.0], [0.0, 0.6, -0.6]];
+    let diffusion = ErrorDiffusion { metric, ..ErrorDiffusion::default() };
+    let found = diffusion.colours_beside(&row, (None, Some(few)), [columns, rows], &palette).unwrap();
+    let mut luminance = [0.0; 2];
+    for (at, (state, wanted)) in found.states.iter().zip(&wanted).enumerate() {
+        assert!(!is_few(at % columns) || allowed[usize::from(*state)], "{at}: {state}");
+        let side = usize::from(is_few(at % columns));
+        luminance[side] += palette[usize::from(*state)][1] - f64::from(wanted[1]);
+    }
+    assert!(found.states.contains(&2));
+    // Each side has its mean, to the errors at the borders.
+    luminance.iter().for_each(|more| assert!(more.abs() < 0.004 * wanted.len() as f64, "{luminance:?}"));
+    // What is lost is exactly the difference.
+    for k in 0..3 {
+        let shown: f64 = found.states.iter().map(|state| palette[usize::from(*state)][k]).sum();
+        let sum: f64 = wanted.iter().map(|one| f64::from(one[k])).sum();
+        assert!((sum - shown - found.lost[k]).abs() < 1e-3, "{k}");
+    }
+}

@@ -83,7 +83,8 @@ impl Case {
             Filter::new(5, self.values[0].clone()).unwrap(),
             Filter::new(3, self.values[1].clone()).unwrap(),
         ];
-        let control = SearchControl { fixed: &[], threads: 1, stop: &|| false, watch };
+        let control =
+            SearchControl { fixed: &[], few: &[], allowed: &[], threads: 1, stop: &|| false, watch };
         direct_binary_search(&self.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &self.start, control)
             .unwrap()
     }
@@ -133,7 +134,7 @@ fn direct_binary_search_stops_when_asked() {
     assert!((case.error(&stopped.states) - stopped.error).abs() < SINGLE * stopped.error_at_start);
     let filters = [bell(1, 1.0), bell(1, 1.0)];
     let watch = &mut |_| ControlFlow::Continue(());
-    let control = SearchControl { fixed: &[], threads: 2, stop: &|| true, watch };
+    let control = SearchControl { fixed: &[], few: &[], allowed: &[], threads: 2, stop: &|| true, watch };
     let none = direct_binary_search(&case.wanted, COLUMNS, (&PALETTE, AS_IS), &filters, &case.start, control)
         .unwrap();
     assert_eq!((none.states, none.passes, none.is_complete), (case.start, 0, false));
@@ -150,7 +151,8 @@ fn direct_binary_search_beats_error_diffusion_from_any_start() {
     let search = |start: &[u8]| {
         let watch = &mut |_| ControlFlow::Continue(());
         let palette = [[0.0], [1.0]];
-        let control = SearchControl { fixed: &[], threads: 1, stop: &|| false, watch };
+        let control =
+            SearchControl { fixed: &[], few: &[], allowed: &[], threads: 1, stop: &|| false, watch };
         direct_binary_search(wanted.as_chunks().0, side, (&palette, [[1.0]]), &[bell(5, 1.5)], start, control)
             .unwrap()
     };
@@ -166,7 +168,8 @@ fn direct_binary_search_of_unusable_input_is_refused() {
     let search = |start: &[u8], palette: &[[f64; 2]]| {
         let filters = [bell(1, 1.0), bell(1, 1.0)];
         let watch = &mut |_| ControlFlow::Continue(());
-        let control = SearchControl { fixed: &[], threads: 1, stop: &|| false, watch };
+        let control =
+            SearchControl { fixed: &[], few: &[], allowed: &[], threads: 1, stop: &|| false, watch };
         direct_binary_search(&case.wanted, COLUMNS, (palette, AS_IS), &filters, start, control)
             .unwrap_err()
             .to_string()
@@ -194,7 +197,8 @@ fn direct_binary_search_has_the_same_bits_with_any_number_of_threads() {
         let filters = [bell(4, 1.3), bell(5, 1.6)];
         let search = |start: &[u8], threads| {
             let watch = &mut |_| ControlFlow::Continue(());
-            let control = SearchControl { fixed: &[], threads, stop: &|| false, watch };
+            let control =
+                SearchControl { fixed: &[], few: &[], allowed: &[], threads, stop: &|| false, watch };
             direct_binary_search(&wanted, columns, (&palette, AS_IS), &filters, start, control).unwrap()
         };
         let alone = search(&start, 1);
@@ -212,5 +216,29 @@ fn direct_binary_search_has_the_same_bits_with_any_number_of_threads() {
         assert_eq!((again.passes, &again.states), (1, &alone.states));
         let moved = (again.error_at_start - alone.error).abs();
         assert!(moved < SINGLE * alone.error_at_start, "{} {}", again.error_at_start, alone.error);
+    }
+}
+
+/// Pixels that take few states keep to them, also as one of a pair, with few and with many states; the others are free.
+#[test]
+fn direct_binary_search_keeps_few_states() {
+    let mut dice = Dice::new(3, 0);
+    for count in [4, 12] {
+        let palette: Vec<[f64; 1]> = (0..count).map(|k| [f64::from(k) / f64::from(count - 1)]).collect();
+        let allowed: Vec<bool> = (0..palette.len()).map(|state| state % 3 == 0).collect();
+        let few: Vec<bool> = (0..COLUMNS * 9).map(|at| at % COLUMNS % 5 < 3).collect();
+        let wanted: Vec<[f32; 1]> = (0..few.len()).map(|_| [0.9 * dice.throw() as f32]).collect();
+        let start: Vec<u8> = few.iter().map(|is_few| if *is_few { 3 } else { 1 }).collect();
+        let watch = &mut |_| ControlFlow::Continue(());
+        let control =
+            SearchControl { fixed: &[], few: &few, allowed: &allowed, threads: 1, stop: &|| false, watch };
+        let found =
+            direct_binary_search(&wanted, COLUMNS, (&palette, [[1.0]]), &[bell(1, 1.0)], &start, control)
+                .unwrap();
+        let states = || found.states.iter().zip(&few);
+        assert!(states().all(|(state, is_few)| !is_few || allowed[usize::from(*state)]));
+        assert!(states().any(|(state, is_few)| *is_few && *state == 0));
+        assert!(states().any(|(state, is_few)| !is_few && !allowed[usize::from(*state)]));
+        assert!(found.is_complete && found.error < found.error_at_start);
     }
 }

@@ -1,7 +1,7 @@
 //! `[image]`: a picture, and how it is brought to the panel, for `papilio image`.
 
 use papilio_colour::mapping::Intent;
-use papilio_display::image::{Halftone, PictureSurround};
+use papilio_display::image::{Halftone, Neutrals, PictureSurround};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
 use papilio_imaging::{Fit, TestPattern};
 
@@ -47,6 +47,8 @@ table! {
         /// `"drawing"` are for all of it, and the path of a picture is a mask: black for drawings, white for
         /// photographs, of the size of the panel or with the proportions of the picture.
         regions as "Drawings": String = "auto".to_owned(),
+        /// Which states show neutral colours.
+        neutrals as "Neutral colours": Word<Neutrals> = Word(Neutrals::All),
         /// How pixels with few states show many colours.
         halftone: Word<Halftone> = Word(Halftone::RefinedErrorDiffusion),
     /// Weights of error diffusion.
@@ -148,7 +150,7 @@ choice! {
 
 forms! {
     /// An exposure: stops, or "auto".
-    Exposure, format!("{}, or \"auto\": more light for a photograph without light tones", Stops::in_words()); {
+    Exposure, format!("{}, or \"auto\": up to one stop more for a photograph without light tones", Stops::in_words()); {
         /// Chosen for the picture.
         Auto(Auto) if Value::Text(_),
         /// Stops.
@@ -199,6 +201,15 @@ choice! {
         Oklab = "oklab",
         /// CAM16-UCS, relative to the white of the display, in the luminance of the scene.
         Cam16Ucs = "cam16-ucs",
+    }
+}
+
+choice! {
+    for Neutrals {
+        /// All states, which is finest.
+        All = "all",
+        /// Black, white and greys only: no coloured dots.
+        BlackAndWhite = "black-and-white",
     }
 }
 

@@ -107,6 +107,7 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
         },
         adjustments: adjustments(image),
         regions: Regions::Auto,
+        neutrals: image.neutrals.0,
         halftone: image.halftone.0,
         kernel: image.kernel.0,
         scan: image.scan.0,

@@ -53,6 +53,8 @@ const WHITES: readonly (readonly [White, string])[] = [
 
 const HALFTONES: readonly (readonly [string, string])[] = [
   ["none", "none: exact colours"],
+  ["refined-error-diffusion", "refined error diffusion"],
+  ["direct-binary-search", "direct binary search"],
   ["error-diffusion", "error diffusion"],
   ["void-and-cluster", "void and cluster"],
   ["ordered", "ordered"],
@@ -60,10 +62,10 @@ const HALFTONES: readonly (readonly [string, string])[] = [
 
 const SCREENS: readonly ScreenLight[] = ["paper", 100, 300, 1000];
 
-/** Without a halftone, there are no states. */
-const STATES = "states.png";
+/** Without a halftone, there are no states: neither for a picture nor for the panel. */
+const OF_STATES = ["states.png", "frame.bin", "frame.bmp", "frame.h"];
 
-const FILES = [STATES, "seen.png", "image.json", "palette.gpl", "palette.css", "palette-epdoptimize.json"];
+const FILES = [...OF_STATES, "seen.png", "image.json", "palette.gpl", "palette.css", "palette-epdoptimize.json"];
 
 /** The picture on a screen in the same room. */
 function Screen() {
@@ -143,7 +145,7 @@ function Controls() {
       )}
       <Menu
         label="Download files of the picture"
-        items={FILES.filter((name) => name !== STATES || shown.value?.seen.head.held !== null).map((name) => ({ name }))}
+        items={FILES.filter((name) => !OF_STATES.includes(name) || shown.value?.seen.head.held !== null).map((name) => ({ name }))}
         choose={download}
       >
         Files
@@ -151,7 +153,7 @@ function Controls() {
       <label class="wide">
         <span>Halftone</span>
         <select value={halftone.value ?? ""} onChange={(event) => (halftone.value = event.currentTarget.value || null)}>
-          <option value="">scenario: {textAt(fields.value, "image.halftone") ?? "error-diffusion"}</option>
+          <option value="">scenario: {textAt(fields.value, "image.halftone") ?? "refined-error-diffusion"}</option>
           {HALFTONES.map(([id, name]) => (
             <option key={id} value={id}>
               {name}

@@ -9,7 +9,7 @@ use std::ops::Range;
 use pulp::NullaryFnOnce;
 
 use super::correlate::{Correlate, Shown};
-use super::costs::{Change, Costs, LANES, NEIGHBOURS, Scratch};
+use super::costs::{Change, Costs, Here, LANES, NEIGHBOURS, Scratch};
 
 /// Columns and rows of the blocks of pixels that are left out while nothing near them changes.
 const BLOCK: usize = 8;
@@ -43,6 +43,8 @@ struct Band<'a, const N: usize> {
     states: &'a mut [u8],
     /// Whether each pixel keeps its state; empty: none does.
     fixed: &'a [bool],
+    /// Whether each pixel takes few states; empty: none does.
+    few: &'a [bool],
     correlated: &'a mut [f32],
     touched: &'a mut [bool],
     /// Rows that may change.
@@ -81,7 +83,7 @@ impl<const N: usize> Field<N> {
     pub(super) fn pass(
         &mut self,
         costs: &Costs<N>,
-        fixed: &[bool],
+        marks: [&[bool]; 2],
         threads: usize,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Progress> {
@@ -89,7 +91,7 @@ impl<const N: usize> Field<N> {
         let quarter = (costs.reach()[1] + 1).max(LEAST_ROWS / 4).next_multiple_of(BLOCK);
         let mut progress = Progress::default();
         for shift in [0, 2 * quarter] {
-            let bands = self.bands(quarter, shift, fixed);
+            let bands = self.bands(quarter, shift, marks);
             let found =
                 in_turn(threads, bands, |band| pulp::Arch::new().dispatch(Search { band, costs, stop }));
             for found in found {
@@ -103,7 +105,7 @@ impl<const N: usize> Field<N> {
 
     /// Bands of four quarters, whose middle half is searched; with a shift, the first one has its upper half
     /// left away.
-    fn bands<'a>(&'a mut self, quarter: usize, shift: usize, mut fixed: &'a [bool]) -> Vec<Band<'a, N>> {
+    fn bands<'a>(&'a mut self, quarter: usize, shift: usize, mut marks: [&'a [bool]; 2]) -> Vec<Band<'a, N>> {
         let (columns, margin) = (self.columns, self.margin);
         let per_row = N * (columns + 2 * margin);
         let across = columns.div_ceil(BLOCK);
@@ -115,8 +117,8 @@ impl<const N: usize> Field<N> {
             let rows = (4 * quarter - left_away).min(states.len() / columns);
             let band;
             (band, states) = states.split_at_mut(rows * columns);
-            let kept;
-            (kept, fixed) = fixed.split_at((rows * columns).min(fixed.len()));
+            let [fixed, few] = marks.map(|marks| &marks[..(rows * columns).min(marks.len())]);
+            marks = marks.map(|marks| &marks[(rows * columns).min(marks.len())..]);
             let own;
             (own, correlated) = correlated.split_at_mut(rows * per_row);
             let blocks;
@@ -126,7 +128,8 @@ impl<const N: usize> Field<N> {
                 columns,
                 margin,
                 states: band,
-                fixed: kept,
+                fixed,
+                few,
                 correlated: own,
                 touched: blocks,
                 inner,
@@ -194,12 +197,13 @@ impl<const N: usize> Band<'_, N> {
     }
 
     #[inline(always)]
-    fn at(&self, x: usize, y: usize) -> (u8, [f32; N]) {
+    fn at(&self, x: usize, y: usize) -> Here<N> {
         let mut r = [0.0; N];
         for (k, r) in r.iter_mut().enumerate() {
             *r = self.correlated[self.place(x, y, k)];
         }
-        (self.states[y * self.columns + x], r)
+        let at = y * self.columns + x;
+        Here { own: self.states[at], r, is_few: !self.few.is_empty() && self.few[at] }
     }
 
     #[inline(always)]
@@ -212,8 +216,7 @@ impl<const N: usize> Band<'_, N> {
                 *neighbour = Some(self.at(x, y));
             }
         }
-        let (own, r) = self.at(x, y);
-        costs.best(own, r, neighbours, scratch)
+        costs.best(self.at(x, y), neighbours, scratch)
     }
 
     #[inline(always)]

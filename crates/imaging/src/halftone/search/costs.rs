@@ -32,6 +32,8 @@ pub(super) struct Costs<const N: usize> {
     pub(super) palette: Vec<[f32; N]>,
     pub(super) correlations: [Correlation; N],
     middles: [f32; N],
+    /// Whether pixels that take few states may take each.
+    allowed: Vec<bool>,
     /// For each neighbour and each pair of states: twice the sum of the products of their coordinates, each
     /// with the correlation there.
     near: [Vec<f32>; 4],
@@ -44,9 +46,9 @@ pub(super) struct Costs<const N: usize> {
 struct Lanes<const N: usize> {
     /// Twice each coordinate of the states.
     doubled: [[f32; LANES]; N],
-    /// For each state of a pixel: the squares of the changes to the others, each with the middle of the
-    /// correlation.
-    squares: Vec<[f32; LANES]>,
+    /// For pixels that take all states and for those that take few, and each state of a pixel: the squares of the
+    /// changes to the others, each with the middle of the correlation.
+    squares: [Vec<[f32; LANES]>; 2],
     near: [Vec<[f32; LANES]>; 4],
 }
 
@@ -59,11 +61,19 @@ pub(super) struct Scratch {
     best_there: Vec<usize>,
 }
 
-/// The neighbours of a pixel inside the picture, with their states and correlated errors.
-pub(super) type Neighbours<const N: usize> = [Option<(u8, [f32; N])>; 4];
+/// A pixel: its state, its correlated error, and whether it takes few states.
+#[derive(Clone, Copy)]
+pub(super) struct Here<const N: usize> {
+    pub(super) own: u8,
+    pub(super) r: [f32; N],
+    pub(super) is_few: bool,
+}
+
+/// The neighbours of a pixel inside the picture.
+pub(super) type Neighbours<const N: usize> = [Option<Here<N>>; 4];
 
 impl<const N: usize> Costs<N> {
-    pub(super) fn new(palette: &[[f64; N]], filters: &[Filter; N]) -> Self {
+    pub(super) fn new(palette: &[[f64; N]], allowed: &[bool], filters: &[Filter; N]) -> Self {
         let correlations = filters.each_ref().map(Filter::autocorrelation);
         let mut extent: f64 = 0.0;
         for (k, correlation) in correlations.iter().enumerate() {
@@ -80,8 +90,9 @@ impl<const N: usize> Costs<N> {
         });
         let middles = correlations.each_ref().map(|one| one.middle() as f32);
         let palette: Vec<[f32; N]> = palette.iter().map(|colour| colour.map(|value| value as f32)).collect();
-        let lanes = (palette.len() <= LANES).then(|| Lanes::new(&palette, middles, &near));
-        Self { palette, correlations, middles, near, lanes, least: (LEAST * extent) as f32 }
+        let allowed: Vec<bool> = (0..palette.len()).map(|state| allowed.get(state) == Some(&true)).collect();
+        let lanes = (palette.len() <= LANES).then(|| Lanes::new(&palette, &allowed, middles, &near));
+        Self { palette, correlations, middles, allowed, near, lanes, least: (LEAST * extent) as f32 }
     }
 
     /// Rows and columns over which a change of a pixel is felt.
@@ -94,22 +105,24 @@ impl<const N: usize> Costs<N> {
     #[inline(always)]
     pub(super) fn best(
         &self,
-        own: u8,
-        r: [f32; N],
+        here: Here<N>,
         neighbours: Neighbours<N>,
         scratch: &mut Scratch,
     ) -> Option<(Change, f32)> {
         match &self.lanes {
-            Some(lanes) => lanes.best(self.palette.len(), self.least, (own, r), neighbours),
-            None => self.best_of_many(own, r, neighbours, scratch),
+            Some(lanes) => lanes.best(self.palette.len(), self.least, here, neighbours),
+            None => self.best_of_many(here, neighbours, scratch),
         }
     }
 
-    /// Costs of the states of a pixel in a state, where the correlated error is `r`.
-    fn single(&self, own: usize, r: [f32; N], costs: &mut Vec<f32>) {
-        let shown = self.palette[own];
+    /// Costs of the states of a pixel.
+    fn single(&self, Here { own, r, is_few }: Here<N>, costs: &mut Vec<f32>) {
+        let shown = self.palette[usize::from(own)];
         costs.clear();
-        costs.extend(self.palette.iter().map(|colour| {
+        costs.extend(self.palette.iter().zip(&self.allowed).map(|(colour, is_allowed)| {
+            if is_few && !is_allowed {
+                return IMPOSSIBLE;
+            }
             (0..N)
                 .map(|k| {
                     let d = colour[k] - shown[k];
@@ -122,16 +135,15 @@ impl<const N: usize> Costs<N> {
     #[inline(never)]
     fn best_of_many(
         &self,
-        own: u8,
-        r: [f32; N],
+        pixel: Here<N>,
         neighbours: Neighbours<N>,
         scratch: &mut Scratch,
     ) -> Option<(Change, f32)> {
         let Scratch { here, there, best_here, best_there } = scratch;
-        let own = usize::from(own);
+        let own = usize::from(pixel.own);
         let count = self.palette.len();
         let (mut best, mut most) = (None, self.least);
-        self.single(own, r, here);
+        self.single(pixel, here);
         for (state, cost) in here.iter().enumerate() {
             if -cost > most {
                 (best, most) = (Some(Change { state: state as u8, other: None }), -cost);
@@ -139,9 +151,9 @@ impl<const N: usize> Costs<N> {
         }
         lowest(here, best_here);
         for (number, neighbour) in neighbours.into_iter().enumerate() {
-            let Some((other, r)) = neighbour else { continue };
-            let other = usize::from(other);
-            self.single(other, r, there);
+            let Some(neighbour) = neighbour else { continue };
+            let other = usize::from(neighbour.own);
+            self.single(neighbour, there);
             lowest(there, best_there);
             // The costs of both, and the sum of c (state - own) (to - other) from its four products.
             let near = &self.near[number];
@@ -167,7 +179,7 @@ impl<const N: usize> Costs<N> {
 }
 
 impl<const N: usize> Lanes<N> {
-    fn new(palette: &[[f32; N]], middles: [f32; N], near: &[Vec<f32>; 4]) -> Self {
+    fn new(palette: &[[f32; N]], allowed: &[bool], middles: [f32; N], near: &[Vec<f32>; 4]) -> Self {
         let lanes = |of: &dyn Fn(usize) -> f32, rest: f32| {
             std::array::from_fn(|at| if at < palette.len() { of(at) } else { rest })
         };
@@ -177,14 +189,21 @@ impl<const N: usize> Lanes<N> {
         let row = |near: &[f32]| lanes(&|at| near[at], 0.0);
         Self {
             doubled: std::array::from_fn(|k| lanes(&|at| 2.0 * palette[at][k], 0.0)),
-            squares: palette.iter().map(|own| lanes(&|at| square(own, &palette[at]), IMPOSSIBLE)).collect(),
+            squares: [false, true].map(|is_few| {
+                let to = |own: &[f32; N], at: usize| match is_few && !allowed[at] {
+                    true => IMPOSSIBLE,
+                    false => square(own, &palette[at]),
+                };
+                palette.iter().map(|own| lanes(&|at| to(own, at), IMPOSSIBLE)).collect()
+            }),
             near: near.each_ref().map(|near| near.chunks(palette.len().max(1)).map(row).collect()),
         }
     }
 
-    /// Costs of the states of a pixel in a state, where the correlated error is `r`.
+    /// Costs of the states of a pixel.
     #[inline(always)]
-    fn single(&self, own: usize, r: [f32; N]) -> [f32; LANES] {
+    fn single(&self, Here { own, r, is_few }: Here<N>) -> [f32; LANES] {
+        let own = usize::from(own);
         let mut costs = [0.0; LANES];
         for (r, doubled) in r.iter().zip(&self.doubled) {
             for (cost, doubled) in costs.iter_mut().zip(doubled) {
@@ -192,7 +211,7 @@ impl<const N: usize> Lanes<N> {
             }
         }
         let before = costs[own];
-        let squares = &self.squares[own];
+        let squares = &self.squares[usize::from(is_few)][own];
         for (cost, square) in costs.iter_mut().zip(squares) {
             *cost = *cost - before + square;
         }
@@ -204,11 +223,11 @@ impl<const N: usize> Lanes<N> {
         &self,
         count: usize,
         least: f32,
-        (own, r): (u8, [f32; N]),
+        pixel: Here<N>,
         neighbours: Neighbours<N>,
     ) -> Option<(Change, f32)> {
-        let own = usize::from(own);
-        let here = self.single(own, r);
+        let own = usize::from(pixel.own);
+        let here = self.single(pixel);
         let (mut best, mut lowest) = (None, -least);
         for (state, cost) in here.into_iter().enumerate() {
             if cost < lowest {
@@ -216,11 +235,11 @@ impl<const N: usize> Lanes<N> {
             }
         }
         for (number, neighbour) in neighbours.into_iter().enumerate() {
-            let Some((other, r)) = neighbour else { continue };
-            let other = usize::from(other);
+            let Some(neighbour) = neighbour else { continue };
+            let other = usize::from(neighbour.own);
             let near = &self.near[number];
             // The costs of both, and the sum of c (state - own) (to - other) from its four products.
-            let mut there = self.single(other, r);
+            let mut there = self.single(neighbour);
             let apart = near[own][other];
             for to in 0..LANES {
                 there[to] += apart - near[own][to];

@@ -63,6 +63,10 @@ pub struct Searched {
 pub struct SearchControl<'a> {
     /// Whether each pixel keeps the state of the start; empty: none does. The light of those that do is seen by the others.
     pub fixed: &'a [bool],
+    /// Whether each pixel takes only states that `allowed` marks; empty: none does.
+    pub few: &'a [bool],
+    /// Whether these pixels may take each state.
+    pub allowed: &'a [bool],
     /// Number of threads.
     pub threads: usize,
     /// Whether to stop; asked often, by all threads.
@@ -100,15 +104,17 @@ pub fn direct_binary_search<const N: usize>(
     if let Some(state) = start.iter().find(|state| usize::from(**state) >= palette.len()) {
         return Err(ImagingError::Order { state: *state, states: palette.len() });
     }
-    let SearchControl { fixed, threads, stop, watch } = control;
-    if !fixed.is_empty() && fixed.len() != wanted.len() {
-        return Err(ImagingError::Planes { pixels: fixed.len(), expected: wanted.len() });
+    let SearchControl { fixed, few, allowed, threads, stop, watch } = control;
+    for marks in [fixed, few] {
+        if !marks.is_empty() && marks.len() != wanted.len() {
+            return Err(ImagingError::Planes { pixels: marks.len(), expected: wanted.len() });
+        }
     }
     let mut searched =
         Searched { states: Vec::new(), error_at_start: 0.0, error: 0.0, passes: 0, is_complete: false };
     let in_metric =
         |colour: &[f64; N]| metric.map(|row| row.iter().zip(colour).map(|(m, value)| m * value).sum::<f64>());
-    let costs = Costs::new(&palette.iter().map(in_metric).collect::<Vec<_>>(), filters);
+    let costs = Costs::new(&palette.iter().map(in_metric).collect::<Vec<_>>(), allowed, filters);
     let metric = metric.map(|row| row.map(|one| one as f32));
     let shown = Shown { wanted, columns, states: start, metric };
     let Some((mut field, mut error)) = Field::new(shown, &costs, (threads, stop)) else {
@@ -117,7 +123,7 @@ pub fn direct_binary_search<const N: usize>(
     };
     // Without the small values of the autocorrelations, an error of nearly 0 may be negative.
     (searched.error_at_start, searched.error) = (error.max(0.0), error.max(0.0));
-    while let Some(Progress { changes, gain }) = field.pass(&costs, fixed, threads, stop) {
+    while let Some(Progress { changes, gain }) = field.pass(&costs, [fixed, few], threads, stop) {
         searched.passes += 1;
         error -= gain;
         searched.error = error.max(0.0);
