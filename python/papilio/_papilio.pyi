@@ -35,6 +35,7 @@ __all__ = [
     "film_amplitudes",
     "film_derivatives",
     "film_grid",
+    "frame",
     "gamut",
     "illuminant_names",
     "illuminant_sheet",
@@ -243,6 +244,7 @@ class Image:
         threads: int | None = None,
         progress: Callable[[dict[str, Any]], object] | None = None,
     ) -> Image: ...
+    def codes(self) -> tuple[str | None, list[tuple[str, int]]] | None: ...
     def json(self) -> str: ...
     def arrays(self) -> dict[str, NDArray[Any]]: ...
     def png(self) -> bytes: ...
@@ -250,6 +252,16 @@ class Image:
     def title(self) -> str: ...
     def warnings(self) -> tuple[list[str], list[str]]: ...
     def notes(self) -> list[str]: ...
+
+def frame(
+    states: NDArray[np.uint8],
+    codes: list[tuple[str, int]],
+    controller: str | None,
+    bits: int | None,
+    quarter_turns: int,
+    is_mirrored: bool,
+    title: str,
+) -> tuple[bytes, NDArray[np.uint8], str, str]: ...
 
 @final
 class Palette:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-__all__ = ["Image", "image"]
+__all__ = ["Frame", "Image", "image"]
 
 #: Long name and channels of each picture.
 _PICTURES: dict[str, tuple[str, tuple[str, ...]]] = {
@@ -35,6 +37,20 @@ _PICTURES: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 
 Picture = str | PathLike[str] | ArrayLike
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What the controller of a panel takes: the files ``frame.bin`` and ``frame.h`` of ``papilio image``."""
+
+    #: The bytes of the frame.
+    data: bytes
+    #: Code of each pixel, shape [row, column], in the rows and columns of the panel.
+    codes: NDArray[np.uint8]
+    #: Layout: ``size``, ``bits``, ``planes``, ``bytes_per_row``, the ``codes`` of the states, as ``frame`` in ``image.json``.
+    numbers: dict[str, Any]
+    #: The same bytes as a C header.
+    header: str
 
 
 class Image(_Written):
@@ -50,10 +66,17 @@ class Image(_Written):
     _FILE = "image.json"
 
     def __init__(
-        self, text: str, arrays: Mapping[str, NDArray[Any]], png: bytes, title: str, warned: list[str], notes: list[str]
+        self,
+        text: str,
+        arrays: Mapping[str, NDArray[Any]],
+        png: bytes,
+        title: str,
+        warned: list[str],
+        notes: list[str],
+        codes: tuple[str | None, list[tuple[str, int]]] | None = None,
     ) -> None:
         super().__init__(text, arrays, [], title, warned, notes)
-        self._png = png
+        self._png, self._codes = png, codes
 
     @property
     def states(self) -> list[str]:
@@ -108,6 +131,39 @@ class Image(_Written):
     def png(self) -> bytes:
         """Returns the content of ``seen.png``."""
         return self._png
+
+    def frame(self, packed: int | Literal["planes"] | None = None, *, rotate: int = 0, mirror: bool = False) -> Frame:
+        """Packs the states for the controller of the panel, with the codes of ``display.pixel.codes``, or else the numbers of the states.
+
+        Args:
+            packed: bits for each pixel, 1, 2, 4 or 8, or ``"planes"`` of 1 bit; None: as the controller takes them, or the fewest.
+            rotate: clockwise rotation of the frame, 0, 90, 180 or 270 degrees.
+            mirror: whether the rotated frame is mirrored left to right.
+
+        Returns:
+            The bytes, the codes as an array, the layout and a C header.
+
+        Raises:
+            ArgumentError: for other numbers, too few bits, and a picture without a halftone.
+
+        Example:
+            >>> found = papilio.image("scenarios/six-ink.toml", np.full((4, 6, 3), 0.5))
+            >>> frame = found.frame(4)
+            >>> len(frame.data), frame.numbers["bytes_per_row"], frame.numbers["codes"]["green"]
+            (12, 3, 6)
+        """
+        if "states" not in self._arrays:
+            raise ArgumentError("a picture without a halftone has no states, and a frame consists of states")
+        if rotate not in (0, 90, 180, 270):
+            raise ArgumentError(f"rotate: expected 0, 90, 180 or 270 degrees, not {described(rotate)}")
+        if packed not in (None, 1, 2, 4, 8, "planes"):
+            raise ArgumentError(f"packed: expected 1, 2, 4, 8 or 'planes', not {described(packed)}")
+        controller, codes = self._codes or (None, [(state, number) for number, state in enumerate(self.states)])
+        if len(codes) > 256:
+            raise ArgumentError(f"a frame has codes from 0 to 255, and this display has {len(codes)} states: image.states lists those to use")
+        bits = 0 if packed == "planes" else packed
+        data, shown, text, header = _papilio.frame(self["states"], codes, controller, bits, rotate // 90, mirror, self.title)
+        return Frame(bytes(data), shown, json.loads(text), header)
 
     def _repr_png_(self) -> bytes:
         return self._png
@@ -190,7 +246,7 @@ def image(
             tell,
         )
     warned = _messages.merged(*core.warnings())
-    found = Image(core.json(), core.arrays(), core.png(), core.title, warned, core.notes())
+    found = Image(core.json(), core.arrays(), core.png(), core.title, warned, core.notes(), core.codes())
     _messages.warn(found.warnings)
     return found
 

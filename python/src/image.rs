@@ -16,10 +16,15 @@ use crate::watch::{computed, detached};
 
 exports! { classes Image; }
 
+/// Name of a controller, and codes of the states.
+type Codes = (Option<&'static str>, Vec<(String, u8)>);
+
 /// A picture on a display.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Image {
     of: ImageResult,
+    /// Name of the controller, and codes of the states, of `display.pixel.codes`.
+    codes: Option<Codes>,
     json: String,
     title: String,
     warnings: Vec<String>,
@@ -79,7 +84,21 @@ impl Image {
             hash: &resolved.hash,
             result: &of.numbers,
         })?;
-        Ok(Self { of, json, title, warnings: resolved.warnings.clone(), notes: resolved.notes.clone() })
+        let codes = request.codes.as_ref();
+        let codes = codes.map(|codes| (codes.controller.map(|one| one.name), codes.of_states.clone()));
+        Ok(Self {
+            of,
+            codes,
+            json,
+            title,
+            warnings: resolved.warnings.clone(),
+            notes: resolved.notes.clone(),
+        })
+    }
+
+    /// Name of the controller, and codes of the states; None: the scenario has none.
+    fn codes(&self) -> Option<Codes> {
+        self.codes.clone()
     }
 
     /// The text of `image.json`.

@@ -28,6 +28,7 @@ mod diffuser;
 mod errors;
 mod figures;
 mod films;
+mod frame;
 mod image;
 mod palette;
 mod plot;
@@ -66,6 +67,7 @@ mod _papilio {
             crate::diffuser::add_to,
             crate::figures::add_to,
             crate::films::add_to,
+            crate::frame::add_to,
             crate::image::add_to,
             crate::palette::add_to,
             crate::plot::add_to,

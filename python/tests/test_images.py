@@ -86,3 +86,34 @@ def test_mistakes_are_named(scenarios: Path) -> None:
         papilio.image(file, colours(), encoding="gamma")  # type: ignore[arg-type]
     with pytest.raises(papilio.ScenarioError, match="nowhere"):
         papilio.image(file, "nowhere.png")
+
+
+@pytest.mark.parametrize(("packed", "rotate", "mirror"), [(None, 0, False), (4, 90, True), (8, 270, False), ("planes", 180, True)])
+def test_frame_is_that_of_the_program(
+    scenarios: Path, program: Path, tmp_path: Path, packed: int | str | None, rotate: int, mirror: bool
+) -> None:
+    file, picture = scenarios / "six-ink.toml", scenarios / "data" / "chelsea.png"
+    found = papilio.image(file, picture, set={"display.matrix.pixels": [61, 40]})
+    frame = pickle.loads(pickle.dumps(found)).frame(packed, rotate=rotate, mirror=mirror)
+    command = [program, "image", str(file), str(picture), "--set", "display.matrix.pixels=[61,40]", "--frame", "bin,h", "--out", str(tmp_path)]
+    command += [] if packed is None else ["--packed", str(packed)]
+    command += ["--rotate", str(rotate)] if rotate else []
+    subprocess.run(command + (["--mirror"] if mirror else []), capture_output=True, check=True)
+    assert frame.data == (tmp_path / "frame.bin").read_bytes()
+    assert frame.header.splitlines()[1:] == (tmp_path / "frame.h").read_text().splitlines()[1:]
+    assert frame.numbers == json.loads((tmp_path / "image.json").read_text())["frame"]
+    # By hand: the codes of the states, turned.
+    codes = np.array([0, 1, 2, 3, 5, 6], np.uint8)[found["states"]]
+    turned = np.rot90(codes, -rotate // 90)
+    assert np.array_equal(frame.codes, turned[:, ::-1] if mirror else turned)
+
+
+def test_wrong_frames_are_named(scenarios: Path) -> None:
+    found = papilio.image(scenarios / "six-ink.toml", colours())
+    with pytest.raises(papilio.ArgumentError, match="2 bits hold codes up to 3, and the code of green is 6"):
+        found.frame(2)
+    with pytest.raises(papilio.ArgumentError, match="rotate"):
+        found.frame(rotate=45)
+    none = papilio.image(scenarios / "six-ink.toml", colours(), set={"image.halftone": "none"})
+    with pytest.raises(papilio.ArgumentError, match="no states"):
+        none.frame()
