@@ -298,7 +298,7 @@ impl<'stop> Fitting<'stop> {
         best: &Minimum,
         common: CommonDeviations,
         starts: Starts,
-        (ends, undetermined): (&[Option<[[f64; 2]; 2]>], &[Vec<usize>]),
+        (ends, undetermined): (&[Ends], &[Vec<usize>]),
     ) -> Result<FitReport, DesignError> {
         let (variables, n) = (&self.spec.variables, best.point.len());
         let covariance = determined(&best.jacobian).covariance;
@@ -410,11 +410,15 @@ impl<'stop> Fitting<'stop> {
     }
 }
 
+/// Ends of the intervals of a variable, `[probability][side]`, in the unit cube; `None` if the data do not
+/// determine it.
+type Ends = Option<[[f64; 2]; 2]>;
+
 /// Ends of intervals, in the unit cube, of the variables that the data determine; or a better minimum.
 enum Intervals {
     /// With the groups of variables that the data do not determine.
     Found {
-        ends: Vec<Option<[[f64; 2]; 2]>>,
+        ends: Vec<Ends>,
         undetermined: Vec<Vec<usize>>,
     },
     Better(Vec<f64>),
