@@ -34,7 +34,7 @@ pub struct FittedSpectrum {
 pub fn fitted_spectra(all: &[FittedSpectrum], title: &str) -> String {
     let values = all.iter().flat_map(|one| one.measured.iter().chain(&one.predicted).copied());
     let y = Axis::covering(values.chain([0.0]), 6, "Reflectance factor");
-    drawn(all, title, y, |svg, panel, one, stroke| {
+    drawn(all, title, (y, ["fitted", "measured, with 2 standard deviations"]), |svg, panel, one, stroke| {
         let band = |times: f64| -> Vec<f64> {
             one.measured.iter().zip(&one.deviation).map(|(value, by)| value + times * by).collect()
         };
@@ -55,7 +55,7 @@ pub fn fit_residuals(all: &[FittedSpectrum], title: &str) -> String {
     };
     let values = all.iter().flat_map(z);
     let y = Axis::covering(values.chain([-BAND, BAND]), 6, "Residual over standard deviation");
-    drawn(all, title, y, |svg, panel, one, _| {
+    drawn(all, title, (y, ["fitted minus measured", "2 standard deviations"]), |svg, panel, one, _| {
         for times in [-BAND, BAND] {
             let ends = [panel.at(panel.x.min(), times), (panel.right(), panel.at(panel.x.min(), times).1)];
             svg.line(ends[0], ends[1], &Stroke::solid(INK, 1.0).dashed(MEASURED));
@@ -64,11 +64,11 @@ pub fn fit_residuals(all: &[FittedSpectrum], title: &str) -> String {
     })
 }
 
-/// Draws a curve of each spectrum, which `values` returns after it has drawn what is below the curve.
+/// Draws a curve of each spectrum, with words for solid and dashed lines, which `values` returns after it has drawn what is below the curve.
 fn drawn(
     all: &[FittedSpectrum],
     title: &str,
-    y: Axis,
+    (y, [solid, dashed]): (Axis, [&str; 2]),
     values: impl Fn(&mut Svg, &Panel, &FittedSpectrum, &Stroke) -> Vec<f64>,
 ) -> String {
     let nm = all.iter().flat_map(|one| one.wavelength_nm.iter().copied());
@@ -87,7 +87,7 @@ fn drawn(
         }
     }
     end_labels(&mut svg, &panel, labels);
-    let entries = [("fitted", ""), ("measured, or 2 standard deviations", MEASURED)];
+    let entries = [(solid, ""), (dashed, MEASURED)];
     legend(&mut svg, entries.into_iter().map(|(name, dash)| (name, Stroke::solid(INK, 1.8).dashed(dash))));
     svg.finish()
 }
