@@ -3,21 +3,20 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use papilio_design::DesignError;
 use papilio_display::{Control, DisplayError};
 use papilio_formats::{write_file, write_json};
 use papilio_reproduction::ReproductionError;
-use papilio_reproduction::samples::{Prediction, SampleList, SampleReport, predict, report};
+use papilio_reproduction::samples::{Prediction, SampleList, SampleReport, in_words, predict, report};
 
 use crate::arguments::Validate;
 use crate::progress::FractionBar;
 use crate::{Failure, interrupt, output, print_message};
 
-/// Predicts the samples of this name, or of a list of one's own; all shipped ones without a name.
+/// Predicts the samples of this name, or of a list of one's own; all shipped ones without a name. Samples that
+/// cannot be predicted do not stop the others.
 pub(super) fn run(arguments: &Validate, name: Option<&str>) -> Result<(), Failure> {
-    let folder = match (&arguments.out, arguments.json) {
-        (None, true) => None,
-        (out, _) => Some(out.clone().unwrap_or_else(|| PathBuf::from("out/measured"))),
-    };
+    let folder = folder(arguments, name);
     if let Some(folder) = &folder {
         output::check(folder)?;
         output::make_folder(folder)?;
@@ -28,63 +27,113 @@ pub(super) fn run(arguments: &Validate, name: Option<&str>) -> Result<(), Failur
     let shipped = folder.as_deref().unwrap_or(temporary.path()).join("scenarios");
     let (list, files) = match name {
         Some(path) if is_list(path) => {
-            let text = std::fs::read_to_string(path)
-                .map_err(|error| Failure::Input(format!("cannot read {path}: {error}")))?;
-            (SampleList::parse(&text, path)?, Path::new(path).parent().unwrap_or(Path::new("")).to_owned())
+            let text = std::fs::read_to_string(path).map_err(|error| {
+                Failure::Input(format!("cannot read the list of samples {path}: {error}"))
+            })?;
+            let files = Path::new(path).parent().unwrap_or(Path::new("")).to_owned();
+            (SampleList::parse(&text, path).map_err(in_list)?, files)
         }
-        Some(name) => (SampleList::of_program()?.only(name)?, SampleList::folder(&shipped)),
-        None => (SampleList::of_program()?, SampleList::folder(&shipped)),
+        _ => {
+            let all = SampleList::shipped(&shipped)?;
+            let list = name.map_or(Ok(all.clone()), |name| all.only(name)).map_err(in_list)?;
+            (list, SampleList::folder(&shipped))
+        }
     };
-    if !name.is_some_and(is_list) {
-        SampleList::shipped(&shipped)?;
-    }
-    let samples = predicted(arguments, &list, &files)?;
+    let (samples, wrong) = predicted(arguments, &list, &files)?;
     let mut stdout = crate::terminal::output(arguments.json);
     let result = SampleReport { papilio: env!("CARGO_PKG_VERSION").to_owned(), samples };
     if arguments.json {
         write_json(&mut stdout, &result)?;
-    } else {
+    } else if !result.samples.is_empty() {
         stdout.write_all(text(&result.samples).as_bytes())?;
     }
     stdout.flush()?;
     if let Some(folder) = &folder {
+        let page = report(&result.samples).html();
         write_file(&folder.join("samples.json"), |out| write_json(out, &result))?;
-        write_file(&folder.join("report.html"), |out| {
-            out.write_all(report(&result.samples).html().as_bytes())
-        })?;
+        write_file(&folder.join("report.html"), |out| out.write_all(page.as_bytes()))?;
         print_message(&format!("wrote {}: report.html, samples.json", folder.display()));
     }
-    Ok(())
+    match wrong.as_slice() {
+        [] => Ok(()),
+        [one] => Err(Failure::Input(one.clone())),
+        [first, others @ ..] => {
+            others.iter().for_each(|error| print_message(&format!("error: {error}")));
+            Err(Failure::Input(first.clone()))
+        }
+    }
+}
+
+/// Folder of the results; none for JSON alone.
+fn folder(arguments: &Validate, name: Option<&str>) -> Option<PathBuf> {
+    let stem = name.map(|name| Path::new(name).file_stem().unwrap_or_default());
+    let usual = || stem.map_or("out/measured".into(), |stem| Path::new("out/measured").join(stem));
+    match (&arguments.out, arguments.json) {
+        (None, true) => None,
+        (out, _) => Some(out.clone().unwrap_or_else(usual)),
+    }
 }
 
 fn is_list(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"))
 }
 
-fn predicted(arguments: &Validate, list: &SampleList, files: &Path) -> Result<Vec<Prediction>, Failure> {
+/// A mistake in a list is one of the input.
+fn in_list(error: ReproductionError) -> Failure {
+    match error {
+        ReproductionError::List(text) => Failure::Input(text),
+        other => other.into(),
+    }
+}
+
+/// The predictions, and what is wrong with the other samples.
+fn predicted(
+    arguments: &Validate,
+    list: &SampleList,
+    files: &Path,
+) -> Result<(Vec<Prediction>, Vec<String>), Failure> {
     interrupt::catch_ctrl_c();
     let bar = FractionBar::new();
     let log = bar.in_log(String::new);
-    let mut samples = Vec::new();
+    let (mut samples, mut wrong) = (Vec::new(), Vec::new());
     for (number, sample) in list.samples.iter().enumerate() {
         let whole = list.samples.len() as f64;
         let control = Control {
             threads: arguments.workers.threads.map(usize::from),
-            progress: &|now| bar.advance((number as f64 + now.fraction()) / whole, sample.name.clone()),
+            // The spread by the inputs follows each run.
+            progress: &|now| bar.advance((number as f64 + 0.9 * now.fraction()) / whole, sample.name.clone()),
             stop: &interrupt::STOP,
         };
         match predict(sample, files, &control) {
-            Err(ReproductionError::Display(DisplayError::Interrupted)) => {
-                return Err(Failure::Interrupted("no report was written"));
-            }
-            Err(ReproductionError::Design(error)) if papilio_design::search::was_stopped(&error) => {
-                return Err(Failure::Interrupted("no report was written"));
-            }
-            other => samples.push(other?),
+            Ok(found) => samples.push(found),
+            Err(error) if was_stopped(&error) => return Err(Failure::Interrupted("no report was written")),
+            Err(error) => wrong.push(of_sample(&sample.name, &error)),
         }
     }
     drop((log, bar));
-    Ok(samples)
+    Ok((samples, wrong))
+}
+
+fn was_stopped(error: &ReproductionError) -> bool {
+    match error {
+        ReproductionError::Display(DisplayError::Interrupted) => true,
+        ReproductionError::Design(error) => papilio_design::search::was_stopped(error),
+        _ => false,
+    }
+}
+
+/// An error of a sample, with its name.
+fn of_sample(name: &str, error: &ReproductionError) -> String {
+    let of_scenario =
+        matches!(error, ReproductionError::Scenario(_) | ReproductionError::Design(DesignError::Scenario(_)));
+    let text = error.to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text).trim_end().to_owned();
+    let note = if of_scenario && text.contains("--set") {
+        "\n  = note: `set` of a case, `tolerances` and `unknowns` are given to the scenario as by --set"
+    } else {
+        ""
+    };
+    format!("the sample `{name}`: {text}{note}")
 }
 
 /// The table of all samples.
@@ -97,16 +146,16 @@ fn text(samples: &[Prediction]) -> String {
     rows.extend(samples.iter().map(|sample| {
         vec![
             sample.name.clone(),
-            sample.verdict.in_words().to_owned(),
-            rounded(sample.rms),
+            in_words(sample.verdict).to_owned(),
+            sample.rms.map_or("-".to_owned(), two_digits),
             sample.rms_of.clone(),
             value(sample.z_rms, 2),
             value(sample.z_rms_with_unknowns, 2),
             value(sample.delta_e_2000_mean, 2),
         ]
     }));
-    let mut text =
-        format!("samples that others measured, predicted without fitting\n{}", crate::report::table(&rows));
+    let table = crate::report::table(&rows);
+    let mut text = format!("samples that others measured, predicted without fitting\n{table}");
     for sample in samples {
         text.push_str(&format!(
             "\n{}: {}\n  {} ({})\n  inputs: {}\n",
@@ -123,6 +172,8 @@ fn text(samples: &[Prediction]) -> String {
 }
 
 /// A number with two significant digits.
-fn rounded(value: f64) -> String {
-    format!("{value:.1e}").parse().unwrap_or(value).to_string()
+fn two_digits(value: f64) -> String {
+    let decade = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    let decimals = (1.0 - decade).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$}")
 }

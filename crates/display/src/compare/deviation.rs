@@ -38,6 +38,18 @@ pub struct Agreement {
 }
 
 impl Agreement {
+    /// Agreement of the numbers of several; `None` of none.
+    pub fn together(all: impl Iterator<Item = Self>) -> Option<Self> {
+        let of = |one: Self| [1.0, one.z_rms * one.z_rms, one.within_2].map(|value| value * one.count as f64);
+        let [count, squares, within] =
+            all.map(of).fold([0.0; 3], |sum, one| [sum[0] + one[0], sum[1] + one[1], sum[2] + one[2]]);
+        (count > 0.0).then(|| Self {
+            count: count as usize,
+            z_rms: (squares / count).sqrt(),
+            within_2: within / count,
+        })
+    }
+
     /// Agreement of numbers by their z; `None` of none.
     pub fn of(all: impl Iterator<Item = f64>) -> Option<Self> {
         let (mut count, mut squares, mut within) = (0, 0.0, 0);
@@ -53,6 +65,22 @@ impl Agreement {
             within_2: fraction(within as f64),
         })
     }
+}
+
+/// z at the measured wavelengths, from z on a finer grid, between whose points it is linear; as it is if the
+/// measurement is as fine.
+pub(super) fn z_of_measured(z: &[f64], grid_nm: &[f64], measured_nm: &[f64]) -> Vec<f64> {
+    let (Some(&first), Some(&last)) = (grid_nm.first(), grid_nm.last()) else { return z.to_vec() };
+    let own: Vec<f64> = measured_nm.iter().copied().filter(|nm| (first..=last).contains(nm)).collect();
+    if z.len() != grid_nm.len() || own.len() >= z.len() {
+        return z.to_vec();
+    }
+    let at = |nm: &f64| {
+        let above = grid_nm.partition_point(|known| known < nm).clamp(1, z.len() - 1);
+        let along = (nm - grid_nm[above - 1]) / (grid_nm[above] - grid_nm[above - 1]);
+        z[above - 1] + along * (z[above] - z[above - 1])
+    };
+    own.iter().map(at).collect()
 }
 
 /// z of a difference, from the standard deviations of both sides; `None` if both are 0.

@@ -312,8 +312,8 @@ pub fn compare_measurement(
     });
     let (views, left_out) = (views.collect(), gathered(&left_out));
     let states: Vec<StateComparison> = pairs.into_iter().map(|pair| pair.comparison).collect();
-    let all_z = states.iter().flat_map(|one| one.z.iter().copied());
-    let agreement = Agreement::of(all_z.chain(metrics.iter().filter_map(|one| one.z)));
+    let of_metrics = Agreement::of(metrics.iter().filter_map(|one| one.z));
+    let agreement = Agreement::together(states.iter().filter_map(|one| one.agreement).chain(of_metrics));
     Ok(Comparison { states, views, metrics, agreement, left_out })
 }
 

@@ -3,6 +3,7 @@
 use papilio_colour::{ColourError, Lab, Observer, Xyz, peak_nm};
 use papilio_spectra::{Grid, SpectraError, Tabulated};
 
+use super::deviation::z_of_measured;
 use super::left_out::LeftOut;
 use super::{
     Agreement, Colour, Measured, NEAREST_DEG, Quantity, Simulated, SimulatedState, SimulatedView,
@@ -39,6 +40,13 @@ pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, 
     let (colours, spectrum) = compared.map_err(|reason| left_out(reason.to_string()))?;
     let [(simulated_xyz, simulated), (measured_xyz, measured)] = colours;
     let z = deviation.z(quantity, standard_deviation.as_ref(), [&simulated, &measured], spectrum.as_ref());
+    // A coarse measurement has fewer numbers than the grid on which spectra are compared.
+    let counted = match (quantity, &spectrum) {
+        (Quantity::Spectrum(measured), Some(both)) => {
+            z_of_measured(&z, &both.wavelength_nm, measured.wavelengths_nm())
+        }
+        _ => z.clone(),
+    };
     let comparison = StateComparison {
         state: name.clone(),
         theta_deg: view.theta_deg,
@@ -49,7 +57,7 @@ pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, 
         simulated,
         measured,
         spectrum,
-        agreement: Agreement::of(z.iter().copied()),
+        agreement: Agreement::of(counted.into_iter()),
         z,
     };
     Ok((Pair { view: index, comparison }, note))

@@ -7,7 +7,8 @@
 //! **Verdict.** z is the difference, predicted minus measured, over the root of the sum of the squares of the measurement's
 //! standard deviation and of that by the tolerances of the inputs. A sample agrees if the root mean square of z is at most
 //! [`AGREES`], the band of 95 % of one normally distributed number, because the errors of a spectrum are rarely independent.
-//! Inputs that were not printed widen the band; a sample that agrees only with them is within its unknowns.
+//! Inputs that were not printed are drawn from their range, too, which widens the band; a sample that agrees only with them
+//! is within its unknowns. Without a standard deviation of the measurement there is no verdict.
 
 mod page;
 mod predicted;
@@ -23,7 +24,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::ReproductionError;
 use crate::displays::write_example;
-pub use page::report;
+pub use page::{in_words, report};
 pub use predicted::{CasePrediction, Prediction, Verdict, predict};
 
 /// Largest root mean square of z of a sample that agrees.
@@ -111,7 +112,14 @@ impl SampleList {
     /// # Errors
     /// For a text that is no such list, with its place.
     pub fn parse(text: &str, name: &str) -> Result<Self, ReproductionError> {
-        toml::from_str(text).map_err(|error| ReproductionError::List(format!("{name}: {error}")))
+        let list: Self = toml::from_str(text)
+            .map_err(|error| ReproductionError::List(format!("{name}: {}", error.to_string().trim_end())))?;
+        match list.samples.iter().find(|sample| sample.cases.is_empty()) {
+            Some(Sample { name: sample, .. }) => Err(ReproductionError::List(format!(
+                "{name}: the sample `{sample}` has no `cases`; expected at least one, such as cases = [{{ name = \"one\" }}]"
+            ))),
+            None => Ok(list),
+        }
     }
 
     /// Writes the shipped list and its files to a folder, and reads it.

@@ -2,7 +2,7 @@
 
 use papilio_figures::compared_spectra;
 
-use super::Prediction;
+use super::{Prediction, Verdict};
 use crate::report::{Report, Section, Table, number};
 
 /// Returns the page of these samples.
@@ -38,8 +38,8 @@ fn summary(samples: &[Prediction]) -> Table {
         let value = |value: Option<f64>| value.map_or("-".to_owned(), |value| number(value, 2));
         table.row([
             sample.title.clone(),
-            sample.verdict.in_words().to_owned(),
-            number(sample.rms, 2),
+            in_words(sample.verdict).to_owned(),
+            value(sample.rms),
             sample.rms_of.clone(),
             value(sample.z_rms),
             value(sample.z_rms_with_unknowns),
@@ -47,6 +47,11 @@ fn summary(samples: &[Prediction]) -> Table {
         ]);
     }
     table
+}
+
+/// A verdict in words.
+pub fn in_words(verdict: Option<Verdict>) -> &'static str {
+    verdict.map_or("not judged: no standard deviation", Verdict::in_words)
 }
 
 fn section(sample: &Prediction) -> Section {
@@ -59,7 +64,7 @@ fn section(sample: &Prediction) -> Section {
     let mut section = Section::new(sample.name.clone(), sample.title.clone())
         .say(format!("{} ({}).", sample.source, sample.licence))
         .say(format!("Inputs: {}.{unknowns}", sample.inputs))
-        .say(format!("Verdict: {}{remark}.", sample.verdict.in_words()));
+        .say(format!("Verdict: {}{remark}.", in_words(sample.verdict)));
     let metrics = sample.cases.iter().flat_map(|case| &case.comparison.metrics);
     let mut table = Table::new(&["metric", "predicted", "measured", "z"]);
     metrics.for_each(|one| {

@@ -1,5 +1,6 @@
 //! Prediction of a sample, and its comparison with the measurement.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use papilio_design::measured::{add_metrics, add_tolerances};
@@ -53,10 +54,11 @@ pub struct Prediction {
     pub inputs: String,
     /// What explains the verdict, in words.
     pub remark: String,
-    /// The verdict.
-    pub verdict: Verdict,
-    /// Root mean square of predicted minus measured, over all numbers.
-    pub rms: f64,
+    /// The verdict; null if the measurement states no standard deviation.
+    pub verdict: Option<Verdict>,
+    /// Root mean square of predicted minus measured: of all reflectance factors, or of one metric; null for colours and for several
+    /// metrics, whose units differ.
+    pub rms: Option<f64>,
     /// What `rms` is of: `reflectance factor`, or the name of a metric.
     pub rms_of: String,
     /// Root mean square of z, with the errors of the measurement and of the printed inputs.
@@ -109,11 +111,11 @@ pub fn predict(
     } else {
         self::z_rms(&with_unknowns.iter().collect::<Vec<_>>())
     };
-    let verdict = match (z_rms, z_rms_with_unknowns) {
-        (Some(z), _) if z <= AGREES => Verdict::Agrees,
-        (_, Some(z)) if z <= AGREES => Verdict::WithinUnknowns,
+    let verdict = z_rms.map(|z| match z_rms_with_unknowns {
+        _ if z <= AGREES => Verdict::Agrees,
+        Some(widened) if widened <= AGREES => Verdict::WithinUnknowns,
         _ => Verdict::Disagrees,
-    };
+    });
     let (rms, rms_of) = rms(&stated);
     let states = || stated.iter().flat_map(|one| &one.states);
     let peaks = states().filter_map(|one| Some(one.simulated.peak_nm? - one.measured.peak_nm?));
@@ -162,7 +164,7 @@ fn predict_case(
         if !keys.is_empty() {
             add_inputs(&mut simulated, measurement, &path, &set, keys, control)?;
         }
-        let nothing = |error| ReproductionError::List(format!("{}, {}: {error}", sample.name, case.name));
+        let nothing = |error| ReproductionError::List(format!("{}, {}: {error}", sample.measured, case.name));
         compare_measurement(&simulated, measurement).map_err(nothing)
     };
     let stated = compared(&printed)?;
@@ -189,24 +191,27 @@ fn add_inputs(
 
 /// Root mean square of all z.
 fn z_rms(all: &[&Comparison]) -> Option<f64> {
-    let of_states = all.iter().flat_map(|one| one.states.iter().flat_map(|state| state.z.iter().copied()));
-    let of_metrics = all.iter().flat_map(|one| one.metrics.iter().filter_map(|metric| metric.z));
-    Agreement::of(of_states.chain(of_metrics)).map(|agreement| agreement.z_rms)
+    Agreement::together(all.iter().filter_map(|one| one.agreement)).map(|agreement| agreement.z_rms)
 }
 
-/// Root mean square difference of reflectance factors, or of metrics if there are no spectra, and what it is of.
-fn rms(all: &[&Comparison]) -> (f64, String) {
+/// Root mean square difference of reflectance factors, or of the one metric if there are no spectra, and what it is of.
+fn rms(all: &[&Comparison]) -> (Option<f64>, String) {
     let spectra = all.iter().flat_map(|one| &one.states).filter_map(|state| state.spectrum.as_ref());
     let of_spectra: Vec<f64> = spectra
         .flat_map(|one| one.simulated.iter().zip(&one.measured).map(|(ours, theirs)| (ours - theirs).powi(2)))
         .collect();
     if let Some(mean) = mean(of_spectra.into_iter()) {
-        return (mean.sqrt(), "reflectance factor".to_owned());
+        return (Some(mean.sqrt()), "reflectance factor".to_owned());
     }
     let metrics = || all.iter().flat_map(|one| &one.metrics);
-    let name = metrics().next().map_or("-", |one| one.metric.rsplit('.').next().unwrap_or_default());
+    let name = |metric: &str| metric.rsplit('.').next().unwrap_or_default().to_owned();
+    let names: BTreeSet<String> = metrics().map(|one| name(&one.metric)).collect();
     let squares = metrics().map(|one| (one.simulated - one.measured).powi(2));
-    (mean(squares).unwrap_or(f64::NAN).sqrt(), name.to_owned())
+    match Vec::from_iter(names).as_slice() {
+        [] => (None, "colours".to_owned()),
+        [one] => (mean(squares).map(f64::sqrt), one.clone()),
+        several => (None, several.join(", ")),
+    }
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
