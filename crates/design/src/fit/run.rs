@@ -10,7 +10,7 @@ use papilio_scenario::{Fit, FitDeviations, FitTarget, FitVariable};
 use super::levenberg_marquardt::{Minimum, descend};
 use super::model::{Model, Unit};
 use super::problem::{CommonDeviations, Problem, display_values, values};
-use super::profile::{End, end};
+use super::profile::{End, ends as ends_of};
 use super::report::{Estimated, FitReport, FittedVariable, Residual, Starts};
 use super::statistics::{rms, runs, student};
 use super::undetermined::{Determined, determined, with_spanning};
@@ -270,9 +270,7 @@ impl<'stop> Fitting<'stop> {
             |problem, task| {
                 let (variable, side) = tasks[task];
                 let deviation = covariance[variable * n + variable].sqrt();
-                let of =
-                    |problem: &mut Problem<'_, '_>, z| end(problem, best, (variable, side), (z, deviation));
-                Ok([of(problem, quantiles[0])?, of(problem, quantiles[1])?])
+                ends_of(problem, best, (variable, side), (quantiles, deviation))
             },
         )?;
         let mut ends = vec![None; n];

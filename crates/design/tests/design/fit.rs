@@ -324,3 +324,40 @@ fn result_does_not_depend_on_threads() {
     assert_eq!(one, three);
     assert!(one.starts.best >= 2, "{:?}", one.starts);
 }
+
+/// Intervals of two variables while a third is at its bound: chi-square with the variable held at an end, fitted anew, exceeds
+/// that of the fit by 1 and 3.84.
+#[test]
+fn intervals_beside_a_variable_at_its_bound_are_those_of_fits_with_the_value_held() {
+    let truth = simulated(DISPLAY, &["display.pixel.gap_nm.one=184".to_owned()]);
+    let measured = spectra(&truth, &["one", "black"], 5, true);
+    let beyond = "[[fit.variables]]\nkey = \"display.pixel.gap_nm.one\"\nbounds = [185, 220]\n";
+    let held = |key: &str, at: f64| {
+        format!("[[fit.variables]]\nkey = \"{key}\"\nbounds = [{}, {}]\n", at - 1e-7, at + 1e-7)
+    };
+    let found = fit(DISPLAY, &[CHROMIUM, beyond, DARK], &measured);
+    assert!(named(&found, "display.pixel.gap_nm.one").at_bound, "{found:?}");
+    for (variable, other) in [(0, DARK), (2, CHROMIUM)] {
+        let one = &found.variables[variable];
+        let [near, far] = [one.interval_68.unwrap(), one.interval_95.unwrap()];
+        assert!(far[0] <= near[0] && near[1] <= far[1], "{one:?}");
+        for (ends, increase) in [(near, 1.0), (far, 3.8415)] {
+            for end in ends {
+                let fixed = fit(DISPLAY, &[&held(&one.key, end), beyond, other], &measured);
+                let found = fixed.chi_square - found.chi_square;
+                assert!((found / increase - 1.0).abs() < 0.03, "{}: {end}: {found}", one.key);
+            }
+        }
+    }
+}
+
+/// Three keys of which the data know hardly more than a product: a minimum, whose keys have no numbers.
+#[test]
+fn descent_along_a_flat_valley_ends_at_a_minimum() {
+    let truth = simulated(DISPLAY, &["display.pixel.fill_factor=0.8".to_owned()]);
+    let measured = spectra(&truth, &["one"], 8, true);
+    let absorptance = "[[fit.variables]]\nkey = \"display.front.0.absorptance\"\nbounds = [0, 0.2]\n";
+    let found = fit(DISPLAY, &[absorptance, SCALE, FILL], &measured);
+    assert!(found.undetermined.iter().any(|group| group.len() > 1), "{found:?}");
+    assert!(found.chi_square < 80.0, "{}", found.chi_square);
+}
