@@ -1,6 +1,7 @@
 //! Fits: synthetic measurements with known truth, pairs that cannot be told apart, priors, bounds, meters.
 
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use papilio_colour::Xyz;
@@ -360,4 +361,20 @@ fn descent_along_a_flat_valley_ends_at_a_minimum() {
     let found = fit(DISPLAY, &[absorptance, SCALE, FILL], &measured);
     assert!(found.undetermined.iter().any(|group| group.len() > 1), "{found:?}");
     assert!(found.chi_square < 80.0, "{}", found.chi_square);
+}
+
+/// The whole is done when the fit has returned: no report of the progress says so before.
+#[test]
+fn progress_is_whole_only_at_the_end() {
+    let truth = simulated(BARE, &["display.pixel.film.0.thickness_nm=411".to_owned()]);
+    let measured = spectra(&truth, &["film"], 3, true);
+    let spec = Fit::from_text(&format!("{BARE}[fit]\n{FILM}"), "display", Path::new(""), &[]).unwrap();
+    let (stop, most) = (AtomicBool::new(false), Mutex::new(Vec::new()));
+    let fitting = Fitting::new(spec, &measured, &stop).unwrap();
+    fitting.run(1, &|fraction, _| most.lock().unwrap().push(fraction)).unwrap().unwrap();
+    let reports = most.into_inner().unwrap();
+    assert!(
+        reports.is_sorted() && reports.last().is_some_and(|last| (0.9..1.0).contains(last)),
+        "{reports:?}"
+    );
 }
