@@ -8,8 +8,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use papilio_display::compare::{
-    Agreement, Colour, Comparison, Measured, Measurement, Simulated, StateComparison, ViewComparison,
-    compare_measurement,
+    Agreement, Colour, Comparison, IN_PERCENT, Measured, Measurement, Simulated, StateComparison,
+    ViewComparison, compare_measurement,
 };
 use papilio_display::pixel::is_mixture;
 use papilio_figures::{compared_gamuts, compared_spectra};
@@ -61,10 +61,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     all.left_out.iter().for_each(|reason| print_message(&format!("note: {reason}")));
     suggestion.iter().for_each(|help| print_message(&format!("  = help: {help}")));
     if all.looks_like_percent() {
-        print_message(
-            &"warning: the measured Y is about a hundred times the simulated Y; expected reflectance factors and Y as fractions of 1, \
-               not in per cent",
-        );
+        print_message(&format!("warning: {IN_PERCENT}"));
     }
     Ok(())
 }
@@ -72,7 +69,15 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
 /// Reads a measurement from several files, with the notes on how they were read.
 pub(crate) fn measurement(files: &[PathBuf]) -> Result<(Measurement, Vec<String>), Failure> {
     let (mut all, mut notes) = (Measurement::default(), Vec::new());
+    let mut seen: Vec<PathBuf> = Vec::new();
     for file in files {
+        if let Ok(same) = file.canonicalize() {
+            if seen.contains(&same) {
+                let reason = "this measurement is given twice\n  = help: every measured number counts once";
+                return Err(Failure::Input(format!("{}: {reason}", file.display())));
+            }
+            seen.push(same);
+        }
         let read = read_measurement(&open(file)?).map_err(Failure::Data)?;
         let name = file.display();
         notes.extend(read.warnings.iter().map(|note| format!("note: {name}: {note}")));

@@ -14,7 +14,7 @@ use papilio_formats::{write_file, write_json};
 use papilio_scenario::{Edit, Fit, edit};
 
 use crate::arguments::FitCommand;
-use crate::compare::measurement;
+use crate::compare::{measurement, names_of};
 use crate::progress::FractionBar;
 use crate::{Failure, input, interrupt, output, print_message, print_notes};
 
@@ -31,15 +31,24 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
     interrupt::catch_ctrl_c();
     let started = Instant::now();
     let title = spec.title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
-    let fitting = or_interrupted(Fitting::new(spec, &measured, &interrupt::STOP))?;
+    let fitting = Fitting::new(spec, &measured, &interrupt::STOP).map_err(|error| match error {
+        DesignError::Fit { reason } => {
+            let (file, measured) = (arguments.scenario.file.display(), names_of(&arguments.measured));
+            Failure::Input(format!("{file} and {measured}: {reason}"))
+        }
+        other => interrupted(other),
+    })?;
     let threads = arguments.workers.threads.map(usize::from);
     let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let found = {
         let bar = FractionBar::new();
         let _log = bar.in_log(String::new);
-        or_interrupted(fitting.run(threads, &|fraction, words| bar.advance(fraction, words.to_owned())))?
+        fitting
+            .run(threads, &|fraction, words| bar.advance(fraction, words.to_owned()))
+            .map_err(interrupted)?
     };
     let Some(found) = found else {
+        print_as_notes(fitting.notes());
         return Err(Failure::Infeasible(
             "no start led to a minimum\n  = help: use more starts (fit.starts), or narrower bounds around what is known",
         ));
@@ -59,15 +68,19 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
     }
     stdout.flush()?;
     output::print_written(&folder, &names);
-    found.notes.iter().for_each(|note| print_message(&format!("note: {note}")));
+    print_as_notes(&found.notes);
     Ok(())
 }
 
-fn or_interrupted<T>(result: Result<T, DesignError>) -> Result<T, Failure> {
-    result.map_err(|error| match was_stopped(&error) {
+fn print_as_notes(notes: &[String]) {
+    notes.iter().for_each(|note| print_message(&format!("note: {note}")));
+}
+
+fn interrupted(error: DesignError) -> Failure {
+    match was_stopped(&error) {
         true => Failure::Interrupted("the fit is not saved; run the same command again"),
         false => error.into(),
-    })
+    }
 }
 
 fn write(

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use papilio_design::fit::{FitReport, FittedVariable};
 use papilio_scenario::label;
 
-use crate::numbers::digits;
+use crate::numbers::{digits, digits_alike};
 use crate::report::{plain, table};
 
 pub(super) fn text(title: &str, found: &FitReport) -> String {
@@ -47,14 +47,20 @@ pub(super) fn text(title: &str, found: &FitReport) -> String {
     text
 }
 
+/// All keys that a variable sets.
+fn name(one: &FittedVariable) -> String {
+    let keys: Vec<String> = one.keys.iter().map(|key| label(key).to_string()).collect();
+    let other = one.compensated_by.as_ref().map(|key| format!(" (compensated by {})", label(key)));
+    format!("{}{}", keys.join(", "), other.unwrap_or_default())
+}
+
 fn row(one: &FittedVariable) -> Vec<String> {
     let bound = if one.at_bound { " (at its bound)" } else { "" };
-    let interval = |ends: Option<[f64; 2]>| {
-        ends.map_or("-".to_owned(), |[from, to]| format!("{} to {}", digits(from), digits(to)))
-    };
+    let interval =
+        |ends: Option<[f64; 2]>| ends.map_or("-".to_owned(), |ends| digits_alike(ends).join(" to "));
     vec![
-        label(&one.key).to_string(),
-        digits(one.start),
+        name(one),
+        one.start.map_or("-".to_owned(), digits),
         one.value.map_or("not determined".to_owned(), |value| format!("{}{bound}", digits(value))),
         one.standard_error.map_or("-".to_owned(), digits),
         interval(one.interval_68),

@@ -166,6 +166,11 @@ fn wrong_fits_are_refused_at_their_places() {
             "key = \"display.pixel.film.0.thickness_nm\"\nbounds = [150, 300]\nprior = { mean = 200, sigma = 0 }",
             "0 is out of range",
         ),
+        (
+            "key = \"display.pixel.film.0.thickness_nm\"\nbounds = [150, 300]\nprior = { mean = 400, sigma = 5 }",
+            "the mean of the prior, 400, is outside the bounds",
+        ),
+        ("key = \"title\"\nbounds = [150, 300]", "`title` is not a number"),
     ] {
         let text = match wrong {
             "" => SMALL.split("[fit]").next().unwrap().to_owned(),
@@ -186,8 +191,54 @@ fn wrong_fits_are_refused_at_their_places() {
     fs::write(&data, "wavelength_nm,other\n400,0.1\n700,0.2\n").unwrap();
     let output = papilio(&["fit", &file, &data]);
     assert!(
-        output.status.code() == Some(2) && stderr(&output).contains("no such state: other"),
+        output.status.code() == Some(2)
+            && stderr(&output).contains(&format!("{data}: no measured state has a counterpart"))
+            && stderr(&output).contains("no such state: other (its states are film)")
+            && stderr(&output).contains("the names of states must equal"),
         "{}",
         stderr(&output)
     );
+    let output = papilio(&["fit", &file, &data, &data]);
+    assert!(
+        output.status.code() == Some(2)
+            && stderr(&output).contains("data.csv: this measurement is given twice")
+    );
+}
+
+/// The row of a variable names all its keys; the scenario's own value is shown, also outside the bounds, and what is suspicious
+/// is noted.
+#[test]
+fn rows_and_notes_state_what_the_user_must_know() {
+    let (folder, file, _) = place(&SMALL.replace("thickness_nm = 230", "thickness_nm = 145"));
+    let data = folder.path().join("data.csv").display().to_string();
+    let out = folder.path().join("out").display().to_string();
+    fs::write(&data, DATA).unwrap();
+    let output = papilio(&["fit", &file, &data, "--out", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let row = stdout(&output).lines().find(|line| line.contains("film layer 1")).unwrap().to_owned();
+    assert!(row.contains("145.00"), "{row}");
+    assert!(
+        stderr(&output).contains("the scenario's own value, 145, is outside the bounds"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(!stderr(&output).contains("about a hundred times"), "{}", stderr(&output));
+    // In per cent, which the name of the column denies, and with deviations that are far too small.
+    let lines = DATA.lines().skip(1).map(|line| line.split_once(',').unwrap());
+    let percent: String = lines
+        .map(|(nm, value)| format!("film,{nm},{},0.1\n", 100.0 * value.parse::<f64>().unwrap()))
+        .collect();
+    fs::write(&data, format!("state,wavelength_nm,reflectance_factor,standard_deviation\n{percent}"))
+        .unwrap();
+    let two =
+        "keys = [\"display.pixel.film.0.thickness_nm\", \"display.pixel.substrate\"]\nbounds = [1.2, 3.9]";
+    let text = SMALL.replace("key = \"display.pixel.film.0.thickness_nm\"\nbounds = [150, 300]", two);
+    fs::write(&file, text).unwrap();
+    let output = papilio(&["fit", &file, &data, "--out", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    for words in ["the measured Y is about a hundred times", "does not describe the data within the stated"] {
+        assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
+    }
+    let row = stdout(&output).lines().find(|line| line.contains("film layer 1")).unwrap().to_owned();
+    assert!(row.to_lowercase().contains("substrate"), "{row}");
 }

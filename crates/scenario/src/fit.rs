@@ -11,6 +11,7 @@ use crate::mistake;
 use crate::optimise::read::numeric_variables;
 use crate::optimise::{Key, SearchRange, SearchVariable};
 use crate::read::{Read, Spanned};
+use crate::tree::Node;
 use crate::varied::{ParameterisedScenario, ParsedScenario, read_of_scenarios};
 
 /// Variables of the measurement, with their ranges and the values of a perfect meter.
@@ -60,8 +61,29 @@ pub struct FitVariable {
     pub bounds: [f64; 2],
     /// Value of the scenario, or the centre of the bounds if the scenario's value is not within them.
     pub start: f64,
+    /// Value of the scenario, also outside the bounds; that of a perfect meter for a number of the measurement. `None` if the
+    /// scenario has no number there.
+    pub own: Option<f64>,
     /// Mean and standard deviation of what is known from elsewhere.
     pub prior: Option<[f64; 2]>,
+}
+
+impl FitVariable {
+    /// Paths that get the value; the name of a number of the measurement.
+    pub fn paths(&self) -> impl Iterator<Item = &str> {
+        let keys = match &self.target {
+            FitTarget::Keys(keys) => keys.as_slice(),
+            FitTarget::WavelengthOffset | FitTarget::Scale => &[],
+        };
+        let of_meter = keys.is_empty().then_some(self.name.as_str());
+        keys.iter().filter(|key| key.slope > 0.0).map(|key| key.path.as_str()).chain(of_meter)
+    }
+
+    /// Path that changes by the opposite amount.
+    pub fn compensated_by(&self) -> Option<&str> {
+        let FitTarget::Keys(keys) = &self.target else { return None };
+        keys.iter().find(|key| key.slope < 0.0).map(|key| key.path.as_str())
+    }
 }
 
 /// What a variable of a fit sets.
@@ -99,6 +121,7 @@ impl Fit {
         let of_meter: Vec<Option<FitVariable>> =
             read.variables.iter().map(|one| meter_variable(one, &mut errors)).collect();
         check_meter_once(&read.variables, &of_meter, &mut errors);
+        read.variables.iter().for_each(|one| check_prior(one, &mut errors));
         errors.check(&base.sources)?;
         let searched: Vec<Spanned<Searched>> = read
             .variables
@@ -112,7 +135,12 @@ impl Fit {
         let (display, varied, hash) = numeric_variables(base, &searched)?;
         let mut display = display.into_iter();
         let variables = of_meter.into_iter().zip(read.variables.iter()).filter_map(|(meter, read)| {
-            meter.or_else(|| display.next().map(|one| display_variable(one, read)))
+            meter.or_else(|| {
+                display.next().map(|one| {
+                    let own = root.at(&one.name).and_then(Node::number);
+                    display_variable(one, own, read)
+                })
+            })
         });
         Ok(Self {
             variables: variables.collect(),
@@ -140,13 +168,25 @@ fn searched(read: &Spanned<describe::FitVariable>) -> Spanned<Searched> {
     Spanned { value, origin: read.origin }
 }
 
-fn display_variable(found: SearchVariable, read: &describe::FitVariable) -> FitVariable {
+fn display_variable(found: SearchVariable, own: Option<f64>, read: &describe::FitVariable) -> FitVariable {
     let bounds = match found.range {
         SearchRange::Bounds(from, to) => [from, to],
         SearchRange::Choices(_) => [0.0, 0.0],
     };
     let start = found.start();
-    FitVariable { name: found.name, target: FitTarget::Keys(found.keys), bounds, start, prior: prior(read) }
+    let (name, target) = (found.name, FitTarget::Keys(found.keys));
+    FitVariable { name, target, bounds, start, own, prior: prior(read) }
+}
+
+/// Fails for a prior whose mean the bounds exclude.
+fn check_prior(read: &describe::FitVariable, errors: &mut Errors) {
+    let (Some(prior), [from, to]) = (&read.prior.value, read.bounds.as_slice()) else { return };
+    let mean = prior.mean.0;
+    if from.0 < to.0 && !(from.0..=to.0).contains(&mean) {
+        let wrong = Diagnostic::new(format!("the mean of the prior, {mean}, is outside the bounds"))
+            .expected(format!("a mean from {} to {}", from.0, to.0));
+        errors.push(prior.mean.origin, wrong);
+    }
 }
 
 fn prior(read: &describe::FitVariable) -> Option<[f64; 2]> {
@@ -191,7 +231,7 @@ fn meter_variable(read: &Spanned<describe::FitVariable>, errors: &mut Errors) ->
     }
     let start = if (from..=to).contains(perfect) { *perfect } else { 0.5 * (from + to) };
     let (name, target) = ((*known).to_owned(), target.clone());
-    Some(FitVariable { name, target, bounds: [from, to], start, prior: prior(read) })
+    Some(FitVariable { name, target, bounds: [from, to], start, own: Some(*perfect), prior: prior(read) })
 }
 
 fn check_meter_once(

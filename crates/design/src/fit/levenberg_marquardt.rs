@@ -1,10 +1,9 @@
 //! Levenberg-Marquardt method within the unit cube.
 //!
-//! Steps are clamped to the cube; a coordinate at a bound that would leave it is held for one iteration. The
-//! Jacobian is renewed by differences where the last step was not predicted well, and otherwise by Broyden's
+//! A step minimises the linear residuals within the cube (`bounded`). The Jacobian is renewed by differences where the last step was not predicted well, and otherwise by Broyden's
 //! rank-one formula, which needs no evaluation.
 
-use super::matrix::solve;
+use super::bounded::step;
 use super::problem::Problem;
 use crate::DesignError;
 
@@ -15,6 +14,13 @@ const ITERATIONS: usize = 100;
 const DECREASE: f64 = 1e-4;
 /// The same relative to chi-square.
 const RELATIVE_DECREASE: f64 = 1e-9;
+/// Damping of the step that decides about convergence: a direction in which the effects of the variables cancel to 1e-4,
+/// the errors of the derivatives, does not count.
+const LEAST_DAMPING: f64 = 1e-8;
+/// Damping at which steps are too short for a change.
+const MOST_DAMPING: f64 = 1e12;
+/// Predicted decrease of chi-square that may be the noise of the residuals, where no step decreases it.
+const NOISE: f64 = 0.1;
 /// Steps whose actual decrease is within this factor of the predicted one do not need new derivatives.
 const WELL_PREDICTED: f64 = 0.25;
 
@@ -56,13 +62,11 @@ pub(super) fn descend(
     let mut now = Minimum { point: start.to_vec(), chi_square, residuals, jacobian, has_converged: false };
     let (mut damping, mut growth) = (1e-3, 2.0);
     for _ in 0..ITERATIONS {
-        let free = free(&now, held);
-        let normal = Normal::of(&now, &free);
         let enough = DECREASE.max(RELATIVE_DECREASE * now.chi_square);
-        let undamped = normal.step(1e-12).map(|step| now.clamped(&free, &step));
+        let undamped = now.step(held, LEAST_DAMPING);
         let decrease = undamped.as_ref().map_or(0.0, |step| now.predicted_decrease(step));
         let largest = undamped.iter().flatten().fold(0.0_f64, |most, step| most.max(step.abs()));
-        if free.is_empty() || (decrease <= enough || largest < 1e-9) {
+        if decrease <= enough || largest < 1e-9 {
             if is_exact || is_constrained {
                 now.has_converged = true;
                 break;
@@ -71,7 +75,7 @@ pub(super) fn descend(
             (now.jacobian, is_exact) = (columns, true);
             continue;
         }
-        let Some(step) = normal.step(damping).map(|step| now.clamped(&free, &step)) else {
+        let Some(step) = now.step(held, damping) else {
             damping *= 10.0;
             continue;
         };
@@ -99,55 +103,20 @@ pub(super) fn descend(
             let Some(columns) = problem.jacobian(&now.point)? else { break };
             (now.jacobian, is_exact) = (columns, true);
         }
-        if damping > 1e12 {
+        if damping > MOST_DAMPING {
+            // Not even the shortest steps along exact derivatives improve more than the noise of the residuals.
+            now.has_converged =
+                is_exact && chi_square.is_finite() && decrease <= NOISE.max(1e-3 * now.chi_square);
             break;
         }
     }
     Ok(Some(now))
 }
 
-/// Coordinates that may move: not held, and not at a bound that they would leave.
-fn free(now: &Minimum, held: &[bool]) -> Vec<usize> {
-    let is_free = |k: &usize| {
-        let slope = dot(&now.jacobian[*k], &now.residuals);
-        let leaves = now.point[*k] <= 0.0 && slope > 0.0 || now.point[*k] >= 1.0 && slope < 0.0;
-        !held[*k] && !leaves && now.jacobian[*k].iter().any(|one| *one != 0.0)
-    };
-    (0..now.point.len()).filter(is_free).collect()
-}
-
-/// Normal equations of the free coordinates.
-struct Normal {
-    matrix: Vec<f64>,
-    slopes: Vec<f64>,
-}
-
-impl Normal {
-    fn of(now: &Minimum, free: &[usize]) -> Self {
-        let pairs = free.iter().flat_map(|i| free.iter().map(move |k| (*i, *k)));
-        Self {
-            matrix: pairs.map(|(i, k)| dot(&now.jacobian[i], &now.jacobian[k])).collect(),
-            slopes: free.iter().map(|i| -dot(&now.jacobian[*i], &now.residuals)).collect(),
-        }
-    }
-
-    /// Step with a damping relative to the diagonal.
-    fn step(&self, damping: f64) -> Option<Vec<f64>> {
-        let n = self.slopes.len();
-        let mut matrix = self.matrix.clone();
-        (0..n).for_each(|i| matrix[i * n + i] *= 1.0 + damping);
-        solve(&matrix, &self.slopes)
-    }
-}
-
 impl Minimum {
-    /// Step of all coordinates that stays in the cube.
-    fn clamped(&self, free: &[usize], step: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; self.point.len()];
-        for (&k, by) in free.iter().zip(step) {
-            all[k] = (self.point[k] + by).clamp(0.0, 1.0) - self.point[k];
-        }
-        all
+    /// Step of all coordinates but the held ones within the cube, with a damping relative to the diagonal.
+    fn step(&self, held: &[bool], damping: f64) -> Option<Vec<f64>> {
+        step(&self.jacobian, &self.residuals, &self.point, held, damping)
     }
 
     /// Decrease of chi-square that the Jacobian predicts of a step.
@@ -157,7 +126,7 @@ impl Minimum {
     }
 
     /// Residuals that the Jacobian predicts after a step.
-    fn moved(&self, step: &[f64]) -> Vec<f64> {
+    pub(super) fn moved(&self, step: &[f64]) -> Vec<f64> {
         let mut moved = self.residuals.clone();
         for (column, by) in self.jacobian.iter().zip(step).filter(|(_, by)| **by != 0.0) {
             moved.iter_mut().zip(column).for_each(|(residual, slope)| *residual += slope * by);

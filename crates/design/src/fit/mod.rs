@@ -18,6 +18,7 @@
 //! **Out of scope.** Reading files, and errors that several numbers of a measurement have in common, except for
 //! `meter.scale` and `meter.wavelength_offset_nm`.
 
+mod bounded;
 mod interpolation;
 mod levenberg_marquardt;
 mod matrix;

@@ -1,7 +1,7 @@
 //! Intervals by the profile likelihood: a variable is held while all others minimise chi-square again.
 
+use super::bounded::step;
 use super::levenberg_marquardt::{Minimum, descend, dot};
-use super::matrix::solve;
 use super::problem::Problem;
 use crate::DesignError;
 
@@ -9,6 +9,8 @@ use crate::DesignError;
 const ACCURACY: f64 = 0.005;
 /// Most minimisations for an end.
 const MOST: usize = 12;
+/// Increase of chi-square relative to the predicted one above which it is confirmed.
+const UNPREDICTED: f64 = 1.05;
 
 /// End of an interval, in the unit cube.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,25 +21,44 @@ pub(super) enum End {
     Better(Vec<f64>),
 }
 
-/// Finds the value of a coordinate above (`side` 1) or below (-1) that of the minimum where the smallest
-/// chi-square exceeds that of the minimum by `distance` squared. `deviation` is the standard error.
-pub(super) fn end(
+/// Finds the values of a coordinate above (`side` 1) or below (-1) that of the minimum where the smallest
+/// chi-square exceeds that of the minimum by the squares of `distances`, the smaller first. `deviation` is the standard
+/// error. The search of the second end begins at the first.
+pub(super) fn ends(
     problem: &mut Problem<'_, '_>,
     best: &Minimum,
     (variable, side): (usize, f64),
-    (distance, deviation): (f64, f64),
+    (distances, deviation): ([f64; 2], f64),
+) -> Result<[End; 2], DesignError> {
+    let mut warm = best.clone();
+    let mut from = (0.0, 0.0);
+    let mut ends = [End::At(best.point[variable]), End::At(best.point[variable])];
+    for (end, distance) in ends.iter_mut().zip(distances) {
+        *end = next_end(problem, (best, &mut warm), (variable, side), (&mut from, distance, deviation))?;
+    }
+    Ok(ends)
+}
+
+/// The next end beyond `from`, a length and a root of the increase of chi-square, which becomes that of the end.
+fn next_end(
+    problem: &mut Problem<'_, '_>,
+    (best, warm): (&Minimum, &mut Minimum),
+    (variable, side): (usize, f64),
+    (from, distance, deviation): (&mut (f64, f64), f64, f64),
 ) -> Result<End, DesignError> {
     let at_best = best.point[variable];
     let room = if side > 0.0 { 1.0 - at_best } else { at_best };
     // Lengths of the step and roots of the increase of chi-square: below and above the end.
-    let (mut below, mut above): ((f64, f64), Option<(f64, f64)>) = ((0.0, 0.0), None);
-    let mut length = (distance * deviation).min(room);
-    let mut warm = best.clone();
+    let (mut below, mut above): ((f64, f64), Option<(f64, f64)>) = (*from, None);
+    let mut length = match from.1 > 0.0 {
+        true => next(below, above, distance, room),
+        false => (distance * deviation).max(from.0).min(room),
+    };
     for _ in 0..MOST {
         if length <= 0.0 {
             break;
         }
-        let Some(found) = constrained(problem, (best, &warm), variable, at_best + side * length)? else {
+        let Some(found) = constrained(problem, (best, warm), variable, at_best + side * length)? else {
             above = Some((length, f64::INFINITY));
             length = 0.5 * (below.0 + length);
             continue;
@@ -47,15 +68,16 @@ pub(super) fn end(
             return Ok(End::Better(found.point));
         }
         let root = increase.max(0.0).sqrt();
-        warm = found;
+        *warm = found;
         if (root - distance).abs() <= ACCURACY * distance {
+            below = (length, root);
             break;
         }
         if root < distance {
-            if length >= room {
-                return Ok(End::At(at_best + side * room));
-            }
             below = (length, root);
+            if length >= room {
+                break;
+            }
         } else {
             above = Some((length, root));
         }
@@ -64,7 +86,9 @@ pub(super) fn end(
             break;
         }
     }
-    Ok(End::At((at_best + side * length.min(room)).clamp(0.0, 1.0)))
+    let length = length.max(from.0).min(room);
+    *from = (length, below.1);
+    Ok(End::At((at_best + side * length).clamp(0.0, 1.0)))
 }
 
 /// Next length: the root of the increase is almost proportional to the length.
@@ -81,7 +105,8 @@ fn next(below: (f64, f64), above: Option<(f64, f64)>, distance: f64, room: f64) 
     }
 }
 
-/// Minimum with one coordinate held at `u`, from the step that the Jacobian of the minimum predicts.
+/// Minimum with one coordinate held at `u`, from the step within the bounds that the last Jacobian predicts. A minimum that
+/// this Jacobian does not predict, or with a coordinate at a bound, is confirmed with derivatives of its own.
 fn constrained(
     problem: &mut Problem<'_, '_>,
     (best, warm): (&Minimum, &Minimum),
@@ -89,20 +114,26 @@ fn constrained(
     u: f64,
 ) -> Result<Option<Minimum>, DesignError> {
     let n = best.point.len();
-    let others: Vec<usize> =
-        (0..n).filter(|k| *k != variable && best.jacobian[*k].iter().any(|one| *one != 0.0)).collect();
-    let by = u - warm.point[variable];
-    let pairs = others.iter().flat_map(|i| others.iter().map(move |k| (*i, *k)));
-    let mut matrix: Vec<f64> = pairs.map(|(i, k)| dot(&warm.jacobian[i], &warm.jacobian[k])).collect();
-    let count = others.len();
-    (0..count).for_each(|i| matrix[i * count + i] *= 1.0 + 1e-9);
-    let slopes: Vec<f64> =
-        others.iter().map(|i| -by * dot(&warm.jacobian[*i], &warm.jacobian[variable])).collect();
+    let held: Vec<bool> = (0..n).map(|k| k == variable).collect();
+    let mut moved = vec![0.0; n];
+    moved[variable] = u - warm.point[variable];
     let mut start = warm.point.clone();
     start[variable] = u;
-    if let Some(step) = solve(&matrix, &slopes) {
-        others.iter().zip(step).for_each(|(k, step)| start[*k] = (start[*k] + step).clamp(0.0, 1.0));
+    let residuals = warm.moved(&moved);
+    if let Some(others) = step(&warm.jacobian, &residuals, &start, &held, 1e-9) {
+        for k in (0..n).filter(|k| *k != variable) {
+            moved[k] = others[k];
+            start[k] = (start[k] + others[k]).clamp(0.0, 1.0);
+        }
     }
-    let held: Vec<bool> = (0..n).map(|k| k == variable).collect();
-    descend(problem, &start, &held, Some(warm.jacobian.clone()))
+    let predicted = warm.moved(&moved);
+    let predicted = (dot(&predicted, &predicted) - best.chi_square).max(0.0);
+    let Some(found) = descend(problem, &start, &held, Some(warm.jacobian.clone()))? else { return Ok(None) };
+    let is_predicted = found.chi_square - best.chi_square <= UNPREDICTED * predicted + 0.01;
+    let is_inside = (0..n).all(|k| k == variable || (found.point[k] > 0.0 && found.point[k] < 1.0));
+    if found.has_converged && is_predicted && is_inside {
+        return Ok(Some(found));
+    }
+    let confirmed = descend(problem, &found.point, &held, None)?;
+    Ok(Some(confirmed.filter(|one| one.chi_square <= found.chi_square).unwrap_or(found)))
 }

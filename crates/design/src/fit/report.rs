@@ -45,6 +45,11 @@ pub struct FitReport {
 pub struct FittedVariable {
     /// Its first path.
     pub key: String,
+    /// All paths that get the value.
+    pub keys: Vec<String>,
+    /// Path that changes by the opposite amount.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compensated_by: Option<String>,
     /// Fitted value; null if the data do not determine it.
     pub value: Option<f64>,
     /// Value of the best fit, even if others fit as well.
@@ -59,8 +64,8 @@ pub struct FittedVariable {
     pub at_bound: bool,
     /// Bounds.
     pub bounds: [f64; 2],
-    /// Value of the scenario.
-    pub start: f64,
+    /// Value of the scenario; null if it is not a number.
+    pub start: Option<f64>,
     /// Mean and standard deviation of the prior.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prior: Option<[f64; 2]>,

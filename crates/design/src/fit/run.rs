@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::DisplayError;
-use papilio_display::compare::{Measurement, Simulated, compare_measurement};
+use papilio_display::compare::{IN_PERCENT, Measurement, Simulated, compare_measurement};
 use papilio_scenario::{Fit, FitDeviations, FitTarget, FitVariable};
 
 use super::levenberg_marquardt::{Minimum, descend};
 use super::model::{Model, Unit};
 use super::problem::{CommonDeviations, Problem, display_values, values};
-use super::profile::{End, end};
+use super::profile::{End, ends as ends_of};
 use super::report::{Estimated, FitReport, FittedVariable, Residual, Starts};
 use super::statistics::{rms, runs, student};
 use super::undetermined::{Determined, determined, with_spanning};
@@ -30,8 +30,19 @@ const QUANTILES: [f64; 2] = [1.0, 1.959_963_985];
 const AT_BOUND: f64 = 1e-6;
 /// Chi-squares that differ by less belong to the same minimum.
 const SAME: f64 = 0.01;
+/// Part of the work in the descents from all starts, and part of the rest in a round of intervals.
+const OF_STARTS: f64 = 0.5;
+const OF_ROUND: f64 = 0.9;
+/// Standard deviations of chi-square above its degrees of freedom, and its ratio to them, beyond which the model is noted not to
+/// describe the data.
+const FAR_ABOVE: f64 = 6.0;
+const TIMES: f64 = 3.0;
 /// Runs that are fewer than this, in standard deviations, are noted.
 const FEW_RUNS: f64 = -3.0;
+
+/// Hint for measured states without a counterpart.
+const SAME_NAMES: &str =
+    "the names of states must equal those of the scenario, and angles must agree to within 1 deg";
 
 /// A fit that is ready to run.
 pub struct Fitting<'stop> {
@@ -71,7 +82,10 @@ impl<'stop> Fitting<'stop> {
         let known = evaluator.evaluate(&own)?;
         model.add_metrics(&mut simulated, &known);
         let compared = compare_measurement(&simulated, measurement)
-            .map_err(|error| DesignError::Fit { reason: error.to_string() })?;
+            .map_err(|error| DesignError::Fit { reason: format!("{error}\n  = help: {SAME_NAMES}") })?;
+        if compared.looks_like_percent() {
+            model.notes.push(IN_PERCENT.to_owned());
+        }
         model.notes.splice(
             0..0,
             compared
@@ -91,6 +105,11 @@ impl<'stop> Fitting<'stop> {
     /// Fit as read from the scenario.
     pub fn spec(&self) -> &Fit {
         &self.spec
+    }
+
+    /// Notes on the measurement and on what is not used of it.
+    pub fn notes(&self) -> &[String] {
+        &self.model.notes
     }
 
     /// Values of the paths of the scenario, in order, for values of the variables.
@@ -120,9 +139,15 @@ impl<'stop> Fitting<'stop> {
             converged: converged.len(),
             best: converged.iter().filter(|one| one.chi_square <= best.chi_square + same).count(),
         };
+        let mut done = OF_STARTS;
         for _ in 0..MOST_ROUNDS {
             (best, common) = self.refined(best, common)?;
-            match self.intervals(&best, common, threads, progress)? {
+            // A better minimum needs another round, so that each leaves a part.
+            let until = done + OF_ROUND * (1.0 - done);
+            let of_round = |fraction: f64, words: &str| progress(done + fraction * (until - done), words);
+            let found = self.intervals(&best, common, threads, &of_round)?;
+            done = until;
+            match found {
                 Intervals::Found { ends, undetermined } => {
                     return self.report(&best, common, starts, (&ends, &undetermined)).map(Some);
                 }
@@ -149,8 +174,9 @@ impl<'stop> Fitting<'stop> {
         progress: &FitProgress<'_>,
     ) -> Result<Vec<Option<Minimum>>, DesignError> {
         let count = self.spec.starts;
-        let words =
-            |done: usize| progress(0.5 * done as f64 / count as f64, &format!("{done} of {count} starts"));
+        let words = |done: usize| {
+            progress(OF_STARTS * done as f64 / count as f64, &format!("{done} of {count} starts"))
+        };
         in_parallel(
             threads,
             count,
@@ -257,10 +283,7 @@ impl<'stop> Fitting<'stop> {
             .collect();
         let count = tasks.len();
         let words = |done: usize| {
-            progress(
-                0.5 + 0.5 * done as f64 / count.max(1) as f64,
-                &format!("{done} of {count} ends of intervals"),
-            )
+            progress(done as f64 / count.max(1) as f64, &format!("{done} of {count} ends of intervals"))
         };
         let found = in_parallel(
             threads,
@@ -270,9 +293,7 @@ impl<'stop> Fitting<'stop> {
             |problem, task| {
                 let (variable, side) = tasks[task];
                 let deviation = covariance[variable * n + variable].sqrt();
-                let of =
-                    |problem: &mut Problem<'_, '_>, z| end(problem, best, (variable, side), (z, deviation));
-                Ok([of(problem, quantiles[0])?, of(problem, quantiles[1])?])
+                ends_of(problem, best, (variable, side), (quantiles, deviation))
             },
         )?;
         let mut ends = vec![None; n];
@@ -310,6 +331,8 @@ impl<'stop> Fitting<'stop> {
             let is_known = ends[k].is_some();
             FittedVariable {
                 key: one.name.clone(),
+                keys: one.paths().map(str::to_owned).collect(),
+                compensated_by: one.compensated_by().map(str::to_owned),
                 value: is_known.then_some(fitted[k]),
                 best: fitted[k],
                 standard_error: is_known.then(|| error(k) * (to - from)),
@@ -317,7 +340,7 @@ impl<'stop> Fitting<'stop> {
                 interval_95: ends[k].map(|ends| ends[1].map(at)),
                 at_bound: best.point[k] <= AT_BOUND || best.point[k] >= 1.0 - AT_BOUND,
                 bounds: one.bounds,
-                start: one.start,
+                start: one.own,
                 prior: one.prior,
             }
         };
@@ -353,7 +376,7 @@ impl<'stop> Fitting<'stop> {
         };
         let runs = runs(&self.model, &differences);
         let mut notes = self.model.notes.clone();
-        notes.extend(self.remarks(&runs, starts));
+        notes.extend(self.remarks(best.chi_square, &runs, starts));
         Ok(FitReport {
             title: self.spec.title.clone(),
             hash: self.spec.hash.clone(),
@@ -391,8 +414,21 @@ impl<'stop> Fitting<'stop> {
         best.chi_square + logarithms + variables as f64 * (self.model.observations.len() as f64).ln()
     }
 
+    /// Remark on a chi-square far above its degrees of freedom, where all standard deviations are stated.
+    fn misfit(&self, chi_square: f64) -> Option<String> {
+        let freedom = self.degrees_of_freedom();
+        let [all, most] = [freedom as f64, freedom as f64 + FAR_ABOVE * (2.0 * freedom as f64).sqrt()];
+        let is_stated = !self.has_unstated(Unit::Fraction) && !self.has_unstated(Unit::Lab);
+        (is_stated && freedom > 0 && chi_square > most && chi_square > TIMES * all).then(|| {
+            format!(
+                "chi-square, {chi_square:.0}, is far above {freedom} degrees of freedom: the model does not describe the data within the \
+                 stated standard deviations, and the intervals are too narrow"
+            )
+        })
+    }
+
     /// Remarks on the result.
-    fn remarks(&self, runs: &Option<super::Runs>, starts: Starts) -> Vec<String> {
+    fn remarks(&self, chi_square: f64, runs: &Option<super::Runs>, starts: Starts) -> Vec<String> {
         let systematic = runs.filter(|runs| runs.z < FEW_RUNS).map(|runs| {
             format!(
                 "the residuals have {} runs of one sign, independent errors have {:.0} (z = {:.1}): the model or the measurement differs \
@@ -406,7 +442,11 @@ impl<'stop> Fitting<'stop> {
                 starts.count
             )
         });
-        systematic.into_iter().chain(lonely).collect()
+        let outside = self.spec.variables.iter().filter_map(|one| {
+            let own = one.own.filter(|own| !(one.bounds[0]..=one.bounds[1]).contains(own))?;
+            Some(format!("{}: the scenario's own value, {own}, is outside the bounds", one.name))
+        });
+        outside.chain(self.misfit(chi_square)).chain(systematic).chain(lonely).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Fits: synthetic measurements with known truth, pairs that cannot be told apart, priors, bounds, meters.
 
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use papilio_colour::Xyz;
@@ -323,4 +324,57 @@ fn result_does_not_depend_on_threads() {
     let [one, three] = [1, 3].map(|threads| try_fit(&text, &measured, threads).unwrap().unwrap());
     assert_eq!(one, three);
     assert!(one.starts.best >= 2, "{:?}", one.starts);
+}
+
+/// Intervals of two variables while a third is at its bound: chi-square with the variable held at an end, fitted anew, exceeds
+/// that of the fit by 1 and 3.84.
+#[test]
+fn intervals_beside_a_variable_at_its_bound_are_those_of_fits_with_the_value_held() {
+    let truth = simulated(DISPLAY, &["display.pixel.gap_nm.one=184".to_owned()]);
+    let measured = spectra(&truth, &["one", "black"], 5, true);
+    let beyond = "[[fit.variables]]\nkey = \"display.pixel.gap_nm.one\"\nbounds = [185, 220]\n";
+    let held = |key: &str, at: f64| {
+        format!("[[fit.variables]]\nkey = \"{key}\"\nbounds = [{}, {}]\n", at - 1e-7, at + 1e-7)
+    };
+    let found = fit(DISPLAY, &[CHROMIUM, beyond, DARK], &measured);
+    assert!(named(&found, "display.pixel.gap_nm.one").at_bound, "{found:?}");
+    for (variable, other) in [(0, DARK), (2, CHROMIUM)] {
+        let one = &found.variables[variable];
+        let [near, far] = [one.interval_68.unwrap(), one.interval_95.unwrap()];
+        assert!(far[0] <= near[0] && near[1] <= far[1], "{one:?}");
+        for (ends, increase) in [(near, 1.0), (far, 3.8415)] {
+            for end in ends {
+                let fixed = fit(DISPLAY, &[&held(&one.key, end), beyond, other], &measured);
+                let found = fixed.chi_square - found.chi_square;
+                assert!((found / increase - 1.0).abs() < 0.03, "{}: {end}: {found}", one.key);
+            }
+        }
+    }
+}
+
+/// Three keys of which the data know hardly more than a product: a minimum, whose keys have no numbers.
+#[test]
+fn descent_along_a_flat_valley_ends_at_a_minimum() {
+    let truth = simulated(DISPLAY, &["display.pixel.fill_factor=0.8".to_owned()]);
+    let measured = spectra(&truth, &["one"], 8, true);
+    let absorptance = "[[fit.variables]]\nkey = \"display.front.0.absorptance\"\nbounds = [0, 0.2]\n";
+    let found = fit(DISPLAY, &[absorptance, SCALE, FILL], &measured);
+    assert!(found.undetermined.iter().any(|group| group.len() > 1), "{found:?}");
+    assert!(found.chi_square < 80.0, "{}", found.chi_square);
+}
+
+/// The whole is done when the fit has returned: no report of the progress says so before.
+#[test]
+fn progress_is_whole_only_at_the_end() {
+    let truth = simulated(BARE, &["display.pixel.film.0.thickness_nm=411".to_owned()]);
+    let measured = spectra(&truth, &["film"], 3, true);
+    let spec = Fit::from_text(&format!("{BARE}[fit]\n{FILM}"), "display", Path::new(""), &[]).unwrap();
+    let (stop, most) = (AtomicBool::new(false), Mutex::new(Vec::new()));
+    let fitting = Fitting::new(spec, &measured, &stop).unwrap();
+    fitting.run(1, &|fraction, _| most.lock().unwrap().push(fraction)).unwrap().unwrap();
+    let reports = most.into_inner().unwrap();
+    assert!(
+        reports.is_sorted() && reports.last().is_some_and(|last| (0.9..1.0).contains(last)),
+        "{reports:?}"
+    );
 }

@@ -1,5 +1,7 @@
 //! Notes on skipped states; states with the same reason are reported in one note.
 
+use super::Simulated;
+
 /// State in a direction, and the reason why it is skipped or limited.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LeftOut {
@@ -22,6 +24,23 @@ pub(super) fn gathered(all: &[LeftOut]) -> Vec<String> {
         format!("{why}: {}", places(&similar))
     };
     reasons.into_iter().map(note).collect()
+}
+
+/// Reason for a state whose name the result does not have.
+pub(super) const NO_SUCH_STATE: &str = "the result has no such state";
+
+/// Adds the states that there are to the note on states that the result does not have.
+pub(super) fn with_states(mut notes: Vec<String>, simulated: &Simulated) -> Vec<String> {
+    let mut known: Vec<&str> = Vec::new();
+    for state in simulated.views.iter().flat_map(|view| &view.states) {
+        if !known.contains(&state.name.as_str()) {
+            known.push(&state.name);
+        }
+    }
+    for note in notes.iter_mut().filter(|note| note.starts_with(NO_SUCH_STATE)) {
+        note.push_str(&format!(" (its states are {})", known.join(", ")));
+    }
+    notes
 }
 
 /// Lists the states with their directions; states with the same directions are combined.

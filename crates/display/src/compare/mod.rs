@@ -24,7 +24,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 pub use deviation::{Agreement, StandardDeviation, StateDeviation};
-use left_out::{LeftOut, gathered};
+use left_out::{LeftOut, gathered, with_states};
 pub use metrics::{MeasuredMetric, MetricComparison, SimulatedMetric};
 use pairs::{Pair, pair, view_at};
 use views::{not_measured, together};
@@ -254,6 +254,10 @@ pub struct ViewComparison {
     pub rms_peak_difference_nm: Option<f64>,
 }
 
+/// Warning for a measurement whose numbers look like per cent.
+pub const IN_PERCENT: &str = "the measured Y is about a hundred times the simulated Y; expected reflectance factors and Y as fractions of 1, \
+     not in per cent";
+
 impl Comparison {
     /// True if the measured Y of every state is 20 to 500 times the simulated Y, as for numbers in per cent.
     pub fn looks_like_percent(&self) -> bool {
@@ -297,7 +301,7 @@ pub fn compare_measurement(
         }
     }
     if pairs.is_empty() && metrics.is_empty() {
-        return Err(CompareError::Nothing { reasons: gathered(&left_out) });
+        return Err(CompareError::Nothing { reasons: with_states(gathered(&left_out), simulated) });
     }
     left_out.extend(not_measured(simulated, &pairs));
     let mut views: Vec<usize> = Vec::new();
@@ -310,7 +314,7 @@ pub fn compare_measurement(
         let of_view: Vec<&mut Pair> = pairs.iter_mut().filter(|pair| pair.view == view).collect();
         together(of_view)
     });
-    let (views, left_out) = (views.collect(), gathered(&left_out));
+    let (views, left_out) = (views.collect(), with_states(gathered(&left_out), simulated));
     let states: Vec<StateComparison> = pairs.into_iter().map(|pair| pair.comparison).collect();
     let of_metrics = Agreement::of(metrics.iter().filter_map(|one| one.z));
     let agreement = Agreement::together(states.iter().filter_map(|one| one.agreement).chain(of_metrics));

@@ -4,7 +4,7 @@ use papilio_colour::{ColourError, Lab, Observer, Xyz, peak_nm};
 use papilio_spectra::{Grid, SpectraError, Tabulated};
 
 use super::deviation::z_of_measured;
-use super::left_out::LeftOut;
+use super::left_out::{LeftOut, NO_SUCH_STATE};
 use super::{
     Agreement, Colour, Measured, NEAREST_DEG, Quantity, Simulated, SimulatedState, SimulatedView,
     SpectrumComparison, StandardDeviation, StateComparison,
@@ -26,7 +26,7 @@ pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, 
     let direction = theta_deg.map(|theta_deg| [theta_deg, *phi_deg]);
     let left_out = |why: String| LeftOut { state: state.clone(), direction, why };
     let (index, view) = view_at(simulated, direction).map_err(left_out)?;
-    let found = named(view, state).ok_or_else(|| left_out("the result has no such state".to_owned()))?;
+    let found = named(view, state).ok_or_else(|| left_out(NO_SUCH_STATE.to_owned()))?;
     let SimulatedState { name, reflectance_factor, xyz, deviation } = found;
     let note = (name != state).then(|| left_out(OTHER_CAPITALS.to_owned()));
     let compared = match quantity {

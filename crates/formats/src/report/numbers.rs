@@ -47,6 +47,15 @@ pub fn digits(value: f64) -> String {
     unsigned_zero(format!("{value:.*}", decimals(value)))
 }
 
+/// Both ends of an interval with the same number of decimals, that of the end with more of them.
+pub fn digits_alike(ends: [f64; 2]) -> [String; 2] {
+    if ends.iter().any(|end| end.abs() >= LARGE) {
+        return ends.map(digits);
+    }
+    let decimals = ends.map(decimals).into_iter().max().unwrap_or(0);
+    ends.map(|end| unsigned_zero(format!("{end:.decimals$}")))
+}
+
 /// Decimals of a number with five digits.
 fn decimals(value: f64) -> usize {
     let before = if value.abs() < 1.0 { 0 } else { value.abs().log10().floor() as usize + 1 };
@@ -72,7 +81,7 @@ pub fn percent(fraction: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{digits, digits_with_error, measured, percent, signed};
+    use super::{digits, digits_alike, digits_with_error, measured, percent, signed};
 
     #[test]
     fn number_is_printed_with_five_digits() {
@@ -86,6 +95,13 @@ mod tests {
         assert_eq!(digits_with_error(27.41288, Some(0.02)), "27.41(2)");
         assert_eq!(digits_with_error(27.41288, Some(1e-5)), "27.413");
         assert_eq!(digits_with_error(0.19785, None), "0.19785");
+    }
+
+    #[test]
+    fn ends_of_an_interval_have_the_same_number_of_decimals() {
+        assert_eq!(digits_alike([0.999_97, 1.0]), ["0.99997", "1.00000"]);
+        assert_eq!(digits_alike([99.0741, 105.06]), ["99.074", "105.060"]);
+        assert_eq!(digits_alike([-1e-7, 0.5]), ["0.00000", "0.50000"]);
     }
 
     #[test]

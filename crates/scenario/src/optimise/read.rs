@@ -49,6 +49,7 @@ pub(crate) fn numeric_variables(
     reader.check_once(found.as_deref().unwrap_or_default());
     let found = std::mem::take(&mut reader.errors).finish(found, &reader.base.sources)?;
     let varied = ParameterisedScenario::new(reader.base.clone(), Vec::new(), varied_keys(&found));
+    reader.check_numbers(&varied, &found)?;
     let own = condition_scene(&varied, &found)?;
     reader.check_solver(
         &own.scene,
@@ -302,6 +303,35 @@ impl Reader {
         if own.solver.method == Solver::MonteCarlo {
             let place = self.root.at("solver.method").map_or(self.root.origin, |node| node.origin);
             errors.push(place, Diagnostic::new(wrong).hint(hint));
+        }
+        errors.check(&self.base.sources)
+    }
+
+    /// Fails for a key that is a word in the scenario, and that accepts no number.
+    fn check_numbers(
+        &self,
+        varied: &ParameterisedScenario,
+        found: &[ReadVariable],
+    ) -> Result<(), ScenarioErrors> {
+        /// A number that each key which is a word or a number accepts, such as an index for a material.
+        const ACCEPTED: f64 = 1.5;
+        let mut errors = Errors::default();
+        for one in found {
+            for (key, origin) in one.variable.keys.iter().zip(&one.origins) {
+                let is_word = |node: &Node| matches!(node.to_json(), Json::String(_) | Json::Bool(_));
+                if !self.root.at(&key.path).is_some_and(is_word) {
+                    continue;
+                }
+                let accepts = |x: f64| {
+                    let value = Node::from_json(&x.into(), *origin);
+                    let change = Change { value, origin: *origin, path: KeyPath::new(&key.path) };
+                    varied.with(std::iter::once(change)).and_then(|scenario| scenario.resolve()).is_ok()
+                };
+                if !one.ends.iter().map(|end| end.1).chain([ACCEPTED]).any(accepts) {
+                    let wrong = Diagnostic::new(format!("`{}` is not a number", key.path));
+                    errors.push(*origin, wrong.expected("a key with a number"));
+                }
+            }
         }
         errors.check(&self.base.sources)
     }
