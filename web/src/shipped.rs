@@ -30,12 +30,17 @@ pub(crate) fn surface(name: &str) -> Option<String> {
     text("surfaces/", name)
 }
 
-/// Names of the TOML files of a folder.
+/// Names of the TOML files of a folder, without those of folders in it, which are data.
 fn names(folder: &'static str) -> impl Iterator<Item = String> {
-    paths().filter_map(move |path| Some(path.strip_prefix(folder)?.strip_suffix(".toml")?.to_owned()))
+    let all =
+        paths().filter_map(move |path| Some(path.strip_prefix(folder)?.strip_suffix(".toml")?.to_owned()));
+    all.filter(|name| !name.contains('/'))
 }
 
 fn text(folder: &str, name: &str) -> Option<String> {
+    if name.contains('/') {
+        return None;
+    }
     String::from_utf8(file(&format!("{folder}{name}.toml"))?.into_owned()).ok()
 }
 
@@ -66,5 +71,6 @@ mod tests {
         assert!(DATA.contains_key("H65.bsdf") && DATA.contains_key("data/H65.bsdf"));
         assert!(DATA.contains_key("../surfaces/etched.toml") && DATA.contains_key("corner-cubes.obj"));
         assert!(example("../Cargo").is_none() && example("data/H65").is_none());
+        assert!(file("scenarios/data/samples.toml").is_some() && example("data/samples").is_none());
     }
 }
