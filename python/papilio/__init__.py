@@ -40,7 +40,7 @@ from . import _guard
 _guard.guard_module(_papilio)
 
 from . import cluster, colour, diffuser, films, plot
-from . import absorbed, brdfs, cones, errors, evaluated, figure, images, labels, palettes, production, result, scenario, spatial, surfaces
+from . import absorbed, brdfs, cones, errors, evaluated, figure, glosses, images, labels, palettes, production, result, scenario, spatial, surfaces
 from ._papilio import __version__
 from ._sweeps import sweep
 from ._tables import AnyResult
@@ -55,6 +55,7 @@ from .cones import *
 from .errors import *
 from .evaluated import *
 from .figure import *
+from .glosses import *
 from .images import *
 from .labels import *
 from .palettes import *

@@ -1,4 +1,4 @@
-"""Sharpness, crosstalk, sparkle and gloss: what ``papilio mtf``, ``crosstalk``, ``sparkle`` and ``gloss`` write."""
+"""Sharpness, crosstalk and sparkle: what ``papilio mtf``, ``papilio crosstalk`` and ``papilio sparkle`` write."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-__all__ = ["Crosstalk", "Gloss", "Mtf", "Sparkle", "crosstalk", "gloss", "mtf", "sparkle"]
+__all__ = ["Crosstalk", "Mtf", "Sparkle", "crosstalk", "mtf", "sparkle"]
 
 _Arrays = Mapping[str, NDArray[Any]]
 
@@ -327,48 +327,6 @@ class Sparkle(_Written):
         return f"<papilio.Sparkle {self.title!r}: {len(self.data['rows'])} rows{_messages.summary(self.warnings)}>"
 
 
-class Gloss(_Written):
-    """Gloss of a display: the output of ``papilio gloss``.
-
-    ``found["gloss_60"]`` and all other numbers have the shape [state]; ``found["error.gloss_60"]`` is the error. Arrays are read-only. It
-    can be copied and pickled.
-    """
-
-    _FILE = "gloss.json"
-
-    @property
-    def states(self) -> list[str]:
-        """The names of the states, in the order of all arrays."""
-        return list(self.data["states"])
-
-    def to_xarray(self) -> xarray.Dataset:
-        """Returns all numbers as a Dataset over ``state``.
-
-        Raises:
-            ImportError: if xarray is not installed.
-        """
-        with optional("xarray"):
-            import xarray
-
-        data = {_metadata.flat(name): ("state", values.copy(), _metadata.attributes(name)) for name, values in self._arrays.items()}
-        coordinates = {"state": ("state", self.states, _metadata.STATE)}
-        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(self.warnings, self.notes))
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """Returns a table with a row for each state, and a column for each number.
-
-        Raises:
-            ImportError: if pandas is not installed.
-        """
-        with optional("pandas"):
-            import pandas
-
-        return pandas.DataFrame({"state": self.states} | dict(self._arrays))
-
-    def __repr__(self) -> str:
-        return f"<papilio.Gloss {self.title!r}: {len(self.states)} states{_messages.summary(self.warnings)}>"
-
-
 def mtf(
     scenario: Scenario | str | PathLike[str],
     *,
@@ -497,50 +455,5 @@ def sparkle(
     with reporting(progress, "views") as tell:
         core = _papilio.Sparkle(scene, changed.title, checked_threads(threads), tell)
     found = Sparkle(core.json(), core.arrays(), core.figures(changed.title), changed.title, scene.warnings, scene.notes)
-    _messages.warn(found.warnings)
-    return found
-
-
-def gloss(
-    scenario: Scenario | str | PathLike[str],
-    *,
-    solver: str | None = None,
-    seed: int | None = None,
-    set: Mapping[str, Any] | None = None,
-    threads: int | None = None,
-    progress: Progress | bool | None = None,
-) -> Gloss:
-    """Computes gloss (ISO 2813) and distinctness of image of each state: the output of ``papilio gloss``.
-
-    Args:
-        scenario: a `Scenario`, or the path of a scenario file. Its light and the inclination of its views have no influence.
-        solver: "adding", "monte-carlo" or "auto"; None: that of the scenario.
-        seed: integer that selects the random numbers of the Monte Carlo solver; None: that of the scenario.
-        set: values to set in the scenario first, ``{key: value}`` with keys such as "display.layers.0.alpha".
-        threads: number of threads; None: one for each processor. The results do not depend on it.
-        progress: function that is called a few times a second, or True for a line on the terminal.
-
-    Returns:
-        Gloss at 20, 60 and 85 deg and the distinctness of image, with their errors, by name.
-
-    Raises:
-        ScenarioError: for mistakes in the scenario, with their places.
-        DisplayError: if the solver does not cover the display.
-        KeyboardInterrupt: on Ctrl-C.
-
-    Warns:
-        PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
-
-    Example:
-        >>> read = papilio.gloss("scenarios/epaper.toml")
-        >>> read.states, read["gloss_60"].shape
-        (['white', 'black'], (2,))
-    """
-    changed = read(scenario, with_solver(set, solver, seed))
-    scene = changed._scene()
-    with reporting(progress, "views") as tell:
-        core = _papilio.Gloss(scene, checked_threads(threads), tell)
-    warned = _messages.merged(scene.warnings, core.warnings())
-    found = Gloss(core.json(), core.arrays(), [], changed.title, warned, scene.notes)
     _messages.warn(found.warnings)
     return found

@@ -34,10 +34,11 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let (result, read) = simulated::read(arguments, &measured)?;
     let suggestion = suggestion(&read.simulated, &measured.states);
     let all = compare_measurement(&read.simulated, &measured).map_err(|error| {
-        let help = suggestion.clone().unwrap_or_else(|| {
-            "the names of states must equal those of the result, and angles must agree to within 1 deg"
-                .to_owned()
-        });
+        let usual = match measured.states.as_slice() {
+            [] => "docs/metric-names.md says what each metric needs; directions must agree to within 1 deg",
+            _ => "the names of states must equal those of the result, and angles must agree to within 1 deg",
+        };
+        let help = suggestion.clone().unwrap_or_else(|| usual.to_owned());
         let (result, measured) = (result.display(), names_of(&arguments.measured));
         Failure::Input(format!("{result} and {measured}: {error}\n  = help: {help}"))
     })?;

@@ -52,3 +52,26 @@ fn pictures_that_are_not_read_say_what_to_do() {
         parts.iter().for_each(|part| assert!(answer.contains(part), "{part}: {answer}"));
     }
 }
+
+/// Black and white only, on a display whose black is coloured: refused at the key, and nothing is written.
+#[test]
+fn neutrals_of_a_coloured_black_are_refused_at_their_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = papilio()
+        .args([
+            "image",
+            "scenarios/indoor.toml",
+            "scenarios/data/chelsea.png",
+            "--set",
+            "spectrum.step_nm=20",
+        ])
+        .args(["--set", "image.neutrals=\"black-and-white\"", "--out", out.to_str().unwrap()])
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("`black`, is coloured") && said.contains("--set #2:1:16"), "{said}");
+    assert!(!out.join("states.png").exists());
+}

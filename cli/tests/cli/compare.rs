@@ -159,6 +159,18 @@ normal = { sigma = 0.01 }
     assert!((z - 1.0).abs() < 0.01, "{z}");
 }
 
+/// A metric of another command whose table the scenario lacks: the error has the metric's name.
+#[test]
+fn metrics_that_the_scenario_cannot_have_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let measured = folder.path().join("metrics.csv");
+    fs::write(&measured, "metric,value\nflip_mean,0.1\ncontrast_ratio,10\n").unwrap();
+    let output = compare(&shipped("overcast.toml"), &measured, &[Path::new("--json")]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("the measured metrics need it: flip_mean (of `papilio image`)"), "{said}");
+}
+
 /// The tables of a run, read as a measurement, differ from the run by rounding only.
 #[test]
 fn tables_of_a_run_compare_as_equal() {

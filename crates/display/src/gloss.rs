@@ -33,6 +33,8 @@ use crate::result::{Named, RunResult, State};
 use crate::scene::{AngleMedium, Environment, EnvironmentPart, Lighting, Metrics, Scene, Stop, Viewer};
 use crate::{Control, DisplayError, Prepared};
 
+/// Light of a glossmeter, by its name among the CIE's illuminants.
+const ILLUMINANT: &str = "C";
 /// Refractive index of the glass that has a gloss of 100.
 const INDEX_OF_STANDARD: f64 = 1.567;
 /// Angles of a glossmeter, degrees, with the sizes of its receptor in the plane of incidence and across, degrees.
@@ -87,6 +89,11 @@ pub fn gloss(scene: &Scene, control: &Control<'_>) -> Result<GlossResult, Displa
     let names = scene.display.state_names();
     let states = names.into_iter().enumerate().map(|(state, name)| (name, StateGloss::of(&fluxes, state)));
     let mut warnings: Vec<String> = Vec::new();
+    if illuminant(ILLUMINANT, &scene.grid).is_err() {
+        warnings.push(format!(
+            "illuminant {ILLUMINANT} of a glossmeter does not cover the wavelengths of the scenario: light of equal energy is used"
+        ));
+    }
     for warning in fluxes.iter().flat_map(|flux| &flux.warnings) {
         if !warnings.contains(warning) {
             warnings.push(warning.clone());
@@ -175,7 +182,7 @@ fn luminous(result: &RunResult, factor: f64) -> Vec<[f64; 2]> {
 
 /// The display of a scene in the light of a window, seen along a beam.
 fn in_light_of(scene: &Scene, field: Field, [theta_deg, phi_deg]: [f64; 2]) -> Scene {
-    let light = illuminant("C", &scene.grid).unwrap_or_else(|_| Spectrum::constant(&scene.grid, 1.0));
+    let light = illuminant(ILLUMINANT, &scene.grid).unwrap_or_else(|_| Spectrum::constant(&scene.grid, 1.0));
     let part = EnvironmentPart { field: Arc::new(field), share: 1.0, spectrum: light.clone().into() };
     let mut lit = scene.clone();
     lit.lighting = Lighting {

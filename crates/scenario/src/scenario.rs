@@ -392,6 +392,14 @@ impl Resolved {
                         .hint("choose one: --set viewer.theta_deg=0 --set viewer.phi_deg=0");
                 ("viewer.theta_deg", wrong.into())
             }
+            DisplayError::NoNeutral { state } => {
+                let wrong = Diagnostic::new(format!(
+                    "neutral colours cannot be shown by black and white only: the darkest or lightest state, `{state}`, is coloured"
+                ))
+                .expected("a black and a white with a CIELAB chroma below 8 in this light")
+                .hint("name such states in image.states, or set image.neutrals = \"all\"");
+                ("image.neutrals", wrong.into())
+            }
             DisplayError::FilterWithoutPlace => {
                 let wrong = Diagnostic::new(
                     "the colours of a display with a colour filter above its pixels depend on where light enters and \

@@ -326,8 +326,8 @@ fn result_does_not_depend_on_threads() {
     assert!(one.starts.best >= 2, "{:?}", one.starts);
 }
 
-/// Intervals of two variables while a third is at its bound: chi-square with the variable held at an end, fitted anew, exceeds
-/// that of the fit by 1 and 3.84.
+/// A variable is at its bound. At the ends of the intervals of two other variables, chi-square is larger than that of the
+/// fit by 1 and by 3.84: each end is checked by a fit in which this variable has this value.
 #[test]
 fn intervals_beside_a_variable_at_its_bound_are_those_of_fits_with_the_value_held() {
     let truth = simulated(DISPLAY, &["display.pixel.gap_nm.one=184".to_owned()]);

@@ -103,7 +103,7 @@ impl MeasuredMetric {
                     "of `papilio {command}`, not of a run (compare with the scenario instead of its result)"
                 )
             }
-            None => "the result has no such metric, or it is not defined there".to_owned(),
+            None => "not defined in the result: it needs states or keys that the display does not have (docs/metrics.md)".to_owned(),
         }
     }
 }

@@ -67,8 +67,8 @@ fn rough_glass_has_the_gloss_of_its_slopes() {
         for (value, error, theta_deg, receptor) in meters {
             let slope = alpha / SQRT_2;
             let cosine = f64::to_radians(theta_deg).cos();
-            let accepted =
-                accepted(2.0 * slope, 0.75, receptor[0]) * accepted(2.0 * cosine * slope, 2.5, receptor[1]);
+            let accepted = accepted(2.0 * slope, [0.75, receptor[0]], 0.0)
+                * accepted(2.0 * cosine * slope, [2.5, receptor[1]], 0.0);
             let expected = 100.0 * fresnel(1.52, theta_deg) / fresnel(1.567, theta_deg) * accepted;
             // At 85 deg the reflectance changes over the lobe, and facets shadow each other.
             let small_angles = if theta_deg > 80.0 { 0.012 * expected } else { 0.003 * expected };
@@ -78,22 +78,30 @@ fn rough_glass_has_the_gloss_of_its_slopes() {
                 "{alpha} {theta_deg}: {value:?} {expected}"
             );
         }
+        // Across, both slits accept the same; the reflectance of facets and their projection change by 0.3 % between them.
+        let slit = |off_deg: f64| accepted(2.0 * alpha / SQRT_2, [0.44, 0.14], off_deg);
+        let expected = 100.0 * (1.0 - slit(0.3) / slit(0.0));
+        let (found, error) = (values.distinctness_of_image.unwrap(), errors.distinctness_of_image.unwrap());
+        assert!((found - expected).abs() < 0.5 + 4.0 * error, "{alpha}: {found} {expected}");
     }
 }
 
-/// Mean over a source of the probability that a normally distributed deviation leaves the receptor no farther than its edge.
-/// Widths in degrees.
-fn accepted(deviation: f64, source: f64, receptor: f64) -> f64 {
-    let [source, receptor] = [source, receptor].map(f64::to_radians);
-    let count = 4000;
+/// Mean over a source of the probability that a normally distributed deviation leads into a receptor whose middle is
+/// `off_deg` beside the mirror direction. Widths of source and receptor in degrees.
+fn accepted(deviation: f64, widths_deg: [f64; 2], off_deg: f64) -> f64 {
+    let [source, receptor] = widths_deg.map(f64::to_radians);
+    let off = off_deg.to_radians();
+    // Steps far below both widths and the deviation, over all of the receptor that light can reach.
+    let count = 40_000;
+    let reach = 8.0 * deviation;
     let cell = |k: usize| {
-        let angle = ((k as f64 + 0.5) / f64::from(count) - 0.5) * 16.0 * deviation;
-        let overlap =
-            (angle + 0.5 * source).min(0.5 * receptor) - (angle - 0.5 * source).max(-0.5 * receptor);
+        let angle = ((k as f64 + 0.5) / count as f64 - 0.5) * 2.0 * reach;
+        let ends = [angle - 0.5 * source, angle + 0.5 * source];
+        let overlap = ends[1].min(off + 0.5 * receptor) - ends[0].max(off - 0.5 * receptor);
         let weight = (-0.5 * (angle / deviation).powi(2)).exp();
         [weight, weight * (overlap / source).clamp(0.0, 1.0)]
     };
-    let [all, inside] = (0..4000).map(cell).fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+    let [all, inside] = (0..count).map(cell).fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
     inside / all
 }
 

@@ -27,6 +27,7 @@ mod tests;
 mod tests_of_masks;
 #[cfg(test)]
 mod tests_of_search;
+mod units;
 
 pub use diffusion::{Diffused, DiffusionKernel, ErrorDiffusion, FewStates, FixedRow, Scan};
 pub use mask::Mask;

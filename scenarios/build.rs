@@ -1,0 +1,7 @@
+//! Compiles this crate again when an example changes, or a new one is added.
+
+fn main() {
+    for folder in ["scenarios", "surfaces"] {
+        println!("cargo::rerun-if-changed={folder}");
+    }
+}
