@@ -14,10 +14,11 @@ const PACKAGES: [&str; 7] = [
     "pyyaml==6.0.3",
 ];
 
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     "validation/films/tmm_oracle.py",
     "validation/films/materials_oracle.py",
     "validation/films/fit_oracle.py",
+    "validation/films/polarised_oracle.py",
     "validation/colour/tables_oracle.py",
     "validation/colour/colour_oracle.py",
     "validation/colour/pictures_oracle.py",

@@ -35,6 +35,12 @@ pub enum DisplayError {
     /// A numerical aperture in light that is not diffuse: mirror images of lamps are averaged in solid angle.
     #[error("`viewer.numerical_aperture` needs diffuse light alone, but there are lamps or an environment")]
     ApertureInDirectedLight,
+    /// A polariser before a display whose light is taken as unpolarised.
+    #[error("`viewer.polariser` needs {needs}")]
+    Polariser {
+        /// What the display would have to be.
+        needs: &'static str,
+    },
     /// An eye so close to a picture that it sees a part of it along the panel.
     #[error(
         "from `viewer.distance_mm` = {distance_mm} the reader sees a part of the picture at {theta_deg:.4} deg, along the panel (expected a larger distance, \

@@ -37,7 +37,7 @@
 //!         environment: vec![],
 //!         front_light: None,
 //!     },
-//!     viewer: Viewer { theta_deg: vec![0.0], phi_deg: vec![0.0], field_deg: 0.1, numerical_aperture: None, distance_mm: 500.0 },
+//!     viewer: Viewer { theta_deg: vec![0.0], phi_deg: vec![0.0], field_deg: 0.1, numerical_aperture: None, polariser_deg: None, distance_mm: 500.0 },
 //!     metrics: Metrics::default(),
 //!     solver: Solver {
 //!         method: Method::MonteCarlo,

@@ -416,6 +416,9 @@ pub struct Viewer {
     /// Numerical aperture of an objective, instead of the field of view: its pupil is averaged uniformly. Only in
     /// diffuse light.
     pub numerical_aperture: Option<f64>,
+    /// Polariser before the eye: the angle of the light that it passes from the plane of incidence, degrees (p: 0,
+    /// s: 90).
+    pub polariser_deg: Option<f64>,
     /// Distance of the eye, mm; it determines the angle of text (readability).
     pub distance_mm: f64,
 }
@@ -491,6 +494,8 @@ pub enum Approximation {
     /// Single pass (Feng 2012, eq. 3-2, 3-3 and 3-5): front of screen to first order, one reflection by the
     /// pixel.
     SinglePass,
+    /// The mean of s and p at each meeting with a face, instead of both through all orders.
+    Unpolarised,
 }
 
 /// Medium of the angles of viewer and light.

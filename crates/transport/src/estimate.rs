@@ -54,6 +54,13 @@ impl ReflectanceFactor {
         total
     }
 
+    /// Returns the weighted sum of two: of s and of p.
+    pub(crate) fn mixed_with(&self, other: &Self, weights: [f64; 2]) -> Self {
+        let [of_s, of_p] = weights;
+        let front = self.front.iter().zip(&other.front).map(|(s, p)| of_s * s + of_p * p);
+        Self { via_pixel: mixed(&self.via_pixel, &other.via_pixel, weights), front: front.collect() }
+    }
+
     /// Adds another one, times a weight.
     pub(crate) fn add(&mut self, other: &Self, weight: f64) {
         let add = |sum: &mut [f64], values: &[f64]| {
@@ -64,7 +71,28 @@ impl ReflectanceFactor {
     }
 }
 
+impl Estimate {
+    /// Returns the weighted sum of two estimates: of s and of p.
+    pub(crate) fn mixed_with(&self, other: &Self, weights: [f64; 2]) -> Self {
+        let rho = self.rho.iter().zip(&other.rho).map(|(one, other)| one.mixed_with(other, weights));
+        Self { rho: rho.collect(), ledger: self.ledger.mixed_with(&other.ledger, weights) }
+    }
+}
+
 impl Ledger {
+    fn mixed_with(&self, other: &Self, weights: [f64; 2]) -> Self {
+        let mixed = |one, other| mixed(one, other, weights);
+        Self {
+            returned: mixed(&self.returned, &other.returned),
+            front: mixed(&self.front, &other.front),
+            diffuser: mixed(&self.diffuser, &other.diffuser),
+            glass: mixed(&self.glass, &other.glass),
+            pixel: mixed(&self.pixel, &other.pixel),
+            inactive: mixed(&self.inactive, &other.inactive),
+            unaccounted: mixed(&self.unaccounted, &other.unaccounted),
+        }
+    }
+
     /// Returns an account of no light.
     pub fn zeros(states: usize, wavelengths: usize) -> Self {
         let zeros = || StateSpectra::zeros(states, wavelengths);
@@ -78,6 +106,13 @@ impl Ledger {
             unaccounted: zeros(),
         }
     }
+}
+
+/// Returns the weighted sum of two of the same shape.
+fn mixed(one: &StateSpectra, other: &StateSpectra, [of_one, of_other]: [f64; 2]) -> StateSpectra {
+    let mut sum = one.map(|value| of_one * value);
+    sum.iter_mut().zip(other.iter()).for_each(|(sum, value)| *sum += of_other * value);
+    sum
 }
 
 /// The account of the [`Ledger`] that light absorbed by a layer is added to.

@@ -2,6 +2,7 @@
 //! pixel). Both solvers are fastest for it. A [`Stack`](crate::Stack) recognises it among any layers, by the
 //! rule of [`PanelParts::recognised`].
 
+use papilio_optics::film::Polarisation;
 use papilio_spectra::Spectrum;
 
 use crate::{Base, Component, Diffuser, Front, Interface, Layer, Medium};
@@ -13,6 +14,8 @@ pub struct Panel {
     pub front: Front,
     /// Interface between air and the medium.
     pub top: Top,
+    /// The polarisation of the light, if it is one.
+    pub polarisation: Option<Polarisation>,
     /// The medium above the base.
     pub medium: Medium,
     /// Air below each component of the front of screen, outermost first, then the medium, mm.
@@ -74,7 +77,14 @@ impl<'a> PanelParts<'a> {
         let (face, _, glass_is_clear) = front.pop()?;
         // Between media of one index a bare interface is open.
         let faces = |face: &&Interface| {
-            matches!(face, Interface::Diffuser(_) | Interface::IdealAr | Interface::Fresnel | Interface::Open)
+            matches!(
+                face,
+                Interface::Diffuser(_)
+                    | Interface::IdealAr
+                    | Interface::Fresnel
+                    | Interface::FresnelOf(_)
+                    | Interface::Open
+            )
         };
         let face = face.filter(faces).filter(|_| glass_is_clear)?;
         let component = |(interface, index, is_clear): Described<'a>| match interface {
@@ -115,6 +125,10 @@ impl Panel {
                 Interface::Diffuser(diffuser) => Top::Diffuser(diffuser.clone()),
                 Interface::IdealAr => Top::IdealAr,
                 _ => Top::Fresnel(index.clone()),
+            },
+            polarisation: match parts.face {
+                Interface::FresnelOf(polarisation) => Some(*polarisation),
+                _ => None,
             },
             medium: match unrefracted {
                 true => Medium::new(index.map(|_| 1.0)),

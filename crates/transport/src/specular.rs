@@ -1,10 +1,10 @@
 //! Light that is never scattered: its mirror images and its round trips, in closed form.
 
 use papilio_optics::Beta;
-use papilio_optics::interface::fresnel_reflectance;
 use papilio_spectra::StateSpectra;
 
 use crate::front::Flat;
+use crate::layers::fresnel_of;
 use crate::light::images::{Mirror, image_points};
 use crate::skeleton::{Ray, Skeleton};
 use crate::{Cone, Diffuser, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
@@ -12,6 +12,10 @@ use crate::{Cone, Diffuser, Panel, ReflectanceFactor, Reflector, Source, Stack, 
 /// Returns the specular reflectance of the whole display for light with these direction cosines,
 /// `|beta| <= 1`: the luminance of its mirror image over its own.
 pub fn specular_image(stack: &Stack, beta: Beta) -> ReflectanceFactor {
+    if let Some([s, p]) = stack.polarised() {
+        return specular_image(s, beta)
+            .mixed_with(&specular_image(p, beta), stack.weights_of_polarisations());
+    }
     stack.panel().map_or_else(|| layered_image(stack, beta), |panel| panel_image(panel, beta))
 }
 
@@ -135,7 +139,7 @@ impl FlatTop {
 fn face(stack: &Panel, beta_squared: f64, bin: usize) -> Flat {
     match &stack.top {
         Top::Fresnel(index) if beta_squared <= 1.0 => {
-            let r = fresnel_reflectance(1.0, index[bin], beta_squared.sqrt());
+            let r = fresnel_of(stack.polarisation, [1.0, index[bin]], beta_squared.sqrt());
             Flat { t: 1.0 - r, above: r, below: r }
         }
         _ if beta_squared <= 1.0 => Flat { t: 1.0, above: 0.0, below: 0.0 },

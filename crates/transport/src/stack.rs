@@ -5,6 +5,10 @@
 //! internal reflection. Every interface is an operator on direction cosines; light with `|beta| >= n` does
 //! not enter a medium of index n.
 //!
+//! Where all layers are flat and the pixel is a mirror, s and p are kept apart through all orders: such a
+//! stack may hold itself for light of each polarisation ([`Stack::with_polarisations`]). Both
+//! solvers return the mean of both, or what a polariser before the viewer makes of them.
+//!
 //! Both solvers have methods of their own for the ordinary panel ([`Panel`]). [`Stack::new`] recognises it
 //! among any layers, here and nowhere else.
 
@@ -19,6 +23,17 @@ pub struct Stack {
     /// Top to bottom.
     pub(crate) layers: Vec<Layer>,
     form: Form,
+    /// The same for light of s and of p, if they are kept apart.
+    polarised: Option<Box<Polarised>>,
+}
+
+/// A stack for light of each polarisation.
+#[derive(Debug, Clone)]
+struct Polarised {
+    /// For s and for p.
+    both: [Stack; 2],
+    /// Their weights in what is seen.
+    weights: [f64; 2],
 }
 
 /// What the solvers see, each with the pixel.
@@ -75,7 +90,31 @@ impl Stack {
     /// Returns the stack of these layers for the methods of general layers, even if they are an ordinary
     /// panel: both have the same results.
     pub fn general(layers: Vec<Layer>, base: Base) -> Self {
-        Self { layers, form: Form::General(base) }
+        Self { layers, form: Form::General(base), polarised: None }
+    }
+
+    /// The same stack, with what it is for light of s and of p, which all layers keep apart: `[s, p]`, with as
+    /// many states and wavelengths, and their weights in what is seen, 0.5 each without a polariser. Nothing of
+    /// it may scatter.
+    #[must_use]
+    pub fn with_polarisations(self, both: [Self; 2], weights: [f64; 2]) -> Self {
+        debug_assert!(self.base().is_specular() && self.elements().all(|(kind, _)| !kind.scatters()));
+        Self { polarised: Some(Box::new(Polarised { both, weights })), ..self }
+    }
+
+    /// What the stack is for light of s and of p, if they are kept apart.
+    pub fn polarised(&self) -> Option<&[Self; 2]> {
+        self.polarised.as_deref().map(|polarised| &polarised.both)
+    }
+
+    /// The same for modification.
+    pub fn polarised_mut(&mut self) -> Option<&mut [Self; 2]> {
+        self.polarised.as_deref_mut().map(|polarised| &mut polarised.both)
+    }
+
+    /// Weights of s and of p in what is seen; those of unpolarised light if they are not kept apart.
+    pub fn weights_of_polarisations(&self) -> [f64; 2] {
+        self.polarised.as_deref().map_or([0.5; 2], |polarised| polarised.weights)
     }
 
     fn recognised(layers: Vec<Layer>, base: Base, approximation: Approximation) -> Self {
@@ -91,7 +130,7 @@ impl Stack {
             }
             _ => Form::General(base),
         };
-        Self { layers, form }
+        Self { layers, form, polarised: None }
     }
 
     /// The layers, top to bottom.
@@ -105,6 +144,9 @@ impl Stack {
         if let Form::Panel(panel) = &mut self.form {
             panel.gaps_mm.clear();
             panel.gaps_mm.extend(self.layers.iter().map(|layer| layer.thickness_mm));
+        }
+        for one in self.polarised_mut().into_iter().flatten() {
+            one.set_thickness_mm(thickness_mm);
         }
     }
 
@@ -129,7 +171,8 @@ impl Stack {
         }
     }
 
-    /// Returns the pixel for modification; whether it scatters must not change.
+    /// Returns the pixel for modification; whether it scatters must not change. For light of one polarisation
+    /// it is that of [`polarised_mut`](Self::polarised_mut).
     pub fn base_mut(&mut self) -> &mut Base {
         match &mut self.form {
             Form::Panel(panel) => &mut panel.base,
@@ -137,9 +180,9 @@ impl Stack {
         }
     }
 
-    /// The same layers over another pixel; whether it scatters must not change.
+    /// The same layers over another pixel, for unpolarised light; whether it scatters must not change.
     pub fn with_base(&self, base: Base) -> Self {
-        let mut other = self.clone();
+        let mut other = Self { polarised: None, ..self.clone() };
         *other.base_mut() = base;
         other
     }

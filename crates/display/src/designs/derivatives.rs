@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use papilio_colour::CORNERS;
-use papilio_optics::film::Variable;
+use papilio_optics::film::{Polarisation, Variable};
 use papilio_spectra::sum_of_products;
 use papilio_transport::adding::TableGradient;
 use papilio_transport::{AngularTable, Nodes, Reflector};
@@ -169,8 +169,8 @@ impl<'a> Tangents<'a> {
     }
 
     /// Derivatives of the film's reflectances, `[variable][node][gap][wavelength]`.
-    pub(super) fn of_film(&self) -> Result<Vec<f64>, DisplayError> {
-        self.film.derivatives_at_cosines(&self.cosines, &self.variables)
+    pub(super) fn of_film(&self, polarisation: Option<Polarisation>) -> Result<Vec<f64>, DisplayError> {
+        self.film.derivatives_at_cosines(polarisation, &self.cosines, &self.variables)
     }
 
     /// Index of a variable.
@@ -209,7 +209,7 @@ impl<'a> Tangents<'a> {
         let bins = size / self.gaps;
         for (number, cosines) in self.cosines.chunks(NODES_TOGETHER).enumerate() {
             let first = number * NODES_TOGETHER * size;
-            let slopes = self.film.derivatives_at_cosines(cosines, &self.variables)?;
+            let slopes = self.film.derivatives_at_cosines(None, cosines, &self.variables)?;
             let per_variable = slopes.chunks_exact(cosines.len() * size);
             for (gradient, sums) in gradients.iter().zip(sums.chunks_exact_mut(variables * self.gaps)) {
                 let basis = &gradient.basis[first..][..cosines.len() * size];

@@ -6,6 +6,7 @@
 //! fourth-order differences is then below 1e-10 of the slope, and the rounding error below 1e-12 of the
 //! reflectance factor.
 
+use papilio_optics::film::Polarisation;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{AngularTable, Reflector, Stack};
 
@@ -30,8 +31,26 @@ impl Tangents<'_> {
         table: &AngularTable,
         view: usize,
     ) -> Result<Vec<Vec<f64>>, DisplayError> {
+        let Some([(of_s, s), (of_p, p)]) = kernel.polarised(stack) else {
+            return self.of_light((kernel, stack, table), None, view);
+        };
+        let of = |kernel, stack: &Stack, polarisation| match &stack.base().reflector {
+            Reflector::Specular(table) => self.of_light((kernel, stack, table), Some(polarisation), view),
+            _ => Ok(Vec::new()),
+        };
+        let (s, p) = (of(of_s, s, Polarisation::S)?, of(of_p, p, Polarisation::P)?);
+        Ok(s.iter().zip(&p).map(|(s, p)| mean(s, p)).collect())
+    }
+
+    /// Computes the same for light of one polarisation, or for unpolarised light.
+    fn of_light(
+        &self,
+        (kernel, stack, table): (&Kernel, &Stack, &AngularTable),
+        polarisation: Option<Polarisation>,
+        view: usize,
+    ) -> Result<Vec<Vec<f64>>, DisplayError> {
         let columns = table.state_count() * table.common.len();
-        let of_film = self.of_film()?;
+        let of_film = self.of_film(polarisation)?;
         let mut stack = stack.clone();
         let slopes = self.changes.iter().map(|change| {
             let Some((moved, step)) = self.moved(table, &of_film, change) else { return Vec::new() };
@@ -99,4 +118,10 @@ impl Tangents<'_> {
             step,
         ))
     }
+}
+
+/// Returns the mean of the slopes of s and p; an empty list is that of zeros.
+fn mean(s: &[f64], p: &[f64]) -> Vec<f64> {
+    let at = |slopes: &[f64], k: usize| slopes.get(k).copied().unwrap_or_default();
+    (0..s.len().max(p.len())).map(|k| 0.5 * (at(s, k) + at(p, k))).collect()
 }

@@ -40,7 +40,7 @@ pub use quantity::Quantity;
 
 use crate::DisplayError;
 use crate::meter::{Meter, Sample, ViewScalars};
-use crate::pixel::film::{Mixture, tabulated};
+use crate::pixel::film::{Mixture, polarised_tables, tabulated};
 use crate::result::StateValues;
 use crate::run::{Control, ViewGroupKernel, prepared_kernels};
 use crate::scene::{FilmPixel, Method, Metric, Pixel, Scene, Stop};
@@ -145,13 +145,21 @@ impl Designs {
                 return Ok(mixture);
             }
         }
-        let base = self.stack.base_mut();
-        let known = match &base.reflector {
+        let known = match &self.stack.base().reflector {
             Reflector::Specular(table) => Some(&table.nodes),
             _ => None,
         };
-        let (nodes, values) = tabulated(film, &scene.grid, index, &mixture.gaps_nm, known)?;
-        base.reflector = Reflector::Specular(mixture.table(nodes, values, film));
+        let table = |nodes, values| Reflector::Specular(mixture.table(nodes, values, film));
+        if self.stack.polarised().is_some() {
+            let (nodes, [mean, s, p]) = polarised_tables(film, &scene.grid, index, &mixture.gaps_nm, known)?;
+            for (one, values) in self.stack.polarised_mut().into_iter().flatten().zip([s, p]) {
+                one.base_mut().reflector = table(nodes.clone(), values);
+            }
+            self.stack.base_mut().reflector = table(nodes, mean);
+        } else {
+            let (nodes, values) = tabulated(film, &scene.grid, index, &mixture.gaps_nm, known)?;
+            self.stack.base_mut().reflector = table(nodes, values);
+        }
         Ok(mixture)
     }
 

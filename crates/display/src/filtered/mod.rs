@@ -130,7 +130,7 @@ impl<'a> Filtered<'a> {
         let refused = [
             (scene.display.pixel_spread().is_some() && !is_of_stripes(matrix), Refused::SpreadBelowFilter),
             (front.max() > 0.0 && is_diffused, Refused::FilterBelowLobeAndFront),
-            (scene.solver.approximation != Approximation::None, Refused::FilterInSinglePass),
+            (scene.solver.approximation == Approximation::SinglePass, Refused::FilterInSinglePass),
         ];
         if let Some((_, refused)) = refused.into_iter().find(|(is_refused, _)| *is_refused) {
             return Err(refused.into());

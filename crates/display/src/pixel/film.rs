@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use papilio_optics::film::{GapFilm, LayerFringes, Thickness, Variable, most_fringes};
+use papilio_optics::film::{GapFilm, LayerFringes, Polarisation, Thickness, Variable, most_fringes};
 use papilio_spectra::{Grid, Spectrum};
-use papilio_transport::{AngularTable, Base, Nodes, Reflector};
+use papilio_transport::{AngularTable, Base, CosinePanels, Nodes, Reflector, Stack};
 
-use super::{WeightedNodes, WeightedTable, table};
+use super::{Bases, WeightedNodes, WeightedTable, table};
 use crate::DisplayError;
 use crate::scene::{Drive, FilmLayer, FilmPixel};
 
@@ -37,6 +37,93 @@ pub(super) fn base(
     let inactive = film.inactive_reflectance.map(|r| (1.0 - film.fill_factor) * (1.0 - r));
     let table = mixture.table(nodes, reflectance, film);
     Ok(Base { reflector: Reflector::Specular(table), inactive_absorptance: inactive })
+}
+
+/// Computes a film pixel as [`base`] does, and for light of s and of p.
+pub(super) fn polarised_bases(
+    film: &FilmPixel,
+    grid: &Grid,
+    index: &Spectrum,
+    kept: &mut Option<FilmKey>,
+    before: Option<&Stack>,
+) -> Result<Bases, DisplayError> {
+    let mixture = Mixture::new(film)?;
+    let key = kept.take().filter(|key| key.serves(film, grid, index, &mixture.gaps_nm));
+    let last = before.and_then(|stack| {
+        let [s, p] = stack.polarised()?;
+        Some([mirror(stack)?, mirror(s)?, mirror(p)?])
+    });
+    let (nodes, of_each) = match last {
+        Some(tables) if key.is_some() => {
+            (tables[0].nodes.clone(), tables.map(|table| Arc::clone(&table.basis)))
+        }
+        _ => {
+            let nodes = before.and_then(mirror).map(|table| &table.nodes);
+            polarised_tables(film, grid, index, &mixture.gaps_nm, nodes)?
+        }
+    };
+    *kept = match has_own_areas(film) {
+        true => None,
+        false => Some(key.unwrap_or_else(|| FilmKey::new(film, grid, index, &mixture.gaps_nm))),
+    };
+    let inactive = film.inactive_reflectance.map(|r| (1.0 - film.fill_factor) * (1.0 - r));
+    let [mean, s, p] = of_each.map(|basis| Base {
+        reflector: Reflector::Specular(mixture.table(nodes.clone(), basis, film)),
+        inactive_absorptance: inactive.clone(),
+    });
+    Ok(Bases { mean, polarised: Some([s, p]) })
+}
+
+/// The table of a stack's mirror.
+fn mirror(stack: &Stack) -> Option<&AngularTable> {
+    match &stack.base().reflector {
+        Reflector::Specular(table) => Some(table),
+        _ => None,
+    }
+}
+
+/// Tabulates the reflectances at the gaps, `[node][gap][wavelength]`, on common nodes: the mean of s and p, s,
+/// and p.
+pub(crate) fn polarised_tables(
+    film: &FilmPixel,
+    grid: &Grid,
+    index: &Spectrum,
+    gaps_nm: &[f64],
+    last: Option<&Nodes>,
+) -> Result<(Nodes, [Arc<[f64]>; 3]), DisplayError> {
+    let few = few_bins(grid);
+    let polarisations = [Polarisation::S, Polarisation::P].map(Some);
+    let whole = polarisations.map(|one| Ok(Film::new(film, grid, index, gaps_nm, Beta::InGlass)?.of(one)));
+    let sample =
+        polarisations.map(|one| Ok(Film::at_bins(film, grid, index, gaps_nm, Beta::InGlass, &few)?.of(one)));
+    let ([s, p], [s_few, p_few]) = (both(whole)?, both(sample)?);
+    let (panels, values) =
+        table::panels(known(last), |at| side_by_side([&s_few, &p_few], at), |at| side_by_side([&s, &p], at))?
+            .ok_or_else(|| too_many_fringes(film, grid, gaps_nm))?;
+    let width = gaps_nm.len() * grid.len();
+    let rows = values.chunks_exact(2 * width);
+    let of = |first: usize| rows.clone().flat_map(move |row| &row[first..first + width]).copied();
+    let mean = of(0).zip(of(width)).map(|(s, p)| 0.5 * (s + p));
+    Ok((Nodes::CosinePanels(panels), [mean.collect(), of(0).collect(), of(width).collect()]))
+}
+
+/// Both films, or the error of one.
+fn both<'a>(films: [Result<Film<'a>, DisplayError>; 2]) -> Result<[Film<'a>; 2], DisplayError> {
+    let [s, p] = films;
+    Ok([s?, p?])
+}
+
+/// Computes the reflectances of two films at these cosines, `[cosine][film][gap][wavelength]`.
+fn side_by_side(films: [&Film<'_>; 2], cosines: &[f64]) -> Result<Vec<f64>, DisplayError> {
+    let [one, other] = films.map(|film| film.at_cosines(cosines));
+    let (one, other) = (one?, other?);
+    let width = (one.len() / cosines.len().max(1)).max(1);
+    Ok(one
+        .chunks(width)
+        .zip(other.chunks(width))
+        .flat_map(|(one, other)| one.iter().chain(other))
+        .copied()
+        .collect())
 }
 
 /// Key of a film's reflectances: all that they depend on.
@@ -86,17 +173,29 @@ pub(crate) fn tabulated(
     gaps_nm: &[f64],
     last: Option<&Nodes>,
 ) -> Result<Tabulated, DisplayError> {
-    let known = match last {
-        Some(Nodes::CosinePanels(panels)) => Some(panels),
-        _ => None,
-    };
     let whole = Film::new(film, grid, index, gaps_nm, Beta::InGlass)?;
-    let few: Vec<usize> = (0..grid.len()).step_by(grid.len().div_ceil(BINS_OF_SAMPLE).max(1)).collect();
+    let few = few_bins(grid);
     let sample = Film::at_bins(film, grid, index, gaps_nm, Beta::InGlass, &few)?;
-    let panels =
-        table::panels(known, |cosines| sample.at_cosines(cosines), |cosines| whole.at_cosines(cosines))?;
+    let panels = table::panels(
+        known(last),
+        |cosines| sample.at_cosines(cosines),
+        |cosines| whole.at_cosines(cosines),
+    )?;
     let (panels, values) = panels.ok_or_else(|| too_many_fringes(film, grid, gaps_nm))?;
     Ok((Nodes::CosinePanels(panels), values))
+}
+
+/// The panels of a table of a similar film.
+fn known(last: Option<&Nodes>) -> Option<&CosinePanels> {
+    match last {
+        Some(Nodes::CosinePanels(panels)) => Some(panels),
+        _ => None,
+    }
+}
+
+/// Wavelengths at which panels are tested first.
+fn few_bins(grid: &Grid) -> Vec<usize> {
+    (0..grid.len()).step_by(grid.len().div_ceil(BINS_OF_SAMPLE).max(1)).collect()
 }
 
 /// Tabulates the reflectances on the nodes that known light needs; `None` if those of all light are needed.
@@ -316,6 +415,8 @@ pub(crate) struct Film<'a> {
     index: Vec<f64>,
     gaps_nm: &'a [f64],
     kind: Beta,
+    /// One polarisation, or the mean of both.
+    polarisation: Option<Polarisation>,
     /// One for all wavelengths, or one for each: in a dispersive glass, the beta of an angle depends on
     /// wavelength.
     parts: Vec<GapFilm>,
@@ -349,10 +450,15 @@ impl<'a> Film<'a> {
         let has_one_beta = kind == Beta::Air || index.is_constant();
         let together = if has_one_beta { bins.len().max(1) } else { 1 };
         let parts: Result<Vec<GapFilm>, _> = bins.chunks(together).map(part).collect();
-        Ok(Self { index: at(index, bins), gaps_nm, kind, parts: parts? })
+        Ok(Self { index: at(index, bins), gaps_nm, kind, polarisation: None, parts: parts? })
     }
 
-    /// Computes the mean reflectance of s and p, `[angle][gap][wavelength]`. At grazing incidence in the
+    /// The same film for light of one polarisation, or for the mean of both.
+    pub(crate) fn of(self, polarisation: Option<Polarisation>) -> Self {
+        Self { polarisation, ..self }
+    }
+
+    /// Computes the reflectance, `[angle][gap][wavelength]`. At grazing incidence in the
     /// glass it is 1.
     pub(super) fn reflectance(&self, sines: &[f64]) -> Result<Vec<f64>, DisplayError> {
         let (bins, gaps) = (self.index.len(), self.gaps_nm.len());
@@ -360,11 +466,11 @@ impl<'a> Film<'a> {
         let scale = |bin: usize| if self.kind == Beta::Air { 1.0 } else { self.index[bin] };
         let beta_at = |bin: usize| -> Vec<f64> { sines.iter().map(|sine| scale(bin) * sine).collect() };
         if let [all] = &self.parts[..] {
-            all.reflectance(&beta_at(0), self.gaps_nm, &mut reflectance)?;
+            all.reflectance_of(self.polarisation, &beta_at(0), self.gaps_nm, &mut reflectance)?;
         } else {
             let mut one = vec![0.0; sines.len() * gaps];
             for (bin, part) in self.parts.iter().enumerate() {
-                part.reflectance(&beta_at(bin), self.gaps_nm, &mut one)?;
+                part.reflectance_of(self.polarisation, &beta_at(bin), self.gaps_nm, &mut one)?;
                 one.iter().enumerate().for_each(|(k, value)| reflectance[k * bins + bin] = *value);
             }
         }
@@ -388,6 +494,7 @@ impl<'a> Film<'a> {
     /// Computes the derivatives of the reflectance, `[variable][angle][gap][wavelength]`.
     pub(crate) fn derivatives_at_cosines(
         &self,
+        polarisation: Option<Polarisation>,
         cosines: &[f64],
         variables: &[Variable],
     ) -> Result<Vec<f64>, DisplayError> {
@@ -400,7 +507,8 @@ impl<'a> Film<'a> {
         for (number, part) in self.parts.iter().enumerate() {
             let scale = if self.kind == Beta::Air { 1.0 } else { self.index[number * together] };
             let beta: Vec<f64> = sines.iter().map(|sine| scale * sine).collect();
-            part.derivatives(&beta, self.gaps_nm, variables, &mut reflectance, &mut some)?;
+            let out = (&mut reflectance[..], &mut some[..]);
+            part.derivatives_of(polarisation, &beta, self.gaps_nm, variables, out.0, out.1)?;
             for (row, some) in derivatives.chunks_exact_mut(bins).zip(some.chunks_exact(together)) {
                 row[number * together..][..together].copy_from_slice(some);
             }

@@ -9,7 +9,7 @@ pub(crate) mod film;
 mod table;
 mod weighted;
 
-use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector};
+use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector, Stack};
 
 pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption};
 pub(crate) use film::FilmKey;
@@ -131,6 +131,36 @@ pub(crate) fn base(
         Pixel::Table(table) => Ok(table_base(table, scene.grid.len())),
         Pixel::Uniform(uniform) => Ok(uniform_base(uniform, scene.grid.len())),
         Pixel::Scattering(pixel) => Ok(scattering_base(pixel, scene.grid.len())),
+    }
+}
+
+/// Pixel as the base of a stack.
+#[derive(Debug)]
+pub(crate) struct Bases {
+    /// For unpolarised light.
+    pub(crate) mean: Base,
+    /// For light of s and of p, if the stack keeps them apart.
+    pub(crate) polarised: Option<[Base; 2]>,
+}
+
+/// Computes the pixel as the base of a stack, as [`base`] does; for light of s and of p, too, if they are
+/// `kept_apart`.
+pub(crate) fn bases(
+    scene: &Scene,
+    film: &mut Option<FilmKey>,
+    before: Option<&Stack>,
+    kept_apart: bool,
+) -> Result<Bases, DisplayError> {
+    match &scene.display.pixel {
+        Pixel::Film(pixel) if kept_apart => {
+            film::polarised_bases(pixel, &scene.grid, scene.display.index_above_pixel(), film, before)
+        }
+        // Tables and uniform pixels have one reflectance for both.
+        _ => {
+            let mean = base(scene, film, before.map(Stack::base))?;
+            let polarised = kept_apart.then(|| [mean.clone(), mean.clone()]);
+            Ok(Bases { mean, polarised })
+        }
     }
 }
 

@@ -201,7 +201,7 @@ pub(crate) struct Placed<'a> {
 impl<'a> Placed<'a> {
     pub(crate) fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
-        if scene.solver.approximation != Approximation::None {
+        if scene.solver.approximation == Approximation::SinglePass {
             return Err(DisplayError::NoPlaces {
                 what: "a single pass of the panel",
                 key: "solver.approximation",

@@ -1,8 +1,8 @@
 //! A coherent coating between two transparent media, seen from both sides.
 //!
-//! **Model.** Reflectances and transmittance, mean of s and p, of flat coherent layers between two media,
-//! such as an antireflection film on a cover glass. They are tabulated over direction once, so that a
-//! look-up costs a few dozen multiplications.
+//! **Model.** Reflectances and transmittance, mean of s and p or of one of them, of flat coherent layers
+//! between two media, such as an antireflection film on a cover glass. They are tabulated over direction
+//! once, so that a look-up costs a few dozen multiplications.
 //!
 //! **Parameters.** Layers as in [`film`](super), 0 to 0.05 mm in total; media of real index, per wavelength.
 //! `beta` is conserved through the whole: `beta < n` is light in a medium of index n. The transmittance is a
@@ -89,6 +89,30 @@ impl Coating {
         layers: &[SpectralLayer],
         below: &[f64],
     ) -> Result<Self, OpticsError> {
+        Self::tabulated(None, wavelengths_nm, above, layers, below)
+    }
+
+    /// The same coating for light of one polarisation.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(
+        polarisation: Polarisation,
+        wavelengths_nm: &[f64],
+        above: &[f64],
+        layers: &[SpectralLayer],
+        below: &[f64],
+    ) -> Result<Self, OpticsError> {
+        Self::tabulated(Some(polarisation), wavelengths_nm, above, layers, below)
+    }
+
+    fn tabulated(
+        polarisation: Option<Polarisation>,
+        wavelengths_nm: &[f64],
+        above: &[f64],
+        layers: &[SpectralLayer],
+        below: &[f64],
+    ) -> Result<Self, OpticsError> {
         let expected = wavelengths_nm.len();
         let arrays =
             [("indices of the medium above", above.len()), ("indices of the medium below", below.len())];
@@ -100,7 +124,7 @@ impl Coating {
         }
         let table = |bin: usize| {
             let layers = layers.iter().map(|layer| layer_at(layer, bin)).collect::<Result<_, _>>()?;
-            Table::new(wavelengths_nm[bin], above[bin], layers, below[bin])
+            Table::new(polarisation, wavelengths_nm[bin], above[bin], layers, below[bin])
         };
         Ok(Self { bins: (0..expected).map(table).collect::<Result<_, _>>()? })
     }
@@ -120,8 +144,15 @@ fn layer_at(layer: &SpectralLayer, bin: usize) -> Result<Layer, OpticsError> {
 }
 
 impl Table {
-    fn new(nm: f64, above: f64, layers: Vec<Layer>, below: f64) -> Result<Self, OpticsError> {
+    fn new(
+        polarisation: Option<Polarisation>,
+        nm: f64,
+        above: f64,
+        layers: Vec<Layer>,
+        below: f64,
+    ) -> Result<Self, OpticsError> {
         checked_wavelength(nm)?;
+        let powers = |film: &Film, beta: f64, q: [Complex64; 2]| powers(polarisation, film, nm, beta, q);
         let (above, below) = (checked_incidence(above)?, checked_incidence(below)?);
         let fringes = too_many_fringes(&layers, nm);
         let from_below = layers.iter().rev().copied().collect();
@@ -137,14 +168,14 @@ impl Table {
             let (q_smaller, q_larger) = (smaller * x, gap.hypot(smaller * x));
             let q = if above > below { [q_larger, q_smaller] } else { [q_smaller, q_larger] };
             let [q_above, q_below] = q.map(Complex64::from);
-            let [transmittance, above] = mean(&down, nm, beta, [q_above, q_below])?;
-            Ok([transmittance, above, mean(&up, nm, beta, [q_below, q_above])?[1]])
+            let [transmittance, above] = powers(&down, beta, [q_above, q_below])?;
+            Ok([transmittance, above, powers(&up, beta, [q_below, q_above])?[1]])
         })?;
         let denser = |x: f64| {
             let (beyond, within) = (2.0 * x / (1.0 + x * x), (1.0 - x) * (1.0 + x) / (1.0 + x * x));
             let film = if above > below { &down } else { &up };
             let q = [Complex64::from(gap * within), Complex64::new(0.0, gap * beyond)];
-            Ok([mean(film, nm, smaller.hypot(gap * beyond), q)?[1]])
+            Ok([powers(film, smaller.hypot(gap * beyond), q)?[1]])
         };
         let denser = match above == below {
             true => None,
@@ -186,14 +217,23 @@ fn too_many_fringes(layers: &[Layer], nm: f64) -> OpticsError {
     OpticsError::Fringes { layer: most.layer, thickness_nm, fringes: most.fringes.ceil(), nm }
 }
 
-/// Returns transmittance and reflectance, mean of s and p; a ray along the layers is reflected completely.
-/// `q` is that of the medium of incidence and of the substrate.
-fn mean(film: &Film, nm: f64, beta: f64, q: [Complex64; 2]) -> Result<[f64; 2], OpticsError> {
+/// Returns transmittance and reflectance, the mean of s and p or those of one; a ray along the layers is
+/// reflected completely. `q` is that of the medium of incidence and of the substrate.
+fn powers(
+    polarisation: Option<Polarisation>,
+    film: &Film,
+    nm: f64,
+    beta: f64,
+    q: [Complex64; 2],
+) -> Result<[f64; 2], OpticsError> {
     if q[0].re <= 0.0 {
         return Ok([0.0, 1.0]);
     }
-    let [s, p] =
-        [Polarisation::S, Polarisation::P].map(|polarisation| coherent_at(film, nm, beta, q, polarisation));
-    let (s, p) = (s?, p?);
+    let of = |polarisation| coherent_at(film, nm, beta, q, polarisation);
+    if let Some(polarisation) = polarisation {
+        let one = of(polarisation)?;
+        return Ok([one.transmittance, one.reflectance]);
+    }
+    let (s, p) = (of(Polarisation::S)?, of(Polarisation::P)?);
     Ok([0.5 * (s.transmittance + p.transmittance), 0.5 * (s.reflectance + p.reflectance)])
 }

@@ -1,4 +1,4 @@
-//! Derivatives of the mean reflectance of s and p with respect to all layers at once.
+//! Derivatives of the reflectance, the mean of s and p or that of one, with respect to all layers at once.
 //!
 //! **Model.** The change of R with the thickness of a layer (per nm) and with n or k of a medium (per 1, the
 //! same at all wavelengths), exact to rounding.
@@ -26,6 +26,7 @@
 
 use pulp::{Simd, WithSimd};
 
+use super::coherent::Polarisation;
 use super::forms::{Absorbing, Carried, Field, Form, Pair, Transfer};
 use super::kernel::Direction;
 use super::lanes::{Complex, Lanes};
@@ -63,6 +64,8 @@ pub(super) struct Derivatives<'a> {
     pub(super) beta: &'a [f64],
     pub(super) gaps_nm: &'a [f64],
     pub(super) variables: &'a [Variable],
+    /// One polarisation, or the mean of both.
+    pub(super) polarisation: Option<Polarisation>,
     /// `[beta][gap][wavelength]`, not empty.
     pub(super) reflectance: &'a mut [f64],
     /// `[variable][beta][gap][wavelength]`.
@@ -76,7 +79,7 @@ impl WithSimd for Derivatives<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let count = self.media.wavelengths();
         let (values, rows) = (self.reflectance.len(), self.gaps_nm.len() * count);
-        let wanted = Wanted::new(self.media, self.variables);
+        let wanted = Wanted::new(self.media, self.variables, self.polarisation);
         let zero = Complex::real(Lanes::new(simd, 0.0));
         let mut found =
             Found { thickness: vec![zero.re; wanted.thickness.len()], index: vec![zero; wanted.index.len()] };
@@ -104,10 +107,12 @@ impl WithSimd for Derivatives<'_> {
 struct Wanted {
     thickness: Vec<bool>,
     index: Vec<bool>,
+    /// Weights of s and of p, relative to those of their mean.
+    weights: [f64; 2],
 }
 
 impl Wanted {
-    fn new(media: &Media, variables: &[Variable]) -> Self {
+    fn new(media: &Media, variables: &[Variable], polarisation: Option<Polarisation>) -> Self {
         let layers = media.layers();
         let (mut thickness, mut index) = (vec![false; layers], vec![false; layers + 1]);
         for variable in variables {
@@ -117,11 +122,16 @@ impl Wanted {
                 Variable::SubstrateIndex | Variable::SubstrateExtinction => index[layers] = true,
             }
         }
-        Self { thickness, index }
+        let weights = match polarisation {
+            None => [1.0, 1.0],
+            Some(Polarisation::S) => [2.0, 0.0],
+            Some(Polarisation::P) => [0.0, 2.0],
+        };
+        Self { thickness, index, weights }
     }
 }
 
-/// Requested derivatives of the mean reflectance of one beta and gap. By an index: the real part is the
+/// Requested derivatives of the reflectance of one beta and gap. By an index: the real part is the
 /// derivative by n, minus the imaginary part that by k.
 struct Found<S: Simd> {
     thickness: Vec<Lanes<S>>,
@@ -197,7 +207,7 @@ impl<S: Simd> Passes<S> {
         }
     }
 
-    /// Returns the mean reflectance at this gap and stores the derivatives in `found`.
+    /// Returns the reflectance at this gap and stores the derivatives in `found`.
     #[inline(always)]
     fn at_gap(
         &self,
@@ -228,14 +238,15 @@ impl<S: Simd> Passes<S> {
             layer += 1;
         }
         if wanted.index[layer] {
-            found.rest(direction, forms, r);
+            found.rest(direction, forms, r, wanted);
         }
         for (layer, slabs) in self.above.iter().enumerate().rev() {
             let around = up(fields, slabs);
             fields = above(around);
             found.meet(direction, (layer, slabs), (self.forms[layer], around), r, wanted);
         }
-        (r[0].norm_sqr() + r[1].norm_sqr()) * direction.k0.splat(0.5)
+        let [s, p] = wanted.weights.map(|weight| direction.k0.splat(weight));
+        (r[0].norm_sqr() * s + r[1].norm_sqr() * p) * direction.k0.splat(0.5)
     }
 }
 
@@ -254,7 +265,8 @@ impl<S: Simd> Found<S> {
         let (mut thickness, mut index) = (zero, zero);
         for k in 0..2 {
             let (slab, Around { below, above }) = (&slabs[k], around[k]);
-            let factor = factor(forms[k], above, r[k]);
+            let weight = direction.k0.splat(wanted.weights[k]);
+            let factor = factor(forms[k], above, r[k]).scale(weight);
             if wanted.thickness[layer] {
                 let size = slab.g * above.v * above.v - slab.h * above.u * above.u;
                 thickness = thickness + factor * size.minus_i();
@@ -270,10 +282,20 @@ impl<S: Simd> Found<S> {
 
     /// Stores the derivative by the index of the substrate.
     #[inline(always)]
-    fn rest(&mut self, direction: &Direction<'_, S>, forms: [Pair<Form<S>>; 2], r: [Complex<S>; 2]) {
+    fn rest(
+        &mut self,
+        direction: &Direction<'_, S>,
+        forms: [Pair<Form<S>>; 2],
+        r: [Complex<S>; 2],
+        wanted: &Wanted,
+    ) {
         let fields = direction.at_rest();
         let [s, p] = direction.change_of_rest();
-        let (s, p) = (factor(forms[0], fields[0], r[0]) * s, factor(forms[1], fields[1], r[1]) * p);
+        let [of_s, of_p] = wanted.weights.map(|weight| direction.k0.splat(weight));
+        let (s, p) = (
+            factor(forms[0], fields[0], r[0]).scale(of_s) * s,
+            factor(forms[1], fields[1], r[1]).scale(of_p) * p,
+        );
         let substrate = self.index.len() - 1;
         self.index[substrate] = Complex::real(direction.k0.splat(0.0)) - (s + p);
     }

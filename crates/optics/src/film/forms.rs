@@ -12,6 +12,21 @@ pub(super) fn mean<S: Simd>(s: [Lanes<S>; 2], p: [Lanes<S>; 2]) -> Lanes<S> {
     (numerator * numerator.splat(0.5)).div(s[1] * p[1])
 }
 
+/// What is computed: the mean of s and p, s alone, p alone.
+pub(super) const MEAN: u8 = 0;
+pub(super) const S_ALONE: u8 = 1;
+pub(super) const P_ALONE: u8 = 2;
+
+/// The quotients' mean, or one of them.
+#[inline(always)]
+pub(super) fn quotient<S: Simd, const OF: u8>(s: [Lanes<S>; 2], p: [Lanes<S>; 2]) -> Lanes<S> {
+    match OF {
+        S_ALONE => s[0].div(s[1]),
+        P_ALONE => p[0].div(p[1]),
+        _ => mean(s, p),
+    }
+}
+
 /// A linear form `x U + y V` of the fields in the plane reached so far.
 #[derive(Clone, Copy)]
 pub(super) struct Form<S: Simd> {

@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use super::coherent::Polarisation;
 use super::derivative::{Derivatives, Variable};
 use super::kernel::Sweep;
 use super::media::Media;
@@ -107,9 +108,23 @@ impl GapFilm {
     /// If a beta is negative or not finite, a gap is negative or not finite, or
     /// `out` does not have beta x gaps x wavelengths values.
     pub fn reflectance(&self, beta: &[f64], gaps_nm: &[f64], out: &mut [f64]) -> Result<(), OpticsError> {
+        self.reflectance_of(None, beta, gaps_nm, out)
+    }
+
+    /// Computes the same of one polarisation, or of the mean of both (`None`).
+    ///
+    /// # Errors
+    /// As [`reflectance`](Self::reflectance).
+    pub fn reflectance_of(
+        &self,
+        polarisation: Option<Polarisation>,
+        beta: &[f64],
+        gaps_nm: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), OpticsError> {
         self.check(beta, gaps_nm, out.len())?;
         if !out.is_empty() {
-            self.level.dispatch(Sweep { media: &self.media, beta, gaps_nm, out });
+            self.level.dispatch(Sweep { media: &self.media, beta, gaps_nm, polarisation, out });
         }
         Ok(())
     }
@@ -129,6 +144,22 @@ impl GapFilm {
         reflectance: &mut [f64],
         out: &mut [f64],
     ) -> Result<(), OpticsError> {
+        self.derivatives_of(None, beta, gaps_nm, variables, reflectance, out)
+    }
+
+    /// Computes the same of one polarisation, or of the mean of both (`None`).
+    ///
+    /// # Errors
+    /// As [`derivatives`](Self::derivatives).
+    pub fn derivatives_of(
+        &self,
+        polarisation: Option<Polarisation>,
+        beta: &[f64],
+        gaps_nm: &[f64],
+        variables: &[Variable],
+        reflectance: &mut [f64],
+        out: &mut [f64],
+    ) -> Result<(), OpticsError> {
         self.check(beta, gaps_nm, reflectance.len())?;
         check_length("derivatives", variables.len() * reflectance.len(), out.len())?;
         let layers = self.media.layers();
@@ -138,7 +169,15 @@ impl GapFilm {
         }
         if !reflectance.is_empty() {
             let media = &self.media;
-            self.level.dispatch(Derivatives { media, beta, gaps_nm, variables, reflectance, out });
+            self.level.dispatch(Derivatives {
+                media,
+                beta,
+                gaps_nm,
+                variables,
+                polarisation,
+                reflectance,
+                out,
+            });
         }
         Ok(())
     }

@@ -13,7 +13,10 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::forms::{Absorbing, Carried, Clear, Field, Form, Pair, Transfer, mean};
+use super::coherent::Polarisation;
+use super::forms::{
+    Absorbing, Carried, Clear, Field, Form, MEAN, P_ALONE, Pair, S_ALONE, Transfer, quotient,
+};
 use super::harmonic::{circular, hyperbolic, thin, thin_real};
 use super::lanes::{Complex, Lanes};
 use super::media::{Layer, Media, Medium, load};
@@ -32,6 +35,8 @@ pub(super) struct Sweep<'a> {
     pub(super) media: &'a Media,
     pub(super) beta: &'a [f64],
     pub(super) gaps_nm: &'a [f64],
+    /// One polarisation, or the mean of both.
+    pub(super) polarisation: Option<Polarisation>,
     /// [beta][gap][wavelength], not empty.
     pub(super) out: &'a mut [f64],
 }
@@ -46,8 +51,13 @@ impl WithSimd for Sweep<'_> {
             for at in (0..count).step_by(S::F64_LANES) {
                 let k0 = load(simd, &self.media.k0, at);
                 let spectra = rows.chunks_exact_mut(count).map(|row| &mut row[at..]);
-                Direction { simd, media: self.media, at, beta, k0 }
-                    .sweep(self.gaps_nm.iter().copied().zip(spectra));
+                let direction = Direction { simd, media: self.media, at, beta, k0 };
+                let gaps = self.gaps_nm.iter().copied().zip(spectra);
+                match self.polarisation {
+                    None => direction.sweep::<MEAN>(gaps),
+                    Some(Polarisation::S) => direction.sweep::<S_ALONE>(gaps),
+                    Some(Polarisation::P) => direction.sweep::<P_ALONE>(gaps),
+                }
             }
         }
     }
@@ -239,13 +249,13 @@ impl<S: Simd> Direction<'_, S> {
         self.real_q_squared(load(self.simd, &self.media.incidence, self.at))
     }
 
-    /// The mean reflectance of s and p for each gap.
+    /// The reflectance for each gap: the mean of s and p, or one of them.
     #[inline(always)]
-    fn sweep<'o>(&self, gaps: impl Iterator<Item = (f64, &'o mut [f64])>) {
+    fn sweep<'o, const OF: u8>(&self, gaps: impl Iterator<Item = (f64, &'o mut [f64])>) {
         let ([above_s, above_p], [below_s, below_p]) = (self.above(), self.below());
         let cos = [above_s.on(below_s), above_p.on(below_p)];
         let Some(gap) = &self.media.gap else {
-            let reflectance = mean(cos[0].norms(), cos[1].norms());
+            let reflectance = quotient::<S, OF>(cos[0].norms(), cos[1].norms());
             for (_, out) in gaps {
                 self.store(reflectance, out);
             }
@@ -264,7 +274,7 @@ impl<S: Simd> Direction<'_, S> {
                 let delta = q * (self.k0 * self.k0.splat(nm));
                 let (c, s) = if decays { hyperbolic(delta) } else { circular(delta) };
                 let forms = [cos[0].scale_add(c, sin[0], s), cos[1].scale_add(c, sin[1], s)];
-                self.store(mean(forms[0].norms(), forms[1].norms()), out);
+                self.store(quotient::<S, OF>(forms[0].norms(), forms[1].norms()), out);
             }
         } else {
             let q = self.q(gap);
@@ -273,7 +283,7 @@ impl<S: Simd> Direction<'_, S> {
             for (nm, out) in gaps {
                 let (c, s) = self.phase(q.0, nm);
                 let forms = [cos[0].mul_add(c, sin[0], s), cos[1].mul_add(c, sin[1], s)];
-                self.store(mean(forms[0].norms(), forms[1].norms()), out);
+                self.store(quotient::<S, OF>(forms[0].norms(), forms[1].norms()), out);
             }
         }
     }

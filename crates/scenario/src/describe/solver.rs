@@ -176,6 +176,8 @@ choice! {
         /// Glass without refraction: the pixel is evaluated at the angle in air as if it were in glass; the lobe of a diffuser is also
         /// cut off at |beta| = 1 below it.
         Unrefracted = "unrefracted",
+        /// The mean of s and p at each meeting with a face or film, instead of s and p through all orders (docs/light.md).
+        Unpolarised = "unpolarised",
     }
 }
 

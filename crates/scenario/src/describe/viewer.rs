@@ -1,7 +1,7 @@
 //! `[viewer]`: the viewing directions, and the reader.
 
 use super::numbers::{Azimuth, FieldAngle, Inclination, InnerShare, Millimetres};
-use crate::grammar::{forms, number, table};
+use crate::grammar::{choice, forms, number, table};
 use crate::range::Range;
 use crate::read::Spanned;
 
@@ -17,6 +17,9 @@ table! {
         /// Numerical aperture of a microscope's objective, instead of `field_deg`: the pupil is averaged uniformly, in diffuse
         /// light alone.
         numerical_aperture as "Numerical aperture": Option<InnerShare>,
+        /// Polariser before the eye, such as sunglasses: `"s"`, `"p"`, or the angle of the light that it passes from the plane of
+        /// incidence, counter-clockwise as seen by the viewer (docs/light.md).
+        polariser as "Polariser": Option<Polariser>,
         /// Viewing distance; it determines the angle of text (docs/readability.md), and has no effect on
         /// colours.
         distance_mm as "Viewing distance": Millimetres = Millimetres(500.0),
@@ -26,6 +29,31 @@ table! {
         text_height_mm as "Height of the lower-case x": Option<Millimetres>,
     }
 }
+
+forms! {
+    /// The light that a polariser passes.
+    Polariser, format!("\"s\", \"p\", or {}", PolariserAngle::in_words()); {
+        /// From the plane of incidence.
+        Angle(PolariserAngle) if Value::Integer(_) | Value::Float(_),
+        /// One of the two that a flat face keeps.
+        Named(NamedPolariser) if Value::Text(_),
+    }
+}
+
+choice! {
+    /// The polarisations that flat faces keep.
+    NamedPolariser {
+        /// Perpendicular to the plane of incidence.
+        S = "s",
+        /// In the plane of incidence.
+        P = "p",
+    }
+}
+
+number!(
+    /// Angle of a polariser, degrees.
+    PolariserAngle, Range::from_to(-180.0, 180.0).unit("degrees")
+);
 
 forms! {
     /// Inclinations in degrees: a number, a list, or { from, to, step }.

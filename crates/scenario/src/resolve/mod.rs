@@ -377,6 +377,7 @@ impl Resolver<'_> {
                     scene::Approximation::None
                 }
                 solver::Approximation::SinglePass => scene::Approximation::SinglePass,
+                solver::Approximation::Unpolarised => scene::Approximation::Unpolarised,
             },
             angle_medium: if unrefracted { scene::AngleMedium::Unrefracted } else { solver.angle_medium.0 },
             seed: solver.seed.0,

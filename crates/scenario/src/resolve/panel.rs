@@ -191,7 +191,7 @@ impl Resolver<'_> {
             self.errors.push(at, needs_panel(what, "angle_medium = \"air\""));
         }
         let what = match solver.approximation.value {
-            Approximation::None => None,
+            Approximation::None | Approximation::Unpolarised => None,
             Approximation::SinglePass => Some("approximation = \"single-pass\""),
             Approximation::Unrefracted => Some("approximation = \"unrefracted\""),
         };

@@ -7,7 +7,9 @@ use papilio_display::scene::Viewer;
 
 use super::Resolver;
 use crate::describe::numbers::Inclination;
-use crate::describe::viewer::{self as describe, AngleRange, Azimuths, Inclinations};
+use crate::describe::viewer::{
+    self as describe, AngleRange, Azimuths, Inclinations, NamedPolariser, Polariser,
+};
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
 use crate::read::{Read, Spanned};
@@ -51,7 +53,19 @@ impl Resolver<'_> {
             self.errors.push(at, mistake::below_horizon("cone", reach));
         }
         let distance_mm = viewer.distance_mm.0;
-        Some(Viewer { theta_deg, phi_deg, field_deg, numerical_aperture: aperture, distance_mm })
+        let polariser_deg = viewer.polariser.as_ref().map(|polariser| match polariser {
+            Polariser::Angle(angle) => angle.0,
+            Polariser::Named(NamedPolariser::P) => 0.0,
+            Polariser::Named(NamedPolariser::S) => 90.0,
+        });
+        Some(Viewer {
+            theta_deg,
+            phi_deg,
+            field_deg,
+            numerical_aperture: aperture,
+            polariser_deg,
+            distance_mm,
+        })
     }
 
     /// Returns the angles of a list, which must contain each once.

@@ -19,7 +19,7 @@ pub(crate) fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
     let word = |interface: &Interface| match interface {
         Interface::Ready(Ready::Open) => "open",
         Interface::Ready(Ready::IdealAr) => "coated",
-        Interface::Ready(Ready::Fresnel) => "fresnel",
+        Interface::Ready(Ready::Fresnel | Ready::FresnelOf(_)) => "fresnel",
         Interface::Ready(Ready::Component(_)) => "sheet",
         Interface::Coating(_) | Interface::Ready(Ready::Coating(_)) => "coating",
         Interface::Ready(Ready::Diffuser(_)) => "diffuser",

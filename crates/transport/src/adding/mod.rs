@@ -91,6 +91,8 @@ enum Kind {
     Empty,
     Panel(panel::Kernel),
     Layered(Box<layered::Kernel>),
+    /// Of a stack that keeps s and p apart: a kernel for each.
+    Polarised(Box<[Kernel; 2]>),
 }
 
 impl Kernel {
@@ -175,6 +177,9 @@ impl Kernel {
         sources: &[Source],
         stop: &AtomicBool,
     ) -> bool {
+        if let Some(both) = stack.polarised() {
+            return self.prepare_both(both, (own, common), sources, stop);
+        }
         let common = match common.map(|common| &common.kind) {
             Some(Kind::Panel(common)) => Some(common),
             _ => None,
@@ -201,11 +206,50 @@ impl Kernel {
         done
     }
 
+    /// Prepares a kernel for each polarisation.
+    fn prepare_both(
+        &mut self,
+        both: &[Stack; 2],
+        (own, common): (&[Cone], Option<&Self>),
+        sources: &[Source],
+        stop: &AtomicBool,
+    ) -> bool {
+        let common = match common.map(|common| &common.kind) {
+            Some(Kind::Polarised(common)) => Some(common),
+            _ => None,
+        };
+        let mut kernels = match std::mem::replace(&mut self.kind, Kind::Empty) {
+            Kind::Polarised(kernels) => kernels,
+            _ => Box::new([self.unprepared(), self.unprepared()]),
+        };
+        let mut done = true;
+        for (number, (kernel, stack)) in kernels.iter_mut().zip(both).enumerate() {
+            kernel.together = Arc::clone(&self.together);
+            let common = common.map(|common| &common[number]);
+            done = done && kernel.prepare_until(stack, (own, common), sources, stop);
+        }
+        if done {
+            self.kind = Kind::Polarised(kernels);
+        }
+        done
+    }
+
+    /// Returns the kernels of s and p with their stacks, if the stack keeps them apart.
+    pub fn polarised<'a>(&'a self, stack: &'a Stack) -> Option<[(&'a Self, &'a Stack); 2]> {
+        match (&self.kind, stack.polarised()) {
+            (Kind::Polarised(kernels), Some([s, p])) => Some([(&kernels[0], s), (&kernels[1], p)]),
+            _ => None,
+        }
+    }
+
     /// Returns whether an estimate of this stack, for whose layers it was prepared, needs no further
     /// preparation. A panel's kernel depends on the nodes of the base's table, and on the largest fraction
     /// of light that the base sends back; that of general layers on how many of those nodes lie across a
     /// field of view.
     pub fn serves(&self, stack: &Stack) -> bool {
+        if let Some(both) = self.polarised(stack) {
+            return both.iter().all(|(kernel, stack)| kernel.serves(stack));
+        }
         match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => kernel.serves(panel),
             (None, Kind::Layered(kernel)) => kernel.serves(stack),
@@ -222,6 +266,10 @@ impl Kernel {
     /// Returns the same estimate; `None` if `stop` was set during the computation. Over another base than
     /// the last this can take long.
     pub fn estimate_unless(&self, stack: &Stack, view: usize, stop: &AtomicBool) -> Option<Estimate> {
+        if let Some(both) = self.polarised(stack) {
+            let [s, p] = both.map(|(kernel, stack)| kernel.estimate_unless(stack, view, stop));
+            return Some(s?.mixed_with(&p?, stack.weights_of_polarisations()));
+        }
         let estimate = match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => kernel.estimate(panel, view),
             (None, Kind::Layered(kernel)) => kernel.estimate(stack, view, stop),
@@ -235,6 +283,11 @@ impl Kernel {
 
     /// Returns only the `rho` of an estimate, which takes less time: the ledger is not computed.
     pub fn seen(&self, stack: &Stack, view: usize) -> Vec<ReflectanceFactor> {
+        if let Some(both) = self.polarised(stack) {
+            let [s, p] = both.map(|(kernel, stack)| kernel.seen(stack, view));
+            let weights = stack.weights_of_polarisations();
+            return s.iter().zip(&p).map(|(s, p)| s.mixed_with(p, weights)).collect();
+        }
         match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => kernel.seen(panel, view),
             _ => self.estimate(stack, view).rho,
@@ -283,6 +336,7 @@ impl Kernel {
             Kind::Empty => 0,
             Kind::Panel(kernel) => kernel.nodes(),
             Kind::Layered(kernel) => kernel.nodes(),
+            Kind::Polarised(kernels) => kernels.iter().map(Self::nodes).sum(),
         }
     }
 }

@@ -26,6 +26,7 @@ pub use action::Narrowness;
 pub(crate) use action::{Action, Preparation};
 pub use component::Component;
 pub use diffuser::Diffuser;
+pub(crate) use fresnel::reflectance as fresnel_of;
 pub(crate) use indices::Indices;
 pub use medium::{Medium, Scattering};
 pub use reflecting::{LobeReflection, ReflectedLobe, ReflectingDiffuser};
@@ -37,7 +38,7 @@ pub use wave_face::{WaveFace, WaveLight};
 use std::fmt::Debug;
 
 use papilio_optics::Beta;
-use papilio_optics::film::Coating;
+use papilio_optics::film::{Coating, Polarisation};
 use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
 
@@ -55,6 +56,8 @@ pub enum Interface {
     IdealAr,
     /// A bare interface, unpolarised Fresnel.
     Fresnel,
+    /// A bare interface, for light of one polarisation.
+    FresnelOf(Polarisation),
     /// A front-of-screen component in a medium.
     Component(Component),
     /// Coherent thin films.
@@ -77,7 +80,9 @@ impl Interface {
         match self {
             Self::Open => &open::Open,
             Self::IdealAr => &ideal_ar::IdealAr,
-            Self::Fresnel => &fresnel::Fresnel,
+            Self::Fresnel => &fresnel::Fresnel(None),
+            Self::FresnelOf(Polarisation::S) => &fresnel::Fresnel(Some(Polarisation::S)),
+            Self::FresnelOf(Polarisation::P) => &fresnel::Fresnel(Some(Polarisation::P)),
             Self::Component(component) => component,
             Self::Coating(coating) => coating,
             Self::Diffuser(diffuser) => diffuser,
@@ -392,7 +397,8 @@ mod tests {
         vec![
             ("open", Box::new(open::Open)),
             ("ideal-ar", Box::new(ideal_ar::IdealAr)),
-            ("fresnel", Box::new(fresnel::Fresnel)),
+            ("fresnel", Box::new(fresnel::Fresnel(None))),
+            ("fresnel of s", Box::new(fresnel::Fresnel(Some(Polarisation::S)))),
             ("component", Box::new(Component { reflectance: of(0.1, 0.2), absorptance: of(0.3, 0.0) })),
             ("coating", Box::new(coating)),
             ("reflecting", Box::new(reflecting(Interface::Diffuser(lobe.clone()), of(0.1, 0.1)))),

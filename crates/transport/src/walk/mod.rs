@@ -121,6 +121,8 @@ enum Kind<'a> {
     Bare(Bare<'a>, Images<'a>),
     Diffused(Box<Diffused<'a>>, Images<'a>),
     Layered(Box<Layered<'a>>, Images<'a>),
+    /// Of a stack that keeps s and p apart: a walk for each, with the same random numbers, and their weights.
+    Polarised(Box<[Walk<'a>; 2]>, [f64; 2]),
 }
 
 impl<'a> Walk<'a> {
@@ -140,6 +142,11 @@ impl<'a> Walk<'a> {
         strategy: Strategy,
         shares: &[f64],
     ) -> Self {
+        if let Some(both) = stack.polarised() {
+            let of = |stack| Self::with_strategy(stack, view, sources, strategy, shares);
+            let walks = Box::new(both.each_ref().map(of));
+            return Self { kind: Kind::Polarised(walks, stack.weights_of_polarisations()) };
+        }
         let images = Images::new(stack, view, sources);
         let kind = match stack.panel() {
             None => Kind::Layered(Box::new(Layered::new(stack, view, sources)), images),
@@ -162,6 +169,7 @@ impl<'a> Walk<'a> {
             Kind::Bare(bare, images) => (bare.rarest(), images),
             Kind::Diffused(diffused, images) => (diffused.rarest(), images),
             Kind::Layered(layered, images) => (layered.rarest(), images),
+            Kind::Polarised(both, _) => return both[0].rarest().min(both[1].rarest()),
         };
         of_paths.min(images.rarest())
     }
@@ -169,7 +177,11 @@ impl<'a> Walk<'a> {
     /// Returns true if the error is smallest for numbers of paths that are powers of two, so that runs should
     /// double them: the tracers of panels take all their decisions from one low-discrepancy set.
     pub fn prefers_powers_of_two(&self) -> bool {
-        !matches!(self.kind, Kind::Layered(..))
+        match &self.kind {
+            Kind::Bare(..) | Kind::Diffused(..) => true,
+            Kind::Layered(..) => false,
+            Kind::Polarised(both, _) => both[0].prefers_powers_of_two(),
+        }
     }
 
     /// Returns an empty replicate, to be filled by [`Self::trace`].
@@ -180,6 +192,9 @@ impl<'a> Walk<'a> {
                 Accumulator::Diffused(Box::new(diffused.tally()), images.sums())
             }
             Kind::Layered(layered, images) => Accumulator::Layered(Box::new(layered.tally()), images.sums()),
+            Kind::Polarised(both, _) => {
+                Accumulator::Polarised(Box::new(both.each_ref().map(Self::replicate)))
+            }
         };
         Replicate { paths: 0, tally }
     }
@@ -190,6 +205,7 @@ impl<'a> Walk<'a> {
         match &self.kind {
             Kind::Layered(layered, _) => layered.batch_size(),
             Kind::Bare(..) | Kind::Diffused(..) => 1,
+            Kind::Polarised(both, _) => both[0].batch(),
         }
     }
 
@@ -212,6 +228,10 @@ impl<'a> Walk<'a> {
                 images.paths(paths.clone().map(of), sums);
                 layered.paths(numbers, paths, tally);
             }
+            (Kind::Polarised(both, _), Accumulator::Polarised(tallies)) => {
+                let pairs = both.iter().zip(tallies.iter_mut());
+                pairs.for_each(|(walk, tally)| walk.trace(tally, numbers, count));
+            }
             // A replicate of another solver: its sums have no meaning here.
             _ => debug_assert!(false, "a replicate belongs to the walk that made it"),
         }
@@ -226,6 +246,9 @@ impl<'a> Walk<'a> {
     /// Returns the means of several replicates. Their spectra are formed together, which takes a fraction of
     /// the time.
     pub fn estimates(&self, replicates: &[Replicate]) -> Vec<Estimate> {
+        if let Kind::Polarised(both, weights) = &self.kind {
+            return Self::means_of_both(both, *weights, replicates);
+        }
         let mut means = match &self.kind {
             Kind::Diffused(diffused, _) => diffused.estimates(&Self::diffused_sums(replicates)),
             Kind::Layered(layered, _) => {
@@ -235,15 +258,33 @@ impl<'a> Walk<'a> {
                 });
                 layered.estimates(&tallies.collect::<Vec<_>>())
             }
-            Kind::Bare(..) => replicates.iter().map(|one| self.mean(one)).collect(),
+            Kind::Bare(..) | Kind::Polarised(..) => replicates.iter().map(|one| self.mean(one)).collect(),
         };
-        let (Kind::Bare(_, images) | Kind::Diffused(_, images) | Kind::Layered(_, images)) = &self.kind;
+        let (Kind::Bare(_, images) | Kind::Diffused(_, images) | Kind::Layered(_, images)) = &self.kind
+        else {
+            return means;
+        };
         for (mean, replicate) in means.iter_mut().zip(replicates) {
             let (Accumulator::Bare(_, sums) | Accumulator::Diffused(_, sums) | Accumulator::Layered(_, sums)) =
-                &replicate.tally;
+                &replicate.tally
+            else {
+                continue;
+            };
             images.add_to(mean, sums, replicate.scale());
         }
         means
+    }
+
+    /// Returns the means of several replicates, both polarisations together.
+    fn means_of_both(both: &[Self; 2], weights: [f64; 2], replicates: &[Replicate]) -> Vec<Estimate> {
+        let of = |polarisation: usize| {
+            let own = replicates.iter().filter_map(|replicate| match &replicate.tally {
+                Accumulator::Polarised(tallies) => Some(tallies[polarisation].clone()),
+                _ => None,
+            });
+            both[polarisation].estimates(&own.collect::<Vec<_>>())
+        };
+        of(0).iter().zip(&of(1)).map(|(s, p)| s.mixed_with(p, weights)).collect()
     }
 
     fn diffused_sums(replicates: &[Replicate]) -> Vec<(&diffused::Accumulator, f64)> {
@@ -289,6 +330,7 @@ enum Accumulator {
     Bare(Box<bare::Accumulator>, images::Sums),
     Diffused(Box<diffused::Accumulator>, images::Sums),
     Layered(Box<layered::Accumulator>, images::Sums),
+    Polarised(Box<[Replicate; 2]>),
 }
 
 /// A point of a source to connect to, and its density over direction cosines (infinite for a beam).

@@ -1,0 +1,47 @@
+"""Flat layers that keep s and p apart, by the program `tmm`, as reference values for bare displays at oblique angles.
+
+    pip install tmm==0.2.0 numpy==2.4.6
+    python validation/films/polarised_oracle.py --write     # makes polarised.csv
+    python validation/films/polarised_oracle.py --check     # recomputes and compares with it
+
+`inc_tmm` sums intensities between thick layers and amplitudes within thin ones, for one polarisation. polarised.csv: the
+reflectance of s and of p of each display, angle in air and wavelength. The pixel is an absorber of 12 nm (n 3.18, k
+3.33), a spacer of 38.6 nm (1.46), an air gap of 192.3 nm and a mirror (0.97, 6.46); glass has 1.5.
+"""
+
+import pathlib
+import sys
+
+import numpy as np
+import tmm
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+
+import oracle  # noqa: E402
+
+PIXEL = [(3.18 + 3.33j, 12.0), (1.46, 38.6), (1.0, 192.3), (0.97 + 6.46j, np.inf)]
+THICK = 1e6
+FACE = [(1.5, THICK)]
+COVER = [(1.5, THICK), (1.0, THICK), (1.5, THICK)]
+PANES = [(1.5, THICK), (1.0, THICK), *COVER]
+DISPLAYS = {"face": FACE, "cover": COVER, "panes": PANES, "coated": [(1.38, 99.6), *COVER]}
+
+
+def reflectance(polarisation, layers, theta_deg, nm):
+    stack = [(1.0, np.inf), *layers, *PIXEL]
+    kinds = ["i"] + ["i" if d == THICK else "c" for _, d in stack[1:-1]] + ["i"]
+    indices, lengths = zip(*stack)
+    return tmm.inc_tmm(polarisation, indices, lengths, kinds, np.radians(theta_deg), nm)["R"]
+
+
+def rows():
+    yield ["display", "theta_deg", "wavelength_nm", "R_s", "R_p"]
+    for name, layers in DISPLAYS.items():
+        for theta_deg in (8, 45, 60, 75):
+            for nm in (450.0, 550.0, 650.0):
+                yield [name, theta_deg, nm] + [repr(float(reflectance(p, layers, theta_deg, nm))) for p in "sp"]
+
+
+if __name__ == "__main__":
+    oracle.main(__doc__, HERE, [("polarised.csv", list(rows()), 1e-10)], 1e-6)
