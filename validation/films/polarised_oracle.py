@@ -5,7 +5,9 @@
     python validation/films/polarised_oracle.py --check     # recomputes and compares with it
 
 `inc_tmm` sums intensities between thick layers and amplitudes within thin ones, for one polarisation. polarised.csv: the
-reflectance of s and of p of each display, angle in air and wavelength. The pixel is an absorber of 12 nm (n 3.18, k
+reflectance of s and of p of each display, angle in air and wavelength. polarised_paper.csv: paper of reflectance 0.8 below the same
+layers in diffuse light, R(theta) + T(theta)/n^2 0.8 t/(1 - 0.8 r) with t the integral of T over the square of the sine,
+r = 1 - t/n^2, and T and R the means over s and p of the whole layers. The pixel is an absorber of 12 nm (n 3.18, k
 3.33), a spacer of 38.6 nm (1.46), an air gap of 192.3 nm and a mirror (0.97, 6.46); glass has 1.5.
 """
 
@@ -43,5 +45,25 @@ def rows():
                 yield [name, theta_deg, nm] + [repr(float(reflectance(p, layers, theta_deg, nm))) for p in "sp"]
 
 
+def glass(theta, layers):
+    """Transmittance of the layers above the last medium, which is that of the paper; mean of s and p."""
+    indices, lengths = zip((1.0, np.inf), *layers[:-1], (layers[-1][0], np.inf))
+    kinds = ["i"] + ["i" if d == THICK else "c" for _, d in layers[:-1]] + ["i"]
+    return np.mean([tmm.inc_tmm(p, indices, lengths, kinds, theta, 550.0)["T"] for p in "sp"])
+
+
+def paper_rows():
+    yield ["display", "theta_deg", "rho"]
+    x, weights = np.polynomial.legendre.leggauss(120)
+    x, weights = np.pi / 4 * (x + 1), np.pi / 4 * weights
+    for name, layers in DISPLAYS.items():
+        n, rho = layers[-1][0], 0.8
+        t = float(np.sum(weights * np.sin(2 * x) * [glass(theta, layers) for theta in x]))
+        up = rho * t / (1 - rho * (1 - t / n**2))
+        for theta_deg in (8, 45, 60, 75):
+            through = glass(np.radians(theta_deg), layers)
+            yield [name, theta_deg, repr(float(1 - through + through / n**2 * up))]
+
+
 if __name__ == "__main__":
-    oracle.main(__doc__, HERE, [("polarised.csv", list(rows()), 1e-10)], 1e-6)
+    oracle.main(__doc__, HERE, [("polarised.csv", list(rows()), 1e-10), ("polarised_paper.csv", list(paper_rows()), 1e-10)], 1e-6)

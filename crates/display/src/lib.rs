@@ -89,6 +89,7 @@ mod node_density;
 mod notes;
 pub mod palette;
 pub mod pixel;
+mod polarisation;
 mod prepared;
 mod probes;
 pub mod readability;

@@ -12,7 +12,7 @@
 
 use papilio_colour::{Between, Observer, Standard};
 use papilio_optics::Beta;
-use papilio_optics::film::{Coating, Polarisation};
+use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
 use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
 use papilio_transport::adding::Kernel;
@@ -23,8 +23,9 @@ use papilio_transport::{
 
 use crate::DisplayError;
 use crate::pixel::{self, Bases, FilmKey};
+use crate::polarisation;
 use crate::run::Control;
-use crate::scene::{self, AngleMedium, Pixel, Scene, UniformKind, UniformPixel};
+use crate::scene::{self, AngleMedium, Scene};
 
 /// Largest thickness of the layers above the pixels, over the pitch, with which crosstalk is computed:
 /// beyond, light of a sub-pixel spreads over tens of thousands of others.
@@ -119,10 +120,13 @@ pub(crate) struct ViewPoint {
 impl Setup {
     /// Prepares a scene for a computation that does not know colour filters.
     pub(crate) fn new(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
-        if scene.display.filter().is_some() {
-            return Err(DisplayError::FilterWithoutPlace);
-        }
+        Self::has_no_filter(scene)?;
         Self::with_filter(scene, control)
+    }
+
+    /// Checks that a display has no colour filter.
+    pub(crate) fn has_no_filter(scene: &Scene) -> Result<(), DisplayError> {
+        if scene.display.filter().is_some() { Err(DisplayError::FilterWithoutPlace) } else { Ok(()) }
     }
 
     /// Prepares a scene that may have a colour filter.
@@ -130,7 +134,7 @@ impl Setup {
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
-        let bases = pixel::bases(scene, &mut film, None, kept_apart(scene)?.is_some())?;
+        let bases = pixel::bases(scene, &mut film, None, polarisation::weights(scene)?.is_some())?;
         Ok(Self {
             stack: stack(scene, bases, None, control)?,
             film,
@@ -146,6 +150,12 @@ impl Setup {
         })
     }
 
+    /// Prepares a scene, which may have a colour filter, for light with its places: s and p are not kept apart.
+    pub(crate) fn of_places(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
+        let scene = polarisation::unpolarised(scene)?;
+        Self::with_filter(&scene, control)
+    }
+
     /// Updates the setup for another scene. The result equals `new(scene)`, but parts that are still valid
     /// are reused, and the version counters are incremented for the parts that changed.
     ///
@@ -157,7 +167,7 @@ impl Setup {
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
-        let weights = kept_apart(scene)?;
+        let weights = polarisation::weights(scene)?;
         let apart = weights.is_some();
         let weights_changed =
             weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
@@ -230,9 +240,6 @@ impl Setup {
     /// # Errors
     /// If a thickness is needed and missing.
     pub(crate) fn placed(&self) -> Result<&Stack, DisplayError> {
-        if self.scene.viewer.polariser_deg.is_some() {
-            return Err(DisplayError::Polariser { needs: "light without its places" });
-        }
         self.scene.display.lengths_mm().map(|_| &self.stack)
     }
 
@@ -286,121 +293,11 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
     }
 }
 
-/// Returns the weights of s and of p in what is seen, if they are kept apart: where all layers are flat, the pixel
-/// is a mirror, and the light meets a face or a film more than once, or passes a polariser. Elsewhere light
-/// between two meetings is taken as unpolarised.
-///
-/// # Errors
-/// With a polariser, if they are not kept apart.
-fn kept_apart(scene: &Scene) -> Result<Option<[f64; 2]>, DisplayError> {
-    let Some(angle_deg) = scene.viewer.polariser_deg else {
-        return Ok(Meetings::of(scene).is_some_and(Meetings::mix_polarisations).then_some([0.5; 2]));
-    };
-    if !is_exact(scene) {
-        return Err(DisplayError::Polariser {
-            needs: "s and p, and the approximation of the solver has neither",
-        });
-    }
-    match Meetings::of(scene) {
-        None => Err(DisplayError::Polariser {
-            needs: "flat layers above a mirror-like pixel: light that has been scattered is taken as unpolarised",
-        }),
-        Some(meetings) if meetings.polarising == 0 => Ok(None),
-        Some(_) => {
-            let (sin, cos) = angle_deg.to_radians().sin_cos();
-            Ok(Some([sin * sin, cos * cos]))
-        }
-    }
-}
-
-/// True if the solver follows s and p.
-fn is_exact(scene: &Scene) -> bool {
-    scene.solver.approximation == scene::Approximation::None
-        && scene.solver.angle_medium != AngleMedium::Unrefracted
-}
-
-/// What light meets in a display of flat layers above a mirror.
-#[derive(Debug, Clone, Copy)]
-struct Meetings {
-    /// Faces and films, whose reflectances of s and p differ.
-    polarising: usize,
-    /// All that reflects.
-    reflecting: usize,
-}
-
-impl Meetings {
-    /// `None` if anything scatters, or if the solver does not follow s and p.
-    fn of(scene: &Scene) -> Option<Self> {
-        let display = &scene.display;
-        let is_film = match &display.pixel {
-            Pixel::Film(_) => true,
-            Pixel::Table(_) | Pixel::Uniform(UniformPixel { kind: UniformKind::Mirror, .. }) => false,
-            Pixel::Uniform(_) | Pixel::Scattering(_) => return None,
-        };
-        if !is_exact(scene) || display.filter().is_some() {
-            return None;
-        }
-        let air = Spectrum::constant(&scene.grid, 1.0);
-        let mut above = &air;
-        let mut meetings = Self { polarising: usize::from(is_film), reflecting: 1 };
-        for layer in &display.layers {
-            let (polarises, reflects) = match &layer.interface {
-                _ if layer.medium.scattering.is_some() => return None,
-                scene::Interface::Ready(Interface::Open | Interface::IdealAr) => (false, false),
-                scene::Interface::Ready(Interface::Component(component)) => {
-                    (false, component.reflectance.iter().any(|r| *r > 0.0))
-                }
-                scene::Interface::Ready(Interface::Fresnel) => {
-                    let reflects = *above != layer.medium.index;
-                    (reflects, reflects)
-                }
-                scene::Interface::Coating(_) => (true, true),
-                _ => return None,
-            };
-            meetings.polarising += usize::from(polarises);
-            meetings.reflecting += usize::from(reflects);
-            above = &layer.medium.index;
-        }
-        Some(meetings)
-    }
-
-    /// True if the mean of s and p at each meeting is not that of all of them.
-    fn mix_polarisations(self) -> bool {
-        self.polarising > 0 && self.reflecting > 1
-    }
-}
-
 /// Replaces the pixel below the layers of a stack.
 pub(crate) fn replace_bases(stack: &mut Stack, bases: Bases) {
-    *stack.base_mut() = bases.mean;
+    stack.set_base(bases.mean);
     let both = stack.polarised_mut().into_iter().flatten();
-    both.zip(bases.polarised.into_iter().flatten()).for_each(|(one, base)| *one.base_mut() = base);
-}
-
-/// Layers for light of one polarisation.
-fn of_polarisation(
-    scene: &Scene,
-    layers: &[Layer],
-    polarisation: Polarisation,
-) -> Result<Vec<Layer>, DisplayError> {
-    let air = Spectrum::constant(&scene.grid, 1.0);
-    let mut above = &air;
-    let mut made = Vec::with_capacity(layers.len());
-    for (described, layer) in scene.display.layers.iter().zip(layers) {
-        let below = &described.medium.index;
-        let interface = match &described.interface {
-            scene::Interface::Coating(coating) => {
-                let made =
-                    Coating::of(polarisation, &scene.grid.wavelengths_nm(), above, &coating.films, below);
-                Interface::Coating(made.map_err(|error| DisplayError::of_coating(error, &coating.key))?)
-            }
-            scene::Interface::Ready(Interface::Fresnel) => Interface::FresnelOf(polarisation),
-            _ => layer.interface.clone(),
-        };
-        made.push(Layer { interface, ..layer.clone() });
-        above = below;
-    }
-    Ok(made)
+    both.zip(bases.polarised.into_iter().flatten()).for_each(|(one, base)| one.set_base(base));
 }
 
 fn stack(
@@ -414,19 +311,9 @@ fn stack(
         unrefracted: scene.solver.angle_medium == AngleMedium::Unrefracted,
     };
     let layers = layers(scene, before, Surfaces::Measured(control))?;
-    let both = match polarised {
-        Some([s, p]) => {
-            let of =
-                |base, one| Ok::<_, DisplayError>(Stack::new(of_polarisation(scene, &layers, one)?, base));
-            Some([of(s, Polarisation::S)?, of(p, Polarisation::P)?])
-        }
-        None => None,
-    };
     let stack = Stack::approximated(layers, mean, approximation);
-    let mut stack = stack.map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)?;
-    if let Some(both) = both {
-        stack = stack.with_polarisations(both, kept_apart(scene)?.unwrap_or([0.5; 2]));
-    }
+    let stack = stack.map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)?;
+    let mut stack = polarisation::kept(scene, stack, polarised)?;
     stack.set_thickness_mm(&thickness_mm(scene));
     Ok(stack)
 }

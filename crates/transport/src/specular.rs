@@ -12,6 +12,7 @@ use crate::{Cone, Diffuser, Panel, ReflectanceFactor, Reflector, Source, Stack, 
 /// Returns the specular reflectance of the whole display for light with these direction cosines,
 /// `|beta| <= 1`: the luminance of its mirror image over its own.
 pub fn specular_image(stack: &Stack, beta: Beta) -> ReflectanceFactor {
+    let stack = stack.in_runs();
     if let Some([s, p]) = stack.polarised() {
         return specular_image(s, beta)
             .mixed_with(&specular_image(p, beta), stack.weights_of_polarisations());

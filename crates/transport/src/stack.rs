@@ -23,8 +23,10 @@ pub struct Stack {
     /// Top to bottom.
     pub(crate) layers: Vec<Layer>,
     form: Form,
-    /// The same for light of s and of p, if they are kept apart.
+    /// The same for light of s and of p, if they are kept apart to the end.
     polarised: Option<Box<Polarised>>,
+    /// The same with its flat layers in runs that keep s and p apart, if it has any.
+    in_runs: Option<Box<Self>>,
 }
 
 /// A stack for light of each polarisation.
@@ -90,7 +92,7 @@ impl Stack {
     /// Returns the stack of these layers for the methods of general layers, even if they are an ordinary
     /// panel: both have the same results.
     pub fn general(layers: Vec<Layer>, base: Base) -> Self {
-        Self { layers, form: Form::General(base), polarised: None }
+        Self { layers, form: Form::General(base), polarised: None, in_runs: None }
     }
 
     /// The same stack, with what it is for light of s and of p, which all layers keep apart: `[s, p]`, with as
@@ -112,6 +114,19 @@ impl Stack {
         self.polarised.as_deref_mut().map(|polarised| &mut polarised.both)
     }
 
+    /// The same stack, with what it is for light without regard to places: `layers` with runs of flat layers that
+    /// keep s and p apart ([`Interface::Run`]), over the same pixel.
+    #[must_use]
+    pub fn with_runs(self, layers: Vec<Layer>) -> Self {
+        let in_runs = Self::general(layers, self.base().clone());
+        Self { in_runs: Some(Box::new(in_runs)), ..self }
+    }
+
+    /// The stack with its flat layers in runs, if it has any; else itself.
+    pub(crate) fn in_runs(&self) -> &Self {
+        self.in_runs.as_deref().unwrap_or(self)
+    }
+
     /// Weights of s and of p in what is seen; those of unpolarised light if they are not kept apart.
     pub fn weights_of_polarisations(&self) -> [f64; 2] {
         self.polarised.as_deref().map_or([0.5; 2], |polarised| polarised.weights)
@@ -130,7 +145,7 @@ impl Stack {
             }
             _ => Form::General(base),
         };
-        Self { layers, form, polarised: None }
+        Self { layers, form, polarised: None, in_runs: None }
     }
 
     /// The layers, top to bottom.
@@ -171,9 +186,24 @@ impl Stack {
         }
     }
 
-    /// Returns the pixel for modification; whether it scatters must not change. For light of one polarisation
-    /// it is that of [`polarised_mut`](Self::polarised_mut).
-    pub fn base_mut(&mut self) -> &mut Base {
+    /// Replaces the pixel; whether it scatters must not change. For light of one polarisation it is that of
+    /// [`polarised_mut`](Self::polarised_mut).
+    pub fn set_base(&mut self, base: Base) {
+        if let Some(in_runs) = &mut self.in_runs {
+            in_runs.set_base(base.clone());
+        }
+        *self.base_mut() = base;
+    }
+
+    /// Replaces the reflection of the pixel in the same way.
+    pub fn set_reflector(&mut self, reflector: Reflector) {
+        if let Some(in_runs) = &mut self.in_runs {
+            in_runs.set_reflector(reflector.clone());
+        }
+        self.base_mut().reflector = reflector;
+    }
+
+    fn base_mut(&mut self) -> &mut Base {
         match &mut self.form {
             Form::Panel(panel) => &mut panel.base,
             Form::General(base) => base,
@@ -182,7 +212,7 @@ impl Stack {
 
     /// The same layers over another pixel, for unpolarised light; whether it scatters must not change.
     pub fn with_base(&self, base: Base) -> Self {
-        let mut other = Self { polarised: None, ..self.clone() };
+        let mut other = Self { polarised: None, in_runs: None, ..self.clone() };
         *other.base_mut() = base;
         other
     }

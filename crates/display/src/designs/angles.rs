@@ -74,7 +74,7 @@ impl ColourViews {
         let mixture = Mixture::new(film)?;
         let ones = vec![1.0; panels.count() * mixture.gaps_nm.len() * scene.grid.len()];
         let mut stack = setup.stack.clone();
-        stack.base_mut().reflector = Reflector::Specular(mixture.table(panels, ones.into(), film));
+        stack.set_reflector(Reflector::Specular(mixture.table(panels, ones.into(), film)));
         let mut views: Vec<Option<SeenView>> = vec![None; setup.views.len()];
         let (mut rows, mut lights, mut recycled) = (Vec::new(), Vec::new(), 0.0_f64);
         for group in groups {

@@ -54,7 +54,7 @@ impl Tangents<'_> {
         let mut stack = stack.clone();
         let slopes = self.changes.iter().map(|change| {
             let Some((moved, step)) = self.moved(table, &of_film, change) else { return Vec::new() };
-            stack.base_mut().reflector = Reflector::Specular(moved);
+            stack.set_reflector(Reflector::Specular(moved));
             let seen = kernel.seen(&stack, view);
             let slope = |base: &[f64]| {
                 let mut slope = vec![0.0; columns];

@@ -153,12 +153,12 @@ impl Designs {
         if self.stack.polarised().is_some() {
             let (nodes, [mean, s, p]) = polarised_tables(film, &scene.grid, index, &mixture.gaps_nm, known)?;
             for (one, values) in self.stack.polarised_mut().into_iter().flatten().zip([s, p]) {
-                one.base_mut().reflector = table(nodes.clone(), values);
+                one.set_reflector(table(nodes.clone(), values));
             }
-            self.stack.base_mut().reflector = table(nodes, mean);
+            self.stack.set_reflector(table(nodes, mean));
         } else {
             let (nodes, values) = tabulated(film, &scene.grid, index, &mixture.gaps_nm, known)?;
-            self.stack.base_mut().reflector = table(nodes, values);
+            self.stack.set_reflector(table(nodes, values));
         }
         Ok(mixture)
     }

@@ -185,7 +185,7 @@ impl HeldPicture {
         settings: &ImageSettings,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
-        Self::with(scene, source, settings, &mut Prepared::empty(), control)
+        Self::with(scene, source, settings, &mut Prepared::for_places(), control)
     }
 
     /// [`new`](Self::new) with a prepared display.
@@ -227,7 +227,7 @@ impl HeldPicture {
     /// As [`run`](crate::run()); if the scene does not have exactly one view, a state does not exist, or the
     /// light has no colour.
     pub fn factors(&self, scene: &Scene, control: &Control<'_>) -> Result<Factors, DisplayError> {
-        self.factors_of(scene, &mut Prepared::empty(), control)
+        self.factors_of(scene, &mut Prepared::for_places(), control)
     }
 
     /// [`factors`](Self::factors) with a prepared display, which is quicker for a series of scenes.

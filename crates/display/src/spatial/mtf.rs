@@ -61,7 +61,7 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
     if scene.display.filter().is_some() && !paths {
         return Err(Refused::SharpnessWithFilter.into());
     }
-    let setup = Setup::with_filter(scene, control)?;
+    let setup = Setup::of_places(scene, control)?;
     let frame = Frame::new(&setup, patterns, control)?;
     let placed = paths.then(|| Placed::new(&setup)).transpose()?;
     // Paths of one view run on all threads.

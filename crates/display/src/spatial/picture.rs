@@ -84,7 +84,8 @@ pub fn picture(
     precision: Precision,
     control: &Control<'_>,
 ) -> Result<PictureColours, DisplayError> {
-    let setup = Setup::new(scene, control)?;
+    Setup::has_no_filter(scene)?;
+    let setup = Setup::of_places(scene, control)?;
     let mut colours = PictureColours { views: Vec::new(), error: 0.0 };
     // Below general layers each view has a point spread of its own.
     let together = if setup.stack.panel().is_some() { setup.views.len().max(1) } else { 1 };

@@ -92,7 +92,8 @@ pub fn pattern(
     paths: u64,
     control: &Control<'_>,
 ) -> Result<Vec<PatternView>, DisplayError> {
-    let setup = Setup::new(scene, control)?;
+    Setup::has_no_filter(scene)?;
+    let setup = Setup::of_places(scene, control)?;
     let panel = Placed::new(&setup)?;
     let of_view = |view: &ViewPoint| {
         let estimates = panel.trace(view, What::Pattern(pattern), paths, control)?;
@@ -107,7 +108,7 @@ pub fn pattern(
 /// # Errors
 /// As [`pattern`]; if there is no filter.
 pub fn filtered(scene: &Scene, paths: u64, control: &Control<'_>) -> Result<Vec<PatternView>, DisplayError> {
-    let setup = Setup::with_filter(scene, control)?;
+    let setup = Setup::of_places(scene, control)?;
     let panel = Placed::new(&setup)?;
     let of_view = |view: &ViewPoint| {
         let estimates = panel.filtered(view, paths, control)?;
@@ -129,7 +130,8 @@ pub fn transfer(
     paths: u64,
     control: &Control<'_>,
 ) -> Result<Vec<TransferView>, DisplayError> {
-    let setup = Setup::new(scene, control)?;
+    Setup::has_no_filter(scene)?;
+    let setup = Setup::of_places(scene, control)?;
     let panel = Placed::new(&setup)?;
     let mut frequencies = vec![[0.0; 2]];
     frequencies.extend(frequencies_per_mm);

@@ -28,6 +28,7 @@ pub(crate) fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
         Interface::Ready(Ready::Wave(_)) => "wave",
         Interface::Ready(Ready::Reflecting(_)) => "reflecting",
         Interface::OfSurface(_) => "surface",
+        Interface::Ready(Ready::Run(_)) => "run",
     };
     layers.iter().map(|layer| (word(&layer.interface), layer.medium.index[0])).collect()
 }

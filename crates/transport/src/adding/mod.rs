@@ -177,6 +177,7 @@ impl Kernel {
         sources: &[Source],
         stop: &AtomicBool,
     ) -> bool {
+        let stack = stack.in_runs();
         if let Some(both) = stack.polarised() {
             return self.prepare_both(both, (own, common), sources, stop);
         }
@@ -247,6 +248,7 @@ impl Kernel {
     /// of light that the base sends back; that of general layers on how many of those nodes lie across a
     /// field of view.
     pub fn serves(&self, stack: &Stack) -> bool {
+        let stack = stack.in_runs();
         if let Some(both) = self.polarised(stack) {
             return both.iter().all(|(kernel, stack)| kernel.serves(stack));
         }
@@ -266,6 +268,7 @@ impl Kernel {
     /// Returns the same estimate; `None` if `stop` was set during the computation. Over another base than
     /// the last this can take long.
     pub fn estimate_unless(&self, stack: &Stack, view: usize, stop: &AtomicBool) -> Option<Estimate> {
+        let stack = stack.in_runs();
         if let Some(both) = self.polarised(stack) {
             let [s, p] = both.map(|(kernel, stack)| kernel.estimate_unless(stack, view, stop));
             return Some(s?.mixed_with(&p?, stack.weights_of_polarisations()));
@@ -283,6 +286,7 @@ impl Kernel {
 
     /// Returns only the `rho` of an estimate, which takes less time: the ledger is not computed.
     pub fn seen(&self, stack: &Stack, view: usize) -> Vec<ReflectanceFactor> {
+        let stack = stack.in_runs();
         if let Some(both) = self.polarised(stack) {
             let [s, p] = both.map(|(kernel, stack)| kernel.seen(stack, view));
             let weights = stack.weights_of_polarisations();

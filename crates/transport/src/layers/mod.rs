@@ -12,6 +12,7 @@ mod action;
 mod coating;
 mod component;
 mod diffuser;
+mod flat_run;
 mod fresnel;
 mod ideal_ar;
 mod indices;
@@ -26,6 +27,7 @@ pub use action::Narrowness;
 pub(crate) use action::{Action, Preparation};
 pub use component::Component;
 pub use diffuser::Diffuser;
+pub use flat_run::FlatRun;
 pub(crate) use fresnel::reflectance as fresnel_of;
 pub(crate) use indices::Indices;
 pub use medium::{Medium, Scattering};
@@ -58,6 +60,8 @@ pub enum Interface {
     Fresnel,
     /// A bare interface, for light of one polarisation.
     FresnelOf(Polarisation),
+    /// Flat interfaces and the media between them, which keep s and p apart.
+    Run(Box<FlatRun>),
     /// A front-of-screen component in a medium.
     Component(Component),
     /// Coherent thin films.
@@ -83,6 +87,7 @@ impl Interface {
             Self::Fresnel => &fresnel::Fresnel(None),
             Self::FresnelOf(Polarisation::S) => &fresnel::Fresnel(Some(Polarisation::S)),
             Self::FresnelOf(Polarisation::P) => &fresnel::Fresnel(Some(Polarisation::P)),
+            Self::Run(run) => &**run,
             Self::Component(component) => component,
             Self::Coating(coating) => coating,
             Self::Diffuser(diffuser) => diffuser,
@@ -399,6 +404,7 @@ mod tests {
             ("ideal-ar", Box::new(ideal_ar::IdealAr)),
             ("fresnel", Box::new(fresnel::Fresnel(None))),
             ("fresnel of s", Box::new(fresnel::Fresnel(Some(Polarisation::S)))),
+            ("run", Box::new(flat_run::tests::of_two_panes())),
             ("component", Box::new(Component { reflectance: of(0.1, 0.2), absorptance: of(0.3, 0.0) })),
             ("coating", Box::new(coating)),
             ("reflecting", Box::new(reflecting(Interface::Diffuser(lobe.clone()), of(0.1, 0.1)))),

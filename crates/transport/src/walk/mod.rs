@@ -142,6 +142,7 @@ impl<'a> Walk<'a> {
         strategy: Strategy,
         shares: &[f64],
     ) -> Self {
+        let stack = stack.in_runs();
         if let Some(both) = stack.polarised() {
             let of = |stack| Self::with_strategy(stack, view, sources, strategy, shares);
             let walks = Box::new(both.each_ref().map(of));

@@ -42,7 +42,7 @@ const BLACK: &str = "black";
 /// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered,
 /// or the computation was stopped.
 pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<CrosstalkResult, DisplayError> {
-    let setup = Setup::with_filter(scene, control)?;
+    let setup = Setup::of_places(scene, control)?;
     if scene.display.filter().is_some() && scene.display.pixel_spread().is_some() {
         return Err(DisplayError::PlacesNotComputed {
             what: "which part of a colour filter lights which, above pixels inside which light spreads"

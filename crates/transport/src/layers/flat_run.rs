@@ -1,0 +1,95 @@
+//! Flat layers between two scatterers, or between a scatterer and the air: s and p are kept apart through all of
+//! them, and the light that leaves counts as unpolarised, because what it meets next scatters it.
+//!
+//! Transmittance and reflectances are the means over s and p of those of the whole run, all inter-reflections
+//! included, instead of being summed from the means of each face. Each polarisation
+//! has interfaces of its own ([`Interface::FresnelOf`], coatings); the media are the same for both.
+
+use super::{Incidence, Interface, LayerKind, Medium};
+use crate::estimate::Account;
+use crate::front::Flat;
+
+/// Flat interfaces with the media between them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlatRun {
+    /// Top to bottom, for light of s and of p.
+    interfaces: [Vec<Interface>; 2],
+    /// Between the interfaces: one fewer.
+    media: Vec<Medium>,
+}
+
+impl FlatRun {
+    /// Returns the run of these interfaces, for s and for p, with the media between them. None may scatter.
+    pub fn new(interfaces: [Vec<Interface>; 2], media: Vec<Medium>) -> Self {
+        debug_assert!(interfaces.iter().all(|own| own.len() == media.len() + 1));
+        Self { interfaces, media }
+    }
+
+    /// The run for one polarisation.
+    fn of(&self, interfaces: &[Interface], at: &Incidence) -> Flat {
+        let mut above = at.indices[0];
+        let mut whole = Flat::CLEAR;
+        for (number, interface) in interfaces.iter().enumerate() {
+            let medium = self.media.get(number);
+            let below = medium.map_or(at.indices[1], |medium| medium.index()[at.bin]);
+            whole = whole.over(interface.kind().regular(&Incidence { indices: [above, below], ..*at }));
+            if let Some(medium) = medium {
+                whole = whole.over(medium.regular(&Incidence { indices: [below; 2], ..*at }));
+            }
+            above = below;
+        }
+        whole
+    }
+}
+
+impl LayerKind for FlatRun {
+    fn regular(&self, at: &Incidence) -> Flat {
+        let [s, p] = self.interfaces.each_ref().map(|own| self.of(own, at));
+        Flat { t: 0.5 * (s.t + p.t), above: 0.5 * (s.above + p.above), below: 0.5 * (s.below + p.below) }
+    }
+
+    /// That of its sheets, if it has any.
+    fn account(&self) -> Account {
+        let is_sheet = |interface: &Interface| matches!(interface, Interface::Component(_));
+        if self.interfaces[0].iter().any(is_sheet) { Account::Front } else { Account::Glass }
+    }
+
+    fn edges(&self, bin: usize) -> Vec<f64> {
+        self.media.iter().map(|medium| medium.index()[bin]).collect()
+    }
+
+    fn spectral_key(&self, bin: usize, key: &mut Vec<u64>) {
+        self.interfaces.iter().flatten().for_each(|interface| interface.kind().spectral_key(bin, key));
+        self.media.iter().for_each(|medium| medium.spectral_key(bin, key));
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use papilio_optics::film::Polarisation;
+
+    use super::*;
+
+    /// Two panes with air between them, for two wavelengths, between media of indices 1.3 and 1.5.
+    pub(in super::super) fn of_two_panes() -> FlatRun {
+        let of = |polarisation| vec![Interface::FresnelOf(polarisation); 4];
+        let medium = |index: f64| Medium::new(vec![index; 2].into());
+        let absorbing = medium(1.5).with_transmittance(vec![0.9, 0.8].into());
+        FlatRun::new([Polarisation::S, Polarisation::P].map(of), vec![absorbing, medium(1.0), medium(1.5)])
+    }
+
+    /// A pane in air: r and (1 - r) of each polarisation, summed over all orders.
+    #[test]
+    fn pane_is_the_mean_of_two_geometric_series() {
+        let of = |polarisation| vec![Interface::FresnelOf(polarisation); 2];
+        let glass = Medium::new(vec![1.5].into());
+        let run = FlatRun::new([Polarisation::S, Polarisation::P].map(of), vec![glass]);
+        let beta = 60.0_f64.to_radians().sin();
+        let found = run.regular(&Incidence { bin: 0, indices: [1.0; 2], beta, beta_squared: beta * beta });
+        // Fresnel at 60 deg (Born and Wolf, 1.5.2).
+        let [s, p] = [0.176_571_0_f64, 0.001_802_4];
+        let through = 0.5 * ((1.0 - s) / (1.0 + s) + (1.0 - p) / (1.0 + p));
+        assert!((found.t - through).abs() < 1e-6, "{found:?}");
+        assert!((found.above - (1.0 - through)).abs() < 1e-6 && found.above == found.below, "{found:?}");
+    }
+}
