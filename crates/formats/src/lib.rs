@@ -110,6 +110,7 @@ mod table;
 mod temporary;
 mod tolerance;
 mod windows;
+mod woollam;
 pub mod words;
 
 pub use absorption::{write_absorption, write_sub_pixels};
