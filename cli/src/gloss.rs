@@ -40,7 +40,11 @@ impl SpatialOutput for GlossResult {
         let mut rows = vec![std::iter::once("state".to_owned()).chain(head).collect::<Vec<_>>()];
         for (name, state) in self.states.iter() {
             let both = state.values.named().zip(state.error.named());
-            let cells = both.map(|((_, value), (_, error))| measured(value, error, 1));
+            // The haze of weak etches is a fraction of a per cent, and its error is far below the digits of interest.
+            let cells = both.map(|((metric, value), (_, error))| match metric {
+                "haze_percent" => measured(value, None, 2),
+                _ => measured(value, error, 1),
+            });
             rows.push(std::iter::once(name.to_owned()).chain(cells).collect());
         }
         format!(

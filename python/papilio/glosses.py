@@ -81,7 +81,7 @@ def gloss(
         progress: function that is called a few times a second, or True for a line on the terminal.
 
     Returns:
-        Gloss at 20, 60 and 85 deg and the distinctness of image, with their errors, by name.
+        Gloss at 20, 60 and 85 deg, the distinctness of image and the haze of the glass, with their errors, by name.
 
     Raises:
         ScenarioError: for mistakes in the scenario, with their places.

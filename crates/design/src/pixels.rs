@@ -1,6 +1,6 @@
 //! Quantities of designs that no run computes: sharpness, crosstalk, sparkle, gloss, and those of pictures.
 
-use papilio_display::gloss::gloss;
+use papilio_display::gloss::gloss_of;
 use papilio_display::image::{Screen, image};
 use papilio_display::scene::MetricSource;
 use papilio_display::spatial::{crosstalk, mtf, sparkle};
@@ -12,7 +12,7 @@ use crate::DesignError;
 /// Computes value and error of each quantity of a display.
 ///
 /// # Errors
-/// Those of [`mtf`], [`crosstalk`], [`sparkle`], [`gloss`] and [`image`], for a display or a light that they do not
+/// Those of [`mtf`], [`crosstalk`], [`sparkle`], [`gloss_of`] and [`image`], for a display or a light that they do not
 /// cover; metrics of sparkle without an antiglare face.
 pub(crate) fn quantities(
     resolved: &Resolved,
@@ -39,7 +39,9 @@ pub(crate) fn quantities(
         }
         _ => None,
     };
-    let of_gloss = is_wanted(MetricSource::Gloss).then(|| gloss(scene, control)).transpose()?;
+    let is_metric = |name: &str| quantities.iter().any(|quantity| quantity.name().ends_with(name));
+    let of_gloss =
+        is_wanted(MetricSource::Gloss).then(|| gloss_of(scene, &is_metric, control)).transpose()?;
     let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
     let of = |quantity: &&Quantity| match quantity.source() {
         MetricSource::Colours => [None; 2],

@@ -13,6 +13,8 @@
 //! direction 0.3 deg farther from the normal, both through a slit of 0.14 deg (after ASTM E430, method A: 100 for a flat mirror,
 //! 0 for a surface that shows no images).
 //!
+//! The haze in transmission is that of the layers above the pixel ([`haze`](crate::haze)).
+//!
 //! # Validity
 //! The BRDF is that of the middle of the source at the same deviation from the mirror direction; it changes little over the
 //! angular size of the source. The light of a gloss meter enters and leaves at the same place: light that spreads sideways by
@@ -28,6 +30,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::environment::MeterWindow;
+use crate::haze::haze_percent;
 pub use crate::metrics::GlossMetrics;
 use crate::result::{Named, RunResult, State};
 use crate::scene::{AngleMedium, Environment, EnvironmentPart, Lighting, Metrics, Scene, Stop, Viewer};
@@ -38,7 +41,8 @@ const ILLUMINANT: &str = "C";
 /// Refractive index of the glass that has a gloss of 100.
 const INDEX_OF_STANDARD: f64 = 1.567;
 /// Angles of a glossmeter, degrees, with the sizes of its receptor in the plane of incidence and across, degrees.
-const GLOSSMETERS: [(f64, [f64; 2]); 3] = [(20.0, [1.8, 3.6]), (60.0, [4.4, 11.7]), (85.0, [4.0, 6.0])];
+const GLOSSMETERS: [(&str, f64, [f64; 2]); 3] =
+    [("gloss_20", 20.0, [1.8, 3.6]), ("gloss_60", 60.0, [4.4, 11.7]), ("gloss_85", 85.0, [4.0, 6.0])];
 /// Sizes of the source, degrees.
 const SOURCE_DEG: [f64; 2] = [0.75, 2.5];
 /// Angle of the meter of distinctness of image, and the second direction relative to it, degrees.
@@ -51,7 +55,7 @@ const USUAL_TARGET: f64 = 1e-3;
 /// Gloss of all states.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GlossResult {
-    /// `adding` or `monte-carlo`, for each flux: at 20, 60 and 85 deg, in the mirror direction at 30 deg, and beside it.
+    /// `adding` or `monte-carlo`, for each computed flux: at 20, 60 and 85 deg, in the mirror direction at 30 deg, and beside it.
     pub solvers: Vec<String>,
     /// Azimuth of the plane of incidence, degrees.
     pub phi_deg: f64,
@@ -67,7 +71,7 @@ pub struct StateGloss {
     /// The values.
     #[serde(flatten)]
     pub values: GlossMetrics,
-    /// Their errors: standard errors of Monte Carlo, discretisation errors of adding.
+    /// Their errors: standard errors of Monte Carlo, discretisation errors of adding and of the integral for the haze.
     pub error: GlossMetrics,
 }
 
@@ -77,30 +81,45 @@ pub struct StateGloss {
 /// # Errors
 /// As [`run`](crate::run()).
 pub fn gloss(scene: &Scene, control: &Control<'_>) -> Result<GlossResult, DisplayError> {
+    gloss_of(scene, &|_| true, control)
+}
+
+/// Computes only the metrics of these names; the others are null.
+///
+/// # Errors
+/// As [`run`](crate::run()).
+pub fn gloss_of(
+    scene: &Scene,
+    is_wanted: &dyn Fn(&str) -> bool,
+    control: &Control<'_>,
+) -> Result<GlossResult, DisplayError> {
     let phi_deg = scene.viewer.phi_deg.first().copied().unwrap_or(0.0);
     let meters = meters();
     let mut prepared = Prepared::empty();
     let mut fluxes = Vec::with_capacity(meters.len());
     for (number, meter) in meters.iter().enumerate() {
         let part = [number, number + 1].map(|done| done as f64 / meters.len() as f64);
-        let flux = control.within(part, |control| Flux::of(scene, phi_deg, meter, &mut prepared, control));
-        fluxes.push(flux?);
+        let flux = is_wanted(meter.metric)
+            .then(|| control.within(part, |control| Flux::of(scene, phi_deg, meter, &mut prepared, control)));
+        fluxes.push(flux.transpose()?);
     }
     let names = scene.display.state_names();
-    let states = names.into_iter().enumerate().map(|(state, name)| (name, StateGloss::of(&fluxes, state)));
+    let haze = haze_percent(scene);
+    let states =
+        names.into_iter().enumerate().map(|(state, name)| (name, StateGloss::of(&fluxes, state, haze)));
     let mut warnings: Vec<String> = Vec::new();
     if illuminant(ILLUMINANT, &scene.grid).is_err() {
         warnings.push(format!(
             "illuminant {ILLUMINANT} of a glossmeter does not cover the wavelengths of the scenario: light of equal energy is used"
         ));
     }
-    for warning in fluxes.iter().flat_map(|flux| &flux.warnings) {
+    for warning in fluxes.iter().flatten().flat_map(|flux| &flux.warnings) {
         if !warnings.contains(warning) {
             warnings.push(warning.clone());
         }
     }
     Ok(GlossResult {
-        solvers: fluxes.iter().map(|flux| flux.solver.clone()).collect(),
+        solvers: fluxes.iter().flatten().map(|flux| flux.solver.clone()).collect(),
         phi_deg,
         states: Named(states.collect()),
         warnings,
@@ -109,6 +128,8 @@ pub fn gloss(scene: &Scene, control: &Control<'_>) -> Result<GlossResult, Displa
 
 /// A beam and a receptor.
 struct Meter {
+    /// The metric that needs it.
+    metric: &'static str,
     /// Inclination of the beam, degrees.
     beam_deg: f64,
     /// Inclination of the receptor, degrees.
@@ -119,14 +140,20 @@ struct Meter {
 
 /// Those of the glossmeters, then both of the distinctness of image.
 fn meters() -> Vec<Meter> {
-    let gloss = GLOSSMETERS.map(|(theta, receptor)| Meter {
+    let gloss = GLOSSMETERS.map(|(metric, theta, receptor)| Meter {
+        metric,
         beam_deg: theta,
         receptor_deg: theta,
         sizes_deg: [SOURCE_DEG, receptor],
     });
     let [beam_deg, beside] = DISTINCTNESS_DEG;
-    let slits =
-        [0.0, beside].map(|off| Meter { beam_deg, receptor_deg: beam_deg + off, sizes_deg: SLITS_DEG });
+    let metric = "distinctness_of_image";
+    let slits = [0.0, beside].map(|off| Meter {
+        metric,
+        beam_deg,
+        receptor_deg: beam_deg + off,
+        sizes_deg: SLITS_DEG,
+    });
     gloss.into_iter().chain(slits).collect()
 }
 
@@ -206,10 +233,11 @@ fn in_light_of(scene: &Scene, field: Field, [theta_deg, phi_deg]: [f64; 2]) -> S
 }
 
 impl StateGloss {
-    fn of(fluxes: &[Flux], state: usize) -> Self {
-        let flux = |number: usize| fluxes.get(number).and_then(|flux| flux.states.get(state)).copied();
+    fn of(fluxes: &[Option<Flux>], state: usize, haze: Option<f64>) -> Self {
+        let flux =
+            |number: usize| fluxes.get(number)?.as_ref().and_then(|flux| flux.states.get(state)).copied();
         let gloss = |number: usize| {
-            let (theta_deg, _) = GLOSSMETERS[number];
+            let (_, theta_deg, _) = GLOSSMETERS[number];
             let standard = fresnel_reflectance(1.0, INDEX_OF_STANDARD, theta_deg.to_radians().sin());
             flux(number).map(|both| both.map(|value| 100.0 * value / standard))
         };
@@ -221,6 +249,7 @@ impl StateGloss {
             gloss_60: gloss_60.map(|both| both[which]),
             gloss_85: gloss_85.map(|both| both[which]),
             distinctness_of_image: distinctness.map(|both| both[which]),
+            haze_percent: haze.map(|haze| if which == 0 { haze } else { 1e-4 * haze }),
         };
         Self { values: part(0), error: part(1) }
     }

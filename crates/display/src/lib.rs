@@ -78,6 +78,7 @@ mod error;
 mod filtered;
 pub mod gloss;
 mod half_vectors;
+mod haze;
 pub mod image;
 mod label;
 mod lamp_images;

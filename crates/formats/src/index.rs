@@ -9,7 +9,8 @@ use crate::file::DataFile;
 use crate::refractiveindex;
 use crate::spectrum::Columns;
 use crate::table::quantities::{EPS_1, EPS_2, K, N, WAVELENGTH};
-use crate::table::{Column, Header, Quantity, Row, Table, TableText, Unit, body};
+use crate::table::{Column, Dialect, Header, Quantity, Row, Table, TableText, Unit, body};
+use crate::woollam;
 
 /// Reads n + ik from a file. The format is detected from the content.
 ///
@@ -18,6 +19,7 @@ use crate::table::{Column, Header, Quantity, Row, Table, TableText, Unit, body};
 ///   Without a header: wavelength in nm, n, k.
 /// - A refractiveindex.info page (YAML with a `DATA` list): tables and formulas 1
 ///   to 9, wavelengths in um; non-linear entries (n2) are ignored.
+/// - Text files `.mat` of WVASE and CompleteEASE: a title, a unit, `NK` or `e1e2`, and rows of three numbers.
 /// - The CSV that refractiveindex.info offers for download: blocks `wl,n` and `wl,k`, wavelengths in um.
 ///
 /// # Errors
@@ -55,7 +57,24 @@ fn read(file: &DataFile, wanted_nm: Option<(f64, f64)>) -> Result<Warned<Dispers
         let value = refractiveindex::read_download(table)?;
         return Ok(Warned { value, warnings: Vec::new() });
     }
-    read_table(table)
+    match woollam::head(table.name, table.text)? {
+        Some(head) => read_mat(table, &head),
+        None => read_table(table),
+    }
+}
+
+/// Reads the rows of a file of Woollam's programs.
+fn read_mat(table: Table<'_>, head: &woollam::Head) -> Result<Warned<Dispersion>, FormatError> {
+    let table = Table { dialect: Dialect::of(&table.text[head.rows_at..]), ..table };
+    let rows: Vec<Row<'_>> = table.data().skip_while(|row| row.bytes().start < head.rows_at).collect();
+    let nm = Column { unit: Some(head.unit), ..Column::at(0, &WAVELENGTH) };
+    let index = match head.is_permittivity {
+        true => Index::Permittivity(Column::at(1, &EPS_1), Column::at(2, &EPS_2)),
+        false => Index::Parts(Column::at(1, &N), Some(Column::at(2, &K))),
+    };
+    let value =
+        tabulated(table, &rows, (nm, &index), (3, "three columns: a wavelength or energy, and two numbers"))?;
+    Ok(Warned { value, warnings: Vec::new() })
 }
 
 /// Quantities of the columns of a table.
@@ -133,8 +152,19 @@ fn read_table(table: Table<'_>) -> Result<Warned<Dispersion>, FormatError> {
             (Column::at(0, &WAVELENGTH), Index::Parts(Column::at(1, &N), k), count, expected)
         }
     };
+    let value = tabulated(table, &found.rows, (nm, &index), (count, expected))?;
+    Ok(Warned { value, warnings: notes })
+}
+
+/// Returns n + ik of rows with this number of columns.
+fn tabulated(
+    table: Table<'_>,
+    rows: &[Row<'_>],
+    (nm, index): (Column, &Index),
+    (count, expected): (usize, &'static str),
+) -> Result<Dispersion, FormatError> {
     let mut columns = Columns::<2>::default();
-    for row in &found.rows {
+    for row in rows {
         row.expect_cells(count, expected)?;
         let at = nm.number(row)?;
         let index = index.of_row(row)?;
@@ -142,8 +172,7 @@ fn read_table(table: Table<'_>) -> Result<Warned<Dispersion>, FormatError> {
     }
     let has_k = !matches!(index, Index::Parts(_, None));
     let [n, k] = columns.finish().map_err(|problem| table.error(problem))?;
-    let value = Dispersion::tabulated(n, has_k.then_some(k)).map_err(|e| table.error(e.into()))?;
-    Ok(Warned { value, warnings: notes })
+    Dispersion::tabulated(n, has_k.then_some(k)).map_err(|e| table.error(e.into()))
 }
 
 fn not_negative(row: &Row<'_>, column: Column, what: &'static str) -> Result<f64, FormatError> {

@@ -2,7 +2,7 @@
 //!
 //! | reader | input |
 //! |---|---|
-//! | [`read_spectrum`] | a wavelength and a value: tables, and files of instruments (CGATS, CxF, IES TM-27, Argyll, Ocean Optics, Sekonic) |
+//! | [`read_spectrum`] | a wavelength and a value: tables, and files of instruments (CGATS, CxF, IES TM-27, Argyll, ASD, Ocean Optics, Sekonic) |
 //! | [`read_fractions`], [`read_light`] | the same, with values from 0 to 1, or of a light source |
 //! | [`read_profile`] | two columns: angle in degrees, relative radiance |
 //! | [`read_light_map`] | Radiance pictures and OpenEXR maps of the whole sphere (detected from the content) |
@@ -110,6 +110,7 @@ mod table;
 mod temporary;
 mod tolerance;
 mod windows;
+mod woollam;
 pub mod words;
 
 pub use absorption::{write_absorption, write_sub_pixels};

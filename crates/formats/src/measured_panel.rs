@@ -1,6 +1,6 @@
 //! Measured panels: spectra or colours of each state from each direction.
 
-use papilio_colour::{Lab, Xyz};
+use papilio_colour::{Lab, Standard, Xyz};
 use papilio_diagnostics::{Diagnostic, Warned};
 use papilio_display::compare::{Measured, Quantity};
 
@@ -41,7 +41,13 @@ pub fn read_measured_panel(file: &DataFile) -> Result<Warned<Vec<Measured>>, For
             )
             .into(),
     };
-    let read = read_states(file, &accept)?;
+    let mut read = read_states(file, &accept)?;
+    let has_colours = read.states.iter().any(|state| !matches!(state.value, Value::Spectrum(_)));
+    if has_colours && read.observer == Some(Standard::Cie1964) {
+        read.notes.push(
+            "the colours of the file are those of the 10 deg observer: compare them with a scenario of metrics.observer = \"1964\"".to_owned(),
+        );
+    }
     let measured = |State { name, theta_deg, phi_deg, value, deviation }: State| Measured {
         state: name,
         theta_deg,

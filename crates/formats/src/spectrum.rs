@@ -1,13 +1,13 @@
 //! Spectra: wavelength and value, in a table or in the files of instruments.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use papilio_diagnostics::{Diagnostic, Warned};
 use papilio_spectra::Tabulated;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::instrument::{self, Kind, SpectralFile};
+use crate::instrument::{self, Kind, Source, SpectralFile};
 use crate::table::quantities::{FRACTION, LIGHT, WAVELENGTH};
 use crate::table::{Column, Header, Quantity, Row, TableText, Unit, body};
 
@@ -104,6 +104,8 @@ struct Point {
     value: f64,
     /// Row of a table, for errors.
     row: usize,
+    /// Place of the value in the file of an instrument, bytes.
+    at: Range<usize>,
 }
 
 /// The points of a spectrum as they stand in the file.
@@ -161,7 +163,7 @@ fn points<'a>(file: &'a DataFile, values: &[&'static Quantity]) -> Result<Points
     let mut all = Vec::with_capacity(found.rows.len());
     for (k, row) in found.rows.iter().enumerate() {
         row.expect_cells(count, expected)?;
-        all.push(Point { nm: columns[0].number(row)?, value: columns[1].number(row)?, row: k });
+        all.push(Point { nm: columns[0].number(row)?, value: columns[1].number(row)?, row: k, at: 0..0 });
     }
     Ok(Points { file, all, kind: Kind::Unstated, columns: Some(columns), notes })
 }
@@ -183,18 +185,19 @@ fn check_density(head: &Row<'_>, nm: Column, value: Column) -> Result<(), Format
 }
 
 fn of_instrument(file: &DataFile, mut read: SpectralFile) -> Result<Points<'_>, FormatError> {
-    let format = read.format;
-    let wrong = |what: String| instrument::error(&file.name, 0, format, what);
+    let text = TableText::new(file)?;
+    let source = Source { name: &file.name, text: text.table().text, format: read.format };
     if read.samples.len() > 1 {
         let names: Vec<&str> = read.samples.iter().take(6).map(|sample| sample.name.as_str()).collect();
         let more = if read.samples.len() > names.len() { ", ..." } else { "" };
         let count = read.samples.len();
-        return Err(wrong(format!("it has {count} samples ({}{more}); keep one of them", names.join(", "))));
+        let what = format!("it has {count} samples ({}{more}); keep one of them", names.join(", "));
+        return Err(source.at(read.samples[1].at.clone(), what));
     }
     let Some(sample) = read.samples.pop().filter(|sample| !sample.spectrum.is_empty()) else {
-        return Err(wrong("it has no spectrum".to_owned()));
+        return Err(source.whole("it has no spectrum"));
     };
-    let all = sample.spectrum.into_iter().map(|(nm, value)| Point { nm, value, row: 0 }).collect();
+    let all = sample.spectrum.into_iter().map(|(nm, value, at)| Point { nm, value, row: 0, at }).collect();
     Ok(Points { file, all, kind: read.kind, columns: None, notes: read.notes })
 }
 
@@ -243,20 +246,27 @@ impl Points<'_> {
         match self.all.iter().find(|point| !range.contains(&point.value)) {
             Some(point) => {
                 let problem = Problem::OutOfRange { what, value: point.value, expected };
-                Err(self.error(point.row, 1, problem))
+                Err(self.error(point, 1, problem))
             }
             None => Ok(()),
         }
     }
 
-    /// Returns an error at the wavelength (0) or the value (1) of a row; without a table, about the file.
-    fn error(&self, row: usize, column: usize, problem: Problem) -> FormatError {
+    /// Returns an error at the wavelength (0) or the value (1) of a row, or at the value in the file of an
+    /// instrument.
+    fn error(&self, point: &Point, column: usize, problem: Problem) -> FormatError {
         let whole = |problem| FormatError::whole(&self.file.name, problem);
-        let Some(columns) = self.columns else { return whole(problem) };
         let Ok(text) = TableText::new(self.file) else { return whole(problem) };
+        let Some(columns) = self.columns else {
+            return if point.at.is_empty() {
+                whole(problem)
+            } else {
+                text.table().error_at(point.at.clone(), problem)
+            };
+        };
         let accepted = [columns[0].quantity, columns[1].quantity];
         let found = body(text.table(), &accepted, |header| header.columns.len() == 2, "");
-        match found.as_ref().ok().and_then(|body| body.rows.get(row)) {
+        match found.as_ref().ok().and_then(|body| body.rows.get(point.row)) {
             Some(row) => row.cell_error(columns[column].cell, problem),
             None => whole(problem),
         }
@@ -265,7 +275,7 @@ impl Points<'_> {
     fn tabulated(self) -> Result<Warned<Tabulated>, FormatError> {
         let mut columns = Columns::<1>::default();
         for point in &self.all {
-            columns.add(point.nm, [point.value]).map_err(|problem| self.error(point.row, 0, problem))?;
+            columns.add(point.nm, [point.value]).map_err(|problem| self.error(point, 0, problem))?;
         }
         let whole = |problem| FormatError::whole(&self.file.name, problem);
         let [value] = columns.finish().map_err(whole)?;

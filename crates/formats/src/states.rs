@@ -8,6 +8,7 @@
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
+use papilio_colour::Standard;
 use papilio_diagnostics::{Diagnostic, Place};
 use papilio_display::compare::StandardDeviation;
 use papilio_spectra::Tabulated;
@@ -51,6 +52,8 @@ pub(crate) enum Value {
 #[derive(Debug)]
 pub(crate) struct States {
     pub(crate) states: Vec<State>,
+    /// Observer of the colours, if the file states it.
+    pub(crate) observer: Option<Standard>,
     pub(crate) notes: Vec<String>,
 }
 
@@ -143,8 +146,8 @@ impl Point {
 struct Points {
     all: Vec<Point>,
     notes: Vec<String>,
-    /// Whether places are known: the file is a table.
-    is_table: bool,
+    /// Observer of the colours, if the file states it.
+    observer: Option<Standard>,
 }
 
 static ACCEPTED: [&Quantity; 12] = [
@@ -245,7 +248,7 @@ impl Points {
             return Err(head.cell_error(deviation.cell, wrong.into()));
         }
         let notes = std::mem::take(&mut header.notes);
-        let mut points = Self { all: Vec::new(), notes, is_table: true };
+        let mut points = Self { all: Vec::new(), notes, observer: None };
         let mut by_name = HashMap::new();
         for row in &rows {
             points.push(&header, &values, row, (accept, &mut by_name))?;
@@ -342,14 +345,15 @@ impl Points {
             theta_deg: sample.theta_deg,
             phi_deg: sample.phi_deg.unwrap_or(0.0),
             spectrum: match has_spectra {
-                true => sample.spectrum.into_iter().map(|(nm, value)| (nm, value, 0..0)).collect(),
+                true => sample.spectrum,
                 false => Vec::new(),
             },
             lab: sample.lab,
             xyz: sample.xyz,
-            ..Point::new(sample.name, 0..0)
+            ..Point::new(sample.name, sample.at)
         };
-        Ok(Self { all: read.samples.into_iter().map(point).collect(), notes: read.notes, is_table: false })
+        let all = read.samples.into_iter().map(point).collect();
+        Ok(Self { all, notes: read.notes, observer: read.observer })
     }
 
     /// Divides reflectances in per cent, or X, Y, Z of which white has Y = 100, by 100, with a note: columns
@@ -383,7 +387,7 @@ impl Points {
 
     fn finish(mut self, file: &DataFile, accept: &Accept) -> Result<States, FormatError> {
         let error = |at: &Range<usize>, state: &str, problem: Problem| {
-            let text = TableText::new(file).ok().filter(|_| self.is_table);
+            let text = TableText::new(file).ok().filter(|_| !at.is_empty());
             match text {
                 Some(text) => text.table().error_at(at.clone(), problem),
                 None => {
@@ -442,7 +446,7 @@ impl Points {
         if noise > 0 {
             self.notes.push(format!("{noise} small negative reflectances are taken as 0 (noise)"));
         }
-        Ok(States { states, notes: self.notes })
+        Ok(States { states, notes: self.notes, observer: self.observer })
     }
 }
 

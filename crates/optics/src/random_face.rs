@@ -21,6 +21,7 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use crate::lobe::HAZE_ANGLE_DEG;
+use crate::rough::Distribution;
 
 /// Gaussian random face.
 ///
@@ -52,6 +53,16 @@ impl RandomFace {
     pub fn haze(&self, index: f64) -> f64 {
         let deviation = (index - 1.0) * self.slope_rms;
         (-0.5 * (haze_sine() / deviation).powi(2)).exp()
+    }
+
+    /// Returns the slopes of Gaussian faces with the mean absolute slope of faces that have this haze: with GGX
+    /// slopes, the longest tail, and with Gaussian ones ([`Self::slope_rms_from_haze`]). Real faces are between
+    /// the two.
+    pub fn slopes_from_haze(haze: f64, index: f64) -> Option<[f64; 2]> {
+        let gaussian = Self::slope_rms_from_haze(haze, index)?;
+        let alpha = Distribution::Ggx.alpha_from_steeper(haze, haze_sine() / (index - 1.0));
+        let mean = Distribution::Ggx.mean_slope(alpha) / Distribution::Beckmann.mean_slope(1.0);
+        Some([Distribution::Beckmann.slope_rms(mean)?, gaussian])
     }
 
     /// Root mean square height, mm.
@@ -105,6 +116,18 @@ mod tests {
         for (haze, index) in [(0.0, 1.5), (1.0, 1.5), (f64::NAN, 1.5), (0.1, 1.0), (0.1, f64::NAN)] {
             assert!(RandomFace::slope_rms_from_haze(haze, index).is_none(), "{haze} {index}");
         }
+    }
+
+    /// The tangent law of GGX: half of the light is beyond the angle at which the slope is alpha, the mean absolute
+    /// slope; that of a Gaussian face is sqrt(2/pi) of its root mean square.
+    #[test]
+    fn longer_tails_have_smaller_slopes_of_the_same_haze() {
+        let [tail, gaussian] = RandomFace::slopes_from_haze(0.5, 1.5).unwrap();
+        assert!((tail - haze_sine() / 0.5 * (0.5 * PI).sqrt()).abs() < 1e-12);
+        assert_eq!(Some(gaussian), RandomFace::slope_rms_from_haze(0.5, 1.5));
+        let [tail, gaussian] = RandomFace::slopes_from_haze(0.03, 1.5).unwrap();
+        assert!((tail - 0.0192).abs() < 1e-4 && (gaussian - 0.0329).abs() < 1e-4, "{tail}");
+        assert_eq!(RandomFace::slopes_from_haze(0.0, 1.5), None);
     }
 
     /// The correlation of slopes is the negative second derivative of that of heights.

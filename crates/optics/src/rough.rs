@@ -1,4 +1,4 @@
-//! A rough interface between two transparent media (GGX or Beckmann), without losses.
+//! A rough interface between two transparent media (GGX, Beckmann, or Student's t), without losses.
 //!
 //! **Model.** An interface whose microfacets reflect and refract by Fresnel's law: etched or sandblasted
 //! glass, an antiglare surface, the surfaces of a diffuser foil. Light is scattered to both sides.
@@ -50,6 +50,8 @@ mod multiple_scattering;
 mod on_side;
 mod several;
 mod shadowing;
+mod statistics;
+mod student;
 
 use std::sync::{Arc, OnceLock};
 
@@ -119,7 +121,7 @@ impl Rough {
 
     /// Returns an interface with this distribution of slopes.
     pub fn with(distribution: Distribution, alpha: f64, above: f64, below: f64) -> Self {
-        let facets = Microfacets { distribution, alpha, above, below };
+        let facets = Microfacets::new(distribution, alpha, above, below);
         Self { facets, coarseness: 0, deficits: Arc::default() }
     }
 

@@ -333,6 +333,9 @@ metrics! {
         gloss_85 = "Gloss at 85°" in "GU",
         /// Distinctness of the image of a slit at 30 deg (after ASTM E430), 100 for a flat mirror.
         distinctness_of_image = "Distinctness of image",
+        /// Haze of the front in transmission (after ASTM D1003), per cent: what leaves at more than 2.5 deg, for one scattering
+        /// interface among flat ones.
+        haze_percent = "Haze" in "%",
     }
 }
 

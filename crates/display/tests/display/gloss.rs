@@ -1,11 +1,11 @@
 //! Gloss and distinctness of image against closed forms, by both solvers.
 
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{SQRT_2, TAU};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::Control;
-use papilio_display::gloss::{GlossResult, StateGloss, gloss};
+use papilio_display::gloss::{GlossResult, StateGloss, gloss, gloss_of};
 use papilio_scenario::Scenario;
 
 /// Glass over an absorber: a face, its index, and the solver.
@@ -18,6 +18,20 @@ fn read(layer: &str, index: f64, solver: &str) -> GlossResult {
     let scene =
         Scenario::from_text(&text, "glass.toml", Path::new(""), &[]).unwrap().resolve().unwrap().scene;
     gloss(&scene, &Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) }).unwrap()
+}
+
+/// Haze of glass of index 1.52 with these layers above it, without any other metric.
+fn haze(layers: &str) -> Option<f64> {
+    let text = format!(
+        "display.layers = [{layers}, {{ kind = \"medium\", index = 1.52 }}]\n[display.pixel]\nmodel = \"uniform\"\n\
+         kind = \"mirror\"\nreflectance = {{ dark = 0.0 }}\n[lighting]\ndiffuse = 1.0\n"
+    );
+    let scene =
+        Scenario::from_text(&text, "glass.toml", Path::new(""), &[]).unwrap().resolve().unwrap().scene;
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let found = dark(&gloss_of(&scene, &|_| false, &control).unwrap()).values;
+    assert_eq!((found.gloss_60, found.distinctness_of_image), (None, None));
+    found.haze_percent
 }
 
 fn dark(result: &GlossResult) -> StateGloss {
@@ -86,6 +100,38 @@ fn rough_glass_has_the_gloss_of_its_slopes() {
     }
 }
 
+/// Slopes with a tail are a mixture of Gaussian ones, whose inverse variance has a gamma distribution: the gloss is the mean
+/// of theirs.
+#[test]
+fn glass_with_a_tail_has_the_gloss_of_a_mixture() {
+    let (alpha, tail) = (0.02, 2.5);
+    let face = format!("kind = \"rough\"\nalpha = {alpha}\ndistribution = \"student-t\"\ntail = {tail}");
+    let found = dark(&read(&face, 1.52, "monte-carlo"));
+    let meters = [
+        (found.values.gloss_20, found.error.gloss_20, 20.0, [1.8, 3.6]),
+        (found.values.gloss_60, found.error.gloss_60, 60.0, [4.4, 11.7]),
+    ];
+    for (value, error, theta_deg, receptor) in meters {
+        let cosine = f64::to_radians(theta_deg).cos();
+        let (mut sum, mut all) = (0.0, 0.0);
+        for k in 0..80 {
+            let g = (-9.0 + 12.0 * (f64::from(k) + 0.5) / 80.0).exp();
+            let weight = ((tail - 1.0) * g.ln() - g).exp();
+            let slope = alpha * ((tail - 1.0) / g).sqrt() / SQRT_2;
+            all += weight;
+            sum += weight
+                * accepted(2.0 * slope, [0.75, receptor[0]], 0.0)
+                * accepted(2.0 * cosine * slope, [2.5, receptor[1]], 0.0);
+        }
+        let expected = 100.0 * fresnel(1.52, theta_deg) / fresnel(1.567, theta_deg) * sum / all;
+        let off = value.unwrap() - expected;
+        assert!(
+            off.abs() < 0.004 * expected + 4.0 * error.unwrap(),
+            "{theta_deg}: {value:?} {expected}"
+        );
+    }
+}
+
 /// Mean over a source of the probability that a normally distributed deviation leads into a receptor whose middle is
 /// `off_deg` beside the mirror direction. Widths of source and receptor in degrees.
 fn accepted(deviation: f64, widths_deg: [f64; 2], off_deg: f64) -> f64 {
@@ -126,4 +172,48 @@ fn solvers_agree_on_the_gloss_of_paper_below_rough_glass() {
         assert!(off.abs() < allowed + 1e-9, "{name}: {one:?} {other:?}");
     }
     assert!(adding.values.distinctness_of_image.unwrap().abs() < 2.0);
+}
+
+/// Ten grades of etched glass: Ra and RSm in um, and the haze that their manufacturer prints. With slopes of the mean that
+/// Ra and RSm determine, and the tail of GGX, it is within a factor of 1.6 for all; Gaussian slopes have none for the weak ones.
+#[test]
+fn tails_have_the_haze_of_etched_glass() {
+    for (ra, rsm, printed) in [
+        (0.58, 110.0, 12.6),
+        (0.39, 110.0, 4.2),
+        (0.25, 110.0, 2.2),
+        (0.14, 110.0, 0.6),
+        (0.10, 110.0, 0.3),
+        (0.38, 55.0, 20.0),
+        (0.26, 55.0, 11.1),
+        (0.20, 55.0, 5.5),
+        (0.13, 55.0, 3.6),
+        (0.08, 55.0, 1.7),
+    ] {
+        let mean = TAU * ra / rsm;
+        let of = |slopes: &str| haze(&format!("{{ kind = \"rough\", slope_mean = {mean}, {slopes} }}")).unwrap();
+        let [ggx, student, gaussian] = [
+            "distribution = \"ggx\"",
+            "distribution = \"student-t\", tail = 2",
+            "distribution = \"beckmann\"",
+        ]
+        .map(of);
+        assert!((ggx / student - 1.0).abs() < 1e-6, "{ra} {rsm}: {ggx} {student}");
+        assert!((1.0 / 1.6..1.6).contains(&(ggx / printed)), "{ra} {rsm}: {ggx} {printed}");
+        assert!(printed > 4.0 || gaussian < 0.01 * printed, "{ra} {rsm}: {gaussian} {printed}");
+        // Where most light is within 2.5 deg, less of the tail is less haze.
+        let between = of("distribution = \"student-t\", tail = 4");
+        assert!(printed > 4.0 || (gaussian..ggx).contains(&between), "{ra} {rsm}: {between}");
+    }
+}
+
+/// A diffuser has the haze that describes it; flat glass, and two rough faces, have none.
+#[test]
+fn haze_is_that_of_one_scattering_interface() {
+    let diffuser = "{ kind = \"diffuser\", model = \"k-correlation\", haze = 0.4, transmittance = 1 }";
+    assert!((haze(diffuser).unwrap() - 40.0).abs() < 1e-6, "{:?}", haze(diffuser));
+    let face = "{ kind = \"rough\", alpha = 0.1 }";
+    assert!(haze(face).is_some());
+    assert_eq!(haze("{ kind = \"fresnel\" }"), None);
+    assert_eq!(haze(&format!("{face}, {{ kind = \"medium\", index = 1.4 }}, {face}")), None);
 }

@@ -1,7 +1,9 @@
 //! CGATS.17 and ISO 28178, and the files of Argyll, which have the same syntax: keywords, names of fields,
 //! rows of data.
 
-use super::{Kind, Sample, SpectralFile, error};
+use papilio_colour::Standard;
+
+use super::{Kind, Sample, Source, SpectralFile, observer};
 use crate::error::FormatError;
 
 const FORMAT: &str = "CGATS";
@@ -47,10 +49,12 @@ struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    fn of(name: &str, words: &'a [Word<'a>]) -> Result<Self, FormatError> {
+    fn of(source: Source<'_>, words: &'a [Word<'a>]) -> Result<Self, FormatError> {
         let find = |mark: &str, from: usize| {
             let at = words[from..].iter().position(|word| word.text == mark).map(|at| from + at);
-            at.ok_or_else(|| error(name, 0, FORMAT, format!("there is no {mark}")))
+            let after = source.range(words[from].text);
+            let what = || format!("there is no {mark} after `{}`", words[from].text);
+            at.ok_or_else(|| source.at(after, what()))
         };
         let begin = find("BEGIN_DATA_FORMAT", 0)?;
         let end = find("END_DATA_FORMAT", begin)?;
@@ -85,6 +89,20 @@ impl<'a> Parts<'a> {
     fn colour(&self, names: [&str; 3]) -> Option<[usize; 3]> {
         let [a, b, c] = names.map(|name| self.field(&[name]));
         Some([a?, b?, c?])
+    }
+
+    /// Returns the observer of the colours: of `WEIGHTING_FUNCTION "OBSERVER, 10 degree"`, or `OBSERVER "10"`.
+    fn observer(&self) -> Option<Standard> {
+        let pairs = self.head.windows(2).filter(|pair| pair[0].line == pair[1].line);
+        let mut stated = pairs.filter_map(|pair| match pair[0].text {
+            "OBSERVER" | "OBSERVER_ANGLE" => observer(pair[1].text),
+            "WEIGHTING_FUNCTION" => {
+                let text = pair[1].text.to_ascii_uppercase();
+                observer(text.strip_prefix("OBSERVER")?)
+            }
+            _ => None,
+        });
+        stated.next()
     }
 
     fn kind(&self) -> Kind {
@@ -140,22 +158,35 @@ fn pairs(fields: &[Word<'_>]) -> Vec<(usize, usize, f64)> {
     (0..fields.len()).filter(is_nm).filter_map(pair).collect()
 }
 
+/// Returns the first value of the line at which rows stop having this many fields; lines may hold any number of
+/// whole rows.
+fn uneven<'a>(data: &'a [Word<'a>], count: usize) -> Option<&'a Word<'a>> {
+    let lines = || data.chunk_by(|a, b| a.line == b.line);
+    let wrong = lines().find(|line| count == 0 || !line.len().is_multiple_of(count));
+    wrong.and_then(|line| line.first()).or(data.last())
+}
+
 pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> {
+    let source = Source { name, text, format: FORMAT };
     let words = words(text);
-    let parts = Parts::of(name, &words)?;
-    let wrong = |line, what: String| error(name, line, FORMAT, what);
+    if words.is_empty() {
+        return Err(source.whole("it has no words"));
+    }
+    let parts = Parts::of(source, &words)?;
+    let wrong = |word: Option<&Word<'_>>, what: String| {
+        source.at(word.map_or(0..0, |word| source.range(word.text)), what)
+    };
     let count = parts.fields.len();
     if count == 0 || !parts.data.len().is_multiple_of(count) {
-        let line = parts.data.last().map_or(0, |word| word.line);
         let what = format!("the {} values are not rows of {count} fields", parts.data.len());
-        return Err(wrong(line, what));
+        return Err(wrong(uneven(parts.data, count), what));
     }
     let sets = parts.data.len() / count;
     for (key, found) in [("NUMBER_OF_FIELDS", count), ("NUMBER_OF_SETS", sets)] {
         // Keywords of the data stand between the names of the fields and the data.
         let stated = words.windows(2).find(|pair| pair[0].text == key).map(|pair| &pair[1]);
         if let Some(stated) = stated.filter(|stated| stated.text.parse() != Ok(found)) {
-            return Err(wrong(stated.line, format!("{key} is {}, and {found} were found", stated.text)));
+            return Err(wrong(Some(stated), format!("{key} is {}, and {found} were found", stated.text)));
         }
     }
     let names =
@@ -166,7 +197,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
         let what =
             "it has no spectra (fields SPEC_380, ...), no LAB_L, LAB_A, LAB_B and no XYZ_X, XYZ_Y, XYZ_Z"
                 .to_owned();
-        return Err(wrong(parts.fields[0].line, what));
+        return Err(wrong(parts.fields.first(), what));
     }
     let norm = parts.number("SPECTRAL_NORM").filter(|norm| *norm > 0.0);
     let mut samples = Vec::with_capacity(sets);
@@ -175,14 +206,15 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
             let word = &row[field];
             let value = word.text.replace(',', ".").parse().ok().filter(|value: &f64| value.is_finite());
             let what = || format!("`{}` of {} is not a number", word.text, parts.fields[field].text);
-            value.ok_or_else(|| wrong(word.line, what()))
+            value.ok_or_else(|| wrong(Some(word), what()))
         };
+        let at = |field: usize| source.range(row[field].text);
         let mut spectrum = Vec::with_capacity(spectral.len());
         for (field, nm) in &spectral {
-            spectrum.push((*nm, number(*field)? / norm.unwrap_or(1.0)));
+            spectrum.push((*nm, number(*field)? / norm.unwrap_or(1.0), at(*field)));
         }
         for (nm, value, scale) in &pairs {
-            spectrum.push((number(*nm)?, number(*value)? / scale));
+            spectrum.push((number(*nm)?, number(*value)? / scale, at(*value)));
         }
         let three = |fields: [usize; 3]| {
             Ok::<_, FormatError>([number(fields[0])?, number(fields[1])?, number(fields[2])?])
@@ -191,13 +223,15 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
         let xyz = xyz.map(three).transpose()?.map(|xyz| xyz.map(|value| value / 100.0));
         samples.push(Sample {
             name: names.map_or_else(|| (k + 1).to_string(), |field| row[field].text.trim().to_owned()),
+            at: at(names.unwrap_or(0)),
             spectrum,
             lab: lab.map(three).transpose()?,
             xyz,
             ..Sample::default()
         });
     }
-    let mut file = SpectralFile { format: FORMAT, kind: parts.kind(), samples, notes: Vec::new() };
+    let (kind, observer, notes) = (parts.kind(), parts.observer(), Vec::new());
+    let mut file = SpectralFile { format: FORMAT, kind, samples, observer, notes };
     if parts.has_more {
         file.notes.push("only the first table of the file is read".to_owned());
     }

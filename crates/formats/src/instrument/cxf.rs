@@ -1,8 +1,9 @@
 //! CxF3, the Color Exchange Format of X-Rite and ISO 17972-1: XML with an element `Object` for each sample.
 
+use papilio_colour::Standard;
 use roxmltree::Node;
 
-use super::{Kind, Sample, SpectralFile, error};
+use super::{Kind, Sample, Source, SpectralFile, observer};
 use crate::error::FormatError;
 
 const FORMAT: &str = "CxF";
@@ -15,14 +16,24 @@ fn number(text: &str) -> Option<f64> {
     text.trim().replace(',', ".").parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// Returns the first wavelength and the step of a spectrum, nm: its own, or those of its specification.
-fn wavelengths(root: Node<'_, '_>, spectrum: Node<'_, '_>) -> Option<(f64, f64)> {
-    let id = spectrum.attribute("ColorSpecification");
+/// Returns the specification of a spectrum or a colour.
+fn specification<'a>(root: Node<'a, 'a>, of: Node<'a, 'a>) -> Option<Node<'a, 'a>> {
+    let id = of.attribute("ColorSpecification");
     let all = || root.descendants().filter(|node| node.tag_name().name() == "ColorSpecification");
     let of_id = all().find(|node| id.is_some() && node.attribute("Id") == id);
     // A file with a single specification may not name it.
-    let specification = of_id.or_else(|| all().next().filter(|_| id.is_none() && all().count() == 1));
-    let range = specification
+    of_id.or_else(|| all().next().filter(|_| id.is_none() && all().count() == 1))
+}
+
+/// Returns the observer of a colour, such as `10_Degree`.
+fn observer_of<'a>(root: Node<'a, 'a>, colour: Node<'a, 'a>) -> Option<Standard> {
+    let specification = specification(root, colour)?;
+    observer(named(specification, "Observer").next()?.text()?)
+}
+
+/// Returns the first wavelength and the step of a spectrum, nm: its own, or those of its specification.
+fn wavelengths<'a>(root: Node<'a, 'a>, spectrum: Node<'a, 'a>) -> Option<(f64, f64)> {
+    let range = specification(root, spectrum)
         .and_then(|node| node.descendants().find(|node| node.tag_name().name() == "WavelengthRange"));
     let of = |key: &str| {
         let own = spectrum.attribute(key);
@@ -31,18 +42,16 @@ fn wavelengths(root: Node<'_, '_>, spectrum: Node<'_, '_>) -> Option<(f64, f64)>
     Some((of("StartWL")?, of("Increment")?))
 }
 
-pub(super) fn read(name: &str, root: Node<'_, '_>) -> Result<SpectralFile, FormatError> {
+pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<SpectralFile, FormatError> {
     const SPECTRA: [(&str, Kind); 3] = [
         ("ReflectanceSpectrum", Kind::Reflectance),
         ("TransmittanceSpectrum", Kind::Transmittance),
         ("EmissiveSpectrum", Kind::Light),
     ];
-    let wrong = |node: Node<'_, '_>, what: String| {
-        let line = node.document().text_pos_at(node.range().start).row as usize;
-        error(name, line, FORMAT, what)
-    };
-    let mut file =
-        SpectralFile { format: FORMAT, kind: Kind::Unstated, samples: Vec::new(), notes: Vec::new() };
+    let source = Source { name, text, format: FORMAT };
+    let wrong = |node: Node<'_, '_>, what: String| source.at(node.range(), what);
+    let (samples, notes) = (Vec::new(), Vec::new());
+    let mut file = SpectralFile { format: FORMAT, kind: Kind::Unstated, samples, observer: None, notes };
     let mut further = 0;
     for object in named(root, "Object") {
         let Some(values) = object.children().find(|node| node.tag_name().name() == "ColorValues") else {
@@ -50,6 +59,7 @@ pub(super) fn read(name: &str, root: Node<'_, '_>) -> Result<SpectralFile, Forma
         };
         let mut sample = Sample {
             name: object.attribute("Name").unwrap_or_default().trim().to_owned(),
+            at: object.range(),
             ..Sample::default()
         };
         for spectrum in values.children() {
@@ -67,13 +77,18 @@ pub(super) fn read(name: &str, root: Node<'_, '_>) -> Result<SpectralFile, Forma
                 .filter(|(start, step)| *start > 0.0 && *step > 0.0)
                 .ok_or_else(|| wrong(spectrum, format!("a {tag} has no StartWL and Increment")))?;
             for (k, word) in spectrum.text().unwrap_or_default().split_whitespace().enumerate() {
+                // The text of an element without references to entities is that of the file.
+                let at =
+                    Some(source.range(word)).filter(|at| !at.is_empty()).unwrap_or_else(|| spectrum.range());
+                let value = number(word);
                 let value =
-                    number(word).ok_or_else(|| wrong(spectrum, format!("`{word}` is not a number")))?;
-                sample.spectrum.push((start + k as f64 * step, value));
+                    value.ok_or_else(|| source.at(at.clone(), format!("`{word}` is not a number")))?;
+                sample.spectrum.push((start + k as f64 * step, value, at));
             }
         }
-        let colour = |tag: &str, parts: [&str; 3]| {
+        let mut colour = |tag: &str, parts: [&str; 3]| {
             let colour = values.children().find(|node| node.tag_name().name() == tag)?;
+            file.observer = file.observer.or_else(|| observer_of(root, colour));
             let part =
                 |part: &str| number(colour.children().find(|node| node.tag_name().name() == part)?.text()?);
             let [a, b, c] = parts.map(part);

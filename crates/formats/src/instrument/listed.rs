@@ -36,14 +36,14 @@ pub(super) fn read(table: Table<'_>) -> Result<Option<SpectralFile>, FormatError
     let count = block[0].1.cells.iter().skip(1).filter(|cell| !cell.text.trim().is_empty()).count();
     let mut samples = Vec::new();
     for column in 1..=count {
-        let mut sample = Sample::default();
+        let mut sample = Sample { at: block[0].1.bytes(), ..Sample::default() };
         let title =
             titles.as_ref().and_then(|row| row.cells.get(column)).map(|cell| cell.text.trim().to_owned());
         sample.name = title.filter(|title| !title.is_empty()).unwrap_or_else(|| column.to_string());
         for (nm, row) in block {
-            sample.spectrum.push((*nm, row.number(column)?));
+            sample.spectrum.push((*nm, row.number(column)?, row.cells[column].bytes()));
         }
         samples.push(sample);
     }
-    Ok(Some(SpectralFile { format: FORMAT, kind: Kind::Light, samples, notes: Vec::new() }))
+    Ok(Some(SpectralFile { format: FORMAT, kind: Kind::Light, samples, observer: None, notes: Vec::new() }))
 }

@@ -5,10 +5,12 @@
 //! | CGATS.17, ISO 28178, Argyll's `.ti3`, `.sp`, `.ccss` | a line `BEGIN_DATA_FORMAT` | spectra or L\*, a\*, b\* or X, Y, Z of each sample |
 //! | CxF3 (ISO 17972) | the XML element `CxF` | the same |
 //! | IES TM-27 (`.spdx`) | the XML element `IESTM2714` or `IESTM2720` | the spectrum |
+//! | ASD, ViewSpec Pro | a line `Text conversion of header file`, or names of columns such as `leaf.asd` | the spectrum of each column |
 //! | Ocean Optics, OceanView, SpectraSuite | a line `>>>>>Begin ... Spectral Data<<<<<` | the spectrum |
 //! | Sekonic, UPRtek and others | rows such as `Spectral Data 380[nm],0.01` | the spectrum of each column |
 //! | spectrophotometers' tables | a header with a column for each wavelength | the spectrum of each row |
 
+mod asd;
 mod cgats;
 mod cxf;
 mod listed;
@@ -16,7 +18,10 @@ mod ocean;
 mod tm27;
 mod wide;
 
-use papilio_diagnostics::Diagnostic;
+use std::ops::Range;
+
+use papilio_colour::Standard;
+use papilio_diagnostics::{Diagnostic, Place};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -39,6 +44,8 @@ pub(crate) struct SpectralFile {
     pub(crate) format: &'static str,
     pub(crate) kind: Kind,
     pub(crate) samples: Vec<Sample>,
+    /// Observer of the colours, if the file states it.
+    pub(crate) observer: Option<Standard>,
     /// How the file was interpreted.
     pub(crate) notes: Vec<String>,
 }
@@ -47,8 +54,10 @@ pub(crate) struct SpectralFile {
 #[derive(Debug, Default)]
 pub(crate) struct Sample {
     pub(crate) name: String,
-    /// Wavelengths, nm, and values.
-    pub(crate) spectrum: Vec<(f64, f64)>,
+    /// Its place in the text, bytes.
+    pub(crate) at: Range<usize>,
+    /// Wavelengths, nm, and values, each with its place.
+    pub(crate) spectrum: Vec<(f64, f64, Range<usize>)>,
     pub(crate) lab: Option<[f64; 3]>,
     pub(crate) xyz: Option<[f64; 3]>,
     /// Direction of the viewer, degrees.
@@ -71,6 +80,8 @@ pub(crate) fn read(file: &DataFile) -> Result<Option<SpectralFile>, FormatError>
         Some(cgats::read(&file.name, table.text)?)
     } else if ocean::is_ocean(table.text) {
         Some(ocean::read(table)?)
+    } else if let Some(head) = asd::head(table) {
+        Some(asd::read(table, &head)?)
     } else if let Some(listed) = listed::read(table)? {
         Some(listed)
     } else {
@@ -79,7 +90,8 @@ pub(crate) fn read(file: &DataFile) -> Result<Option<SpectralFile>, FormatError>
     if let Some(read) = &read
         && read.samples.is_empty()
     {
-        return Err(error(&file.name, 0, read.format, "it has no samples".to_owned()));
+        let source = Source { name: &file.name, text: table.text, format: read.format };
+        return Err(source.whole("it has no samples"));
     }
     Ok(read)
 }
@@ -90,28 +102,69 @@ fn xml(name: &str, text: &str) -> Result<Option<SpectralFile>, FormatError> {
     let Ok(document) = roxmltree::Document::parse(text) else { return Ok(None) };
     let root = document.root_element();
     match root.tag_name().name() {
-        "CxF" => cxf::read(name, root).map(Some),
-        tag if tag.to_ascii_uppercase().starts_with("IESTM27") => tm27::read(name, root).map(Some),
+        "CxF" => cxf::read(name, text, root).map(Some),
+        tag if tag.to_ascii_uppercase().starts_with("IESTM27") => tm27::read(name, text, root).map(Some),
         _ => Ok(None),
     }
 }
 
-/// Returns an error of a file of an instrument, at a line if it is not 0.
-pub(crate) fn error(name: &str, line: usize, format: &'static str, what: String) -> FormatError {
-    let what = if line == 0 { what } else { format!("line {line}: {what}") };
-    let wrong = Diagnostic::new(format!("this {format} file cannot be used: {what}"));
-    FormatError::whole(name, wrong)
+/// The text of a file in one of these formats, for errors with their place.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) text: &'a str,
+    pub(crate) format: &'static str,
+}
+
+impl Source<'_> {
+    /// Returns an error about the whole file.
+    pub(crate) fn whole(&self, what: impl std::fmt::Display) -> FormatError {
+        FormatError::whole(self.name, self.diagnostic(what))
+    }
+
+    /// Returns an error about a range of bytes; about the whole file if this is empty.
+    pub(crate) fn at(&self, at: Range<usize>, what: impl std::fmt::Display) -> FormatError {
+        if at.is_empty() {
+            return self.whole(what);
+        }
+        let place = Place::in_text(self.name, self.text, at);
+        FormatError { place, problem: self.diagnostic(what).into() }
+    }
+
+    fn diagnostic(&self, what: impl std::fmt::Display) -> Diagnostic {
+        Diagnostic::new(format!("this {} file cannot be used: {what}", self.format))
+    }
+
+    /// Returns the place of a part of the text, bytes; an empty range if it is another text.
+    pub(crate) fn range(&self, part: &str) -> Range<usize> {
+        let [part_at, text_at] = [part, self.text].map(|text| text.as_ptr() as usize);
+        let start = part_at.wrapping_sub(text_at);
+        if start > self.text.len() || start + part.len() > self.text.len() {
+            0..0
+        } else {
+            start..start + part.len()
+        }
+    }
+}
+
+/// Returns the observer that a text such as `2 degree` or `10_Degree` names.
+pub(crate) fn observer(text: &str) -> Option<Standard> {
+    match text.trim_matches(|c: char| !c.is_ascii_digit()) {
+        "2" | "1931" => Some(Standard::Cie1931),
+        "10" | "1964" => Some(Standard::Cie1964),
+        _ => None,
+    }
 }
 
 impl SpectralFile {
     /// Divides reflectances in per cent by 100; without a stated scale, values above 1.5 show that they are.
     pub(crate) fn divide_per_cent(&mut self) {
         let values = || self.samples.iter().flat_map(|sample| &sample.spectrum);
-        let largest = values().map(|(_, value)| *value).fold(0.0, f64::max);
+        let largest = values().map(|(_, value, _)| *value).fold(0.0, f64::max);
         if self.kind == Kind::Light || largest <= LARGEST_FRACTION {
             return;
         }
-        for (_, value) in self.samples.iter_mut().flat_map(|sample| &mut sample.spectrum) {
+        for (_, value, _) in self.samples.iter_mut().flat_map(|sample| &mut sample.spectrum) {
             *value /= 100.0;
         }
         self.notes.push(percent_note(largest));

@@ -1,7 +1,7 @@
 //! Text of Ocean Optics' programs (SpectraSuite, OceanView): lines of a head, a line that begins the data,
 //! and rows of two numbers.
 
-use super::{Kind, Sample, SpectralFile, error};
+use super::{Kind, Sample, Source, SpectralFile};
 use crate::error::FormatError;
 use crate::table::{Dialect, Table};
 
@@ -16,6 +16,7 @@ pub(super) fn is_ocean(text: &str) -> bool {
 }
 
 pub(super) fn read(table: Table<'_>) -> Result<SpectralFile, FormatError> {
+    let source = Source { name: table.name, text: table.text, format: FORMAT };
     let mut head = Vec::new();
     let mut first = 0;
     for (k, line) in table.text.lines().enumerate() {
@@ -29,17 +30,18 @@ pub(super) fn read(table: Table<'_>) -> Result<SpectralFile, FormatError> {
     if let Some(axis) = axis.filter(|axis| !axis.to_ascii_lowercase().starts_with("wavelength")) {
         let what =
             format!("its axis is `{axis}` (expected Wavelengths: export the spectrum over wavelength)");
-        return Err(error(table.name, 0, FORMAT, what));
+        return Err(source.at(source.range(axis), what));
     }
     let data = table.text.lines().enumerate().skip(first);
-    let data: Vec<(usize, &str)> = data
-        .take_while(|(_, line)| !line.trim_start().starts_with(">>>>>End"))
-        .filter(|(_, line)| !line.trim().is_empty())
+    let data: Vec<&str> = data
+        .map(|(_, line)| line)
+        .take_while(|line| !line.trim_start().starts_with(">>>>>End"))
+        .filter(|line| !line.trim().is_empty())
         .collect();
-    let text: String = data.iter().flat_map(|(_, line)| [*line, "\n"]).collect();
+    let text: String = data.iter().flat_map(|line| [*line, "\n"]).collect();
     let dialect = Dialect::of(&text);
     let mut sample = Sample::default();
-    for (k, line) in data {
+    for line in data {
         let words: Vec<&str> = match dialect.separator {
             Some(separator) => line.split(separator).map(str::trim).filter(|word| !word.is_empty()).collect(),
             None => line.split_whitespace().collect(),
@@ -50,13 +52,13 @@ pub(super) fn read(table: Table<'_>) -> Result<SpectralFile, FormatError> {
             .filter(|value| value.is_finite())
             .collect();
         match (&numbers[..], words.len()) {
-            ([nm, value], 2) => sample.spectrum.push((*nm, *value)),
+            ([nm, value], 2) => sample.spectrum.push((*nm, *value, source.range(words[1]))),
             _ => {
                 let what = format!("`{}` is not a wavelength and a value", crate::table::clip(line.trim()));
-                return Err(error(table.name, k + 1, FORMAT, what));
+                return Err(source.at(source.range(line.trim()), what));
             }
         }
     }
-    let notes = Vec::new();
-    Ok(SpectralFile { format: FORMAT, kind: Kind::Unstated, samples: vec![sample], notes })
+    let (samples, notes) = (vec![sample], Vec::new());
+    Ok(SpectralFile { format: FORMAT, kind: Kind::Unstated, samples, observer: None, notes })
 }

@@ -74,16 +74,18 @@ pub(super) fn read(table: Table<'_>) -> Result<Option<SpectralFile>, FormatError
             name: state.map_or_else(|| (k + 1).to_string(), |cell| row.cells[cell].text.to_string()),
             theta_deg: angle(&THETA)?,
             phi_deg: angle(&PHI)?,
+            at: row.bytes(),
             ..Sample::default()
         };
         for (cell, nm) in &columns {
             let value = row.number(*cell)?;
             let value = unit.map_or(value, |unit| unit.convert(value, crate::table::Dimension::Fraction));
-            sample.spectrum.push((*nm, value));
+            sample.spectrum.push((*nm, value, row.cells[*cell].bytes()));
         }
         samples.push(sample);
     }
-    let mut file = SpectralFile { format: FORMAT, kind: Kind::Unstated, samples, notes: header.notes };
+    let mut file =
+        SpectralFile { format: FORMAT, kind: Kind::Unstated, samples, observer: None, notes: header.notes };
     if unit.is_none() {
         file.divide_per_cent();
     }

@@ -1,6 +1,6 @@
 //! A measured palette: spectra, or L\*, a\*, b\*, of the states of a panel.
 
-use papilio_colour::Lab;
+use papilio_colour::{Lab, Standard};
 use papilio_diagnostics::{Diagnostic, Warned};
 use papilio_spectra::Tabulated;
 
@@ -13,8 +13,8 @@ use crate::states::{Accept, Value, read_states, two_values};
 pub enum PaletteTable {
     /// Spectral reflectance factors.
     Spectra(Vec<(String, Tabulated)>),
-    /// CIELAB.
-    Lab(Vec<(String, Lab)>),
+    /// CIELAB, and the observer if the file states it.
+    Lab(Vec<(String, Lab)>, Option<Standard>),
 }
 
 /// Reads a measured palette, with notes on how the file was read.
@@ -68,7 +68,7 @@ fn of_table(file: &DataFile) -> Result<Warned<PaletteTable>, FormatError> {
         }
     }
     let value = match spectra.is_empty() {
-        true => PaletteTable::Lab(colours),
+        true => PaletteTable::Lab(colours, read.observer),
         false => PaletteTable::Spectra(spectra),
     };
     Ok(Warned { value, warnings: read.notes })

@@ -328,9 +328,11 @@ fn unit_of(name: &ColumnName, quantity: &Quantity) -> Result<Option<Unit>, Probl
         let is_wavenumber = is(&["wavenumber", "wave_number", "wellenzahl"]);
         match unit {
             None if is_wavenumber => return Ok(Some(Unit::Wavenumber(1.0))),
-            None if is(&["energy", "photon_energy", "hnu", "frequency"]) => return Err(wrong("none")),
+            None if is(&["energy", "energie", "photon_energy", "hnu", "frequency"]) => {
+                return Err(wrong("none"));
+            }
             Some(Unit::Length(_))
-                if is_wavenumber || is(&["energy", "photon_energy", "e", "hnu", "frequency"]) =>
+                if is_wavenumber || is(&["energy", "energie", "photon_energy", "e", "hnu", "frequency"]) =>
             {
                 return Err(wrong(&name.raw));
             }

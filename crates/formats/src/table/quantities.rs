@@ -34,6 +34,7 @@ pub(crate) static WAVELENGTH: Quantity = Quantity {
             "wavenumber",
             "wave_number",
             "energy",
+            "energie",
             "photon_energy",
             "e",
             "hnu",

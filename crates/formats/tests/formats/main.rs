@@ -12,6 +12,7 @@ mod bsdf;
 mod decoders;
 mod eulumdat;
 mod heights;
+mod laboratory;
 mod light_map_fields;
 mod light_maps;
 mod luminaires;

@@ -567,7 +567,7 @@ fn palette_in_any_form_is_the_same() {
         }
     }
     let lab = read_palette(&file("Sample;b*;L*;a*\nwhite;1,5;68;-0,5\n")).unwrap().value;
-    let PaletteTable::Lab(lab) = lab else { panic!("{lab:?}") };
+    let PaletteTable::Lab(lab, None) = lab else { panic!("{lab:?}") };
     assert_eq!((lab[0].1.l, lab[0].1.a, lab[0].1.b), (68.0, -0.5, 1.5));
 }
 
@@ -653,7 +653,7 @@ fn small_tables_are_read_by_names_in_any_order() {
 /// No text makes a reader panic: names, units and keywords of all formats in any order.
 #[test]
 fn arbitrary_words_never_panic() {
-    const WORDS: [&str; 30] = [
+    const WORDS: [&str; 33] = [
         "wavelength",
         "(nm)",
         "n",
@@ -679,6 +679,9 @@ fn arbitrary_words_never_panic() {
         "<CxF>",
         "</CxF>",
         ">>>>>Begin Spectral Data<<<<<\n",
+        "Text conversion of header file\n",
+        "\nnm\nNK\n",
+        ".asd",
         "Spectral Data 380[nm]",
         "#",
         "state",

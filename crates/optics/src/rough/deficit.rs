@@ -253,7 +253,7 @@ mod tests {
     fn twelve_nodes_are_accurate() {
         let (rule, fine) = (Rule::new(12), Rule::new(48));
         for (alpha, below) in [(0.01, 1.5), (0.1, 1.05), (0.4, 2.4), (1.0, 1.5)] {
-            let facets = Microfacets { distribution: Distribution::Ggx, alpha, above: 1.0, below };
+            let facets = Microfacets::new(Distribution::Ggx, alpha, 1.0, below);
             for side in [Side::Above, Side::Below] {
                 for step in 0..=20 {
                     let cosine = (f64::from(step) / 20.0).powi(2);

@@ -5,17 +5,22 @@
 //! plane, so the wave vector changes only along h: by `2 c1` in a reflection, by `c1 - c2` in a refraction,
 //! c1 and c2 its components along h on either side.
 
+use std::sync::Arc;
+
 use super::Side;
 use super::shadowing::{Distribution, beta_function};
+use super::student::StudentSlopes;
 use crate::Beta;
 
 /// Statistics of the microfacets of an interface, and its media.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Microfacets {
     pub(super) distribution: Distribution,
     pub(super) alpha: f64,
     pub(super) above: f64,
     pub(super) below: f64,
+    /// Tables of slopes that have no fast closed forms.
+    tables: Option<Arc<StudentSlopes>>,
 }
 
 /// Light after one microfacet.
@@ -48,7 +53,8 @@ pub(super) struct MicrofacetEvent {
 /// Two directions, without the angle between their planes of incidence.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pair {
-    facets: Microfacets,
+    distribution: Distribution,
+    alpha: f64,
     back: bool,
     n1: f64,
     n2: f64,
@@ -66,7 +72,7 @@ impl Pair {
         if length_squared == 0.0 {
             return 0.0;
         }
-        let normals = || self.facets.distribution.normals(self.facets.alpha, tangential, z * z);
+        let normals = || self.distribution.normals(self.alpha, tangential, z * z);
         if self.back {
             let c1 = 0.5 * length_squared.sqrt();
             return (1.0 - transmittance(c1, n1, beyond(c1, n1, n2), n2)) * normals() * self.shadowing;
@@ -84,6 +90,14 @@ impl Pair {
 }
 
 impl Microfacets {
+    pub(super) fn new(distribution: Distribution, alpha: f64, above: f64, below: f64) -> Self {
+        let tables = match distribution {
+            Distribution::StudentT { tail } => Some(Arc::new(StudentSlopes::new(tail))),
+            Distribution::Ggx | Distribution::Beckmann => None,
+        };
+        Self { distribution, alpha, above, below, tables }
+    }
+
     pub(super) fn index(&self, side: Side) -> f64 {
         match side {
             Side::Above => self.above,
@@ -103,8 +117,8 @@ impl Microfacets {
         let wave = |side, beta: Beta| normal_component(self.index(side), beta.squared());
         let Some((q_i, q_o)) = wave(Side::Above, above).zip(wave(Side::Below, below)) else { return 0.0 };
         let shadowing = 0.25 / (q_i * q_o);
-        let pair =
-            Pair { facets: *self, back: false, n1: self.above, n2: self.below, z: q_i - q_o, shadowing };
+        let (n1, n2) = (self.above, self.below);
+        let pair = Pair { n1, n2, z: q_i - q_o, shadowing, back: false, ..self.blank() };
         pair.single((below - above).squared())
     }
 
@@ -134,12 +148,21 @@ impl Microfacets {
             beta_function(hidden[0] / q_i, hidden[1] / q_o) / (q_i * q_o)
         };
         let z = if back { q_i + q_o } else { q_i - q_o };
-        Some(Pair { facets: *self, back, n1, n2: self.index(from.other()), z, shadowing: 0.25 * shadowing })
+        Some(Pair { back, n1, n2: self.index(from.other()), z, shadowing: 0.25 * shadowing, ..self.blank() })
+    }
+
+    /// Returns a pair of directions that are not known yet.
+    fn blank(&self) -> Pair {
+        let Self { distribution, alpha, .. } = *self;
+        Pair { distribution, alpha, back: false, n1: 1.0, n2: 1.0, z: 0.0, shadowing: 0.0 }
     }
 
     /// Returns `q Lambda` of light in this direction.
     pub(super) fn hidden(&self, q: f64, beta_squared: f64) -> f64 {
-        self.distribution.hidden(self.alpha, q, beta_squared)
+        match &self.tables {
+            Some(tables) => tables.hidden(self.alpha, q, beta_squared),
+            None => self.distribution.hidden(self.alpha, q, beta_squared),
+        }
     }
 
     /// Returns the probability that light which left its first microfacet with this component q along the
@@ -156,7 +179,10 @@ impl Microfacets {
         let q = (n1 * n1 - beta.squared()).max(0.0).sqrt();
         // In units where the roughness is 1, towards the incident light.
         let stretched = unit([-self.alpha * beta.x, -self.alpha * beta.y, q]);
-        let [x, y, z] = self.distribution.visible(stretched, u);
+        let [x, y, z] = match &self.tables {
+            Some(tables) => tables.visible(stretched, u),
+            None => self.distribution.visible(stretched, u),
+        };
         let normal = unit([self.alpha * x, self.alpha * y, z]);
         let arriving = [beta.x, beta.y, -q];
         let c1 = -(arriving[0] * normal[0] + arriving[1] * normal[1] + arriving[2] * normal[2]);

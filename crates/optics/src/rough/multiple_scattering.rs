@@ -228,8 +228,9 @@ mod tests {
     use crate::rough::Distribution;
 
     fn deficits(distribution: Distribution, alpha: f64) -> (Microfacets, Deficits) {
-        let facets = Microfacets { distribution, alpha, above: 1.0, below: 1.5 };
-        (facets, Deficits::new(&facets, &FINENESS[0]))
+        let facets = Microfacets::new(distribution, alpha, 1.0, 1.5);
+        let deficits = Deficits::new(&facets, &FINENESS[0]);
+        (facets, deficits)
     }
 
     /// Compared with the midpoint rule over the cumulative integral up to each sampled direction.

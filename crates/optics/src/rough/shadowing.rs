@@ -11,9 +11,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use papilio_sampling::{erfc, erfc_inv, warp};
 
 use super::invert;
+use super::student::{self, StudentSlopes};
 
 /// Distribution of the slopes of an interface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Distribution {
     /// GGX (Trowbridge-Reitz): half of the interface is steeper than `atan alpha`, and few microfacets are
     /// very steep.
@@ -22,6 +23,12 @@ pub enum Distribution {
     /// Gaussian slopes of variance `alpha^2/2` along each axis: hardly any microfacet is steeper than 2.5
     /// alpha.
     Beckmann,
+    /// Student's t-distribution, between the other two.
+    StudentT {
+        /// gamma, 2 (GGX) to 1000 (almost Beckmann): the fraction steeper than a slope falls with the power
+        /// `2 - 2 gamma` of large slopes.
+        tail: f64,
+    },
 }
 
 impl Distribution {
@@ -39,6 +46,12 @@ impl Distribution {
                 let ratio = (tangential + z_squared) / z_squared;
                 (-tangential / (alpha_squared * z_squared)).exp() * ratio * ratio / (PI * alpha_squared)
             }
+            Self::StudentT { tail } => {
+                let core = (tail - 1.0) * alpha_squared;
+                let length = core * z_squared + tangential;
+                let ratio = (tail - 1.0) * (tangential + z_squared) / length;
+                alpha_squared * ratio * ratio * (core * z_squared / length).powf(tail - 2.0) / PI
+            }
         }
     }
 
@@ -52,6 +65,11 @@ impl Distribution {
             Self::Beckmann => {
                 let tan = sin / cos;
                 2.0 * tan * (-tan * tan).exp() / (cos * cos)
+            }
+            Self::StudentT { tail } => {
+                let core = (tail - 1.0) * cos * cos;
+                let ratio = (tail - 1.0) / (core + sin * sin);
+                2.0 * sin * cos * ratio * ratio * (core / (core + sin * sin)).powf(tail - 2.0)
             }
         }
     }
@@ -71,6 +89,7 @@ impl Distribution {
                 let gauss = 0.5 * across * (-ratio * ratio).exp() / PI.sqrt();
                 (gauss - 0.5 * q * erfc(ratio)).max(0.0)
             }
+            Self::StudentT { tail } => student::hidden_exactly(tail, [alpha, q, beta_squared]),
         }
     }
 
@@ -78,6 +97,7 @@ impl Distribution {
     /// from `towards`, a unit vector, weighted by their projected areas.
     pub(super) fn visible(self, towards: [f64; 3], [u, v]: [f64; 2]) -> [f64; 3] {
         match self {
+            Self::StudentT { tail } => StudentSlopes::new(tail).visible(towards, [u, v]),
             // Spherical caps: J. Dupuy, A. Benyoub, Comput. Graph. Forum 42 (8), 2023.
             Self::Ggx => {
                 let z = 1.0 - v * (1.0 + towards[2]);
@@ -164,7 +184,8 @@ mod tests {
     /// areas of microfacets is `cos (1 + Lambda)`, by the midpoint rule over slopes.
     #[test]
     fn visible_area_equals_projection() {
-        for distribution in [Distribution::Ggx, Distribution::Beckmann] {
+        let [heavy, light] = [2.3, 9.0].map(|tail| Distribution::StudentT { tail });
+        for distribution in [Distribution::Ggx, Distribution::Beckmann, heavy, light] {
             for (alpha, theta) in [(0.3, 0.2_f64), (0.3, 1.4), (1.0, 1.0)] {
                 let (mut seen, steps) = (0.0, 800);
                 for i in 0..steps {

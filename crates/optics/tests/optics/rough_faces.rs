@@ -1,6 +1,7 @@
 //! Rough interfaces: reciprocity, no losses, samples that follow their density, limits.
 
 mod heitz;
+mod limits;
 mod several;
 
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -53,9 +54,14 @@ fn over_side(face: &Rough, side: Side, cut: f64, steps: [usize; 2], integrand: i
 #[test]
 fn density_is_reciprocal_for_all_directions() {
     use Distribution::{Beckmann, Ggx};
-    for (distribution, alpha, above, below) in
-        [(Ggx, 0.02, 1.0, 1.5), (Ggx, 0.2, 1.0, 1.5), (Beckmann, 0.5, 1.7, 1.33), (Ggx, 1.0, 1.5, 1.52)]
-    {
+    let student = Distribution::StudentT { tail: 2.5 };
+    for (distribution, alpha, above, below) in [
+        (Ggx, 0.02, 1.0, 1.5),
+        (Ggx, 0.2, 1.0, 1.5),
+        (Beckmann, 0.5, 1.7, 1.33),
+        (Ggx, 1.0, 1.5, 1.52),
+        (student, 0.1, 1.0, 1.5),
+    ] {
         let face = Rough::with(distribution, alpha, above, below);
         let numbers = SampleStream::new(Sampler::Random, 3, 0);
         for path in 0..sized(1000, 2000) {
@@ -88,7 +94,10 @@ fn density_is_reciprocal_for_all_directions() {
 #[test]
 fn scattered_light_sums_to_one() {
     use Distribution::{Beckmann, Ggx};
-    for (distribution, alpha) in [(Ggx, 0.05), (Ggx, 0.2), (Ggx, 0.5), (Ggx, 1.0), (Beckmann, 0.5)] {
+    let [heavy, light] = [2.4, 8.0].map(|tail| Distribution::StudentT { tail });
+    for (distribution, alpha) in
+        [(Ggx, 0.05), (Ggx, 0.2), (Ggx, 0.5), (Ggx, 1.0), (Beckmann, 0.5), (heavy, 0.2), (light, 0.5)]
+    {
         let face = Rough::with(distribution, alpha, 1.0, 1.5);
         // Wide lobes need few points.
         let steps = match alpha {
@@ -142,14 +151,17 @@ fn chi_square(drawn: &Rough, from: Side, a: Beta, claimed: impl Fn(Side, Beta) -
 #[test]
 fn samples_follow_density() {
     use Distribution::{Beckmann, Ggx};
+    let [heavy, light] = [2.4, 8.0].map(|tail| Distribution::StudentT { tail });
     let faces = [
         (Ggx, 0.1, 1.0, 1.5),
         (Beckmann, 0.4, 1.0, 1.5),
+        (heavy, 0.15, 1.0, 1.5),
+        (light, 0.6, 1.6, 1.4),
         (Ggx, 0.5, 1.6, 1.4),
         (Ggx, 1.0, 1.0, 1.5),
         (Ggx, 0.3, 1.0, 1.5),
     ];
-    for (distribution, alpha, above, below) in everyday(3, faces) {
+    for (distribution, alpha, above, below) in everyday(5, faces) {
         let face = Rough::with(distribution, alpha, above, below);
         for from in SIDES {
             for theta_deg in [0.0, 40.0, 80.0] {

@@ -1,16 +1,15 @@
 //! `[[display.layers]]`: media and interfaces in any order.
 
-use papilio_display::scene::Distribution;
-
 use super::diffuser::{Btdf, Slab};
 use super::display::{MaterialSpec, ShareSpectrum};
-use super::numbers::{CorrelationLength, Index, Nanometres, Roughness, Share, Thickness};
+use super::numbers::{
+    CorrelationLength, FaceSlope, Index, Kurtosis, Nanometres, Roughness, Share, Tail, Thickness,
+};
 use crate::error::Errors;
 use crate::grammar::{choice, kinds, table};
 use crate::read::{Read, Spanned, Table};
 use crate::schema::of_table;
 use crate::tree::Node;
-use crate::word::Word;
 
 kinds! {
     /// A medium (`medium`, `slab`) or an interface (the other kinds); its keys depend on `kind`.
@@ -76,21 +75,32 @@ table! {
 }
 
 choice! {
-    for Distribution {
+    /// Distribution of the slopes of a rough interface.
+    Slopes {
         /// GGX (Trowbridge-Reitz), with a long tail: half of the surface is steeper than atan(alpha).
         Ggx = "ggx",
         /// Gaussian slopes of variance alpha^2/2 along each axis.
         Beckmann = "beckmann",
+        /// Slopes with a tail between those of the other two (t-distribution of Student), by `tail` or `slope_kurtosis`.
+        StudentT = "student-t",
     }
 }
 
 table! {
     /// A rough interface between two media of different index, both independent of wavelength.
     Rough {
-        /// Roughness: typical slope of the surface.
-        alpha as "Roughness alpha": Roughness,
+        /// Roughness: typical slope of the surface. Exactly one of `alpha`, `slope_mean` and `slope_rms`.
+        alpha as "Roughness alpha": Option<Roughness>,
+        /// Mean absolute slope along one axis, of a profilometer (Rda), or 2 pi Ra/RSm.
+        slope_mean as "Mean slope": Option<FaceSlope>,
+        /// Root mean square slope along one axis (Rdq); not for `"ggx"`, and a `tail` of 2, which have none.
+        slope_rms as "Rms slope": Option<FaceSlope>,
         /// Distribution of the slopes.
-        distribution: Word<Distribution> = Word(Distribution::Ggx),
+        distribution: Slopes = Slopes::Ggx,
+        /// Tail gamma of `"student-t"`: 2 is `"ggx"`, and `"beckmann"` is its limit for large values.
+        tail as "Tail of the slopes": Option<Tail>,
+        /// Kurtosis of the slopes along one axis, from which `tail` follows as 3 + 3/(kurtosis - 3).
+        slope_kurtosis as "Kurtosis of the slopes": Option<Kurtosis>,
         /// Distance at which the correlation of the heights is 1/e, for `papilio sparkle` only; it requires
         /// `distribution = "beckmann"`. Default: not known.
         correlation_um as "Correlation length": Option<CorrelationLength>,

@@ -148,8 +148,16 @@ number!(
     RmsHeight, Range::above_0_to(1e6).unit("nm")
 );
 number!(
-    /// The root mean square slope of a face along one axis.
-    FaceSlope, Range::from_to(0.0001, 0.5).unit("root mean square slope")
+    /// The slope of a face along one axis: its root mean square, or the mean of its absolute value.
+    FaceSlope, Range::from_to(0.0001, 0.5).unit("slope")
+);
+number!(
+    /// The tail of a distribution of slopes.
+    Tail, Range::from_to(2.0, 100.0)
+);
+number!(
+    /// The kurtosis of slopes along one axis: 3 if they are Gaussian.
+    Kurtosis, Range::from_to(3.04, 1e4)
 );
 number!(
     /// The correlation length of a face, um.

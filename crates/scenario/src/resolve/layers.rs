@@ -11,6 +11,7 @@ use papilio_display::scene::{
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
+use super::rough::slopes;
 use super::stack::Stack;
 use crate::describe::File;
 use crate::describe::diffuser::{Btdf, Diffuser, Slab};
@@ -224,7 +225,14 @@ impl Resolver<'_> {
             describe::Layer::IdealAr(_) => Part::Interface(Ready::IdealAr.into()),
             describe::Layer::Fresnel(_) => Part::Interface(Ready::Fresnel.into()),
             describe::Layer::Rough(rough) => {
-                Part::Interface(Interface::Rough { alpha: rough.alpha.0, distribution: rough.distribution.0 })
+                let (alpha, distribution) = match slopes(rough, at) {
+                    Ok(slopes) => slopes,
+                    Err((at, wrong)) => {
+                        self.errors.push(at, wrong);
+                        return None;
+                    }
+                };
+                Part::Interface(Interface::Rough { alpha, distribution })
             }
         }))
     }

@@ -25,6 +25,7 @@ mod pixel;
 mod reflection;
 mod regions;
 mod relief;
+mod rough;
 mod sampling;
 mod sparkle;
 mod stack;

@@ -1,6 +1,6 @@
 //! Pixels whose states have measured colours: spectra, or the smoothest spectra with given L\*, a\*, b\*.
 
-use papilio_colour::{Lab, Observer};
+use papilio_colour::{Lab, Observer, Standard};
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{UniformKind, UniformPixel};
 use papilio_formats::{PaletteTable, read_palette};
@@ -27,7 +27,7 @@ impl Resolver<'_> {
         let table = self.data_with_notes(&pixel.file, pixel.file.origin, read_palette)?;
         let count = match &table {
             PaletteTable::Spectra(states) => states.len(),
-            PaletteTable::Lab(states) => states.len(),
+            PaletteTable::Lab(states, _) => states.len(),
         };
         self.limit(&pixel.file, "states", count, 256)?;
         // Spectra do not need the illuminant, but a wrong name is a mistake.
@@ -49,14 +49,15 @@ impl Resolver<'_> {
                     })
                     .collect::<Option<_>>()?
             }
-            PaletteTable::Lab(states) => {
+            PaletteTable::Lab(states, observer) => {
+                let observer = Observer::of(observer.unwrap_or(Standard::Cie1931), &grid).ok()?;
                 self.warnings.push(format!(
                     "{}: of L*, a*, b* only the colour in {} is known; its smoothest spectra are used, and colours in other light are estimates",
                     pixel.file.value, pixel.illuminant.value
                 ));
                 states
                     .into_iter()
-                    .map(|(name, lab)| self.smoothest(pixel, (&grid, &light), face, (name, lab)))
+                    .map(|(name, lab)| self.smoothest(pixel, (&grid, &light, &observer), face, (name, lab)))
                     .collect::<Option<_>>()?
             }
         };
@@ -104,12 +105,11 @@ impl Resolver<'_> {
     fn smoothest(
         &mut self,
         pixel: &PalettePixel,
-        (grid, light): (&Grid, &Spectrum),
+        (grid, light, observer): (&Grid, &Spectrum, &Observer),
         face: Option<DiffuseFace>,
         (name, lab): (String, Lab),
     ) -> Option<(String, Spectrum)> {
         let [first, last] = RANGE_NM;
-        let observer = Observer::new(grid).ok()?;
         let white = observer.xyz(light);
         let white = white * (1.0 / white.y);
         let mut colour = lab.xyz(white);

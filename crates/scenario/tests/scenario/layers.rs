@@ -1,5 +1,6 @@
 //! Layers in any order, slabs and absorbing glass: resolved layers, and refused input.
 
+use std::f64::consts::{PI, SQRT_2};
 use std::path::Path;
 
 use crate::common::{GOOD, LAYERED, NO_REFLECTION, changed, changed_in, resolve};
@@ -214,8 +215,25 @@ const WRONG: &[Case] = &[
         "alpha = 0.3",
         "alpha = 0.3, distribution = \"gauss\"",
         (6, 49),
-        &["`gauss` is not one of the choices", "expected \"ggx\" or \"beckmann\""],
+        &["`gauss` is not one of the choices", "expected \"ggx\" or \"beckmann\" or \"student-t\""],
     ),
+    (
+        "alpha = 0.3",
+        "alpha = 0.3, distribution = \"student-t\"",
+        (6, 3),
+        &["the key `tail` is missing", "from 2"],
+    ),
+    ("alpha = 0.3", "alpha = 0.3, tail = 3", (6, 41), &["`tail` describes slopes", "\"student-t\""]),
+    ("alpha = 0.3", "alpha = 0.3, slope_kurtosis = 6", (6, 51), &["`slope_kurtosis` describes slopes"]),
+    (
+        "alpha = 0.3",
+        "alpha = 0.3, distribution = \"student-t\", tail = 1.9",
+        (6, 69),
+        &["1.9 is out of range", "from 2 to 100"],
+    ),
+    ("alpha = 0.3", "alpha = 0.3, slope_mean = 0.1", (6, 3), &["more than one of `alpha`, `slope_mean`"]),
+    ("alpha = 0.3", "slope_rms = 0.1", (6, 33), &["these slopes have no root mean square", "`slope_mean`"]),
+    ("alpha = 0.3", "slope_mean = 0.0005", (6, 34), &["this slope is a roughness alpha of 5.00e-4"]),
     (
         "alpha = 0.3",
         "alpha = 0.3, index = 1.5",
@@ -426,6 +444,35 @@ fn rough_interface_with_beckmann_slopes_resolves() {
             panic!("not rough")
         };
         assert_eq!((alpha, distribution), (0.3, Distribution::Beckmann));
+    }
+}
+
+/// alpha from what a profilometer prints: GGX has the mean slope alpha, Gaussian slopes have alpha/sqrt(pi) and
+/// alpha/sqrt 2; Student's t with 4 degrees of freedom has twice the variance of its core, with 8 a kurtosis of
+/// 4.5.
+#[test]
+fn roughness_follows_from_measured_slopes() {
+    for (keys, alpha, distribution) in [
+        ("slope_mean = 0.1", 0.1, Distribution::Ggx),
+        ("slope_mean = 0.1, distribution = \"beckmann\"", 0.1 * PI.sqrt(), Distribution::Beckmann),
+        ("slope_rms = 0.1, distribution = \"beckmann\"", 0.1 * SQRT_2, Distribution::Beckmann),
+        (
+            "slope_rms = 0.1, distribution = \"student-t\", tail = 3",
+            0.1,
+            Distribution::StudentT { tail: 3.0 },
+        ),
+        (
+            "alpha = 0.2, distribution = \"student-t\", slope_kurtosis = 4.5",
+            0.2,
+            Distribution::StudentT { tail: 5.0 },
+        ),
+    ] {
+        let resolved = resolved(&LAYERED.replace("alpha = 0.3", keys), &[]);
+        let Interface::Rough { alpha: found, distribution: slopes } = layers_of(&resolved)[2].interface
+        else {
+            panic!("not rough")
+        };
+        assert!((found - alpha).abs() < 1e-12 && slopes == distribution, "{keys}: {found} {slopes:?}");
     }
 }
 

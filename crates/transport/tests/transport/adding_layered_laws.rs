@@ -149,9 +149,12 @@ fn rough_interface_errors_decrease_with_level() {
 /// both levels would not show in their difference. The stated error is four times that.
 #[test]
 fn rough_interface_in_mirror_direction_has_the_error_of_two_levels() {
-    for (alpha, distribution) in
-        [(0.4, Distribution::Ggx), (0.2, Distribution::Ggx), (0.2, Distribution::Beckmann)]
-    {
+    for (alpha, distribution) in [
+        (0.4, Distribution::Ggx),
+        (0.2, Distribution::Ggx),
+        (0.2, Distribution::Beckmann),
+        (0.2, Distribution::StudentT { tail: 2.5 }),
+    ] {
         let face = Rough::with(distribution, alpha, 1.0, 1.5);
         let stack = stack([(Interface::Rough(face), clear(1.5))], mirror(0.8));
         let [a, b, truth] =

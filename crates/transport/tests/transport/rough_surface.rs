@@ -35,7 +35,9 @@ fn sources() -> [Source; 3] {
 /// levels are compared, too.
 #[test]
 fn surface_equals_a_grid_that_resolves_its_lobes() {
-    let cases = [(Distribution::Ggx, 0.1), (Distribution::Beckmann, 0.15), (Distribution::Ggx, 0.4)];
+    let student = Distribution::StudentT { tail: 2.7 };
+    let cases =
+        [(Distribution::Ggx, 0.1), (student, 0.25), (Distribution::Beckmann, 0.15), (Distribution::Ggx, 0.4)];
     for (distribution, alpha) in everyday(2, cases) {
         for base in [mirror(0.8), lambertian(0.6)] {
             let coarse = surface(distribution, alpha, base);
@@ -48,7 +50,9 @@ fn surface_equals_a_grid_that_resolves_its_lobes() {
                     let [found, before] = [found, before].map(|one| rho(one, source) / rho(truth, source));
                     // Largest for the disc that a view at 60 deg sees far from its mirror direction.
                     assert_close(&format!("{what}: levels of the reference"), before, 1.0, 1e-3);
-                    assert_close(&what, found, 1.0, 3e-4);
+                    // The same disc is far out in the tail: the absolute error is that of GGX, the light is a quarter.
+                    let is_faint = source == 2 && distribution == student;
+                    assert_close(&what, found, 1.0, if is_faint { 1e-3 } else { 3e-4 });
                 }
                 let books = [&found.ledger, &truth.ledger].map(|l| [l.returned[0], l.pixel[0]]);
                 assert_close("returned", books[0][0], books[1][0], 3e-5);

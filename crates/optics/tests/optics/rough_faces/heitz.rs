@@ -44,6 +44,23 @@ impl Draws {
         self.four[(self.next as usize - 1) % 4]
     }
 
+    /// Draws from the gamma distribution of this shape, above 0 (G. Marsaglia, W. Tsang, ACM Trans. Math.
+    /// Softw. 26, 363 (2000)).
+    fn gamma(&mut self, shape: f64) -> f64 {
+        if shape < 1.0 {
+            let power = self.draw().max(1e-300).powf(1.0 / shape);
+            return power * self.gamma(shape + 1.0);
+        }
+        let d = shape - 1.0 / 3.0;
+        loop {
+            let x = self.gauss();
+            let v = (1.0 + x / (9.0 * d).sqrt()).powi(3);
+            if v > 0.0 && (1.0 - self.draw()).ln() < 0.5 * x * x + d - d * v + d * v.ln() {
+                return d * v;
+            }
+        }
+    }
+
     fn gauss(&mut self) -> f64 {
         (-2.0 * (1.0 - self.draw()).ln()).sqrt() * (TAU * self.draw()).cos()
     }
@@ -177,8 +194,20 @@ impl Face {
         match self.distribution {
             Distribution::Ggx => 0.5 * ((1.0 + 1.0 / (a * a)).sqrt() - 1.0),
             // Zero slopes have no shadowing; from here on it is below 1e-12.
-            Distribution::Beckmann if a > 5.0 => 0.0,
-            Distribution::Beckmann => 0.5 * ((-a * a).exp() / (a * PI.sqrt()) - erfc(a)),
+            Distribution::Beckmann => beckmann_lambda(a),
+            // A mixture of Gaussian slopes whose inverse variance has a gamma distribution, by the midpoint
+            // rule in the logarithm of that variance's scale.
+            Distribution::StudentT { tail } => {
+                let (shape, steps) = (tail - 1.0, 60);
+                let (mut sum, mut all) = (0.0, 0.0);
+                for k in 0..steps {
+                    let g = (-11.0 + 14.5 * (f64::from(k) + 0.5) / f64::from(steps)).exp();
+                    let weight = (shape * g.ln() - g).exp();
+                    sum += weight * beckmann_lambda(a * (g / shape).sqrt());
+                    all += weight;
+                }
+                sum / all
+            }
         }
     }
 
@@ -226,12 +255,45 @@ impl Face {
                     break (t, s);
                 }
             },
+            // Of the same mixture, by rejection from `(cos + max(t, 0) sin) p(t)`, which has two parts.
+            Distribution::StudentT { tail } => loop {
+                let shape = tail - 1.0;
+                let steep =
+                    0.5 * sin * shape.sqrt() * (ln_gamma(shape - 0.5) - ln_gamma(shape)).exp() / PI.sqrt();
+                let is_steep = draws.draw() * (cos.max(0.0) + steep) < steep;
+                let g = draws.gamma(if is_steep { shape - 0.5 } else { shape });
+                let width = (shape / g).sqrt();
+                let s = width * draws.gauss() / 2f64.sqrt();
+                let t = if is_steep {
+                    width * (-(1.0 - draws.draw()).ln()).sqrt()
+                } else {
+                    width * draws.gauss() / 2f64.sqrt()
+                };
+                if draws.draw() * (cos.max(0.0) + t.max(0.0) * sin) < cos + t * sin {
+                    break (t, s);
+                }
+            },
         };
         let (ux, uy) = if across > 0.0 { (x / across, y / across) } else { (1.0, 0.0) };
         let (mx, my) = (self.alpha * (ux * along - uy * beside), self.alpha * (uy * along + ux * beside));
         let norm = (mx * mx + my * my + 1.0).sqrt();
         [mx / norm, my / norm, 1.0 / norm]
     }
+}
+
+/// Returns Smith's Lambda of Gaussian slopes at the reduced cotangent a.
+fn beckmann_lambda(a: f64) -> f64 {
+    // Zero slopes have no shadowing; from 5 on it is below 1e-12.
+    if a > 5.0 { 0.0 } else { 0.5 * ((-a * a).exp() / (a * PI.sqrt()) - erfc(a)) }
+}
+
+/// Returns the logarithm of the gamma function by Stirling's series, above 0.
+fn ln_gamma(x: f64) -> f64 {
+    if x < 8.0 {
+        return ln_gamma(x + 1.0) - x.ln();
+    }
+    let series = 1.0 / (12.0 * x) - 1.0 / (360.0 * x.powi(3)) + 1.0 / (1260.0 * x.powi(5));
+    (x - 0.5) * x.ln() - x + 0.5 * TAU.ln() + series
 }
 
 /// Returns the complementary error function by its continued fraction, or by its series.

@@ -111,8 +111,11 @@ impl Stack {
         self.entry("rough");
         let alpha = dice.log_between(0.2, 0.8);
         number(&mut self.text, "alpha", alpha);
-        let distribution = dice.of(["ggx", "beckmann"]);
+        let distribution = dice.of(["ggx", "beckmann", "student-t"]);
         key(&mut self.text, "distribution", format_args!("\"{distribution}\""));
+        if distribution == "student-t" {
+            number(&mut self.text, "tail", 2.0 + alpha);
+        }
         self.names.push(format!("{distribution} {alpha:.2}"));
         self.clear(dice, if self.above == "1.5" { "1.0" } else { "1.5" });
     }

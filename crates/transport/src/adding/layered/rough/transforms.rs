@@ -6,7 +6,8 @@
 //! normal of the interface. GGX slopes have a double pole at the slope `i alpha`: `cosh y = 1 + ((a - b)^2 +
 //! (alpha z)^2)/(2 a b)`. A pair of nodes off the diagonal a = b thus needs few azimuths, the fewer as its
 //! values are smaller by the fourth power of the same distance. Gaussian slopes have no pole: their order m
-//! is `exp(-(m alpha z)^2/(4 a b))`, and their values decrease as `exp(-((a - b)/(alpha z))^2)`.
+//! is `exp(-(m alpha z)^2/(4 a b))`, and their values decrease as `exp(-((a - b)/(alpha z))^2)`. Student's
+//! slopes have a branch point of the power gamma at `i alpha sqrt(gamma - 1)`, before which the rule may stop.
 
 use std::f64::consts::PI;
 
@@ -28,6 +29,9 @@ const MORE_DIGITS: f64 = 5.0;
 const MORE_DIGITS_OF_ORDERS: f64 = 10.0;
 /// Smallest number of natural digits of a pair, however small its values are.
 const LEAST_DIGITS: f64 = 4.0;
+
+/// Fractions of the square of the distance of a branch point at which the number of intervals is tried.
+const BRANCH: [f64; 5] = [0.95, 0.8, 0.6, 0.35, 0.15];
 
 /// Smallest number of intervals, per natural digit.
 const LEAST_INTERVALS: f64 = 3.0;
@@ -159,6 +163,17 @@ fn rule(face: &Rough, ends @ [(from, a), (to, b)]: [(Side, f64); 2], digits: f64
             let digits = digits - (apart / own.max(1e-9)).powi(2);
             2.0 * digits.max(LEAST_DIGITS).sqrt() * radius / own.max(1e-9)
         }
+        Distribution::StudentT { tail } => {
+            let core = (tail - 1.0).sqrt();
+            let distance = (core * own).hypot(apart);
+            let digits = digits - 2.0 * tail * (distance / (core * peak)).max(1.0).ln();
+            // At the fraction x of the square of the distance, the kernel is larger by (1 - x)^-gamma.
+            let at = |x: f64| {
+                let digits = digits.max(LEAST_DIGITS) - tail * (1.0 - x).ln();
+                digits / (2.0 * (0.5 * x.sqrt() * distance / radius).asinh())
+            };
+            BRANCH.map(at).into_iter().fold(f64::INFINITY, f64::min)
+        }
     };
     // Where light is refracted along the interface, and at the critical angle, the kernel is not analytic.
     (0..RULES).find(|rule| intervals(*rule) as f64 >= half.max(least))
@@ -178,8 +193,17 @@ mod tests {
     fn few_azimuths_give_the_coefficients_of_many() {
         let digits = 7.0;
         use Distribution::{Beckmann, Ggx};
-        let faces = [(Ggx, 0.1), (Beckmann, 0.4), (Ggx, 0.4), (Beckmann, 0.1)];
-        for (distribution, alpha) in papilio_testing::everyday(2, faces) {
+        let [heavy, light] = [2.5, 12.0].map(|tail| Distribution::StudentT { tail });
+        let faces = [
+            (Ggx, 0.1),
+            (heavy, 0.2),
+            (Beckmann, 0.4),
+            (light, 0.1),
+            (Ggx, 0.4),
+            (Beckmann, 0.1),
+            (light, 0.4),
+        ];
+        for (distribution, alpha) in papilio_testing::everyday(4, faces) {
             let face = Rough::with(distribution, alpha, 1.0, 1.5);
             let density = Density { least: 6, spacing: 0.3, angle: None };
             let grid = Grid::new(&Splits::at(&[1.0, 1.5]), density, &[0.3]);

@@ -1,0 +1,216 @@
+//! Files as laboratories have them, and the same files with one mistake each: what is read, and where the mistake is.
+//!
+//! The files are written by hand, with synthetic values, in the layout that each program writes. Wavelengths are from 380 to
+//! 730 nm; reflectances are 0.1 to 0.6 (white) and 0.02 (black), lights rise eightfold, the film has n = 1.5 + 4000/nm^2 and
+//! a k that falls from 0.01 to 0.
+
+use papilio_colour::Standard;
+use papilio_formats::{
+    DataFile, FormatError, PaletteTable, read_fractions, read_fractions_with_notes, read_index, read_light,
+    read_light_with_notes, read_measured_panel, read_palette,
+};
+
+macro_rules! laboratory {
+    ($name:literal) => {
+        ($name, include_bytes!(concat!("laboratory/", $name)) as &[u8])
+    };
+}
+
+/// What a file is read as.
+#[derive(Clone, Copy)]
+enum As {
+    Palette,
+    Fractions,
+    Light,
+    Index,
+}
+
+/// A file, what it is, a mistake (two texts), its line and column, and words of the message.
+type Case = ((&'static str, &'static [u8]), As, [&'static str; 2], (usize, usize), &'static str);
+
+const FILES: [Case; 13] = [
+    (
+        laboratory!("i1profiler.txt"),
+        As::Palette,
+        ["white\t0.1000", "white\t0.1x00"],
+        (15, 9),
+        "`0.1x00` of SPECTRAL_NM380",
+    ),
+    (
+        laboratory!("colour.cxf"),
+        As::Palette,
+        [" Increment=\"10\"", ""],
+        (9, 11),
+        "has no StartWL and Increment",
+    ),
+    (
+        laboratory!("lamp.sp"),
+        As::Light,
+        ["NUMBER_OF_SETS 1", "NUMBER_OF_SETS 2"],
+        (58, 16),
+        "NUMBER_OF_SETS is 2",
+    ),
+    (laboratory!("chart.ti3"), As::Palette, ["1.93 2.00", "1.93"], (29, 1), "are not rows of 44 fields"),
+    (
+        laboratory!("oceanview.txt"),
+        As::Light,
+        ["mode: Wavelengths", "mode: Raman Shifts"],
+        (11, 13),
+        "`Raman Shifts`",
+    ),
+    (laboratory!("asd.txt"), As::Fractions, ["\n400\t0.128571", "\n400\t"], (19, 1), "this row has 1 column"),
+    (
+        laboratory!("sekonic.csv"),
+        As::Light,
+        ["400[nm],0.0014", "400[nm],O.0014"],
+        (101, 23),
+        "`O.001400000` is not a number",
+    ),
+    (
+        laboratory!("uprtek.xls"),
+        As::Light,
+        ["400nm\t0.518000", "400nm\tn/a"],
+        (13, 7),
+        "`n/a` stands for a missing value",
+    ),
+    (
+        laboratory!("lamp.spdx"),
+        As::Light,
+        [" wavelength=\"400.0\"", ""],
+        (16, 5),
+        "an attribute `wavelength`",
+    ),
+    (
+        laboratory!("spectramagic.csv"),
+        As::Palette,
+        [";11,43;", ";11,4a;"],
+        (3, 13),
+        "`11,4a` is not a number",
+    ),
+    (laboratory!("film.mat"), As::Index, ["\nNK", "\nCauchy"], (3, 1), "expected NK, or e1e2"),
+    (laboratory!("film-e.mat"), As::Index, ["\n1.7000 ", "\n1.6000 "], (6, 1), "out of order"),
+    (laboratory!("film.csv"), As::Index, ["Energie [eV]", "Energie [J]"], (1, 5), "Energie [J]"),
+];
+
+/// Decodes the encodings of these files.
+fn text(bytes: &[u8]) -> String {
+    match bytes {
+        [0xFF, 0xFE, rest @ ..] => {
+            let units: Vec<u16> = rest.chunks(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect();
+            String::from_utf16(&units).unwrap()
+        }
+        _ => String::from_utf8(bytes.to_vec()).unwrap(),
+    }
+}
+
+fn data(name: &str, bytes: &[u8]) -> DataFile {
+    DataFile { name: name.to_owned(), bytes: bytes.to_vec() }
+}
+
+fn near(what: &str, found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() < tolerance, "{what}: {found}, expected {expected}");
+}
+
+fn check(name: &str, file: &DataFile, read_as: As) -> Result<(), FormatError> {
+    match read_as {
+        As::Palette => {
+            let PaletteTable::Spectra(states) = read_palette(file)?.value else {
+                panic!("{name}: no spectra")
+            };
+            let [(white, of_white), (black, of_black)] = &states[..] else { panic!("{name}: {states:?}") };
+            assert_eq!((white.as_str(), black.as_str()), ("white", "black"), "{name}");
+            assert_eq!(of_white.range_nm(), (380.0, 730.0), "{name}");
+            near(name, of_white.at(555.0).unwrap(), 0.35, 1e-4);
+            near(name, of_black.at(555.0).unwrap(), 0.02, 1e-9);
+        }
+        As::Fractions => {
+            let read = read_fractions(file)?;
+            assert_eq!(read.range_nm(), (380.0, 730.0), "{name}");
+            near(name, read.at(555.0).unwrap(), 0.35, 1e-4);
+        }
+        As::Light => {
+            let read = read_light(file)?;
+            near(name, read.at(555.0).unwrap() / read.at(380.0).unwrap(), 4.5, 1e-3);
+            near(name, read.at(730.0).unwrap() / read.at(380.0).unwrap(), 8.0, 1e-3);
+        }
+        As::Index => {
+            let index = read_index(file)?.index(500.0).unwrap();
+            near(name, index.re, 1.516, 1e-4);
+            near(name, index.im, 0.01 * 230.0 / 350.0, 1e-4);
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn files_of_laboratories_are_read() {
+    for ((name, bytes), read_as, ..) in FILES {
+        check(name, &data(name, bytes), read_as).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+#[test]
+fn wrong_files_of_laboratories_are_refused_at_their_place() {
+    for ((name, bytes), read_as, [right, wrong], place, words) in FILES {
+        let right_text = text(bytes);
+        let wrong_text = right_text.replace(right, wrong);
+        assert_ne!(right_text, wrong_text, "{name}");
+        let error = check(name, &data(name, wrong_text.as_bytes()), read_as).expect_err(name);
+        assert_eq!(error.place.line_column(), Some(place), "{name}: {error}");
+        assert!(error.to_string().contains(words), "{name}: {error}");
+    }
+}
+
+/// Values of an instrument that no reader of spectra accepts are refused at their place, too.
+#[test]
+fn values_out_of_range_are_refused_at_their_place() {
+    let (name, bytes) = laboratory!("asd.txt");
+    let wrong = text(bytes).replace("\n400\t0.128571", "\n400\t-0.128571");
+    assert_eq!(read_fractions(&data(name, wrong.as_bytes())).unwrap_err().place.line_column(), Some((19, 5)));
+    let (name, bytes) = laboratory!("lamp.sp");
+    let wrong = text(bytes).replace(" 1.800000", " -1.800000");
+    let error = read_light(&data(name, wrong.as_bytes())).unwrap_err();
+    assert_eq!(error.place.line_column(), Some((60, 10)), "{error}");
+    let (name, bytes) = laboratory!("i1profiler.txt");
+    let wrong = text(bytes).replace("2\tblack", "2\twhite");
+    let error = read_palette(&data(name, wrong.as_bytes())).unwrap_err();
+    assert_eq!(error.place.line_column().map(|(line, _)| line), Some(16), "{error}");
+}
+
+/// The dark pixels of a spectrometer: noise below 380 nm becomes 0, and is noted. Per cent without a scale is noted.
+#[test]
+fn interpretations_are_noted() {
+    let (name, bytes) = laboratory!("oceanview.txt");
+    let read = read_light_with_notes(&data(name, bytes)).unwrap();
+    assert!(
+        read.warnings.iter().any(|note| note.contains("2 negative values are taken as 0")),
+        "{:?}",
+        read.warnings
+    );
+    let (name, bytes) = laboratory!("asd.txt");
+    assert!(read_fractions_with_notes(&data(name, bytes)).unwrap().warnings.is_empty());
+    let (name, bytes) = laboratory!("spectramagic.csv");
+    let notes = read_palette(&data(name, bytes)).unwrap().warnings;
+    assert!(notes.iter().any(|note| note.contains("read as per cent")), "{notes:?}");
+}
+
+/// Colours of the 10 deg observer are kept as such, in CxF and in CGATS.
+#[test]
+fn observer_of_colours_is_read() {
+    let (name, bytes) = laboratory!("colour-10-deg.cxf");
+    let cgats = "CGATS.17\nWEIGHTING_FUNCTION \"ILLUMINANT, D65\"\nWEIGHTING_FUNCTION \"OBSERVER, 10 degree\"\nBEGIN_DATA_FORMAT\n\
+                 SAMPLE_NAME LAB_L LAB_A LAB_B\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite 70.5 -1.2 3.4\nEND_DATA\n";
+    for file in [data(name, bytes), data("lab.txt", cgats.as_bytes())] {
+        let PaletteTable::Lab(colours, observer) = read_palette(&file).unwrap().value else {
+            panic!("spectra")
+        };
+        assert_eq!((colours[0].1.l, observer), (70.5, Some(Standard::Cie1964)), "{}", file.name);
+        let notes = read_measured_panel(&file).unwrap().warnings;
+        assert!(notes.iter().any(|note| note.contains("10 deg observer")), "{notes:?}");
+    }
+    let two = cgats.replace("10 degree", "2 degree");
+    let PaletteTable::Lab(_, observer) = read_palette(&data("lab.txt", two.as_bytes())).unwrap().value else {
+        panic!("spectra")
+    };
+    assert_eq!(observer, Some(Standard::Cie1931));
+}
