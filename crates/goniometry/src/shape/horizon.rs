@@ -6,6 +6,7 @@
 
 use std::borrow::Cow;
 
+use super::resample::on_rings;
 use crate::{Geometry, MeasuredPart};
 
 /// Inclination from which zeros are those of the horizon itself, degrees.
@@ -24,6 +25,7 @@ const JUMP: f64 = 0.5;
 /// Largest inclination, degrees, to which light was measured, if that is before the horizon: the last row of a grid of
 /// inclinations, or where the light of all lobes ends at once.
 pub(crate) fn inclined_to_deg(part: &MeasuredPart, channel: usize) -> Option<f64> {
+    let part = &*on_rings(part);
     let end = dark_beyond_deg(part, channel);
     let last = match &part.geometry {
         Geometry::Spherical(grid) => {

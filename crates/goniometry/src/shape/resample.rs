@@ -1,5 +1,7 @@
 //! Resampling of any geometry on a grid about the specular direction.
 
+use std::borrow::Cow;
+
 use super::horizon::without_dark_horizon;
 use super::spherical::Smooth;
 use crate::{Direction, Fill, Geometry, MeasuredPart, PairInterpolation, Shape, SpecularGrid, Symmetry};
@@ -20,13 +22,13 @@ pub fn on_specular_grid(part: &MeasuredPart, channels: &[usize]) -> Option<(Spec
 
 /// The same for the smallest incidence alone, or for all.
 fn resampled(part: &MeasuredPart, channels: &[usize], incidences: usize) -> Option<(SpecularGrid, Vec<f64>)> {
-    let part = &*without_dark_horizon(part);
+    let part = on_rings(part);
+    let part = &*without_dark_horizon(&part);
     let known = || channels.iter().map(|channel| part.channel(*channel));
     let (incidences_deg, light_deg) = match &part.geometry {
         Geometry::Specular(grid) => return Some((grid.clone(), known().flatten().copied().collect())),
         Geometry::Pairs(pairs) => {
-            let values: Vec<&[f64]> = known().collect();
-            return rings(pairs, &values).or_else(|| scattered(pairs, &values, incidences));
+            return scattered(pairs, &known().collect::<Vec<&[f64]>>(), incidences);
         }
         Geometry::Spherical(grid) => {
             let below = grid.theta_i_deg.iter().copied().filter(|theta| *theta < 90.0);
@@ -50,7 +52,17 @@ fn resampled(part: &MeasuredPart, channels: &[usize], incidences: usize) -> Opti
     (!retained.is_empty()).then_some((grid, values))
 }
 
-/// Interpolates listed pairs in any order: at their own incidences if there are few, otherwise in steps of 5 deg up to the last.
+/// Returns the part on a grid about the specular direction if its listed pairs form one; otherwise as it is.
+pub(super) fn on_rings(part: &MeasuredPart) -> Cow<'_, MeasuredPart> {
+    let Geometry::Pairs(pairs) = &part.geometry else { return Cow::Borrowed(part) };
+    let channels: Vec<&[f64]> = (0..part.channels.len()).map(|channel| part.channel(channel)).collect();
+    let Some((grid, values)) = rings(pairs, &channels) else { return Cow::Borrowed(part) };
+    let (channels, geometry) = (part.channels.clone(), Geometry::Specular(grid));
+    Cow::Owned(MeasuredPart { way: part.way, channels, geometry, values, tis: Vec::new() })
+}
+
+/// Interpolates listed pairs in any order: at their own incidences, if there are few, and in steps of 5 deg between them up to
+/// the last.
 fn scattered(
     pairs: &[[Direction; 2]],
     channels: &[&[f64]],
@@ -59,13 +71,14 @@ fn scattered(
     let interpolations: Vec<PairInterpolation> =
         channels.iter().map(|values| PairInterpolation::new(pairs, values)).collect::<Option<_>>()?;
     let [last_deg, _] = interpolations.first()?.largest_deg();
-    let steps = || {
-        (0..INCIDENCES).map(|k| 5.0 * f64::from(k)).filter(|theta| *theta < last_deg - 1.0).chain([last_deg])
-    };
-    let own = interpolations[0].incidences_deg().unwrap_or_else(|| steps().collect());
+    let mut incidences_deg = interpolations[0].incidences_deg().unwrap_or_else(|| vec![last_deg]);
+    let own = incidences_deg.clone();
+    let between = (0..INCIDENCES).map(|k| 5.0 * f64::from(k)).filter(|theta| *theta < last_deg);
+    incidences_deg.extend(between.filter(|theta| own.iter().all(|own| (own - theta).abs() >= 2.0)));
+    incidences_deg.sort_by(f64::total_cmp);
     let grid = SpecularGrid {
         rotations_deg: vec![0.0],
-        incidences_deg: own.into_iter().filter(|theta| *theta < 90.0).take(incidences).collect(),
+        incidences_deg: incidences_deg.into_iter().filter(|theta| *theta < 90.0).take(incidences).collect(),
         azimuths_deg: (0..=18).map(|k| 10.0 * f64::from(k)).collect(),
         radials_deg: radials(),
         symmetry: Symmetry::Plane,
