@@ -167,6 +167,14 @@ fn text(samples: &[Prediction]) -> String {
         if !sample.remark.is_empty() {
             text.push_str(&format!("  {}\n", sample.remark));
         }
+        for brdf in sample.cases.iter().filter_map(|case| case.brdf.as_ref()) {
+            let [mean, rms, within, lambertian] = [brdf.mean, brdf.rms, brdf.within_95, brdf.lambertian_rms]
+                .map(|value| format!("{:.2} %", 100.0 * value));
+            text.push_str(&format!(
+                "  BRDF at {} pairs of directions: {mean} in the mean, {rms} rms, 95 % within {within}; a Lambertian reflector {lambertian} rms\n",
+                brdf.pairs
+            ));
+        }
     }
     text
 }

@@ -1,6 +1,8 @@
 //! JSON output of `papilio diffuser inspect` and `papilio diffuser fit` (`--json`).
 
-use papilio_goniometry::{Audit, MeasuredPart, Measurement, RankedFit, WavelengthLevels};
+use papilio_goniometry::{
+    Audit, ListedPairs, MeasuredPart, Measurement, PairError, RankedFit, WavelengthLevels,
+};
 use serde::Serialize;
 
 /// A measurement and its audit: angles in degrees, values in 1/sr, fractions from 0 to 1.
@@ -47,9 +49,50 @@ struct ChannelFile {
     grid_error: f64,
     held_azimuths_deg: Option<[f64; 2]>,
     measured_to_theta_deg: Option<f64>,
+    /// Of listed pairs of directions that form no grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pairs: Option<PairsFile>,
     incidences: Vec<IncidenceFile>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     rotations: Vec<RotationFile>,
+}
+
+/// Listed pairs and the errors of the interpolation between them, relative to the values.
+#[derive(Debug, Serialize)]
+struct PairsFile {
+    points: usize,
+    largest_theta_i_deg: f64,
+    largest_theta_o_deg: f64,
+    /// Each point predicted from all others.
+    one_left_out: PairErrorFile,
+    /// The points of an incidence predicted from the other incidences.
+    incidence_left_out: Option<PairErrorFile>,
+}
+
+#[derive(Debug, Serialize)]
+struct PairErrorFile {
+    rms: f64,
+    mean: f64,
+    within_95: f64,
+    points: usize,
+}
+
+impl PairErrorFile {
+    fn new(error: PairError) -> Self {
+        Self { rms: error.rms, mean: error.mean, within_95: error.within_95, points: error.points }
+    }
+}
+
+impl PairsFile {
+    fn new(pairs: ListedPairs) -> Self {
+        Self {
+            points: pairs.points,
+            largest_theta_i_deg: pairs.largest_deg[0],
+            largest_theta_o_deg: pairs.largest_deg[1],
+            one_left_out: PairErrorFile::new(pairs.errors.one_left_out),
+            incidence_left_out: pairs.errors.incidence_left_out.map(PairErrorFile::new),
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -146,6 +189,7 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
         grid_error: audit.grid_error(),
         held_azimuths_deg: audit.held_azimuths_deg,
         measured_to_theta_deg: audit.inclined_to_deg,
+        pairs: audit.pairs.map(PairsFile::new),
         incidences: audit.incidences.iter().map(incidence).collect(),
         rotations: audit.rotations.iter().map(rotation).collect(),
     }

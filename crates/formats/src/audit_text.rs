@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use papilio_goniometry::{
-    Audit, DeblurOptions, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry,
-    WavelengthLevels, deblurred, may_be_relative,
+    Audit, DeblurOptions, Geometry, ListedPairs, MeasuredPart, Measurement, PairError, ScatterMode,
+    SpecularGrid, Symmetry, WavelengthLevels, deblurred, may_be_relative,
 };
 
 use crate::words::{channel, degrees, number, percent, span, table};
@@ -45,7 +45,7 @@ pub fn audit_text(name: &str, measurement: &Measurement, audits: &[Option<Audit>
         // Details of the luminous channel only.
         match audit {
             Some(audit) => text.push_str(&audit_lines(part, audit)),
-            None => text.push_str("  the directions do not form a grid: values between them are unknown\n"),
+            None => text.push_str("  fewer than 12 different directions: values between them are unknown\n"),
         }
         if matches!(part.geometry, Geometry::Tree(_)) {
             text.push_str(
@@ -173,6 +173,7 @@ fn geometry(geometry: &Geometry) -> String {
             span(&grid.theta_o_deg),
             span(&grid.phi_o_deg),
         ),
+        Geometry::Pairs(pairs) => format!("{} pairs of directions", pairs.len()),
         other => format!("{} cells", other.cells()),
     }
 }
@@ -240,15 +241,21 @@ fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
             percent(worst)
         ));
     }
-    let lit = format!("{} of {} cells in the hemisphere have values above 0", audit.lit, audit.cells);
-    line(format!(
-        "{lit}, up to {:.1} deg; dark cells below that angle: {}",
-        audit.dark_beyond_deg, audit.holes
-    ));
-    line(format!(
-        "values {:.3e} to {:.3e} 1/sr; noise of the fainter half of the values {:.1e} 1/sr",
-        audit.range[0], audit.range[1], audit.noise
-    ));
+    let range = format!("values {:.3e} to {:.3e} 1/sr", audit.range[0], audit.range[1]);
+    match audit.pairs {
+        Some(pairs) => {
+            let of_pairs = pair_lines(audit, &pairs);
+            of_pairs.into_iter().chain([range]).for_each(&mut line);
+        }
+        None => {
+            let lit = format!("{} of {} cells in the hemisphere have values above 0", audit.lit, audit.cells);
+            line(format!(
+                "{lit}, up to {:.1} deg; dark cells below that angle: {}",
+                audit.dark_beyond_deg, audit.holes
+            ));
+            line(format!("{range}; noise of the fainter half of the values {:.1e} 1/sr", audit.noise));
+        }
+    }
     if audit.asymmetry > 1e-9 {
         line(format!(
             "cells that symmetry makes equivalent (mirrored or rotated) differ by {} rms; displays use their mean",
@@ -259,6 +266,38 @@ fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
         line(format!("warning: {warning}"));
     }
     text
+}
+
+/// Returns what concerns listed pairs of directions.
+fn pair_lines(audit: &Audit, pairs: &ListedPairs) -> Vec<String> {
+    let [light, viewer] = pairs.largest_deg.map(degrees);
+    let error = |error: &PairError| {
+        format!(
+            "{} rms, {} in the mean, 95 % of them by at most {}",
+            percent(error.rms),
+            percent(error.mean),
+            percent(error.within_95)
+        )
+    };
+    let mut lines = vec![
+        format!(
+            "{} of {} pairs have values above 0; by symmetry of an isotropic sample {} are different; light up to {light} deg, viewer up \
+             to {viewer} deg",
+            audit.lit, audit.cells, pairs.points
+        ),
+        "values between the pairs are interpolated: a polynomial of ln f through the nearest ones".to_owned(),
+        format!(
+            "interpolation error: pairs predicted from all others are missed by {}",
+            error(&pairs.errors.one_left_out)
+        ),
+    ];
+    if let Some(left_out) = &pairs.errors.incidence_left_out {
+        lines.push(format!(
+            "between incidences: the pairs of one predicted from the others are missed by {}",
+            error(left_out)
+        ));
+    }
+    lines
 }
 
 /// Returns the ratios of integral and TIS by rotation; empty for a single rotation.
@@ -343,9 +382,11 @@ fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
             audit.beam_holes
         ));
     }
-    if audit.unmeasured > 0 {
+    if audit.unmeasured > 0 && audit.pairs.is_some() {
+        warnings.push(format!("{} pairs have no value; they are not used", audit.unmeasured));
+    } else if audit.unmeasured > 0 {
         warnings.push(format!(
-            "{} cells were not measured; the integral does not include them",
+            "{} cells were not measured; those between measured ones are interpolated, and the integral does not include the others",
             audit.unmeasured
         ));
     }

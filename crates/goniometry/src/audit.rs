@@ -11,8 +11,8 @@ mod cells;
 mod patches;
 mod reciprocity;
 
-use crate::shape::{inclined_to_deg, on_specular_grid};
-use crate::{Fill, Geometry, MeasuredPart, Shape, SpecularGrid};
+use crate::shape::{Extent, inclined_to_deg, on_specular_grid, pair_interpolation};
+use crate::{Fill, Geometry, MeasuredPart, PairErrors, Shape, SpecularGrid};
 
 /// Smallest angle of light that counts as haze, degrees (ASTM D1003).
 const HAZE_DEG: f64 = 2.5;
@@ -59,10 +59,23 @@ pub struct Audit {
     /// Largest inclination to which light was measured, degrees, if a grid of inclinations ends before the
     /// horizon.
     pub inclined_to_deg: Option<f64>,
+    /// Of listed pairs of directions that form no grid.
+    pub pairs: Option<ListedPairs>,
     /// Quality by incidence.
     pub incidences: Vec<Incidence>,
     /// Quality by rotation and incidence, of a measurement at several rotations.
     pub rotations: Vec<Rotation>,
+}
+
+/// Listed pairs of directions in any order, and the errors of the interpolation between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ListedPairs {
+    /// Number of different points: pairs that are mirror images or rotations of each other are one.
+    pub points: usize,
+    /// Largest inclinations of light and viewer, degrees.
+    pub largest_deg: [f64; 2],
+    /// Errors of the interpolation.
+    pub errors: PairErrors,
 }
 
 /// Total scatter at one rotation and incidence.
@@ -140,7 +153,7 @@ pub struct Channels<'a> {
 }
 
 impl<'a> Channels<'a> {
-    /// Channels of a part, given by their indices; `None` for listed pairs.
+    /// Channels of a part, given by their indices; `None` for fewer than 12 different listed pairs.
     pub fn new(part: &'a MeasuredPart, channels: Vec<usize>) -> Option<Self> {
         if let Geometry::Patches { .. } | Geometry::Tree(_) = &part.geometry {
             return Some(Self { part, channels, grid: None, width: None });
@@ -180,7 +193,7 @@ impl<'a> Channels<'a> {
 impl Audit {
     /// Audits one channel, given by its index. Patches and the cells of trees are summed directly. A part on
     /// another geometry is first resampled on a specular-centred grid, and its cells are those of that grid.
-    /// `None` for listed pairs.
+    /// `None` for fewer than 12 different listed pairs.
     pub fn of(part: &MeasuredPart, channel: usize) -> Option<Self> {
         Some(Channels::new(part, vec![channel])?.audit(0))
     }
@@ -192,13 +205,14 @@ impl Audit {
         (grid, values): (&SpecularGrid, &[f64]),
         width: Option<f64>,
     ) -> Self {
-        let shape = Shape::of_width(grid, values, Fill::None, (1.0, width));
+        let inclined_to_deg = inclined_to_deg(part, channel);
+        let extent = Extent { width, inclined_to_deg, ..Extent::default() };
+        let shape = Shape::of_extent(grid, values, Fill::None, extent);
         // Where all cells have light, and reach the horizon, nothing can be filled.
         let is_full = |k: usize| shape.measured_to_deg(k).is_none();
         let is_closed = (0..grid.incidences_deg.len()).all(is_full) && !has_dark_cells(grid, values);
-        let filled = (!is_closed).then(|| {
-            [Fill::Beyond, Fill::Tail].map(|fill| Shape::of_width(grid, values, fill, (1.0, width)))
-        });
+        let filled = (!is_closed)
+            .then(|| [Fill::Beyond, Fill::Tail].map(|fill| Shape::of_extent(grid, values, fill, extent)));
         let incidence = |k: usize| {
             let integral = shape.total(k);
             let [by_distance, by_azimuth] = shape.grid_errors_of(k, integral);
@@ -241,9 +255,36 @@ impl Audit {
             clarity,
             incidences,
             held_azimuths_deg: shape.held_azimuths_deg(),
-            inclined_to_deg: inclined_to_deg(part, channel),
+            inclined_to_deg,
             rotations: rotations(part, channel, grid, values),
             ..Self::from_cells(grid, values, transmission)
+        }
+        .with_pairs(part, channel)
+    }
+
+    /// Returns the audit with what concerns listed pairs of directions, whose cells are interpolated.
+    fn with_pairs(self, part: &MeasuredPart, channel: usize) -> Self {
+        let Some(interpolation) = pair_interpolation(part, channel) else { return self };
+        let values = || part.channel(channel).iter().copied();
+        let pairs = ListedPairs {
+            points: interpolation.points(),
+            largest_deg: interpolation.largest_deg(),
+            errors: interpolation.errors(),
+        };
+        Self {
+            cells: values().count(),
+            lit: values().filter(|value| *value > 0.0).count(),
+            unmeasured: values().filter(|value| value.is_nan()).count(),
+            holes: 0,
+            beam_holes: 0,
+            noise: 0.0,
+            range: values()
+                .filter(|value| *value > 0.0)
+                .fold([f64::INFINITY, 0.0], |[a, b], f| [a.min(f), b.max(f)]),
+            dark_beyond_deg: pairs.largest_deg[1],
+            asymmetry: interpolation.asymmetry(),
+            pairs: Some(pairs),
+            ..self
         }
     }
 
@@ -270,6 +311,7 @@ impl Audit {
             clarity: None,
             held_azimuths_deg: None,
             inclined_to_deg: None,
+            pairs: None,
             incidences: Vec::new(),
             rotations: Vec::new(),
         }

@@ -28,8 +28,10 @@ pub enum GoniometryError {
     /// The operation needs a grid about the specular direction.
     #[error("only parts on a specular-centred grid (imaging spheres) can be {0}")]
     NotSpecular(&'static str),
-    /// The measurement is too coarse for a display: patches of 10 deg, or a list of directions.
-    #[error("patches and listed pairs of directions are too coarse for a display: it needs a grid of angles")]
+    /// The measurement is too coarse for a display: patches of 10 deg, or few listed pairs.
+    #[error(
+        "patches, and fewer than 12 different listed pairs of directions, are too coarse for a display: measure more directions"
+    )]
     NoGrid,
     /// Sample and reference were not measured on the same directions.
     #[error("sample and reference have different {0}: measure both on one grid")]

@@ -8,10 +8,11 @@
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
 
-use crate::shape::{inclined_to_deg, on_specular_grid};
+use crate::shape::{Extent, inclined_to_deg, on_specular_grid, pair_interpolation};
 use crate::tree::{RING_DEG, ring_kernel};
 use crate::{
-    Fill, Geometry, GoniometryError, MeasuredPart, Shape, SpecularGrid, TensorTree, incidence_scale,
+    Fill, Geometry, GoniometryError, MeasuredPart, PairErrors, Shape, SpecularGrid, TensorTree,
+    incidence_scale,
 };
 
 /// Step in t of the table's distances `w sinh(t)`, with w a half-width. The error of cubic interpolation
@@ -90,6 +91,8 @@ pub struct Changes {
     /// Largest inclination to which light was measured, degrees, if a grid of inclinations ends before the
     /// horizon.
     pub inclined_to_deg: Option<f64>,
+    /// Errors of the interpolation, if the values are those of listed pairs of directions that form no grid.
+    pub pairs: Option<PairErrors>,
     /// Width of the rings over which light is spread, degrees, if the values are constant over cells (trees).
     pub rings_deg: Option<f64>,
     /// Largest incidence, degrees.
@@ -132,7 +135,8 @@ pub fn kernel(
         Fill::None if extrapolate.is_some() => Fill::Beyond,
         fill => fill,
     };
-    let shape = Shape::of_grid(&grid, &cells, fill);
+    let extent = Extent { inclined_to_deg: inclined_to_deg(part, channel), ..Extent::default() };
+    let shape = Shape::of_extent(&grid, &cells, fill, extent);
     let incidences: Vec<f64> = shape.incidences_deg().collect();
     // Lobe and total are means over rotations.
     let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.mean_tis(channel, k)).collect();
@@ -151,10 +155,14 @@ pub fn kernel(
         scale.iter_mut().for_each(|scale| *scale *= factor);
     }
     let mean = if spectrum.is_empty() { 1.0 } else { spectrum.iter().sum::<f64>() / spectrum.len() as f64 };
-    let mounted = preparation.lamination.map(|face| face.removed(&grid, &cells, fill));
+    let mounted = preparation.lamination.map(|face| face.removed(&grid, &cells, fill, extent));
     let table =
         table(mounted.as_ref().unwrap_or(&shape), &scale, distances(&shape, extrapolate.unwrap_or(1.0)))?;
-    let table = if extrapolate.is_some() { table } else { table.dark_beyond() };
+    let table = match (extrapolate, extent.inclined_to_deg.filter(|_| fill == Fill::None)) {
+        (Some(_), _) => table,
+        (None, None) => table.dark_beyond(),
+        (None, Some(theta)) => table.dark_beyond().ending(theta.to_radians().sin()),
+    };
     let incidence: Vec<f64> = incidences.iter().map(|theta| theta.to_radians().sin()).collect();
     let last = incidence[incidence.len() - 1];
     let in_air = Scatter::from(table.clone());
@@ -175,11 +183,12 @@ pub fn kernel(
         level: preparation.level,
         laminated: preparation.lamination.is_some(),
         measured_to_deg: least_measured_deg(&shape),
-        beyond: beyond(&shape, &grid, &cells, fill),
+        beyond: beyond(&shape, &grid, &cells, (fill, extent)),
         tails: fill != Fill::None,
         held_azimuths_deg: shape.held_azimuths_deg(),
         held_single,
-        inclined_to_deg: inclined_to_deg(part, channel),
+        inclined_to_deg: extent.inclined_to_deg,
+        pairs: pair_interpolation(part, channel).map(|pairs| pairs.errors()),
         rings_deg: None,
         last_deg: incidences[incidences.len() - 1],
         held: if extrapolate.is_some() { 1.0 - last * last } else { 0.0 },
@@ -235,6 +244,7 @@ fn of_tree(
         held_azimuths_deg: None,
         held_single: false,
         inclined_to_deg: None,
+        pairs: None,
         rings_deg: Some(f64::from(RING_DEG)),
         last_deg: 90.0,
         held: 0.0,
@@ -278,13 +288,18 @@ fn table(shape: &Shape, scale: &[f64], radial: Vec<f64>) -> Result<Table, Goniom
 
 /// Incidence, degrees, and fraction of the light beyond the last measured distance if tails are extrapolated;
 /// empty if the measured cells reach the horizon at all azimuths.
-fn beyond(shape: &Shape, grid: &SpecularGrid, cells: &[f64], fill: Fill) -> Vec<[f64; 2]> {
+fn beyond(
+    shape: &Shape,
+    grid: &SpecularGrid,
+    cells: &[f64],
+    (fill, extent): (Fill, Extent),
+) -> Vec<[f64; 2]> {
     if least_measured_deg(shape).is_none() {
         return Vec::new();
     }
     // If dark cells are filled too, the light in them is included.
     let [known, with_tails] = [Fill::None, if fill == Fill::Tail { fill } else { Fill::Beyond }]
-        .map(|fill| Shape::of_grid(grid, cells, fill));
+        .map(|fill| Shape::of_extent(grid, cells, fill, extent));
     let fraction = |k: usize| match with_tails.total(k) {
         all if all > 0.0 => (1.0 - known.total(k) / all).max(0.0),
         _ => 0.0,
@@ -306,7 +321,7 @@ impl Lamination {
 
     /// Lobe of a grid's cells without the interface. Cells are divided before the smooth lobe is formed,
     /// because the loss of the interface near grazing is not smooth.
-    fn removed(&self, grid: &SpecularGrid, cells: &[f64], fill: Fill) -> Shape {
+    fn removed(&self, grid: &SpecularGrid, cells: &[f64], fill: Fill, extent: Extent) -> Shape {
         let passed = |beta: f64| self.passed(beta);
         let horizon = (0..=900).map(|k| (0.1 * f64::from(k)).to_radians().sin());
         let horizon = horizon.take_while(|beta| passed(*beta) >= MIN_TRANSMITTANCE).last().unwrap_or(0.0);
@@ -315,7 +330,7 @@ impl Lamination {
         };
         let divided: Vec<f64> =
             cells.iter().enumerate().map(|(cell, value)| value / transmittance(cell)).collect();
-        Shape::of_grid_within(grid, &divided, fill, horizon)
+        Shape::of_extent(grid, &divided, fill, Extent { horizon, ..extent })
     }
 }
 

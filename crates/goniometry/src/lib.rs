@@ -46,11 +46,12 @@ mod kernel;
 mod measurement;
 mod models;
 mod patch_rings;
+mod scattered;
 mod shape;
 mod tree;
 mod two_instruments;
 
-pub use audit::{Audit, Channels, Incidence, Rotation};
+pub use audit::{Audit, Channels, Incidence, ListedPairs, Rotation};
 pub use backing::Backing;
 pub use by_wavelength::WavelengthLevels;
 pub use calibration::{CalibratedSample, Calibration, calibrated};
@@ -73,6 +74,7 @@ pub use measurement::{
 };
 pub use models::{Kind, Meaning, Model, Normalisation};
 pub use patch_rings::{ring_patch_lights, ring_patch_means};
+pub use scattered::{PairError, PairErrors, PairInterpolation};
 pub use shape::{Fill, Shape, on_specular_grid};
 pub use tree::patch_means;
 pub use two_instruments::incidence_scale;

@@ -217,8 +217,8 @@ impl Scatter {
     #[inline]
     pub fn discs(&self) -> [f64; 2] {
         match self {
-            Self::Table(table, Sense::Forward) => [1.0, table.ends()[1]],
-            Self::Table(table, Sense::Reversed) => [table.ends()[1], 1.0],
+            Self::Table(table, Sense::Forward) => [1.0, table.ends()[1].max(1.0)],
+            Self::Table(table, Sense::Reversed) => [table.ends()[1].max(1.0), 1.0],
             Self::Ward(_) | Self::Table(_, Sense::Mean) => [1.0, 1.0],
             Self::Rings(kernel) => kernel.rings().map(Rings::radius),
         }

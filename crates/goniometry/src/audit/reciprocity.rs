@@ -2,11 +2,14 @@
 //!
 //! A grid of inclinations is compared at its own directions where those of the light are among those of the
 //! viewer. A grid about the specular direction is compared where all neighbouring cells have light, no more
-//! than [`WIDEST_DEG`] apart in azimuth. Other geometries have a value for each pair, or none.
+//! than [`WIDEST_DEG`] apart in azimuth. Listed pairs are compared with those of the list in the opposite direction. Other
+//! geometries have a value for each pair, or none. What is extrapolated or was not measured is never compared.
 
 use papilio_optics::Beta;
 
 use super::FAINT;
+use crate::scattered::opposite_values;
+use crate::shape::pair_interpolation;
 use crate::{Direction, Geometry, MeasuredPart, Shape, SpecularGrid, SphericalGrid};
 
 /// Largest distance of azimuths between which values count as measured, degrees.
@@ -23,7 +26,14 @@ pub(super) fn reciprocity(
     peak: f64,
 ) -> Option<[f64; 2]> {
     let mut sums = Sums { faint: FAINT * peak, ..Sums::default() };
+    let listed = match &part.geometry {
+        Geometry::Pairs(pairs) => opposite_values(pairs, part.channel(channel)),
+        _ => Vec::new(),
+    };
     match &part.geometry {
+        Geometry::Pairs(_) if !listed.is_empty() || pair_interpolation(part, channel).is_some() => {
+            listed.into_iter().for_each(|[there, back]| sums.add(Some(there), Some(back)));
+        }
         Geometry::Spherical(own) => at_own_directions(own, part, channel, &mut sums),
         Geometry::Specular(_) | Geometry::Pairs(_) => {
             let f = |k: usize, to: Direction| {

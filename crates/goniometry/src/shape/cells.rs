@@ -84,11 +84,11 @@ pub(super) fn folded(
     };
     for azimuth in half {
         let like: Vec<usize> = (0..azimuths).filter(|k| (aside(*k) - azimuth).abs() < SAME_DEG).collect();
-        let mut line = Vec::with_capacity(radials);
+        // Distances from the specular direction in the plane of direction cosines, with the mean of the measured values.
+        let mut line: Vec<(f64, Option<f64>)> = Vec::with_capacity(radials);
         let beyond_grid = SpecularGrid::direction(theta_deg, azimuth, last_deg + SAME_DEG);
-        // Number of points up to the last measured one, its distance, and whether it is the last cell of the
-        // line.
-        let (mut measured, mut measured_deg, mut to_the_end) = (0, 0.0, true);
+        // Distance of the last measured point, and whether it is the last cell of the line.
+        let (mut measured_deg, mut to_the_end) = (0.0, true);
         for (r, radial) in grid.radials_deg.iter().enumerate() {
             let to = SpecularGrid::direction(cells.theta_deg, azimuth, *radial);
             let Some(beta) = to.map(Direction::leaving).filter(|beta| r == 0 || beta.length() <= horizon)
@@ -103,25 +103,43 @@ pub(super) fn folded(
             let known: Vec<(f64, f64)> = rows.filter(|(value, _)| value.is_finite()).collect();
             let weights: f64 = known.iter().map(|(_, weight)| weight).sum();
             let sum: f64 = known.iter().map(|(value, weight)| weight * value).sum();
-            let mean = if known.is_empty() { 0.0 } else { sum / weights };
-            asymmetry.add(&known, mean);
+            let mean = (!known.is_empty()).then(|| sum / weights);
+            mean.iter().for_each(|mean| asymmetry.add(&known, *mean));
             // Distance from the specular direction in the plane of direction cosines.
             let delta = (beta.x - cells.theta_deg.to_radians().sin()).hypot(beta.y);
-            if line.last().is_none_or(|[before, _]: &[f64; 2]| delta > *before) {
-                line.push([delta, mean]);
+            if line.last().is_none_or(|(before, _)| delta > *before) {
+                line.push((delta, mean));
             }
-            to_the_end = !known.is_empty();
+            to_the_end = mean.is_some();
             if to_the_end {
-                (measured, measured_deg) = (line.len(), *radial);
+                measured_deg = *radial;
             }
         }
-        if measured > 0 && (beyond_grid.is_some() || !to_the_end) {
+        let last = line.iter().rposition(|(_, mean)| mean.is_some());
+        if last.is_some() && (beyond_grid.is_some() || !to_the_end) {
             let least = cells.measured_to_deg.unwrap_or(f64::INFINITY);
             cells.measured_to_deg = Some(least.min(measured_deg));
         }
-        cells.measured.push(if measured > 0 { measured } else { line.len() });
+        // Points that were not measured are interpolated between measured ones, and dark behind the last.
+        let of_point = |(k, (delta, mean)): (usize, &(f64, Option<f64>))| match mean {
+            Some(mean) => Some([*delta, *mean]),
+            None => (last.is_none_or(|last| k > last)).then_some([*delta, 0.0]),
+        };
+        let points: Vec<[f64; 2]> = line.iter().enumerate().filter_map(of_point).collect();
+        let measured = last.map_or(0, |last| line[..=last].iter().filter(|(_, mean)| mean.is_some()).count());
+        cells.measured.push(measured);
         cells.azimuths.push(azimuth.to_radians());
-        cells.lines.push(line);
+        cells.lines.push(points);
+    }
+    // Azimuths without a measured point are interpolated between the others.
+    let is_known = |k: &usize| cells.measured[*k] > 0;
+    let known: Vec<usize> = (0..cells.measured.len()).filter(is_known).collect();
+    if known.is_empty() {
+        cells.measured = cells.lines.iter().map(Vec::len).collect();
+    } else if known.len() < cells.measured.len() {
+        cells.azimuths = known.iter().map(|k| cells.azimuths[*k]).collect();
+        cells.lines = known.iter().map(|k| std::mem::take(&mut cells.lines[*k])).collect();
+        cells.measured = known.iter().map(|k| cells.measured[*k]).collect();
     }
     cells
 }

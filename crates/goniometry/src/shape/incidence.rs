@@ -29,11 +29,14 @@ pub(super) struct Incidence {
     pub(super) ends_at: Option<f64>,
     /// Smallest distance, degrees, at which measured cells end before the horizon.
     pub(super) measured_to_deg: Option<f64>,
+    /// `|beta|` of the scattered light beyond which values are unknown and taken as 0.
+    pub(super) within: f64,
 }
 
 impl Incidence {
-    /// Lobe through these cells. With `tails`, it is extrapolated beyond the last measured distance.
-    pub(super) fn new(cells: &Cells, width: f64, tails: bool) -> Self {
+    /// Lobe through these cells, up to a `|beta|` of the scattered light. With `tails`, it is extrapolated beyond the last
+    /// measured distance.
+    pub(super) fn new(cells: &Cells, width: f64, tails: bool, within: f64) -> Self {
         let line = |points: &Vec<[f64; 2]>| {
             let x = points.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
             Line::new(x, &points.iter().map(|[_, f]| *f).collect::<Vec<_>>())
@@ -52,11 +55,13 @@ impl Incidence {
             linear: false,
             ends_at: cells.limit_deg.filter(|_| !tails).map(|limit| (limit + SAME_DEG).to_radians().cos()),
             measured_to_deg: cells.measured_to_deg,
+            within,
         }
     }
 
     pub(super) fn value(&self, delta: Beta, width: f64) -> f64 {
-        if self.ends_at.is_some_and(|cosine| self.cosine(delta) < cosine) {
+        let is_inclined = (self.beta + delta.x).hypot(delta.y) > self.within;
+        if is_inclined || self.ends_at.is_some_and(|cosine| self.cosine(delta) < cosine) {
             0.0
         } else {
             self.extrapolated(delta, width)
@@ -143,6 +148,17 @@ impl Incidence {
         })
     }
 
+    /// Distances from the specular direction, in the direction of a unit vector, between which the scattered light is within its
+    /// largest `|beta|`.
+    fn inclined(&self, unit: Beta) -> [f64; 2] {
+        if self.within == f64::INFINITY {
+            return [0.0, f64::INFINITY];
+        }
+        let (along, across) = (self.beta * unit.x, self.beta * unit.y);
+        let squared = self.within * self.within - across * across;
+        if squared < 0.0 { [0.0; 2] } else { [(-along - squared.sqrt()).max(0.0), squared.sqrt() - along] }
+    }
+
     /// Multiple of `delta` that reaches from the specular direction to the edge of the hemisphere.
     fn reach(&self, delta: Beta) -> f64 {
         let squared = delta.squared();
@@ -161,11 +177,16 @@ impl Incidence {
             let (sin, cos) = (PI * around as f64 / AROUND as f64).sin_cos();
             let ends = if around == 0 || around == AROUND { 0.5 } else { 1.0 };
             let unit = Beta { x: cos, y: sin };
-            let edge = self.reach(unit).min(radius).min(self.end(unit));
-            let step = abscissa(edge, self.half) / RADIAL_STEPS as f64;
+            let [inner, outer] = self.inclined(unit);
+            let edge = self.reach(unit).min(radius).min(self.end(unit)).min(outer);
+            if edge <= inner {
+                continue;
+            }
+            let first = abscissa(inner, self.half);
+            let step = (abscissa(edge, self.half) - first) / RADIAL_STEPS as f64;
             for k in 0..=RADIAL_STEPS {
                 let simpson = if k == 0 || k == RADIAL_STEPS { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
-                let x = k as f64 * step;
+                let x = first + k as f64 * step;
                 let delta = (self.half * x.exp_m1().sqrt()).min(edge);
                 let f = self.extrapolated(Beta { x: delta * cos, y: delta * sin }, width);
                 sum += ends * simpson * step / 3.0 * 0.5 * self.half * self.half * x.exp() * f;

@@ -18,6 +18,7 @@
 //! from the grid is [`Shape::grid_error`].
 
 mod cells;
+mod horizon;
 mod incidence;
 mod line;
 mod resample;
@@ -27,22 +28,41 @@ use papilio_optics::Beta;
 
 use crate::{MeasuredPart, SpecularGrid};
 use cells::{Cells, DifferenceSums, best_width, folded, without_tail_zeros, without_unmeasured_tails};
+pub(crate) use horizon::inclined_to_deg;
 use incidence::Incidence;
 use line::Line;
 pub use resample::on_specular_grid;
-pub(crate) use resample::{first_lobes, inclined_to_deg};
+pub(crate) use resample::{first_lobes, pair_interpolation};
 
 /// Treatment of directions of the hemisphere without light in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Fill {
-    /// Zeros are zeros, and directions that were not measured count as zero: cells without a value, and
-    /// directions farther from the specular direction than the last one of the grid.
+    /// Zeros are zeros, and directions that were not measured count as zero: those beyond the last measured cell of a line, and
+    /// farther from the specular direction than the last one of the grid. Cells without a value between measured ones are
+    /// interpolated.
     #[default]
     None,
     /// Zeros are zeros; tails are extrapolated from the last measured cell of each line.
     Beyond,
     /// Tails are extrapolated from the last positive cell of each line.
     Tail,
+}
+
+/// Limits of a shape other than those of its grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Extent {
+    /// Cells up to this `|beta|` of the scattered light are used only, with extrapolated tails beyond.
+    pub(crate) horizon: f64,
+    /// The width, if it is known: its search takes most of the time.
+    pub(crate) width: Option<f64>,
+    /// Largest inclination, degrees, to which light was measured: with [`Fill::None`], it is dark beyond.
+    pub(crate) inclined_to_deg: Option<f64>,
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self { horizon: 1.0, width: None, inclined_to_deg: None }
+    }
 }
 
 /// Smooth lobes for the incidences of a grid.
@@ -59,39 +79,34 @@ impl Shape {
     /// specular-centred grid; `None` for listed pairs, and if nothing was measured.
     pub fn of_part(part: &MeasuredPart, channel: usize, fill: Fill) -> Option<Self> {
         let (grid, values) = on_specular_grid(part, &[channel])?;
-        Some(Self::of_grid(&grid, &values, fill))
+        let extent = Extent { inclined_to_deg: inclined_to_deg(part, channel), ..Extent::default() };
+        Some(Self::of_extent(&grid, &values, fill, extent))
     }
 
     /// Shape of values on a specular-centred grid, in the grid's order.
     pub fn of_grid(grid: &SpecularGrid, values: &[f64], fill: Fill) -> Self {
-        Self::of_grid_within(grid, values, fill, 1.0)
+        Self::of_extent(grid, values, fill, Extent::default())
     }
 
-    /// Shape from cells up to this `|beta|` of the scattered light only, with extrapolated tails beyond.
-    pub(crate) fn of_grid_within(grid: &SpecularGrid, values: &[f64], fill: Fill, horizon: f64) -> Self {
-        Self::of_width(grid, values, fill, (horizon, None))
-    }
-
-    /// The same with a known width, whose search takes most of the time.
-    pub(crate) fn of_width(
-        grid: &SpecularGrid,
-        values: &[f64],
-        fill: Fill,
-        (horizon, width): (f64, Option<f64>),
-    ) -> Self {
+    /// The same with other limits than those of the grid.
+    pub(crate) fn of_extent(grid: &SpecularGrid, values: &[f64], fill: Fill, extent: Extent) -> Self {
+        let Extent { horizon, width, inclined_to_deg } = extent;
+        let inclined_to_deg = inclined_to_deg.filter(|_| fill == Fill::None);
         let mut asymmetry = DifferenceSums::default();
         let mut filled = [0.0; 2];
         let cells: Vec<Cells> = (0..grid.incidences_deg.len())
             .map(|number| folded(grid, values, (number, horizon), &mut asymmetry))
             .map(|cells| match fill {
-                Fill::None => cells,
-                Fill::Beyond => without_unmeasured_tails(cells),
+                Fill::None if inclined_to_deg.is_none() => cells,
+                // Within an inclination, lines continue up to it.
+                Fill::None | Fill::Beyond => without_unmeasured_tails(cells),
                 Fill::Tail => without_tail_zeros(cells, &mut filled),
             })
             .collect();
         let width = width.unwrap_or_else(|| best_width(&cells));
         let tails = fill != Fill::None;
-        let incidences = cells.iter().map(|cells| Incidence::new(cells, width, tails)).collect();
+        let within = inclined_to_deg.map_or(f64::INFINITY, |theta| theta.to_radians().sin());
+        let incidences = cells.iter().map(|cells| Incidence::new(cells, width, tails, within)).collect();
         Self {
             width,
             incidences,
@@ -157,11 +172,20 @@ impl Shape {
     /// Distance from the specular direction, degrees, at which an incidence has half its value there, along
     /// an azimuth of the grid; `None` if it is beyond the hemisphere, or beyond the measured cells.
     pub fn half_width_deg(&self, incidence: usize, azimuth_deg: f64) -> Option<f64> {
+        let within = self.incidences[incidence].within;
+        let is_beyond = |radial: f64| {
+            let to = SpecularGrid::direction(self.incidences[incidence].theta_deg, azimuth_deg, radial);
+            to.is_none_or(|to| to.leaving().length() > within)
+        };
+        if is_beyond(0.0) {
+            return None;
+        }
         let half = 0.5 * self.along(incidence, azimuth_deg, 0.0)?;
         // The end of the measured cells does not count as a half-width.
         let end_deg = self.incidences[incidence].ends_at.map_or(180.0, |cosine| cosine.acos().to_degrees());
         let above = |radial: f64| {
-            (radial < end_deg).then(|| self.along(incidence, azimuth_deg, radial).map(|f| f > half))?
+            let is_known = radial < end_deg && !is_beyond(radial);
+            is_known.then(|| self.along(incidence, azimuth_deg, radial).map(|f| f > half))?
         };
         let (mut inner, mut outer) = (0.0, 0.1);
         while above(outer)? {

@@ -1,28 +1,35 @@
 //! Resampling of any geometry on a grid about the specular direction.
 
+use std::borrow::Cow;
+
+use super::horizon::without_dark_horizon;
 use super::spherical::Smooth;
-use crate::{Direction, Fill, Geometry, MeasuredPart, Shape, SpecularGrid, Symmetry};
+use crate::{Direction, Fill, Geometry, MeasuredPart, PairInterpolation, Shape, SpecularGrid, Symmetry};
 
 /// Number of incidences for geometries without incidences of their own: 0 to 85 deg in steps of 5.
 const INCIDENCES: u32 = 18;
 
 /// Returns channels of a part, given by their indices, on a specular-centred grid: its own grid, or azimuths
 /// every 10 deg and radial distances every 0.5 to 2 deg, for light from its first azimuth. Grids of
-/// inclinations are interpolated smoothly at their own incidences; other geometries are read with
-/// [`MeasuredPart::evaluate`]. Unknown values are NaN. Values have the shape `[channel][cell]`.
+/// inclinations are interpolated smoothly at their own incidences, and listed pairs that form no such grid with
+/// [`PairInterpolation`]; other geometries are read with [`MeasuredPart::evaluate`]. Unknown values are NaN, also zeros near the
+/// horizon that were not measured. Values have the shape `[channel][cell]`.
 ///
-/// `None` for listed pairs that do not form such a grid (the values between them are unknown), and if there
-/// is no light.
+/// `None` for fewer than 12 different listed pairs, and if there is no light.
 pub fn on_specular_grid(part: &MeasuredPart, channels: &[usize]) -> Option<(SpecularGrid, Vec<f64>)> {
     resampled(part, channels, usize::MAX)
 }
 
 /// The same for the smallest incidence alone, or for all.
 fn resampled(part: &MeasuredPart, channels: &[usize], incidences: usize) -> Option<(SpecularGrid, Vec<f64>)> {
+    let part = on_rings(part);
+    let part = &*without_dark_horizon(&part);
     let known = || channels.iter().map(|channel| part.channel(*channel));
     let (incidences_deg, light_deg) = match &part.geometry {
         Geometry::Specular(grid) => return Some((grid.clone(), known().flatten().copied().collect())),
-        Geometry::Pairs(pairs) => return rings(pairs, &known().collect::<Vec<_>>()),
+        Geometry::Pairs(pairs) => {
+            return scattered(pairs, &known().collect::<Vec<&[f64]>>(), incidences);
+        }
         Geometry::Spherical(grid) => {
             let below = grid.theta_i_deg.iter().copied().filter(|theta| *theta < 90.0);
             (below.collect(), *grid.phi_i_deg.first()?)
@@ -45,6 +52,56 @@ fn resampled(part: &MeasuredPart, channels: &[usize], incidences: usize) -> Opti
     (!retained.is_empty()).then_some((grid, values))
 }
 
+/// Returns the part on a grid about the specular direction if its listed pairs form one; otherwise as it is.
+pub(super) fn on_rings(part: &MeasuredPart) -> Cow<'_, MeasuredPart> {
+    let Geometry::Pairs(pairs) = &part.geometry else { return Cow::Borrowed(part) };
+    let channels: Vec<&[f64]> = (0..part.channels.len()).map(|channel| part.channel(channel)).collect();
+    let Some((grid, values)) = rings(pairs, &channels) else { return Cow::Borrowed(part) };
+    let (channels, geometry) = (part.channels.clone(), Geometry::Specular(grid));
+    Cow::Owned(MeasuredPart { way: part.way, channels, geometry, values, tis: Vec::new() })
+}
+
+/// Interpolates listed pairs in any order: at their own incidences, if there are few, and in steps of 5 deg between them up to
+/// the last.
+fn scattered(
+    pairs: &[[Direction; 2]],
+    channels: &[&[f64]],
+    incidences: usize,
+) -> Option<(SpecularGrid, Vec<f64>)> {
+    let interpolations: Vec<PairInterpolation> =
+        channels.iter().map(|values| PairInterpolation::new(pairs, values)).collect::<Option<_>>()?;
+    let [last_deg, _] = interpolations.first()?.largest_deg();
+    let mut incidences_deg = interpolations[0].incidences_deg().unwrap_or_else(|| vec![last_deg]);
+    let own = incidences_deg.clone();
+    let between = (0..INCIDENCES).map(|k| 5.0 * f64::from(k)).filter(|theta| *theta < last_deg);
+    incidences_deg.extend(between.filter(|theta| own.iter().all(|own| (own - theta).abs() >= 2.0)));
+    incidences_deg.sort_by(f64::total_cmp);
+    let grid = SpecularGrid {
+        rotations_deg: vec![0.0],
+        incidences_deg: incidences_deg.into_iter().filter(|theta| *theta < 90.0).take(incidences).collect(),
+        azimuths_deg: (0..=18).map(|k| 10.0 * f64::from(k)).collect(),
+        radials_deg: radials(),
+        symmetry: Symmetry::Plane,
+    };
+    let value = |of: &PairInterpolation, cell: usize| {
+        let [light, to] = grid.directions(cell)?;
+        of.value(light, to)
+    };
+    let values = interpolations
+        .iter()
+        .flat_map(|of| (0..grid.cells()).map(move |cell| (of, cell)))
+        .map(|(of, cell)| value(of, cell).unwrap_or(f64::NAN))
+        .collect::<Vec<f64>>();
+    values.iter().any(|value| *value > 0.0).then_some((grid, values))
+}
+
+/// Returns the interpolation of a channel of listed pairs that form no grid about the specular direction.
+pub(crate) fn pair_interpolation(part: &MeasuredPart, channel: usize) -> Option<PairInterpolation> {
+    let Geometry::Pairs(pairs) = &part.geometry else { return None };
+    let values = part.channel(channel);
+    if rings(pairs, &[]).is_some() { None } else { PairInterpolation::new(pairs, values) }
+}
+
 /// Lobes of the channels of a part, given by their indices, at its smallest incidence.
 pub(crate) fn first_lobes(part: &MeasuredPart, channels: &[usize]) -> Option<Vec<Shape>> {
     let (grid, values) = resampled(part, channels, 1)?;
@@ -59,17 +116,6 @@ pub(crate) fn first_lobes(part: &MeasuredPart, channels: &[usize]) -> Option<Vec
         Shape::of_grid(&one, &first, Fill::Beyond)
     };
     Some(values.chunks_exact(grid.cells()).map(of_channel).collect())
-}
-
-/// Largest inclination, degrees, to which light was measured, of a grid of inclinations that ends before the
-/// horizon.
-pub(crate) fn inclined_to_deg(part: &MeasuredPart, channel: usize) -> Option<f64> {
-    let Geometry::Spherical(grid) = &part.geometry else { return None };
-    let azimuths = grid.phi_o_deg.len().max(1);
-    let rows = part.channel(channel).chunks_exact(azimuths).enumerate();
-    let known = rows.filter(|(_, row)| row.iter().any(|value| value.is_finite()));
-    let last = known.map(|(row, _)| row % grid.theta_o_deg.len()).max()?;
-    Some(grid.theta_o_deg[last]).filter(|theta| *theta < 90.0 - 1e-6)
 }
 
 /// Largest inclination, degrees, at which a warped grid is evaluated here: its f is f cos over the cosine,

@@ -46,11 +46,18 @@ impl<'a> Smooth<'a> {
         let ring = |theta_o: usize| {
             let cell = (first + theta_o) * self.grid.phi_o_deg.len();
             let values: Vec<f64> = azimuths.iter().map(|(_, place)| self.values[cell + place]).collect();
-            Line::new(angles.clone(), &values).value(phi)
+            through_measured(&angles, &values, phi)
         };
         let rings: Vec<f64> = thetas.clone().map(ring).collect();
-        Line::new(self.grid.theta_o_deg[thetas].to_vec(), &rings).value(o.theta_deg)
+        through_measured(&self.grid.theta_o_deg[thetas], &rings, o.theta_deg)
     }
+}
+
+/// Value at `x` of the line through the measured ones of a few points; NaN if none was measured.
+fn through_measured(axis: &[f64], values: &[f64], x: f64) -> f64 {
+    let known = || axis.iter().zip(values).filter(|(_, value)| value.is_finite());
+    let values: Vec<f64> = known().map(|(_, value)| *value).collect();
+    if values.is_empty() { f64::NAN } else { Line::new(known().map(|(x, _)| *x).collect(), &values).value(x) }
 }
 
 /// Range of the two nodes before and the two after the point where `below` becomes false; fewer at the ends

@@ -2,5 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests, too, say what they expect by unwrapping")]
 
+mod ends;
+mod listed;
 mod measured;
 mod scipy;

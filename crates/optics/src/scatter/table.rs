@@ -44,7 +44,7 @@ pub struct Table {
     last: f64,
     /// Largest `|beta|`, 1 at most, of incidence from which light is scattered.
     end: f64,
-    /// Largest `|beta|`, 1 at least, to which light is scattered.
+    /// Largest `|beta|` to which light is scattered.
     reach: f64,
 }
 
@@ -124,6 +124,12 @@ impl Table {
     /// to 4, also beyond the disc of air; light of the medium returns along the same paths.
     pub fn reaching(self, reach: f64) -> Self {
         let reach = reach.clamp(1.0, FARTHEST);
+        Self { reach, ..self }.without_integrals()
+    }
+
+    /// Returns the same kernel without light that is scattered to a `|beta|` above this one, 1 at most.
+    pub fn ending(self, reach: f64) -> Self {
+        let reach = reach.clamp(0.0, 1.0);
         Self { reach, ..self }.without_integrals()
     }
 
@@ -231,7 +237,8 @@ impl Table {
 
     #[inline]
     pub(super) fn value(&self, from: Beta, to: Beta) -> f64 {
-        if from.squared() > self.end * self.end { 0.0 } else { self.held(from, to, false) }
+        let is_dark = from.squared() > self.end * self.end || to.squared() > self.reach * self.reach;
+        if is_dark { 0.0 } else { self.held(from, to, false) }
     }
 
     #[inline]

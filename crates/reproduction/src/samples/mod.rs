@@ -10,6 +10,7 @@
 //! Inputs that were not printed are drawn from their range, too, which widens the band; a sample that agrees only with them
 //! is within its unknowns. Without a standard deviation of the measurement there is no verdict.
 
+mod brdf;
 mod page;
 mod predicted;
 #[cfg(test)]
@@ -24,6 +25,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::ReproductionError;
 use crate::displays::write_example;
+pub use brdf::BrdfComparison;
 pub use page::{in_words, report};
 pub use predicted::{CasePrediction, Prediction, Verdict, predict};
 
@@ -64,8 +66,14 @@ pub struct Sample {
     /// Further files that the scenario names.
     #[serde(default)]
     pub files: Vec<String>,
-    /// Its measurement, as for `papilio compare`.
+    /// Its measurement, as for `papilio compare`, or a list of pairs of directions.
     pub measured: String,
+    /// What was measured.
+    #[serde(default)]
+    pub quantity: Quantity,
+    /// Relative standard deviation of a measured BRDF, whose files state none.
+    #[serde(default)]
+    pub relative_standard_deviation: Option<f64>,
     /// The displays that were measured.
     pub cases: Vec<Case>,
     /// Tolerances of the printed inputs: tables as of `tolerance.keys` in a scenario.
@@ -74,6 +82,17 @@ pub struct Sample {
     /// Inputs that were not printed.
     #[serde(default)]
     pub unknowns: Vec<Unknown>,
+}
+
+/// What was measured of a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// What a display shows: spectra, colours, metrics.
+    #[default]
+    Display,
+    /// The BRDF of the pixel at pairs of directions, without the layers over it.
+    Brdf,
 }
 
 /// A display of a sample.

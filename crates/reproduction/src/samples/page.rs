@@ -74,6 +74,23 @@ fn section(sample: &Prediction) -> Section {
     if !table.rows.is_empty() {
         section = section.table(table);
     }
+    for brdf in sample.cases.iter().filter_map(|case| case.brdf.as_ref()) {
+        let percent = |value: f64| number(100.0 * value, 2);
+        let mut table = Table::new(&[
+            "BRDF at",
+            "mean %",
+            "rms %",
+            "95 % within %",
+            "largest %",
+            "rms of a Lambertian reflector %",
+        ]);
+        let at = format!("{} pairs of directions", brdf.pairs);
+        let of = [brdf.mean, brdf.rms, brdf.within_95, brdf.largest, brdf.lambertian_rms].map(percent);
+        table.row(std::iter::once(at).chain(of));
+        section = section
+            .table(table)
+            .figure(brdf.figure(&sample.title), format!("{}, {}", sample.title, brdf.state));
+    }
     for case in &sample.cases {
         for view in &case.comparison.views {
             if let Some(svg) = compared_spectra(&case.comparison, view, &case.name) {

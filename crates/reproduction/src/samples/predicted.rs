@@ -11,7 +11,8 @@ use papilio_scenario::{ParameterisedScenario, Scenario, Tolerance};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{AGREES, Case, Sample};
+use super::brdf::{self, BrdfComparison};
+use super::{AGREES, Case, Quantity, Sample};
 use crate::ReproductionError;
 
 /// Verdict on a sample.
@@ -82,6 +83,9 @@ pub struct CasePrediction {
     pub name: String,
     /// Its comparison with the measurement, with the errors of the printed inputs.
     pub comparison: Comparison,
+    /// Comparison of the BRDF of its pixel, if that was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub brdf: Option<BrdfComparison>,
 }
 
 /// Predicts a sample, and compares it with its measurement. Its files are in `folder`.
@@ -93,6 +97,14 @@ pub fn predict(
     folder: &Path,
     control: &Control<'_>,
 ) -> Result<Prediction, ReproductionError> {
+    if sample.quantity == Quantity::Brdf {
+        let cases = sample
+            .cases
+            .iter()
+            .map(|case| brdf::predict_case(sample, case, folder))
+            .collect::<Result<_, _>>()?;
+        return Ok(judged(sample, cases, &[]));
+    }
     let file = DataFile::open(&folder.join(&sample.measured), &sample.measured)?;
     let measurement = read_measurement(&file)?.value;
     let mut cases = Vec::new();
@@ -101,9 +113,14 @@ pub fn predict(
         let part = [number, number + 1].map(|done| done as f64 / sample.cases.len() as f64);
         let found = control.within(part, |control| predict_case(sample, case, folder, &measurement, control));
         let [stated, widened] = found?;
-        cases.push(CasePrediction { name: case.name.clone(), comparison: stated });
+        cases.push(CasePrediction { name: case.name.clone(), comparison: stated, brdf: None });
         with_unknowns.push(widened);
     }
+    Ok(judged(sample, cases, &with_unknowns))
+}
+
+/// Judges the displays of a sample.
+fn judged(sample: &Sample, cases: Vec<CasePrediction>, with_unknowns: &[Comparison]) -> Prediction {
     let stated: Vec<&Comparison> = cases.iter().map(|case| &case.comparison).collect();
     let z_rms = z_rms(&stated);
     let z_rms_with_unknowns = if sample.unknowns.is_empty() {
@@ -116,10 +133,14 @@ pub fn predict(
         Some(widened) if widened <= AGREES => Verdict::WithinUnknowns,
         _ => Verdict::Disagrees,
     });
-    let (rms, rms_of) = rms(&stated);
+    let of_brdf = mean(cases.iter().filter_map(|case| Some(case.brdf.as_ref()?.rms.powi(2))));
+    let (rms, rms_of) = match of_brdf {
+        Some(mean) => (Some(mean.sqrt()), "BRDF, relative".to_owned()),
+        None => rms(&stated),
+    };
     let states = || stated.iter().flat_map(|one| &one.states);
     let peaks = states().filter_map(|one| Some(one.simulated.peak_nm? - one.measured.peak_nm?));
-    Ok(Prediction {
+    Prediction {
         name: sample.name.clone(),
         title: sample.title.clone(),
         source: sample.source.clone(),
@@ -135,7 +156,7 @@ pub fn predict(
         peak_difference_rms_nm: mean(peaks.map(|off| off * off)).map(f64::sqrt),
         unknowns: sample.unknowns.iter().map(|one| one.what.clone()).collect(),
         cases,
-    })
+    }
 }
 
 /// Compares a display with the errors of the printed inputs, and with those of all inputs.

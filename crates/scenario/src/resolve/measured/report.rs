@@ -93,6 +93,17 @@ impl Resolver<'_> {
                  that it touches, and averaged over rotations of the sample"
             ));
         }
+        if let Some(errors) = changes.pairs {
+            let left_out = match errors.incidence_left_out {
+                Some(error) => format!("; without an incidence, its pairs by {:.2} %", 100.0 * error.rms),
+                None => String::new(),
+            };
+            self.notes.push(format!(
+                "{path}: {way}: the file lists single pairs of directions: values between them are interpolated, for an isotropic sample; \
+                 predicted from the others, a pair is missed by {:.2} % (root mean square, noise included){left_out}",
+                100.0 * errors.one_left_out.rms
+            ));
+        }
         self.report_range(path, way, changes);
         self.warn_of_uncertainty(path, way, changes);
         Some(())
