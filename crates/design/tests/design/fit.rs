@@ -296,6 +296,7 @@ fn colours_metrics_and_bounds_are_used() {
         phi_deg: 0.0,
         value,
         standard_deviation,
+        place: "metrics.csv:2:1".to_owned(),
     };
     let black = state("black").xyz.y;
     let mut measured = Measurement {
