@@ -168,8 +168,8 @@ function Variables({ report }: { report: Report }) {
             <th scope="col">design</th>
             <th scope="col">fitted</th>
             <th scope="col">standard error</th>
-            <th scope="col">68.3 % interval</th>
-            <th scope="col">95 % interval</th>
+            <th scope="col">68.3 %</th>
+            <th scope="col">95 %</th>
           </tr>
         </thead>
         <tbody>
@@ -238,7 +238,7 @@ function Result({ of }: { of: FitDone }) {
           Take the fitted values
         </button>
         <button type="button" onClick={download} title="The scenario with the fitted values, and the intervals in comments">
-          Save fitted.toml
+          Download fitted.toml
         </button>
         <Downloads name="fit" table={() => of.csv} />
       </div>
@@ -302,8 +302,8 @@ function Setup() {
 
 export function FitPanel() {
   return (
-    <div class="sweep fit">
-      <div class="sweep-setup">
+    <div class="fit">
+      <div>
         <p class="remark">What did production deliver? Least squares of keys of the design, to measured data of its states.</p>
         <Setup />
         <div class="axes">
@@ -321,7 +321,11 @@ export function FitPanel() {
           </fieldset>
         </div>
       </div>
-      <div class="sweep-result">{done.value && <Aged age={age.value}>{<Result of={done.value} />}</Aged>}</div>
+      {done.value && (
+        <Aged age={age.value}>
+          <Result of={done.value} />
+        </Aged>
+      )}
     </div>
   );
 }

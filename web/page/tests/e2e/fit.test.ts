@@ -57,7 +57,7 @@ test("fit has the numbers of papilio fit, and the design takes them", { timeout:
   assert.match(words, new RegExp(`^chi-square ${report.chi_square.toFixed(1)}, 130 degrees of freedom`));
   assert.equal(await panel(page).locator("img.drawn").count(), 2);
 
-  const file = await downloaded(page, () => panel(page).getByRole("button", { name: "Save fitted.toml" }).click());
+  const file = await downloaded(page, () => panel(page).getByRole("button", { name: "Download fitted.toml" }).click());
   const own = readFileSync(join(out, "fitted.toml"), "utf8");
   assert.equal(file.name, "a-panel-from-production-fitted.toml");
   assert.equal(file.text, own);
@@ -72,25 +72,31 @@ test("fit has the numbers of papilio fit, and the design takes them", { timeout:
 test("variables are chosen on the page, and what the data cannot tell apart has no numbers", { timeout: 240_000 }, async () => {
   const page = await on.visit();
   await opened(page);
-  // Level and fill factor alone, without what is known of the level.
+  // Two numbers of one colour determine no two variables.
+  await panel(page).getByLabel("synthetic-film.csv").uncheck();
+  const metrics = "metric,value,standard_deviation\nwhite.Y,0.2,0.002\nwhite.L_star,51.8,0.3\n";
+  await panel(page)
+    .locator("input[type=file]")
+    .setInputFiles({ name: "metrics.csv", mimeType: "text/csv", buffer: Buffer.from(metrics) });
+  await panel(page).getByLabel("metrics.csv").waitFor();
   for (let i = 0; i < 8; i++) await panel(page).getByRole("button", { name: "Remove variable 1" }).click();
   assert.ok(await panel(page).getByRole("button", { name: "Fit 0 variables" }).isDisabled());
   for (const [number, key] of [
-    [1, "display.front.0.absorptance"],
-    [2, "meter.scale"],
+    [1, "display.pixel.fill_factor"],
+    [2, "display.pixel.film.1.thickness_nm"],
   ] as const) {
     await panel(page).getByRole("button", { name: "Add a variable" }).click();
     await panel(page).getByLabel(`Key of variable ${number}`).selectOption(key);
   }
-  await panel(page).getByLabel("from of variable 1").fill("0.5");
+  await panel(page).getByLabel("from of variable 1").fill("1.5");
   await panel(page).getByLabel("from of variable 1").press("Enter");
   await panel(page).getByText("the smaller bound must come first").waitFor();
-  await panel(page).getByLabel("from of variable 1").fill("0.005");
-  await panel(page).getByLabel("to of variable 1").fill("0.05");
+  await panel(page).getByLabel("from of variable 1").fill("0.7");
+  await panel(page).getByLabel("to of variable 1").fill("0.95");
   await panel(page).getByLabel("to of variable 1").press("Enter");
   await fitted(page, "2 variables");
   await panel(page).getByText("The data cannot tell apart: ").waitFor();
-  const cells = await panel(page).locator('[data-key="meter.scale"] td').allInnerTexts();
+  const cells = await panel(page).locator('[data-key="display.pixel.fill_factor"] td').allInnerTexts();
   assert.deepEqual(cells.slice(1), ["not determined", "–", "–", "–"]);
 
   // The variables belong to the scenario if they are added to it.
@@ -99,7 +105,7 @@ test("variables are chosen on the page, and what the data cannot tell apart has 
   await settled(page);
   const text = await saved(page);
   assert.match(text, /starts = 4/);
-  assert.match(text, /display\.front\.0\.absorptance/);
+  assert.match(text, /key = "display\.pixel\.film\.1\.thickness_nm"/);
   assert.doesNotMatch(text, /gap_nm\.red/);
   assert.deepEqual(on.complaints.splice(0), []);
 });
@@ -117,6 +123,7 @@ test("fit without a measurement, with a wrong one and for many minutes", { timeo
   await panel(page).locator(".error", { hasText: "no such state: grey" }).waitFor({ timeout: 60_000 });
 
   await opened(page);
+  await panel(page).getByRole("button", { name: "Back to the scenario's fit" }).click();
   await page.getByRole("button", { name: "TOML" }).click();
   const source = page.locator("textarea").first();
   await source.fill((await source.inputValue()).replace("starts = 4", "starts = 1000"));
