@@ -167,6 +167,13 @@ mod tests {
     fn malformed_measurement_is_an_error_with_its_place() {
         for (text, place, words) in [
             ("metric,value\ncontrast_rato,12\n", (2, 1), "did you mean `contrast_ratio`?"),
+            ("metric,value\nhue,12\n", (2, 1), "docs/metric-names.md lists all metrics"),
+            ("metric,value\nreading,12\n", (2, 1), "did you mean reading_surrogate_age_20 or"),
+            (
+                "metric,value\ngamut,12\n",
+                (2, 1),
+                "more have this word; docs/metric-names.md lists all metrics",
+            ),
             ("metric,value\nY,12\n", (2, 1), "write the state before it: `white.Y`"),
             ("metric,value\nwhite.contrast_ratio,12\n", (2, 1), "write it without a state: `contrast_ratio`"),
             ("metric,value\nwhite.Y,x\n", (2, 9), "NotANumber"),

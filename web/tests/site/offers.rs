@@ -3,8 +3,8 @@
 
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::Control;
 use papilio_design::fit::Fitting;
+use papilio_display::Control;
 use papilio_display::compare::compare;
 use papilio_formats::{DataFile, read_measured_panel, read_measurement, read_result, write_json};
 use papilio_scenario::{Fit, Library, Scenario};
@@ -143,7 +143,8 @@ fn comparison_with_a_measured_panel_equals_the_command_line() {
 fn fit_equals_the_command_line() {
     let server = Server::start();
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/");
-    let scenario = std::fs::read_to_string(format!("{root}fit.toml")).unwrap().replace("starts = 4", "starts = 1");
+    let scenario =
+        std::fs::read_to_string(format!("{root}fit.toml")).unwrap().replace("starts = 4", "starts = 1");
     let bytes = std::fs::read(format!("{root}data/synthetic-film.csv")).unwrap();
     let upload = |name: &str, bytes: &[u8]| {
         server.send(&format!("/api/v1/files?name={name}"), "application/octet-stream", bytes).json()
@@ -156,7 +157,8 @@ fn fit_equals_the_command_line() {
     assert!(before >= 1 && name == "done", "{done}");
     let spec = Fit::from_text(&scenario, "scenario", Library::Folder(root.into()), &[]).unwrap();
     let measured = read_measurement(&DataFile { name: "film.csv".to_owned(), bytes }).unwrap().value;
-    let fitting = Fitting::new(spec, &measured, &AtomicBool::new(false)).unwrap();
+    let stop = AtomicBool::new(false);
+    let fitting = Fitting::new(spec, &measured, &stop).unwrap();
     let wanted = fitting.run(2, &|_, _| {}).unwrap().unwrap();
     // Compared as text: parsing a number could change its last bit.
     let variables = serde_json::to_value(&wanted.variables).unwrap().to_string();
@@ -167,8 +169,12 @@ fn fit_equals_the_command_line() {
         done["figures"].as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["fit-spectra", "fit-residuals"]);
     let edited = server.post("/edit", &json!({ "scenario": scenario, "edits": done["edits"] })).json();
-    let edited = Scenario::from_text(edited["scenario"].as_str().unwrap(), "s", Library::Folder(root.into()), &[]).unwrap();
-    let fitted = Scenario::from_text(done["scenario"].as_str().unwrap(), "s", Library::Folder(root.into()), &[]).unwrap();
+    let edited =
+        Scenario::from_text(edited["scenario"].as_str().unwrap(), "s", Library::Folder(root.into()), &[])
+            .unwrap();
+    let fitted =
+        Scenario::from_text(done["scenario"].as_str().unwrap(), "s", Library::Folder(root.into()), &[])
+            .unwrap();
     for one in wanted.variables.iter().filter(|one| one.key.starts_with("display.")) {
         let (table, key) = one.key.rsplit_once('.').unwrap();
         let of = |scenario: &Scenario| scenario.filled_at(table)[key].as_f64().unwrap();
@@ -177,13 +183,18 @@ fn fit_equals_the_command_line() {
     }
 
     // Metrics alone are a measurement; one that needs what the scenario lacks is named with its place.
-    let metrics = upload("metrics.csv", b"metric,value,standard_deviation\nwhite.Y,0.2,0.01\nppd,0.05,0.01\n");
+    let metrics =
+        upload("metrics.csv", b"metric,value,standard_deviation\nwhite.Y,0.2,0.01\nppd,0.05,0.01\n");
     assert_eq!(metrics["kind"], "panel");
     let one = scenario.split("[fit]").next().unwrap().to_owned()
         + "[fit]\nvariables = [{ key = \"display.pixel.fill_factor\", bounds = [0.5, 1.0] }]\n";
-    let (_, name, failed) = events(&server.post("/fit", &json!({ "scenario": one, "measured": [metrics["id"]] })).body);
+    let (_, name, failed) =
+        events(&server.post("/fit", &json!({ "scenario": one, "measured": [metrics["id"]] })).body);
     let message = failed["errors"][0]["message"].as_str().unwrap();
-    assert!(name == "failed" && message.contains("`ppd`") && message.contains("metrics.csv:3:1"), "{message}");
+    assert!(
+        name == "failed" && message.contains("`ppd`") && message.contains("metrics.csv:3:1"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -191,7 +202,9 @@ fn fit_that_cannot_start_says_why() {
     let server = Server::start();
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/");
     let scenario = std::fs::read_to_string(format!("{root}fit.toml")).unwrap();
-    let wrong = |scenario: &str, measured: Value| server.post("/fit", &json!({ "scenario": scenario, "measured": measured }));
+    let wrong = |scenario: &str, measured: Value| {
+        server.post("/fit", &json!({ "scenario": scenario, "measured": measured }))
+    };
     assert!(wrong(&scenario, json!([])).error().0.contains("nothing is measured"));
     let gone = wrong(&scenario, json!(["00"]));
     assert_eq!((gone.status, &gone.json()["missing"]), (410, &json!(["00"])));
@@ -204,5 +217,8 @@ fn fit_that_cannot_start_says_why() {
     assert!(path.is_some_and(|path| path.starts_with("fit.variables.0")));
     let (_, name, failed) = events(&wrong(&scenario, json!([kept["id"]])).body);
     let message = failed["errors"][0]["message"].as_str().unwrap();
-    assert!(name == "failed" && message.contains("3 measured numbers cannot determine 8 variables"), "{message}");
+    assert!(
+        name == "failed" && message.contains("3 measured numbers cannot determine 8 variables"),
+        "{message}"
+    );
 }
