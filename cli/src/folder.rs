@@ -73,17 +73,35 @@ impl ResultFolder {
     }
 }
 
+/// What files a folder may have.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    /// Results of scenarios.
+    Result,
+    /// A fit, whose hash is that of its measured data, too.
+    Fit,
+}
+
 /// Returns the folder for a result with this hash, after checking that it can be written.
 pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<ResultFolder, Failure> {
+    choose_for(Kind::Result, arguments, hash)
+}
+
+/// Returns the folder for a fit with this hash, after checking that it can be written.
+pub(crate) fn choose_for_fit(arguments: &ScenarioArguments, hash: &str) -> Result<ResultFolder, Failure> {
+    choose_for(Kind::Fit, arguments, hash)
+}
+
+fn choose_for(kind: Kind, arguments: &ScenarioArguments, hash: &str) -> Result<ResultFolder, Failure> {
     if let Some(folder) = &arguments.out {
         output::check(folder)?;
         return Ok(ResultFolder { path: folder.clone(), note: None });
     }
     let own = arguments.default_out();
-    let content = content(&own, hash);
+    let content = content(kind, &own, hash);
     let folder = match &content {
         Content::Free => own.clone(),
-        Content::Other(_) | Content::Unknown => hash_folder(&own, hash),
+        Content::Other(_) | Content::Unknown => hash_folder(kind, &own, hash),
     };
     output::check(&folder)?;
     let hash_of_other = match content {
@@ -92,9 +110,13 @@ pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<Result
         Content::Unknown => String::new(),
     };
     let note = format!(
-        "note: {} contains the result of another scenario or of other keys{hash_of_other}, which is not replaced; this result \
-         is written to {}\n  = help: with --out DIR, the files in DIR are replaced",
+        "note: {} contains {}{hash_of_other}, which is not replaced; this result is written to {}\n  = help: with --out DIR, the files in \
+         DIR are replaced",
         own.display(),
+        match kind {
+            Kind::Result => "the result of another scenario or of other keys",
+            Kind::Fit => "the fit of another scenario, of other keys, or to other data",
+        },
         folder.display()
     );
     Ok(ResultFolder { path: folder, note: Some(note) })
@@ -129,20 +151,24 @@ pub(crate) fn write_about(folder: &Path, title: &str, hash: &str) -> Result<(), 
 }
 
 /// A folder named by the hash, with as many digits as are needed to avoid the folders of other results.
-fn hash_folder(own: &Path, hash: &str) -> PathBuf {
+fn hash_folder(kind: Kind, own: &Path, hash: &str) -> PathBuf {
     let named = |digits: usize| {
         let mut name = own.file_name().unwrap_or_default().to_owned();
         name.push(format!("-{}", hash.get(..digits).unwrap_or(hash)));
         own.with_file_name(name)
     };
-    let is_free = |folder: &PathBuf| content(folder, hash) == Content::Free;
+    let is_free = |folder: &PathBuf| content(kind, folder, hash) == Content::Free;
     (DIGITS..hash.len()).map(named).find(is_free).unwrap_or_else(|| named(hash.len()))
 }
 
 /// Returns whether a folder contains a result with another hash.
-fn content(folder: &Path, hash: &str) -> Content {
+fn content(kind: Kind, folder: &Path, hash: &str) -> Content {
+    let (files, without_hash): (Vec<&str>, &[&str]) = match kind {
+        Kind::Result => (RESULTS.iter().map(|file| file.name).chain([ABOUT]).collect(), &WITHOUT_HASH),
+        Kind::Fit => (vec!["fit.json"], &[]),
+    };
     let mut is_ours = false;
-    for name in RESULTS.iter().map(|file| file.name).chain([ABOUT]) {
+    for name in files {
         let Ok(bytes) = fs::read(folder.join(name)) else { continue };
         match serde_json::from_slice::<Hash>(&bytes) {
             Ok(found) if found.hash == hash => is_ours = true,
@@ -150,7 +176,7 @@ fn content(folder: &Path, hash: &str) -> Content {
             Err(_) => return Content::Unknown,
         }
     }
-    if !is_ours && WITHOUT_HASH.iter().any(|name| folder.join(name).exists()) {
+    if !is_ours && without_hash.iter().any(|name| folder.join(name).exists()) {
         Content::Unknown
     } else {
         Content::Free
@@ -166,19 +192,19 @@ mod tests {
         let base = tempfile::tempdir().unwrap();
         let own = base.path().join("s");
         let [ours, other] = ["a".repeat(64), "b".repeat(64)];
-        assert_eq!(content(&own, &ours), Content::Free);
+        assert_eq!(content(Kind::Result, &own, &ours), Content::Free);
         fs::create_dir(&own).unwrap();
         write_about(&own, "t", &ours).unwrap();
         assert_eq!(
-            (content(&own, &ours), content(&own, &other)),
+            (content(Kind::Result, &own, &ours), content(Kind::Result, &own, &other)),
             (Content::Free, Content::Other(ours.clone()))
         );
-        assert_eq!(hash_folder(&own, &other), base.path().join("s-bbbbbb"));
+        assert_eq!(hash_folder(Kind::Result, &own, &other), base.path().join("s-bbbbbb"));
         // Another hash with the same first digits.
         let close = format!("bbbbbb{}", "c".repeat(58));
         fs::create_dir(base.path().join("s-bbbbbb")).unwrap();
         write_about(&base.path().join("s-bbbbbb"), "t", &close).unwrap();
-        assert_eq!(hash_folder(&own, &other), base.path().join("s-bbbbbbb"));
+        assert_eq!(hash_folder(Kind::Result, &own, &other), base.path().join("s-bbbbbbb"));
         // Files of a scenario that another one replaces; those of other programs stay.
         for name in ["pixel.csv", "display-white.bsdf", "step-normalise.svg", "notes.csv"] {
             fs::write(own.join(name), "").unwrap();
@@ -192,6 +218,6 @@ mod tests {
         let old = base.path().join("old");
         fs::create_dir(&old).unwrap();
         fs::write(old.join("pixel.csv"), "").unwrap();
-        assert_eq!(content(&old, &ours), Content::Unknown);
+        assert_eq!(content(Kind::Result, &old, &ours), Content::Unknown);
     }
 }

@@ -13,7 +13,7 @@ Computes spectra, colours and metrics, with their errors, from a scenario::
 - `gonio` measures a surface that is described by its geometry.
 - `image` shows a picture on the display, and `palette` computes the colours of all states in this and other rooms.
 - `sweep` computes thousands of designs with labelled axes, `Prepared` any designs, with derivatives.
-- `optimize` searches for better designs; `tolerance` analyses the tolerances of a design.
+- `optimize` searches for better designs; `tolerance` analyses the tolerances of a design; `fit` determines keys from measured data.
 - `Scenario` reads, builds and edits scenarios.
 - `cluster` computes millions of designs, on many machines.
 - `films`, `colour` and `diffuser` are the models for separate use, on arrays.
@@ -40,7 +40,7 @@ from . import _guard
 _guard.guard_module(_papilio)
 
 from . import cluster, colour, diffuser, films, plot
-from . import absorbed, brdfs, cones, errors, evaluated, figure, glosses, images, labels, palettes, production, result, scenario, spatial, surfaces
+from . import absorbed, brdfs, cones, errors, evaluated, figure, fits, glosses, images, labels, palettes, production, result, scenario, spatial, surfaces
 from ._papilio import __version__
 from ._sweeps import sweep
 from ._tables import AnyResult
@@ -55,6 +55,7 @@ from .cones import *
 from .errors import *
 from .evaluated import *
 from .figure import *
+from .fits import *
 from .glosses import *
 from .images import *
 from .labels import *
@@ -86,6 +87,8 @@ __all__ += cones.__all__
 __all__ += errors.__all__
 __all__ += evaluated.__all__
 __all__ += figure.__all__
+__all__ += fits.__all__
+__all__ += glosses.__all__
 __all__ += images.__all__
 __all__ += labels.__all__
 __all__ += palettes.__all__

@@ -13,6 +13,7 @@ __all__ = [
     "Crosstalk",
     "Described",
     "Diffuser",
+    "Fit",
     "Image",
     "Mtf",
     "Palette",
@@ -285,6 +286,25 @@ class Gloss:
     def json(self) -> str: ...
     def arrays(self) -> dict[str, NDArray[np.float64]]: ...
     def warnings(self) -> list[str]: ...
+
+@final
+class Fit:
+    def __new__(
+        cls,
+        text: str,
+        name: str,
+        folder: str | None,
+        files: Mapping[str, bytes] | None,
+        measured: Sequence[tuple[str, bytes | None]],
+        threads: int | None = None,
+        progress: Callable[[dict[str, Any]], object] | None = None,
+    ) -> Fit: ...
+    def json(self) -> str: ...
+    def table(self) -> str: ...
+    def scenario(self) -> str: ...
+    def residuals(self) -> tuple[list[tuple[str, list[str]]], dict[str, NDArray[np.float64]]]: ...
+    def figures(self, title: str) -> list[tuple[str, str]]: ...
+    def notes(self) -> list[str]: ...
 
 @final
 class Sparkle:

@@ -23,7 +23,7 @@ __all__ = ["AnyResult", "long_table"]
 @runtime_checkable
 class AnyResult(Protocol):
     """What every result has: `Result`, `Cone`, `Reflection`, `Brdf`, `Evaluated`, `Absorption`, `Optimum`, `Yield`, `Diffuser`,
-    `Mtf`, `Crosstalk`, `Sparkle`, `Palette`, `Image`, `Surface`.
+    `Mtf`, `Crosstalk`, `Sparkle`, `Gloss`, `Fitted`, `Palette`, `Image`, `Surface`.
 
     Arrays by name (``found["Y"]``, ``in``, iteration, ``keys()``, ``get``), the same as tables and as JSON, figures, files, and what the
     program has to say. Results can be copied and pickled.

@@ -20,7 +20,7 @@ __all__ = ["Progress", "Solver", "run"]
 Solver = Literal["adding", "monte-carlo", "auto", "walk"]
 
 #: Function that reports progress. Its argument has fraction (of the whole, which never decreases), views_done, views, relative_error, target and paths for a run
-#: (None where there is none); done and of for designs and searches.
+#: (None where there is none); done and of for designs and searches; fraction for a fit.
 Progress = Callable[[dict[str, Any]], object]
 
 _MOST_THREADS = 65535
@@ -105,6 +105,8 @@ class Line:
             workers = state.get("workers")
             of_workers = "" if workers is None else f" on {workers} workers"
             line = f"{state['done']:,} of {state['of']:,} {self._noun}{of_workers}"
+        elif "views" not in state:
+            line = f"{100 * state['fraction']:.0f} % {self._noun}"
         else:
             target = "" if state["target"] is None else f", target {state['target']:.2g}"
             error = "" if state["relative_error"] is None else f", relative error {state['relative_error']:.2g}{target}"

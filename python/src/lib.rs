@@ -28,6 +28,7 @@ mod diffuser;
 mod errors;
 mod figures;
 mod films;
+mod fit;
 mod frame;
 mod image;
 mod palette;
@@ -67,6 +68,7 @@ mod _papilio {
             crate::diffuser::add_to,
             crate::figures::add_to,
             crate::films::add_to,
+            crate::fit::add_to,
             crate::frame::add_to,
             crate::image::add_to,
             crate::palette::add_to,

@@ -30,6 +30,8 @@ pub(crate) enum ProgressState {
     },
     /// Number of completed designs, rows or tasks, and of all of them.
     Done(usize, usize),
+    /// Fraction of the work that is done.
+    Fraction(f64),
 }
 
 /// Connection of a computation to the thread that watches it.
@@ -151,6 +153,7 @@ fn call(progress: &Bound<'_, PyAny>, latest: ProgressState) -> PyResult<()> {
             now.set_item("done", done)?;
             now.set_item("of", of)?;
         }
+        ProgressState::Fraction(fraction) => now.set_item("fraction", fraction)?,
     }
     progress.call1((now,)).map(|_| ())
 }

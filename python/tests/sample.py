@@ -49,6 +49,6 @@ layers = films.absorptance([("SiO2", 100.0)], nm, substrate="Al")
 foil = papilio.diffuser.Diffuser("scenarios/data/H78.bsdf")
 everything: list[papilio.AnyResult] = [
     result, swept, foil, papilio.cone(scenario), papilio.brdf(scenario), papilio.reflection(scenario), papilio.absorption(scenario),
-    papilio.optimize(scenario), papilio.tolerance(scenario),
+    papilio.optimize(scenario), papilio.tolerance(scenario), papilio.fit(scenario, "a.csv", {"state": ["white"], "Y": [0.5]}),
 ]  # fmt: skip
 drawn: list[str] = [figure.svg for one in everything for figure in one.figures().values()]

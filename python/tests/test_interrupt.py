@@ -21,6 +21,7 @@ LONG = {
     "a walk": 'papilio.run(path, solver="monte-carlo", set={"solver.paths": 1_000_000_000})',
     "a cone": "papilio.cone(path, theta_deg=np.linspace(0, 80, 4000), phi_deg=np.linspace(0, 350, 1000))",
     "a batch": 'papilio.Prepared(path).evaluate({"display.pixel.film.0.thickness_nm": np.linspace(1, 100, 1000000)}, ["white.Y"])',
+    "a fit": 'papilio.fit(path.replace("indoor", "fit"), path.replace("indoor.toml", "data/synthetic-film.csv"), set={"fit.starts": 1000, "spectrum.step_nm": 1})',
     "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 10000000)), *[("Cr", 1.0)] * 2000], 550.0, substrate="Al", threads=1)',
 }
 

@@ -38,6 +38,7 @@ def results():
             "Mtf": papilio.mtf(ROOT / "scenarios" / "matrix.toml", set=COARSE),
             "Crosstalk": papilio.crosstalk(ROOT / "scenarios" / "matrix.toml", set=COARSE),
             "Sparkle": papilio.sparkle(ROOT / "scenarios" / "antiglare.toml", set={"sparkle.replicates": 2, "sparkle.correlation_um": 60} | COARSE),
+            "Fitted": papilio.fit(ROOT / "scenarios" / "fit.toml", ROOT / "scenarios" / "data" / "synthetic-film.csv", set={"fit.starts": 1}),
             "Palette": papilio.palette(ROOT / "scenarios" / "six-ink.toml", rooms=["D65"]),
             "Image": papilio.image(ROOT / "scenarios" / "six-ink.toml", np.full((16, 24, 3), 0.5)),
             "Surface": papilio.gonio(ROOT / "surfaces" / "hemispheres.toml", set={"microgeometry.rays": 640}),
@@ -45,7 +46,7 @@ def results():
         }
 
 
-NAMES = ["Result", "Cone", "Reflection", "Brdf", "Absorption", "Evaluated", "Yield", "Optimum", "Mtf", "Crosstalk", "Sparkle", "Palette", "Image", "Surface", "Diffuser"]
+NAMES = ["Result", "Cone", "Reflection", "Brdf", "Absorption", "Evaluated", "Yield", "Optimum", "Mtf", "Crosstalk", "Sparkle", "Fitted", "Palette", "Image", "Surface", "Diffuser"]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -47,27 +47,11 @@ fn computed(arguments: &Compare, measured: &Measurement) -> Result<ReadResult, F
         ))
     })?;
     let varied = ParameterisedScenario::load(path, set, &[])?;
-    let found = add_metrics(&mut simulated, measured, varied, &interrupt::STOP);
-    if found.as_ref().is_err_and(|error| !was_stopped(error)) {
-        note_metrics_of_commands(measured);
-    }
-    or_interrupted(found)?;
+    or_interrupted(add_metrics(&mut simulated, measured, varied, &interrupt::STOP))?;
     if scenario.has_tolerance() {
         add_spread(&mut simulated, measured, path, arguments)?;
     }
     Ok(ReadResult { title: resolved.title.clone(), hash: Some(resolved.hash.clone()), simulated })
-}
-
-/// Says which measured metrics need more than a run: what is missing in the scenario is missing for them.
-fn note_metrics_of_commands(measured: &Measurement) {
-    let own = measured.metrics.iter().filter_map(|one| {
-        let command = one.metric.source().command()?;
-        Some(format!("{} (of `papilio {command}`)", one.name()))
-    });
-    let names: Vec<String> = own.collect();
-    if !names.is_empty() {
-        print_message(&format!("note: the measured metrics need it: {}", names.join(", ")));
-    }
 }
 
 /// Adds the spread by the tolerances of the inputs.

@@ -16,7 +16,7 @@ use papilio_scenario::{Edit, Fit, edit};
 use crate::arguments::FitCommand;
 use crate::compare::{measurement, names_of};
 use crate::progress::FractionBar;
-use crate::{Failure, input, interrupt, output, print_message, print_notes};
+use crate::{Failure, folder, input, interrupt, output, print_message, print_notes};
 
 /// Files of an earlier fit, besides figures.
 const FILES: [&str; 3] = ["fitted.toml", "fit.json", "fit.csv"];
@@ -26,8 +26,6 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
     print_notes(&spec.notes);
     let (measured, notes) = measurement(&arguments.measured)?;
     notes.iter().for_each(|note| print_message(note));
-    let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
-    output::check(&folder)?;
     interrupt::catch_ctrl_c();
     let started = Instant::now();
     let title = spec.title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
@@ -38,6 +36,7 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
         }
         other => interrupted(other),
     })?;
+    let folder = folder::choose_for_fit(&arguments.scenario, fitting.hash())?;
     let threads = arguments.workers.threads.map(usize::from);
     let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let found = {
@@ -67,7 +66,7 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
         stdout.write_all(report::text(&title, &found).as_bytes())?;
     }
     stdout.flush()?;
-    output::print_written(&folder, &names);
+    folder.print_written(&names);
     print_as_notes(&found.notes);
     Ok(())
 }

@@ -159,16 +159,17 @@ normal = { sigma = 0.01 }
     assert!((z - 1.0).abs() < 0.01, "{z}");
 }
 
-/// A metric of another command whose table the scenario lacks: the error has the metric's name.
+/// A metric of another command whose table the scenario lacks: the error has the metric's name and line.
 #[test]
 fn metrics_that_the_scenario_cannot_have_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let measured = folder.path().join("metrics.csv");
-    fs::write(&measured, "metric,value\nflip_mean,0.1\ncontrast_ratio,10\n").unwrap();
+    fs::write(&measured, "metric,value\ncontrast_ratio,10\nflip_mean,0.1\n").unwrap();
     let output = compare(&shipped("overcast.toml"), &measured, &[Path::new("--json")]);
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("the measured metrics need it: flip_mean (of `papilio image`)"), "{said}");
+    let named = "note: the measured metric `flip_mean` (of `papilio image`) needs it: ";
+    assert!(said.contains(named) && said.contains("metrics.csv:3:1"), "{said}");
 }
 
 /// The tables of a run, read as a measurement, differ from the run by rounding only.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{files, papilio, place, same, scenario, stderr, stdout};
+use crate::common::{files, papilio, papilio_command, place, same, scenario, stderr, stdout};
 
 /// True values of the synthetic measurement, as its header states them.
 const TRUTH: [(&str, f64); 8] = [
@@ -102,6 +102,33 @@ fn files_do_not_depend_on_threads() {
     assert!(text.contains("not determined"), "{text}");
     let fitted = fs::read_to_string(folder.path().join("pair/fitted.toml")).unwrap();
     assert!(fitted.contains("which the data cannot tell apart from meter.scale"), "{fitted}");
+}
+
+/// A fit to other data is written beside an earlier one, the same fit to its own folder.
+#[test]
+fn fit_to_other_data_does_not_replace_an_earlier_one() {
+    let (folder, _, _) = place(SMALL);
+    let fit = |data: &str| {
+        fs::write(folder.path().join("data.csv"), data).unwrap();
+        let output = papilio_command()
+            .current_dir(folder.path())
+            .args(["fit", "s.toml", "data.csv", "--set", "fit.starts=1"])
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let own = Path::new("out").join("s").display().to_string();
+    assert!(fit(DATA).contains(&format!("wrote {own}:")));
+    let first = files(&folder.path().join(&own));
+    let beside = fit(&DATA.replace("0.225", "0.226"));
+    assert!(
+        beside.contains("contains the fit of another scenario, of other keys, or to other data")
+            && beside.contains(&format!("wrote {own}-")),
+        "{beside}"
+    );
+    same(&first, &files(&folder.path().join(&own)));
+    assert!(fit(DATA).contains(&format!("wrote {own}:")));
 }
 
 const SMALL: &str = r#"

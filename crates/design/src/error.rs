@@ -21,6 +21,18 @@ pub enum DesignError {
         /// Name of the metric.
         metric: String,
     },
+    /// A measured metric that the scenario does not describe.
+    #[error("{error}\n  = note: the measured metric `{metric}` (of `papilio {command}`) needs it: {place}")]
+    MeasuredMetric {
+        /// What is missing.
+        error: Box<DesignError>,
+        /// Name of the metric, with its state.
+        metric: String,
+        /// Command that computes it.
+        command: &'static str,
+        /// Where it was written.
+        place: String,
+    },
     /// The design has the wrong length.
     #[error("the design has {found} numbers; expected {expected}, one for each variable")]
     Length {

@@ -13,6 +13,7 @@ use papilio_display::scene::Metric;
 use papilio_scenario::{NamedQuantity, ParameterisedScenario, Tolerance};
 
 use crate::parallel::in_parallel;
+use crate::search::was_stopped;
 use crate::tolerance::{Draw, Production};
 use crate::{Condition, DesignError, Evaluator, Quantity, Study};
 
@@ -43,12 +44,17 @@ pub fn add_metrics(
     if metrics.is_empty() {
         return Ok(());
     }
-    let study = Study {
-        conditions: vec![Condition { name: String::new(), varied: scenario }],
+    let study = |quantities| Study {
+        conditions: vec![Condition { name: String::new(), varied: scenario.clone() }],
         variables: Vec::new(),
-        quantities: named(&metrics),
+        quantities,
     };
-    let values = Evaluator::new(Arc::new(study), stop).evaluate_with_errors(&[])?;
+    let found = Evaluator::new(Arc::new(study(named(&metrics))), stop).evaluate_with_errors(&[]);
+    let values = found.map_err(|error| {
+        error_of_metric(error, simulated, measurement, |one| {
+            Evaluator::new(Arc::new(study(vec![one])), stop).of_pixels(&[]).err()
+        })
+    })?;
     for ((place, _), [value, error]) in metrics.into_iter().zip(values) {
         if let (Place::Metric { view, name }, Some(value)) = (place, value) {
             let standard_deviation = error.unwrap_or(0.0);
@@ -115,6 +121,34 @@ fn add(simulated: &mut Simulated, place: &Place, deviation: f64) {
     };
     if let Some(at) = at {
         *at = at.hypot(deviation);
+    }
+}
+
+/// Error of measured metrics: that of the first one that `error_of` cannot compute, with its name and its place.
+pub(crate) fn error_of_metric(
+    error: DesignError,
+    simulated: &Simulated,
+    measurement: &Measurement,
+    error_of: impl Fn(NamedQuantity) -> Option<DesignError>,
+) -> DesignError {
+    if was_stopped(&error) {
+        return error;
+    }
+    let others = measurement.metrics.iter().filter_map(|one| Some((one, one.metric.source().command()?)));
+    let first = others.into_iter().find_map(|(one, command)| {
+        let view = simulated.view_of_metric(one)?;
+        let quantity = Quantity::Metric { view, state: one.state.clone(), metric: one.metric };
+        let error = error_of(NamedQuantity { name: String::new(), condition: 0, quantity })?;
+        Some((error, one.name(), command, one.place.clone()))
+    });
+    match first {
+        None => error,
+        Some((DesignError::Scenario(errors), metric, command, place)) => errors
+            .with_note(&format!("the measured metric `{metric}` (of `papilio {command}`) needs it: {place}"))
+            .into(),
+        Some((error, metric, command, place)) => {
+            DesignError::MeasuredMetric { error: Box::new(error), metric, command, place }
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Measurements of a display: spectra and colours of its states, and metrics by name.
 
-use papilio_diagnostics::{Diagnostic, Warned, suggestion};
+use papilio_diagnostics::{Diagnostic, Warned, did_you_mean};
 use papilio_display::compare::{Measured, MeasuredMetric, Measurement};
 use papilio_display::scene::Metric;
 
@@ -73,6 +73,7 @@ fn metric(header: &Header, row: &Row<'_>) -> Result<MeasuredMetric, FormatError>
         phi_deg: within(&PHI, (-360.0, 360.0), "an azimuth from -360 to 360 deg")?.unwrap_or(0.0),
         value,
         standard_deviation: within(&METRIC_DEVIATION, (f64::MIN_POSITIVE, 1e12), "a number above 0")?,
+        place: row.place().to_string(),
     })
 }
 
@@ -83,13 +84,36 @@ fn no_such_metric(text: &str) -> Problem {
     let hint = match Metric::named(name) {
         Some(metric) if !metric.is_of_view() => format!("write the state before it: `white.{name}`"),
         Some(_) => format!("write it without a state: `{name}`"),
-        None => suggestion(name, names.iter().copied(), "metrics"),
+        None => did_you_mean(name, names.iter().copied()).unwrap_or_else(|| containing(name, &names)),
     };
     Diagnostic::new(format!("there is no metric `{text}`"))
         .expected("the name of a metric, as `contrast_ratio` or `white.Y`")
         .hint(hint)
         .into()
 }
+
+/// Names of metrics that contain a word, and the page that lists all.
+fn containing(word: &str, names: &[&str]) -> String {
+    let word = word.to_lowercase();
+    let found: Vec<&str> = names
+        .iter()
+        .copied()
+        .filter(|name| !word.is_empty() && name.to_lowercase().contains(&word))
+        .collect();
+    let all = "docs/metric-names.md lists all metrics";
+    match found.len() {
+        0 => all.to_owned(),
+        count if count <= MOST_NAMED => format!("did you mean {}? {all}", found.join(" or ")),
+        count => format!(
+            "{} and {} more have this word; {all}",
+            found[..MOST_NAMED].join(", "),
+            count - MOST_NAMED
+        ),
+    }
+}
+
+/// Most metrics that a hint names.
+const MOST_NAMED: usize = 4;
 
 #[cfg(test)]
 mod tests {
@@ -143,6 +167,13 @@ mod tests {
     fn malformed_measurement_is_an_error_with_its_place() {
         for (text, place, words) in [
             ("metric,value\ncontrast_rato,12\n", (2, 1), "did you mean `contrast_ratio`?"),
+            ("metric,value\nhue,12\n", (2, 1), "docs/metric-names.md lists all metrics"),
+            ("metric,value\nreading,12\n", (2, 1), "did you mean reading_surrogate_age_20 or"),
+            (
+                "metric,value\ngamut,12\n",
+                (2, 1),
+                "more have this word; docs/metric-names.md lists all metrics",
+            ),
             ("metric,value\nY,12\n", (2, 1), "write the state before it: `white.Y`"),
             ("metric,value\nwhite.contrast_ratio,12\n", (2, 1), "write it without a state: `contrast_ratio`"),
             ("metric,value\nwhite.Y,x\n", (2, 9), "NotANumber"),

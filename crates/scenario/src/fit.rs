@@ -41,6 +41,13 @@ pub struct Fit {
     pub notes: Vec<String>,
 }
 
+impl Fit {
+    /// SHA-256 of the fit together with what it is fitted to.
+    pub fn hash_with(&self, measured: &str) -> String {
+        sha256(json!([self.hash, measured]).to_string().as_bytes())
+    }
+}
+
 /// Standard deviations of the measured numbers of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FitDeviations {

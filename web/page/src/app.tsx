@@ -11,6 +11,7 @@ import { ConePanel } from "./panels/cone.tsx";
 import { DetailPanel } from "./panels/detail.tsx";
 import { Downloads } from "./panels/downloads.tsx";
 import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
+import { FitPanel } from "./panels/fit.tsx";
 import { FilesPanel } from "./panels/files.tsx";
 import { ImagePanel } from "./panels/image.tsx";
 import { Header } from "./panels/header.tsx";
@@ -94,6 +95,7 @@ const TABS = [
   { id: "surface", name: "Surface", body: () => <SurfacePanel /> },
   { id: "sweep", name: "Sweep", body: () => <SweepPanel /> },
   { id: "compare", name: "Compare", body: () => <ComparePanel /> },
+  { id: "fit", name: "Fit", body: () => <FitPanel /> },
   { id: "files", name: "Files", body: () => <FilesPanel /> },
 ];
 

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use axum::http::StatusCode;
-use papilio_display::compare::{Comparison, compare as compare_with};
+use papilio_display::compare::{Comparison, compare_measurement};
 use papilio_figures::{compared_gamuts, compared_spectra};
 use papilio_formats::{
-    DataFile, read_measured_panel, read_result, write_compared_spectra, write_comparison, write_json,
+    DataFile, read_measurement, read_result_with, write_compared_spectra, write_comparison, write_json,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -59,12 +59,13 @@ fn compared(site: &Site, request: CompareOf, stop: &AtomicBool) -> Result<Compar
         fault.body.missing = Some(vec![panel]);
         fault
     })?;
-    let panel = read_measured_panel(file.file())?;
+    let panel = read_measurement(file.file())?;
     let answer = compute_scenario(site, &Given { scenario, files }, stop)?;
     // The simulated side is read from result.json, as on the command line.
     let bytes = bytes(|out| write_json(out, &answer.file()))?;
-    let simulated = read_result(&DataFile { name: "result.json".to_owned(), bytes })?.simulated;
-    let all = compare_with(&simulated, &panel.value).map_err(|error| {
+    let result = DataFile { name: "result.json".to_owned(), bytes };
+    let simulated = read_result_with(&result, &panel.value.metrics)?.simulated;
+    let all = compare_measurement(&simulated, &panel.value).map_err(|error| {
         let hint =
             "the names of states must equal those of the design, and angles must agree to within 1 deg";
         Fault::too_much(error.to_string(), hint)

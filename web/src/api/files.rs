@@ -8,7 +8,7 @@ use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_sca
 use papilio_formats::{
     BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, is_height_file,
     is_luminaire, picture_format, read_bsdf, read_heights, read_index_within, read_light_map, read_luminaire,
-    read_measured_panel, read_mesh, read_picture, read_pixel_table, read_profile, read_spectrum,
+    read_measurement, read_mesh, read_picture, read_pixel_table, read_profile, read_spectrum,
 };
 use papilio_goniometry::{Audit, MeasuredPart, Measurement};
 use papilio_scenario::{Edit, SurfaceScenario};
@@ -128,7 +128,7 @@ fn read_contents(site: &Site, file: &DataFile, stop: &AtomicBool) -> Result<Cont
     if read_pixel_table(file).is_ok() || (head.contains(&"state") && head.contains(&"reflectance")) {
         return pixel(file);
     }
-    if head.contains(&"state") {
+    if head.contains(&"state") || head.contains(&"metric") {
         return panel(file);
     }
     if let Ok(read) = read_spectrum(file) {
@@ -282,11 +282,18 @@ fn pixel(file: &DataFile) -> Result<Contents, Fault> {
 }
 
 fn panel(file: &DataFile) -> Result<Contents, Fault> {
-    let measured = read_measured_panel(file)?.value;
-    let words = vec![
-        format!("{}: measured panel, {} measurements (states and directions)", file.name, measured.len()),
-        "compare it with a simulated panel: `papilio compare`".to_owned(),
+    let read = read_measurement(file)?;
+    let (states, metrics) = (read.value.states.len(), read.value.metrics.len());
+    let what = match metrics {
+        0 => format!("{states} measurements (states and directions)"),
+        _ => format!("{metrics} metrics"),
+    };
+    let mut words = vec![
+        format!("{}: measured panel, {what}", file.name),
+        "compare it with a simulated panel: `papilio compare`; fit a scenario to it: `papilio fit`"
+            .to_owned(),
     ];
+    words.extend(read.warnings.iter().map(|note| format!("note: {note}")));
     Ok(Contents { kind: FileKind::Panel, words, figures: vec![], edits: vec![] })
 }
 

@@ -9,6 +9,7 @@ mod endpoint;
 mod events;
 mod export;
 mod files;
+mod fit;
 mod gonio;
 mod image;
 mod live;
@@ -98,6 +99,11 @@ fn endpoints() -> Endpoints {
             "/sweep",
             "The points of [sweep], as they are computed",
             sweep::sweep,
+        )
+        .events::<_, fit::FitEvent, _>(
+            "/fit",
+            "A fit of keys to measured files, as by papilio fit: progress, then variables with their intervals, figures, the fitted scenario",
+            fit::fit,
         )
 }
 

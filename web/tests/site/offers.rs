@@ -1,12 +1,13 @@
 //! What the page offers: values that are accepted, the Monte Carlo solver for what adding refuses, presets,
-//! lobes and the comparison with a measured panel.
+//! lobes, the comparison with a measured panel, and fits to it.
 
 use std::sync::atomic::AtomicBool;
 
+use papilio_design::fit::Fitting;
 use papilio_display::Control;
 use papilio_display::compare::compare;
-use papilio_formats::{DataFile, read_measured_panel, read_result, write_json};
-use papilio_scenario::Scenario;
+use papilio_formats::{DataFile, read_measured_panel, read_measurement, read_result, write_json};
+use papilio_scenario::{Fit, Library, Scenario};
 use serde_json::{Value, json};
 
 use crate::answers::{events, indoor};
@@ -135,4 +136,90 @@ fn comparison_with_a_measured_panel_equals_the_command_line() {
     let kept = server.send("/api/v1/files?name=other.csv", "application/octet-stream", other).json();
     let (message, _) = server.post("/compare", &json!({ "scenario": scenario, "panel": kept["id"] })).error();
     assert!(message.contains("no measured state has a counterpart"), "{message}");
+}
+
+/// A fit has the variables of `papilio fit`; its edits give the scenario the fitted values, and metrics are measurements, too.
+#[test]
+fn fit_equals_the_command_line() {
+    let server = Server::start();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/");
+    let scenario =
+        std::fs::read_to_string(format!("{root}fit.toml")).unwrap().replace("starts = 4", "starts = 1");
+    let bytes = std::fs::read(format!("{root}data/synthetic-film.csv")).unwrap();
+    let upload = |name: &str, bytes: &[u8]| {
+        server.send(&format!("/api/v1/files?name={name}"), "application/octet-stream", bytes).json()
+    };
+    let kept = upload("film.csv", &bytes);
+    assert_eq!(kept["kind"], "panel");
+    let request = json!({ "scenario": scenario, "measured": [kept["id"], kept["id"]] });
+    let answer = server.post("/fit", &request);
+    let (before, name, done) = events(&answer.body);
+    assert!(before >= 1 && name == "done", "{done}");
+    let spec = Fit::from_text(&scenario, "scenario", Library::Folder(root.into()), &[]).unwrap();
+    let measured = read_measurement(&DataFile { name: "film.csv".to_owned(), bytes }).unwrap().value;
+    let stop = AtomicBool::new(false);
+    let fitting = Fitting::new(spec, &measured, &stop).unwrap();
+    let wanted = fitting.run(2, &|_, _| {}).unwrap().unwrap();
+    // Compared as text: parsing a number could change its last bit.
+    let variables = serde_json::to_value(&wanted.variables).unwrap().to_string();
+    assert!(String::from_utf8_lossy(&answer.body).contains(&variables), "{variables}");
+    assert_eq!(done["report"]["hash"], wanted.hash);
+    assert_eq!(done["csv"].as_str().unwrap().lines().count(), 1 + wanted.observations);
+    let names: Vec<&str> =
+        done["figures"].as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["fit-spectra", "fit-residuals"]);
+    let edited = server.post("/edit", &json!({ "scenario": scenario, "edits": done["edits"] })).json();
+    let edited =
+        Scenario::from_text(edited["scenario"].as_str().unwrap(), "s", Library::Folder(root.into()), &[])
+            .unwrap();
+    let fitted =
+        Scenario::from_text(done["scenario"].as_str().unwrap(), "s", Library::Folder(root.into()), &[])
+            .unwrap();
+    for one in wanted.variables.iter().filter(|one| one.key.starts_with("display.")) {
+        let pointer = one.key.trim_start_matches("display").replace('.', "/");
+        let of =
+            |scenario: &Scenario| scenario.filled_at("display").pointer(&pointer).unwrap().as_f64().unwrap();
+        assert_eq!(of(&edited), of(&fitted), "{}", one.key);
+        assert!((of(&fitted) - one.best).abs() < 1e-8 * one.best, "{}", one.key);
+    }
+
+    // Metrics alone are a measurement; one that needs what the scenario lacks is named with its place.
+    let metrics =
+        upload("metrics.csv", b"metric,value,standard_deviation\nwhite.Y,0.2,0.01\nppd,0.05,0.01\n");
+    assert_eq!(metrics["kind"], "panel");
+    let one = scenario.split("[fit]").next().unwrap().to_owned()
+        + "[fit]\nvariables = [{ key = \"display.pixel.fill_factor\", bounds = [0.5, 1.0] }]\n";
+    let (_, name, failed) =
+        events(&server.post("/fit", &json!({ "scenario": one, "measured": [metrics["id"]] })).body);
+    let message = failed["errors"][0]["message"].as_str().unwrap();
+    assert!(
+        name == "failed" && message.contains("`ppd`") && message.contains("metrics.csv:3:1"),
+        "{message}"
+    );
+}
+
+#[test]
+fn fit_that_cannot_start_says_why() {
+    let server = Server::start();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/");
+    let scenario = std::fs::read_to_string(format!("{root}fit.toml")).unwrap();
+    let wrong = |scenario: &str, measured: Value| {
+        server.post("/fit", &json!({ "scenario": scenario, "measured": measured }))
+    };
+    assert!(wrong(&scenario, json!([])).error().0.contains("nothing is measured"));
+    let gone = wrong(&scenario, json!(["00"]));
+    assert_eq!((gone.status, &gone.json()["missing"]), (410, &json!(["00"])));
+    let colours = b"state,X,Y,Z\nwhite,0.2,0.2,0.2\n";
+    let kept = server.send("/api/v1/files?name=a.csv", "application/octet-stream", colours).json();
+    let (message, _) = wrong(&indoor(&server), json!([kept["id"]])).error();
+    assert!(message.contains("no `[fit]`"), "{message}");
+    let bad = scenario.replace("bounds = [250, 300]", "bounds = [300, 250]");
+    let (_, path) = wrong(&bad, json!([kept["id"]])).error();
+    assert!(path.is_some_and(|path| path.starts_with("fit.variables.0")));
+    let (_, name, failed) = events(&wrong(&scenario, json!([kept["id"]])).body);
+    let message = failed["errors"][0]["message"].as_str().unwrap();
+    assert!(
+        name == "failed" && message.contains("3 measured numbers cannot determine 8 variables"),
+        "{message}"
+    );
 }

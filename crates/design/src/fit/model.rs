@@ -112,8 +112,11 @@ impl Model {
         for metric in &measurement.metrics {
             let Some(view) = simulated.view_of_metric(metric) else { continue };
             let Some(deviation) = metric.standard_deviation else {
-                let reason =
-                    format!("the metric `{}` has no standard deviation, which a fit needs", metric.name());
+                let reason = format!(
+                    "the metric `{}` ({}) has no standard deviation, which a fit needs",
+                    metric.name(),
+                    metric.place
+                );
                 return Err(DesignError::Fit { reason });
             };
             let quantity = Quantity::Metric { view, state: metric.state.clone(), metric: metric.metric };

@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct FitReport {
     /// Title of the scenario.
     pub title: Option<String>,
-    /// SHA-256 of the fit, of its scenario and of the scenario's files.
+    /// SHA-256 of the fit, of its scenario, of the scenario's files, and of the measured numbers.
     pub hash: String,
     /// Variables, in the order of the scenario.
     pub variables: Vec<FittedVariable>,

@@ -14,6 +14,7 @@ use super::profile::{End, ends as ends_of};
 use super::report::{Estimated, FitReport, FittedVariable, Residual, Starts};
 use super::statistics::{rms, runs, student};
 use super::undetermined::{Determined, determined, with_spanning};
+use crate::measured::error_of_metric;
 use crate::parallel::in_parallel;
 use crate::search::random_point;
 use crate::{Condition, DesignError, Evaluator, NamedQuantity, Study, Values, Variable};
@@ -47,6 +48,7 @@ const SAME_NAMES: &str =
 /// A fit that is ready to run.
 pub struct Fitting<'stop> {
     spec: Fit,
+    hash: String,
     model: Model,
     evaluator: Evaluator<'stop>,
 }
@@ -76,10 +78,14 @@ impl<'stop> Fitting<'stop> {
         if spec.deviations == FitDeviations::Residuals {
             model.forget_deviations();
         }
-        let study = study(&spec, model.quantities.clone());
-        let mut evaluator = Evaluator::new(Arc::new(study), stop);
+        let mut evaluator = Evaluator::new(Arc::new(study(&spec, model.quantities.clone())), stop);
         evaluator.hold_level(&own)?;
-        let known = evaluator.evaluate(&own)?;
+        let known = evaluator.evaluate(&own).map_err(|error| {
+            error_of_metric(error, &simulated, measurement, |one| {
+                let alone = study(&spec, vec![one]);
+                Evaluator::new(Arc::new(alone), stop).of_pixels(&own).err()
+            })
+        })?;
         model.add_metrics(&mut simulated, &known);
         let compared = compare_measurement(&simulated, measurement)
             .map_err(|error| DesignError::Fit { reason: format!("{error}\n  = help: {SAME_NAMES}") })?;
@@ -99,12 +105,18 @@ impl<'stop> Fitting<'stop> {
             let reason = format!("{numbers} measured numbers cannot determine {variables} variables");
             return Err(DesignError::Fit { reason });
         }
-        Ok(Self { spec, model, evaluator })
+        let hash = spec.hash_with(&format!("{:?}", model.observations));
+        Ok(Self { spec, hash, model, evaluator })
     }
 
     /// Fit as read from the scenario.
     pub fn spec(&self) -> &Fit {
         &self.spec
+    }
+
+    /// SHA-256 of the fit, of its scenario, of the scenario's files, and of the measured numbers.
+    pub fn hash(&self) -> &str {
+        &self.hash
     }
 
     /// Notes on the measurement and on what is not used of it.
@@ -379,7 +391,7 @@ impl<'stop> Fitting<'stop> {
         notes.extend(self.remarks(best.chi_square, &runs, starts));
         Ok(FitReport {
             title: self.spec.title.clone(),
-            hash: self.spec.hash.clone(),
+            hash: self.hash.clone(),
             variables: variables.iter().enumerate().map(variable).collect(),
             correlations: (0..n).map(|i| (0..n).map(|k| correlation(i, k)).collect()).collect(),
             undetermined: undetermined

@@ -296,6 +296,7 @@ fn colours_metrics_and_bounds_are_used() {
         phi_deg: 0.0,
         value,
         standard_deviation,
+        place: "metrics.csv:2:1".to_owned(),
     };
     let black = state("black").xyz.y;
     let mut measured = Measurement {
@@ -313,7 +314,7 @@ fn colours_metrics_and_bounds_are_used() {
     measured.metrics[0].standard_deviation = None;
     let text = format!("{DISPLAY}[fit]\n{GAP}");
     let error = try_fit(&text, &measured, 1).unwrap_err().to_string();
-    assert!(error.contains("`black.Y` has no standard deviation"), "{error}");
+    assert!(error.contains("`black.Y` (metrics.csv:2:1) has no standard deviation"), "{error}");
 }
 
 /// The same bits on one thread and on three.

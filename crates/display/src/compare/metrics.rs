@@ -23,6 +23,8 @@ pub struct MeasuredMetric {
     pub value: f64,
     /// Its standard deviation, if it is known.
     pub standard_deviation: Option<f64>,
+    /// Where it was written, for messages: `metrics.csv:3:1`; empty if that is not known.
+    pub place: String,
 }
 
 /// Metric of a view of a simulated display.

@@ -486,6 +486,7 @@ mod tests {
             phi_deg: 0.0,
             value,
             standard_deviation: Some(0.8),
+            place: String::new(),
         };
         let states = vec![
             with(spectrum("white", 8.0, 0.0, ramp, [350, 800]), 0.02),

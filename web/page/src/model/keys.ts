@@ -2,7 +2,7 @@
 
 import { isTable, join, type Json } from "./json.ts";
 
-const skipped = /^(solver|inputs|sweep|optimize|tolerance|measure|spectrum)(\.|$)/;
+const skipped = /^(solver|inputs|sweep|optimize|tolerance|fit|measure|spectrum)(\.|$)/;
 
 /** Returns all leaves of a value with their paths. */
 export function leaves(value: Json, path = ""): [string, Json][] {

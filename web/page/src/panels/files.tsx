@@ -6,6 +6,7 @@ import { Drawn } from "../plots/figure.tsx";
 import { fields, selected } from "../state/design.ts";
 import { showFile } from "../state/surface.ts";
 import { files, forget, type Dropped } from "../state/files.ts";
+import { fitTo } from "../state/fit.ts";
 import { edit } from "../state/live.ts";
 import { compareWith } from "./measured.tsx";
 import { FileButton } from "./choose.tsx";
@@ -70,6 +71,11 @@ function File({ file }: { file: Dropped }) {
             {audit.kind === "panel" && (
               <button type="button" class="run" onClick={() => compareWith(file.name)}>
                 Compare with the design
+              </button>
+            )}
+            {audit.kind === "panel" && (
+              <button type="button" class="run" onClick={() => fitTo(file.name)}>
+                Fit the design to it
               </button>
             )}
             {(audit.kind === "heights" || audit.kind === "mesh") && (

@@ -4,6 +4,7 @@ import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
 import { degrees, digits } from "../model/format.ts";
+import { halftoneName } from "../model/halftones.ts";
 import { anglesOf, fitting, limited, type Tilt } from "../model/perspective.ts";
 import { clippedShare } from "../model/seen.ts";
 import { painterOf } from "../plots/painter.ts";
@@ -85,12 +86,13 @@ export const imageClass = (): string =>
   imageAge.value === "settings" ? "" : fadedClass(imageAge.value, shown.value?.count ?? 0);
 
 /** Which picture is shown. */
-function which({ isFresh, seen: { head } }: Shown): string {
+function which({ isFresh, isFirst, halftone, seen: { head } }: Shown): string {
   const mark = markOf(imageAge.value);
   if (mark) return mark.words;
   if (head.held === null) return "exact colours without a halftone, which no panel of these states can show";
-  if (isFresh && head.prepared_elsewhere) return "a picture prepared for another light, by image.prepared_for";
-  return `a picture prepared for ${isFresh ? "this" : "an earlier"} light and view`;
+  const room = head.prepared_elsewhere ? "another light (image.prepared_for)" : "this light and view";
+  const by = halftoneName(halftone);
+  return `a picture prepared for ${isFresh ? room : "an earlier light and view"} by ${by}${isFirst ? "; a better one is being searched for…" : ""}`;
 }
 
 export function Display() {

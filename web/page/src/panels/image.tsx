@@ -5,13 +5,13 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { hex, times, type Triple } from "../model/colour.ts";
 import { degrees, digits, plain } from "../model/format.ts";
-import { textAt } from "../model/json.ts";
+import { halftoneName, HALFTONES, isStated } from "../model/halftones.ts";
 import { camera, fitting } from "../model/perspective.ts";
 import { D65, onScreen, PAPER, SCREEN_REFLECTANCE, type ScreenLight, type White } from "../model/seen.ts";
 import { AGE } from "../model/glare.ts";
 import { markOf } from "../state/age.ts";
 import { compact, part } from "../state/compact.ts";
-import { answer, fields, text } from "../state/design.ts";
+import { answer, text } from "../state/design.ts";
 import { FAR, imagesOfLamps, isSizeKnown, lampsSeen, veil_cd_m2 } from "../state/eye.ts";
 import { fileIds } from "../state/files.ts";
 import {
@@ -31,6 +31,7 @@ import {
   screenLight,
   shown,
   source,
+  stepsFor,
   tilt,
   unfollow,
   whiteOfPage,
@@ -49,15 +50,6 @@ const WHITES: readonly (readonly [White, string])[] = [
   ["perfect", "a perfect white in this light"],
   ["display", "the white of the display"],
   ["screen", "the screen or a perfect white, whichever is brighter"],
-];
-
-const HALFTONES: readonly (readonly [string, string])[] = [
-  ["none", "none: exact colours"],
-  ["refined-error-diffusion", "refined error diffusion"],
-  ["direct-binary-search", "direct binary search"],
-  ["error-diffusion", "error diffusion"],
-  ["void-and-cluster", "void and cluster"],
-  ["ordered", "ordered"],
 ];
 
 const SCREENS: readonly ScreenLight[] = ["paper", 100, 300, 1000];
@@ -125,6 +117,12 @@ function Paper() {
   );
 }
 
+/** The halftone without a choice on the page, in words. */
+function ofScenario(): string {
+  const all = stepsFor(null);
+  return all.length > 1 && !isStated(text.value) ? "the default, then the search" : `scenario: ${halftoneName(all.at(-1)!)}`;
+}
+
 function Controls() {
   const download = async (what: string) => {
     try {
@@ -153,7 +151,7 @@ function Controls() {
       <label class="wide">
         <span>Halftone</span>
         <select value={halftone.value ?? ""} onChange={(event) => (halftone.value = event.currentTarget.value || null)}>
-          <option value="">scenario: {textAt(fields.value, "image.halftone") ?? "refined-error-diffusion"}</option>
+          <option value="">{ofScenario()}</option>
           {HALFTONES.map(([id, name]) => (
             <option key={id} value={id}>
               {name}

@@ -1,11 +1,13 @@
 // The picture on the display. One request is in progress at a time, and only the newest values wait for it. While something moves, the
-// panel holds its picture, and only what is seen of it is computed; when all rests, its states are decided again for the new light and view.
+// panel holds its picture, and only what is seen of it is computed; when all rests, its states are decided again for the new light and view:
+// by the fast default first, then by the search, if that is wanted.
 
 import { batch, computed, signal } from "@preact/signals";
 
 import { postForBlob, postForBytes, Refused, type Work } from "../api/client.ts";
 import type { Problem } from "../api/types.ts";
-import { at, numberAt } from "../model/json.ts";
+import { stepsOf } from "../model/halftones.ts";
+import { at, isTable, numberAt, textAt } from "../model/json.ts";
 import { anglesOf, type Tilt, tiltOf } from "../model/perspective.ts";
 import { brighter, exposure, intensities, unpacked, type Planes, type ScreenLight, type Seen, type White } from "../model/seen.ts";
 import { answer, fields, states, text, viewIndex } from "./design.ts";
@@ -37,6 +39,10 @@ export interface Shown {
   readonly lights: ReadonlyMap<string, number>;
   /** Whether the states were decided for this light and view. */
   readonly isFresh: boolean;
+  /** The halftone that decided them. */
+  readonly halftone: string;
+  /** Whether a better halftone is being computed. */
+  readonly isFirst: boolean;
 }
 
 export const shown = signal<Shown | null>(null);
@@ -44,8 +50,18 @@ export const shown = signal<Shown | null>(null);
 const refused = signal<{ readonly request: string; readonly problems: readonly Problem[] } | null>(null);
 /** The name of a picture that was dropped or chosen; null: that of the scenario, or the program's own. */
 export const pictureName = signal<string | null>(null);
-/** The halftone that is chosen on the page; null: that of the scenario. */
+/** The halftone that is chosen on the page; null: that of the scenario, or the default and the search. */
 export const halftone = signal<string | null>(null);
+/** The halftones of the picture if `chosen` is chosen on the page. */
+export const stepsFor = (chosen: string | null): readonly string[] =>
+  stepsOf({
+    chosen,
+    own: textAt(fields.value, "image.halftone"),
+    hasMatrix: isTable(at(fields.value, "display.matrix")),
+    text: text.value,
+  });
+/** The halftones of the picture: each but the last is shown until the next one is computed. */
+export const steps = computed(() => stepsFor(halftone.value));
 /** Whether the panel holds its picture whatever the light. */
 export const holds = signal(false);
 /** Direction of the eye while it is not that of the design. */
@@ -150,16 +166,16 @@ const motif = (of: Wanted): string => JSON.stringify([of.picture, of.halftone]);
 
 let running = false;
 let stopped = true;
-/** The last request that was answered, and whether its states were decided for it. */
-let done = { what: "", isFresh: false };
+/** The last request that was answered, and how many of its halftones are computed; none: its states were held. */
+let done = { what: "", steps: 0 };
 /** The request for which files were sent again. */
 let resent = "";
 /** What the last answer shows. */
 let heldFor = "";
 let rest: ReturnType<typeof setTimeout> | undefined;
 let abort: AbortController | null = null;
-/** The request in progress, and when it was sent. */
-let flying = { what: "", since: 0 };
+/** The request in progress, when it was sent, and whether it is a search, which gives way at once. */
+let flying = { what: "", since: 0, isSearch: false };
 
 /** Requests the picture if anything has changed. Called whenever it may have. */
 export function follow(): void {
@@ -167,10 +183,16 @@ export function follow(): void {
   const what = wantedKey.value;
   clearTimeout(rest);
   const flight = abort;
-  if (flight && what !== flying.what) setTimeout(() => abort === flight && flight.abort(), Math.max(0, flying.since + PATIENCE_MS - performance.now()));
+  if (flight && what !== flying.what) {
+    const until = flying.isSearch ? 0 : flying.since + PATIENCE_MS - performance.now();
+    setTimeout(() => abort === flight && flight.abort(), Math.max(0, until));
+  }
   if (what !== done.what) void run(false);
-  if (isTilting.value || (done.what === what && (done.isFresh || holds.value))) return;
-  rest = setTimeout(() => void run(true), REST_MS);
+  if (isTilting.value) return;
+  const left = steps.value.length - (done.what === what ? done.steps : 0);
+  if (left <= 0 || (done.what === what && done.steps === 0 && holds.value)) return;
+  // The next halftone of what is shown follows at once.
+  rest = setTimeout(() => void run(true), done.what === what && done.steps > 0 ? 0 : REST_MS);
 }
 
 /** Stops requesting while the picture is not visible. */
@@ -188,24 +210,29 @@ async function run(isResting: boolean): Promise<void> {
   const head = shown.value?.seen.head;
   const names = states.value.map(([name]) => name);
   const canHold = head?.states.every((name) => names.includes(name)) && heldFor === motif(request);
-  const isHeld = canHold && head?.held != null && (holds.value || !isResting);
+  const [all, step] = [steps.value, done.what === what ? done.steps : 0];
+  const isHeld = canHold && head?.held != null && step === 0 && (holds.value || !isResting);
+  const kind = all[Math.min(step, all.length - 1)]!;
   const lights = intensities(answer.value?.fields as never);
   abort = new AbortController();
-  flying = { what, since: performance.now() };
+  flying = { what, since: performance.now(), isSearch: step > 0 };
   let wait = 0;
   try {
-    const seen = unpacked(await postForBytes("image", isHeld ? { ...request, held: head?.held } : request, abort.signal));
+    const how = isHeld ? { held: head?.held } : all.length > 1 ? { halftone: kind } : {};
+    const seen = unpacked(await postForBytes("image", { ...request, ...how }, abort.signal));
     batch(() => {
       const count = (shown.value?.count ?? 0) + 1;
-      shown.value = { seen, design, request: what, count, picture, lights, isFresh: !isHeld };
+      const halftone = isHeld ? shown.value!.halftone : kind;
+      const isFirst = !isHeld && step + 1 < all.length;
+      shown.value = { seen, design, request: what, count, picture, lights, isFresh: !isHeld, halftone, isFirst };
       if (seen.source) source.value = seen.source;
       refused.value = null;
     });
     heldFor = motif(request);
-    done = { what, isFresh: !isHeld };
+    done = { what, steps: isHeld ? 0 : step + 1 };
   } catch (why) {
     const refusal = why instanceof Refused ? why : new Refused(0, [{ message: String(why) }]);
-    if (abort.signal.aborted) done = { what: "", isFresh: false };
+    if (abort.signal.aborted) done = { what: "", steps: 0 };
     else if (refusal.status === BUSY) wait = AGAIN_MS;
     else if (refusal.status === 0) wait = GONE_MS;
     else if (isHeld) {
@@ -214,7 +241,7 @@ async function run(isResting: boolean): Promise<void> {
     } else if (resent !== what && (await sendAgain(refusal))) resent = what;
     else {
       refused.value = { request: what, problems: refusal.problems };
-      done = { what, isFresh: true };
+      done = { what, steps: all.length };
     }
   } finally {
     abort = null;
@@ -227,5 +254,5 @@ async function run(isResting: boolean): Promise<void> {
 /** Returns a file of the picture in full size, as `papilio image` and `papilio palette` write it. */
 export async function pictureFile(what: string): Promise<Blob> {
   if (!(await settled())) throw new Error("The design has a change that cannot be computed.");
-  return postForBlob("image/export", { ...wanted(), what });
+  return postForBlob("image/export", { ...wanted(), halftone: steps.value.length > 1 ? steps.value.at(-1) : halftone.value, what });
 }

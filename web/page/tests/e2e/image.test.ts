@@ -109,6 +109,27 @@ test("without a halftone the picture has exact colours and no states", { timeout
   assert.deepEqual(on.complaints.splice(0), []);
 });
 
+test("default halftone is shown before the search, unless one is chosen", { timeout: 120_000 }, async () => {
+  const page = await on.visit({}, "?");
+  const halftones: (string | null)[] = [];
+  page.on("request", (request) => {
+    if (!request.url().endsWith("/image")) return;
+    const { halftone, held } = request.postDataJSON() as { halftone: string | null; held?: string };
+    if (held === undefined) halftones.push(halftone);
+  });
+  await choose(page, "Examples", "six-ink");
+  const caption = page.locator(".seen-display figcaption");
+  await caption.getByText("by refined error diffusion; a better one is being searched for").waitFor({ timeout: 30_000 });
+  await caption.getByText("prepared for this light and view by direct binary search").waitFor({ timeout: 60_000 });
+  assert.deepEqual(halftones.slice(-2), ["refined-error-diffusion", "direct-binary-search"]);
+  await page.getByLabel("Halftone").selectOption("refined-error-diffusion");
+  await caption.getByText("prepared for this light and view by refined error diffusion").waitFor({ timeout: 30_000 });
+  await settled(page);
+  assert.doesNotMatch(await caption.innerText(), /searched/);
+  assert.equal(halftones.at(-1), "refined-error-diffusion");
+  assert.deepEqual(on.complaints.splice(0), []);
+});
+
 /** Black and white paper below glass, seen from 20 degrees, with a round lamp. */
 const GLOSSY = `
 title = "Below glass"
