@@ -35,16 +35,22 @@
 //! director that changes with depth is cut into slices, each with the director in its middle: the error
 //! decreases with the square of their number.
 //!
+//! **Two implementations.** [`jones`] and [`mueller`] are the reference: one wave, all quantities. [`SpectralStack`] is fast: the
+//! reflectance of many wavelengths and states for unpolarised light. The tests compare both.
+//!
 //! Source: D. W. Berreman, J. Opt. Soc. Am. 62, 502 (1972); R. Redheffer, J. Math. Phys. 41, 1 (1962);
 //! L. Li, J. Opt. Soc. Am. A 13, 1024 (1996); N. J. Higham, "Functions of Matrices" (2008), chapter 5.
 
 mod dielectric;
 mod director;
+mod lanes;
 mod matrix;
 mod modes;
 mod slab;
+mod spectral;
 mod stack;
 
 pub use dielectric::{Dielectric, axes, direction};
 pub use director::{Director, slices};
+pub use spectral::{MOST_SLABS, Part, Slice, SpectralStack};
 pub use stack::{AnisotropicLayer, Jones, Mueller, Response, Stack, Wave, jones, mueller};

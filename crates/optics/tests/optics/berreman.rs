@@ -4,6 +4,7 @@ mod cholesteric;
 mod closed_forms;
 mod laws;
 mod reference;
+mod spectral;
 mod thick;
 
 use num_complex::Complex64;
