@@ -18,7 +18,7 @@ use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
     Approximation, Base, Cone, Interface, Layer, Medium, NotAPanel, ReflectanceFactor, Reflector, Source,
-    Stack,
+    Stack, Top,
 };
 
 use crate::DisplayError;
@@ -131,7 +131,7 @@ impl Setup {
         let angle_index = angle_index(scene)?;
         let mut film = None;
         let base = pixel::base(scene, &mut film, None)?;
-        Ok(Self {
+        let setup = Self {
             stack: stack(scene, base, None, control)?,
             film,
             lights: lights(scene, &observer)?,
@@ -143,7 +143,30 @@ impl Setup {
             version: 0,
             base_version: 0,
             scene: scene.clone(),
+        };
+        setup.checked()
+    }
+
+    /// Refuses layers that scatter light from one azimuth to others above a pixel that depends on azimuth.
+    fn checked(self) -> Result<Self, DisplayError> {
+        let is_bare = self.stack.panel().is_some_and(|panel| !matches!(panel.top, Top::Diffuser(_)));
+        if is_bare && self.scene.display.filter().is_none() || !self.stack.base().is_azimuthal() {
+            return Ok(self);
+        }
+        Err(DisplayError::Azimuth {
+            what: "a display with other layers than flat faces and components above it",
+            key: "display.pixel",
+            hint: "remove the diffuser, layers and filter",
         })
+    }
+
+    /// Refuses a computation that does not know azimuths if the pixel depends on them.
+    pub(crate) fn knows_azimuth(&self, what: &'static str) -> Result<(), DisplayError> {
+        if !self.stack.base().is_azimuthal() {
+            return Ok(());
+        }
+        let hint = "use `papilio run`, `papilio cone` or `papilio pixel`";
+        Err(DisplayError::Azimuth { what, key: "display.pixel", hint })
     }
 
     /// Updates the setup for another scene. The result equals `new(scene)`, but parts that are still valid
@@ -194,7 +217,7 @@ impl Setup {
             self.views = views(scene, angle_index)?;
             self.version += 1;
         }
-        Ok(self)
+        self.checked()
     }
 }
 
@@ -227,6 +250,7 @@ impl Setup {
     /// # Errors
     /// If a thickness is needed and missing.
     pub(crate) fn placed(&self) -> Result<&Stack, DisplayError> {
+        self.knows_azimuth("a computation of places of light")?;
         self.scene.display.lengths_mm().map(|_| &self.stack)
     }
 
@@ -256,7 +280,7 @@ impl Setup {
     pub(crate) fn pixel_alone(&self, base: &Base, at: &ViewPoint, out: &mut [f64]) -> bool {
         if base.is_specular() {
             let beta = at.field.axis_towards();
-            base.reflectance(beta.x * beta.x + beta.y * beta.y, &medium(&self.scene), out);
+            base.reflectance_towards(beta, &medium(&self.scene), out);
         }
         base.is_specular()
     }
