@@ -17,8 +17,8 @@ use crate::scene::CrystalPixel;
 /// Largest harmonic of azimuth that is left out, as a reflectance.
 const HARMONIC_ERROR: f64 = 1e-6;
 
-/// Interpolation error of the table. Fringes of thick, almost matched layers are below it.
-const TABLE_ERROR: f64 = 1e-6;
+/// Interpolation error of the table, as a reflectance. What the faces of a thick, almost matched retarder return to each other is below it.
+const TABLE_ERROR: f64 = 2e-5;
 
 /// Number of azimuths over half a turn at which the harmonics are looked for.
 const MOST_AZIMUTHS: usize = 64;
@@ -87,7 +87,7 @@ fn weight(harmonic: usize, k: usize, azimuths: usize) -> f64 {
     let order = harmonic.div_ceil(2);
     let turn = 2.0 * PI * (order * k) as f64 / azimuths as f64;
     let wave = if harmonic.is_multiple_of(2) && harmonic > 0 { turn.sin() } else { turn.cos() };
-    if order == 0 { 1.0 } else { 2.0 * wave }.mul_add(1.0 / azimuths as f64, 0.0)
+    (if order == 0 { 1.0 } else { 2.0 * wave }) / azimuths as f64
 }
 
 /// Computes a liquid-crystal pixel as the base of a stack. Without scatterers, light has directions that exist in air: unless

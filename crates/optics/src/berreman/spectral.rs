@@ -7,9 +7,9 @@
 //! - Slices of a cell below all thick slabs carry two fields up: the Taylor series of the exponential acts on them, real where
 //!   nothing absorbs; after each slice they are a reflection matrix again, so that nothing grows.
 //! - Other layers become scattering matrices, by doubling of a thin slice, once for all states.
-//! - A thick slab without fringes is the mean over the phase of its waves, at points so many that
-//!   the light of 15 round trips between its faces is exact (11 with two slabs, where paths that cross both as often
-//!   interfere whatever their order).
+//! - A thick layer without fringes is the mean over the phase of its waves: of one slab at 16 points, so that the light of 15 round trips
+//!   between its faces is exact; of several layers at the points of a lattice, exact for light that one or two faces return. An anisotropic
+//!   layer keeps the phase between its two waves: the mean is over the phase of a vanishing gap below it, whose index is the mean of its own.
 
 use std::f64::consts::PI;
 
@@ -35,7 +35,7 @@ pub struct Part {
     pub indices: [Vec<Complex64>; 3],
     /// Slices from the top down: a list for each state, or one list for all states.
     pub slices: Vec<Vec<Slice>>,
-    /// False for a thick slab without fringes. It must be one isotropic slice.
+    /// False for a thick layer without fringes. It must be one slice, the same in all states, with indices that are close to each other.
     pub coherent: bool,
 }
 
@@ -49,8 +49,13 @@ pub struct SpectralStack {
     states: usize,
 }
 
-/// Largest number of thick slabs.
-pub const MOST_SLABS: usize = 2;
+/// Largest number of thick layers.
+pub const MOST_SLABS: usize = GENERATOR.len();
+
+/// Points of the lattice over the phases of several thick layers, and their steps. No sum of three steps, with any signs, is a multiple of
+/// the number of points.
+const POINTS: usize = 47;
+const GENERATOR: [usize; 8] = [1, 43, 10, 40, 15, 21, 29, 12];
 
 /// Largest norm of a step of the Taylor series, and of that of a slice that is doubled.
 const STEP: f64 = 2.0;
@@ -63,8 +68,8 @@ impl SpectralStack {
     /// Builds a stack. `front` and `back` are the indices of the transparent medium above and of the one below, by wavelength.
     ///
     /// # Errors
-    /// Arrays of different lengths, impossible indices, thicknesses or wavelengths; a thick slab that is not one
-    /// isotropic slice, or more than [`MOST_SLABS`] of them.
+    /// Arrays of different lengths, impossible indices, thicknesses or wavelengths; a thick layer that is not one
+    /// slice, or more than [`MOST_SLABS`] of them.
     pub fn new(
         wavelength_nm: &[f64],
         front: &[f64],
@@ -92,13 +97,12 @@ impl SpectralStack {
                 let (expected, found) = (states, part.slices.len());
                 return Err(OpticsError::Length { what: "states of a part", expected, found });
             }
-            let isotropic = part.indices[0] == part.indices[1] && part.indices[1] == part.indices[2];
-            if !part.coherent && !(isotropic && part.slices.len() == 1 && part.slices[0].len() == 1) {
-                return Err(OpticsError::Axis { what: "a thick slab", expected: "one isotropic slice" });
+            if !part.coherent && !(part.slices.len() == 1 && part.slices[0].len() == 1) {
+                return Err(OpticsError::Axis { what: "a thick layer", expected: "one slice" });
             }
         }
         if parts.iter().filter(|part| !part.coherent).count() > MOST_SLABS {
-            return Err(OpticsError::Axis { what: "thick slabs", expected: "two at most" });
+            return Err(OpticsError::Axis { what: "thick layers", expected: "eight at most" });
         }
         let (wavelength_nm, front, back) = (wavelength_nm.to_vec(), front.to_vec(), back.to_vec());
         Ok(Self { wavelength_nm, front, parts: parts.to_vec(), back, states })
@@ -196,15 +200,15 @@ impl<'a> Group<'a> {
         for part in parts[below..].iter().rev() {
             self.raise(part, azimuth, &mut reflection);
         }
-        let above: Vec<Above> = parts[..below].iter().rev().map(|part| self.above(part, azimuth)).collect();
+        let above: Vec<Above> =
+            parts[..below].iter().rev().flat_map(|part| self.above(part, azimuth)).collect();
         let slabs = above.iter().filter(|above| matches!(above, Above::Thick(..))).count();
-        let points: usize = if slabs == 1 { 16 } else { 12 };
-        let combinations = points.pow(slabs as u32);
+        let points: usize = [1, 16, POINTS][slabs.min(2)];
         let face = self.of_front();
         for (state, below) in reflection.into_iter().enumerate() {
             let mut sum = Real::splat(0.0);
-            for combination in 0..combinations {
-                let mut rest = combination;
+            for point in 0..points {
+                let mut steps = GENERATOR.iter();
                 let mut r = below;
                 for above in &above {
                     r = match above {
@@ -212,15 +216,15 @@ impl<'a> Group<'a> {
                             all[if all.len() == 1 { 0 } else { state }].over_reflection(r)
                         }
                         Above::Thick(face, waves) => {
-                            let turn = PI * (rest % points) as f64 / points as f64;
-                            rest /= points;
+                            let step = steps.next().copied().unwrap_or(1);
+                            let turn = PI * (point * step % points) as f64 / points as f64;
                             thick(*face, *waves, turn).over_reflection(r)
                         }
                     };
                 }
                 sum = sum + unpolarised(face, r);
             }
-            let mean = sum * Real::splat(1.0 / combinations as f64);
+            let mean = sum * Real::splat(1.0 / points as f64);
             for (k, value) in mean.0.into_iter().enumerate().take(count - self.first) {
                 out[state * count + self.first + k] = value;
             }
@@ -298,10 +302,19 @@ impl<'a> Group<'a> {
         part.slices.iter().map(of_slices).collect()
     }
 
+    /// Returns what a part is above a thick layer or as one, from the bottom up.
     #[inline(always)]
-    fn above(&self, part: &Part, azimuth: f64) -> Above {
+    fn above(&self, part: &Part, azimuth: f64) -> Vec<Above> {
+        let material = Material::new(self, part);
         if part.coherent {
-            return Above::Coherent(self.blocks(&Material::new(self, part), part, azimuth));
+            return vec![Above::Coherent(self.blocks(&material, part, azimuth))];
+        }
+        if material.biaxial || part.indices[0] != part.indices[1] {
+            let one = Complex::splat(1.0);
+            let third = Real::splat(1.0 / 3.0);
+            let mean = root(material.square + (material.more[0] + material.more[1]).scaled(third));
+            let gap = Above::Thick(face(self.admittances(mean)), [one, one]);
+            return vec![gap, Above::Coherent(self.blocks(&material, part, azimuth))];
         }
         let index = self.complex(&part.indices[0]);
         let q = root(index * index - Complex::from(self.beta * self.beta));
@@ -309,7 +322,7 @@ impl<'a> Group<'a> {
         let decay = phase.im.map(|im| (-im).exp());
         // The phase itself is averaged.
         let wave = Complex::from(decay);
-        Above::Thick(face(self.admittances(index)), [wave, wave])
+        vec![Above::Thick(face(self.admittances(index)), [wave, wave])]
     }
 }
 

@@ -68,7 +68,7 @@ table! {
         transmits as "Transmitted wave": TransmittedWave = TransmittedWave::Ordinary,
         /// Refractive index.
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Thickness.
+        /// Thickness. What the faces reflect does not interfere with the other layers.
         thickness_um: CrystalThickness = CrystalThickness(20.0),
     }
 }
@@ -102,7 +102,7 @@ table! {
         nz as "Biaxiality Nz": Biaxiality = Biaxiality(1.0),
         /// Ordinary refractive index.
         index as "Ordinary index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Thickness.
+        /// Thickness. What the faces reflect does not interfere with the other layers.
         thickness_um: CrystalThickness = CrystalThickness(10.0),
     }
 }
@@ -190,7 +190,7 @@ table! {
 }
 
 table! {
-    /// A thick pane without fringes, such as a glass substrate; two at most.
+    /// A thick pane without fringes, such as a glass substrate. Polarisers, retarders and panes are eight at most.
     Pane {
         /// Refractive index; its k absorbs.
         material: MaterialSpec = MaterialSpec::Number(Index(1.5)),

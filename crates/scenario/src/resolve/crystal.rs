@@ -45,9 +45,9 @@ impl Resolver<'_> {
         let slices = parts.iter().flat_map(|part| &part.slices).map(Vec::len).sum();
         self.limit(&pixel.stack, "slices", slices, MOST_SLICES)?;
         if parts.iter().filter(|part| !part.coherent).count() > MOST_SLABS {
-            let wrong = Diagnostic::new("this stack has too many thick slabs")
-                .expected(format!("{MOST_SLABS} layers with kind = \"slab\" at most"))
-                .hint("join neighbouring panes of nearly the same index");
+            let wrong = Diagnostic::new("this stack has too many thick layers")
+                .expected(format!("{MOST_SLABS} polarisers, retarders and slabs at most"))
+                .hint("join neighbouring slabs of nearly the same index");
             self.err(&pixel.stack, wrong);
             return None;
         }
@@ -154,12 +154,12 @@ impl Resolver<'_> {
                     [across, along.clone(), along],
                     (axis_deg? + 90.0, 0.0),
                     thickness_nm,
-                    true,
+                    false,
                 ));
             }
             TransmittedWave::Extraordinary => [along, across.clone(), across],
         };
-        Some(uniform(indices, (axis_deg?, 0.0), thickness_nm, true))
+        Some(uniform(indices, (axis_deg?, 0.0), thickness_nm, false))
     }
 
     fn retarder(&mut self, retarder: &describe::Retarder) -> Option<CrystalPart> {
@@ -219,7 +219,7 @@ impl Resolver<'_> {
             );
             return None;
         }
-        Some(uniform(indices, (axis_deg?, tilt_deg), thickness_nm, true))
+        Some(uniform(indices, (axis_deg?, tilt_deg), thickness_nm, false))
     }
 
     fn cell(&mut self, cell: &describe::Cell, states: &[String]) -> Option<CrystalPart> {

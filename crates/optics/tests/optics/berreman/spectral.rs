@@ -39,7 +39,9 @@ fn part(dice: &mut Dice, count: usize, states: usize, contrast: f64) -> Part {
     }
     if kind == 1 && contrast < 1.0 {
         indices = [spectrum(dice, 1e-6), vec![], vec![]];
-        indices = [indices[0].clone(), indices[0].clone(), indices[0].clone()];
+        let birefringence = dice.of([0.0, 0.01]);
+        let more = |share: f64| indices[0].iter().map(|n| n + share * birefringence).collect();
+        indices = [more(1.0), more(0.0), more(0.3)];
         return Part { indices, slices: vec![slices(dice, 1, 1e5)], coherent: false };
     }
     let lists = if dice.one_in(2) { states } else { 1 };
@@ -85,9 +87,11 @@ fn many_wavelengths_and_states_equal_one_by_one() {
             for bin in 0..count {
                 let expected = one(case, state, bin);
                 let found = found[state * count + bin];
-                // Paths that cross two slabs as often, in another order, interfere in the mean over both phases, not in `mueller`.
-                let slabs = case.parts.iter().filter(|part| !part.coherent).count();
-                let tolerance = [1e-10, 1e-8, 1e-4][slabs];
+                // Paths that cross two slabs as often, in another order, interfere in the mean over both phases, not in `mueller`. The faces
+                // of a retarder interfere with each other here.
+                let slabs: Vec<&Part> = case.parts.iter().filter(|part| !part.coherent).collect();
+                let is_retarder = slabs.iter().any(|slab| slab.indices[0] != slab.indices[1]);
+                let tolerance = if is_retarder { 1e-3 } else { [1e-10, 1e-8, 1e-3][slabs.len()] };
                 assert!((found - expected).abs() < tolerance, "{state} {bin}: {found} {expected}");
             }
         }
@@ -116,10 +120,9 @@ fn invalid_stacks_are_refused() {
     let part = |indices: [Vec<Complex64>; 3], slices, coherent| Part { indices, slices, coherent };
     let glass = [index.clone(), index.clone(), index.clone()];
     let new = |parts: &[Part]| SpectralStack::new(&[550.0], &[1.0], parts, &index).map(|_| ()).unwrap_err();
-    let other = [index.clone(), index.clone(), vec![1.6.into()]];
-    assert!(new(&[part(other, vec![vec![slice]], false)]).to_string().contains("one isotropic slice"));
+    assert!(new(&[part(glass.clone(), vec![vec![slice; 2]], false)]).to_string().contains("one slice"));
     let slab = part(glass.clone(), vec![vec![slice]], false);
-    assert!(new(&vec![slab; 3]).to_string().contains("two at most"));
+    assert!(new(&vec![slab; 9]).to_string().contains("eight at most"));
     let short = [index.clone(), index.clone(), vec![]];
     assert!(new(&[part(short, vec![vec![slice]], true)]).to_string().contains("indices"));
     let ok = SpectralStack::new(&[550.0], &[1.0], &[part(glass, vec![vec![slice]], true)], &index).unwrap();
