@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::Path;
 
 use papilio_colour::peak_nm;
-use papilio_display::pixel::{PixelAbsorption, PixelScan, absorption, primaries, scan, state_names};
+use papilio_display::pixel::{PixelAbsorption, PixelScan, absorption, primaries, scan_at, state_names};
 use papilio_display::scene::{self, AngleMedium, Scene};
 use papilio_figures::{PixelScan as Figure, pixel_scan};
 use papilio_formats::{PixelTable, write_absorption, write_file, write_json, write_sub_pixels};
@@ -45,7 +45,8 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
         (None, true) => None,
         _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),
     };
-    let scan = scan(&scene, &theta_deg).map_err(|error| Failure::from_display(&resolved, error))?;
+    let scan = scan_at(&scene, &theta_deg, arguments.phi)
+        .map_err(|error| Failure::from_display(&resolved, error))?;
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = crate::terminal::output(arguments.json);

@@ -4,8 +4,10 @@ use crate::python::Environment;
 use crate::shell::{self, Outcome, command};
 
 /// Packages that the oracles import, with versions.
-const PACKAGES: [&str; 7] = [
+const PACKAGES: [&str; 9] = [
     "tmm==0.2.0",
+    "pyElli==0.23.1",
+    "packaging==26.4",
     "numpy==2.4.6",
     "colour-science==0.4.7",
     "flip-evaluator==1.7",
@@ -16,6 +18,7 @@ const PACKAGES: [&str; 7] = [
 
 const SCRIPTS: [&str; 8] = [
     "validation/films/tmm_oracle.py",
+    "validation/films/berreman_oracle.py",
     "validation/films/materials_oracle.py",
     "validation/films/fit_oracle.py",
     "validation/films/polarised_oracle.py",

@@ -241,6 +241,9 @@ pub(crate) struct Pixel {
     /// Step of the angles in degrees, a divisor of 90 [default: 1, and 15 for --absorption]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = angle_step)]
     pub(crate) step: Option<f64>,
+    /// Azimuth from which the pixel is seen, degrees; it matters for liquid crystals
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, value_parser = azimuth)]
+    pub(crate) phi: f64,
     /// Also compute the absorptance of each layer of the film: absorption.csv, sub-pixels.csv and a figure
     #[arg(long)]
     pub(crate) absorption: bool,
@@ -264,6 +267,12 @@ fn direction(text: &str) -> Result<[f64; 2], String> {
 fn relative_error(text: &str) -> Result<f64, String> {
     let error: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     if error > 0.0 { Ok(error) } else { Err("expected a relative error above 0".to_owned()) }
+}
+
+/// Parses an azimuth from -360 to 360 degrees.
+fn azimuth(text: &str) -> Result<f64, String> {
+    let angle = text.parse().ok().filter(|angle: &f64| angle.abs() <= 360.0);
+    angle.ok_or_else(|| "expected an azimuth from -360 to 360 degrees".to_owned())
 }
 
 /// Parses a step in degrees that divides 90.

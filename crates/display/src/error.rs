@@ -92,6 +92,24 @@ pub enum DisplayError {
          (remove the filter, or describe it as a layer without pattern)"
     )]
     FilterWithoutPlace,
+    /// A pixel whose reflectance depends on azimuth, in a computation that does not know azimuths.
+    #[error(
+        "the reflectance of this pixel depends on azimuth, which {what} does not compute yet (see `{key}`; {hint})"
+    )]
+    Azimuth {
+        /// What is not computed.
+        what: &'static str,
+        /// The key of its cause.
+        key: &'static str,
+        /// What to do.
+        hint: &'static str,
+    },
+    /// A liquid-crystal pixel with too many interference fringes over angle to tabulate.
+    #[error(
+        "the layers of this pixel have more interference fringes over angle than can be tabulated (expected coherent layers of at most about 0.05 mm; \
+         describe a thick pane as kind = \"slab\")"
+    )]
+    CrystalFringes,
     /// A light or approximation that the Monte Carlo solver with places does not have.
     #[error("the Monte Carlo solver with places does not compute {what} (see `{key}`; remove it)")]
     NoPlaces {

@@ -107,7 +107,7 @@ impl Meetings {
         let is_film = match &display.pixel {
             Pixel::Film(_) => true,
             Pixel::Table(_) | Pixel::Uniform(UniformPixel { kind: UniformKind::Mirror, .. }) => false,
-            Pixel::Uniform(_) | Pixel::Scattering(_) => return None,
+            Pixel::Uniform(_) | Pixel::Scattering(_) | Pixel::Crystal(_) => return None,
         };
         let is_flat = |layer: &scene::Layer| is_flat(&layer.interface) && layer.medium.scattering.is_none();
         if display.filter().is_some() || !display.layers.iter().all(is_flat) {

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 pub use papilio_colour::{Standard, Surround};
+pub use papilio_optics::berreman::{Part as CrystalPart, Slice as CrystalSlice};
 pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
 pub use papilio_optics::lobe::Lobe;
 pub use papilio_optics::rough::Distribution;
@@ -118,6 +119,11 @@ impl Display {
         PanelParts::recognised(described).filter(|_| !matches!(self.pixel, Pixel::Scattering(_)))
     }
 
+    /// Returns whether it is an ordinary panel without a diffuser: all layers above the pixel are flat.
+    pub fn is_bare(&self) -> bool {
+        self.panel().is_some_and(|panel| !matches!(panel.face, Ready::Diffuser(_)))
+    }
+
     /// Returns the refractive index of the medium above the pixel.
     pub fn index_above_pixel(&self) -> &Spectrum {
         // Layers are never empty.
@@ -223,6 +229,23 @@ pub enum Pixel {
     Uniform(UniformPixel),
     /// States given by their BRDFs.
     Scattering(ScatteringPixel),
+    /// Liquid-crystal cells, polarisers, retarders and other anisotropic layers over a reflector.
+    Crystal(CrystalPixel),
+}
+
+/// Anisotropic layers over a substrate, whose reflectance depends on azimuth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrystalPixel {
+    /// Layers, downwards from the glass, with a list of slices for each state or one for all.
+    pub parts: Vec<CrystalPart>,
+    /// Complex index n + ik of the opaque, semi-infinite substrate.
+    pub substrate: Vec<Complex64>,
+    /// Names of the states.
+    pub states: Vec<String>,
+    /// Fill factor: active fraction of the panel's area, 0 to 1.
+    pub fill_factor: f64,
+    /// Reflectance of the inactive area.
+    pub inactive_reflectance: Spectrum,
 }
 
 /// Interferometric sub-pixels that share one film stack.

@@ -18,7 +18,7 @@ use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
     Approximation, Base, Cone, Interface, Layer, Medium, NotAPanel, ReflectanceFactor, Reflector, Source,
-    Stack,
+    Stack, Top,
 };
 
 use crate::DisplayError;
@@ -135,7 +135,7 @@ impl Setup {
         let angle_index = angle_index(scene)?;
         let mut film = None;
         let bases = pixel::bases(scene, &mut film, None, polarisation::weights(scene)?.is_some())?;
-        Ok(Self {
+        let setup = Self {
             stack: stack(scene, bases, None, control)?,
             film,
             lights: lights(scene, &observer)?,
@@ -147,6 +147,20 @@ impl Setup {
             version: 0,
             base_version: 0,
             scene: scene.clone(),
+        };
+        setup.checked()
+    }
+
+    /// Refuses layers that scatter light from one azimuth to others above a pixel that depends on azimuth.
+    fn checked(self) -> Result<Self, DisplayError> {
+        let is_bare = self.stack.panel().is_some_and(|panel| !matches!(panel.top, Top::Diffuser(_)));
+        if is_bare && self.scene.display.filter().is_none() || !self.stack.base().is_azimuthal() {
+            return Ok(self);
+        }
+        Err(DisplayError::Azimuth {
+            what: "a display with other layers than flat faces and components above it",
+            key: "display.pixel",
+            hint: "remove the diffuser, layers and filter",
         })
     }
 
@@ -154,6 +168,15 @@ impl Setup {
     pub(crate) fn of_places(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
         let scene = polarisation::unpolarised(scene)?;
         Self::with_filter(&scene, control)
+    }
+
+    /// Refuses a computation that does not know azimuths if the pixel depends on them.
+    pub(crate) fn knows_azimuth(&self, what: &'static str) -> Result<(), DisplayError> {
+        if !self.stack.base().is_azimuthal() {
+            return Ok(());
+        }
+        let hint = "use `papilio run`, `papilio cone` or `papilio pixel`";
+        Err(DisplayError::Azimuth { what, key: "display.pixel", hint })
     }
 
     /// Updates the setup for another scene. The result equals `new(scene)`, but parts that are still valid
@@ -207,7 +230,7 @@ impl Setup {
             self.views = views(scene, angle_index)?;
             self.version += 1;
         }
-        Ok(self)
+        self.checked()
     }
 }
 
@@ -240,6 +263,7 @@ impl Setup {
     /// # Errors
     /// If a thickness is needed and missing.
     pub(crate) fn placed(&self) -> Result<&Stack, DisplayError> {
+        self.knows_azimuth("a computation of places of light")?;
         self.scene.display.lengths_mm().map(|_| &self.stack)
     }
 
@@ -269,7 +293,7 @@ impl Setup {
     pub(crate) fn pixel_alone(&self, base: &Base, at: &ViewPoint, out: &mut [f64]) -> bool {
         if base.is_specular() {
             let beta = at.field.axis_towards();
-            base.reflectance(beta.x * beta.x + beta.y * beta.y, &medium(&self.scene), out);
+            base.reflectance_towards(beta, &medium(&self.scene), out);
         }
         base.is_specular()
     }

@@ -9,6 +9,7 @@
 //! | [`read_luminaire`] | luminaires, IES LM-63 (types A, B and C) and EULUMDAT |
 //! | [`read_index`] | a table of n and k or of a permittivity, or a refractiveindex.info page (detected from the content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
+//! | [`read_director`] | directors of a liquid crystal: depth, tilt, twist |
 //! | [`read_windows`] | rectangles of sub-pixels: name, x0, y0, x1, y1 |
 //! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
 //! | [`read_measurement`] | the same, or metrics by name |
@@ -67,6 +68,7 @@ mod bsdf;
 mod comparison;
 mod cone;
 mod crosstalk;
+mod director;
 mod error;
 mod face_read;
 mod file;
@@ -125,6 +127,7 @@ pub use bsdf::{
 pub use comparison::{write_compared_metrics, write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};
 pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
+pub use director::{DirectorRow, read_director};
 pub use error::{FormatError, Problem};
 pub use face_read::read_face;
 pub use file::{DataFile, LARGEST_FILE, unwritable, write_file};

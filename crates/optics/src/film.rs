@@ -62,7 +62,7 @@ use num_complex::Complex64;
 
 use crate::OpticsError;
 
-fn checked_index(index: Complex64) -> Result<Complex64, OpticsError> {
+pub(crate) fn checked_index(index: Complex64) -> Result<Complex64, OpticsError> {
     let passive = index.re >= 0.0 && index.im >= 0.0 && index.is_finite();
     if passive && index != Complex64::ZERO {
         Ok(index)
@@ -71,14 +71,14 @@ fn checked_index(index: Complex64) -> Result<Complex64, OpticsError> {
     }
 }
 
-fn checked_thickness(nm: f64) -> Result<f64, OpticsError> {
+pub(crate) fn checked_thickness(nm: f64) -> Result<f64, OpticsError> {
     if nm >= 0.0 && nm.is_finite() { Ok(nm) } else { Err(OpticsError::Thickness { nm }) }
 }
 
-fn checked_wavelength(nm: f64) -> Result<f64, OpticsError> {
+pub(crate) fn checked_wavelength(nm: f64) -> Result<f64, OpticsError> {
     if nm > 0.0 && nm.is_finite() { Ok(nm) } else { Err(OpticsError::Wavelength { nm }) }
 }
 
-fn checked_incidence(n: f64) -> Result<f64, OpticsError> {
+pub(crate) fn checked_incidence(n: f64) -> Result<f64, OpticsError> {
     if n > 0.0 && n.is_finite() { Ok(n) } else { Err(OpticsError::Incidence { n }) }
 }

@@ -7,6 +7,7 @@
 //!   [`film::coherent`] computes all properties at one wavelength and direction,
 //!   [`film::absorbed`] the absorptance of each layer,
 //!   [`film::GapFilm`] the reflectances of very many, in a nanosecond each;
+//! - [`berreman`]: stacks of anisotropic layers, coherent and thick: liquid crystals, retarders, polarisers;
 //! - [`scatterer`]: the interface of all scatterers;
 //! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;
 //! - [`film::Coating`]: such films between two transparent media, tabulated over direction;
@@ -30,12 +31,13 @@
 //! # Ok::<(), papilio_optics::OpticsError>(())
 //! ```
 //!
-//! **Limits.** Flat (except for rough interfaces), homogeneous, isotropic layers; geometric optics outside
+//! **Limits.** Flat (except for rough interfaces), homogeneous layers, isotropic except in `berreman`; geometric optics outside
 //! the films; films are computed separately for s and p, lobes and layers for their mean.
 //!
 //! **Out of scope.** Stacks of layers that exchange light (`transport`), colour (`colour`), sources of the
 //! indices (`spectra`), files and threads.
 
+pub mod berreman;
 mod chebyshev;
 mod direction;
 mod error;

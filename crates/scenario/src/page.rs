@@ -1,8 +1,8 @@
 //! The tables of keys in `docs/scenario.md`, generated from the grammar.
 
 use crate::describe::{
-    File, Spectrum, diffuser, display, environment, fit, image, layers, lighting, limits, matrix, measure,
-    metrics, microgeometry, optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
+    File, Spectrum, crystal, diffuser, display, environment, fit, image, layers, lighting, limits, matrix,
+    measure, metrics, microgeometry, optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
 };
 use crate::read::Table;
 use crate::schema::{Default, Row, toml};
@@ -73,6 +73,14 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.pixel uniform", pixel::UniformPixel::rows()),
         ("display.pixel measured", pixel::MeasuredPixel::rows()),
         ("display.pixel palette", pixel::PalettePixel::rows()),
+        ("display.pixel liquid-crystal", crystal::CrystalPixel::rows()),
+        ("display.pixel.stack polariser", crystal::Polariser::rows()),
+        ("display.pixel.stack retarder", crystal::Retarder::rows()),
+        ("display.pixel.stack cell", crystal::Cell::rows()),
+        ("display.pixel.stack cell.states", crystal::UniformDirector::rows()),
+        ("display.pixel.stack cholesteric", crystal::Cholesteric::rows()),
+        ("display.pixel.stack film", crystal::IsotropicFilm::rows()),
+        ("display.pixel.stack slab", crystal::Pane::rows()),
         ("display.pixel.measured_through", pixel::MeasuredThrough::rows()),
         ("display.matrix", matrix::Matrix::rows()),
         ("display.matrix.filter", matrix::Filter::rows()),

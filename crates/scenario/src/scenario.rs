@@ -406,6 +406,12 @@ impl Resolved {
                 .hint("name such states in image.states, or set image.neutrals = \"all\"");
                 ("image.neutrals", wrong.into())
             }
+            DisplayError::Azimuth { what, key, hint } => {
+                let wrong = format!(
+                    "the reflectance of this pixel depends on azimuth, which {what} does not compute yet"
+                );
+                (*key, Diagnostic::new(wrong).hint(*hint).into())
+            }
             DisplayError::FilterWithoutPlace => {
                 let wrong = Diagnostic::new(
                     "the colours of a display with a colour filter above its pixels depend on where light enters and \

@@ -28,6 +28,7 @@ mod error;
 mod grid;
 mod illuminant;
 mod light;
+mod liquid_crystal;
 mod material;
 mod primaries;
 mod spectrum;
@@ -43,6 +44,7 @@ pub use illuminant::{
     illuminants_called, named_daylight_k, ohno_led, planck,
 };
 pub use light::{LightSpectrum, LineSpectrum};
+pub use liquid_crystal::{LIQUID_CRYSTAL_RANGE_NM, LiquidCrystal, liquid_crystal, liquid_crystal_names};
 pub use material::{material, material_info, material_names, materials_called};
 pub use primaries::srgb_primaries;
 pub use spectrum::{Spectrum, Tabulated, sum_of_products};

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use papilio_optics::with_widest_simd;
+use papilio_optics::{Beta, with_widest_simd};
 
 use crate::base::largest;
 use crate::numerics::product::add_product;
@@ -26,6 +26,9 @@ pub enum Nodes {
     Cosines(usize),
     /// In panels of different widths; interpolation among all nodes of a panel.
     CosinePanels(CosinePanels),
+    /// As `CosinePanels`, for a pixel that depends on azimuth: each state has this many harmonics of twice the azimuth, as basis
+    /// reflectances in the order 1, cos 2 phi, sin 2 phi, cos 4 phi, ...; the mixtures hold the first of each state, the mean over azimuth.
+    Azimuthal(CosinePanels, usize),
     /// At these angles in the medium, radians, ascending from 0; linear between them, with the last value
     /// beyond the last angle.
     AnglesInMedium(Vec<f64>),
@@ -39,7 +42,7 @@ impl Nodes {
         match self {
             Self::Constant => 1,
             Self::Cosines(nodes) => *nodes,
-            Self::CosinePanels(panels) => panels.count(),
+            Self::CosinePanels(panels) | Self::Azimuthal(panels, _) => panels.count(),
             Self::AnglesInMedium(angles) | Self::AnglesInAir(angles) => angles.len(),
         }
     }
@@ -54,7 +57,9 @@ impl Nodes {
                 let step = 1.0 / (nodes - 1) as f64;
                 (0..*nodes).step_by(SMOOTH_STEPS).map(|node| of_cosine(node as f64 * step)).collect()
             }
-            Self::CosinePanels(panels) => panels.halves().map(of_cosine).collect(),
+            Self::CosinePanels(panels) | Self::Azimuthal(panels, _) => {
+                panels.halves().map(of_cosine).collect()
+            }
             Self::AnglesInMedium(angles) => angles.iter().map(|angle| index * angle.sin()).collect(),
             Self::AnglesInAir(angles) => angles.iter().map(|angle| angle.sin()).collect(),
         }
@@ -69,7 +74,9 @@ impl Nodes {
         match self {
             Self::Constant => 0.0,
             Self::Cosines(nodes) => (cosine(from) - cosine(to)) * (nodes - 1) as f64,
-            Self::CosinePanels(panels) => panels.nodes_from(cosine(to), cosine(from)),
+            Self::CosinePanels(panels) | Self::Azimuthal(panels, _) => {
+                panels.nodes_from(cosine(to), cosine(from))
+            }
             Self::AnglesInMedium(angles) => inside(angles, index),
             Self::AnglesInAir(angles) => inside(angles, 1.0),
         }
@@ -84,7 +91,7 @@ impl Nodes {
                 let cosine = (1.0 - beta_squared / (index * index)).max(0.0).sqrt();
                 Stencil::lagrange(cosine * (nodes - 1) as f64, *nodes)
             }
-            Self::CosinePanels(panels) => {
+            Self::CosinePanels(panels) | Self::Azimuthal(panels, _) => {
                 panels.stencil((1.0 - beta_squared / (index * index)).max(0.0).sqrt())
             }
             Self::AnglesInMedium(angles) => {
@@ -186,8 +193,36 @@ impl AngularTable {
         self.mixture.len() / self.basis_count()
     }
 
-    /// Computes the reflectance of every state at `|beta|^2`: `out` has shape `[state][wavelength]`.
+    /// Returns whether the reflectances depend on azimuth.
+    pub fn is_azimuthal(&self) -> bool {
+        matches!(self.nodes, Nodes::Azimuthal(..))
+    }
+
+    /// Computes the reflectance of every state at `|beta|^2`: `out` has shape `[state][wavelength]`. Of a pixel that depends on
+    /// azimuth, this is the mean over azimuth.
     pub fn reflectance(&self, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
+        self.reflectance_mixed(&self.mixture, beta_squared, medium, out);
+    }
+
+    /// Computes the same for light that leaves towards `beta`, with its azimuth.
+    pub fn reflectance_towards(&self, beta: Beta, medium: &Medium, out: &mut [f64]) {
+        let Nodes::Azimuthal(_, harmonics) = self.nodes else {
+            return self.reflectance(beta.squared(), medium, out);
+        };
+        let turn = 2.0 * beta.y.atan2(beta.x);
+        let harmonic = |k: usize| {
+            let (sin, cos) = (k.div_ceil(2) as f64 * turn).sin_cos();
+            if k.is_multiple_of(2) && k > 0 { sin } else { cos }
+        };
+        let count = self.basis_count();
+        // Each harmonic has the share of the mean.
+        let share =
+            |k: usize, basis: usize| self.mixture[k - basis % harmonics] * harmonic(basis % harmonics);
+        let mixture: Vec<f64> = (0..self.mixture.len()).map(|k| share(k, k % count)).collect();
+        self.reflectance_mixed(&mixture, beta.squared(), medium, out);
+    }
+
+    fn reflectance_mixed(&self, mixture: &[f64], beta_squared: f64, medium: &Medium, out: &mut [f64]) {
         let (bins, width) = (self.common.len(), self.basis_count() * self.common.len());
         let mut basis = vec![0.0; width];
         if let Some(index) = medium.constant_index() {
@@ -209,7 +244,7 @@ impl AngularTable {
         }
         with_widest_simd(
             #[inline(always)]
-            || self.mix(&basis, 1.0, out),
+            || mix((mixture, &self.common), &basis, 1.0, out),
         );
     }
 
@@ -254,7 +289,7 @@ impl AngularTable {
             };
             // Cosines ascend towards the normal, angles away from it.
             let normal = match self.nodes {
-                Nodes::Cosines(_) | Nodes::CosinePanels(_) => at(nodes - 1),
+                Nodes::Cosines(_) | Nodes::CosinePanels(_) | Nodes::Azimuthal(..) => at(nodes - 1),
                 _ => at(0),
             };
             for (node, sum) in sum.iter_mut().enumerate().filter(|_| normal > 0.0) {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use papilio_optics::with_widest_simd;
+use papilio_optics::{Beta, with_widest_simd};
 use papilio_spectra::{Spectrum, StateSpectra};
 
 use crate::{AngularTable, Cone, Medium, ScatterKernel};
@@ -88,6 +88,19 @@ impl Base {
                 }
             }
         }
+    }
+
+    /// Computes the reflectance of every state for light that leaves towards `beta`: that of a mirror may depend on azimuth.
+    pub fn reflectance_towards(&self, beta: Beta, medium: &Medium, out: &mut [f64]) {
+        match &self.reflector {
+            Reflector::Specular(table) => table.reflectance_towards(beta, medium, out),
+            _ => self.reflectance(beta.squared(), medium, out),
+        }
+    }
+
+    /// Returns whether its reflectance depends on azimuth.
+    pub fn is_azimuthal(&self) -> bool {
+        matches!(&self.reflector, Reflector::Specular(table) if table.is_azimuthal())
     }
 
     /// Returns an upper bound of the reflectance of every state at any angle.

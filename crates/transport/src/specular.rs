@@ -61,7 +61,7 @@ pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> ReflectanceFactor {
     flat_top.set(stack, beta.squared());
     let mut r = StateSpectra::zeros(base.states(), base.bins());
     match &base.reflector {
-        Reflector::Specular(_) => base.reflectance(beta.squared(), &stack.medium, &mut r),
+        Reflector::Specular(_) => base.reflectance_towards(beta, &stack.medium, &mut r),
         Reflector::Lambertian(_) | Reflector::Scattering(_) => {}
     }
     let flat = |bin: usize| match &stack.top {

@@ -5,6 +5,7 @@
 //! table is as dense as an interpolation error of [`TABLE_ERROR`] requires.
 
 mod absorption;
+mod crystal;
 pub(crate) mod film;
 mod table;
 mod weighted;
@@ -41,6 +42,7 @@ pub fn state_names(pixel: &Pixel) -> Vec<String> {
         Pixel::Table(table) => table.states.iter().map(|state| state.name.clone()).collect(),
         Pixel::Uniform(uniform) => uniform.states.iter().map(|(name, _)| name.clone()).collect(),
         Pixel::Scattering(pixel) => pixel.states.iter().map(|(name, _)| name.clone()).collect(),
+        Pixel::Crystal(pixel) => pixel.states.clone(),
     }
 }
 
@@ -68,12 +70,20 @@ pub fn primaries(pixel: &Pixel) -> Vec<String> {
     film.states.iter().filter(drives_one).map(|state| state.name.clone()).collect()
 }
 
-/// Computes the reflectance of the pixel alone, without front, surface or diffuser, at these angles (0 to 90
-/// deg) in the medium of the scene's angles.
+/// Computes [`scan_at`] azimuth 0, which is any azimuth of all pixels but those with liquid crystals.
 ///
 /// # Errors
 /// If the film is invalid, or the pixel scatters.
 pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError> {
+    scan_at(scene, theta_deg, 0.0)
+}
+
+/// Computes the reflectance of the pixel alone, without front, surface or diffuser, at these angles (0 to 90
+/// deg) in the medium of the scene's angles, seen from the azimuth `phi_deg`.
+///
+/// # Errors
+/// If the film is invalid, or the pixel scatters.
+pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: f64) -> Result<PixelScan, DisplayError> {
     let pixel = &scene.display.pixel;
     if let Pixel::Scattering(_) = pixel {
         return Err(DisplayError::ScanOfScattering);
@@ -96,6 +106,18 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
             let table = mixture.table(Nodes::Constant, one.into(), film);
             let mut out = vec![0.0; count * bins];
             table.reflectance(0.0, &Medium::new(index.clone()), &mut out);
+            keep(&out);
+        }
+    } else if let Pixel::Crystal(pixel) = pixel {
+        // Without reciprocity, and without the table: as a test of both.
+        let crystal = crystal::Crystal::new(pixel, &scene.grid, index)?;
+        for sine in sines {
+            let mut out = crystal.reflectance(sine, in_air, phi_deg)?;
+            let inactive = pixel.inactive_reflectance.iter().map(|r| (1.0 - pixel.fill_factor) * r);
+            let inactive: Vec<f64> = inactive.collect();
+            for row in out.chunks_exact_mut(bins) {
+                row.iter_mut().zip(&inactive).for_each(|(r, more)| *r = *r * pixel.fill_factor + more);
+            }
             keep(&out);
         }
     } else {
@@ -131,6 +153,11 @@ pub(crate) fn base(
         Pixel::Table(table) => Ok(table_base(table, scene.grid.len())),
         Pixel::Uniform(uniform) => Ok(uniform_base(uniform, scene.grid.len())),
         Pixel::Scattering(pixel) => Ok(scattering_base(pixel, scene.grid.len())),
+        Pixel::Crystal(pixel) => {
+            // Between the pixel and general layers, all directions of the glass occur.
+            let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
+            crystal::base(pixel, &scene.grid, index, unrefracted || !scene.display.is_bare())
+        }
     }
 }
 

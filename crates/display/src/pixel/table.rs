@@ -44,8 +44,20 @@ pub(super) fn panels<E>(
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Table>, E> {
+    panels_within(TABLE_ERROR, known, sample, whole)
+}
+
+/// Returns the same within another error than [`TABLE_ERROR`].
+pub(super) fn panels_within<E>(
+    error: f64,
+    known: Option<&CosinePanels>,
+    sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
+    whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
+) -> Result<Option<Table>, E> {
     let last = last_polynomials();
-    let suffice = |panel: &Panel, values: &[f64]| estimated_error(values, &last) < panel.tolerance();
+    let suffice = |panel: &Panel, values: &[f64]| {
+        estimated_error(values, &last) < panel.tolerance() * (error / TABLE_ERROR)
+    };
     let mut done: Vec<Panel> = Vec::new();
     let mut open: Vec<Panel> = (0..1 << HALVINGS.0).rev().map(|k| Panel::new(k, HALVINGS.0)).collect();
     while let Some(mut panel) = open.pop() {

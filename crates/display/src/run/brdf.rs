@@ -32,6 +32,7 @@ use crate::{DisplayError, RowErrors};
 /// If the scene is invalid, or the computation was stopped.
 pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<BrdfTable, DisplayError> {
     let setup = Setup::new(scene, control)?;
+    setup.knows_azimuth("a BSDF of the display")?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let survey = Survey::new(&setup, control, &grid, finest(&setup)?);

@@ -73,7 +73,11 @@ impl Prepared {
         let pool = Workers::unless_one(&mut workers, control.threads)?;
         let survey = Survey {
             run: Run::new(setup, control, &meter),
-            equivalent: equivalent_azimuths(&grid.phi_deg, &scene.lighting),
+            equivalent: if setup.stack.base().is_azimuthal() {
+                (0..grid.phi_deg.len()).collect()
+            } else {
+                equivalent_azimuths(&grid.phi_deg, &scene.lighting)
+            },
             grid,
             reference,
             views_deg: scene.viewer.directions().map(|(theta, phi)| [theta, phi]).collect(),

@@ -74,7 +74,7 @@ pub fn adding_seconds(scene: &Scene) -> Result<f64, DisplayError> {
     let sets: HashSet<Vec<u64>> = (0..scene.grid.len()).map(indices).collect();
     let stacks = match &scene.display.pixel {
         Pixel::Scattering(_) => 1 + state_names(&scene.display.pixel).len(),
-        Pixel::Film(_) | Pixel::Table(_) | Pixel::Uniform(_) => 1,
+        Pixel::Film(_) | Pixel::Table(_) | Pixel::Uniform(_) | Pixel::Crystal(_) => 1,
     };
     Ok(SECONDS * nodes.powi(3) * (sets.len() * stacks) as f64)
 }

@@ -46,6 +46,7 @@ pub fn brdf_at_viewers<G: ViewerGrid>(
     control: &Control<'_>,
 ) -> Result<ViewerTable<G>, DisplayError> {
     let setup = Setup::new(scene, control)?;
+    setup.knows_azimuth("a BSDF of the display")?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let lights = grid.theta_i_deg().to_vec();

@@ -375,7 +375,7 @@ fn nearest(scene: &Scene) -> usize {
 /// How the pixels reflect.
 fn kind(pixel: &scene::Pixel) -> Pixel {
     match pixel {
-        scene::Pixel::Film(_) | scene::Pixel::Table(_) => Pixel::Mirror,
+        scene::Pixel::Film(_) | scene::Pixel::Table(_) | scene::Pixel::Crystal(_) => Pixel::Mirror,
         scene::Pixel::Uniform(uniform) if uniform.kind == UniformKind::Mirror => Pixel::Mirror,
         scene::Pixel::Uniform(_) | scene::Pixel::Scattering(_) => Pixel::Lambertian,
     }

@@ -28,6 +28,7 @@ mod images;
 mod layered_mtf;
 mod levels_that_agree;
 mod lights;
+mod liquid_crystals;
 mod microgeometry;
 mod mtf;
 mod one_model;

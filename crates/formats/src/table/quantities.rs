@@ -335,6 +335,10 @@ pub(crate) static X_1: Quantity =
     named("the right edge", &["x1", "right", "x_max", "xmax"], Dimension::Fraction);
 pub(crate) static Y_1: Quantity =
     named("the upper edge", &["y1", "top", "y_max", "ymax"], Dimension::Fraction);
+pub(crate) static DEPTH: Quantity =
+    named("a depth", &["depth", "z", "position", "depth_fraction"], Dimension::Fraction);
+pub(crate) static TILT: Quantity = named("a tilt", &["tilt", "tilt_angle"], Dimension::Angle);
+pub(crate) static TWIST: Quantity = named("a twist", &["twist", "twist_angle"], Dimension::Angle);
 pub(crate) static FREQUENCY: Quantity = Quantity {
     by_unit: true,
     ..named(

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests, too, say what they expect by unwrapping")]
 
+mod berreman;
 mod coatings_two_roads;
 mod films_derivatives;
 mod films_equal_tmm;

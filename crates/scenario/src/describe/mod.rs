@@ -3,6 +3,7 @@
 //! These tables do not depend on data files, materials or the wavelength grid; `resolve` reads those.
 
 pub(crate) mod codes;
+pub(crate) mod crystal;
 pub(crate) mod diffuser;
 pub(crate) mod display;
 pub(crate) mod environment;

@@ -240,6 +240,39 @@ number!(
     Horizon, Range::above_0_to(90.0).unit("degrees")
 );
 
+number!(
+    /// An azimuth of an axis, degrees.
+    AxisAngle, Range::from_to(-360.0, 360.0).unit("degrees")
+);
+number!(
+    /// A twist of a liquid crystal, degrees.
+    Twist, Range::from_to(-3600.0, 3600.0).unit("degrees")
+);
+number!(
+    /// A tilt out of the panel, degrees.
+    Tilt, Range::from_to(-90.0, 90.0).unit("degrees")
+);
+number!(
+    /// A retardance of one pass along the normal, nm.
+    Retardance, Range::from_to(-1e4, 1e4).unit("nm")
+);
+number!(
+    /// A ratio of retardances at two wavelengths.
+    RetardanceRatio, Range::from_to(0.5, 2.0)
+);
+number!(
+    /// The biaxiality of a retarder, Nz.
+    Biaxiality, Range::from_to(-10.0, 10.0)
+);
+number!(
+    /// A thickness of a cell, a polariser or a pane, um.
+    CrystalThickness, Range::above_0_to(5000.0).unit("um")
+);
+number!(
+    /// The pitch of a helix, nm.
+    HelixPitch, Range::from_to(50.0, 1e5).unit("nm")
+);
+
 /// An integer from `LEAST` to `MOST`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub(crate) struct Count<const LEAST: u64, const MOST: u64>(pub(crate) u64);

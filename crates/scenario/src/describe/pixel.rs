@@ -7,6 +7,7 @@ use papilio_display::scene::{TableAngles, UniformKind};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
 use super::codes::Codes;
+use super::crystal::CrystalPixel;
 use super::diffuser::{Extrapolate, Normalise};
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{FaceIndex, Micrometres, Nanometres, PositiveShare, Share};
@@ -30,6 +31,8 @@ kinds! {
         Measured(MeasuredPixel) = "measured",
         /// Colours of the states of a whole panel, measured through its own surface.
         Palette(PalettePixel) = "palette",
+        /// Liquid-crystal cells, polarisers and retarders over a reflector.
+        Crystal(CrystalPixel) = "liquid-crystal",
     }
 }
 
@@ -42,6 +45,7 @@ impl Pixel {
             Self::Uniform(uniform) => uniform.origin,
             Self::Measured(measured) => measured.origin,
             Self::Palette(palette) => palette.origin,
+            Self::Crystal(crystal) => crystal.origin,
         }
     }
 
@@ -53,6 +57,7 @@ impl Pixel {
             Self::Uniform(uniform) => &uniform.value.codes,
             Self::Measured(measured) => &measured.value.codes,
             Self::Palette(palette) => &palette.value.codes,
+            Self::Crystal(crystal) => &crystal.value.codes,
         }
     }
 }

@@ -3,6 +3,7 @@
 
 mod cache;
 mod codes;
+mod crystal;
 mod data;
 mod diffuser;
 mod environment;

@@ -23,6 +23,7 @@ impl Resolver<'_> {
             describe::Pixel::Uniform(uniform) => self.uniform(uniform).map(Pixel::Uniform),
             describe::Pixel::Measured(measured) => self.measured_pixel(measured).map(Pixel::Scattering),
             describe::Pixel::Palette(palette) => self.palette(palette).map(Pixel::Uniform),
+            describe::Pixel::Crystal(crystal) => self.crystal(crystal).map(Pixel::Crystal),
         }
     }
 

@@ -54,7 +54,7 @@ impl UnboundedLobe {
 /// True if the pixel is mirror-like.
 fn is_mirror(pixel: &Pixel) -> bool {
     match pixel {
-        Pixel::Film(_) | Pixel::Table(_) => true,
+        Pixel::Film(_) | Pixel::Table(_) | Pixel::Crystal(_) => true,
         Pixel::Uniform(uniform) => uniform.kind == UniformKind::Mirror,
         Pixel::Scattering(_) => false,
     }

@@ -11,6 +11,7 @@ mod examples;
 mod hostile;
 mod layers;
 mod library;
+mod liquid_crystals;
 mod matrix;
 mod measured;
 mod no_light;

@@ -129,7 +129,7 @@ impl<'a> Bare<'a> {
     /// Sums all round trips between a mirror and the surface, at the angle at which light entered.
     fn sum_round_trips(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { carried, reflectance, flat, .. } = workspace;
-        self.stack.base.reflectance(beta.squared(), &self.stack.medium, reflectance);
+        self.stack.base.reflectance_towards(beta, &self.stack.medium, reflectance);
         for row in 0..carried.len() / flat.t.len() {
             for (bin, (t, below)) in flat.t.iter().zip(&flat.below).enumerate() {
                 let k = row * flat.t.len() + bin;
@@ -170,7 +170,7 @@ impl<'a> Bare<'a> {
 
     fn meet_base(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
         add_scaled(&mut sums.arriving, &workspace.carried, 1.0);
-        self.stack.base.reflectance(beta.squared(), &self.stack.medium, &mut workspace.reflectance);
+        self.stack.base.reflectance_towards(beta, &self.stack.medium, &mut workspace.reflectance);
         workspace.carried.iter_mut().zip(&workspace.reflectance).for_each(|(c, r)| *c *= r);
         add_scaled(&mut sums.reflected, &workspace.carried, 1.0);
     }

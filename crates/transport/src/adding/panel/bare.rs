@@ -114,7 +114,7 @@ impl Kernel {
         let mut flat = FlatTop::new(stack.base.bins());
         for point in &view.points {
             flat.set(stack, point.beta.squared());
-            stack.base.reflectance(point.beta.squared(), &stack.medium, &mut r);
+            stack.base.reflectance_towards(point.beta, &stack.medium, &mut r);
             fate.enter(&flat, point.weight);
             for (k, r) in r.iter().enumerate() {
                 let bin = k % flat.t.len();

@@ -155,7 +155,7 @@ pub(super) fn for_table(pass: &Pass<'_>, disc: Disc, digits: f64) -> usize {
     match pass.table {
         Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => (FOR_KINKS + nodes).min(MOST_FOR_TABLE) as usize,
         Nodes::Constant => 0,
-        Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
+        Nodes::Cosines(_) | Nodes::CosinePanels(_) | Nodes::Azimuthal(..) => {
             nodes.min(FOR_FRINGES + digits / DIGITS_A_NODE) as usize
         }
     }

@@ -1,0 +1,130 @@
+//! Liquid-crystal pixels: reflectance for unpolarised light against inclination and azimuth.
+//!
+//! The table holds, at each inclination, the harmonics of twice the azimuth: by reciprocity, the reflectance for unpolarised light is the
+//! same at opposite azimuths. Their number is chosen at a steep inclination, the nodes as for films.
+
+use std::f64::consts::PI;
+
+use papilio_optics::OpticsError;
+use papilio_optics::berreman::SpectralStack;
+use papilio_spectra::{Grid, Spectrum};
+use papilio_transport::{AngularTable, Base, Nodes, Reflector};
+
+use super::table;
+use crate::DisplayError;
+use crate::scene::CrystalPixel;
+
+/// Largest harmonic of azimuth that is left out, as a reflectance.
+const HARMONIC_ERROR: f64 = 1e-6;
+
+/// Interpolation error of the table, as a reflectance. What the faces of a thick, almost matched retarder return to each other is below it.
+const TABLE_ERROR: f64 = 2e-5;
+
+/// Number of azimuths over half a turn at which the harmonics are looked for.
+const MOST_AZIMUTHS: usize = 64;
+
+/// Sine of the inclination in air at which they are.
+const STEEP: f64 = 0.97;
+
+/// A pixel on the wavelengths of a scene.
+pub(super) struct Crystal {
+    stack: SpectralStack,
+    index: Vec<f64>,
+    states: usize,
+}
+
+impl Crystal {
+    pub(super) fn new(pixel: &CrystalPixel, grid: &Grid, index: &Spectrum) -> Result<Self, OpticsError> {
+        let stack = SpectralStack::new(&grid.wavelengths_nm(), index, &pixel.parts, &pixel.substrate)?;
+        Ok(Self { stack, index: index.to_vec(), states: pixel.states.len() })
+    }
+
+    /// Computes the reflectance, `[state][wavelength]`, of light that leaves towards this azimuth; `beta` at each
+    /// wavelength is `sine` times the index, or the sine itself in air. Grazing light is reflected as that at 89.99 deg.
+    pub(super) fn reflectance(&self, sine: f64, in_air: bool, phi_deg: f64) -> Result<Vec<f64>, OpticsError> {
+        const GRAZING: f64 = 1.0 - 1e-8;
+        let beta = |n: &f64| if in_air { sine.min(GRAZING * n) } else { sine.min(GRAZING) * n };
+        let beta: Vec<f64> = self.index.iter().map(beta).collect();
+        // A stack whose parts are the same in all states is computed once.
+        let own = self.stack.states();
+        let mut out = vec![0.0; own * self.index.len()];
+        self.stack.reflectance(&beta, phi_deg, &mut out)?;
+        Ok(if own == self.states { out } else { out.repeat(self.states) })
+    }
+
+    /// Returns the harmonics of the reflectance, `[state][harmonic][wavelength]`.
+    fn harmonics(&self, sine: f64, in_air: bool, azimuths: usize) -> Result<Vec<f64>, OpticsError> {
+        let count = if azimuths == 1 { 1 } else { azimuths - 1 };
+        let bins = self.index.len();
+        let mut out = vec![0.0; self.states * count * bins];
+        for k in 0..azimuths {
+            let phi_deg = 180.0 * k as f64 / azimuths as f64;
+            let row = self.reflectance(sine, in_air, phi_deg)?;
+            for (state, values) in row.chunks_exact(bins).enumerate() {
+                for harmonic in 0..count {
+                    let weight = weight(harmonic, k, azimuths);
+                    let sums = &mut out[(state * count + harmonic) * bins..][..bins];
+                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// Returns the number of azimuths over half a turn whose harmonics suffice.
+    fn azimuths(&self) -> Result<usize, OpticsError> {
+        let all = self.harmonics(STEEP, true, MOST_AZIMUTHS)?;
+        let bins = self.index.len();
+        let is_large = |row: &[f64]| row.iter().any(|value| value.abs() > HARMONIC_ERROR);
+        let rows = all.chunks_exact(bins).enumerate().filter(|(_, row)| is_large(row));
+        let last = rows.map(|(at, _)| (at % (MOST_AZIMUTHS - 1)).div_ceil(2)).max().unwrap_or(0);
+        Ok(if last == 0 { 1 } else { (2 * last + 2).min(MOST_AZIMUTHS) })
+    }
+}
+
+/// Weight of azimuth number `k` in a harmonic: 1, cos 2 phi, sin 2 phi, ...
+fn weight(harmonic: usize, k: usize, azimuths: usize) -> f64 {
+    let order = harmonic.div_ceil(2);
+    let turn = 2.0 * PI * (order * k) as f64 / azimuths as f64;
+    let wave = if harmonic.is_multiple_of(2) && harmonic > 0 { turn.sin() } else { turn.cos() };
+    (if order == 0 { 1.0 } else { 2.0 * wave }) / azimuths as f64
+}
+
+/// Computes a liquid-crystal pixel as the base of a stack. Without scatterers, light has directions that exist in air: unless
+/// `whole`, the others are left at 0.
+pub(super) fn base(
+    pixel: &CrystalPixel,
+    grid: &Grid,
+    index: &Spectrum,
+    whole: bool,
+) -> Result<Base, DisplayError> {
+    let crystal = Crystal::new(pixel, grid, index)?;
+    let azimuths = crystal.azimuths()?;
+    let count = if azimuths == 1 { 1 } else { azimuths - 1 };
+    let (bins, states) = (grid.len(), pixel.states.len());
+    let lowest = if whole { 0.0 } else { (1.0 - index.min().powi(-2)).max(0.0).sqrt() };
+    let all = |cosines: &[f64]| -> Result<Vec<f64>, OpticsError> {
+        if cosines.iter().all(|cosine| *cosine < lowest) {
+            return Ok(vec![0.0; cosines.len() * states * count * bins]);
+        }
+        let rows = cosines
+            .iter()
+            .map(|cosine| crystal.harmonics((1.0 - cosine * cosine).max(0.0).sqrt(), false, azimuths));
+        Ok(rows.collect::<Result<Vec<_>, _>>()?.concat())
+    };
+    // A sample as good as the whole would take as long: the whole decides.
+    let panels = table::panels_within(TABLE_ERROR, None, |cosines| Ok(vec![0.0; cosines.len()]), all)?;
+    let (panels, basis) = panels.ok_or(DisplayError::CrystalFringes)?;
+    let nodes = if count == 1 { Nodes::CosinePanels(panels) } else { Nodes::Azimuthal(panels, count) };
+    let own = |state: usize, basis: usize| if basis == state * count { pixel.fill_factor } else { 0.0 };
+    let mixture = (0..states).flat_map(|state| (0..states * count).map(move |basis| own(state, basis)));
+    let inactive = 1.0 - pixel.fill_factor;
+    let table = AngularTable {
+        nodes,
+        basis,
+        mixture: mixture.collect(),
+        common: pixel.inactive_reflectance.iter().map(|r| inactive * r).collect(),
+    };
+    let inactive_absorptance = pixel.inactive_reflectance.map(|r| inactive * (1.0 - r));
+    Ok(Base { reflector: Reflector::Specular(table), inactive_absorptance })
+}

@@ -1,0 +1,143 @@
+//! Liquid-crystal pixels from the scenario to the result, in all azimuths.
+
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::pixel::scan_at;
+use papilio_display::scene::Scene;
+use papilio_display::{BrdfGrid, Control, DisplayError};
+
+use crate::common::{run, scenario, walked};
+
+const TWISTED: &str = "display.pixel.stack=[{ kind = \"polariser\", axis_deg = 20 }, \
+    { kind = \"retarder\", axis_deg = 60, retardance_nm = 150, nz = 0.4 }, \
+    { kind = \"cell\", gap_um = 2.0, n_o = 1.5, n_e = 1.62, rub_deg = 10, twist_deg = 50, slices = 12, \
+      states = { white = { tilt_deg = 5 }, black = { tilt_deg = 60 } } }]";
+
+fn twisted(more: &[&str]) -> Scene {
+    let common = [TWISTED, "spectrum.range_nm=[400,700]", "spectrum.step_nm=60", "viewer.field_deg=0"];
+    scenario("mip-lcd", &[&common, more].concat()).unwrap().scene
+}
+
+/// Spectra of the reflectance factor, `[view][state][wavelength]`.
+fn spectra(scene: &Scene) -> Vec<Vec<Vec<f64>>> {
+    let result = run(scene).unwrap();
+    let view = |view: &papilio_display::result::View| {
+        view.states.iter().map(|(_, state)| state.value.reflectance_factor.clone().unwrap()).collect()
+    };
+    result.views.iter().map(view).collect()
+}
+
+/// In diffuse light a bare panel shows the pixel at the mirror angle: the table of harmonics over azimuth against the pixel
+/// itself, in an ideal antireflection surface; and under a face with all orders of reflection.
+#[test]
+fn views_at_any_azimuth_see_the_pixel_at_that_azimuth() {
+    let angles = ["viewer.theta_deg=[0,25,50,75]", "viewer.phi_deg=[0,33,120,213,300]"];
+    let faces = ["display.glass.surface=ideal-ar", "display.glass.surface=fresnel"];
+    for (face, has_face) in faces.into_iter().zip([false, true]) {
+        let scene = twisted(&[&angles[..], &[face]].concat());
+        let found = spectra(&scene);
+        for (at, (theta_deg, phi_deg)) in scene.viewer.directions().enumerate() {
+            let alone = scan_at(&scene, &[theta_deg], phi_deg).unwrap();
+            let beta = theta_deg.to_radians().sin();
+            let r = papilio_optics::interface::fresnel_reflectance(1.0, 1.5, beta);
+            for ((_, pixel), seen) in alone.states.iter().zip(&found[at]) {
+                for (pixel, seen) in pixel.iter().zip(seen) {
+                    let expected =
+                        if has_face { r + (1.0 - r).powi(2) * pixel / (1.0 - r * pixel) } else { *pixel };
+                    assert!((seen - expected).abs() < 1e-5, "{theta_deg} {phi_deg}: {seen} {expected}");
+                }
+            }
+        }
+    }
+}
+
+/// Unpolarised reflectance is the same at opposite azimuths (reciprocity), and this pixel does depend on azimuth.
+#[test]
+fn azimuths_matter_and_opposite_ones_are_equal() {
+    let scene = twisted(&[]);
+    let at = |phi_deg: f64| scan_at(&scene, &[50.0], phi_deg).unwrap().states.swap_remove(0).1;
+    let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(difference(&at(70.0), &at(250.0)) < 1e-10);
+    assert!(difference(&at(70.0), &at(-70.0)) > 1e-3);
+}
+
+/// The two solvers, with a field of view and a lamp of some size, which both average over azimuth.
+#[test]
+fn monte_carlo_agrees_with_adding() {
+    let common = [
+        TWISTED,
+        "spectrum.range_nm=[400,700]",
+        "spectrum.step_nm=60",
+        "viewer.theta_deg=[0,40]",
+        "viewer.phi_deg=[0,70]",
+        "viewer.field_deg=20",
+        "solver.relative_error=0.002",
+    ];
+    let adding = spectra(&scenario("mip-lcd", &common).unwrap().scene);
+    let paths = spectra(&walked("mip-lcd", &common).unwrap().scene);
+    for (adding, paths) in adding.iter().flatten().flatten().zip(paths.iter().flatten().flatten()) {
+        assert!((adding - paths).abs() < 0.01 * adding + 1e-4, "{adding} {paths}");
+    }
+}
+
+/// Half of the light is polarised, and the square of the cosine of the retardance of it returns from an almost ideal mirror.
+#[test]
+fn circular_polariser_leaves_the_square_of_the_cosine() {
+    let scene = scenario(
+        "circular-polariser",
+        &[
+            "display.pixel.substrate={ n = 0.001, k = 900 }",
+            "display.pixel.stack=[{ kind = \"polariser\", axis_deg = 0, transmittance = 0.49999, extinction = 1e-5, thickness_um = 400 }, \
+             { kind = \"retarder\", axis_deg = 45, retardance_nm = 137.5, thickness_um = 400 }]",
+            "spectrum.range_nm=[450,650]",
+            "spectrum.step_nm=50",
+        ],
+    )
+    .unwrap()
+    .scene;
+    let found = scan_at(&scene, &[0.0], 0.0).unwrap().states.swap_remove(0).1;
+    for (k, expected) in [(0, 0.058_489), (2, 0.0), (4, 0.028_636)] {
+        assert!((found[k] - expected).abs() < 2e-3 * expected + 2e-4, "{}: {}", k, found[k]);
+    }
+}
+
+/// Where light changes its azimuth above the pixel, or the computation does not know azimuths, it is refused and not averaged.
+#[test]
+fn computations_without_azimuth_are_refused() {
+    let diffuser = "display.diffuser={ model = \"k-correlation\", haze = 0.5, total_transmittance = 0.9 }";
+    let diffused = scenario(
+        "mip-lcd",
+        &[
+            TWISTED,
+            diffuser,
+            "display.glass={ index = 1.5 }",
+            "spectrum.step_nm=80",
+            "spectrum.range_nm=[400,720]",
+        ],
+    )
+    .unwrap()
+    .scene;
+    assert!(matches!(run(&diffused), Err(DisplayError::Azimuth { .. })));
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: None, progress: &|_| {}, stop: &stop };
+    let grid = BrdfGrid { theta_i_deg: vec![0.0], theta_o_deg: vec![0.0], dphi_deg: vec![0.0] };
+    let found = papilio_display::brdf(&twisted(&[]), grid, &control);
+    assert!(matches!(found, Err(DisplayError::Azimuth { .. })));
+    // A pixel that is the same at all azimuths may be below a diffuser.
+    let round =
+        "display.pixel.stack=[{ kind = \"retarder\", plate = \"C\", retardance_nm = 100, thickness_um = 1 }]";
+    let uniform = scenario(
+        "mip-lcd",
+        &[
+            round,
+            diffuser,
+            "display.glass={ index = 1.5 }",
+            "spectrum.step_nm=160",
+            "spectrum.range_nm=[400,720]",
+            "solver.relative_error=0.02",
+        ],
+    )
+    .unwrap()
+    .scene;
+    run(&uniform).unwrap();
+}

@@ -1,0 +1,130 @@
+//! The fast implementation equals the reference, in every combination of layers, states and thick slabs.
+
+use num_complex::Complex64;
+use papilio_optics::berreman::{
+    AnisotropicLayer, Dielectric, Part, Slice, SpectralStack, Stack, Wave, axes, mueller,
+};
+use papilio_testing::{Dice, laws, sized};
+
+#[derive(Debug)]
+struct Case {
+    wavelength_nm: Vec<f64>,
+    front: Vec<f64>,
+    beta: Vec<f64>,
+    azimuth_deg: f64,
+    parts: Vec<Part>,
+    back: Vec<Complex64>,
+    states: usize,
+}
+
+fn slices(dice: &mut Dice, most: usize, thickest_nm: f64) -> Vec<Slice> {
+    dice.several(1..=most, |dice| Slice {
+        axes: axes(dice.between(0.0, 360.0), dice.between(-90.0, 90.0), dice.between(0.0, 360.0)),
+        thickness_nm: dice.between(0.0, thickest_nm),
+    })
+}
+
+/// `contrast` scales the differences between indices.
+fn part(dice: &mut Dice, count: usize, states: usize, contrast: f64) -> Part {
+    let spectrum = |dice: &mut Dice, k: f64| -> Vec<Complex64> {
+        (0..count)
+            .map(|_| Complex64::new(1.6 + contrast * dice.between(-0.5, 0.6), k * dice.between(0.0, 0.1)))
+            .collect()
+    };
+    let k = dice.of([0.0, 0.0, 1.0]);
+    let mut indices = [spectrum(dice, k), spectrum(dice, k), spectrum(dice, k)];
+    let kind = dice.below(4);
+    if kind == 0 {
+        indices[2] = indices[1].clone();
+    }
+    if kind == 1 && contrast < 1.0 {
+        indices = [spectrum(dice, 1e-6), vec![], vec![]];
+        let birefringence = dice.of([0.0, 0.01]);
+        let more = |share: f64| indices[0].iter().map(|n| n + share * birefringence).collect();
+        indices = [more(1.0), more(0.0), more(0.3)];
+        return Part { indices, slices: vec![slices(dice, 1, 1e5)], coherent: false };
+    }
+    let lists = if dice.one_in(2) { states } else { 1 };
+    let most = dice.of([1, 5]);
+    Part { indices, slices: (0..lists).map(|_| slices(dice, most, 700.0)).collect(), coherent: true }
+}
+
+fn case(dice: &mut Dice) -> Case {
+    let count = 1 + dice.below(11);
+    let states = 1 + dice.below(3);
+    // Light that crosses a thick slab more than 15 times is left out: layers around it reflect little, as in displays.
+    let contrast = dice.of([1.0, 0.2]);
+    let mut parts = dice.several(0..=5, |dice| part(dice, count, states, contrast));
+    let mut slabs = 0;
+    parts.retain(|part| {
+        slabs += usize::from(!part.coherent);
+        part.coherent || slabs <= 2
+    });
+    let lowest = if slabs > 0 { 1.4 } else { 1.0 };
+    let front: Vec<f64> = (0..count).map(|_| dice.between(lowest, 1.6)).collect();
+    let steepest = if slabs > 0 { 0.8 } else { 0.99 };
+    let metal = dice.between(0.0, 5.0);
+    Case {
+        wavelength_nm: (0..count).map(|_| dice.between(380.0, 780.0)).collect(),
+        beta: front.iter().map(|n| n * dice.between(0.0, steepest)).collect(),
+        azimuth_deg: dice.between(0.0, 360.0),
+        states: parts.iter().map(|part| part.slices.len()).max().unwrap_or(1),
+        back: (0..count).map(|_| Complex64::new(dice.between(0.5, 2.0), metal)).collect(),
+        parts,
+        front,
+    }
+}
+
+#[test]
+fn many_wavelengths_and_states_equal_one_by_one() {
+    laws(sized(120, 500), case, |case| {
+        let stack = SpectralStack::new(&case.wavelength_nm, &case.front, &case.parts, &case.back).unwrap();
+        assert_eq!(stack.states(), case.states);
+        let count = case.wavelength_nm.len();
+        let mut found = vec![f64::NAN; case.states * count];
+        stack.reflectance(&case.beta, case.azimuth_deg, &mut found).unwrap();
+        for state in 0..case.states {
+            for bin in 0..count {
+                let expected = one(case, state, bin);
+                let found = found[state * count + bin];
+                // Paths that cross two slabs as often, in another order, interfere in the mean over both phases, not in `mueller`. The faces
+                // of a retarder interfere with each other here.
+                let slabs: Vec<&Part> = case.parts.iter().filter(|part| !part.coherent).collect();
+                let is_retarder = slabs.iter().any(|slab| slab.indices[0] != slab.indices[1]);
+                let tolerance = if is_retarder { 1e-3 } else { [1e-10, 1e-8, 1e-3][slabs.len()] };
+                assert!((found - expected).abs() < tolerance, "{state} {bin}: {found} {expected}");
+            }
+        }
+    });
+}
+
+fn one(case: &Case, state: usize, bin: usize) -> f64 {
+    let layers = case.parts.iter().flat_map(|part| {
+        let slices = &part.slices[if part.slices.len() == 1 { 0 } else { state }];
+        slices.iter().map(|slice| AnisotropicLayer {
+            dielectric: Dielectric::biaxial(part.indices.each_ref().map(|n| n[bin]), slice.axes).unwrap(),
+            thickness_nm: slice.thickness_nm,
+            coherent: part.coherent,
+        })
+    });
+    let stack = Stack { front: case.front[bin], layers: layers.collect(), back: case.back[bin] };
+    let wave =
+        Wave { wavelength_nm: case.wavelength_nm[bin], beta: case.beta[bin], azimuth_deg: case.azimuth_deg };
+    mueller(&stack, wave).unwrap().r[0][0]
+}
+
+#[test]
+fn invalid_stacks_are_refused() {
+    let index = vec![Complex64::new(1.5, 0.0)];
+    let slice = Slice { axes: axes(0.0, 0.0, 0.0), thickness_nm: 100.0 };
+    let part = |indices: [Vec<Complex64>; 3], slices, coherent| Part { indices, slices, coherent };
+    let glass = [index.clone(), index.clone(), index.clone()];
+    let new = |parts: &[Part]| SpectralStack::new(&[550.0], &[1.0], parts, &index).map(|_| ()).unwrap_err();
+    assert!(new(&[part(glass.clone(), vec![vec![slice; 2]], false)]).to_string().contains("one slice"));
+    let slab = part(glass.clone(), vec![vec![slice]], false);
+    assert!(new(&vec![slab; 9]).to_string().contains("eight at most"));
+    let short = [index.clone(), index.clone(), vec![]];
+    assert!(new(&[part(short, vec![vec![slice]], true)]).to_string().contains("indices"));
+    let ok = SpectralStack::new(&[550.0], &[1.0], &[part(glass, vec![vec![slice]], true)], &index).unwrap();
+    assert!(ok.reflectance(&[1.0], 0.0, &mut [0.0]).is_err());
+}

@@ -1,0 +1,200 @@
+//! `model = "liquid-crystal"` of `[display.pixel]`: cells, polarisers, retarders and other layers over a reflector.
+
+use super::codes::Codes;
+use super::display::{MaterialSpec, ShareSpectrum};
+use super::numbers::{
+    AxisAngle, Biaxiality, Count, CrystalThickness, HelixPitch, Index, Nanometres, PositiveShare, Retardance,
+    RetardanceRatio, Share, Tilt, Twist,
+};
+use crate::grammar::{choice, forms, kinds, table};
+use crate::read::{Named, Spanned};
+
+table! {
+    /// Liquid-crystal cells, polarisers and retarders over a reflector, as they are from the glass down. Azimuths are in degrees,
+    /// counter-clockwise as seen by the viewer, 0 along x.
+    CrystalPixel {
+        /// Layers from the glass down.
+        stack as "Layers": Vec<Spanned<CrystalLayer>>,
+        /// Material of the reflector, an opaque, semi-infinite substrate.
+        substrate: MaterialSpec,
+        /// Active fraction of the panel.
+        fill_factor: PositiveShare = PositiveShare(1.0),
+        /// Reflectance of the inactive area.
+        inactive_reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
+        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        codes as "Codes of the states": Option<Codes>,
+    }
+}
+
+kinds! {
+    /// A layer of a liquid-crystal pixel; its keys depend on `kind`.
+    CrystalLayer by "kind" {
+        /// A polariser.
+        Polariser(Polariser) = "polariser",
+        /// A retarder.
+        Retarder(Retarder) = "retarder",
+        /// A cell with a liquid crystal, whose director depends on the state.
+        Cell(Cell) = "cell",
+        /// A cholesteric layer: a helix of many turns, the same in all states.
+        Cholesteric(Cholesteric) = "cholesteric",
+        /// A thin isotropic film.
+        Film(IsotropicFilm) = "film",
+        /// A thick pane, in which light does not interfere.
+        Slab(Pane) = "slab",
+    }
+}
+
+choice! {
+    /// The wave that a polariser transmits.
+    TransmittedWave {
+        /// The ordinary wave: the axis of the molecules absorbs, as in stretched polymers with iodine or dyes.
+        Ordinary = "O",
+        /// The extraordinary wave: all directions across the axis of the molecules absorb, as in coated films of dyes.
+        Extraordinary = "E",
+    }
+}
+
+table! {
+    /// A polariser, without the faces to air of a datasheet.
+    Polariser {
+        /// Azimuth of the light that it transmits.
+        axis_deg as "Transmission axis": AxisAngle,
+        /// Transmittance for unpolarised light within the film, at most 0.5: that of a datasheet over 0.92, which the faces to air
+        /// transmit.
+        transmittance: ShareSpectrum = ShareSpectrum::Constant(Share(0.44)),
+        /// Transmittance of the absorbed polarisation over that of the transmitted one.
+        extinction as "Extinction ratio": ShareSpectrum = ShareSpectrum::Constant(Share(1e-4)),
+        /// The wave that it transmits.
+        transmits as "Transmitted wave": TransmittedWave = TransmittedWave::Ordinary,
+        /// Refractive index.
+        index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
+        /// Thickness. What the faces reflect does not interfere with the other layers.
+        thickness_um: CrystalThickness = CrystalThickness(20.0),
+    }
+}
+
+choice! {
+    /// Orientation of the optic axis of a retarder.
+    Plate {
+        /// In the panel.
+        A = "A",
+        /// Along the normal.
+        C = "C",
+        /// Oblique, at `tilt_deg`.
+        O = "O",
+    }
+}
+
+table! {
+    /// A retarder: a uniform birefringent film.
+    Retarder {
+        /// Azimuth of the optic axis; the slow axis where `retardance_nm` is positive. A C plate has none.
+        axis_deg as "Optic axis": Option<AxisAngle>,
+        /// (n_e - n_o) times the thickness at 550 nm; negative for a negative retarder.
+        retardance_nm: Retardance,
+        /// Retardance at 450 nm over that at 550 nm, with `a + b/wavelength^2` between: 1 for a flat one, below 1 for reverse dispersion.
+        dispersion as "Re(450)/Re(550)": RetardanceRatio = RetardanceRatio(1.0),
+        /// Orientation of the optic axis.
+        plate: Plate = Plate::A,
+        /// Tilt of the axis of an O plate out of the panel.
+        tilt_deg as "Tilt of the axis": Option<Tilt>,
+        /// Biaxiality (n_x - n_z)/(n_x - n_y) of an A plate, x along the axis: 1 for a uniaxial one.
+        nz as "Biaxiality Nz": Biaxiality = Biaxiality(1.0),
+        /// Ordinary refractive index.
+        index as "Ordinary index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
+        /// Thickness. What the faces reflect does not interfere with the other layers.
+        thickness_um: CrystalThickness = CrystalThickness(10.0),
+    }
+}
+
+table! {
+    /// A cell. Its director turns from `rub_deg` at the top by `twist_deg` down to the bottom.
+    Cell {
+        /// Thickness of the liquid crystal.
+        gap_um as "Gap": CrystalThickness,
+        /// A liquid crystal by its name: `5CB`, `E7` or `MLC-6608`, at 25 degrees Celsius. Default: `n_o` and `n_e`.
+        liquid_crystal: Option<String>,
+        /// Ordinary refractive index.
+        n_o as "Ordinary index": Option<MaterialSpec>,
+        /// Extraordinary refractive index.
+        n_e as "Extraordinary index": Option<MaterialSpec>,
+        /// Azimuth of the director at the top.
+        rub_deg as "Rubbing direction": AxisAngle = AxisAngle(0.0),
+        /// Turn of the director from the top to the bottom, counter-clockwise as seen by the viewer where it is positive.
+        twist_deg: Twist = Twist(0.0),
+        /// Tilt of the director out of the panel, in all states that do not state another.
+        pretilt_deg: Tilt = Tilt(0.0),
+        /// The director in each state: a file (CSV: depth, tilt_deg, twist_deg), or `{ tilt_deg, twist_deg }`. Default: one state, `cell`.
+        states: Named<CellState> = Named(Vec::new()),
+        /// Number of slices.
+        slices: Count<1, 2000> = Count(40),
+    }
+}
+
+forms! {
+    /// The director in a state: a file, or a tilt.
+    CellState, "a file of directors by depth, or a table with tilt_deg"; {
+        /// A CSV file with the columns depth (a fraction of the gap, 0 at the top), tilt_deg and twist_deg (from `rub_deg`).
+        File(String) if Value::Text(_),
+        /// The same tilt at all depths.
+        Uniform(UniformDirector) if Value::Table(_),
+    }
+}
+
+table! {
+    /// A director with the same tilt at all depths.
+    UniformDirector {
+        /// Tilt out of the panel. Default: `pretilt_deg`.
+        tilt_deg: Option<Tilt>,
+        /// Turn from the top to the bottom. Default: `twist_deg` of the cell.
+        twist_deg: Option<Twist>,
+    }
+}
+
+choice! {
+    /// Sense of a helix.
+    Handedness {
+        /// As a corkscrew: clockwise away from the viewer. It reflects right circular light.
+        Right = "right",
+        /// Counter-clockwise away from the viewer.
+        Left = "left",
+    }
+}
+
+table! {
+    /// A cholesteric layer.
+    Cholesteric {
+        /// Length of a full turn.
+        pitch_nm: HelixPitch,
+        /// Sense of the helix.
+        handedness: Handedness,
+        /// Ordinary refractive index.
+        n_o as "Ordinary index": MaterialSpec,
+        /// Extraordinary refractive index.
+        n_e as "Extraordinary index": MaterialSpec,
+        /// Thickness.
+        thickness_um: CrystalThickness,
+        /// Azimuth of the director at the top.
+        azimuth_deg as "Director at the top": AxisAngle = AxisAngle(0.0),
+    }
+}
+
+table! {
+    /// A thin isotropic film.
+    IsotropicFilm {
+        /// Refractive index.
+        material: MaterialSpec,
+        /// Thickness.
+        thickness_nm: Nanometres,
+    }
+}
+
+table! {
+    /// A thick pane without fringes, such as a glass substrate. Polarisers, retarders and panes are eight at most.
+    Pane {
+        /// Refractive index; its k absorbs.
+        material: MaterialSpec = MaterialSpec::Number(Index(1.5)),
+        /// Thickness.
+        thickness_um: CrystalThickness = CrystalThickness(500.0),
+    }
+}

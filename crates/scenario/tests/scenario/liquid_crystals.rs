@@ -1,0 +1,137 @@
+//! `model = "liquid-crystal"`: what it resolves to, and what is refused.
+
+use std::path::Path;
+
+use crate::common::resolve;
+use papilio_display::scene::{CrystalPixel, Pixel};
+use papilio_testing::Dice;
+
+const GOOD: &str = r#"[spectrum]
+range_nm = [400, 700]
+step_nm = 50
+
+[display.pixel]
+model = "liquid-crystal"
+substrate = "Al"
+stack = [
+  { kind = "polariser", axis_deg = 10, transmittance = 0.44, extinction = 1e-4 },
+  { kind = "retarder", axis_deg = 75, retardance_nm = 275, dispersion = 1.1, nz = 0.5 },
+  { kind = "retarder", plate = "C", retardance_nm = -100 },
+  { kind = "retarder", plate = "O", axis_deg = 20, tilt_deg = 30, retardance_nm = 50 },
+  { kind = "slab", material = 1.52 },
+  { kind = "cholesteric", pitch_nm = 350, handedness = "left", n_o = 1.5, n_e = 1.65, thickness_um = 0.7 },
+  { kind = "film", material = "ITO", thickness_nm = 30 },
+  { kind = "cell", gap_um = 3.2, n_o = 1.50, n_e = 1.60, rub_deg = 5, twist_deg = 63.6, pretilt_deg = 2, states = { white = { tilt_deg = 80 }, black = { twist_deg = 60 } } },
+]
+"#;
+
+fn pixel(text: &str) -> CrystalPixel {
+    let resolved = resolve(text, Path::new(""), &[]).unwrap_or_else(|errors| panic!("{errors}"));
+    let Pixel::Crystal(pixel) = resolved.scene.display.pixel else { panic!("another pixel") };
+    pixel
+}
+
+fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+}
+
+#[test]
+fn layers_have_the_indices_and_axes_of_the_scenario() {
+    let CrystalPixel { parts, states, .. } = pixel(GOOD);
+    assert_eq!(states, ["white", "black"]);
+    assert_eq!(parts.len(), 8);
+    // The polariser: half of unpolarised light with exp(-4 pi k d/lambda), the other with 1e-4 of it.
+    let nm = 400.0;
+    let transmitted =
+        |axis: usize| (-4.0 * std::f64::consts::PI * parts[0].indices[axis][0].im * 20e3 / nm).exp();
+    close(0.5 * (transmitted(0) + transmitted(1)), 0.44);
+    close(transmitted(0) / transmitted(1), 1e-4);
+    let absorbing = parts[0].slices[0][0].axes[0];
+    close(absorbing[0], 100.0_f64.to_radians().cos());
+    close(absorbing[1], 100.0_f64.to_radians().sin());
+    // The retarder: 275 nm at 550 nm, 1.1 times that at 450 nm.
+    let retardance = |bin: usize| (parts[1].indices[0][bin].re - parts[1].indices[1][bin].re) * 10e3;
+    close(retardance(3), 275.0);
+    close(retardance(1), 302.5);
+    let [x, y, z] = parts[1].indices.each_ref().map(|n| n[3].re);
+    close((x - z) / (x - y), 0.5);
+    assert!(parts[2].slices[0][0].axes[0][2] == 1.0 && parts[2].indices[0][0].re < parts[2].indices[1][0].re);
+    close(parts[3].slices[0][0].axes[0][2], 0.5);
+    assert!(!parts[0].coherent && !parts[4].coherent && parts[5].coherent);
+    // Left-handed: counter-clockwise downwards.
+    let turned = &parts[5].slices[0];
+    assert_eq!(turned.len(), 80);
+    assert!(turned[0].axes[0][1] > 0.0);
+    let (white, black) = (&parts[7].slices[0], &parts[7].slices[1]);
+    assert_eq!((white.len(), black.len()), (40, 40));
+    close(white[0].axes[0][2], 80.0_f64.to_radians().sin());
+    close(black[39].axes[0][2], 2.0_f64.to_radians().sin());
+    let azimuth = |axis: [f64; 3]| axis[1].atan2(axis[0]).to_degrees();
+    close(azimuth(white[39].axes[0]), 5.0 + 63.6 * 39.5 / 40.0);
+    close(azimuth(black[0].axes[0]), 5.0 + 60.0 * 0.5 / 40.0);
+}
+
+#[test]
+fn named_liquid_crystals_have_published_indices() {
+    let named = GOOD.replace("n_o = 1.50, n_e = 1.60", "liquid_crystal = \"E7\"");
+    let parts = pixel(&named).parts;
+    // 550 nm.
+    let [e, o, _] = parts[7].indices.each_ref().map(|n| n[3].re);
+    close(o, 1.4990 + 0.0072 / 0.3025 + 0.0003 / 0.3025_f64.powi(2));
+    close(e, 1.6933 + 0.0078 / 0.3025 + 0.0028 / 0.3025_f64.powi(2));
+}
+
+#[test]
+fn directors_come_from_a_file_by_depth() {
+    let name = format!("papilio-director-{}.csv", Dice::new(7, u64::from(std::process::id())).bits());
+    let path = std::env::temp_dir().join(name);
+    std::fs::write(&path, "depth,tilt_deg,twist_deg\n0,2,0\n0.5,60,30\n1,2,60\n").unwrap();
+    let text = GOOD.replace("{ twist_deg = 60 }", &format!("{:?}", path.display().to_string()));
+    let slices = pixel(&text).parts.pop().unwrap().slices;
+    std::fs::remove_file(&path).unwrap();
+    let axis = slices[1][9].axes[0];
+    close(axis[2], (2.0 + 58.0 * 9.5 / 20.0_f64).to_radians().sin());
+    close(axis[1].atan2(axis[0]).to_degrees(), 5.0 + 60.0 * 9.5 / 40.0);
+}
+
+#[test]
+fn mistakes_are_explained() {
+    for (from, to, expected) in [
+        ("gap_um = 3.2, ", "", "gap_um"),
+        ("rub_deg = 5", "rub_deg = 0.7854", "looks like pi/4 radians"),
+        ("twist_deg = 63.6", "twist_deg = 1.5708", "write 90 for that angle"),
+        ("n_o = 1.50, n_e = 1.60", "n_o = 1.50", "this cell has no liquid crystal"),
+        ("n_o = 1.50, n_e = 1.60", "liquid_crystal = \"E8\"", "there is no liquid crystal `E8`"),
+        ("n_o = 1.50, ", "n_o = 1.50, liquid_crystal = \"E7\", ", "cannot be combined"),
+        ("black = { twist_deg = 60 }", "black = {}", "the state `black` has no director"),
+        ("transmittance = 0.44", "transmittance = 0.55", "this polariser would transmit 1.1"),
+        ("extinction = 1e-4", "extinction = 0", "extinction above 0"),
+        ("plate = \"C\", retardance_nm = -100", "retardance_nm = -100", "this retarder has no axis"),
+        (
+            "plate = \"O\", axis_deg = 20, tilt_deg = 30",
+            "plate = \"O\", axis_deg = 20",
+            "this O plate has no tilt",
+        ),
+        ("axis_deg = 75,", "axis_deg = 75, tilt_deg = 3,", "`tilt_deg` is for O plates only"),
+        ("handedness = \"left\"", "handedness = \"l\"", "\"right\""),
+        ("substrate = \"Al\"\n", "", "substrate"),
+        (
+            "thickness_nm = 30 },",
+            "thickness_nm = 30 },\n{ kind = \"slab\" }, { kind = \"slab\" }, { kind = \"slab\" }, { kind = \"slab\" },",
+            "too many thick layers",
+        ),
+        ("retardance_nm = 275", "retardance_nm = -9000, thickness_um = 1", "exceeds its index"),
+        (
+            "twist_deg = 63.6, pretilt_deg = 2, states",
+            "states = { a = { tilt_deg = 1 } } }, { kind = \"cell\", gap_um = 1, n_o = 1.5, n_e = 1.6, states",
+            "two cells have different states",
+        ),
+    ] {
+        assert!(GOOD.contains(from), "{from}");
+        let text = GOOD.replacen(from, to, 1);
+        let errors = resolve(&text, Path::new(""), &[]).err().unwrap_or_else(|| panic!("no error: {to}"));
+        let message = errors.to_string();
+        assert!(message.contains(expected), "{to}: {message}");
+        assert!(errors.iter().next().unwrap().place.line_column().is_some(), "{to}: {message}");
+    }
+}
