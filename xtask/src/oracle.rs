@@ -16,7 +16,7 @@ const PACKAGES: [&str; 9] = [
     "pyyaml==6.0.3",
 ];
 
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 9] = [
     "validation/films/tmm_oracle.py",
     "validation/films/berreman_oracle.py",
     "validation/films/materials_oracle.py",

@@ -34,6 +34,7 @@ fn panel() -> Panel {
     let transmittance = vec![0.95; BINS].into();
     Panel {
         front: Front::none(BINS),
+        polarisation: None,
         top: Top::Diffuser(Diffuser { lobe, transmittance, regular_fraction: 0.0 }),
         medium: Medium::new(vec![1.5; BINS].into()),
         base: Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; BINS].into() },
