@@ -47,6 +47,13 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("a narrow lobe", scene("indoor", &["display.diffuser.haze=0.3"])),
         ("two views", scene("indoor", &["viewer.theta_deg=[8, 40]"])),
         ("bare", scene("reference-pixel", &[])),
+        (
+            "s and p apart",
+            scene(
+                "reference-pixel",
+                &["solver.angle_medium=air", "display.glass.surface=fresnel", "viewer.theta_deg=35"],
+            ),
+        ),
     ]
 }
 

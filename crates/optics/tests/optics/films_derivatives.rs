@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 use papilio_optics::OpticsError;
-use papilio_optics::film::{GapFilm, SimdLevel, SpectralLayer, Thickness, Variable};
+use papilio_optics::film::{GapFilm, Polarisation, SimdLevel, SpectralLayer, Thickness, Variable};
 use papilio_testing::{Dice, laws};
 
 /// A stack at one wavelength, of complex thicknesses and indices.
@@ -41,10 +41,11 @@ impl Stack {
         if q.im < 0.0 { -q } else { q }
     }
 
-    /// Returns the mean reflectance and its derivative by the parameter that `shifted` shifts by a complex
-    /// number.
+    /// Returns the reflectance, the mean of s and p or that of one, and its derivative by the parameter that
+    /// `shifted` shifts by a complex number.
     fn derivative(
         &self,
+        light: Option<Polarisation>,
         nm: f64,
         beta: f64,
         radius: f64,
@@ -53,7 +54,12 @@ impl Stack {
         const POINTS: usize = 12;
         let root = self.root(beta);
         let (mut mean, mut derivative) = (0.0, 0.0);
-        for is_p in [false, true] {
+        let weights = match light {
+            None => [0.5, 0.5],
+            Some(Polarisation::S) => [1.0, 0.0],
+            Some(Polarisation::P) => [0.0, 1.0],
+        };
+        for (is_p, weight) in [false, true].into_iter().zip(weights) {
             let r = self.r(nm, beta, is_p, root);
             let on_circle = (0..POINTS).map(|k| {
                 let turn = Complex64::from_polar(1.0, 2.0 * PI * k as f64 / POINTS as f64);
@@ -62,8 +68,8 @@ impl Stack {
                 other.r(nm, beta, is_p, root) / turn
             });
             let dr = on_circle.sum::<Complex64>() / (POINTS as f64 * radius);
-            mean += 0.5 * r.norm_sqr();
-            derivative += (r.conj() * dr).re;
+            mean += weight * r.norm_sqr();
+            derivative += 2.0 * weight * (r.conj() * dr).re;
         }
         (mean, derivative)
     }
@@ -92,9 +98,9 @@ impl Case {
 
     /// Circles are small, so that no pole of a sharp resonance lies inside; rounding is 1e-16 over their
     /// radius.
-    fn truth(&self, variable: Variable, nm: f64) -> (f64, f64) {
+    fn truth(&self, variable: Variable, light: Option<Polarisation>, nm: f64) -> (f64, f64) {
         let by = |radius, shift: &dyn Fn(&mut Stack, Complex64)| {
-            self.stack().derivative(nm, self.beta, radius, shift)
+            self.stack().derivative(light, nm, self.beta, radius, shift)
         };
         let i = Complex64::I;
         match variable {
@@ -121,14 +127,17 @@ impl Case {
         let gap_nm = self.gap.map_or(0.0, |k| self.layers[k].1);
         let (gaps, variables) = ([7.0, gap_nm], self.variables());
         let mut worst = (0.0_f64, 0.0_f64);
-        for level in SimdLevel::available() {
+        let lights = [None, Some(Polarisation::S), Some(Polarisation::P)];
+        for (level, light) in
+            SimdLevel::available().into_iter().flat_map(|level| lights.map(|light| (level, light)))
+        {
             let mut found = vec![f64::NAN; 2 * count];
             let mut out = vec![f64::NAN; variables.len() * 2 * count];
             let film = film.clone().with_simd_level(level);
-            film.derivatives(&[self.beta], &gaps, &variables, &mut found, &mut out).unwrap();
+            film.derivatives_of(light, &[self.beta], &gaps, &variables, &mut found, &mut out).unwrap();
             for (k, variable) in variables.iter().enumerate() {
                 for (bin, nm) in wavelengths.iter().enumerate() {
-                    let (reflectance, derivative) = self.truth(*variable, *nm);
+                    let (reflectance, derivative) = self.truth(*variable, light, *nm);
                     let found = (found[count + bin] - reflectance).abs();
                     let off =
                         (out[k * 2 * count + count + bin] - derivative).abs() / (1.0 + derivative.abs());
