@@ -125,10 +125,7 @@ fn glass_with_a_tail_has_the_gloss_of_a_mixture() {
         }
         let expected = 100.0 * fresnel(1.52, theta_deg) / fresnel(1.567, theta_deg) * sum / all;
         let off = value.unwrap() - expected;
-        assert!(
-            off.abs() < 0.004 * expected + 4.0 * error.unwrap(),
-            "{theta_deg}: {value:?} {expected}"
-        );
+        assert!(off.abs() < 0.004 * expected + 4.0 * error.unwrap(), "{theta_deg}: {value:?} {expected}");
     }
 }
 
@@ -191,7 +188,8 @@ fn tails_have_the_haze_of_etched_glass() {
         (0.08, 55.0, 1.7),
     ] {
         let mean = TAU * ra / rsm;
-        let of = |slopes: &str| haze(&format!("{{ kind = \"rough\", slope_mean = {mean}, {slopes} }}")).unwrap();
+        let of =
+            |slopes: &str| haze(&format!("{{ kind = \"rough\", slope_mean = {mean}, {slopes} }}")).unwrap();
         let [ggx, student, gaussian] = [
             "distribution = \"ggx\"",
             "distribution = \"student-t\", tail = 2",
