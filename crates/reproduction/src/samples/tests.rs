@@ -81,6 +81,24 @@ fn ptfe_is_predicted_in_random_geometries() {
     );
 }
 
+/// The longest tail of slopes explains the haze of etched glass, and makes its gloss worse.
+#[test]
+fn tails_of_etched_glass_explain_its_haze_and_not_its_gloss() {
+    // Twenty glossmeters take half a minute.
+    if !papilio_testing::sized(false, true) {
+        return;
+    }
+    let rms = |sample: &Prediction, name: &str| {
+        let metrics = sample.cases.iter().flat_map(|case| &case.comparison.metrics);
+        let z: Vec<f64> = metrics.filter(|one| one.metric.ends_with(name)).filter_map(|one| one.z).collect();
+        assert_eq!(z.len(), 10, "{name}");
+        (z.iter().map(|z| z * z).sum::<f64>() / 10.0).sqrt()
+    };
+    let [gaussian, tails] = ["etched-grades", "etched-grades-tails"].map(predicted);
+    assert!(rms(&gaussian, "haze_percent") > 3.0 && rms(&tails, "haze_percent") < AGREES);
+    assert!(rms(&gaussian, "gloss_60") > AGREES && rms(&tails, "gloss_60") > rms(&gaussian, "gloss_60"));
+}
+
 #[test]
 fn bad_lists_are_refused_with_their_place() {
     let said = |text: &str| SampleList::parse(text, "mine.toml").unwrap_err().to_string();

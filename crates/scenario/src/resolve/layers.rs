@@ -227,7 +227,8 @@ impl Resolver<'_> {
             describe::Layer::Rough(rough) => {
                 let (alpha, distribution) = match slopes(rough, at) {
                     Ok(slopes) => slopes,
-                    Err((at, wrong)) => {
+                    Err(wrong) => {
+                        let (at, wrong) = *wrong;
                         self.errors.push(at, wrong);
                         return None;
                     }

@@ -7,12 +7,15 @@ use crate::describe::layers::{Rough, Slopes};
 use crate::mistake::{self, Mistake};
 use crate::origin::Origin;
 
+/// A mistake and its place.
+type Wrong = Box<(Origin, Mistake)>;
+
 /// Range of the roughness alpha.
 const ALPHA: std::ops::RangeInclusive<f64> = 0.001..=1.0;
 
 /// Returns the roughness of a layer and the distribution of its slopes, or what is wrong and where; `at` is the
 /// place of the layer.
-pub(super) fn slopes(rough: &Rough, at: Origin) -> Result<(f64, Distribution), (Origin, Mistake)> {
+pub(super) fn slopes(rough: &Rough, at: Origin) -> Result<(f64, Distribution), Wrong> {
     let distribution = distribution(rough, at)?;
     let (alpha, from) = match (&rough.alpha.value, &rough.slope_mean.value, &rough.slope_rms.value) {
         (Some(alpha), None, None) => return Ok((alpha.0, distribution)),
@@ -22,27 +25,30 @@ pub(super) fn slopes(rough: &Rough, at: Origin) -> Result<(f64, Distribution), (
                 let wrong = Diagnostic::new("these slopes have no root mean square")
                     .expected("`slope_mean` or `alpha`, a `tail` above 2, or distribution = \"beckmann\"")
                     .hint("the tail of this distribution makes the mean square infinite; a profilometer gives one because it smooths");
-                return Err((rough.slope_rms.origin, wrong.into()));
+                return Err(Box::new((rough.slope_rms.origin, wrong.into())));
             };
             (rms.0 / of_one, rough.slope_rms.origin)
         }
         (None, None, None) => {
             let expected = "a roughness from 0.001 to 1, or instead of it `slope_mean` or `slope_rms`";
-            return Err((at, mistake::missing_key("alpha", expected)));
+            return Err(Box::new((at, mistake::missing_key("alpha", expected))));
         }
         _ => {
             let at = at.or_override([rough.slope_mean.origin, rough.slope_rms.origin]);
-            return Err((at, mistake::exactly_one("`alpha`, `slope_mean` and `slope_rms`", 2).into()));
+            return Err(Box::new((
+                at,
+                mistake::exactly_one("`alpha`, `slope_mean` and `slope_rms`", 2).into(),
+            )));
         }
     };
     if !ALPHA.contains(&alpha) {
         let wrong = Diagnostic::new(format!("this slope is a roughness alpha of {alpha:.2e}"));
-        return Err((from, wrong.expected("a slope for which alpha is from 0.001 to 1").into()));
+        return Err(Box::new((from, wrong.expected("a slope for which alpha is from 0.001 to 1").into())));
     }
     Ok((alpha, distribution))
 }
 
-fn distribution(rough: &Rough, at: Origin) -> Result<Distribution, (Origin, Mistake)> {
+fn distribution(rough: &Rough, at: Origin) -> Result<Distribution, Wrong> {
     let (tail, kurtosis) = (&rough.tail, &rough.slope_kurtosis);
     match (rough.distribution.value, &tail.value, &kurtosis.value) {
         (Slopes::StudentT, Some(tail), None) => Ok(Distribution::StudentT { tail: tail.0 }),
@@ -51,15 +57,15 @@ fn distribution(rough: &Rough, at: Origin) -> Result<Distribution, (Origin, Mist
         }
         (Slopes::StudentT, None, None) => {
             let expected = "the weight of the tail, from 2 (as \"ggx\") to 100 (almost \"beckmann\"), or `slope_kurtosis`";
-            Err((at, mistake::missing_key("tail", expected)))
+            Err(Box::new((at, mistake::missing_key("tail", expected))))
         }
         (Slopes::StudentT, Some(_), Some(_)) => {
             let at = at.or_override([tail.origin, kurtosis.origin]);
-            Err((at, mistake::exactly_one("`tail` and `slope_kurtosis`", 2).into()))
+            Err(Box::new((at, mistake::exactly_one("`tail` and `slope_kurtosis`", 2).into())))
         }
-        (Slopes::Ggx | Slopes::Beckmann, Some(_), _) => Err((tail.origin, needs_student("tail"))),
+        (Slopes::Ggx | Slopes::Beckmann, Some(_), _) => Err(Box::new((tail.origin, needs_student("tail")))),
         (Slopes::Ggx | Slopes::Beckmann, None, Some(_)) => {
-            Err((kurtosis.origin, needs_student("slope_kurtosis")))
+            Err(Box::new((kurtosis.origin, needs_student("slope_kurtosis"))))
         }
         (Slopes::Ggx, None, None) => Ok(Distribution::Ggx),
         (Slopes::Beckmann, None, None) => Ok(Distribution::Beckmann),

@@ -104,8 +104,8 @@ impl Resolver<'_> {
                 if let Some([tail, gaussian]) = slopes {
                     self.notes.push(format!(
                         "sparkle.haze = {}: the slope of the face is {gaussian:.4} along one axis if its slopes are Gaussian, as assumed; \
-                         with the longest tail of etched glass (GGX), the same haze has the mean slope of a Gaussian face of {tail:.4}, \
-                         and sparkle is lower in about this proportion; a measured `slope_rms` decides",
+                         with the longest tail of etched glass (GGX), the same haze has the mean slope of a Gaussian face of {tail:.4}: \
+                         sparkle.slope_rms = {tail:.4} computes this end of the range, and a measured `slope_rms` decides",
                         haze.0
                     ));
                 }

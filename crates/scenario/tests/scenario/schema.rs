@@ -74,7 +74,7 @@ fn wrong_scenarios_violate_the_schema() {
         ("theta_deg = 8", "theta_deg = \"8\""),
         ("[viewer]", "[sweep]"),
         ("\"k-correlation\"", "\"slab\""),
-        ("[viewer]", "[[display.layers]]\nkind = \"rough\"\n[viewer]"),
+        ("[viewer]", "[[display.layers]]\nkind = \"coating\"\n[viewer]"),
         ("[viewer]", "[[display.layers]]\nkind = \"medium\"\nalpha = 0.1\n[viewer]"),
         ("[viewer]", "[[display.layers]]\nindex = 1.5\n[viewer]"),
         ("[viewer]", "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"slab\"\n[viewer]"),
