@@ -145,8 +145,35 @@ mod tests {
         ] {
             let found = read(text).unwrap().value.states[0].standard_deviation.clone();
             let Some(StandardDeviation::Colour(found)) = found else { panic!("{text}: {found:?}") };
-            assert!((found - expected).abs() < 1e-15, "{text}: {found}");
+            assert!(found.iter().all(|one| (one - expected).abs() < 1e-15), "{text}: {found:?}");
         }
+    }
+
+    /// CGATS.17 has standard deviations of colours: X, Y, Z are relative to Y = 100, and so are theirs.
+    #[test]
+    fn deviations_of_cgats_are_those_of_its_colours() {
+        let file = |fields: &str, row: &str| {
+            format!(
+                "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME {fields}\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite {row}\nEND_DATA\n"
+            )
+        };
+        let lab = ("LAB_L LAB_A LAB_B STDEV_L STDEV_A STDEV_B", "65 -3.5 -1.2 0.2 0.05 0.1");
+        let xyz = ("XYZ_X XYZ_Y XYZ_Z STDEV_X STDEV_Y STDEV_Z", "32 34 36 0.3 0.4 0.5");
+        let both = (
+            "XYZ_X XYZ_Y XYZ_Z LAB_L LAB_A LAB_B STDEV_L STDEV_A STDEV_B",
+            "32 34 36 65 -3.5 -1.2 0.2 0.05 0.1",
+        );
+        for ((fields, row), expected) in
+            [(lab, [0.2, 0.05, 0.1]), (xyz, [0.003, 0.004, 0.005]), (both, [0.2, 0.05, 0.1])]
+        {
+            let state = read(&file(fields, row)).unwrap().value.states[0].clone();
+            let Some(StandardDeviation::Colour(found)) = state.standard_deviation else { panic!("{fields}") };
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{fields}: {found:?}");
+            let is_lab = matches!(state.quantity, papilio_display::compare::Quantity::Lab(_));
+            assert_eq!(is_lab, fields.contains("LAB_L"), "{fields}");
+        }
+        let wrong = read(&file(lab.0, "65 -3.5 -1.2 0.2 0 0.1")).unwrap_err().to_string();
+        assert!(wrong.contains("line 6") && wrong.contains("STDEV_A is 0"), "{wrong}");
     }
 
     #[test]

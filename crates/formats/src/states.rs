@@ -106,8 +106,8 @@ struct Point {
     spectrum_deviation: Vec<f64>,
     lab: Option<[f64; 3]>,
     xyz: Option<[f64; 3]>,
-    /// Standard deviation of each of the three numbers of a colour, if the file states it.
-    colour_deviation: Option<f64>,
+    /// Standard deviations of the three numbers of a colour, if the file states them.
+    colour_deviation: Option<[f64; 3]>,
     /// Its first row.
     at: Range<usize>,
 }
@@ -303,7 +303,7 @@ impl Points {
         }
         self.all[number].set_colour(values, row, accept)?;
         if let Values::Xyz([first, ..]) | Values::Lab([first, ..]) = values {
-            self.all[number].colour_deviation = deviation(header, first, row)?;
+            self.all[number].colour_deviation = deviation(header, first, row)?.map(|one| [one; 3]);
         }
         if is_known {
             return Err(row.error(two_values(&self.all[number].name, theta_deg, None)));
@@ -350,6 +350,7 @@ impl Points {
             },
             lab: sample.lab,
             xyz: sample.xyz,
+            colour_deviation: sample.deviation,
             ..Point::new(sample.name, sample.at)
         };
         let all = read.samples.into_iter().map(point).collect();
@@ -378,7 +379,7 @@ impl Points {
         }
         values.into_iter().for_each(|value| *value /= 100.0);
         for point in &mut self.all {
-            let colour = point.colour_deviation.iter_mut();
+            let colour = point.colour_deviation.iter_mut().flatten();
             point.spectrum_deviation.iter_mut().chain(colour).for_each(|one| *one /= 100.0);
         }
         self.notes.push(instrument::percent_note(largest));

@@ -19,6 +19,7 @@ mod measured;
 mod measured_pixel;
 mod numerical_integration;
 mod optimize;
+mod paper;
 mod polarised;
 mod random_scenarios;
 mod random_spatial;

@@ -174,8 +174,8 @@ impl Model {
             prediction,
         };
         let of_colour = match &measured.standard_deviation {
-            Some(StandardDeviation::Colour(deviation)) => Some(*deviation),
-            _ => None,
+            Some(StandardDeviation::Colour(deviations)) => deviations.map(Some),
+            _ => [None; 3],
         };
         match &measured.quantity {
             MeasuredQuantity::Spectrum(spectrum) => {
@@ -215,7 +215,7 @@ impl Model {
                     ["X", "Y", "Z"].into_iter().zip([xyz.x, xyz.y, xyz.z]).enumerate()
                 {
                     let prediction = Prediction::Xyz { first, component };
-                    self.observations.push(observation(name, None, value, of_colour, prediction));
+                    self.observations.push(observation(name, None, value, of_colour[component], prediction));
                 }
             }
             MeasuredQuantity::Lab(lab) => {
@@ -224,7 +224,7 @@ impl Model {
                     ["L_star", "a_star", "b_star"].into_iter().zip([lab.l, lab.a, lab.b]).enumerate()
                 {
                     let prediction = Prediction::Lab { first, component };
-                    self.observations.push(observation(name, None, value, of_colour, prediction));
+                    self.observations.push(observation(name, None, value, of_colour[component], prediction));
                 }
             }
         }

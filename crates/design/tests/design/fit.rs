@@ -286,7 +286,7 @@ fn colours_metrics_and_bounds_are_used() {
         theta_deg: None,
         phi_deg: 0.0,
         quantity,
-        standard_deviation: Some(StandardDeviation::Colour(0.002)),
+        standard_deviation: Some(StandardDeviation::Colour([0.002; 3])),
     };
     let Xyz { x, y, z } = state("one").xyz;
     let metric = |metric, value, standard_deviation| MeasuredMetric {

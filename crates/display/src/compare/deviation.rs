@@ -11,8 +11,8 @@ use super::{Colour, Quantity, SpectrumComparison};
 pub enum StandardDeviation {
     /// Of a spectrum at each of its wavelengths.
     Spectrum(Tabulated),
-    /// Of each of the three numbers of a colour.
-    Colour(f64),
+    /// Of the three numbers of a colour.
+    Colour([f64; 3]),
 }
 
 /// Standard deviations of the numbers of a simulated state.
@@ -98,10 +98,10 @@ impl StateDeviation {
         sides: [&Colour; 2],
         spectrum: Option<&SpectrumComparison>,
     ) -> Vec<f64> {
-        let of_colour = |all: [[Option<f64>; 3]; 2], own: [f64; 3], measured: f64| {
+        let of_colour = |all: [[Option<f64>; 3]; 2], own: [f64; 3], measured: [f64; 3]| {
             let [simulated, seen] = all;
-            let pairs = simulated.into_iter().zip(seen).zip(own);
-            pairs.filter_map(|((a, b), own)| z(a? - b?, [own, measured])).collect()
+            let pairs = simulated.into_iter().zip(seen).zip(own).zip(measured);
+            pairs.filter_map(|(((a, b), own), measured)| z(a? - b?, [own, measured])).collect()
         };
         match (quantity, measured, spectrum) {
             (Quantity::Xyz(_), Some(StandardDeviation::Colour(measured)), _) => {

@@ -1,12 +1,13 @@
 //! Writer of Klems matrices as XML. Patches are copied; grids are averaged over the patches of the full
 //! basis.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Write;
 
 use papilio_goniometry::{
     Channel, Direction, Fill, Geometry, KLEMS_FULL, MeasuredPart, Measurement, Ring, Shape, Symmetry,
-    patch_count, patch_means, projected_solid_angle,
+    on_specular_grid, patch_count, patch_means, projected_solid_angle,
 };
 
 use super::LARGEST_VALUE;
@@ -60,13 +61,11 @@ impl<'a> PatchMeans<'a> {
             }
             return Ok(Self { part, channels, incoming, outgoing, values });
         }
-        if let Geometry::Pairs(_) = part.geometry {
-            return Err(WriteError::CannotHold { format: KLEMS, what: "single pairs of directions" });
-        }
+        let gridded = between_pairs(part)?;
         lost.push(format!("the {} was averaged over the patches of the full Klems basis", part.way.name()));
         let mut values = Vec::new();
         for number in numbers {
-            let averages = averages(part, number, lost);
+            let averages = averages(&gridded, number, lost);
             if let Some(&value) = averages.iter().find(|value| !(0.0..=LARGEST_VALUE).contains(*value)) {
                 let what = "the mean over a pair of patches".to_owned();
                 return Err(WriteError::Number { what, way: part.way.name(), value });
@@ -151,6 +150,17 @@ fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<
         lost.push(UNMEASURED.to_owned());
     }
     values
+}
+
+/// Returns a part with listed pairs on a grid about the specular direction, interpolated; other parts as they are.
+fn between_pairs(part: &MeasuredPart) -> Result<Cow<'_, MeasuredPart>, WriteError> {
+    let Geometry::Pairs(_) = part.geometry else { return Ok(Cow::Borrowed(part)) };
+    let all: Vec<usize> = (0..part.channels.len()).collect();
+    let what = "fewer than 12 different pairs of directions, or no light";
+    let (grid, values) =
+        on_specular_grid(part, &all).ok_or(WriteError::CannotHold { format: KLEMS, what })?;
+    let (channels, geometry) = (part.channels.clone(), Geometry::Specular(grid));
+    Ok(Cow::Owned(MeasuredPart { way: part.way, channels, geometry, values, tis: Vec::new() }))
 }
 
 /// Largest relative uncertainty of a total from the grid with which columns are scaled to it.

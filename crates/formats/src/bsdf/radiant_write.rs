@@ -52,11 +52,16 @@ fn resample(
     lost: &mut Vec<String>,
 ) -> Result<MeasuredPart, WriteError> {
     let (names, numbers): (Vec<Channel>, Vec<usize>) = channels.iter().copied().unzip();
-    let (grid, values) = on_specular_grid(part, &numbers)
-        .ok_or(WriteError::CannotHold { format: NAME, what: "single pairs of directions, or no light" })?;
+    let (grid, values) = on_specular_grid(part, &numbers).ok_or(WriteError::CannotHold {
+        format: NAME,
+        what: "fewer than 12 different pairs of directions, or no light",
+    })?;
     lost.push(
         match part.geometry {
-            Geometry::Pairs(_) => "the TIS is the integral of the values",
+            Geometry::Pairs(_) => {
+                "pairs that are on no grid about the specular direction were interpolated, at azimuths in steps of 10 deg and radial \
+                 distances in steps of 0.5 to 2 deg; the TIS is the integral of the values"
+            }
             _ => {
                 "the values were interpolated for light from one azimuth, at azimuths in steps of 10 deg and radial distances in steps \
                  of 0.5 to 2 deg (and at incidences from 0 to 85 deg in steps of 5 deg, where the cells define none); the TIS is \

@@ -199,6 +199,12 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
                 .to_owned();
         return Err(wrong(parts.fields.first(), what));
     }
+    // CGATS.17 has standard deviations of colours only; those of X, Y, Z are relative to Y = 100, too.
+    let of_xyz = xyz.and_then(|_| Some((parts.colour(["STDEV_X", "STDEV_Y", "STDEV_Z"])?, 100.0)));
+    let of_lab = lab.and_then(|_| Some((parts.colour(["STDEV_L", "STDEV_A", "STDEV_B"])?, 1.0)));
+    // The colour whose standard deviation is stated is read.
+    let xyz = xyz.filter(|_| of_xyz.is_some() || of_lab.is_none());
+    let deviation = of_xyz.or(of_lab);
     let norm = parts.number("SPECTRAL_NORM").filter(|norm| *norm > 0.0);
     let mut samples = Vec::with_capacity(sets);
     for (k, row) in parts.data.chunks(count).enumerate() {
@@ -219,6 +225,16 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
         let three = |fields: [usize; 3]| {
             Ok::<_, FormatError>([number(fields[0])?, number(fields[1])?, number(fields[2])?])
         };
+        let spread = |(fields, scale): ([usize; 3], f64)| {
+            let found = three(fields)?;
+            match found.iter().zip(fields).find(|(value, _)| **value <= 0.0) {
+                None => Ok(found.map(|value| value / scale)),
+                Some((_, field)) => {
+                    let (word, name) = (&row[field], parts.fields[field].text);
+                    Err(wrong(word.line, format!("{name} is {}; expected a number above 0", word.text)))
+                }
+            }
+        };
         // X, Y, Z of CGATS are relative to Y = 100.
         let xyz = xyz.map(three).transpose()?.map(|xyz| xyz.map(|value| value / 100.0));
         samples.push(Sample {
@@ -227,6 +243,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
             spectrum,
             lab: lab.map(three).transpose()?,
             xyz,
+            deviation: deviation.map(spread).transpose()?,
             ..Sample::default()
         });
     }

@@ -60,6 +60,8 @@ pub(crate) struct Sample {
     pub(crate) spectrum: Vec<(f64, f64, Range<usize>)>,
     pub(crate) lab: Option<[f64; 3]>,
     pub(crate) xyz: Option<[f64; 3]>,
+    /// Standard deviations of X, Y, Z or, without them, of L\*, a\*, b\*.
+    pub(crate) deviation: Option<[f64; 3]>,
     /// Direction of the viewer, degrees.
     pub(crate) theta_deg: Option<f64>,
     pub(crate) phi_deg: Option<f64>,

@@ -26,7 +26,7 @@ impl Tree {
     pub(super) fn new(places: Vec<[f64; 3]>) -> Self {
         let mut order: Vec<usize> = (0..places.len()).collect();
         let mut cuts = vec![(0, 0.0); places.len()];
-        let mut nodes = vec![0..places.len()];
+        let mut nodes: Vec<Range<usize>> = std::iter::once(0..places.len()).collect();
         while let Some(node) = nodes.pop() {
             if node.len() <= LEAF {
                 continue;

@@ -4,8 +4,8 @@ use papilio_optics::scatter::Normalisation;
 
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{
-    AirGap, Anisotropy, Blur, Count, Index, InnerShare, OpticalThickness, RmsHeight, Share, Slope,
-    SurfaceLength, Thickness, Width,
+    AirGap, Anisotropy, Blur, Count, InnerShare, OpticalThickness, RmsHeight, Share, Slope, SurfaceLength,
+    Thickness, Width,
 };
 use crate::grammar::{choice, kinds, table};
 use crate::origin::Origin;
@@ -329,8 +329,12 @@ table! {
         anisotropy as "Anisotropy g": Anisotropy,
         /// Fraction of the extinguished light that is scattered; the rest is absorbed.
         albedo: ShareSpectrum = ShareSpectrum::Constant(Share(1.0)),
-        /// Refractive index of the binder: real, from 1 to 10, the same at all wavelengths.
-        index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
+        /// Refractive index of the binder: real, from 1 to 10, the same at all wavelengths. Default: 1.5, or that of
+        /// air without faces.
+        index as "Refractive index": Option<MaterialSpec>,
+        /// Whether the slab has bare faces, where its index differs from that beside it; false: none of its own, as
+        /// paper, textiles and powders, which are scatterers in air.
+        faces as "Faces of its own": bool = true,
         /// Thickness, which places of light depend on; the optical thickness does not.
         thickness_mm: Option<Thickness>,
     }

@@ -282,7 +282,20 @@ impl Resolver<'_> {
 
     /// Resolves a slab of particles in a binder.
     pub(super) fn slab(&mut self, path: &str, slab: &Slab) -> Option<Medium> {
-        let index = self.transparent(&slab.index, ABSORBING_K);
+        let own = |value, origin| Spanned { value, origin };
+        let binder = match (&slab.index.value, slab.faces.value) {
+            (Some(_), false) => {
+                let wrong =
+                    Diagnostic::new("`index` is that between the faces of a slab, and this one has none")
+                        .hint("remove `index`, or `faces = false`: scatterers in air have the index 1");
+                self.errors.push(slab.index.origin.or_override([slab.faces.origin]), wrong);
+                return None;
+            }
+            (None, false) => own(MaterialSpec::Number(numbers::Index(1.0)), slab.faces.origin),
+            (None, true) => own(MaterialSpec::Number(numbers::Index(1.5)), slab.index.origin),
+            (Some(index), true) => own(index.clone(), slab.index.origin),
+        };
+        let index = self.transparent(&binder, ABSORBING_K);
         let albedo = self.share(&slab.albedo.value, slab.albedo.origin);
         let (index, albedo) = (index?, albedo?);
         let n = Spectrum::from_values(index.iter().map(|index| index.re).collect());
@@ -293,7 +306,7 @@ impl Resolver<'_> {
                 Diagnostic::new(format!("this refractive index is {least} to {largest}, with k up to {k}"))
                     .expected("one real index for all wavelengths, as slabs need")
                     .hint("give the index at 550 nm as a number; the absorption of a slab is 1 - `albedo`");
-            self.err(&slab.index, wrong);
+            self.err(&binder, wrong);
             return None;
         }
         let (optical_thickness, anisotropy) = (slab.optical_thickness.0, slab.anisotropy.0);

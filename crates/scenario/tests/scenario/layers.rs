@@ -542,3 +542,18 @@ fn pixel_table_below_layers_that_does_not_cover_the_light_is_refused() {
         assert!(refused(&format!("{wide}, {glass}")), "{wide}");
     }
 }
+
+/// A slab without faces is one of the index of air; an index beside it is refused at its place.
+#[test]
+fn slab_without_faces_is_one_in_air() {
+    let of = |keys: &str| {
+        let lobe = "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9";
+        let slab = format!("model = \"slab\"\noptical_thickness = 2\nanisotropy = 0\n{keys}");
+        resolve(&changed(&[(lobe, &slab)]), Path::new(""), &[])
+    };
+    let layers = |keys: &str| of(keys).unwrap().scene.display;
+    assert_eq!(layers("faces = false"), layers("index = 1.0"));
+    assert_eq!(layers("faces = true"), layers("index = 1.5"));
+    let wrong = of("index = 1.2\nfaces = false").unwrap_err().to_string();
+    assert!(wrong.contains("test.toml:15:9") && wrong.contains("this one has none"), "{wrong}");
+}

@@ -321,3 +321,28 @@ fn impossible_measurements_are_refused() {
         assert!(shown.contains(says), "{says}\n{shown}");
     }
 }
+
+/// Pairs of directions in any order are a foil, with a note on the interpolation; twelve different ones are needed.
+#[test]
+fn listed_pairs_are_a_foil_with_their_interpolation_error() {
+    let list = |count: u32| {
+        let mut rows = "way,theta_i,phi_i,theta_o,phi_o,value\n".to_owned();
+        for k in 0..count {
+            let [theta_i, phi, theta_o] = [k * 37 % 61, k * 101 % 360, k * 53 % 81];
+            rows += &format!("front transmission,{theta_i},0,{theta_o}.5,{phi},0.2\n");
+        }
+        rows
+    };
+    let [notes, _] = told(&list(200), "");
+    assert!(
+        notes.contains("lists single pairs of directions") && notes.contains("missed by 0.00 %"),
+        "{notes}"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("film.csv"), list(11)).unwrap();
+    let wrong = resolve(&measured("film.csv", ""), folder.path(), &[]).unwrap_err().to_string();
+    assert!(
+        wrong.contains("fewer than 12 different listed pairs") && wrong.contains("test.toml:13:8"),
+        "{wrong}"
+    );
+}

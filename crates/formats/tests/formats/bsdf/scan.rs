@@ -1,4 +1,4 @@
-//! Scans at normal incidence, and lists of FRED.
+//! Scans at normal incidence, lists of FRED, and listed pairs of directions.
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf_file};
 use papilio_goniometry::{Audit, Direction, Geometry, ScatterMode};
@@ -184,4 +184,32 @@ fn malformed_fred_list_is_an_error_with_its_place() {
     assert!(matches!(refused(with("0\t0\n", "")), (Some((3, 1)), Problem::Columns { .. })));
     assert!(matches!(refused(with("30 90 3", "30 90 -3")), (Some((6, 7)), Problem::OutOfRange { .. })));
     assert!(matches!(refused_bsdf("type bsdf_data\n").1, BsdfProblem::Ends { .. }));
+}
+
+/// Scattered pairs of directions of a constant BRDF are written in every format that holds reflections, and are constant there.
+#[test]
+fn listed_pairs_in_any_order_are_written_in_the_other_formats() {
+    let corput = |mut k: usize, base: usize| {
+        let (mut value, mut digit) = (0.0, 1.0);
+        while k > 0 {
+            digit /= base as f64;
+            value += digit * (k % base) as f64;
+            k /= base;
+        }
+        value
+    };
+    let mut text = "theta_i,phi_i,theta_o,phi_o,brdf\n".to_owned();
+    for k in 20..320 {
+        let inclined = |base: usize| (0.97 * corput(k, base)).sqrt().asin().to_degrees();
+        let turned = |base: usize| 360.0 * corput(k, base);
+        text.push_str(&format!("{},{},{},{},0.3\n", inclined(2), turned(3), inclined(5), turned(7)));
+    }
+    let list = read(&text);
+    for format in [BsdfFormat::Radiant, BsdfFormat::Klems, BsdfFormat::Csv, BsdfFormat::Papilio] {
+        let again = read(&written(format, &list).0);
+        let audit = papilio_goniometry::Audit::of(&again.parts[0], 0).unwrap();
+        // Patches are means over the measured directions in them; a grid also ends where the list ends, at 80 deg.
+        let total = audit.incidences[0].integral_beyond / (0.3 * std::f64::consts::PI);
+        assert!((total - 1.0).abs() < 2e-3, "{format:?}: {total}");
+    }
 }
