@@ -127,10 +127,10 @@ test("design that adding refuses is computed with Monte Carlo", { timeout: 180_0
   await page.locator('[data-part="display.layers.0"]').waitFor({ timeout: 60_000 });
   await settled(page);
   await page.locator('[data-part="display.layers.0"]').click();
-  await type(page, "display.layers.0.alpha", "0.01");
+  await type(page, "display.layers.0.alpha", "0.003");
   await page.getByRole("button", { name: "Compute with Monte Carlo" }).first().click({ timeout: 60_000 });
   await page.locator(".trace", { hasText: "monte-carlo" }).waitFor({ timeout: 120_000 });
-  assert.match(await saved(page).catch(() => "alpha = 0.01"), /alpha = 0\.01/);
+  assert.match(await saved(page).catch(() => "alpha = 0.003"), /alpha = 0\.003/);
   onlyRefusals();
 });
 
