@@ -94,6 +94,16 @@ test("measured panel is compared with the design and follows it", async () => {
     (first) => (document.querySelector(".measured tbody tr") as HTMLElement | null)?.innerText !== first,
     first,
   );
+  // Metrics alone, with z.
+  const metrics = "metric,value,standard_deviation\ncontrast_ratio,20,1\nwhite.Y,0.4,0.01\n";
+  await page
+    .locator(".measured input[type=file]")
+    .setInputFiles({ name: "metrics.csv", mimeType: "text/csv", buffer: Buffer.from(metrics) });
+  await page.locator(".measured select").selectOption("metrics.csv");
+  const rows = page.getByRole("region", { name: "Metrics, simulated and measured" }).locator("tbody tr");
+  await rows.nth(1).waitFor({ timeout: 60_000 });
+  assert.match(await rows.first().innerText(), /20\.00 ± 1\.0\s+[+−]?\d+\.\d\d$/);
+  await page.getByText("z of 2 numbers with a standard deviation").waitFor();
   assert.deepEqual(on.complaints, []);
 });
 
