@@ -26,6 +26,12 @@ exports! { classes Fit; }
 /// A measurement: its path or name, and its bytes if it is in memory.
 type Measured = (String, Option<Vec<u8>>);
 
+/// Columns of words, by their names.
+type Words<'a> = Vec<(&'a str, Vec<&'a str>)>;
+
+/// Name of a column of numbers, and the number of a row.
+type Column = (&'static str, fn(&Residual) -> f64);
+
 /// A fitted scenario, with its report.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Fit {
@@ -126,13 +132,13 @@ impl Fit {
     }
 
     /// Columns of `fit.csv`: the words, then the numbers (wavelengths are NaN where there are none).
-    fn residuals<'py>(&self, py: Python<'py>) -> PyResult<(Vec<(&str, Vec<&str>)>, Bound<'py, PyDict>)> {
+    fn residuals<'py>(&self, py: Python<'py>) -> PyResult<(Words<'_>, Bound<'py, PyDict>)> {
         let all = &self.report.residuals;
         let words = vec![
             ("name", all.iter().map(|one| one.name.as_str()).collect()),
             ("quantity", all.iter().map(|one| one.quantity).collect()),
         ];
-        let columns: [(&str, fn(&Residual) -> f64); 8] = [
+        let columns: [Column; 8] = [
             ("theta_deg", |one| one.theta_deg),
             ("phi_deg", |one| one.phi_deg),
             ("wavelength_nm", |one| one.wavelength_nm.unwrap_or(f64::NAN)),

@@ -79,4 +79,16 @@ await page.locator(".file .words").waitFor({ timeout: 60_000 });
 await settled(page);
 await page.locator(".tabs").screenshot({ path: to("file") });
 
+// A panel fitted to its measurement.
+const panel = await on.visit({ viewport: { width: 1440, height: 1900 } });
+await panel.getByRole("button", { name: "Got it" }).click();
+await choose(panel, "Examples", "fit");
+await settled(panel);
+await panel.locator("#tab-fit").click();
+await panel.locator("#tab-panel input[type=file]").setInputFiles(join(ROOT, "scenarios/data/synthetic-film.csv"));
+await panel.getByRole("button", { name: "Fit 8 variables" }).click();
+await panel.locator('#tab-panel [data-phase="done"]').waitFor({ timeout: 120_000 });
+await settled(panel);
+await panel.locator(".tabs").screenshot({ path: to("fit") });
+
 await on.close();

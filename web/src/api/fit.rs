@@ -8,7 +8,7 @@ use std::thread::available_parallelism;
 use axum::http::StatusCode;
 use papilio_design::DesignError;
 use papilio_design::fit::{FitReport, Fitting};
-use papilio_design::output::{fit_figures, fit_table, fitted_text};
+use papilio_design::output::{fit_figures, fit_table, fitted_edits, fitted_text};
 use papilio_design::search::was_stopped;
 use papilio_display::compare::Measurement;
 use papilio_formats::read_measurement;
@@ -144,12 +144,10 @@ fn computed(read: Reading, events: &EventSender) -> Result<FitDone, Fault> {
     })?;
     let here = Path::new("");
     let text = fitted_text(&scenario, [here, here], &fitting, &report).map_err(fault)?;
-    let best: Vec<f64> = report.variables.iter().map(|one| one.best).collect();
-    let edits = fitting.settings(&best).map_err(fault)?.into_iter();
     let figures = fit_figures(&title, &report).into_iter();
     Ok(FitDone {
         scenario: text,
-        edits: edits.map(|(path, value)| Edit::Set { path, value }).collect(),
+        edits: fitted_edits(&fitting, &report).map_err(fault)?,
         csv: fit_table(&report),
         figures: figures.map(|(name, svg)| Figure { name, svg }).collect(),
         notes,

@@ -80,14 +80,22 @@ pub fn fitted_text(
     fitting: &Fitting<'_>,
     report: &FitReport,
 ) -> Result<String, DesignError> {
-    let values: Vec<f64> = report.variables.iter().map(|one| rounded(one.best)).collect();
-    let settings = fitting.settings(&values)?.into_iter();
-    let edits: Vec<Edit> = settings.map(|(path, value)| Edit::Set { path, value }).collect();
+    let edits = fitted_edits(fitting, report)?;
     let mut head = HEAD.to_owned();
     for one in &report.variables {
         let _ = writeln!(head, "# {}", in_words(one, report));
     }
     Ok(format!("{head}{}", moved(&edit(without_head(text), &edits)?, from, to)))
+}
+
+/// Returns the edits that give a scenario the fitted values.
+///
+/// # Errors
+/// If a value is not finite.
+pub fn fitted_edits(fitting: &Fitting<'_>, report: &FitReport) -> Result<Vec<Edit>, DesignError> {
+    let values: Vec<f64> = report.variables.iter().map(|one| rounded(one.best)).collect();
+    let settings = fitting.settings(&values)?.into_iter();
+    Ok(settings.map(|(path, value)| Edit::Set { path, value }).collect())
 }
 
 /// First line of a fitted scenario.

@@ -3,7 +3,7 @@
 //! | from | output |
 //! |---|---|
 //! | a search | [`search_table`] (`optimize.csv`), [`search_figures`], [`design_texts`] (`best.toml` or the front) |
-//! | a fit | [`fit_table`] (`fit.csv`), [`fit_figures`], [`fitted_text`] (`fitted.toml`) |
+//! | a fit | [`fit_table`] (`fit.csv`), [`fit_figures`], [`fitted_text`] (`fitted.toml`), [`fitted_edits`] |
 //! | a tolerance analysis | [`tolerance_tables`], [`tolerance_figures`] |
 //! | the BSDF table of a display | [`brdf_warnings`], [`between_warning`], and the sufficient [`finer_step`] |
 //!
@@ -31,7 +31,7 @@ pub use brdf::{
     MOST_MISSED, Refinable, between_warning, brdf_warnings, finer_step, smallest_step, table_numbers,
 };
 pub use designs::{design_texts, moved};
-pub use fit::{fit_figures, fit_table, fitted_text};
+pub use fit::{fit_figures, fit_table, fitted_edits, fitted_text};
 pub use search_figures::search_figures;
 pub use search_table::search_table;
 pub use tolerance::{tolerance_figures, tolerance_tables};

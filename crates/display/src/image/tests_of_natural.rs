@@ -112,6 +112,41 @@ fn shadows_keep_detail() {
     assert!(none < 1.1 && chosen > none + 0.15, "{none} {chosen}");
 }
 
+/// Colours of a photograph that are darker than the display's black fade with their light: faster than in Oklab, where the
+/// chroma of a colour falls as the cube root of its light, and slower than if black light were added to them.
+#[test]
+fn colours_darker_than_the_display_black_fade() {
+    let lights = [0.08, 0.03, 0.01, 0.003];
+    let noise = |at: usize| 1.0 + 0.02 * (at * 7 % 5) as f64;
+    let shown_at = |colour: [f64; 3]| {
+        let of = |at: usize| match at % COLUMNS / 8 {
+            band @ 0..4 => colour.map(|one| (one * lights[band] * noise(at)) as f32),
+            _ => grey(0.6 * noise(at)),
+        };
+        let picture: Vec<[f32; 3]> = (0..COLUMNS * 48).map(of).collect();
+        assert_eq!(drawn(&picture), 0.0);
+        let (found, _) = shown(&picture, Adjustments { exposure: Some(0.0), ..Adjustments::default() });
+        [0, 1, 2, 3].map(|band| found[20 * COLUMNS + 8 * band + 4])
+    };
+    let [x, y, z] = D65_WHITE.to_array();
+    let white = inks().colours[1].clone();
+    let [coloured, neutral] = [shown_at([0.97 * x, y, 1.1 * z]), shown_at([x, y, z])];
+    let opponents = |pixel: [f64; 3]| {
+        let [x, y, z] = [pixel[0] / white.X, pixel[1] / white.Y, pixel[2] / white.Z].map(f64::cbrt);
+        [500.0 * (x - y), 200.0 * (y - z)]
+    };
+    let chroma = |band: usize| {
+        let [one, other] = [coloured[band], neutral[band]].map(opponents);
+        (one[0] - other[0]).hypot(one[1] - other[1])
+    };
+    let first = chroma(0);
+    for (band, light) in lights.iter().enumerate().skip(1) {
+        let ratio = light / lights[0];
+        let part = chroma(band) / first;
+        assert!(part < 0.95 * ratio.cbrt() && part > ratio, "{light}: {part} of {first}");
+    }
+}
+
 /// Photographs without light tones are exposed for them, drawings and pictures with margins of white are not
 /// taken for each other, and given numbers are used.
 #[test]

@@ -120,7 +120,7 @@ function Paper() {
 /** The halftone without a choice on the page, in words. */
 function ofScenario(): string {
   const all = stepsFor(null);
-  return all.length > 1 && !isStated(text.value) ? "the default, then the search" : `scenario: ${halftoneName(all.at(-1)!)}`;
+  return all.length > 1 && !isStated(text.value) ? "default, then search" : `scenario: ${halftoneName(all.at(-1)!)}`;
 }
 
 function Controls() {

@@ -4,12 +4,13 @@
 import { signal } from "@preact/signals";
 
 import type { Compared } from "../api/types.ts";
-import { degrees, fixed, NONE, signed } from "../model/format.ts";
+import { degrees, digits, fixed, NONE, signed } from "../model/format.ts";
 import { Drawn } from "../plots/figure.tsx";
 import { showState } from "../state/design.ts";
 import { fileIds, files } from "../state/files.ts";
 import { useFollowed } from "../state/follow.ts";
 import { hoverClass, pointsAt } from "../state/hover.ts";
+import { labelText } from "../state/labels.ts";
 import { showTab } from "../state/tab.ts";
 import { Aged } from "./aged.tsx";
 import { FileButton } from "./choose.tsx";
@@ -111,8 +112,49 @@ function metrics(view: View): string {
   return known.join(", ");
 }
 
+type Metric = Compared["comparison"]["metrics"][number];
+
+/** Formats a value with its standard deviation, if it is known. */
+const spread = (value: number, deviation: number | null | undefined): string =>
+  deviation ? `${digits(value, 4)} ± ${digits(deviation, 2)}` : digits(value, 4);
+
+/** Measured metrics, with those of the simulation. */
+function Metrics({ metrics }: { metrics: readonly Metric[] }) {
+  return (
+    <section>
+      <h3>Metrics</h3>
+      <div class="scroll" tabindex={0} role="region" aria-label="Metrics, simulated and measured">
+        <table class="numbers">
+          <thead>
+            <tr>
+              <th scope="col">metric</th>
+              <th scope="col">simulated</th>
+              <th scope="col">measured</th>
+              <th scope="col" title="Difference over its standard deviation">
+                z
+              </th>
+            </tr>
+          </thead>
+          <tbody>
+            {metrics.map((one) => (
+              <tr key={`${one.metric} ${one.theta_deg} ${one.phi_deg}`}>
+                <th scope="row" title={one.metric}>
+                  {labelText(one.metric)}, from {degrees(one.theta_deg)}
+                </th>
+                <td>{spread(one.simulated, one.simulated_deviation)}</td>
+                <td>{spread(one.measured, one.measured_deviation)}</td>
+                <td>{signed(one.z, 2)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </section>
+  );
+}
+
 function Comparison({ compared, name }: { compared: Compared; name: string }) {
-  const { states, views, left_out: leftOut } = compared.comparison;
+  const { states, views, left_out: leftOut, metrics: measured, agreement } = compared.comparison;
   return (
     <>
       {views.map((view) => (
@@ -125,6 +167,13 @@ function Comparison({ compared, name }: { compared: Compared; name: string }) {
           <p class="remark">{metrics(view)}</p>
         </section>
       ))}
+      {measured.length > 0 && <Metrics metrics={measured} />}
+      {agreement && (
+        <p class="remark">
+          z of {agreement.count} numbers with a standard deviation: rms {fixed(agreement.z_rms, 2)},{" "}
+          {fixed(100 * agreement.within_2, 0)} % within 2.
+        </p>
+      )}
       <p class="remark">
         Table of all numbers <Downloads name="comparison" table={() => compared.csv} />
         {compared.spectra_csv !== "" && (
@@ -195,7 +244,7 @@ export function MeasuredPanel() {
         )}
         <FileButton label="Choose a measurement" stays />
         <span class="remark">
-          or drop a CSV file with the columns state, theta_deg, wavelength_nm, reflectance_factor (or X, Y, Z); states
+          or drop a CSV file with the columns state, theta_deg, wavelength_nm, reflectance_factor (or X, Y, Z), or metric, value; states
           are matched by name, directions to within 1°.
         </span>
       </div>

@@ -94,6 +94,16 @@ test("measured panel is compared with the design and follows it", async () => {
     (first) => (document.querySelector(".measured tbody tr") as HTMLElement | null)?.innerText !== first,
     first,
   );
+  // Metrics alone, with z.
+  const metrics = "metric,value,standard_deviation\ncontrast_ratio,20,1\nwhite.Y,0.4,0.01\n";
+  await page
+    .locator(".measured input[type=file]")
+    .setInputFiles({ name: "metrics.csv", mimeType: "text/csv", buffer: Buffer.from(metrics) });
+  await page.locator(".measured select").selectOption("metrics.csv");
+  const rows = page.getByRole("region", { name: "Metrics, simulated and measured" }).locator("tbody tr");
+  await rows.nth(1).waitFor({ timeout: 60_000 });
+  assert.match(await rows.first().innerText(), /20\.00 ± 1\.0\s+[+−]?\d+\.\d\d$/);
+  await page.getByText("z of 2 numbers with a standard deviation").waitFor();
   assert.deepEqual(on.complaints, []);
 });
 
@@ -127,10 +137,10 @@ test("design that adding refuses is computed with Monte Carlo", { timeout: 180_0
   await page.locator('[data-part="display.layers.0"]').waitFor({ timeout: 60_000 });
   await settled(page);
   await page.locator('[data-part="display.layers.0"]').click();
-  await type(page, "display.layers.0.alpha", "0.01");
+  await type(page, "display.layers.0.alpha", "0.003");
   await page.getByRole("button", { name: "Compute with Monte Carlo" }).first().click({ timeout: 60_000 });
   await page.locator(".trace", { hasText: "monte-carlo" }).waitFor({ timeout: 120_000 });
-  assert.match(await saved(page).catch(() => "alpha = 0.01"), /alpha = 0\.01/);
+  assert.match(await saved(page).catch(() => "alpha = 0.003"), /alpha = 0\.003/);
   onlyRefusals();
 });
 
