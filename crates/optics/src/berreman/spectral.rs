@@ -50,12 +50,16 @@ pub struct SpectralStack {
 }
 
 /// Largest number of thick layers.
-pub const MOST_SLABS: usize = GENERATOR.len();
+pub const MOST_SLABS: usize = 8;
 
-/// Points of the lattice over the phases of several thick layers, and their steps. No sum of three steps, with any signs, is a multiple of
-/// the number of points.
-const POINTS: usize = 47;
-const GENERATOR: [usize; 8] = [1, 43, 10, 40, 15, 21, 29, 12];
+/// Points of the lattices over the phases of up to 1, 2, 4 and 8 thick layers, and the steps of each layer. No sum of up to three steps, with any
+/// signs, is a multiple of the number of points.
+const LATTICES: [(usize, [usize; MOST_SLABS]); 4] = [
+    (16, [1, 0, 0, 0, 0, 0, 0, 0]),
+    (17, [1, 4, 0, 0, 0, 0, 0, 0]),
+    (23, [1, 15, 17, 13, 0, 0, 0, 0]),
+    (47, [1, 43, 10, 40, 15, 21, 29, 12]),
+];
 
 /// Largest norm of a step of the Taylor series, and of that of a slice that is doubled.
 const STEP: f64 = 2.0;
@@ -194,7 +198,13 @@ impl<'a> Group<'a> {
             self.above(part, azimuth, &mut above);
         }
         let slabs = parts.iter().filter(|part| !part.coherent).count();
-        let points: usize = [1, 16, POINTS][slabs.min(2)];
+        let (points, steps) = match slabs {
+            0 => (1, LATTICES[0].1),
+            1 => LATTICES[0],
+            2 => LATTICES[1],
+            3 | 4 => LATTICES[2],
+            _ => LATTICES[3],
+        };
         let face = self.of_front();
         let last = (count - self.first).min(LANES);
         for state in 0..self.stack.states {
@@ -210,7 +220,7 @@ impl<'a> Group<'a> {
                         Above::Thick(faces, down, up) => {
                             slab += 1;
                             let turn =
-                                2.0 * PI * (point * GENERATOR[slab - 1] % points) as f64 / points as f64;
+                                2.0 * PI * (point * steps[slab - 1] % points) as f64 / points as f64;
                             thick(*faces, (*down, *up), turn, r)
                         }
                     };
