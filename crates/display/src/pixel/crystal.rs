@@ -9,16 +9,17 @@ use papilio_optics::OpticsError;
 use papilio_optics::berreman::SpectralStack;
 use papilio_spectra::{Grid, Spectrum};
 use papilio_transport::{AngularTable, Base, Nodes, Reflector};
+use rayon::prelude::*;
 
 use super::table;
 use crate::DisplayError;
 use crate::scene::CrystalPixel;
 
 /// Largest harmonic of azimuth that is left out, as a reflectance.
-const HARMONIC_ERROR: f64 = 1e-6;
+const HARMONIC_ERROR: f64 = 1e-5;
 
 /// Interpolation error of the table, as a reflectance. What the faces of a thick, almost matched retarder return to each other is below it.
-const TABLE_ERROR: f64 = 2e-5;
+const TABLE_ERROR: f64 = 1e-4;
 
 /// Number of azimuths over half a turn at which the harmonics are looked for.
 const MOST_AZIMUTHS: usize = 64;
@@ -108,7 +109,7 @@ pub(super) fn base(
             return Ok(vec![0.0; cosines.len() * states * count * bins]);
         }
         let rows = cosines
-            .iter()
+            .par_iter()
             .map(|cosine| crystal.harmonics((1.0 - cosine * cosine).max(0.0).sqrt(), false, azimuths));
         Ok(rows.collect::<Result<Vec<_>, _>>()?.concat())
     };

@@ -1,11 +1,11 @@
 //! Several wavelengths at once: arrays of numbers with the usual operators, which the compiler turns into SIMD.
 //!
-//! Everything is `inline(always)`: see [`with_widest_simd`](crate::with_widest_simd).
+//! What is used within [`with_widest_simd`](crate::with_widest_simd) is `inline(always)`.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Number of wavelengths that are computed together.
-pub(super) const LANES: usize = 8;
+pub(super) const LANES: usize = 4;
 
 /// Real numbers.
 #[derive(Debug, Clone, Copy)]
@@ -36,24 +36,36 @@ impl Real {
     }
 
     #[inline(always)]
-    pub(super) fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self(self.0.map(f))
+    pub(super) fn root(mut self) -> Self {
+        for value in &mut self.0 {
+            *value = value.sqrt();
+        }
+        self
     }
 
     #[inline(always)]
-    fn with(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        Self(std::array::from_fn(|k| f(self.0[k], other.0[k])))
+    pub(super) fn at_least(mut self, least: f64) -> Self {
+        for value in &mut self.0 {
+            *value = value.max(least);
+        }
+        self
     }
 
-    /// Returns self * a + b.
     #[inline(always)]
-    pub(super) fn mul_add(self, a: Self, b: Self) -> Self {
-        Self(std::array::from_fn(|k| self.0[k].mul_add(a.0[k], b.0[k])))
+    fn size(mut self) -> Self {
+        for value in &mut self.0 {
+            *value = value.abs();
+        }
+        self
     }
 
     #[inline(always)]
     pub(super) fn max(self) -> f64 {
-        self.0.into_iter().fold(0.0, f64::max)
+        let mut most = 0.0;
+        for value in self.0 {
+            most = f64::max(most, value);
+        }
+        most
     }
 }
 
@@ -61,7 +73,11 @@ impl Add for Real {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.with(other, |a, b| a + b)
+        let mut out = self;
+        for k in 0..LANES {
+            out.0[k] += other.0[k];
+        }
+        out
     }
 }
 
@@ -69,7 +85,11 @@ impl Sub for Real {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self.with(other, |a, b| a - b)
+        let mut out = self;
+        for k in 0..LANES {
+            out.0[k] -= other.0[k];
+        }
+        out
     }
 }
 
@@ -77,7 +97,11 @@ impl Mul for Real {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.with(other, |a, b| a * b)
+        let mut out = self;
+        for k in 0..LANES {
+            out.0[k] *= other.0[k];
+        }
+        out
     }
 }
 
@@ -85,7 +109,11 @@ impl Neg for Real {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|a| -a)
+        let mut out = self;
+        for value in &mut out.0 {
+            *value = -*value;
+        }
+        out
     }
 }
 
@@ -100,15 +128,19 @@ impl Element for Real {
     }
     #[inline(always)]
     fn inverse(self) -> Self {
-        self.map(|a| 1.0 / a)
+        let mut out = self;
+        for value in &mut out.0 {
+            *value = 1.0 / *value;
+        }
+        out
     }
     #[inline(always)]
     fn times(self, other: Complex, sum: Complex) -> Complex {
-        Complex { re: self.mul_add(other.re, sum.re), im: self.mul_add(other.im, sum.im) }
+        Complex { re: self * other.re + sum.re, im: self * other.im + sum.im }
     }
     #[inline(always)]
     fn size(self) -> f64 {
-        self.map(f64::abs).max()
+        Real::size(self).max()
     }
 }
 
@@ -125,7 +157,7 @@ impl Complex {
 
     #[inline(always)]
     pub(super) fn norm_sqr(self) -> Real {
-        self.re.mul_add(self.re, self.im * self.im)
+        self.re * self.re + self.im * self.im
     }
 
     /// Returns -i times it.
@@ -185,19 +217,19 @@ impl Element for Complex {
     }
     #[inline(always)]
     fn inverse(self) -> Self {
-        let scale = self.norm_sqr().map(|square| 1.0 / square);
+        let scale = self.norm_sqr().inverse();
         Self { re: self.re * scale, im: -(self.im * scale) }
     }
     #[inline(always)]
     fn times(self, other: Complex, sum: Complex) -> Complex {
         Complex {
-            re: self.re.mul_add(other.re, (-self.im).mul_add(other.im, sum.re)),
-            im: self.re.mul_add(other.im, self.im.mul_add(other.re, sum.im)),
+            re: self.re * other.re - self.im * other.im + sum.re,
+            im: self.re * other.im + self.im * other.re + sum.im,
         }
     }
     #[inline(always)]
     fn size(self) -> f64 {
-        (self.re.map(f64::abs) + self.im.map(f64::abs)).max()
+        (Real::size(self.re) + Real::size(self.im)).max()
     }
 }
 
@@ -263,7 +295,6 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Returns both parts together, `below` being below this one.
-    #[inline(always)]
     pub(super) fn over(&self, below: &Self) -> Self {
         let between = (Pair::one() - self.r_below * below.r).inverse();
         let down = between * self.t;
@@ -277,7 +308,6 @@ impl Blocks {
     }
 
     /// Returns the reflection of this part over one that reflects.
-    #[inline(always)]
     pub(super) fn over_reflection(&self, below: Pair) -> Pair {
         let down = (Pair::one() - self.r_below * below).inverse() * self.t;
         self.r + self.t_up * (below * down)

@@ -7,9 +7,9 @@
 //! - Slices of a cell below all thick slabs carry two fields up: the Taylor series of the exponential acts on them, real where
 //!   nothing absorbs; after each slice they are a reflection matrix again, so that nothing grows.
 //! - Other layers become scattering matrices, by doubling of a thin slice, once for all states.
-//! - A thick layer without fringes is the mean over the phase of its waves: of one slab at 16 points, so that the light of 15 round trips
-//!   between its faces is exact; of several layers at the points of a lattice, exact for light that one or two faces return. An anisotropic
-//!   layer keeps the phase between its two waves: the mean is over the phase of a vanishing gap below it, whose index is the mean of its own.
+//! - A thick layer without fringes is the mean over the phase of its waves: of one layer at 16 points, so that the light of 15 round trips
+//!   between its faces is exact; of several at the points of a lattice, exact for light that one or two faces return. An anisotropic
+//!   layer keeps the phase between its two waves, and has the faces of its mean index.
 
 use std::f64::consts::PI;
 
@@ -50,12 +50,16 @@ pub struct SpectralStack {
 }
 
 /// Largest number of thick layers.
-pub const MOST_SLABS: usize = GENERATOR.len();
+pub const MOST_SLABS: usize = 8;
 
-/// Points of the lattice over the phases of several thick layers, and their steps. No sum of three steps, with any signs, is a multiple of
-/// the number of points.
-const POINTS: usize = 47;
-const GENERATOR: [usize; 8] = [1, 43, 10, 40, 15, 21, 29, 12];
+/// Points of the lattices over the phases of up to 1, 2, 4 and 8 thick layers, and the steps of each layer. No sum of up to three steps, with any
+/// signs, is a multiple of the number of points.
+const LATTICES: [(usize, [usize; MOST_SLABS]); 4] = [
+    (16, [1, 0, 0, 0, 0, 0, 0, 0]),
+    (17, [1, 4, 0, 0, 0, 0, 0, 0]),
+    (23, [1, 15, 17, 13, 0, 0, 0, 0]),
+    (47, [1, 43, 10, 40, 15, 21, 29, 12]),
+];
 
 /// Largest norm of a step of the Taylor series, and of that of a slice that is doubled.
 const STEP: f64 = 2.0;
@@ -133,14 +137,9 @@ impl SpectralStack {
             }
         }
         let azimuth = azimuth_deg.to_radians();
-        with_widest_simd(
-            #[inline(always)]
-            || {
-                for first in (0..count).step_by(LANES) {
-                    Group::new(self, first, beta).reflectance(azimuth, count, out);
-                }
-            },
-        );
+        for first in (0..count).step_by(LANES) {
+            Group::new(self, first, beta).reflectance(azimuth, count, out);
+        }
         Ok(())
     }
 }
@@ -152,47 +151,41 @@ struct Group<'a> {
     /// 2 pi/lambda.
     k0: Real,
     beta: Real,
-    /// Admittances of the reference, their roots and the inverse roots: p, s.
+    /// Roots of the admittances of the reference and their inverse: p, s.
     root: [Real; 2],
     inverse_root: [Real; 2],
 }
 
-/// What is above the lowest thick slab.
+/// What is above the lowest thick layer.
 enum Above {
     /// One scattering matrix for each state, or one for all.
     Coherent(Vec<Blocks>),
-    /// Reflection of the face and propagation of the waves, p and s.
-    Thick([Complex; 2], [Complex; 2]),
+    /// A thick layer: reflections of a face from the reference to a medium of its mean index, p and s, and its transmission down and up
+    /// without faces.
+    Thick([Complex; 2], Pair, Pair),
 }
 
 impl<'a> Group<'a> {
-    #[inline(always)]
     fn new(stack: &'a SpectralStack, first: usize, beta: &[f64]) -> Self {
-        let last = stack.wavelength_nm.len() - 1;
-        let at = |values: &[f64]| Real(std::array::from_fn(|k| values[(first + k).min(last)]));
-        let beta = at(beta);
+        let beta = loaded(beta, first);
         let square = beta * beta;
-        let index_squared = square.map(|square| (square + 1.0).max(2.4));
-        let s = (index_squared - square).map(f64::sqrt);
+        let index_squared = (square + Real::splat(1.0)).at_least(2.4);
+        let s = (index_squared - square).root();
         let p = index_squared * s.inverse();
-        let root = [p, s].map(|y| y.map(f64::sqrt));
-        Self {
-            stack,
-            first,
-            k0: at(&stack.wavelength_nm).map(|nm| 2.0 * PI / nm),
-            beta,
-            root,
-            inverse_root: root.map(|root| root.inverse()),
-        }
+        let root = [p.root(), s.root()];
+        let k0 = loaded(&stack.wavelength_nm, first).inverse() * Real::splat(2.0 * PI);
+        Self { stack, first, k0, beta, root, inverse_root: [root[0].inverse(), root[1].inverse()] }
     }
 
-    #[inline(always)]
     fn complex(&self, values: &[Complex64]) -> Complex {
-        let at = |k: usize| values[(self.first + k).min(values.len() - 1)];
-        Complex { re: Real(std::array::from_fn(|k| at(k).re)), im: Real(std::array::from_fn(|k| at(k).im)) }
+        let mut out = Complex::zero();
+        for k in 0..LANES {
+            let value = values[(self.first + k).min(values.len() - 1)];
+            (out.re.0[k], out.im.0[k]) = (value.re, value.im);
+        }
+        out
     }
 
-    #[inline(always)]
     fn reflectance(&self, azimuth: f64, count: usize, out: &mut [f64]) {
         let parts = &self.stack.parts;
         let below = parts.iter().rposition(|part| !part.coherent).map_or(0, |slab| slab + 1);
@@ -200,39 +193,45 @@ impl<'a> Group<'a> {
         for part in parts[below..].iter().rev() {
             self.raise(part, azimuth, &mut reflection);
         }
-        let above: Vec<Above> =
-            parts[..below].iter().rev().flat_map(|part| self.above(part, azimuth)).collect();
-        let slabs = above.iter().filter(|above| matches!(above, Above::Thick(..))).count();
-        let points: usize = [1, 16, POINTS][slabs.min(2)];
+        let mut above = Vec::new();
+        for part in parts[..below].iter().rev() {
+            self.above(part, azimuth, &mut above);
+        }
+        let slabs = parts.iter().filter(|part| !part.coherent).count();
+        let (points, steps) = match slabs {
+            0 => (1, LATTICES[0].1),
+            1 => LATTICES[0],
+            2 => LATTICES[1],
+            3 | 4 => LATTICES[2],
+            _ => LATTICES[3],
+        };
         let face = self.of_front();
-        for (state, below) in reflection.into_iter().enumerate() {
+        let last = (count - self.first).min(LANES);
+        for state in 0..self.stack.states {
             let mut sum = Real::splat(0.0);
             for point in 0..points {
-                let mut steps = GENERATOR.iter();
-                let mut r = below;
+                let mut slab = 0;
+                let mut r = reflection[state];
                 for above in &above {
                     r = match above {
                         Above::Coherent(all) => {
                             all[if all.len() == 1 { 0 } else { state }].over_reflection(r)
                         }
-                        Above::Thick(face, waves) => {
-                            let step = steps.next().copied().unwrap_or(1);
-                            let turn = PI * (point * step % points) as f64 / points as f64;
-                            thick(*face, *waves, turn).over_reflection(r)
+                        Above::Thick(faces, down, up) => {
+                            slab += 1;
+                            let turn = 2.0 * PI * (point * steps[slab - 1] % points) as f64 / points as f64;
+                            thick(*faces, (*down, *up), turn, r)
                         }
                     };
                 }
                 sum = sum + unpolarised(face, r);
             }
             let mean = sum * Real::splat(1.0 / points as f64);
-            for (k, value) in mean.0.into_iter().enumerate().take(count - self.first) {
-                out[state * count + self.first + k] = value;
-            }
+            out[state * count + self.first..][..last].copy_from_slice(&mean.0[..last]);
         }
     }
 
     /// Returns the admittances of an isotropic medium over those of the reference.
-    #[inline(always)]
     fn admittances(&self, index: Complex) -> [Complex; 2] {
         let square = index * index;
         let q = root(square - Complex::from(self.beta * self.beta));
@@ -241,148 +240,155 @@ impl<'a> Group<'a> {
     }
 
     /// Returns the reflection of a medium without anything above it.
-    #[inline(always)]
     fn of_medium(&self, index: &[Complex64]) -> Pair {
         let [p, s] = face(self.admittances(self.complex(index)));
         Pair::diagonal(p, s)
     }
 
     /// Returns the admittances of the medium above.
-    #[inline(always)]
     fn of_front(&self) -> [Real; 2] {
-        let front = &self.stack.front;
-        let n = Real(std::array::from_fn(|k| front[(self.first + k).min(front.len() - 1)]));
-        let [p, s] = self.admittances(n.into());
+        let [p, s] = self.admittances(loaded(&self.stack.front, self.first).into());
         [p.re, s.re]
     }
 
     /// Replaces the reflection of what is below a part by that of both.
-    #[inline(always)]
     fn raise(&self, part: &Part, azimuth: f64, reflection: &mut [Pair]) {
         let material = Material::new(self, part);
-        let is_cell = part.slices.iter().any(|slices| slices.len() > 1);
-        if !is_cell {
-            for blocks in self.blocks(&material, part, azimuth).into_iter().enumerate() {
-                let (state, blocks) = blocks;
-                let own =
-                    if part.slices.len() == 1 { &mut *reflection } else { &mut reflection[state..=state] };
-                own.iter_mut().for_each(|r| *r = blocks.over_reflection(*r));
+        let is_one = part.slices.len() == 1;
+        if part.slices.iter().all(|slices| slices.len() <= 1) {
+            let mut blocks = Vec::with_capacity(part.slices.len());
+            self.blocks(&material, part, azimuth, &mut blocks);
+            for state in 0..reflection.len() {
+                reflection[state] = blocks[if is_one { 0 } else { state }].over_reflection(reflection[state]);
             }
             return;
         }
-        for (state, r) in reflection.iter_mut().enumerate() {
-            let slices = &part.slices[if part.slices.len() == 1 { 0 } else { state }];
-            for slice in slices.iter().rev() {
-                if material.absorbs {
-                    *r = raised(&material.complex(self, slice, azimuth), self.depth(slice), *r);
-                } else {
-                    *r = raised(&material.real(self, slice, azimuth), self.depth(slice), *r);
-                }
-            }
+        for state in 0..reflection.len() {
+            let slices = &part.slices[if is_one { 0 } else { state }];
+            let mut r = reflection[state];
+            with_widest_simd(
+                #[inline(always)]
+                || {
+                    for slice in slices.iter().rev() {
+                        let depth = self.k0 * Real::splat(slice.thickness_nm);
+                        if material.absorbs {
+                            r = raised(&material.complex(self, slice, azimuth), depth, r);
+                        } else {
+                            r = raised(&material.real(self, slice, azimuth), depth, r);
+                        }
+                    }
+                },
+            );
+            reflection[state] = r;
         }
     }
 
-    #[inline(always)]
-    fn depth(&self, slice: &Slice) -> Real {
-        self.k0 * Real::splat(slice.thickness_nm)
-    }
-
-    /// Returns the scattering matrices of a part, one for each list of slices.
-    #[inline(always)]
-    fn blocks(&self, material: &Material, part: &Part, azimuth: f64) -> Vec<Blocks> {
-        let of_slices = |slices: &Vec<Slice>| {
-            let mut all: Option<Blocks> = None;
-            for slice in slices {
-                let one = doubled(&material.complex(self, slice, azimuth), self.depth(slice));
-                all = Some(all.map_or(one, |all| all.over(&one)));
-            }
+    /// Adds the scattering matrices of a part, one for each list of slices.
+    fn blocks(&self, material: &Material, part: &Part, azimuth: f64, out: &mut Vec<Blocks>) {
+        for slices in &part.slices {
             let nothing = Pair::diagonal(Complex::zero(), Complex::zero());
-            all.unwrap_or(Blocks { r: nothing, t: Pair::one(), r_below: nothing, t_up: Pair::one() })
-        };
-        part.slices.iter().map(of_slices).collect()
+            let mut all = Blocks { r: nothing, t: Pair::one(), r_below: nothing, t_up: Pair::one() };
+            for (number, slice) in slices.iter().enumerate() {
+                let depth = self.k0 * Real::splat(slice.thickness_nm);
+                let one = doubled(&material.complex(self, slice, azimuth), depth);
+                all = if number == 0 { one } else { all.over(&one) };
+            }
+            out.push(all);
+        }
     }
 
-    /// Returns what a part is above a thick layer or as one, from the bottom up.
-    #[inline(always)]
-    fn above(&self, part: &Part, azimuth: f64) -> Vec<Above> {
+    /// Adds what a part is above a thick layer or as one, from the bottom up.
+    fn above(&self, part: &Part, azimuth: f64, out: &mut Vec<Above>) {
         let material = Material::new(self, part);
+        let mut blocks = Vec::with_capacity(part.slices.len());
+        self.blocks(&material, part, azimuth, &mut blocks);
         if part.coherent {
-            return vec![Above::Coherent(self.blocks(&material, part, azimuth))];
+            out.push(Above::Coherent(blocks));
+            return;
         }
-        if material.biaxial || part.indices[0] != part.indices[1] {
-            let one = Complex::splat(1.0);
-            let third = Real::splat(1.0 / 3.0);
-            let mean = root(material.square + (material.more[0] + material.more[1]).scaled(third));
-            let gap = Above::Thick(face(self.admittances(mean)), [one, one]);
-            return vec![gap, Above::Coherent(self.blocks(&material, part, azimuth))];
+        let third = Real::splat(1.0 / 3.0);
+        let mean = root(material.square + (material.more[0] + material.more[1]).scaled(third));
+        let faces = face(self.admittances(mean));
+        let (mut down, mut up) = (Pair::one(), Pair::one());
+        for layer in &blocks {
+            // Between media of the mean index, without what the faces of the layer itself reflect.
+            let inside = from_medium(faces).over(layer).over(&into_medium(faces));
+            (down, up) = (inside.t, inside.t_up);
         }
-        let index = self.complex(&part.indices[0]);
-        let q = root(index * index - Complex::from(self.beta * self.beta));
-        let phase = q.scaled(self.k0 * Real::splat(part.slices[0][0].thickness_nm));
-        let decay = phase.im.map(|im| (-im).exp());
-        // The phase itself is averaged.
-        let wave = Complex::from(decay);
-        vec![Above::Thick(face(self.admittances(index)), [wave, wave])]
+        out.push(Above::Thick(faces, down, up));
     }
 }
 
+/// Returns the values from number `first` on; the last one is repeated.
+fn loaded(values: &[f64], first: usize) -> Real {
+    let mut out = Real::splat(0.0);
+    for k in 0..LANES {
+        out.0[k] = values[(first + k).min(values.len() - 1)];
+    }
+    out
+}
+
 /// Returns the square root with Im >= 0.
-#[inline(always)]
 fn root(z: Complex) -> Complex {
-    let values: [Complex64; LANES] = std::array::from_fn(|k| {
+    let mut out = z;
+    for k in 0..LANES {
         let root = Complex64::new(z.re.0[k], z.im.0[k]).sqrt();
-        if root.im < 0.0 { -root } else { root }
-    });
-    Complex { re: Real(values.map(|z| z.re)), im: Real(values.map(|z| z.im)) }
+        let root = if root.im < 0.0 { -root } else { root };
+        (out.re.0[k], out.im.0[k]) = (root.re, root.im);
+    }
+    out
 }
 
 /// Returns the reflections of a face from the reference to a medium of these relative admittances. The fields of waves of p up are (-1,
 /// 1), of s (1, -1).
-#[inline(always)]
 fn face([p, s]: [Complex; 2]) -> [Complex; 2] {
     let one = Complex::splat(1.0);
     [(p - one) * (p + one).inverse(), (one - s) * (one + s).inverse()]
 }
 
-/// Returns the scattering matrix of an isotropic slab whose waves have turned by another phase.
-#[inline(always)]
-fn thick(face: [Complex; 2], waves: [Complex; 2], turn: f64) -> Blocks {
+/// Returns the face from the reference down into a medium, in waves of it whose transmission down is 1.
+fn into_medium([p, s]: [Complex; 2]) -> Blocks {
     let one = Complex::splat(1.0);
+    Blocks {
+        r: Pair::diagonal(p, s),
+        t: Pair::one(),
+        r_below: Pair::diagonal(-p, -s),
+        t_up: Pair::diagonal(one - p * p, one - s * s),
+    }
+}
+
+/// Returns the face from a medium down into the reference.
+fn from_medium([p, s]: [Complex; 2]) -> Blocks {
+    let one = Complex::splat(1.0);
+    Blocks {
+        r: Pair::diagonal(-p, -s),
+        t: Pair::diagonal(one - p * p, one - s * s),
+        r_below: Pair::diagonal(p, s),
+        t_up: Pair::one(),
+    }
+}
+
+/// Returns the reflection of a thick layer over one that reflects, with another phase of its waves.
+fn thick(faces: [Complex; 2], (down, up): (Pair, Pair), turn: f64, r: Pair) -> Pair {
     let (sin, cos) = turn.sin_cos();
-    let turn = Complex { re: Real::splat(cos), im: Real::splat(sin) };
-    let of = |face: Complex, wave: Complex| {
-        let wave = wave * turn;
-        let (r, square) = (face * face, wave * wave);
-        let orders = (one - r * square).inverse();
-        [face * (one - square) * orders, (one - r) * wave * orders]
-    };
-    let [p, s] = [of(face[0], waves[0]), of(face[1], waves[1])];
-    let (r, t) = (Pair::diagonal(p[0], s[0]), Pair::diagonal(p[1], s[1]));
-    Blocks { r, t, r_below: r, t_up: t }
+    let phase = Complex { re: Real::splat(cos), im: Real::splat(sin) };
+    let inside = up * (from_medium(faces).over_reflection(r) * Pair::diagonal(phase, phase)) * down;
+    into_medium(faces).over_reflection(inside)
 }
 
 /// Returns the reflectance for unpolarised light from a medium of these relative admittances.
-#[inline(always)]
 fn unpolarised(front: [Real; 2], r: Pair) -> Real {
-    // Admittance below: H = Y E, with E' = (1 -+ r) rows.
+    // Waves of unit power in the front, down and up: (E root(y) +- H/root(y))/2, with E = (1 - r) or (1 + r) and H the reverse.
     let [[pp, ps], [sp, ss]] = r.0;
     let one = Complex::splat(1.0);
-    let e = [[one - pp, -ps], [sp, one + ss]];
-    let h = [[one + pp, ps], [-sp, one - ss]];
-    // Waves of unit power in the front, down and up: (E root(y) +- H/root(y))/2.
-    let root = front.map(|y| y.map(f64::sqrt));
-    let inverse = root.map(|root| root.inverse());
-    let wave = |row: usize, sign: f64| {
-        let of = |column: usize| {
-            e[row][column].scaled(root[row]) + h[row][column].scaled(inverse[row] * Real::splat(sign))
-        };
-        [of(0), of(1)]
-    };
-    let down = Pair([wave(0, 1.0), wave(1, 1.0)]);
-    let up = Pair([wave(0, -1.0), wave(1, -1.0)]) * down.inverse();
-    let powers =
-        up.0[0][0].norm_sqr() + up.0[0][1].norm_sqr() + up.0[1][0].norm_sqr() + up.0[1][1].norm_sqr();
-    powers * Real::splat(0.5)
+    let (p, s) = (front[0].root(), front[1].root());
+    let (over_p, over_s) = (p.inverse(), s.inverse());
+    let e = [[(one - pp).scaled(p), (-ps).scaled(p)], [sp.scaled(s), (one + ss).scaled(s)]];
+    let h =
+        [[(one + pp).scaled(over_p), ps.scaled(over_p)], [(-sp).scaled(over_s), (one - ss).scaled(over_s)]];
+    let up = (Pair(e) - Pair(h)) * (Pair(e) + Pair(h)).inverse();
+    let [[a, b], [c, d]] = up.0;
+    (a.norm_sqr() + b.norm_sqr() + c.norm_sqr() + d.norm_sqr()) * Real::splat(0.5)
 }
 
 /// Squares of the principal indices of a part.
@@ -395,61 +401,57 @@ struct Material {
 }
 
 impl Material {
-    #[inline(always)]
     fn new(group: &Group<'_>, part: &Part) -> Self {
-        let [a, b, c] = part.indices.each_ref().map(|indices| {
-            let index = group.complex(indices);
-            index * index
-        });
+        let [a, b, c] = [&part.indices[0], &part.indices[1], &part.indices[2]];
+        let (a, b, c) = (group.complex(a), group.complex(b), group.complex(c));
+        let (a, b, c) = (a * a, b * b, c * c);
         let absorbs = part.indices.iter().flatten().any(|index| index.im != 0.0);
         Self { square: c, more: [a - c, b - c], biaxial: part.indices[1] != part.indices[2], absorbs }
     }
 
-    #[inline(always)]
     fn complex(&self, group: &Group<'_>, slice: &Slice, azimuth: f64) -> Generator<Complex> {
-        self.generator(group, (self.square, self.more), slice, azimuth)
+        generator(group, self.square, self.more, self.biaxial, (slice, azimuth))
     }
 
-    #[inline(always)]
     fn real(&self, group: &Group<'_>, slice: &Slice, azimuth: f64) -> Generator<Real> {
-        self.generator(group, (self.square.re, self.more.map(|more| more.re)), slice, azimuth)
+        generator(group, self.square.re, [self.more[0].re, self.more[1].re], self.biaxial, (slice, azimuth))
     }
+}
 
-    #[inline(always)]
-    fn generator<T: Element>(
-        &self,
-        group: &Group<'_>,
-        (square, more): (T, [T; 2]),
-        slice: &Slice,
-        azimuth: f64,
-    ) -> Generator<T> {
-        let (sin, cos) = azimuth.sin_cos();
-        // In the frame of the wave: x along its travel, z down, y = z x x.
-        let turned =
-            |axis: [f64; 3]| [cos * axis[0] + sin * axis[1], sin * axis[0] - cos * axis[1], -axis[2]];
-        let (a, b) = (turned(slice.axes[0]), turned(slice.axes[1]));
-        let element = |i: usize, k: usize| {
-            let value = more[0].scaled(Real::splat(a[i] * a[k]));
-            let value = if i == k { value + square } else { value };
-            if self.biaxial { value + more[1].scaled(Real::splat(b[i] * b[k])) } else { value }
-        };
-        let [xx, yy, zz] = [element(0, 0), element(1, 1), element(2, 2)];
-        let [xy, xz, yz] = [element(0, 1), element(0, 2), element(1, 2)];
-        let (inverse, beta) = (zz.inverse(), group.beta);
-        let ([p, s], [over_p, over_s]) = (group.root, group.inverse_root);
-        let (x, y) = (xz * inverse, yz * inverse);
-        let along = (T::real(Real::splat(0.0)) - x).scaled(beta);
-        let across = (T::real(Real::splat(0.0)) - y).scaled(beta * p * over_s);
-        let mixed = (xy - xz * y).scaled(over_p * over_s);
-        Generator {
-            along,
-            across,
-            mixed,
-            electric: (T::real(Real::splat(1.0)) - inverse.scaled(beta * beta)).scaled(p * p),
-            magnetic: (xx - xz * x).scaled(over_p * over_p),
-            other: (yy - yz * y - T::real(beta * beta)).scaled(over_s * over_s),
-            s: s * s,
+fn generator<T: Element>(
+    group: &Group<'_>,
+    square: T,
+    more: [T; 2],
+    biaxial: bool,
+    (slice, azimuth): (&Slice, f64),
+) -> Generator<T> {
+    let (sin, cos) = azimuth.sin_cos();
+    // In the frame of the wave: x along its travel, z down, y = z x x.
+    let [a, b] = [slice.axes[0], slice.axes[1]];
+    let a = [cos * a[0] + sin * a[1], sin * a[0] - cos * a[1], -a[2]];
+    let b = [cos * b[0] + sin * b[1], sin * b[0] - cos * b[1], -b[2]];
+    let mut e = [T::real(Real::splat(0.0)); 6];
+    for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+        e[k] = more[0].scaled(Real::splat(a[i] * a[j]));
+        if biaxial {
+            e[k] = e[k] + more[1].scaled(Real::splat(b[i] * b[j]));
         }
+        if i == j {
+            e[k] = e[k] + square;
+        }
+    }
+    let [xx, yy, zz, xy, xz, yz] = e;
+    let (inverse, beta) = (zz.inverse(), group.beta);
+    let ([p, s], [over_p, over_s]) = (group.root, group.inverse_root);
+    let (x, y) = (xz * inverse, yz * inverse);
+    Generator {
+        along: x.scaled(-beta),
+        across: y.scaled(-(beta * p * over_s)),
+        mixed: (xy - xz * y).scaled(over_p * over_s),
+        electric: (T::real(Real::splat(1.0)) - inverse.scaled(beta * beta)).scaled(p * p),
+        magnetic: (xx - xz * x).scaled(over_p * over_p),
+        other: (yy - yz * y - T::real(beta * beta)).scaled(over_s * over_s),
+        s: s * s,
     }
 }
 
@@ -483,9 +485,15 @@ impl<T: Element> Generator<T> {
     #[inline(always)]
     fn scaled(&self, factor: Real) -> Self {
         let Self { along, across, mixed, electric, magnetic, other, s } = *self;
-        let [along, across, mixed, electric, magnetic, other] =
-            [along, across, mixed, electric, magnetic, other].map(|element| element.scaled(factor));
-        Self { along, across, mixed, electric, magnetic, other, s: s * factor }
+        Self {
+            along: along.scaled(factor),
+            across: across.scaled(factor),
+            mixed: mixed.scaled(factor),
+            electric: electric.scaled(factor),
+            magnetic: magnetic.scaled(factor),
+            other: other.scaled(factor),
+            s: s * factor,
+        }
     }
 
     /// Returns a bound of the norm.
@@ -498,7 +506,7 @@ impl<T: Element> Generator<T> {
             self.s.max(),
             mixed + across + self.other.size(),
         ];
-        rows.into_iter().fold(0.0, f64::max)
+        rows[0].max(rows[1]).max(rows[2]).max(rows[3])
     }
 
     /// Returns the exponential of `-i` (upwards) or `i` times the matrix, times a field.
@@ -509,7 +517,9 @@ impl<T: Element> Generator<T> {
         for term in (1..=terms).rev() {
             let over = Real::splat(if up { 1.0 } else { -1.0 } / term as f64);
             let next = self.times(sum, zero);
-            sum = std::array::from_fn(|k| field[k] + next[k].minus_i().scaled(over));
+            for k in 0..4 {
+                sum[k] = field[k] + next[k].minus_i().scaled(over);
+            }
         }
         sum
     }
@@ -547,7 +557,6 @@ fn raised<T: Element>(generator: &Generator<T>, depth: Real, mut r: Pair) -> Pai
 }
 
 /// Returns the scattering matrix of a layer of k0 d = `depth`, by doubling a thin slice of it.
-#[inline(always)]
 fn doubled<T: Element>(generator: &Generator<T>, depth: Real) -> Blocks {
     let whole = generator.scaled(depth);
     let doublings = (whole.norm() / THIN).log2().ceil().max(0.0) as i32;
@@ -555,23 +564,21 @@ fn doubled<T: Element>(generator: &Generator<T>, depth: Real) -> Blocks {
     let terms = terms(thin.norm());
     let (zero, half) = (Complex::zero(), Complex::splat(0.5));
     // Columns of the transfer matrix downwards, between waves: p and s down, p and s up.
-    let columns = [
+    let mut columns = [
         [half, half, zero, zero],
         [zero, zero, half, half],
         [-half, half, zero, zero],
         [zero, zero, half, -half],
-    ]
-    .map(|wave| {
-        let [a, b, c, d] = thin.exponential(terms, false, wave);
-        [a + b, c + d, b - a, c - d]
-    });
-    let block = |row: usize, column: usize| {
-        Pair([
-            [columns[column][row], columns[column + 1][row]],
-            [columns[column][row + 1], columns[column + 1][row + 1]],
-        ])
-    };
-    let (down, from_up, from_down, t_up) = (block(0, 0), block(0, 2), block(2, 0), block(2, 2).inverse());
+    ];
+    for column in &mut columns {
+        let [a, b, c, d] = thin.exponential(terms, false, *column);
+        *column = [a + b, c + d, b - a, c - d];
+    }
+    let [p, s, p_up, s_up] = columns;
+    let down = Pair([[p[0], s[0]], [p[1], s[1]]]);
+    let from_down = Pair([[p[2], s[2]], [p[3], s[3]]]);
+    let from_up = Pair([[p_up[0], s_up[0]], [p_up[1], s_up[1]]]);
+    let t_up = Pair([[p_up[2], s_up[2]], [p_up[3], s_up[3]]]).inverse();
     let none = Pair::diagonal(zero, zero);
     let r = none - t_up * from_down;
     let mut layer = Blocks { r, t: down + from_up * r, r_below: from_up * t_up, t_up };

@@ -88,7 +88,7 @@ fn many_wavelengths_and_states_equal_one_by_one() {
                 let expected = one(case, state, bin);
                 let found = found[state * count + bin];
                 // Paths that cross two slabs as often, in another order, interfere in the mean over both phases, not in `mueller`. The faces
-                // of a retarder interfere with each other here.
+                // of a retarder are those of its mean index here.
                 let slabs: Vec<&Part> = case.parts.iter().filter(|part| !part.coherent).collect();
                 let is_retarder = slabs.iter().any(|slab| slab.indices[0] != slab.indices[1]);
                 let tolerance = if is_retarder { 1e-3 } else { [1e-10, 1e-8, 1e-3][slabs.len()] };
