@@ -231,7 +231,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
                 None => Ok(found.map(|value| value / scale)),
                 Some((_, field)) => {
                     let (word, name) = (&row[field], parts.fields[field].text);
-                    Err(wrong(word.line, format!("{name} is {}; expected a number above 0", word.text)))
+                    Err(wrong(Some(word), format!("{name} is {}; expected a number above 0", word.text)))
                 }
             }
         };
