@@ -152,13 +152,16 @@ fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<
     values
 }
 
+/// Smallest number of listed pairs.
+const FEWEST_PAIRS: usize = 12;
+
 /// Returns a part with listed pairs on a grid about the specular direction, interpolated; other parts as they are.
 fn between_pairs(part: &MeasuredPart) -> Result<Cow<'_, MeasuredPart>, WriteError> {
-    let Geometry::Pairs(_) = part.geometry else { return Ok(Cow::Borrowed(part)) };
+    let Geometry::Pairs(pairs) = &part.geometry else { return Ok(Cow::Borrowed(part)) };
     let all: Vec<usize> = (0..part.channels.len()).collect();
     let what = "fewer than 12 different pairs of directions, or no light";
-    let (grid, values) =
-        on_specular_grid(part, &all).ok_or(WriteError::CannotHold { format: KLEMS, what })?;
+    let found = on_specular_grid(part, &all).filter(|_| pairs.len() >= FEWEST_PAIRS);
+    let (grid, values) = found.ok_or(WriteError::CannotHold { format: KLEMS, what })?;
     let (channels, geometry) = (part.channels.clone(), Geometry::Specular(grid));
     Ok(Cow::Owned(MeasuredPart { way: part.way, channels, geometry, values, tis: Vec::new() }))
 }

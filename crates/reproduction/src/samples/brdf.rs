@@ -159,7 +159,7 @@ fn level(scene: &Scene, factor: &papilio_spectra::Spectrum, channel: Option<&Cha
     let off = |k: &usize| (scene.grid.wavelengths_nm()[*k] - nm).abs();
     (0..factor.len())
         .min_by(|a, b| off(a).total_cmp(&off(b)))
-        .and_then(|k| factor.iter().nth(k).copied())
+        .and_then(|k| factor.get(k).copied())
         .unwrap_or(1.0)
 }
 
