@@ -112,7 +112,7 @@ function metrics(view: View): string {
   return known.join(", ");
 }
 
-type Metric = Compared["comparison"]["metrics"][number];
+type Metric = NonNullable<Compared["comparison"]["metrics"]>[number];
 
 /** Formats a value with its standard deviation, if it is known. */
 const spread = (value: number, deviation: number | null | undefined): string =>
@@ -154,7 +154,9 @@ function Metrics({ metrics }: { metrics: readonly Metric[] }) {
 }
 
 function Comparison({ compared, name }: { compared: Compared; name: string }) {
-  const { states, views, left_out: leftOut, metrics: measured, agreement } = compared.comparison;
+  const { states, views, left_out: leftOut, agreement } = compared.comparison;
+  // Without metrics, there is no such field.
+  const measured = compared.comparison.metrics ?? [];
   return (
     <>
       {views.map((view) => (

@@ -95,7 +95,7 @@ test("measured panel is compared with the design and follows it", async () => {
     first,
   );
   // Metrics alone, with z.
-  const metrics = "metric,value,standard_deviation\ncontrast_ratio,20,1\nwhite.Y,0.4,0.01\n";
+  const metrics = "metric,theta_deg,value,standard_deviation\ncontrast_ratio,8,20,1\nwhite.Y,8,0.4,0.01\n";
   await page
     .locator(".measured input[type=file]")
     .setInputFiles({ name: "metrics.csv", mimeType: "text/csv", buffer: Buffer.from(metrics) });
