@@ -16,7 +16,7 @@ use crate::DisplayError;
 use crate::scene::CrystalPixel;
 
 /// Largest harmonic of azimuth that is left out, as a reflectance.
-const HARMONIC_ERROR: f64 = 1e-5;
+const HARMONIC_ERROR: f64 = 5e-5;
 
 /// Interpolation error of the table, as a reflectance. What the faces of a thick, almost matched retarder return to each other is below it.
 const TABLE_ERROR: f64 = 1e-4;
@@ -108,7 +108,8 @@ pub(super) fn base(
         if cosines.iter().all(|cosine| *cosine < lowest) {
             return Ok(vec![0.0; cosines.len() * states * count * bins]);
         }
-        let rows = cosines.par_iter()
+        let rows = cosines
+            .par_iter()
             .map(|cosine| crystal.harmonics((1.0 - cosine * cosine).max(0.0).sqrt(), false, azimuths));
         Ok(rows.collect::<Result<Vec<_>, _>>()?.concat())
     };

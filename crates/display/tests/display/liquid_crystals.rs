@@ -14,7 +14,7 @@ const TWISTED: &str = "display.pixel.stack=[{ kind = \"polariser\", axis_deg = 2
       states = { white = { tilt_deg = 5 }, black = { tilt_deg = 60 } } }]";
 
 fn twisted(more: &[&str]) -> Scene {
-    let common = [TWISTED, "spectrum.range_nm=[400,700]", "spectrum.step_nm=60", "viewer.field_deg=0"];
+    let common = [TWISTED, "spectrum.range_nm=[400,700]", "spectrum.step_nm=100", "viewer.field_deg=0"];
     scenario("mip-lcd", &[&common, more].concat()).unwrap().scene
 }
 
@@ -67,7 +67,7 @@ fn monte_carlo_agrees_with_adding() {
     let common = [
         TWISTED,
         "spectrum.range_nm=[400,700]",
-        "spectrum.step_nm=60",
+        "spectrum.step_nm=100",
         "viewer.theta_deg=[0,40]",
         "viewer.phi_deg=[0,70]",
         "viewer.field_deg=20",

@@ -219,8 +219,7 @@ impl<'a> Group<'a> {
                         }
                         Above::Thick(faces, down, up) => {
                             slab += 1;
-                            let turn =
-                                2.0 * PI * (point * steps[slab - 1] % points) as f64 / points as f64;
+                            let turn = 2.0 * PI * (point * steps[slab - 1] % points) as f64 / points as f64;
                             thick(*faces, (*down, *up), turn, r)
                         }
                     };
