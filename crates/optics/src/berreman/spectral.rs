@@ -11,7 +11,7 @@
 //!   between its faces is exact; of several at the points of a lattice, exact for light that one or two faces return. An anisotropic
 //!   layer keeps the phase between its two waves, and has the faces of its mean index.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_4, PI};
 
 use num_complex::Complex64;
 
@@ -300,20 +300,31 @@ impl<'a> Group<'a> {
     /// Adds what a part is above a thick layer or as one, from the bottom up.
     fn above(&self, part: &Part, azimuth: f64, out: &mut Vec<Above>) {
         let material = Material::new(self, part);
-        let mut blocks = Vec::with_capacity(part.slices.len());
-        self.blocks(&material, part, azimuth, &mut blocks);
-        if part.coherent {
+        let Some(slice) = part.slices.first().and_then(|slices| slices.first()).filter(|_| !part.coherent)
+        else {
+            let mut blocks = Vec::with_capacity(part.slices.len());
+            self.blocks(&material, part, azimuth, &mut blocks);
             out.push(Above::Coherent(blocks));
             return;
-        }
+        };
         let third = Real::splat(1.0 / 3.0);
         let mean = root(material.square + (material.more[0] + material.more[1]).scaled(third));
         let faces = face(self.admittances(mean));
-        let (mut down, mut up) = (Pair::one(), Pair::one());
-        for layer in &blocks {
-            // Between media of the mean index, without what the faces of the layer itself reflect.
-            let inside = from_medium(faces).over(layer).over(&into_medium(faces));
-            (down, up) = (inside.t, inside.t_up);
+        let generator = material.complex(self, slice, azimuth);
+        // The mean of two thicknesses that differ by a quarter wave, whose phase is undone: what the faces of the layer itself reflect to each
+        // other has opposite signs in both.
+        let q = root(mean * mean - Complex::from(self.beta * self.beta)).re;
+        let eighth = q.at_least(0.1).inverse() * Real::splat(FRAC_PI_4);
+        let depth = self.k0 * Real::splat(slice.thickness_nm);
+        let zero = Complex::zero();
+        let (mut down, mut up) = (Pair::diagonal(zero, zero), Pair::diagonal(zero, zero));
+        for sign in [1.0, -1.0] {
+            let layer = doubled(&generator, depth + eighth * Real::splat(sign));
+            let inside = from_medium(faces).over(&layer).over(&into_medium(faces));
+            let (sin, cos) = (q * eighth).sin_cos();
+            let phase = Complex { re: cos * Real::splat(0.5), im: sin * Real::splat(-0.5 * sign) };
+            let phase = Pair::diagonal(phase, phase);
+            (down, up) = (down + inside.t * phase, up + inside.t_up * phase);
         }
         out.push(Above::Thick(faces, down, up));
     }
