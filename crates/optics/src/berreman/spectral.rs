@@ -52,14 +52,11 @@ pub struct SpectralStack {
 /// Largest number of thick layers.
 pub const MOST_SLABS: usize = 8;
 
-/// Points of the lattices over the phases of up to 1, 2, 4 and 8 thick layers, and the steps of each layer. No sum of up to three steps, with any
-/// signs, is a multiple of the number of points.
-const LATTICES: [(usize, [usize; MOST_SLABS]); 4] = [
-    (16, [1, 0, 0, 0, 0, 0, 0, 0]),
-    (17, [1, 4, 0, 0, 0, 0, 0, 0]),
-    (23, [1, 15, 17, 13, 0, 0, 0, 0]),
-    (47, [1, 43, 10, 40, 15, 21, 29, 12]),
-];
+/// Points of the lattices over the phases of up to 1, 4 and 8 thick layers, and the steps of each layer. The phases of two faces differ by the sum of the
+/// steps between them: the sums from the first layer on are a perfect difference set (J. Singer, 1938), so that no difference of two of them
+/// occurs twice.
+const LATTICES: [(usize, [usize; MOST_SLABS]); 3] =
+    [(16, [1, 0, 0, 0, 0, 0, 0, 0]), (21, [1, 3, 10, 2, 0, 0, 0, 0]), (73, [1, 2, 4, 8, 16, 5, 18, 9])];
 
 /// Largest norm of a step of the Taylor series, and of that of a slice that is doubled.
 const STEP: f64 = 2.0;
@@ -201,9 +198,8 @@ impl<'a> Group<'a> {
         let (points, steps) = match slabs {
             0 => (1, LATTICES[0].1),
             1 => LATTICES[0],
-            2 => LATTICES[1],
-            3 | 4 => LATTICES[2],
-            _ => LATTICES[3],
+            2..=4 => LATTICES[1],
+            _ => LATTICES[2],
         };
         let face = self.of_front();
         let last = (count - self.first).min(LANES);
