@@ -18,7 +18,7 @@ use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
     Approximation, Base, Cone, Interface, Layer, Medium, NotAPanel, ReflectanceFactor, Reflector, Source,
-    Stack, Top,
+    Stack,
 };
 
 use crate::DisplayError;
@@ -151,17 +151,10 @@ impl Setup {
         setup.checked()
     }
 
-    /// Refuses layers that scatter light from one azimuth to others above a pixel that depends on azimuth.
+    /// Refuses layers that change the azimuth of light above a pixel that depends on it: the pixel may be older than the layers.
     fn checked(self) -> Result<Self, DisplayError> {
-        let is_bare = self.stack.panel().is_some_and(|panel| !matches!(panel.top, Top::Diffuser(_)));
-        if is_bare && self.scene.display.filter().is_none() || !self.stack.base().is_azimuthal() {
-            return Ok(self);
-        }
-        Err(DisplayError::Azimuth {
-            what: "a display with other layers than flat faces and components above it",
-            key: "display.pixel",
-            hint: "remove the diffuser, layers and filter",
-        })
+        let is_bare = self.scene.display.is_bare() && self.scene.display.filter().is_none();
+        if is_bare || !self.stack.base().is_azimuthal() { Ok(self) } else { Err(pixel::AZIMUTH_BELOW_LAYERS) }
     }
 
     /// Prepares a scene, which may have a colour filter, for light with its places: s and p are not kept apart.
@@ -175,7 +168,7 @@ impl Setup {
         if !self.stack.base().is_azimuthal() {
             return Ok(());
         }
-        let hint = "use `papilio run`, `papilio cone` or `papilio pixel`";
+        let hint = "use `papilio run`, also with --cone, or `papilio pixel`";
         Err(DisplayError::Azimuth { what, key: "display.pixel", hint })
     }
 

@@ -16,7 +16,7 @@ use crate::DisplayError;
 use crate::scene::CrystalPixel;
 
 /// Largest harmonic of azimuth that is left out, as a reflectance.
-const HARMONIC_ERROR: f64 = 1e-5;
+const HARMONIC_ERROR: f64 = 5e-5;
 
 /// Interpolation error of the table, as a reflectance. What the faces of a thick, almost matched retarder return to each other is below it.
 const TABLE_ERROR: f64 = 1e-4;
@@ -26,6 +26,13 @@ const MOST_AZIMUTHS: usize = 64;
 
 /// Sine of the inclination in air at which they are.
 const STEEP: f64 = 0.97;
+
+/// Error: layers above the pixel change the azimuth of light.
+pub(crate) const AZIMUTH_BELOW_LAYERS: DisplayError = DisplayError::Azimuth {
+    what: "a display with other layers than flat faces and components above it",
+    key: "display.pixel",
+    hint: "remove the diffuser, layers and filter",
+};
 
 /// A pixel on the wavelengths of a scene.
 pub(super) struct Crystal {
@@ -91,19 +98,25 @@ fn weight(harmonic: usize, k: usize, azimuths: usize) -> f64 {
     (if order == 0 { 1.0 } else { 2.0 * wave }) / azimuths as f64
 }
 
-/// Computes a liquid-crystal pixel as the base of a stack. Without scatterers, light has directions that exist in air: unless
-/// `whole`, the others are left at 0.
+/// Computes a liquid-crystal pixel as the base of a stack. Below flat layers in air (`is_bare`), light has directions that exist in air: others are
+/// left at 0, unless it is `unrefracted`.
+///
+/// # Errors
+/// If the pixel depends on azimuth below layers that change the azimuth of light.
 pub(super) fn base(
     pixel: &CrystalPixel,
     grid: &Grid,
     index: &Spectrum,
-    whole: bool,
+    (is_bare, unrefracted): (bool, bool),
 ) -> Result<Base, DisplayError> {
     let crystal = Crystal::new(pixel, grid, index)?;
     let azimuths = crystal.azimuths()?;
+    if azimuths > 1 && !is_bare {
+        return Err(AZIMUTH_BELOW_LAYERS);
+    }
     let count = if azimuths == 1 { 1 } else { azimuths - 1 };
     let (bins, states) = (grid.len(), pixel.states.len());
-    let lowest = if whole { 0.0 } else { (1.0 - index.min().powi(-2)).max(0.0).sqrt() };
+    let lowest = if unrefracted || !is_bare { 0.0 } else { (1.0 - index.min().powi(-2)).max(0.0).sqrt() };
     let all = |cosines: &[f64]| -> Result<Vec<f64>, OpticsError> {
         if cosines.iter().all(|cosine| *cosine < lowest) {
             return Ok(vec![0.0; cosines.len() * states * count * bins]);

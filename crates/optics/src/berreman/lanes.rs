@@ -43,6 +43,15 @@ impl Real {
         self
     }
 
+    /// Returns sine and cosine.
+    pub(super) fn sin_cos(self) -> (Self, Self) {
+        let (mut sin, mut cos) = (self, self);
+        for k in 0..LANES {
+            (sin.0[k], cos.0[k]) = self.0[k].sin_cos();
+        }
+        (sin, cos)
+    }
+
     #[inline(always)]
     pub(super) fn at_least(mut self, least: f64) -> Self {
         for value in &mut self.0 {

@@ -11,7 +11,7 @@
 //!   between its faces is exact; of several at the points of a lattice, exact for light that one or two faces return. An anisotropic
 //!   layer keeps the phase between its two waves, and has the faces of its mean index.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_4, PI};
 
 use num_complex::Complex64;
 
@@ -52,14 +52,11 @@ pub struct SpectralStack {
 /// Largest number of thick layers.
 pub const MOST_SLABS: usize = 8;
 
-/// Points of the lattices over the phases of up to 1, 2, 4 and 8 thick layers, and the steps of each layer. No sum of up to three steps, with any
-/// signs, is a multiple of the number of points.
-const LATTICES: [(usize, [usize; MOST_SLABS]); 4] = [
-    (16, [1, 0, 0, 0, 0, 0, 0, 0]),
-    (17, [1, 4, 0, 0, 0, 0, 0, 0]),
-    (23, [1, 15, 17, 13, 0, 0, 0, 0]),
-    (47, [1, 43, 10, 40, 15, 21, 29, 12]),
-];
+/// Points of the lattices over the phases of up to 1, 4 and 8 thick layers, and the steps of each layer. The phases of two faces differ by the sum of the
+/// steps between them: the sums from the first layer on are a perfect difference set (J. Singer, 1938), so that no difference of two of them
+/// occurs twice.
+const LATTICES: [(usize, [usize; MOST_SLABS]); 3] =
+    [(16, [1, 0, 0, 0, 0, 0, 0, 0]), (21, [1, 3, 10, 2, 0, 0, 0, 0]), (73, [1, 2, 4, 8, 16, 5, 18, 9])];
 
 /// Largest norm of a step of the Taylor series, and of that of a slice that is doubled.
 const STEP: f64 = 2.0;
@@ -201,9 +198,8 @@ impl<'a> Group<'a> {
         let (points, steps) = match slabs {
             0 => (1, LATTICES[0].1),
             1 => LATTICES[0],
-            2 => LATTICES[1],
-            3 | 4 => LATTICES[2],
-            _ => LATTICES[3],
+            2..=4 => LATTICES[1],
+            _ => LATTICES[2],
         };
         let face = self.of_front();
         let last = (count - self.first).min(LANES);
@@ -300,20 +296,31 @@ impl<'a> Group<'a> {
     /// Adds what a part is above a thick layer or as one, from the bottom up.
     fn above(&self, part: &Part, azimuth: f64, out: &mut Vec<Above>) {
         let material = Material::new(self, part);
-        let mut blocks = Vec::with_capacity(part.slices.len());
-        self.blocks(&material, part, azimuth, &mut blocks);
-        if part.coherent {
+        let Some(slice) = part.slices.first().and_then(|slices| slices.first()).filter(|_| !part.coherent)
+        else {
+            let mut blocks = Vec::with_capacity(part.slices.len());
+            self.blocks(&material, part, azimuth, &mut blocks);
             out.push(Above::Coherent(blocks));
             return;
-        }
+        };
         let third = Real::splat(1.0 / 3.0);
         let mean = root(material.square + (material.more[0] + material.more[1]).scaled(third));
         let faces = face(self.admittances(mean));
-        let (mut down, mut up) = (Pair::one(), Pair::one());
-        for layer in &blocks {
-            // Between media of the mean index, without what the faces of the layer itself reflect.
-            let inside = from_medium(faces).over(layer).over(&into_medium(faces));
-            (down, up) = (inside.t, inside.t_up);
+        let generator = material.complex(self, slice, azimuth);
+        // The mean of two thicknesses that differ by a quarter wave, whose phase is undone: what the faces of the layer itself reflect to each
+        // other has opposite signs in both.
+        let q = root(mean * mean - Complex::from(self.beta * self.beta)).re;
+        let eighth = q.at_least(0.1).inverse() * Real::splat(FRAC_PI_4);
+        let depth = self.k0 * Real::splat(slice.thickness_nm);
+        let zero = Complex::zero();
+        let (mut down, mut up) = (Pair::diagonal(zero, zero), Pair::diagonal(zero, zero));
+        for sign in [1.0, -1.0] {
+            let layer = doubled(&generator, depth + eighth * Real::splat(sign));
+            let inside = from_medium(faces).over(&layer).over(&into_medium(faces));
+            let (sin, cos) = (q * eighth).sin_cos();
+            let phase = Complex { re: cos * Real::splat(0.5), im: sin * Real::splat(-0.5 * sign) };
+            let phase = Pair::diagonal(phase, phase);
+            (down, up) = (down + inside.t * phase, up + inside.t_up * phase);
         }
         out.push(Above::Thick(faces, down, up));
     }

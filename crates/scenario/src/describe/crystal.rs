@@ -103,7 +103,7 @@ table! {
         /// Ordinary refractive index.
         index as "Ordinary index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Thickness. What the faces reflect does not interfere with the other layers.
-        thickness_um: CrystalThickness = CrystalThickness(10.0),
+        thickness_um: CrystalThickness = CrystalThickness(40.0),
     }
 }
 

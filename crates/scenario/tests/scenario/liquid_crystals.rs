@@ -50,7 +50,7 @@ fn layers_have_the_indices_and_axes_of_the_scenario() {
     close(absorbing[0], 100.0_f64.to_radians().cos());
     close(absorbing[1], 100.0_f64.to_radians().sin());
     // The retarder: 275 nm at 550 nm, 1.1 times that at 450 nm.
-    let retardance = |bin: usize| (parts[1].indices[0][bin].re - parts[1].indices[1][bin].re) * 10e3;
+    let retardance = |bin: usize| (parts[1].indices[0][bin].re - parts[1].indices[1][bin].re) * 40e3;
     close(retardance(3), 275.0);
     close(retardance(1), 302.5);
     let [x, y, z] = parts[1].indices.each_ref().map(|n| n[3].re);
