@@ -35,6 +35,10 @@ pub(crate) fn weights(scene: &Scene) -> Result<Option<[f64; 2]>, DisplayError> {
             needs: "s and p, which the approximation of the solver does not follow",
         });
     }
+    if matches!(scene.display.pixel, Pixel::Crystal(_)) {
+        let needs = "another pixel: that of a liquid crystal is computed for unpolarised light";
+        return Err(DisplayError::Polariser { needs });
+    }
     match meetings {
         None => Err(DisplayError::Polariser {
             needs: "flat layers above a mirror-like pixel: light that has been scattered counts as unpolarised",
@@ -77,7 +81,8 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
 /// With a polariser.
 pub(crate) fn unpolarised(scene: &Scene) -> Result<Scene, DisplayError> {
     if scene.viewer.polariser_deg.is_some() {
-        return Err(DisplayError::Polariser { needs: "light without its places" });
+        let needs = "`papilio run`, `cone`, `brdf` or `sweep`: light with its places counts as unpolarised";
+        return Err(DisplayError::Polariser { needs });
     }
     let mut scene = scene.clone();
     if scene.solver.approximation == Approximation::None {

@@ -35,7 +35,7 @@
 //! assert!((rho.via_pixel[0] + rho.front[0] - 0.510204).abs() < 1e-3);
 //! ```
 //!
-//! **Limits.** Layers are parallel and uniform; light is unpolarised between them if any scatters; a
+//! **Limits.** Layers are parallel and uniform; scattered light counts as unpolarised; a
 //! diffuser given by its BTDF reflects nothing, unless its reflection is described too
 //! ([`ReflectingDiffuser`]).
 //!
