@@ -1,7 +1,6 @@
 //! Computation of a series of scenes that reuses results of the previous scene.
 
 use crate::DisplayError;
-use crate::polarisation::unpolarised;
 use crate::result::RunResult;
 use crate::run::{Accuracy, Control, Kernels, Workers, is_quick, run_setup};
 use crate::scene::Scene;
@@ -19,8 +18,6 @@ pub struct Prepared {
     setup: Option<Setup>,
     kernels: Kernels,
     workers: Option<Workers>,
-    /// Whether the light is that of a picture, with its places.
-    places: bool,
 }
 
 impl Prepared {
@@ -39,12 +36,7 @@ impl Prepared {
 
     /// A series of scenes of which none is prepared yet.
     pub fn empty() -> Self {
-        Self { setup: None, kernels: Kernels::default(), workers: None, places: false }
-    }
-
-    /// A series of scenes of which none is prepared yet, for light with its places.
-    pub(crate) fn for_places() -> Self {
-        Self { places: true, ..Self::empty() }
+        Self { setup: None, kernels: Kernels::default(), workers: None }
     }
 
     /// Runs a scene; an interrupted run returns the same as [`run`](crate::run()).
@@ -85,10 +77,6 @@ impl Prepared {
 
     /// The scene, prepared.
     pub(crate) fn setup(&mut self, scene: &Scene, control: &Control<'_>) -> Result<&Setup, DisplayError> {
-        let scene = match self.places {
-            true => &unpolarised(scene)?,
-            false => scene,
-        };
         let setup = match self.setup.take() {
             Some(setup) => setup.renewed(scene, control)?,
             None => {
@@ -106,7 +94,7 @@ impl Prepared {
         control: &Control<'_>,
     ) -> Result<RunResult, DisplayError> {
         self.setup(scene, control)?;
-        let Self { setup: Some(setup), kernels, workers, .. } = self else {
+        let Self { setup: Some(setup), kernels, workers } = self else {
             return Err(DisplayError::Interrupted);
         };
         let accuracy =

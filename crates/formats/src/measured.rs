@@ -173,7 +173,7 @@ mod tests {
             assert_eq!(is_lab, fields.contains("LAB_L"), "{fields}");
         }
         let wrong = read(&file(lab.0, "65 -3.5 -1.2 0.2 0 0.1")).unwrap_err().to_string();
-        assert!(wrong.contains("line 6") && wrong.contains("STDEV_A is 0"), "{wrong}");
+        assert!(wrong.contains("m.csv:6:24") && wrong.contains("STDEV_A is 0"), "{wrong}");
     }
 
     #[test]

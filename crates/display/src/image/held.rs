@@ -11,6 +11,7 @@ use super::search::REACH_OF_LAYERS;
 use super::{ImageSettings, PictureSurround, SourceImage};
 use crate::DisplayError;
 use crate::palette::Palette;
+use crate::polarisation::unpolarised;
 use crate::prepared::Prepared;
 use crate::result::RunResult;
 use crate::run::Control;
@@ -96,6 +97,7 @@ impl Lit {
         prepared: &mut Prepared,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
+        let scene = &unpolarised(scene)?;
         let view = SingleView::of(&scene.viewer, "a picture")?;
         let result = prepared.run(scene, control)?;
         let no_white = DisplayError::NoWhite { what: "a picture" };
@@ -185,7 +187,7 @@ impl HeldPicture {
         settings: &ImageSettings,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
-        Self::with(scene, source, settings, &mut Prepared::for_places(), control)
+        Self::with(scene, source, settings, &mut Prepared::empty(), control)
     }
 
     /// [`new`](Self::new) with a prepared display.
@@ -227,7 +229,7 @@ impl HeldPicture {
     /// As [`run`](crate::run()); if the scene does not have exactly one view, a state does not exist, or the
     /// light has no colour.
     pub fn factors(&self, scene: &Scene, control: &Control<'_>) -> Result<Factors, DisplayError> {
-        self.factors_of(scene, &mut Prepared::for_places(), control)
+        self.factors_of(scene, &mut Prepared::empty(), control)
     }
 
     /// [`factors`](Self::factors) with a prepared display, which is quicker for a series of scenes.

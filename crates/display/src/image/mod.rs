@@ -268,7 +268,7 @@ pub fn image(
     control: &Control<'_>,
 ) -> Result<ImageResult, DisplayError> {
     let size = source.size_on(scene)?;
-    let mut prepared = Prepared::for_places();
+    let mut prepared = Prepared::empty();
     let held;
     let is_decided = settings.given.is_some() || settings.halftone == Halftone::None;
     let settings = if settings.prepared_for.is_empty() || is_decided {
