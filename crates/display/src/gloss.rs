@@ -13,7 +13,7 @@
 //! direction 0.3 deg farther from the normal, both through a slit of 0.14 deg (after ASTM E430, method A: 100 for a flat mirror,
 //! 0 for a surface that shows no images).
 //!
-//! The haze in transmission is that of the layers above the pixel ([`haze`](crate::haze)).
+//! The haze in transmission is that of the layers above the pixel (`haze.rs`).
 //!
 //! # Validity
 //! The BRDF is that of the middle of the source at the same deviation from the mirror direction; it changes little over the

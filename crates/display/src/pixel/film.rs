@@ -82,15 +82,17 @@ fn mirror(stack: &Stack) -> Option<&AngularTable> {
     }
 }
 
-/// Tabulates the reflectances at the gaps, `[node][gap][wavelength]`, on common nodes: the mean of s and p, s,
-/// and p.
+/// Reflectances of the mean of s and p, of s, and of p.
+type OfEachLight = [Arc<[f64]>; 3];
+
+/// Tabulates the reflectances at the gaps, `[node][gap][wavelength]`, of each light on common nodes.
 pub(crate) fn polarised_tables(
     film: &FilmPixel,
     grid: &Grid,
     index: &Spectrum,
     gaps_nm: &[f64],
     last: Option<&Nodes>,
-) -> Result<(Nodes, [Arc<[f64]>; 3]), DisplayError> {
+) -> Result<(Nodes, OfEachLight), DisplayError> {
     let few = few_bins(grid);
     let polarisations = [Polarisation::S, Polarisation::P].map(Some);
     let whole = polarisations.map(|one| Ok(Film::new(film, grid, index, gaps_nm, Beta::InGlass)?.of(one)));

@@ -29,7 +29,7 @@ pub struct PairErrors {
     /// Each point predicted from all others.
     pub one_left_out: PairError,
     /// The points of each incidence but the first and the last predicted from the other incidences; `None` if there are fewer
-    /// than three, or more than [`MOST_INCIDENCES`](super::MOST_INCIDENCES).
+    /// than three, or more than `MOST_INCIDENCES`.
     pub incidence_left_out: Option<PairError>,
 }
 

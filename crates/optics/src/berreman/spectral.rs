@@ -98,7 +98,8 @@ impl SpectralStack {
                 let (expected, found) = (states, part.slices.len());
                 return Err(OpticsError::Length { what: "states of a part", expected, found });
             }
-            if !part.coherent && !(part.slices.len() == 1 && part.slices[0].len() == 1) {
+            let is_one_slice = part.slices.len() == 1 && part.slices[0].len() == 1;
+            if !part.coherent && !is_one_slice {
                 return Err(OpticsError::Axis { what: "a thick layer", expected: "one slice" });
             }
         }
@@ -154,6 +155,7 @@ struct Group<'a> {
 }
 
 /// What is above the lowest thick layer.
+#[allow(clippy::large_enum_variant, reason = "there are a few layers")]
 enum Above {
     /// One scattering matrix for each state, or one for all.
     Coherent(Vec<Blocks>),
@@ -254,14 +256,14 @@ impl<'a> Group<'a> {
         if part.slices.iter().all(|slices| slices.len() <= 1) {
             let mut blocks = Vec::with_capacity(part.slices.len());
             self.blocks(&material, part, azimuth, &mut blocks);
-            for state in 0..reflection.len() {
-                reflection[state] = blocks[if is_one { 0 } else { state }].over_reflection(reflection[state]);
+            for (state, r) in reflection.iter_mut().enumerate() {
+                *r = blocks[if is_one { 0 } else { state }].over_reflection(*r);
             }
             return;
         }
-        for state in 0..reflection.len() {
+        for (state, below) in reflection.iter_mut().enumerate() {
             let slices = &part.slices[if is_one { 0 } else { state }];
-            let mut r = reflection[state];
+            let mut r = *below;
             with_widest_simd(
                 #[inline(always)]
                 || {
@@ -275,7 +277,7 @@ impl<'a> Group<'a> {
                     }
                 },
             );
-            reflection[state] = r;
+            *below = r;
         }
     }
 

@@ -399,6 +399,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[allow(clippy::approx_constant, reason = "digits as users write them")]
     fn fractions_of_pi_are_recognised_and_degrees_are_not() {
         for (angle, expected) in
             [(0.7854, 45.0), (-1.5708, -90.0), (3.14159265, 180.0), (1.0472, 60.0), (1.571, 90.0)]
