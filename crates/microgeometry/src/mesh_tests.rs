@@ -97,10 +97,9 @@ fn corner_cubes() -> Mesh {
     // Two cubes in a rectangle of sqrt 2 by sqrt 6.
     for cube in [[0.0, 0.0, 0.0], [1.0, 0.0, -1.0]] {
         for axis in 0..3 {
-            let step = |along: usize, by: [f64; 3]| {
-                let mut to = by;
-                to[along] += 1.0;
-                to
+            // Not as `to[along] += 1.0`, which rustc 1.95 compiles to two steps in an incremental build.
+            let step = |along: usize, from: [f64; 3]| {
+                [0, 1, 2].map(|k| from[k] + if k == along { 1.0 } else { 0.0 })
             };
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
             let square = [cube, step(u, cube), step(v, step(u, cube)), step(v, cube)].map(along_diagonal);
