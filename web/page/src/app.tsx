@@ -140,6 +140,8 @@ function Middle() {
   const tabs = tools.map((tool) => ({ ...tool, body: BODIES[tool.id]! }));
   return (
     <main class="middle" aria-label="Stage and tools" data-tool={openTab.value}>
+      <Divider side="left" />
+      <Divider side="right" />
       <Tabs key={id} tabs={tabs} open={openTab} name={name} show={showTab} />
       <ToolCommand id={openTab.value} />
       <Versions />
@@ -267,9 +269,7 @@ function Bench() {
   return (
     <div class="bench" data-part={part.value} data-step={openStep.value.id} ref={bench}>
       <Design />
-      <Divider side="left" />
       <Middle />
-      <Divider side="right" />
       <ResultPanel />
       {compact.value && <Sections />}
     </div>

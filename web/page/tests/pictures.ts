@@ -37,8 +37,9 @@ await own.close();
 const page = await on.visit(SIZE);
 await page.getByRole("button", { name: "Got it" }).click();
 await settled(page);
-await tool(page, "image");
+await tool(page, "stage");
 await page.getByText("prepared for this light and view").waitFor({ timeout: 30_000 });
+await page.getByRole("button", { name: "Keep this version" }).click();
 await settled(page);
 await page.screenshot({ path: to("page") });
 
@@ -90,5 +91,16 @@ await panel.getByRole("button", { name: "Fit 8 variables" }).click();
 await panel.locator('#tab-panel [data-phase="done"]').waitFor({ timeout: 120_000 });
 await settled(panel);
 await panel.locator(".tabs").screenshot({ path: to("fit") });
+
+// A search, its front, and the selected design.
+const found = await on.visit({ viewport: { width: 1440, height: 1000 } });
+await found.getByRole("button", { name: "Got it" }).click();
+await example(found, "optimize-front");
+await tool(found, "optimize");
+await found.getByRole("button", { name: "Search", exact: true }).click();
+await found.locator('#tab-panel [data-phase="done"]').waitFor({ timeout: 300_000 });
+await found.locator('[data-design="4"]').click();
+await settled(found);
+await found.locator(".tabs").screenshot({ path: to("optimize") });
 
 await on.close();

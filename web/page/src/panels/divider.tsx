@@ -16,6 +16,9 @@ type Side = keyof Widths;
 
 const LIMITS: Readonly<Record<Side, readonly [number, number]>> = { left: [270, 620], right: [260, 720] };
 const STEP = 20;
+/** Widths of the style sheet, in usual and in wide windows. */
+const USUAL: Readonly<Record<Side, readonly [number, number]>> = { left: [322, 380], right: [352, 440] };
+const wide = matchMedia("(min-width: 1600px)");
 
 const known = recall<Partial<Widths>>(KEY);
 export const widths = signal<Widths>({ left: known?.left ?? null, right: known?.right ?? null });
@@ -39,7 +42,7 @@ const NAMES: Readonly<Record<Side, string>> = { left: "Width of the design", rig
 
 export function Divider({ side }: { side: Side }) {
   const column = (bar: HTMLElement): HTMLElement =>
-    (side === "left" ? bar.previousElementSibling : bar.nextElementSibling) as HTMLElement;
+    bar.closest(".bench")!.querySelector<HTMLElement>(side === "left" ? ".design" : ".picture")!;
   const towards = side === "left" ? 1 : -1;
   const drag = (event: PointerEvent) => {
     const bar = event.currentTarget as HTMLElement;
@@ -56,14 +59,14 @@ export function Divider({ side }: { side: Side }) {
   };
   return (
     <div
-      class="divider"
+      class={`divider ${side}`}
       role="separator"
       tabindex={0}
       aria-orientation="vertical"
       aria-label={NAMES[side]}
       aria-valuemin={LIMITS[side][0]}
       aria-valuemax={LIMITS[side][1]}
-      aria-valuenow={widths.value[side] ?? undefined}
+      aria-valuenow={widths.value[side] ?? USUAL[side][wide.matches ? 1 : 0]}
       title="Drag to move the border; a double click resets it"
       onPointerDown={(event) => (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId)}
       onPointerMove={drag}

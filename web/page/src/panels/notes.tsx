@@ -79,7 +79,7 @@ export function Notes() {
   const took = answer.value?.cost_ms;
   const error = `\u00b1${digits(100 * now.solver.relative_error_reached, 2)} %`;
   return (
-    <footer class={`notes${liveClass()}`}>
+    <footer class={`notes${liveClass()}`} tabindex={0} aria-label="Warnings and notes" role="group">
       {now.warnings.map((words) => (
         <p class="warning" key={words}>
           <b>Warning:</b> {words}

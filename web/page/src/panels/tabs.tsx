@@ -30,7 +30,7 @@ export function Tabs({ tabs, open, name: all, show }: Props) {
     event.preventDefault();
   };
   return (
-    <section class="tabs" aria-label={all}>
+    <section class="tabs" aria-label={`Tools of ${all}`}>
       <div role="tablist" aria-label={`Tools of ${all}`} onKeyDown={press}>
         {tabs.map(({ id, name }) => (
           <button

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { example, figure, settled, stage, type Stage, tool } from "./stage.ts";
+import { example, figure, saved, settled, type Stage, stage, tool } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -129,6 +129,10 @@ test("fine detail shows the numbers and figures of sharpness and crosstalk, or w
   assert.match(missing, /thickness_mm.* is missing/);
   // The request that was refused.
   assert.equal(on.complaints.splice(0).filter((words) => !words.includes("status of 422")).length, 0);
+  // A button adds what is missing.
+  await panel.getByRole("button", { name: "Add no gap below the front, 0.5 mm of glass" }).click();
+  await panel.locator("img.drawn").first().waitFor({ timeout: 60_000 });
+  assert.match(await saved(page), /thickness_mm = 0\.5/);
   await example(page, "matrix");
   await panel.locator("img.drawn").first().waitFor({ timeout: 60_000 });
   const row = panel.locator("tr", { hasText: "Modulation transfer at Nyquist along x" });
