@@ -84,7 +84,7 @@ export const STEPS: readonly Step[] = [
     name: "Share",
     about: "Share it: report, files, link, commands",
     tools: [
-      { id: "export", name: "Report and files", command: "papilio run FILE --report" },
+      { id: "export", name: "Report and files", command: "papilio run FILE --cone --report" },
       { id: "commands", name: "Commands", command: null },
     ],
   },
