@@ -121,7 +121,7 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
   );
 }
 
-/** A button that adds a key to the open search or tolerance analysis. */
+/** A button that adds a key to the open tool of Improve. */
 function Vary({ path, value, name }: { path: string; value: Json | undefined; name: string }) {
   const by = variesNow();
   if (!by || typeof value !== "number" || by.isVaried(path)) return null;

@@ -127,7 +127,7 @@ export function Limits({ study, list, title, about }: { study: OwnStudy; list: s
           </div>
         );
       })}
-      <MetricPicker label={`Add to ${title.toLowerCase()}`} names={metricNames()} chosen="" choose={(metric) => study.put(list, [...all, { metric, at_least: 0 }])}>
+      <MetricPicker label={`Add a limit: ${title.toLowerCase()}`} names={metricNames()} chosen="" choose={(metric) => study.put(list, [...all, { metric, at_least: 0 }])}>
         Add a limit
       </MetricPicker>
     </fieldset>

@@ -87,7 +87,7 @@ test("numbers are found by words, have targets, and become constraints; borders 
   await page.locator('[data-figure="red.L_star"]').waitFor();
   const contrast = page.locator('[data-figure="Contrast : 1"]');
   await contrast.getByRole("button", { name: "Contrast" }).click();
-  await contrast.getByLabel("Target of Contrast").fill("30");
+  await contrast.getByLabel("Target of Contrast", { exact: true }).fill("30");
   await contrast.getByRole("button", { name: "Set", exact: true }).click();
   await contrast.getByText("✗ at least 30").waitFor();
   await tool(page, "optimize");
