@@ -1,10 +1,11 @@
 //! Report of a search, on the terminal and as JSON.
 
+use papilio_design::output::{SearchReport, is_at_end};
 use papilio_design::search::{FEASIBLE, Search, SearchResult, SelectedDesign};
 use papilio_diagnostics::number;
 use papilio_formats::sweep_value;
 use papilio_scenario::{SearchAim, SearchRange, label};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::check::SolverComparison;
 use crate::numbers::digits;
@@ -46,14 +47,6 @@ fn best_design(search: &Search, best: &SelectedDesign) -> String {
         rows.push(vec![name, own, result, aims(search, &quantity.name, best.values[index])]);
     }
     table(&rows)
-}
-
-/// Returns whether a variable is at an end of its range, within the precision of a design.
-fn is_at_end(search: &Search, index: usize, x: f64) -> bool {
-    match search.spec().variables[index].range {
-        SearchRange::Bounds(from, to) => (x - from).min(to - x) <= 1e-6 * (to - from),
-        SearchRange::Choices(_) => false,
-    }
 }
 
 /// Words for a variable at an end of its range.
@@ -150,38 +143,9 @@ pub(super) fn json(
     found: &[SearchResult],
     comparison: &[SolverComparison],
 ) -> Value {
-    let study = search.study();
-    let quantities = |values: &[Option<f64>]| -> Map<String, Value> {
-        study.quantities.iter().zip(values).map(|(one, value)| (one.name.clone(), json!(value))).collect()
-    };
-    let settings = |design: &[f64]| -> Map<String, Value> {
-        let settings = study.settings(design).unwrap_or_default();
-        settings.into_iter().map(|(path, value)| (path.to_owned(), value)).collect()
-    };
-    let at_end = |design: &[f64]| -> Vec<&str> {
-        let ends = design.iter().enumerate().filter(|(index, x)| is_at_end(search, *index, **x));
-        ends.map(|(index, _)| search.spec().variables[index].name.as_str()).collect()
-    };
-    let one = |chosen: &SelectedDesign| {
-        json!({
-            "set": settings(&chosen.design),
-            "at_end": at_end(&chosen.design),
-            "quantities": quantities(&chosen.values),
-            "meets_limits": chosen.meets_limits(),
-            "missed": chosen.missed,
-        })
-    };
-    let (own, own_values) = search.own();
-    json!({
-        "papilio": env!("CARGO_PKG_VERSION"),
-        "title": title,
-        "search": search.spec().hash,
-        "evaluations": evaluations(found),
-        "objectives": search.spec().objectives.iter().map(|one| one.name.clone()).collect::<Vec<_>>(),
-        "scenario": { "set": settings(own), "quantities": quantities(own_values) },
-        "designs": chosen.iter().map(one).collect::<Vec<_>>(),
-        "checked_by_walk": comparison.iter().map(SolverComparison::json).collect::<Vec<_>>(),
-    })
+    let mut all = json!(SearchReport::new(title, search, found, chosen));
+    all["checked_by_walk"] = comparison.iter().map(SolverComparison::json).collect();
+    all
 }
 
 /// Total number of evaluated designs.

@@ -1,23 +1,33 @@
-// The page: the design on the left (drawing and fields, or TOML), the result on the right.
+// The page: the design on the left (drawing and fields, or TOML), the stage or a tool in the middle, the result on the right.
 
 import { useSignal } from "@preact/signals";
-import type { ComponentChildren } from "preact";
+import type { ComponentChild, ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
 
 import { Section } from "./drawing/section.tsx";
 import { AnglesPanel } from "./panels/angles.tsx";
 import { ComparePanel } from "./panels/compare.tsx";
 import { rowsOf } from "./model/csv.ts";
+import { toolOf } from "./model/tools.ts";
 import { ConePanel } from "./panels/cone.tsx";
 import { DetailPanel } from "./panels/detail.tsx";
+import { ToolCommand } from "./panels/command.tsx";
+import { applyWidths, Divider, widths } from "./panels/divider.tsx";
 import { Downloads } from "./panels/downloads.tsx";
 import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
 import { FitPanel } from "./panels/fit.tsx";
 import { FilesPanel } from "./panels/files.tsx";
+import { Gallery, NewDisplay } from "./panels/gallery.tsx";
 import { ImagePanel } from "./panels/image.tsx";
 import { Header } from "./panels/header.tsx";
 import { LedgerPanel } from "./panels/ledger.tsx";
+import { OptimizePanel } from "./panels/optimize.tsx";
+import { PixelPanel } from "./panels/pixel.tsx";
 import { Problems } from "./panels/problems.tsx";
 import { Readability } from "./panels/readability.tsx";
+import { RoomsPanel } from "./panels/rooms.tsx";
+import { CommandsPanel, SharePanel } from "./panels/share.tsx";
+import { Stage } from "./panels/stage.tsx";
 import { Source } from "./panels/source.tsx";
 import { Aged, ContentContext, AgeMark, liveClass } from "./panels/aged.tsx";
 import { SurfacePanel } from "./panels/surface.tsx";
@@ -27,6 +37,9 @@ import { StatesTable } from "./panels/table.tsx";
 import { Notes } from "./panels/notes.tsx";
 import { SweepPanel } from "./panels/sweep.tsx";
 import { Tabs } from "./panels/tabs.tsx";
+import { TolerancePanel } from "./panels/tolerance.tsx";
+import { ValidatePanel } from "./panels/validate.tsx";
+import { Versions } from "./panels/versions.tsx";
 import { Views } from "./panels/views.tsx";
 import { WalkPanel } from "./panels/walk.tsx";
 import { Welcome } from "./panels/welcome.tsx";
@@ -37,7 +50,7 @@ import { answer, busy, draft, opening, problems, resultCount, startProblems, tex
 import { firstError, liveAge } from "./state/age.ts";
 import { compact, part, type Part } from "./state/compact.ts";
 import { discard } from "./state/live.ts";
-import { openTab } from "./state/tab.ts";
+import { openStep, openTab, showTab } from "./state/tab.ts";
 
 function Design() {
   const source = useSignal(false);
@@ -83,41 +96,99 @@ function Reading() {
   );
 }
 
-const TABS = [
-  { id: "image", name: "Picture", body: () => <ImagePanel /> },
-  { id: "states", name: "States", body: () => <OfResult><StatesTable /></OfResult> },
-  { id: "angles", name: "Angles", body: () => <AnglesPanel /> },
-  { id: "cone", name: "All directions", body: () => <ConePanel /> },
-  { id: "detail", name: "Fine detail", body: () => <DetailPanel /> },
-  { id: "energy", name: "Energy balance", body: () => <OfResult><LedgerPanel /></OfResult> },
-  { id: "reading", name: "Readability", body: () => <Reading /> },
-  { id: "walk", name: "Monte Carlo", body: () => <WalkPanel /> },
-  { id: "surface", name: "Surface", body: () => <SurfacePanel /> },
-  { id: "sweep", name: "Sweep", body: () => <SweepPanel /> },
-  { id: "compare", name: "Compare", body: () => <ComparePanel /> },
-  { id: "fit", name: "Fit", body: () => <FitPanel /> },
-  { id: "files", name: "Files", body: () => <FilesPanel /> },
-];
+/** A diagram of the result at full height. */
+function Enlarged({ children }: { children: ComponentChildren }) {
+  return (
+    <ContentContext.Provider value={{ age: liveAge.value }}>
+      <div class={`plots enlarged${liveClass()}`}>{children}</div>
+    </ContentContext.Provider>
+  );
+}
 
-/** The first place of the result, at its top: the summary and the states. A picture of the page comes here. */
+/** What each tool shows. */
+const BODIES: Readonly<Record<string, () => ComponentChild>> = {
+  examples: () => <Gallery />,
+  new: () => <NewDisplay />,
+  files: () => <FilesPanel />,
+  stage: () => <Stage />,
+  states: () => <OfResult><StatesTable /></OfResult>,
+  spectra: () => <Enlarged><Spectra /></Enlarged>,
+  chromaticity: () => <Enlarged><Chromaticity /></Enlarged>,
+  energy: () => <OfResult><LedgerPanel /></OfResult>,
+  surface: () => <SurfacePanel />,
+  image: () => <ImagePanel />,
+  rooms: () => <RoomsPanel />,
+  angles: () => <AnglesPanel />,
+  cone: () => <ConePanel />,
+  detail: () => <DetailPanel />,
+  reading: () => <Reading />,
+  pixel: () => <PixelPanel />,
+  walk: () => <WalkPanel />,
+  compare: () => <ComparePanel />,
+  validate: () => <ValidatePanel />,
+  sweep: () => <SweepPanel />,
+  optimize: () => <OptimizePanel />,
+  tolerance: () => <TolerancePanel />,
+  fit: () => <FitPanel />,
+  export: () => <SharePanel />,
+  commands: () => <CommandsPanel />,
+};
+
+/** The middle column: the stage, or a tool of the open step. */
+function Middle() {
+  const { id, name, tools } = openStep.value;
+  const tabs = tools.map((tool) => ({ ...tool, body: BODIES[tool.id]! }));
+  return (
+    <main class="middle" aria-label="Stage and tools" data-tool={openTab.value}>
+      <Divider side="left" />
+      <Divider side="right" />
+      <Tabs key={id} tabs={tabs} open={openTab} name={name} show={showTab} />
+      <ToolCommand id={openTab.value} />
+      <Versions />
+    </main>
+  );
+}
+
+/** The first place of the result, at its top: the numbers and the states. */
 function First() {
   return (
     <div class={`first${liveClass()}`}>
       <div class="top">
-        <Summary />
         <span class="seen-from">
           <AgeMark age={liveAge.value} count={resultCount.value} more={firstError.value} />
           <Views />
         </span>
+        <Summary />
       </div>
       <Patches />
     </div>
   );
 }
 
+/** A diagram that a click enlarges. */
+function Small({ tool, children }: { tool: string; children: ComponentChildren }) {
+  const isOpen = openTab.value === tool;
+  const { name } = toolOf(tool);
+  return (
+    <div class="small-plot">
+      {children}
+      <button
+        type="button"
+        class="enlarge"
+        aria-pressed={isOpen}
+        aria-label={`Enlarge: ${name}`}
+        title="Enlarge"
+        onClick={() => showTab(isOpen ? "stage" : tool)}
+      >
+        ⤢
+      </button>
+    </div>
+  );
+}
+
 function ResultPanel() {
   return (
-    <main
+    <aside
       id="result"
       tabindex={-1}
       class={`picture${busy.value ? " busy" : ""}${opening.value ? " opening" : ""}`}
@@ -127,23 +198,24 @@ function ResultPanel() {
       <First />
       <ContentContext.Provider value={{ age: liveAge.value }}>
         <div class={`plots${liveClass()}`}>
-          <Chromaticity />
-          <Spectra />
+          <Small tool="chromaticity">
+            <Chromaticity />
+          </Small>
+          <Small tool="spectra">
+            <Spectra />
+          </Small>
         </div>
       </ContentContext.Provider>
-      <div class="details">
-        <Tabs tabs={TABS} open={openTab} />
-        <Notes />
-      </div>
+      <Notes />
       <Spoken />
-    </main>
+    </aside>
   );
 }
 
 const PARTS: readonly (readonly [Part, string])[] = [
-  ["design", "Design"],
+  ["details", "Stage and tools"],
+  ["design", "Layers and light"],
   ["plots", "Diagrams"],
-  ["details", "Tables and tools"],
 ];
 
 /** The choice of the section in the compact layout. */
@@ -190,17 +262,27 @@ function Starting() {
   );
 }
 
+/** The three columns, with movable borders. */
+function Bench() {
+  const bench = useRef<HTMLDivElement>(null);
+  useEffect(() => applyWidths(bench.current), [widths.value]);
+  return (
+    <div class="bench" data-part={part.value} data-step={openStep.value.id} ref={bench}>
+      <Design />
+      <Middle />
+      <ResultPanel />
+      {compact.value && <Sections />}
+    </div>
+  );
+}
+
 export function App() {
   return (
     <>
       <Header />
       <Welcome />
       {answer.value && (
-        <div class="bench" data-part={part.value}>
-          <Design />
-          <ResultPanel />
-          {compact.value && <Sections />}
-        </div>
+        <Bench />
       )}
       {!answer.value && (problems.value.length > 0 ? <Broken /> : <Starting />)}
     </>

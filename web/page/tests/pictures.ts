@@ -4,7 +4,7 @@
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { choose, ROOT, settled, stage } from "./e2e/stage.ts";
+import { example, ROOT, settled, stage, tool } from "./e2e/stage.ts";
 
 const on = await stage();
 const SIZE = { viewport: { width: 1440, height: 900 } };
@@ -37,15 +37,16 @@ await own.close();
 const page = await on.visit(SIZE);
 await page.getByRole("button", { name: "Got it" }).click();
 await settled(page);
-await page.locator("#tab-image").click();
+await tool(page, "stage");
 await page.getByText("prepared for this light and view").waitFor({ timeout: 30_000 });
+await page.getByRole("button", { name: "Keep this version" }).click();
 await settled(page);
 await page.screenshot({ path: to("page") });
 
 // The picture on six inks in a warm light, seen from the side.
 const inks = await on.visit({ viewport: { width: 1100, height: 1000 } }, "?");
 await inks.getByRole("button", { name: "Got it" }).click();
-await choose(inks, "Examples", "six-ink");
+await example(inks, "six-ink");
 await inks.getByLabel("White of this page").selectOption("display");
 await inks.locator(".seen-display canvas").focus();
 for (let i = 0; i < 24; i++) await inks.keyboard.press("ArrowRight");
@@ -57,15 +58,15 @@ await inks.locator(".tabs").screenshot({ path: to("picture") });
 // A thinner absorber next to the pinned design, in the dark theme.
 const night = await on.visit({ ...SIZE, colorScheme: "dark" });
 await night.getByRole("button", { name: "Got it" }).click();
-await night.getByRole("button", { name: "Pin", exact: true }).click();
+await night.getByRole("button", { name: "Keep this version" }).click();
 await night.locator('[data-part="display.pixel.film.1"]').click();
 await night.locator('[id="f-display.pixel.film.1.thickness_nm"]').fill("9");
-await night.locator("#tab-compare").click();
+await tool(night, "compare");
 await settled(night);
 await night.screenshot({ path: to("compare") });
 
 // Monte Carlo compared with the live result.
-await page.locator("#tab-walk").click();
+await tool(page, "walk");
 await page.locator("#walk-aim").selectOption("0.0001");
 await page.getByRole("button", { name: "Run Monte Carlo" }).click();
 await page.locator('[data-phase="done"]').waitFor({ timeout: 120_000 });
@@ -82,13 +83,24 @@ await page.locator(".tabs").screenshot({ path: to("file") });
 // A panel fitted to its measurement.
 const panel = await on.visit({ viewport: { width: 1440, height: 1900 } });
 await panel.getByRole("button", { name: "Got it" }).click();
-await choose(panel, "Examples", "fit");
+await example(panel, "fit");
 await settled(panel);
-await panel.locator("#tab-fit").click();
+await tool(panel, "fit");
 await panel.locator("#tab-panel input[type=file]").setInputFiles(join(ROOT, "scenarios/data/synthetic-film.csv"));
 await panel.getByRole("button", { name: "Fit 8 variables" }).click();
 await panel.locator('#tab-panel [data-phase="done"]').waitFor({ timeout: 120_000 });
 await settled(panel);
 await panel.locator(".tabs").screenshot({ path: to("fit") });
+
+// A search, its front, and the selected design.
+const found = await on.visit({ viewport: { width: 1440, height: 1000 } });
+await found.getByRole("button", { name: "Got it" }).click();
+await example(found, "optimize-front");
+await tool(found, "optimize");
+await found.getByRole("button", { name: "Search", exact: true }).click();
+await found.locator('#tab-panel [data-phase="done"]').waitFor({ timeout: 300_000 });
+await found.locator('[data-design="4"]').click();
+await settled(found);
+await found.locator(".tabs").screenshot({ path: to("optimize") });
 
 await on.close();

@@ -136,9 +136,7 @@ fn computed(read: Reading, events: &EventSender) -> Result<FitDone, Fault> {
         events.stop_if_late();
         events.send(&FitEvent::Progress(FitProgress { fraction, words: words.to_owned() }));
     };
-    // One thread is left for live results.
-    let threads = available_parallelism().map_or(1, NonZero::get).saturating_sub(1).max(1);
-    let report = fitting.run(threads, &tell).map_err(fault)?.ok_or_else(|| {
+    let report = fitting.run(threads(), &tell).map_err(fault)?.ok_or_else(|| {
         let hint = "use more starts (fit.starts), or narrower bounds around what is known";
         Fault::too_much("no start led to a minimum", hint)
     })?;
@@ -155,8 +153,13 @@ fn computed(read: Reading, events: &EventSender) -> Result<FitDone, Fault> {
     })
 }
 
-/// Error of a fit, with its place in the scenario if it has one.
-fn fault_of(resolved: &Resolved, events: &EventSender, error: DesignError) -> Fault {
+/// Threads of a long computation: one is left for live results.
+pub(super) fn threads() -> usize {
+    available_parallelism().map_or(1, NonZero::get).saturating_sub(1).max(1)
+}
+
+/// Error of a fit, a search or a tolerance analysis, with its place in the scenario if it has one.
+pub(super) fn fault_of(resolved: &Resolved, events: &EventSender, error: DesignError) -> Fault {
     let is_late = was_stopped(&error) && events.stop_if_late();
     match error {
         _ if is_late => crate::work::too_long(events.deadline()),

@@ -13,10 +13,14 @@ mod fit;
 mod gonio;
 mod image;
 mod live;
+mod optimize;
 mod packed;
+mod pixel;
 mod request;
 mod sweep;
 mod text;
+mod tolerance;
+mod validate;
 mod walk;
 mod written;
 
@@ -42,6 +46,8 @@ fn endpoints() -> Endpoints {
         )
         .get("/presets", "The presets of lighting and viewer", text::presets)
         .get_named("/presets/{name}", "A new scenario with a preset", text::preset)
+        .get("/displays", "The kinds of displays to start from, as of papilio new", text::displays)
+        .post("/new", "A new scenario of a display in the light of a preset, with its files", text::new_display)
         .get("/surface-schema", "The JSON Schema of a surface: keys, units, ranges, defaults, help", text::surface_schema)
         .get("/surfaces", "The example surfaces", text::surfaces)
         .get_named("/surfaces/{name}", "An example surface", text::surface)
@@ -79,6 +85,12 @@ fn endpoints() -> Endpoints {
              floating point numbers",
             image::image,
         )
+        .post(
+            "/pixel",
+            "The reflectance of the pixel alone from 0 to 90 degrees: tables and figures, as by papilio pixel",
+            pixel::pixel,
+        )
+        .get("/samples", "The samples that others measured, as of papilio validate", validate::samples)
         .export(
             "/image/export",
             "A file of papilio image or papilio palette: states.png, seen.png, image.json, frame.bin, palette.gpl",
@@ -104,6 +116,21 @@ fn endpoints() -> Endpoints {
             "/fit",
             "A fit of keys to measured files, as by papilio fit: progress, then variables with their intervals, figures, the fitted scenario",
             fit::fit,
+        )
+        .events::<_, optimize::OptimizeEvent, _>(
+            "/optimize",
+            "A search for better designs, as by papilio optimize: progress and designs, then the best one or the Pareto front",
+            optimize::optimize,
+        )
+        .events::<_, tolerance::ToleranceEvent, _>(
+            "/tolerance",
+            "A tolerance analysis, as by papilio tolerance: progress, then yield, percentiles and sensitivities",
+            tolerance::tolerance,
+        )
+        .events::<_, validate::ValidateEvent, _>(
+            "/validate",
+            "Samples that others measured, predicted from their printed inputs, as by papilio validate --measured",
+            validate::validate,
         )
 }
 

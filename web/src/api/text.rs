@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use papilio_display::scene::Metric;
-use papilio_scenario::{Edit, labelled_names, new_scenario, preset_names};
+use papilio_scenario::{Edit, ExampleDisplay, labelled_names, new_scenario, new_scenario_of, preset_names};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -128,6 +128,49 @@ pub(super) fn presets(_: &Site) -> Result<Vec<Listed>, Fault> {
 pub(super) fn preset(name: &str) -> Result<Text, Fault> {
     let scenario = new_scenario(name).ok_or_else(|| Fault::unknown("preset", name))?;
     Ok(Text { scenario })
+}
+
+/// A display to start from, in the light of a preset.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NewOf {
+    /// The kind of display: a name of `/displays`.
+    display: String,
+    /// The preset of lighting and viewer.
+    light: String,
+}
+
+/// A new scenario, and the files that it names.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct NewDisplay {
+    /// The scenario: TOML.
+    scenario: String,
+    /// Its files.
+    files: Vec<NewFile>,
+}
+
+/// A file of a new scenario.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct NewFile {
+    /// Its name.
+    name: String,
+    /// Its text.
+    text: String,
+}
+
+/// Returns the kinds of displays of `papilio new`.
+pub(super) fn displays(_: &Site) -> Result<Vec<Listed>, Fault> {
+    let listed = |one: ExampleDisplay| Listed { name: one.name.to_owned(), summary: one.about.to_owned() };
+    Ok(ExampleDisplay::ALL.into_iter().map(listed).collect())
+}
+
+/// Returns a new scenario, as `papilio new` writes it.
+pub(super) async fn new_display(_: Site, request: NewOf) -> Result<NewDisplay, Fault> {
+    let NewOf { display: name, light } = request;
+    let display = ExampleDisplay::named(&name).ok_or_else(|| Fault::unknown("display", &name))?;
+    let scenario = new_scenario_of(display, &light).ok_or_else(|| Fault::unknown("preset", &light))?;
+    let file = |(name, text): &(&str, &str)| NewFile { name: (*name).to_owned(), text: (*text).to_owned() };
+    Ok(NewDisplay { scenario, files: display.files.iter().map(file).collect() })
 }
 
 pub(super) fn examples(_: &Site) -> Result<Vec<Listed>, Fault> {

@@ -16,3 +16,4 @@ mod hostile;
 mod image;
 mod load;
 mod offers;
+mod studies;

@@ -2,7 +2,7 @@
 //!
 //! | from | output |
 //! |---|---|
-//! | a search | [`search_table`] (`optimize.csv`), [`search_figures`], [`design_texts`] (`best.toml` or the front) |
+//! | a search | [`search_table`] (`optimize.csv`), [`search_figures`], [`SearchReport`], [`design_texts`] (`best.toml` or the front) |
 //! | a fit | [`fit_table`] (`fit.csv`), [`fit_figures`], [`fitted_text`] (`fitted.toml`), [`fitted_edits`] |
 //! | a tolerance analysis | [`tolerance_tables`], [`tolerance_figures`] |
 //! | the BSDF table of a display | [`brdf_warnings`], [`between_warning`], and the sufficient [`finer_step`] |
@@ -24,6 +24,7 @@ mod brdf;
 mod designs;
 mod fit;
 mod search_figures;
+mod search_report;
 mod search_table;
 mod tolerance;
 
@@ -33,5 +34,6 @@ pub use brdf::{
 pub use designs::{design_texts, moved};
 pub use fit::{fit_figures, fit_table, fitted_edits, fitted_text};
 pub use search_figures::search_figures;
+pub use search_report::{DesignReport, OwnDesign, SearchReport, is_at_end, quantities};
 pub use search_table::search_table;
 pub use tolerance::{tolerance_figures, tolerance_tables};

@@ -1,11 +1,13 @@
 //! Estimates with standard errors.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::plan::REPLICATES;
 
 /// Estimate from a sample, with its standard error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "ToleranceEstimate")]
 pub struct Estimate {
     /// Value.
     pub value: f64,

@@ -22,6 +22,7 @@
 //! Sources: first order A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010), eq. 16, centred, and eq.
 //! 17 (M. J. W. Jansen); total index M. J. W. Jansen, Comput. Phys. Commun. 117, 35 (1999).
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::consistent::consistent;
@@ -30,7 +31,7 @@ use super::plan::{Draw, Plan, replicate};
 use super::surrogate::{Basis, Fits, Term, Workspace};
 
 /// Sobol indices of a group of keys: its contributions to a metric's variance.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Indices {
     /// First-order index.
     pub first: Estimate,
@@ -60,7 +61,7 @@ pub struct Sensitivities {
 }
 
 /// Polynomial fit of a metric.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Surrogate {
     /// Number of products of polynomials, including the constant.
     pub terms: usize,

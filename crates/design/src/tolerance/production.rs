@@ -1,12 +1,14 @@
 //! Production of a scenario's `[tolerance]`: the sampled displays and their evaluation.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use papilio_scenario::{ScenarioErrors, Tolerance};
 use serde_json::Value;
 
 use super::plan::{Draw, Plan};
 use crate::light::quantity;
+use crate::parallel::in_parallel;
 use crate::{Condition, DesignError, Evaluator, Key, Study, Values, Variable};
 
 /// Displays of a `[tolerance]`, by row.
@@ -102,6 +104,21 @@ impl Production {
             numbers.extend(values.into_iter().map(|number| number.unwrap_or(f64::NAN)));
         }
         Ok(numbers)
+    }
+
+    /// Computes the metrics of all rows on `threads` threads. `done` is called with the number of finished rows; setting `stop`
+    /// ends the computation.
+    ///
+    /// # Errors
+    /// Those of [`evaluate`](Self::evaluate).
+    pub fn evaluate_all(
+        &self,
+        threads: usize,
+        stop: &AtomicBool,
+        done: impl Fn(usize) + Sync,
+    ) -> Result<Vec<Vec<f64>>, DesignError> {
+        let worker = || Evaluator::new(self.study.clone(), stop);
+        in_parallel(threads, self.rows, done, worker, |evaluator, row| self.evaluate(evaluator, row))
     }
 
     /// Values of the keys of a row's own display: for each key, the value of its first path. A choice that is

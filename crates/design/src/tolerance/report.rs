@@ -1,6 +1,7 @@
 //! Report of a tolerance analysis.
 
 use papilio_scenario::Tolerance;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -13,7 +14,8 @@ use super::verdict::{Limit, Verdict};
 const WORST: usize = 10;
 
 /// Results of a tolerance analysis.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "ToleranceReport")]
 pub struct Report {
     /// Number of sampled displays.
     pub samples: usize,
@@ -32,7 +34,7 @@ pub struct Report {
 }
 
 /// Distribution and sensitivities of a metric.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MetricReport {
     /// Name of the metric.
     pub name: String,
@@ -46,7 +48,7 @@ pub struct MetricReport {
 }
 
 /// A limit of the scenario.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LimitReport {
     /// Name of the metric.
     pub metric: String,
@@ -57,7 +59,7 @@ pub struct LimitReport {
 }
 
 /// Display that misses a limit by a large distance.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct WorstDisplay {
     /// Row of the display.
     pub row: usize,

@@ -1,5 +1,6 @@
 //! Distribution of a metric.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::estimate::{Estimate, Sums};
@@ -9,7 +10,7 @@ use super::plan::replicate;
 pub const PERCENTILES: [f64; 7] = [1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0];
 
 /// Distribution of a metric over the displays for which it is defined.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MetricDistribution {
     /// Number of displays for which it is undefined.
     pub undefined: usize,

@@ -1,5 +1,6 @@
 //! Yield.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::estimate::{Estimate, Sums};
@@ -17,7 +18,7 @@ pub struct Limit {
 }
 
 /// Yield, and how often each limit fails.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Verdict {
     /// Fraction of displays that meet all limits.
     pub yield_share: Estimate,
@@ -26,7 +27,7 @@ pub struct Verdict {
 }
 
 /// How often a limit fails.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Failing {
     /// Fraction of displays that do not meet the limit.
     pub share: Estimate,

@@ -89,7 +89,7 @@ export const live = (
 ): Promise<Live> => post("live", { ...work, edits, accuracy, view }, signal);
 
 export const schema = (): Promise<unknown> => get("schema");
-export const list = (what: "presets" | "examples"): Promise<Named[]> => get(what);
+export const list = (what: "presets" | "examples" | "displays"): Promise<Named[]> => get(what);
 export const named = (what: "presets" | "examples", name: string): Promise<{ scenario: string }> =>
   get(`${what}/${encodeURIComponent(name)}`);
 

@@ -42,3 +42,15 @@ export type IlluminantSheet = Schemas["IlluminantSheet"];
 
 /** A number that may be undefined. */
 export type Num = number | null | undefined;
+
+export type OptimizeDone = Schemas["OptimizeDone"];
+export type OptimizeProgress = Schemas["OptimizeProgress"];
+export type FoundDesign = Schemas["FoundDesign"];
+export type ToleranceDone = Schemas["ToleranceDone"];
+export type ToleranceProgress = Schemas["ToleranceProgress"];
+export type PixelScanned = Schemas["PixelScanned"];
+export type SampleEntry = Schemas["SampleEntry"];
+export type Prediction = Schemas["Prediction"];
+export type ValidateDone = Schemas["ValidateDone"];
+export type ValidateProgress = Schemas["ValidateProgress"];
+export type New = Schemas["NewDisplay"];

@@ -40,7 +40,7 @@ const arc = (from: number, to: number, radius = RADIUS): string => {
 };
 
 /** Maximum inclination of sources and viewers that are dragged, degrees. */
-const STEEPEST = 89;
+export const STEEPEST = 89;
 
 /** Returns the inclination at the pointer, at the azimuth of `from`, in steps of 0.5° (with Alt: 0.1°). */
 function under(event: PointerEvent, from: Direction): number {
@@ -57,23 +57,32 @@ const KEYS: Record<string, number> = { ArrowDown: -1, ArrowUp: 1, PageUp: 10, Pa
 /** Keys that move to the left and to the right in the drawing, independent of the sign of the inclination. */
 const SIDEWAYS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1 };
 
-/** A handle that is dragged along the half circle. */
-function Handle({
-  path,
-  theta,
-  phi,
-  name,
-  children,
-  select,
-}: Direction & {
+interface HandleProps extends Direction {
   path: string;
   name: string;
   children: ComponentChildren;
   select: string;
-}) {
+}
+
+/** A half circle, or half ellipse, on which directions are drawn. */
+export interface Arch {
+  /** Returns the position of a direction. */
+  place(direction: Direction): readonly [number, number];
+  /** Returns the inclination at the pointer, at the azimuth of `from`. */
+  under(event: PointerEvent, from: Direction): number;
+  /** The attribute with the key of a handle. */
+  readonly attribute: string;
+}
+
+const HALF_CIRCLE: Arch = { place, under, attribute: "data-handle" };
+
+const Handle = (props: HandleProps) => <AngleHandle {...props} arch={HALF_CIRCLE} />;
+
+/** A handle that is dragged along an arch. */
+export function AngleHandle({ path, theta, phi, name, children, select, arch }: HandleProps & { arch: Arch }) {
   const move = (to: number) => set(path, Math.min(STEEPEST, Math.max(-STEEPEST, Number(to.toFixed(1)))));
   const drag = (event: PointerEvent) => {
-    if ((event.currentTarget as Element).hasPointerCapture(event.pointerId)) move(under(event, { theta, phi }));
+    if ((event.currentTarget as Element).hasPointerCapture(event.pointerId)) move(arch.under(event, { theta, phi }));
   };
   const grab = (event: PointerEvent) => {
     selected.value = select;
@@ -89,7 +98,7 @@ function Handle({
     else return;
     event.preventDefault();
   };
-  const [x, y] = place({ theta, phi });
+  const [x, y] = arch.place({ theta, phi });
   return (
     <g
       class={selected.value === select ? "handle chosen" : "handle"}
@@ -101,7 +110,7 @@ function Handle({
       aria-valuemax={STEEPEST}
       aria-valuenow={theta}
       aria-valuetext={`${theta} degrees`}
-      data-handle={path}
+      {...{ [arch.attribute]: path }}
       onPointerDown={grab}
       onPointerMove={drag}
       onKeyDown={press}
@@ -260,7 +269,7 @@ function anglesAt(viewer: Json | undefined, key: string): { path: string | null;
 }
 
 /** Returns the viewing directions; those at the first azimuth can be dragged. */
-function viewersOf(viewer: Json | undefined): (Direction & { path: string | null })[] {
+export function viewersOf(viewer: Json | undefined): (Direction & { path: string | null })[] {
   const inclinations = anglesAt(viewer, "theta_deg");
   return anglesAt(viewer, "phi_deg").flatMap(({ angle: phi }, turn) =>
     inclinations.map(({ path, angle: theta }) => ({ path: turn === 0 ? path : null, theta, phi })),

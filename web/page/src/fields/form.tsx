@@ -6,6 +6,7 @@ import { useSignal } from "@preact/signals";
 import { partOf } from "../model/keys.ts";
 import { fields, problems, problemsAt, schema, selected } from "../state/design.ts";
 import { edit, set } from "../state/live.ts";
+import { variesNow } from "../state/vary.ts";
 import { at, isTable, join, split, tableAt, type Json, type Table } from "../model/json.ts";
 import { help, label, unit, type Found } from "../model/schema.ts";
 import { MODELS } from "../model/stack.ts";
@@ -72,6 +73,7 @@ const nameOf = ({ node }: Found, key: string): string => node.title ?? label(key
 
 /** One field, by its path. */
 export function Field({ path, name, bare = false }: { path: string; name?: string; bare?: boolean }) {
+  const asked = useSignal(false);
   const found = schema.value?.find(path, fields.value);
   if (!found) return null;
   const [, key] = split(path);
@@ -83,7 +85,23 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
   if (isGroup(found) && isTable(value)) return <Group path={path} found={found} name={text} value={value} />;
   return (
     <div class={wrong.length > 0 ? "field wrong" : "field"} data-path={path}>
-      <label for={id}>{text}</label>
+      <span class="field-name">
+        <label for={id}>{text}</label>
+        {!bare && help(found.node) !== "" && (
+          <button
+            type="button"
+            class="ask"
+            aria-expanded={asked.value}
+            aria-controls={`${id}-help`}
+            aria-label={`Help: ${text}`}
+            title={help(found.node)}
+            onClick={() => (asked.value = !asked.value)}
+          >
+            ?
+          </button>
+        )}
+        <Vary path={path} value={value} name={text} />
+      </span>
       <Editor
         id={id}
         path={path}
@@ -94,12 +112,23 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
         invalid={wrong.length > 0}
       />
       {!bare && (
-        <p class="help" id={`${id}-help`}>
+        <p class={asked.value ? "help shown" : "help"} id={`${id}-help`}>
           {help(found.node)}
         </p>
       )}
       {!isQuiet(path) && <Problems of={wrong} />}
     </div>
+  );
+}
+
+/** A button that adds a key to the open tool of Improve. */
+function Vary({ path, value, name }: { path: string; value: Json | undefined; name: string }) {
+  const by = variesNow();
+  if (!by || typeof value !== "number" || by.isVaried(path)) return null;
+  return (
+    <button type="button" class="vary" aria-label={`Vary ${name}`} title={`Vary ${path}`} onClick={() => by.add(path)}>
+      Vary
+    </button>
   );
 }
 

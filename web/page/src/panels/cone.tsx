@@ -13,6 +13,10 @@ import { Problems } from "./problems.tsx";
 /** Time without changes after which the maps are requested, ms; they take longer than the live result. */
 const REST_MS = 300;
 
+/** Step of the inclinations of the first answer, degrees, and time without changes after which it is requested, ms. */
+const COARSE_DEG = 10;
+const FIRST_MS = 80;
+
 /** The quantities of all directions and states; theta varies fastest. */
 function tableOf(cone: Cone | null): Rows {
   if (!cone) return [];
@@ -27,7 +31,11 @@ function tableOf(cone: Cone | null): Rows {
 
 export function ConePanel() {
   const step = useSignal("3");
-  const now = useFollowed<Cone>("cone", { step_deg: Number(step.value) }, REST_MS);
+  const fine = useFollowed<Cone>("cone", { step_deg: Number(step.value) }, REST_MS);
+  const coarse = useFollowed<Cone>("cone", { step_deg: COARSE_DEG }, FIRST_MS);
+  // Until the maps of this design are there, coarse ones are a first answer.
+  const isFirst = coarse.value !== null && coarse.age === "current" && fine.age !== "current" && fine.problems.length === 0;
+  const now = isFirst ? { ...coarse, age: "first" as const } : fine;
   const before = useFollowed<Cone>("cone", { step_deg: Number(step.value) }, REST_MS, pinned.value?.text ?? null);
   return (
     <>
@@ -42,6 +50,7 @@ export function ConePanel() {
       </div>
       <Problems of={now.problems} />
       <Aged age={now.value ? now.age : "current"} count={now.count}>
+        {isFirst && <p class="remark">First in steps of {COARSE_DEG}°; the maps in steps of {step.value}° are being computed.</p>}
         {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
         {now.value?.figures.map(({ name, svg }) => (
           <Drawn

@@ -6,10 +6,12 @@ import { useSignal } from "@preact/signals";
 import type { Detailed } from "../api/types.ts";
 import { digits, NONE } from "../model/format.ts";
 import { tableAt } from "../model/json.ts";
+import { mendOf } from "../model/mends.ts";
 import { Drawn } from "../plots/figure.tsx";
 import { fields, states } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
 import { labelText } from "../state/labels.ts";
+import { edit } from "../state/live.ts";
 import { Aged } from "./aged.tsx";
 import { Downloads } from "./downloads.tsx";
 import { Problems } from "./problems.tsx";
@@ -135,9 +137,17 @@ function Shown({ of, kind }: { of: Detailed; kind: Kind }) {
 
 function Follow({ kind }: { kind: Kind }) {
   const now = useFollowed<Detailed>("detail", { command: kind.command }, REST_MS);
+  const mend = mendOf(now.problems);
   return (
     <>
       <Problems of={now.problems} />
+      {mend && (
+        <p class="mend">
+          <button type="button" class="run" onClick={() => edit(mend.edits)}>
+            Add {mend.words}
+          </button>
+        </p>
+      )}
       {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
       {now.value && (
         <Aged age={now.age} count={now.count}>

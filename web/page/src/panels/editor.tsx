@@ -63,7 +63,7 @@ function Add({
  * Applies a preset of lighting and viewer. It replaces the viewing direction; a front light is part of the display and
  * is kept.
  */
-function applyPreset(preset: string): void {
+export function applyPreset(preset: string): void {
   const guide = at(fields.value, "lighting.front_light");
   edit([
     { op: "set", path: "lighting", value: { preset, ...(guide === undefined ? {} : { front_light: guide }) } },

@@ -19,6 +19,8 @@ import {
   isGlaring,
   isTilting,
   middle,
+  moveEye,
+  movesEye,
   reset,
   shown,
   type Shown,
@@ -36,6 +38,13 @@ const LEAST_CLIPPED = 0.001;
 
 /** Inclination for a pixel of the pointer, degrees. */
 const DEGREES_PER_PX = 0.3;
+
+/** Tilts the display. The eye of the design follows, so that numbers, patches and picture are of one view. */
+function turnTo(to: Tilt, isDrag: boolean): void {
+  const next = limited(to);
+  if (isDrag || !movesEye.value) tilted.value = next;
+  moveEye(next);
+}
 
 /** Makes the pixels of a canvas those of the screen. */
 function fitted(canvas: HTMLCanvasElement): [number, number] {
@@ -140,11 +149,12 @@ export function Display() {
       const { size } = shown.value.seen;
       const scale = fitting([box.width, box.height], size[1] / size[0]) * zoom.value;
       middle.value = within([start.middle[0] - dx / scale, start.middle[1] + dy / scale]);
-    } else tilted.value = limited([start.tilt[0] - DEGREES_PER_PX * dx, start.tilt[1] + DEGREES_PER_PX * dy]);
+    } else turnTo([start.tilt[0] - DEGREES_PER_PX * dx, start.tilt[1] + DEGREES_PER_PX * dy], true);
   };
   const release = () => {
     from.current = null;
     isTilting.value = false;
+    if (movesEye.value) tilted.value = null;
   };
   const turn = (event: KeyboardEvent) => {
     const steps: Record<string, Tilt> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
@@ -152,7 +162,7 @@ export function Display() {
     if (step && event.shiftKey) {
       const by = 0.1 / zoom.value;
       middle.value = within([middle.value[0] + by * step[0], middle.value[1] + by * step[1]]);
-    } else if (step) tilted.value = limited([tilt.value[0] + step[0], tilt.value[1] + step[1]]);
+    } else if (step) turnTo([tilt.value[0] + step[0], tilt.value[1] + step[1]], false);
     else if (event.key === "+" || event.key === "=") zoomBy(1.25);
     else if (event.key === "-") zoomBy(0.8);
     else if (event.key === "0") reset();

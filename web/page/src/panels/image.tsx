@@ -1,7 +1,7 @@
 // The picture on the display, as the reader sees it in this room: beside it the same picture on a screen, and white paper.
 
 import { useSignalEffect } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useRef } from "preact/hooks";
 
 import { hex, times, type Triple } from "../model/colour.ts";
 import { degrees, digits, plain } from "../model/format.ts";
@@ -10,20 +10,16 @@ import { camera, fitting } from "../model/perspective.ts";
 import { D65, onScreen, PAPER, SCREEN_REFLECTANCE, type ScreenLight, type White } from "../model/seen.ts";
 import { AGE } from "../model/glare.ts";
 import { markOf } from "../state/age.ts";
-import { compact, part } from "../state/compact.ts";
-import { answer, text } from "../state/design.ts";
+import { text } from "../state/design.ts";
 import { FAR, imagesOfLamps, isSizeKnown, lampsSeen, veil_cd_m2 } from "../state/eye.ts";
-import { fileIds } from "../state/files.ts";
 import {
   drags,
   exposed,
-  follow,
   halftone,
   holds,
   imageAge,
   imageProblems,
   isGlaring,
-  isTilting,
   MOST_ZOOM,
   pictureFile,
   pictureName,
@@ -32,8 +28,6 @@ import {
   shown,
   source,
   stepsFor,
-  tilt,
-  unfollow,
   whiteOfPage,
   zoom,
   zoomBy,
@@ -45,6 +39,7 @@ import { Display, imageClass, useDrawing } from "./image-display.tsx";
 import { Menu } from "./menu.tsx";
 import { Problems } from "./problems.tsx";
 import { save } from "./save.ts";
+import { usePicture } from "./stage.tsx";
 
 const WHITES: readonly (readonly [White, string])[] = [
   ["perfect", "a perfect white in this light"],
@@ -271,14 +266,7 @@ function Legend() {
 }
 
 export function ImagePanel() {
-  useEffect(() => unfollow, []);
-  useSignalEffect(() => {
-    const isVisible = !compact.value || part.value === "details";
-    // What determines the picture.
-    void [text.value, fileIds.value, pictureName.value, tilt.value, holds.value, isTilting.value, answer.value];
-    if (isVisible) follow();
-    else unfollow();
-  });
+  usePicture();
   return (
     <section class="seen" aria-label="Picture">
       <Problems of={imageProblems.value} />

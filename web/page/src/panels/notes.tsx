@@ -8,10 +8,16 @@ import { openTab, showTab } from "../state/tab.ts";
 import { run, walk } from "../state/walk.ts";
 import { LiveMark, liveClass } from "./aged.tsx";
 
+/** Studies of a scenario that tools of the page compute. */
+const TOOLS = [
+  ["sweep", "a sweep"],
+  ["optimize", "a search for better designs"],
+  ["tolerance", "a tolerance analysis"],
+  ["fit", "a fit to measured data"],
+] as const;
+
 /** The tables of a scenario that are not part of its result, and what uses them. */
 const STUDIES = {
-  optimize: "`papilio optimize` searches for the best design; the page shows the design that is written here.",
-  tolerance: "`papilio tolerance` varies keys as in production; the page shows the nominal design.",
   measure: "`papilio diffuser measure` simulates the measurement; the page shows the display.",
 } as const;
 
@@ -20,14 +26,14 @@ function Studies() {
   const has = (key: string) => at(fields.value, key) !== undefined;
   return (
     <>
-      {has("sweep") && openTab.value !== "sweep" && (
-        <p>
-          <b>Note:</b> this scenario has a sweep.{" "}
-          <button type="button" class="key-link" onClick={() => showTab("sweep")}>
+      {TOOLS.filter(([key]) => has(key) && openTab.value !== key).map(([key, name]) => (
+        <p key={key}>
+          <b>Note:</b> this scenario has {name}.{" "}
+          <button type="button" class="key-link" onClick={() => showTab(key)}>
             Show it
           </button>
         </p>
-      )}
+      ))}
       {Object.entries(STUDIES)
         .filter(([key]) => has(key))
         .map(([key, words]) => (
@@ -73,7 +79,7 @@ export function Notes() {
   const took = answer.value?.cost_ms;
   const error = `\u00b1${digits(100 * now.solver.relative_error_reached, 2)} %`;
   return (
-    <footer class={`notes${liveClass()}`}>
+    <footer class={`notes${liveClass()}`} tabindex={0} aria-label="Warnings and notes" role="group">
       {now.warnings.map((words) => (
         <p class="warning" key={words}>
           <b>Warning:</b> {words}

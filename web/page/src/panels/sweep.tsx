@@ -38,6 +38,7 @@ import { dark } from "../state/theme.ts";
 import { Aged } from "./aged.tsx";
 import { addAxis, AxesFields } from "./axes.tsx";
 import { Downloads } from "./downloads.tsx";
+import { MetricPicker } from "./metric-picker.tsx";
 import { Problems } from "./problems.tsx";
 
 const METRICS = ["gamut_percent_srgb", "contrast_ratio", "gamut_percent_ebu", "text_contrast", "text_luminance_cd_m2"];
@@ -285,14 +286,8 @@ export function SweepPanel() {
           </div>
         )}
         <div class="controls">
-          <label for="sweep-metric">Metric</label>
-          <select id="sweep-metric" value={metric.value} onChange={(event) => showMetric(event.currentTarget.value)}>
-            {metricsNow().map((one) => (
-              <option key={one} value={one}>
-                {labelText(one)}
-              </option>
-            ))}
-          </select>
+          <span>Metric</span>
+          <MetricPicker id="sweep-metric" label="Metric" names={metricsNow()} chosen={metric.value} choose={showMetric} />
           {running ? (
             <button type="button" onClick={sweep.cancel}>
               Cancel

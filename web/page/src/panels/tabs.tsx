@@ -11,19 +11,27 @@ export interface Tab {
 
 const STEPS: Record<string, number> = { ArrowRight: 1, ArrowLeft: -1 };
 
-export function Tabs({ tabs, open }: { tabs: readonly Tab[]; open: Signal<string> }) {
+interface Props {
+  tabs: readonly Tab[];
+  open: Signal<string>;
+  /** What the tabs have in common. */
+  name: string;
+  show: (id: string) => void;
+}
+
+export function Tabs({ tabs, open, name: all, show }: Props) {
   const current = tabs.find(({ id }) => id === open.value) ?? tabs[0]!;
   const press = (event: KeyboardEvent) => {
     const by = STEPS[event.key];
     if (by === undefined) return;
     const next = tabs[(tabs.indexOf(current) + by + tabs.length) % tabs.length]!;
-    open.value = next.id;
+    show(next.id);
     document.getElementById(`tab-${next.id}`)?.focus();
     event.preventDefault();
   };
   return (
-    <section class="tabs" aria-label="Details of the design">
-      <div role="tablist" aria-label="Details of the design" onKeyDown={press}>
+    <section class="tabs" aria-label={`Tools of ${all}`}>
+      <div role="tablist" aria-label={`Tools of ${all}`} onKeyDown={press}>
         {tabs.map(({ id, name }) => (
           <button
             type="button"
@@ -33,11 +41,7 @@ export function Tabs({ tabs, open }: { tabs: readonly Tab[]; open: Signal<string
             aria-selected={id === current.id}
             aria-controls="tab-panel"
             tabindex={id === current.id ? 0 : -1}
-            onClick={(event) => {
-              open.value = id;
-              const tabs = event.currentTarget.closest(".tabs");
-              requestAnimationFrame(() => tabs?.scrollIntoView({ block: "nearest" }));
-            }}
+            onClick={() => show(id)}
           >
             {name}
           </button>

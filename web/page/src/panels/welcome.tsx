@@ -16,8 +16,8 @@ export function Welcome() {
   return (
     <aside class="welcome">
       <p>
-        <b>This page simulates a reflective display.</b> Drag the source or the eye, or click a layer and move its
-        sliders: colours, gamut and contrast are updated immediately. All numbers equal those of{" "}
+        <b>This page simulates a reflective display.</b> Drag the sun, the eye or the display, or click a layer and move
+        its sliders: colours, gamut and contrast follow. The steps at the top lead from an example to a report. All numbers equal those of{" "}
         <code>papilio run</code>.
       </p>
       <button type="button" onClick={close}>

@@ -5,6 +5,8 @@ import { useSignal } from "@preact/signals";
 
 import { Downloads } from "../panels/downloads.tsx";
 import type { Rows } from "../model/csv.ts";
+import { darkFigure } from "../model/dark-figure.ts";
+import { dark } from "../state/theme.ts";
 
 interface Props {
   svg: string;
@@ -17,10 +19,10 @@ interface Props {
 export function Drawn({ svg, label, name, table }: Props) {
   const address = useSignal("");
   useEffect(() => {
-    const url = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
+    const url = URL.createObjectURL(new Blob([dark.value ? darkFigure(svg) : svg], { type: "image/svg+xml" }));
     address.value = url;
     return () => URL.revokeObjectURL(url);
-  }, [svg]);
+  }, [svg, dark.value]);
   return address.value ? (
     <>
       {name && (

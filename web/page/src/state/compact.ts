@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals";
 
 /** The same condition as in style/compact.css. */
-const query = matchMedia("(max-width: 820px), (max-height: 480px)");
+const query = matchMedia("(max-width: 700px), (max-height: 480px)");
 
 export const compact = signal(query.matches);
 query.addEventListener("change", () => (compact.value = query.matches));
@@ -11,4 +11,4 @@ query.addEventListener("change", () => (compact.value = query.matches));
 export type Part = "design" | "plots" | "details";
 
 /** The section that is shown in the compact layout. */
-export const part = signal<Part>("design");
+export const part = signal<Part>("details");

@@ -13,7 +13,7 @@ import { brighter, exposure, intensities, unpacked, type Planes, type ScreenLigh
 import { answer, fields, states, text, viewIndex } from "./design.ts";
 import { present } from "./age.ts";
 import { fileIds, keptIds, sendAgain } from "./files.ts";
-import { settled } from "./live.ts";
+import { edit, settled } from "./live.ts";
 import { BUSY } from "./server.ts";
 import { ageOf, revisionOf, type Age, type Revision } from "./revision.ts";
 
@@ -76,11 +76,45 @@ export const isGlaring = signal(true);
 /** The picture itself, for the screen beside the display. */
 export const source = signal<Planes | null>(null);
 
+/** The direction of the design's only view; null if it has several. */
+const onlyView = computed<Tilt | null>(() => {
+  const [theta, phi] = ["theta_deg", "phi_deg"].map((key) => at(fields.value, `viewer.${key}`) ?? 0);
+  return typeof theta === "number" && typeof phi === "number" ? tiltOf(theta, phi) : null;
+});
+/** Whether the design has one view, which is moved with the picture. */
+export const movesEye = computed(() => onlyView.value !== null);
+
 /** Direction of the eye. */
 export const tilt = computed<Tilt>(() => {
   const view = answer.value?.views[viewIndex.value];
-  return tilted.value ?? tiltOf(view?.theta_deg ?? 0, view?.phi_deg ?? 0);
+  return tilted.value ?? onlyView.value ?? tiltOf(view?.theta_deg ?? 0, view?.phi_deg ?? 0);
 });
+
+/** Directions closer than this to the plane of azimuth 0 are moved into it, degrees. */
+const IN_PLANE_DEG = 1.5;
+
+/** Moves the eye of the design to a direction, if it has one view. */
+export function moveEye([x, y]: Tilt): void {
+  if (!movesEye.value) return;
+  const { theta_deg, phi_deg } = anglesOf([x, Math.abs(y) < IN_PLANE_DEG ? 0 : y]);
+  const theta = Math.round(10 * theta_deg) / 10;
+  const phi = Math.round(phi_deg);
+  const before = numberAt(fields.value, "viewer.phi_deg") ?? 0;
+  edit([
+    { op: "set", path: "viewer.theta_deg", value: theta },
+    ...(phi === before ? [] : [{ op: "set" as const, path: "viewer.phi_deg", value: phi }]),
+  ]);
+}
+
+/** Makes a direction the only view of the design. */
+export function lookFrom(from: Tilt): void {
+  const { theta_deg, phi_deg } = anglesOf(from);
+  tilted.value = null;
+  edit([
+    { op: "set", path: "viewer.theta_deg", value: theta_deg },
+    { op: "set", path: "viewer.phi_deg", value: phi_deg },
+  ]);
+}
 
 /** Factors of the lights of the picture: lamps that have become brighter or darker since it was computed. */
 export const factors = computed<readonly number[]>(() =>

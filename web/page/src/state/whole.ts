@@ -3,6 +3,7 @@
 import { withValue } from "../model/toml-set.ts";
 import { draft, held, pending, text } from "./design.ts";
 import { editsOf, merged, type Change } from "./edits.ts";
+import { keptIds } from "./files.ts";
 import { isUnanswered, settled } from "./live.ts";
 import { ready, wanted } from "./ready.ts";
 import { stepsOf } from "./steps.ts";
@@ -50,3 +51,9 @@ export async function wholeText(done: string): Promise<Whole | null> {
 /** Says which changes are missing in a text, as an end of a sentence; "" for none. */
 export const missing = ({ left }: Whole): string =>
   left.length === 0 ? "" : `. Papilio does not respond: ${left.map(wanted).join(", ")} is in it as a comment only`;
+
+/** Returns the uploaded files that a scenario uses and that are not part of its text, as an end of a sentence. */
+export function withoutFiles(scenario: string): string {
+  const left = Object.keys(keptIds.value).filter((name) => scenario.includes(JSON.stringify(name)));
+  return left.length > 0 ? `, but not its files: ${left.join(", ")}` : "";
+}

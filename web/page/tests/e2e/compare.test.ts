@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { changed, figure, stage, type, type Stage } from "./stage.ts";
+import { changed, figure, stage, type Stage, tool, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -12,12 +12,12 @@ after(() => on.close());
 test("pinned design is compared, swapped and restored after a reload", async () => {
   const page = await on.visit();
   const first = await figure(page, "Contrast : 1");
-  await page.getByRole("button", { name: "Pin", exact: true }).click();
+  await page.getByRole("button", { name: "Keep this version" }).click();
   await type(page, "display.diffuser.haze", "0.5");
   const second = await changed(page, "Contrast : 1", first);
   const difference = await page.locator('[data-figure="Contrast : 1"] .difference').innerText();
   assert.match(difference, new RegExp(`^[+−][\\d.]+ from ${first.replace(".", "\\.")}$`));
-  await page.locator("#tab-compare").click();
+  await tool(page, "compare");
   const row = page.locator("#tab-panel tbody tr");
   assert.equal(await row.count(), 1);
   assert.equal((await row.first().innerText()).split(/\s+/)[0], "display.diffuser.haze");

@@ -45,6 +45,7 @@ test("pending change is saved, and one failure of each kind loses no change", { 
 test("refused change offers the accepted value, and a phone shows the numbers beside the fields", async () => {
   const page = await on.visit({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
   const first = await figure(page, "Gamut % sRGB");
+  await page.getByRole("button", { name: "Layers and light" }).tap();
   await type(page, "display.diffuser.haze", "0.95");
   await page.getByRole("button", { name: /Set total transmittance.* to 0\.8573/ }).tap();
   await changed(page, "Gamut % sRGB", first);

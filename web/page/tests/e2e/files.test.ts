@@ -7,7 +7,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { changed, figure, ROOT, settled, stage, type, type Stage } from "./stage.ts";
+import { changed, figure, ROOT, settled, stage, type Stage, tool, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -88,7 +88,7 @@ test("two tabs keep different files with the same name", async () => {
   for (const [page, , kind] of dropped) {
     await page.reload();
     await page.locator(".bench").waitFor();
-    await page.locator("#tab-files").click();
+    await tool(page, "files");
     await page.locator(".file .uses button").first().waitFor();
     assert.match(await page.locator(".file").innerText(), new RegExp(kind));
   }

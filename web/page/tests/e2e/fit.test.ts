@@ -9,7 +9,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { choose, downloaded, PAPILIO, ROOT, saved, settled, stage, type Stage } from "./stage.ts";
+import { downloaded, example, PAPILIO, ROOT, saved, settled, stage, type Stage, tool } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -22,12 +22,12 @@ const panel = (page: Page) => page.locator("#tab-panel");
 
 /** Opens the example of fits with its measurement. */
 async function opened(page: Page): Promise<void> {
-  await choose(page, "Examples", "fit");
+  await example(page, "fit");
   await page.waitForFunction(
     () => document.querySelector<HTMLInputElement>("input.title")?.value === "A panel from production",
   );
   await settled(page);
-  await page.locator("#tab-fit").click();
+  await tool(page, "fit");
   await panel(page).locator("input[type=file]").setInputFiles(MEASURED);
   await panel(page).getByLabel("synthetic-film.csv").waitFor();
 }
@@ -112,7 +112,7 @@ test("variables are chosen on the page, and what the data cannot tell apart has 
 
 test("fit without a measurement, with a wrong one and for many minutes", { timeout: 240_000 }, async () => {
   const page = await on.visit();
-  await page.locator("#tab-fit").click();
+  await tool(page, "fit");
   await panel(page).getByRole("button", { name: "Add a variable" }).click();
   assert.ok(await panel(page).getByRole("button", { name: "Fit 1 variable" }).isDisabled());
   await panel(page)

@@ -6,20 +6,7 @@ import { after, before, test } from "node:test";
 import type { Page } from "playwright-core";
 
 import { unpacked } from "../../src/state/link.ts";
-import {
-  changed,
-  choose,
-  commandLine,
-  downloaded,
-  drag,
-  figure,
-  itemsOf,
-  saved,
-  settled,
-  stage,
-  type,
-  type Stage,
-} from "./stage.ts";
+import { changed, choose, commandLine, downloaded, drag, figure, itemsOf, saved, settled, stage, type Stage, tool, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -60,7 +47,8 @@ const CLIPBOARD = { permissions: ["clipboard-read", "clipboard-write"] };
 
 /** Clicks Link and returns the link from the clipboard. */
 async function copied(page: Page): Promise<string> {
-  await page.getByRole("button", { name: "Link" }).click();
+  await tool(page, "export");
+  await page.getByRole("button", { name: "Copy the link" }).click();
   await page.getByText("The link is copied").waitFor();
   return page.evaluate(() => navigator.clipboard.readText());
 }
@@ -69,7 +57,8 @@ test("change after a link survives a reload, and undo restores the design before
   const page = await on.visit();
   await type(page, "display.diffuser.haze", "0.7");
   await page.evaluate('Object.defineProperty(navigator, "clipboard", { value: undefined })');
-  await page.getByRole("button", { name: "Link" }).click();
+  await tool(page, "export");
+  await page.getByRole("button", { name: "Copy the link" }).click();
   await page.waitForFunction(() => location.hash.startsWith("#s="));
   const { hash } = new URL(page.url());
   // A reload keeps the link and adds no undo step.
@@ -95,6 +84,12 @@ test("change after a link survives a reload, and undo restores the design before
   assert.match(await saved(page), /haze = 0\.6\b/);
 });
 
+/** Saves a file of the step Share. */
+async function exported(page: Page, what: string) {
+  await tool(page, "export");
+  return downloaded(page, () => page.locator(`[data-export="${what}"]`).click());
+}
+
 /** Delays live results. */
 async function slow(page: Page, ms: number): Promise<void> {
   await page.route("**/api/v1/live", async (route) => {
@@ -103,7 +98,7 @@ async function slow(page: Page, ms: number): Promise<void> {
   });
 }
 
-test("Save, Link, Export, Pin and Verify include a pending change", async () => {
+test("Save, link, export, versions and Monte Carlo include a pending change", async () => {
   const page = await on.visit(CLIPBOARD);
   await slow(page, 700);
   const haze = (value: string) => type(page, "display.diffuser.haze", value);
@@ -112,24 +107,25 @@ test("Save, Link, Export, Pin and Verify include a pending change", async () => 
   await haze("0.52");
   assert.match((await unpacked(new URL(await copied(page)).hash)) ?? "", /haze = 0\.52\b/);
   await haze("0.53");
-  const result = (await downloaded(page, () => choose(page, "Export", "result.json"))).text;
+  const result = (await exported(page, "result.json")).text;
   assert.equal(
     (JSON.parse(result) as { scenario: { display: { diffuser: { haze: number } } } }).scenario.display.diffuser.haze,
     0.53,
   );
   await haze("0.54");
-  await page.getByRole("button", { name: "Pin", exact: true }).click();
-  await page.getByRole("button", { name: "Unpin" }).waitFor();
+  await page.getByRole("button", { name: "Keep this version" }).click();
+  await page.getByRole("button", { name: "Stop comparing" }).waitFor();
   const kept = await page.evaluate(() => JSON.parse(sessionStorage.getItem("papilio.tab")!) as { pinned: string });
   assert.match(kept.pinned, /haze = 0\.54\b/);
   await haze("0.55");
   const asked = page.waitForRequest("**/api/v1/walk");
-  await page.getByRole("button", { name: "Verify" }).click();
+  await tool(page, "walk");
+  await page.getByRole("button", { name: "Run Monte Carlo" }).click();
   assert.match((await asked).postData() ?? "", /haze = 0\.55\b/);
   await page.getByRole("button", { name: "Cancel" }).click();
 });
 
-test("Save, Link, Export, Pin and Verify after a refused value show a message and do nothing", async () => {
+test("Save, link, export, versions and Monte Carlo after a refused value show a message and do nothing", async () => {
   const page = await on.visit(CLIPBOARD);
   await type(page, "display.diffuser.haze", "7");
   await page.locator(".field .error").waitFor();
@@ -138,14 +134,17 @@ test("Save, Link, Export, Pin and Verify after a refused value show a message an
   page.on("request", (request) => /export|walk/.test(request.url()) && (taken += 1));
   for (const [button, done] of [
     ["Save", "saved"],
-    ["Link", "linked"],
-    ["Pin", "pinned"],
-    ["Verify", "run"],
+    ["Copy the link", "linked"],
+    ["Keep this version", "pinned"],
+    ["Run Monte Carlo", "run"],
   ] as const) {
+    if (done === "linked") await tool(page, "export");
+    if (done === "run") await tool(page, "walk");
     await page.getByRole("button", { name: button, exact: true }).click();
     await page.locator(".said", { hasText: `Not ${done}` }).waitFor();
   }
-  await choose(page, "Export", "report.html");
+  await tool(page, "export");
+  await page.locator('[data-export="report.html"]').click();
   const said = page.locator(".said", { hasText: "Not exported" });
   await said.waitFor();
   assert.match(
@@ -273,7 +272,7 @@ test("design survives a reload and a kill of the server", async () => {
 test("exports equal those of the command line", async () => {
   const page = await on.visit();
   const scenario = await saved(page);
-  const take = (what: string) => downloaded(page, () => choose(page, "Export", what));
+  const take = (what: string) => exported(page, what);
   const result = JSON.parse((await take("result.json")).text) as { views: unknown };
   assert.deepEqual(result.views, commandLine(scenario).views);
   assert.match((await take("states.csv")).text, /^theta_deg,phi_deg,state,/);

@@ -7,7 +7,8 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { changed, choose, figure, itemsOf, saved, settled, stage, type, type Stage } from "./stage.ts";
+import { TOOLS } from "../../src/model/tools.ts";
+import { changed, example, figure, itemsOf, saved, settled, stage, type Stage, tool, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -25,14 +26,14 @@ async function violations(page: Page): Promise<string[]> {
   });
 }
 
-const TABS = ["image", "states", "angles", "cone", "detail", "energy", "reading", "walk", "surface", "sweep", "compare", "files"];
+const TABS = TOOLS.map(({ id }) => id);
 
 for (const colorScheme of ["light", "dark"] as const) {
   test(`page has no axe violations, ${colorScheme}`, async () => {
     const page = await on.visit({ colorScheme });
     assert.deepEqual(await violations(page), []);
     for (const tab of TABS) {
-      await page.locator(`#tab-${tab}`).click();
+      await tool(page, tab);
       await settled(page);
       assert.deepEqual(await violations(page), [], tab);
     }
@@ -76,17 +77,21 @@ test("keyboard alone changes a source and a field and selects a layer and a tab"
   assert.match(scenario, /thickness_nm = 13\.15/);
   await tabTo(page, "#tab-states");
   await page.keyboard.press("ArrowRight");
-  assert.equal(await page.locator('[aria-selected="true"]').innerText(), "Angles");
+  assert.equal(await page.locator('[role="tab"][aria-selected="true"]').innerText(), "Spectra");
+  await tabTo(page, '[data-step="improve"]');
+  await page.keyboard.press("Enter");
+  assert.equal(await page.locator('[role="tab"][aria-selected="true"]').innerText(), "Sweep");
   assert.deepEqual(on.complaints, []);
 });
 
 test("moving through a menu selects nothing, and the focus returns to its button", async () => {
   const page = await on.visit();
   const scenario = await saved(page);
+  await tool(page, "image");
   const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset["item"] ?? "");
   let downloads = 0;
   page.on("download", () => (downloads += 1));
-  for (const name of ["Examples", "Export", "Lighting preset", "Add layer", "Add source"]) {
+  for (const name of ["Lighting preset", "Add layer", "Add source", "Download files of the picture"]) {
     const button = page.getByRole("button", { name });
     const items = await itemsOf(page, name);
     await button.focus();
@@ -189,10 +194,13 @@ for (const [width, height] of [
 
 test("every example opens with a result or a message", async () => {
   const page = await on.visit();
-  const names = await itemsOf(page, "Examples");
-  assert.ok(names.length > 20);
+  await tool(page, "examples");
+  const names = await page
+    .locator("[data-example]")
+    .evaluateAll((all) => all.map((one) => (one as HTMLElement).dataset["example"]!));
+  assert.ok(names.length > 60, String(names.length));
   for (const name of names) {
-    await choose(page, "Examples", name);
+    await example(page, name);
     await page.waitForTimeout(100);
     await page.waitForFunction(() => document.querySelector('.picture[aria-busy="false"]') !== null, undefined, {
       timeout: 60_000,

@@ -7,7 +7,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { changed, choose, downloaded, figure, ROOT, saved, settled, stage, type, type Stage } from "./stage.ts";
+import { changed, choose, downloaded, example, figure, ROOT, saved, settled, stage, type Stage, tool, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -24,14 +24,14 @@ function onlyRefusals(): void {
 }
 
 async function openExample(page: Page, name: string, title: string): Promise<void> {
-  await choose(page, "Examples", name);
+  await example(page, name);
   await page.waitForFunction((title) => document.querySelector<HTMLInputElement>(".title")?.value === title, title);
 }
 
 test("sweep of the file runs as it is, becomes stale, and a point is applied", async () => {
   const page = await on.visit();
   await openExample(page, "sweep", "Haze and the room");
-  await page.locator("#tab-sweep").click();
+  await tool(page, "sweep");
   assert.equal(await page.getByLabel("Key of axis 1, key 2").inputValue(), "lighting.directed.0.share");
   assert.equal(await page.getByLabel("Values of axis 2").inputValue(), "list");
   await page.getByRole("button", { name: "Sweep 35 points" }).click();
@@ -58,7 +58,7 @@ test("sweep of the file runs as it is, becomes stale, and a point is applied", a
 
 test("sweep over a list of materials is drawn, and one with two keys per axis is written to the scenario", async () => {
   const page = await on.visit();
-  await page.locator("#tab-sweep").click();
+  await tool(page, "sweep");
   await page.getByLabel("Key of axis 1").selectOption("display.pixel.film.2.material");
   await page.getByLabel("values", { exact: true }).fill("SiO2, MgF2, Al2O3");
   await page.getByLabel("values", { exact: true }).press("Enter");
@@ -133,7 +133,7 @@ test("refused change does not move the slider, and a button sets the value that 
 
 test("design that adding refuses is computed with Monte Carlo", { timeout: 180_000 }, async () => {
   const page = await on.visit();
-  await choose(page, "Examples", "rough-glass");
+  await example(page, "rough-glass");
   await page.locator('[data-part="display.layers.0"]').waitFor({ timeout: 60_000 });
   await settled(page);
   await page.locator('[data-part="display.layers.0"]').click();
@@ -253,12 +253,12 @@ async function files(page: Page, menu: string, items: readonly string[]) {
 
 test("every figure and every table can be saved", { timeout: 240_000 }, async () => {
   const page = await on.visit();
-  await page.getByRole("button", { name: "Pin", exact: true }).click();
+  await page.getByRole("button", { name: "Keep this version" }).click();
   await type(page, HAZE, "0.7");
   await settled(page);
   let count = 0;
   for (const tab of ["states", "angles", "cone", "energy", "walk", "compare"]) {
-    await page.locator(`#tab-${tab}`).click();
+    await tool(page, tab);
     if (tab === "walk") {
       await page.locator("#walk-aim").selectOption("0.01");
       await page.getByRole("button", { name: "Run Monte Carlo" }).click();
@@ -297,6 +297,7 @@ test("phone reaches a field and sees the result change", async () => {
   const page = await on.visit({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
   await page.getByRole("button", { name: "Got it" }).tap();
   const first = await figure(page, GAMUT);
+  await page.getByRole("button", { name: "Layers and light" }).tap();
   const slider = page.locator(`.field[data-path="${HAZE}"] input[type=range]`);
   await slider.scrollIntoViewIfNeeded();
   const box = (await slider.boundingBox())!;
@@ -313,11 +314,12 @@ test("phone reaches a field and sees the result change", async () => {
   }
   await page.getByRole("button", { name: "Diagrams" }).tap();
   assert.ok((await page.locator(".chromaticity svg").first().boundingBox())!.width > 280);
-  await page.getByRole("button", { name: "Tables and tools" }).tap();
+  await page.getByRole("button", { name: "Stage and tools" }).tap();
+  await page.getByRole("button", { name: "Improve" }).tap();
   await page.locator("#tab-sweep").tap();
   await page.getByRole("button", { name: /Sweep \d+ points/ }).waitFor();
   // Targets of at least 24 px.
-  await page.getByRole("button", { name: "Design", exact: true }).tap();
+  await page.getByRole("button", { name: "Layers and light" }).tap();
   const small = await page.evaluate(() =>
     [...document.querySelectorAll('button, select, .box, [data-part], .handle .target, input[type="range"]')]
       .map((e) => [e.outerHTML.slice(0, 80), e.getBoundingClientRect()] as const)
@@ -353,7 +355,7 @@ test("example being opened is named at once, and the old design cannot be edited
     await new Promise((resolve) => setTimeout(resolve, 900));
     await route.continue();
   });
-  await choose(page, "Examples", "epaper");
+  await example(page, "epaper");
   assert.equal(await page.locator(".title").inputValue(), "Opening epaper…");
   assert.ok(await page.locator(".design").evaluate((e) => (e as HTMLElement).inert));
   await page.waitForFunction(() => !document.querySelector<HTMLInputElement>(".title")!.value.startsWith("Opening"));

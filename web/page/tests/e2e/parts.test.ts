@@ -5,7 +5,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { choose, itemsOf, saved, settled, stage, type, type Stage } from "./stage.ts";
+import { choose, example, itemsOf, saved, settled, stage, type Stage, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -21,7 +21,7 @@ async function computes(page: Page, what: string): Promise<void> {
 }
 
 async function openIndoor(page: Page): Promise<void> {
-  await choose(page, "Examples", "indoor");
+  await example(page, "indoor");
   await computes(page, "indoor");
   await page.locator('[data-part="display.diffuser"]').click();
 }

@@ -6,7 +6,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { choose, exact, settled, stage, type Stage } from "./stage.ts";
+import { exact, example, settled, stage, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -107,12 +107,12 @@ async function select(page: Page, part: string, key: string): Promise<void> {
 /** Numbers from 0 to 1 that are the same in every run. */
 const spread = (i: number): number => (0.5 + i * 0.6180339887498949) % 1;
 
-for (const { name, example, keys } of CASES) {
+for (const { name, example: shown, keys } of CASES) {
   test(`first answers of ${MOVES} moves are within their errors: ${name}`, { timeout: 900_000 }, async () => {
     const page = await on.visit();
     // The compiler of the tests wraps functions in calls of this name.
     await page.evaluate("globalThis.__name = (of) => of");
-    if (example !== "indoor") await choose(page, "Examples", example);
+    if (shown !== "indoor") await example(page, shown);
     await settled(page);
     await exact(page);
     const seen: { first: Seen; exact: Seen }[] = [];

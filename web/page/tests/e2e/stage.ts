@@ -10,7 +10,10 @@ import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { fileURLToPath } from "node:url";
 
-import { chromium, type Browser, type BrowserContextOptions, type Download, type Page } from "playwright-core";
+import { chromium, type Browser, type BrowserContextOptions, type Download, type Page, type Route } from "playwright-core";
+
+import { stepOf } from "../../src/model/tools.ts";
+
 
 export const ROOT = fileURLToPath(new URL("../../../../", import.meta.url));
 
@@ -45,6 +48,21 @@ export interface Stage {
   close(): Promise<void>;
 }
 
+/** A folder with the page, instead of the one in the program: for tests of a page that was built after it. */
+const PAGE = process.env["PAPILIO_PAGE_FOLDER"];
+
+const KINDS: Record<string, string> = { html: "text/html; charset=utf-8", js: "text/javascript", css: "text/css", svg: "image/svg+xml", ttf: "font/ttf" };
+
+/** Answers a request for a file of the page, with the headers of the program. */
+async function fromFolder(route: Route): Promise<void> {
+  const { pathname } = new URL(route.request().url());
+  const name = pathname === "/" ? "index.html" : pathname.slice(1);
+  const head = await route.fetch().catch(() => null);
+  const { "content-length": _, ...headers } = head?.headers() ?? {};
+  const kind = KINDS[name.split(".").at(-1)!] ?? "application/octet-stream";
+  await route.fulfill({ status: 200, headers: { ...headers, "content-type": kind }, body: readFileSync(join(PAGE!, name)) });
+}
+
 async function serve(port: number): Promise<{ url: string; child: ChildProcess }> {
   const child = spawn(PAPILIO, ["serve", "--port", String(port)], { stdio: ["ignore", "pipe", "inherit"] });
   for await (const line of createInterface({ input: child.stdout! })) {
@@ -77,6 +95,7 @@ export async function stage(): Promise<Stage> {
         colorScheme: "light",
         ...options,
       });
+      if (PAGE) await context.route((address) => !address.pathname.startsWith("/api/"), fromFolder);
       const page = await context.newPage();
       page.on(
         "console",
@@ -98,7 +117,7 @@ export async function stage(): Promise<Stage> {
       await page.locator(".bench").waitFor();
       await exact(page);
       // The picture, which is shown first, has tests of its own (image.test.ts), and takes time in all others.
-      if (!fragment.startsWith("?")) await page.locator("#tab-states").evaluate((tab: HTMLElement) => tab.click());
+      await tool(page, fragment.startsWith("?") ? "image" : "states");
       return page;
     },
     kill,
@@ -113,6 +132,21 @@ export async function stage(): Promise<Stage> {
       child.kill("SIGKILL");
     },
   };
+}
+
+/** Opens a tool of the page, in its step. */
+export async function tool(page: Page, id: string): Promise<void> {
+  await page.locator(`.steps [data-step="${stepOf(id).id}"]`).evaluate((one: HTMLElement) => one.click());
+  await page.locator(`#tab-${id}`).evaluate((one: HTMLElement) => one.click());
+}
+
+/** Opens an example from the gallery. */
+export async function example(page: Page, name: string): Promise<void> {
+  const before = await page.locator(".middle").getAttribute("data-tool");
+  await tool(page, "examples");
+  await page.locator(`[data-example="${name}"]`).evaluate((one: HTMLElement) => one.click());
+  await page.locator('.middle:not([data-tool="examples"])').waitFor();
+  if (before && before !== "examples") await tool(page, before);
 }
 
 /** Returns a number of the summary as it is shown. */

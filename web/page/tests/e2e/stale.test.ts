@@ -5,7 +5,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { changed, choose, downloaded, figure, stage, type, type Stage } from "./stage.ts";
+import { changed, choose, downloaded, example, figure, stage, type Stage, tool, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -54,7 +54,7 @@ test("every number, plot and table is marked until the answer to a change is the
   let haze = 0.6;
   for (const tab of ["states", "angles", "cone", "energy", "reading"]) {
     await slow(page, {});
-    await page.locator(`#tab-${tab}`).click();
+    await tool(page, tab);
     await page.locator("#tab-panel :is(table, .u-over, img.drawn)").first().waitFor({ timeout: 60_000 });
     await allCurrent(page);
     await slow(page, { live: 1500, angles: 1500, cone: 1500 });
@@ -71,7 +71,7 @@ test("every number, plot and table is marked until the answer to a change is the
   }
   // What is saved while the answer is on its way is that of the new design.
   await slow(page, { live: 1000 });
-  await page.locator("#tab-energy").click();
+  await tool(page, "energy");
   const old = await page.locator(".ledger tbody td").nth(1).innerText();
   await type(page, HAZE, "0.3");
   const { text } = await downloaded(page, () => choose(page, "Download energy-balance", "csv"));
@@ -89,7 +89,7 @@ test("picture of the design before is marked until its own is there", { timeout:
   const caption = page.locator(".seen-display figcaption");
   await caption.getByText("prepared for this light and view").waitFor({ timeout: 30_000 });
   await slow(page, { image: 3000 });
-  await choose(page, "Examples", "six-ink");
+  await example(page, "six-ink");
   await page.waitForFunction(
     () => document.querySelector<HTMLInputElement>("input.title")?.value === "Six-ink electronic paper",
   );
@@ -112,7 +112,7 @@ test("picture of the design before is marked until its own is there", { timeout:
 
 test("view that is not computed yet has no numbers of another view", { timeout: 120_000 }, async () => {
   const page = await on.visit();
-  await choose(page, "Examples", "hazy-face");
+  await example(page, "hazy-face");
   await page.locator("#view").waitFor({ timeout: 60_000 });
   await allCurrent(page);
   await slow(page, { live: 1500 });
@@ -127,7 +127,7 @@ test("view that is not computed yet has no numbers of another view", { timeout: 
 test("surface that is refused has no fields and numbers of the surface before", { timeout: 240_000 }, async () => {
   const page = await on.visit();
   const panel = page.locator("#tab-panel");
-  await page.locator("#tab-surface").click();
+  await tool(page, "surface");
   await panel.getByText("a preview, 20 000 for each inclination").waitFor({ timeout: 120_000 });
   // A change that is refused: the numbers are those of the surface without it, which their mark says.
   await page.locator("#surface-pitch_um").fill("4");

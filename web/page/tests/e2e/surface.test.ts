@@ -9,7 +9,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { choose, downloaded, figure, changed, PAPILIO, saved, settled, stage, type Stage } from "./stage.ts";
+import { changed, choose, downloaded, example, figure, PAPILIO, saved, settled, stage, type Stage, tool } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -27,7 +27,7 @@ const cell = (page: Page, column: number): Promise<string> =>
 
 /** Opens the tab, and waits for the fine preview. */
 async function surface(page: Page): Promise<void> {
-  await page.locator("#tab-surface").click();
+  await tool(page, "surface");
   await fine(page);
 }
 
@@ -99,13 +99,13 @@ test("surface becomes the face of the display, and is found again in its layer",
   assert.match(await saved(page), /model = "microgeometry"[\s\S]*surface = "hemispheres\.toml"/);
   await page.locator('[data-part="display.diffuser"]').click();
   assert.match(await page.locator('[data-part="display.diffuser"]').innerHTML(), /Surface[\s\S]*hemispheres\.toml/);
-  await page.locator("#tab-states").click();
+  await tool(page, "states");
   await page.getByRole("button", { name: "Show this surface" }).click();
   await panel(page).getByRole("button", { name: "hemispheres.toml (the diffuser)" }).waitFor();
   await fine(page);
 
   // The surface of an example, with the key of its layer.
-  await choose(page, "Examples", "etched-face");
+  await example(page, "etched-face");
   await settled(page);
   await panel(page).getByRole("button", { name: "etched.toml (layer 1)" }).click();
   await panel(page).locator(".surface-name", { hasText: "etched.toml" }).waitFor();

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { choose, figure, settled, stage, type Stage } from "./stage.ts";
+import { example, figure, saved, settled, type Stage, stage, tool } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -11,7 +11,7 @@ after(() => on.close());
 
 test("metric against viewing angle equals the summary at the shown view", async () => {
   const page = await on.visit();
-  await page.locator("#tab-angles").click();
+  await tool(page, "angles");
   await settled(page);
   await page.locator("#tab-panel .u-over").scrollIntoViewIfNeeded();
   const box = (await page.locator("#tab-panel .u-over").boundingBox())!;
@@ -26,7 +26,7 @@ test("metric against viewing angle equals the summary at the shown view", async 
 
 test("maps over all directions are shown", async () => {
   const page = await on.visit();
-  await page.locator("#tab-cone").click();
+  await tool(page, "cone");
   const map = page.locator("#tab-panel img.drawn").first();
   await map.waitFor({ timeout: 60_000 });
   assert.ok(await map.evaluate((img: HTMLImageElement) => img.decode().then(() => img.naturalWidth > 500)));
@@ -35,7 +35,7 @@ test("maps over all directions are shown", async () => {
 
 test("readability is that of the described reader in any light", async () => {
   const page = await on.visit();
-  await page.locator("#tab-reading").click();
+  await tool(page, "reading");
   const panel = page.locator("#tab-panel");
   const level = async (): Promise<number> =>
     Number(
@@ -56,7 +56,7 @@ test("readability is that of the described reader in any light", async () => {
 
 test("fractions of every energy balance sum to 100 %", async () => {
   const page = await on.visit();
-  await page.locator("#tab-energy").click();
+  await tool(page, "energy");
   for (const row of await page.locator(".ledger tbody tr").all()) {
     const fractions = (await row.locator("td:not(.bar-cell)").allInnerTexts()).map(Number);
     assert.ok(Math.abs(fractions.reduce((sum, fraction) => sum + fraction, 0) - 100) < 0.03, fractions.join());
@@ -74,7 +74,7 @@ test("values of the spectra are shown at the pointer", async () => {
 
 test("sweep over one key ends at the live result, and over two keys is drawn as a map", async () => {
   const page = await on.visit();
-  await page.locator("#tab-sweep").click();
+  await tool(page, "sweep");
   await page.getByLabel("Key of axis 1").selectOption("display.diffuser.haze");
   const axis = page.locator(".controls.axis").first();
   await axis.getByLabel("from").fill("0.5");
@@ -96,20 +96,22 @@ test("sweep over one key ends at the live result, and over two keys is drawn as 
 
 test("sweep of a metric of pixels has the value of the tab of fine detail", async () => {
   const page = await on.visit();
-  await choose(page, "Examples", "matrix");
-  await page.locator("#tab-sweep").click();
+  await example(page, "matrix");
+  await tool(page, "sweep");
   await page.getByLabel("Key of axis 1").selectOption("display.glass.thickness_mm");
   const axis = page.locator(".controls.axis").first();
   await axis.getByLabel("from").fill("0.3");
   await axis.getByLabel("to").fill("0.5");
   await axis.getByLabel("count").fill("2");
   await axis.getByLabel("count").press("Enter");
-  await page.locator("#sweep-metric").selectOption("white.f50_x_per_mm");
+  await page.locator("#sweep-metric").click();
+  await page.getByRole("combobox", { name: /search by words/ }).fill("white half");
+  await page.locator('[data-metric="white.f50_x_per_mm"]').click();
   await page.getByRole("button", { name: "Sweep 2 points" }).click();
   await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
   const panel = page.locator("#tab-panel");
   const last = /value at the last point: (\d+\.\d+)/.exec(await panel.innerText())![1]!;
-  await page.locator("#tab-detail").click();
+  await tool(page, "detail");
   const row = panel.locator("tr", { hasText: "Frequency of half the modulation along x" });
   await row.first().waitFor({ timeout: 60_000 });
   const white = Number(await row.first().locator("td").first().innerText());
@@ -119,7 +121,7 @@ test("sweep of a metric of pixels has the value of the tab of fine detail", asyn
 
 test("fine detail shows the numbers and figures of sharpness and crosstalk, or what is missing", async () => {
   const page = await on.visit();
-  await page.locator("#tab-detail").click();
+  await tool(page, "detail");
   const panel = page.locator("#tab-panel");
   await panel.getByRole("alert").first().waitFor();
   const missing = (await panel.getByRole("alert").allInnerTexts()).join("\n");
@@ -127,7 +129,11 @@ test("fine detail shows the numbers and figures of sharpness and crosstalk, or w
   assert.match(missing, /thickness_mm.* is missing/);
   // The request that was refused.
   assert.equal(on.complaints.splice(0).filter((words) => !words.includes("status of 422")).length, 0);
-  await choose(page, "Examples", "matrix");
+  // A button adds what is missing.
+  await panel.getByRole("button", { name: "Add no gap below the front, 0.5 mm of glass" }).click();
+  await panel.locator("img.drawn").first().waitFor({ timeout: 60_000 });
+  assert.match(await saved(page), /thickness_mm = 0\.5/);
+  await example(page, "matrix");
   await panel.locator("img.drawn").first().waitFor({ timeout: 60_000 });
   const row = panel.locator("tr", { hasText: "Modulation transfer at Nyquist along x" });
   const white = Number(await row.locator("td").first().innerText());

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { choose, settled, stage, type, type Stage } from "./stage.ts";
+import { example, settled, stage, type Stage, tool, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -14,7 +14,7 @@ test("Monte Carlo run reports decreasing errors and is cancelled immediately", a
   await page.getByRole("button", { name: "Computation" }).click();
   await page.locator('[id="f-solver.sampler"]').selectOption("random");
   await settled(page);
-  await page.locator("#tab-walk").click();
+  await tool(page, "walk");
   await page.locator("#walk-aim").selectOption("0.000001");
   await page.getByRole("button", { name: "Run Monte Carlo" }).click();
   await page.locator(".walk tbody tr").first().waitFor();
@@ -32,7 +32,8 @@ test("Monte Carlo run reports decreasing errors and is cancelled immediately", a
 
 test("finished Monte Carlo run agrees with adding, and reports a change of the design", async () => {
   const page = await on.visit();
-  await page.getByRole("button", { name: "Verify" }).click();
+  await tool(page, "walk");
+  await page.getByRole("button", { name: "Run Monte Carlo" }).click();
   await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
   const verdicts = await page.locator(".walk tbody .words").allInnerTexts();
   assert.equal(verdicts.length, 8);
@@ -50,7 +51,7 @@ test("scenario that asks for Monte Carlo says that the page shows adding, and ru
   const page = await on.visit();
   const note = page.locator(".notes", { hasText: "asks for Monte Carlo" });
   assert.equal(await note.count(), 0);
-  await choose(page, "Examples", "sampling");
+  await example(page, "sampling");
   await note.waitFor({ timeout: 60_000 });
   await note.getByRole("button", { name: "Run Monte Carlo" }).click();
   await page.locator(".walk tbody tr").first().waitFor({ timeout: 60_000 });
