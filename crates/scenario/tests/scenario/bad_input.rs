@@ -285,7 +285,7 @@ fn independent_mistakes_are_reported_together() {
 
 #[test]
 fn mistakes_in_set_are_reported_with_its_number_and_column() {
-    let cases: [(&[&str], &str, &[&str]); 14] = [
+    let cases: [(&[&str], &str, &[&str]); 16] = [
         (&["display.glas.index=1.5"], "--set #1:1:9", &["no key `glas`", "did you mean `glass`?"]),
         (
             &["title=\"x\"", "viewer.theta_deg=-95"],
