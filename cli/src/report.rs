@@ -12,7 +12,7 @@ use papilio_formats::report::{
 };
 pub(crate) use papilio_formats::words::table;
 
-use crate::numbers::{percent, unsigned_zero};
+use crate::numbers::{has_errors, percent, unsigned_zero};
 
 /// Largest width of a column heading before it continues on the next line, characters.
 const HEADING: usize = 16;
@@ -56,7 +56,7 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
     } else {
         let _ = write!(text, "\n{}", table(&rows_of_views(result)));
     }
-    let solver = &result.solver;
+    let (solver, has_errors) = (&result.solver, has_errors(&text));
     let _ = write!(text, "\n{}, {seconds:.2} s", effort(result));
     if let (Some(paths), Some(target)) = (solver.paths, &solver.target) {
         let [likely, most] = target.paths_for_a_tenth.map(|more| more / paths as f64);
@@ -70,7 +70,7 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
              paths{most}"
         );
     }
-    if solver.paths.is_some() {
+    if solver.paths.is_some() && has_errors {
         text.push_str(". 0.123(4) means 0.123 with a standard error of 0.004.");
     }
     text.push('\n');

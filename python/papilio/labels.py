@@ -33,7 +33,7 @@ def label(name: str) -> Label:
 
     Example:
         >>> str(papilio.label("display.pixel.film.1.thickness_nm"))
-        'Thickness of film layer 2 (nm)'
+        'Thickness of film layer 1 (nm)'
         >>> papilio.label("gamut_percent_srgb").unit
         '% of sRGB'
     """

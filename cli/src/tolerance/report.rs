@@ -5,6 +5,7 @@ use papilio_display::capitalised;
 use papilio_formats::sweep_value;
 use papilio_scenario::label;
 
+use crate::numbers::has_errors;
 use crate::{numbers, report};
 
 /// Most rows of the table of the worst displays.
@@ -24,11 +25,13 @@ pub(super) fn tolerance_report(title: &str, production: &Production, found: &Rep
     text.push('\n');
     text.push_str(&report::table(&spreads(found)));
     if found.sensitivity_samples > 0 {
-        text.push_str(
-            "\nfraction of the variance, %: first-order index / total-order index of each key; 12.3(4) means 12.3 with a standard \
-             error of 0.4\n",
-        );
-        text.push_str(&report::table(&sensitivities(found)));
+        let sensitivities = report::table(&sensitivities(found));
+        text.push_str("\nfraction of the variance, %: first-order index / total-order index of each key");
+        if has_errors(&sensitivities) {
+            text.push_str("; 12.3(4) means 12.3 with a standard error of 0.4");
+        }
+        text.push('\n');
+        text.push_str(&sensitivities);
     }
     if !found.worst.is_empty() {
         text.push_str(

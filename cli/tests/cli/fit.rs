@@ -87,7 +87,7 @@ fn files_do_not_depend_on_threads() {
     same(&results[0].1, &results[1].1);
     assert_eq!(results[0].0, results[1].0);
     let text = &results[0].0;
-    for words in ["Thickness of film layer 1 (nm)", "chi-square", "standard deviation of reflectances", "BIC"]
+    for words in ["Thickness of film layer 0 (nm)", "chi-square", "standard deviation of reflectances", "BIC"]
     {
         assert!(text.contains(words), "{words}: {text}");
     }
@@ -242,7 +242,7 @@ fn rows_and_notes_state_what_the_user_must_know() {
     fs::write(&data, DATA).unwrap();
     let output = papilio(&["fit", &file, &data, "--out", &out]);
     assert!(output.status.success(), "{}", stderr(&output));
-    let row = stdout(&output).lines().find(|line| line.contains("film layer 1")).unwrap().to_owned();
+    let row = stdout(&output).lines().find(|line| line.contains("film layer 0")).unwrap().to_owned();
     assert!(row.contains("145.00"), "{row}");
     assert!(
         stderr(&output).contains("the scenario's own value, 145, is outside the bounds"),
@@ -266,6 +266,6 @@ fn rows_and_notes_state_what_the_user_must_know() {
     for words in ["the measured Y is about a hundred times", "does not describe the data within the stated"] {
         assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
     }
-    let row = stdout(&output).lines().find(|line| line.contains("film layer 1")).unwrap().to_owned();
+    let row = stdout(&output).lines().find(|line| line.contains("film layer 0")).unwrap().to_owned();
     assert!(row.to_lowercase().contains("substrate"), "{row}");
 }

@@ -217,7 +217,7 @@ fn known(name: &str) -> Option<Label> {
     let index: usize = index.parse().ok()?;
     let (_, quantity, unit) = OTHERS.iter().find(|(known, ..)| *known == number)?;
     let counted = quantity.ends_with("source") || quantity.ends_with("environment");
-    counted.then(|| Label::new(format!("{quantity} {}", index + 1), *unit))
+    counted.then(|| Label::new(format!("{quantity} {index}"), *unit))
 }
 
 /// Returns a text that begins with a capital letter.
@@ -255,7 +255,7 @@ mod tests {
             ("Y_se", "Standard error of luminance factor Y"),
             ("x_de", "Discretisation error of chromaticity x"),
             ("a_star_se", "Standard error of CIELAB a*"),
-            ("R_dir_1", "Luminance factor in the light of directed source 2"),
+            ("R_dir_1", "Luminance factor in the light of directed source 1"),
             ("cam16_J_prime", "CAM16-UCS lightness J′"),
             ("ledger_pixel", "Absorbed by the pixel"),
         ] {

@@ -73,8 +73,7 @@ fn list(svg: &mut Svg, room: &AmbientLight) {
         (format!("directed, {}{azimuth}", degrees(source.theta_deg)), source.illuminance_lx)
     });
     let of = room.environment_lx.len();
-    let name =
-        |i: usize| if of == 1 { "environment".to_owned() } else { format!("environment {} of {of}", i + 1) };
+    let name = |i: usize| if of == 1 { "environment".to_owned() } else { format!("environment {i}") };
     let environments = room.environment_lx.iter().enumerate().map(|(i, lux)| (name(i), *lux));
     let mut rows: Vec<(String, f64)> = diffuse.into_iter().chain(directed).chain(environments).collect();
     let all: f64 = rows.iter().map(|(_, lux)| lux).sum();

@@ -7,6 +7,8 @@ use crate::scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 
 /// Incidences of the polar maps, degrees. The nearest incidences of the file are drawn.
 const MAPS_DEG: [f64; 2] = [0.0, 45.0];
+/// Largest number of curves: more cannot be told apart by their colours.
+const CURVES: usize = 7;
 
 /// Returns a file name and a figure for each part of a measurement that has an audit. The figure shows the
 /// luminous channel.
@@ -42,7 +44,7 @@ impl MeasuredLobe {
     }
 }
 
-/// Returns the curve of each incidence in the plane of incidence.
+/// Returns curves in the plane of incidence: of each incidence, or of the first, the last and others at equal steps between them.
 fn curves(shape: &MeasuredLobe) -> Vec<ScatterCurve> {
     let value = |k: usize, from: f64, to: f64| {
         shape.value(k, to, Beta { x: to.to_radians().sin() - from.to_radians().sin(), y: 0.0 })
@@ -53,7 +55,10 @@ fn curves(shape: &MeasuredLobe) -> Vec<ScatterCurve> {
         points: false,
         values: (-356..=356).map(|q| 0.25 * f64::from(q)).map(|to| (to, value(k, from, to))).collect(),
     };
-    shape.plain.incidences_deg().enumerate().map(curve).collect()
+    let incidences: Vec<f64> = shape.plain.incidences_deg().collect();
+    let count = incidences.len().min(CURVES);
+    let number = |k: usize| k * (incidences.len() - 1) / (count - 1).max(1);
+    (0..count).map(number).map(|k| curve((k, incidences[k]))).collect()
 }
 
 /// Returns the maps of the hemisphere at the incidences closest to `MAPS_DEG`.

@@ -70,7 +70,7 @@ pub fn scattering(figure: &Scattering, title: &str) -> String {
     let maps_left = 80.0 + SIZE.0 + LEGEND[0] + LEGEND[1] * longest.max().unwrap_or(9) as f64;
     let pitch = 2.0 * RADIUS + 90.0;
     let width =
-        maps_left + pitch * figure.maps.len() as f64 + if figure.maps.is_empty() { 0.0 } else { 50.0 };
+        maps_left + pitch * figure.maps.len() as f64 + if figure.maps.is_empty() { 0.0 } else { 76.0 };
     let mut svg = Svg::new(width, SIZE.1 + 90.0).titled(title);
     let x = Axis::exact(-90.0, 90.0, 9, "Inclination in the plane of incidence (deg)");
     let panel = Panel { origin: (80.0, 24.0), size: SIZE, x, y: scale.clone() };

@@ -118,7 +118,7 @@ struct IncidenceFile {
     integral_filled: f64,
     grid_error: f64,
     azimuth_error: f64,
-    peak: f64,
+    peak: Option<f64>,
     half_widths_deg: [Option<f64>; 3],
 }
 

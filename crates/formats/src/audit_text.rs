@@ -201,7 +201,7 @@ fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
             incidence.measured_to_deg.map_or("-".to_owned(), |_| percent(incidence.beyond_share())),
             format!("{:.4}", incidence.integral_filled),
             percent(incidence.grid_error),
-            format!("{:.4}", incidence.peak),
+            incidence.peak.map_or("-".to_owned(), |peak| format!("{peak:.4}")),
             format!("{} {} {}", width(0), width(1), width(2)),
         ]);
     }
@@ -244,7 +244,7 @@ fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
     let range = format!("values {:.3e} to {:.3e} 1/sr", audit.range[0], audit.range[1]);
     match audit.pairs {
         Some(pairs) => {
-            let of_pairs = pair_lines(audit, &pairs);
+            let of_pairs = pair_lines(part, audit, &pairs);
             of_pairs.into_iter().chain([range]).for_each(&mut line);
         }
         None => {
@@ -269,7 +269,7 @@ fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
 }
 
 /// Returns what concerns listed pairs of directions.
-fn pair_lines(audit: &Audit, pairs: &ListedPairs) -> Vec<String> {
+fn pair_lines(part: &MeasuredPart, audit: &Audit, pairs: &ListedPairs) -> Vec<String> {
     let [light, viewer] = pairs.largest_deg.map(degrees);
     let error = |error: &PairError| {
         format!(
@@ -285,7 +285,11 @@ fn pair_lines(audit: &Audit, pairs: &ListedPairs) -> Vec<String> {
              to {viewer} deg",
             audit.lit, audit.cells, pairs.points
         ),
-        "values between the pairs are interpolated: a polynomial of ln f through the nearest ones".to_owned(),
+        format!(
+            "values between the pairs are interpolated, and so are whole incidences that were not measured{}: a polynomial of ln f \
+             through the nearest ones",
+            not_measured(part, audit)
+        ),
         format!(
             "interpolation error: pairs predicted from all others are missed by {}",
             error(&pairs.errors.one_left_out)
@@ -298,6 +302,17 @@ fn pair_lines(audit: &Audit, pairs: &ListedPairs) -> Vec<String> {
         ));
     }
     lines
+}
+
+/// Returns the incidences of an audit that no pair has, in brackets.
+fn not_measured(part: &MeasuredPart, audit: &Audit) -> String {
+    /// Directions of a goniometer are equal to within this, degrees.
+    const EQUAL_DEG: f64 = 0.05;
+    let Geometry::Pairs(pairs) = &part.geometry else { return String::new() };
+    let has = |theta_deg: f64| pairs.iter().any(|[light, _]| (light.theta_deg - theta_deg).abs() < EQUAL_DEG);
+    let all = audit.incidences.iter().map(|one| one.theta_deg);
+    let missing: Vec<String> = all.filter(|theta| !has(*theta)).map(degrees).collect();
+    if missing.is_empty() { String::new() } else { format!(" ({} deg)", missing.join(", ")) }
 }
 
 /// Returns the ratios of integral and TIS by rotation; empty for a single rotation.

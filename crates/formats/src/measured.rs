@@ -176,6 +176,52 @@ mod tests {
         assert!(wrong.contains("m.csv:6:24") && wrong.contains("STDEV_A is 0"), "{wrong}");
     }
 
+    /// X, Y, Z up to 1.5 are relative to Y = 1, and so are their standard deviations; fields of standard deviations that cannot be
+    /// used are named.
+    #[test]
+    fn cgats_notes_its_scale_and_unused_deviations() {
+        let file = |fields: &str, row: &str| {
+            format!(
+                "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME {fields}\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite {row}\nEND_DATA\n"
+            )
+        };
+        let all = ("XYZ_X XYZ_Y XYZ_Z STDEV_X STDEV_Y STDEV_Z", "0.32 0.34 0.36 0.003 0.004 0.005");
+        let found = read(&file(all.0, all.1)).unwrap();
+        let state = &found.value.states[0];
+        assert_eq!(
+            state.quantity,
+            papilio_display::compare::Quantity::Xyz(papilio_colour::Xyz { x: 0.32, y: 0.34, z: 0.36 })
+        );
+        assert_eq!(state.standard_deviation, Some(StandardDeviation::Colour([0.003, 0.004, 0.005])));
+        assert!(
+            found.warnings[0].contains("reach 0.36") && found.warnings[0].contains("Y = 1;"),
+            "{:?}",
+            found.warnings
+        );
+        for (fields, row, note) in [
+            (
+                "XYZ_X XYZ_Y XYZ_Z STDEV_X STDEV_Y",
+                "32 34 36 0.3 0.4",
+                "STDEV_X, STDEV_Y are not used: those of X, Y, Z",
+            ),
+            (
+                "XYZ_X XYZ_Y XYZ_Z STDEV_L STDEV_A STDEV_B",
+                "32 34 36 1 1 1",
+                "STDEV_L, STDEV_A, STDEV_B are not used",
+            ),
+            ("LAB_L LAB_A LAB_B STDEV_DE", "65 1 2 0.3", "STDEV_DE is not used: those of L*, a*, b*"),
+            (
+                "XYZ_X XYZ_Y XYZ_Z STDEV_X STDEV_Y STDEV_Z SPEC_400 SPEC_500",
+                "32 34 36 1 1 1 0.3 0.4",
+                "STDEV_X, STDEV_Y, STDEV_Z are not used: the spectra are read",
+            ),
+        ] {
+            let found = read(&file(fields, row)).unwrap();
+            assert_eq!(found.value.states[0].standard_deviation, None, "{fields}");
+            assert!(found.warnings.iter().any(|one| one.contains(note)), "{fields}: {:?}", found.warnings);
+        }
+    }
+
     #[test]
     fn metrics_are_read_by_their_names() {
         let text =

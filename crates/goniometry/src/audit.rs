@@ -111,8 +111,8 @@ pub struct Incidence {
     pub grid_error: f64,
     /// Relative uncertainty of the integral from the grid's azimuths.
     pub azimuth_error: f64,
-    /// Value in the specular direction, 1/sr.
-    pub peak: f64,
+    /// Value in the specular direction, 1/sr; `None` if this is beyond the largest measured angle.
+    pub peak: Option<f64>,
     /// Distance from the specular direction to half the peak, degrees: towards the normal, sideways, away
     /// from the normal.
     pub half_widths_deg: [Option<f64>; 3],
@@ -131,7 +131,7 @@ impl Incidence {
             integral_filled: integral,
             grid_error: 0.0,
             azimuth_error: 0.0,
-            peak,
+            peak: Some(peak),
             half_widths_deg: [None; 3],
         }
     }
@@ -229,7 +229,7 @@ impl Audit {
                 integral_filled,
                 grid_error: by_distance + by_azimuth,
                 azimuth_error: by_azimuth,
-                peak: shape.along(k, 0.0, 0.0).unwrap_or(0.0),
+                peak: shape.peak(k),
                 half_widths_deg: [0.0, 90.0, 180.0].map(|azimuth| shape.half_width_deg(k, azimuth)),
             }
         };
@@ -247,7 +247,7 @@ impl Audit {
             (disc - ring) / (disc + ring)
         });
         let incidences: Vec<Incidence> = (0..grid.incidences_deg.len()).map(incidence).collect();
-        let peak = incidences.iter().map(|i| i.peak).fold(0.0, f64::max);
+        let peak = incidences.iter().filter_map(|i| i.peak).fold(0.0, f64::max);
         Self {
             asymmetry: shape.asymmetry(),
             reciprocity: reciprocity::reciprocity(part, channel, (grid, values, &shape), peak),

@@ -174,6 +174,20 @@ pub(crate) struct Errors {
     more: usize,
 }
 
+/// Returns a hint about an element of an array that a path created: `text` is the index, as in `--set`, or the path, as in
+/// `[[sweep.axes]]`. The path of an element that the file has lacks no key.
+fn appended(text: Option<&str>) -> Option<String> {
+    let path = text?.split('"').find(|part| part.contains('.')).or(text)?;
+    let is_path = path.chars().all(|c| c.is_alphanumeric() || matches!(c, '.' | '_' | '-'));
+    let index: usize = path.split('.').filter_map(|key| key.parse().ok()).next_back().filter(|_| is_path)?;
+    Some(match index.checked_sub(1) {
+        None => "there is no such list yet: index 0 begins one, and its element needs this key".to_owned(),
+        Some(last) => format!(
+            "the list has the indices 0 to {last}: index {index} appends an element, which needs this key"
+        ),
+    })
+}
+
 impl Errors {
     /// Adds an error at a place of the scenario.
     pub(crate) fn push(&mut self, origin: Origin, mistake: impl Into<Mistake>) {
@@ -231,7 +245,13 @@ impl Errors {
             _ => {}
         }
         self.found.sort_by_key(|(origin, ..)| *origin);
-        let error = |(origin, mistake, file): (Origin, Mistake, Option<Place>)| {
+        let error = |(origin, mut mistake, file): (Origin, Mistake, Option<Place>)| {
+            if matches!(mistake.kind, MistakeKind::MissingKey(_))
+                && mistake.diagnostic.hint.is_none()
+                && let Some(hint) = appended(sources.text(origin.source).get(origin.start..origin.end))
+            {
+                mistake.diagnostic = mistake.diagnostic.hint(hint);
+            }
             let place = sources.place(origin);
             let path = sources.path(origin).map(|path| match &mistake.kind {
                 MistakeKind::MissingKey(key) => joined(&path, key),

@@ -58,8 +58,14 @@ impl Kinds {
         let alien = !of.is_empty();
         if alien {
             let (key, named, of) = (&entry.key, kind.named, of.join(" and "));
-            let wrong = Diagnostic::new(format!("`{key}` cannot be combined with {named}"))
-                .hint(format!("remove it: `{key}` is a key of {of}"));
+            // The same quantity in the unit of this kind.
+            let quantity = |key: &str| papilio_display::split_unit(key).0.to_owned();
+            let same = kind.keys.iter().find(|own| quantity(own) == quantity(key));
+            let hint = match same {
+                Some(own) => format!("write `{own}`, in this unit: `{key}` is a key of {of}"),
+                None => format!("remove it: `{key}` is a key of {of}"),
+            };
+            let wrong = Diagnostic::new(format!("`{key}` cannot be combined with {named}")).hint(hint);
             errors.push(entry.node.origin.or_override([tag]), mistake::of_path(wrong));
         }
         alien

@@ -1,7 +1,7 @@
 //! Labels of keys and metrics: names in words, with units, for figures, tables, the page and Python.
 //!
 //! The words of a key come from its line in the grammar (`describe`), its unit from the ending of its name.
-//! This file adds only what the place of a key in its scenario says: `of film layer 2`, `of the glass`.
+//! This file adds only what the place of a key in its scenario says: `of film layer 1`, `of the glass`.
 //! Metrics have their labels in `papilio_display`.
 
 use std::sync::OnceLock;
@@ -48,7 +48,7 @@ const PARTS: [(&str, &str); 22] = [
 /// ```
 /// use papilio_scenario::label;
 ///
-/// assert_eq!(label("display.pixel.film.1.thickness_nm").to_string(), "Thickness of film layer 2 (nm)");
+/// assert_eq!(label("display.pixel.film.1.thickness_nm").to_string(), "Thickness of film layer 1 (nm)");
 /// assert_eq!(label("viewer.theta_deg").to_string(), "Viewing angle (deg)");
 /// assert_eq!(label("white.Y").to_string(), "Luminance factor Y of white");
 /// ```
@@ -123,7 +123,7 @@ fn with_names<'a>(label: Label, key: &str, rest: &[&'a str]) -> (Label, Vec<&'a 
     (label, names)
 }
 
-/// Returns what the last list or table on the way to a key is called, with its number counted from 1.
+/// Returns what the last list or table on the way to a key is called, with its index, counted from 0 as in keys.
 fn part_of(keys: &[&str]) -> Option<String> {
     let mut found = None;
     for end in 1..=keys.len() {
@@ -133,7 +133,7 @@ fn part_of(keys: &[&str]) -> Option<String> {
         let table = words(&keys[..end]);
         let Some((_, name)) = PARTS.iter().find(|(part, _)| *part == table) else { continue };
         let index = keys.get(end).and_then(|index| index.parse::<usize>().ok());
-        let number = index.map_or_else(String::new, |index| format!(" {}", index + 1));
+        let number = index.map_or_else(String::new, |index| format!(" {index}"));
         found = Some(format!("{name}{number}"));
     }
     found.filter(|name| !name.is_empty())
@@ -187,9 +187,9 @@ mod tests {
     #[test]
     fn labels_of_keys_say_quantity_unit_and_place() {
         for (path, expected) in [
-            ("display.pixel.film.1.thickness_nm", "Thickness of film layer 2 (nm)"),
-            ("display.pixel.film.0.material", "Material of film layer 1"),
-            ("display.pixel.film.0.material.n", "Refractive index n of film layer 1"),
+            ("display.pixel.film.1.thickness_nm", "Thickness of film layer 1 (nm)"),
+            ("display.pixel.film.0.material", "Material of film layer 0"),
+            ("display.pixel.film.0.material.n", "Refractive index n of film layer 0"),
             ("display.pixel.substrate", "Substrate"),
             ("display.pixel.substrate.k", "Extinction coefficient k of the substrate"),
             ("display.pixel.gap_nm.red", "Gap of red (nm)"),
@@ -201,17 +201,17 @@ mod tests {
             ("display.diffuser.total_transmittance", "Total transmittance"),
             ("display.glass.thickness_mm", "Thickness of the glass (mm)"),
             ("display.glass.index", "Refractive index of the glass"),
-            ("display.front.0.reflectance", "Reflectance of front component 1"),
-            ("display.layers.2.haze", "Haze of layer 3"),
-            ("display.layers.0.film.1.thickness_nm", "Thickness of film 2 (nm)"),
+            ("display.front.0.reflectance", "Reflectance of front component 0"),
+            ("display.layers.2.haze", "Haze of layer 2"),
+            ("display.layers.0.film.1.thickness_nm", "Thickness of film 1 (nm)"),
             ("microgeometry.coating.reflectance", "Reflectance of the facets"),
             ("microgeometry.azimuth_deg", "Steps of azimuth (deg)"),
             ("lighting.preset", "Lighting preset"),
             ("lighting.diffuse", "Diffuse fraction"),
             ("lighting.illuminance_lx", "Illuminance (lx)"),
-            ("lighting.directed.0.theta_deg", "Inclination of directed source 1 (deg)"),
-            ("lighting.directed.1.share", "Light fraction of directed source 2"),
-            ("lighting.environment.0.sun_elevation_deg", "Sun elevation of environment 1 (deg)"),
+            ("lighting.directed.0.theta_deg", "Inclination of directed source 0 (deg)"),
+            ("lighting.directed.1.share", "Light fraction of directed source 1"),
+            ("lighting.environment.0.sun_elevation_deg", "Sun elevation of environment 0 (deg)"),
             ("lighting.spectrum.daylight_K", "Colour temperature of daylight (K)"),
             ("viewer.theta_deg", "Viewing angle (deg)"),
             ("viewer.age_years", "Age of the reader (years)"),

@@ -77,10 +77,11 @@ pub(super) fn view_at(
                 .ok_or_else(|| format!("no view of the result is within {NEAREST_DEG} deg"))
         }
         (None, [only]) => Ok((0, only)),
-        (None, _) => Err(
-            "the measurement states no angle, and the result has several views (add a column `theta_deg`)"
-                .to_owned(),
-        ),
+        (None, several) => Err(format!(
+            "the measurement states no angle, and the result has several views (a table can have a column `theta_deg`; for any other \
+             file, compute the view of the meter alone: --set viewer.theta_deg={})",
+            several.first().map_or(0.0, |view| view.theta_deg)
+        )),
     }
 }
 

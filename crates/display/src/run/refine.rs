@@ -87,7 +87,9 @@ fn too_narrow(stack: &Stack) -> DisplayError {
             let what = match found.scatterer {
                 Narrowness::Lobe { width } => format!("the diffuser of width {width:.5}"),
                 Narrowness::Face { width } => format!("the diffuser of width {width:.5}"),
-                Narrowness::Rough { alpha, .. } => format!("the rough interface of alpha {alpha}"),
+                Narrowness::Rough { alpha, .. } => {
+                    format!("the rough interface with a roughness alpha of {alpha:.4}")
+                }
                 Narrowness::Slab { anisotropy } => format!("the slab of anisotropy {anisotropy}"),
             };
             (what, found.number)

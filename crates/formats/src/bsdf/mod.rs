@@ -206,8 +206,10 @@ fn read_text(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile, For
     } else if scan::is_scan(file, part.is_some()) {
         scan::read(file, part.is_some())?
     } else {
-        let unknown =
-            || FormatError { place: Place::whole(&file.name), problem: BsdfProblem::Unknown.into() };
+        let is_comment = |line: &[u8]| matches!(line.trim_ascii().first(), None | Some(b'#'));
+        let is_empty = file.bytes.split(|byte| *byte == b'\n').all(is_comment);
+        let problem = if is_empty { BsdfProblem::Empty } else { BsdfProblem::Unknown };
+        let unknown = || FormatError { place: Place::whole(&file.name), problem: problem.into() };
         return Err(table_read::refusal(file).unwrap_or_else(unknown));
     })
 }

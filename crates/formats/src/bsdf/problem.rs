@@ -8,6 +8,8 @@ use papilio_goniometry::{Overlap, ScatterMode};
 pub enum BsdfProblem {
     /// The content has none of the supported formats.
     Unknown,
+    /// The file has no lines but comments.
+    Empty,
     /// The file lacks the requested part.
     NoPart {
         /// The requested part.
@@ -107,6 +109,7 @@ impl BsdfProblem {
                  --part front-transmission)",
                 super::bsdf_formats()
             )),
+            Self::Empty => Diagnostic::new("this file has no data").expected("a BSDF file: rows of measured values"),
             Self::NoPart { wanted, found } => {
                 let found: Vec<&str> = found.iter().map(|way| way.name()).collect();
                 Diagnostic::new(format!("this file has no {}", wanted.name()))

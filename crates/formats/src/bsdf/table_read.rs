@@ -276,13 +276,25 @@ pub(super) fn is_front_reflection(parts: &[MeasuredPart]) -> bool {
 
 pub(super) fn provenance(comments: Vec<String>) -> Provenance {
     let mut provenance = Provenance { format: NAME.to_owned(), ..Provenance::default() };
+    let mut continued = None;
     for comment in comments {
+        // A line that ends with a comma or a semicolon goes on.
+        let goes_on = comment.ends_with([',', ';']);
+        let (sample, source) = (&mut provenance.sample, &mut provenance.source);
+        if let Some(is_source) = continued {
+            let text = if is_source { source } else { sample };
+            *text = format!("{text} {comment}");
+            continued = continued.filter(|_| goes_on);
+            continue;
+        }
         match comment.split_once(": ") {
-            Some(("sample", sample)) if provenance.sample.is_empty() => {
-                sample.clone_into(&mut provenance.sample)
+            Some(("sample", text)) if sample.is_empty() => {
+                text.clone_into(sample);
+                continued = goes_on.then_some(false);
             }
-            Some(("source", source)) if provenance.source.is_empty() => {
-                source.clone_into(&mut provenance.source)
+            Some(("source", text)) if source.is_empty() => {
+                text.clone_into(source);
+                continued = goes_on.then_some(true);
             }
             _ => provenance.remarks.push(comment),
         }

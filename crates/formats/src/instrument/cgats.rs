@@ -91,6 +91,21 @@ impl<'a> Parts<'a> {
         Some([a?, b?, c?])
     }
 
+    /// Returns a note on the fields of standard deviations that are not used, if there are any.
+    fn unused_deviations(&self, used: Option<[usize; 3]>, is_xyz: bool, has_spectra: bool) -> Option<String> {
+        let is_used = |field: &usize| used.is_some_and(|used| used.contains(field));
+        let is_one = |field: &usize| self.fields[*field].text.to_ascii_uppercase().starts_with("STDEV_");
+        let fields = (0..self.fields.len()).filter(|field| is_one(field) && !is_used(field));
+        let names: Vec<&str> = fields.map(|field| self.fields[field].text).collect();
+        let needed = match (has_spectra, is_xyz) {
+            (true, _) => "the spectra are read, and CGATS has standard deviations of colours only",
+            (false, true) => "those of X, Y, Z are STDEV_X, STDEV_Y and STDEV_Z, all three",
+            (false, false) => "those of L*, a*, b* are STDEV_L, STDEV_A and STDEV_B, all three",
+        };
+        let are = if names.len() == 1 { "is" } else { "are" };
+        (!names.is_empty()).then(|| format!("{} {are} not used: {needed}", names.join(", ")))
+    }
+
     /// Returns the observer of the colours: of `WEIGHTING_FUNCTION "OBSERVER, 10 degree"`, or `OBSERVER "10"`.
     fn observer(&self) -> Option<Standard> {
         let pairs = self.head.windows(2).filter(|pair| pair[0].line == pair[1].line);
@@ -199,12 +214,14 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
                 .to_owned();
         return Err(wrong(parts.fields.first(), what));
     }
-    // CGATS.17 has standard deviations of colours only; those of X, Y, Z are relative to Y = 100, too.
-    let of_xyz = xyz.and_then(|_| Some((parts.colour(["STDEV_X", "STDEV_Y", "STDEV_Z"])?, 100.0)));
-    let of_lab = lab.and_then(|_| Some((parts.colour(["STDEV_L", "STDEV_A", "STDEV_B"])?, 1.0)));
+    // CGATS.17 has standard deviations of colours only; those of X, Y, Z have their scale.
+    let of_xyz = xyz.and_then(|_| parts.colour(["STDEV_X", "STDEV_Y", "STDEV_Z"]));
+    let of_lab = lab.and_then(|_| parts.colour(["STDEV_L", "STDEV_A", "STDEV_B"]));
     // The colour whose standard deviation is stated is read.
     let xyz = xyz.filter(|_| of_xyz.is_some() || of_lab.is_none());
     let deviation = of_xyz.or(of_lab);
+    let has_spectra = !(spectral.is_empty() && pairs.is_empty());
+    let unused = parts.unused_deviations(deviation.filter(|_| !has_spectra), xyz.is_some(), has_spectra);
     let norm = parts.number("SPECTRAL_NORM").filter(|norm| *norm > 0.0);
     let mut samples = Vec::with_capacity(sets);
     for (k, row) in parts.data.chunks(count).enumerate() {
@@ -225,30 +242,29 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
         let three = |fields: [usize; 3]| {
             Ok::<_, FormatError>([number(fields[0])?, number(fields[1])?, number(fields[2])?])
         };
-        let spread = |(fields, scale): ([usize; 3], f64)| {
+        let spread = |fields: [usize; 3]| {
             let found = three(fields)?;
             match found.iter().zip(fields).find(|(value, _)| **value <= 0.0) {
-                None => Ok(found.map(|value| value / scale)),
+                None => Ok(found),
                 Some((_, field)) => {
                     let (word, name) = (&row[field], parts.fields[field].text);
                     Err(wrong(Some(word), format!("{name} is {}; expected a number above 0", word.text)))
                 }
             }
         };
-        // X, Y, Z of CGATS are relative to Y = 100.
-        let xyz = xyz.map(three).transpose()?.map(|xyz| xyz.map(|value| value / 100.0));
         samples.push(Sample {
             name: names.map_or_else(|| (k + 1).to_string(), |field| row[field].text.trim().to_owned()),
             at: at(names.unwrap_or(0)),
             spectrum,
             lab: lab.map(three).transpose()?,
-            xyz,
+            xyz: xyz.map(three).transpose()?,
             deviation: deviation.map(spread).transpose()?,
             ..Sample::default()
         });
     }
-    let (kind, observer, notes) = (parts.kind(), parts.observer(), Vec::new());
+    let (kind, observer, notes) = (parts.kind(), parts.observer(), unused.into_iter().collect());
     let mut file = SpectralFile { format: FORMAT, kind, samples, observer, notes };
+    file.scale_xyz();
     if parts.has_more {
         file.notes.push("only the first table of the file is read".to_owned());
     }

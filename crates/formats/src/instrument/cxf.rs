@@ -95,7 +95,7 @@ pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<Spe
             Some([a?, b?, c?])
         };
         sample.lab = colour("ColorCIELab", ["L", "A", "B"]);
-        sample.xyz = colour("ColorCIEXYZ", ["X", "Y", "Z"]).map(|xyz| xyz.map(|value| value / 100.0));
+        sample.xyz = colour("ColorCIEXYZ", ["X", "Y", "Z"]);
         if !sample.spectrum.is_empty() || sample.lab.is_some() || sample.xyz.is_some() {
             file.samples.push(sample);
         }
@@ -105,6 +105,7 @@ pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<Spe
             "{further} further spectra of the same samples (other conditions of measurement) are not read"
         ));
     }
+    file.scale_xyz();
     file.divide_per_cent();
     Ok(file)
 }

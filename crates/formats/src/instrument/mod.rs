@@ -173,6 +173,27 @@ impl SpectralFile {
     }
 }
 
+impl SpectralFile {
+    /// Divides X, Y, Z and their standard deviations by 100, the white of CGATS and CxF. Values up to 1.5 show that they are
+    /// relative to Y = 1 already, which is noted.
+    pub(crate) fn scale_xyz(&mut self) {
+        let largest = self.samples.iter().flat_map(|one| one.xyz).flatten().fold(0.0, f64::max);
+        if largest > LARGEST_FRACTION {
+            for sample in &mut self.samples {
+                let deviation = sample.xyz.and(sample.deviation.as_mut());
+                let all = sample.xyz.iter_mut().chain(deviation).flatten();
+                all.for_each(|value| *value /= 100.0);
+            }
+        } else if self.samples.iter().any(|one| one.xyz.is_some() && one.spectrum.is_empty()) {
+            self.notes.push(format!(
+                "X, Y, Z reach {largest}, and are read relative to a perfect white of Y = 1; if they are relative to Y = 100, as {} \
+                 has them, write them as a table with the column `Y (%)`",
+                self.format
+            ));
+        }
+    }
+}
+
 /// Returns the note on values that are read as per cent.
 pub(crate) fn percent_note(largest: f64) -> String {
     format!("the file states no scale; its values reach {largest}, and are read as per cent")

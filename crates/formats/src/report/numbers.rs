@@ -23,6 +23,16 @@ pub fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> Stri
     unsigned_zero(format!("{value:.decimals$}({last})"))
 }
 
+/// Whether a text has a number with its error, as [`measured`] writes it.
+pub fn has_errors(text: &str) -> bool {
+    let is_error = |(at, _): (usize, &str)| {
+        let (before, inner) = (&text[..at], &text[at + 1..]);
+        let digits = inner.bytes().take_while(u8::is_ascii_digit).count();
+        before.ends_with(|c: char| c.is_ascii_digit()) && digits > 0 && inner[digits..].starts_with(')')
+    };
+    text.match_indices('(').any(is_error)
+}
+
 /// A number with its sign, unless its rounded value is zero.
 pub fn signed(value: f64, decimals: usize) -> String {
     if value.abs() >= LARGE {
@@ -81,7 +91,7 @@ pub fn percent(fraction: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{digits, digits_alike, digits_with_error, measured, percent, signed};
+    use super::{digits, digits_alike, digits_with_error, has_errors, measured, percent, signed};
 
     #[test]
     fn number_is_printed_with_five_digits() {
@@ -115,6 +125,7 @@ mod tests {
     #[test]
     fn error_is_printed_in_units_of_the_last_digit() {
         assert_eq!(measured(Some(0.15234), Some(0.00021), 4), "0.1523(2)");
+        assert!(has_errors("Y 0.1523(2)") && !has_errors("Y (%) 0.1523, black (0), f(i,o) 2(x)"));
         assert_eq!(measured(Some(0.15234), Some(0.0021), 4), "0.152(2)");
         assert_eq!(measured(Some(0.15234), Some(1e-9), 4), "0.1523");
         assert_eq!(measured(Some(612.34), Some(23.0), 1), "612(23)");

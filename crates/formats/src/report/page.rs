@@ -84,7 +84,7 @@ impl RunReport<'_> {
 
     /// Tables of the states, metrics and energy balances.
     fn results(&self, page: &mut String) {
-        let result = self.file.result;
+        let (result, begin) = (self.file.result, page.len());
         page.push_str("<h2>Results</h2>\n");
         if result.views.len() > report::VIEWS_IN_FULL {
             table(page, &report::rows_of_views(result));
@@ -97,7 +97,7 @@ impl RunReport<'_> {
             list(page, "", lines.lines().map(str::trim).filter(|line| !line.starts_with("energy balance")));
             energy_balance(page, view);
         }
-        if result.solver.paths.is_some() {
+        if result.solver.paths.is_some() && numbers::has_errors(&page[begin..]) {
             paragraph(page, "0.123(4) means 0.123 with a standard error of 0.004.");
         }
     }

@@ -154,7 +154,7 @@ fn by_source(view: &View) -> String {
     };
     let sources = |name: &str, values: &[Option<f64>], errors: &[Option<f64>]| -> Vec<String> {
         let one = |(k, value): (usize, &Option<f64>)| {
-            let number = if values.len() > 1 { format!(" {}", k + 1) } else { String::new() };
+            let number = if values.len() > 1 { format!("_{k}") } else { String::new() };
             let error = errors.get(k).copied().flatten();
             value.map(|value| format!("{name}{number} {}", measured(Some(value), error, 4)))
         };

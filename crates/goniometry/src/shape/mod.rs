@@ -169,6 +169,13 @@ impl Shape {
         Some(self.value(incidence, to - Beta { x: theta_deg.to_radians().sin(), y: 0.0 }))
     }
 
+    /// Value of an incidence in the specular direction; `None` if this is beyond the measured angles.
+    pub fn peak(&self, incidence: usize) -> Option<f64> {
+        let Incidence { theta_deg, within, .. } = &self.incidences[incidence];
+        let is_measured = theta_deg.to_radians().sin() <= *within;
+        is_measured.then(|| self.along(incidence, 0.0, 0.0))?
+    }
+
     /// Distance from the specular direction, degrees, at which an incidence has half its value there, along
     /// an azimuth of the grid; `None` if it is beyond the hemisphere, or beyond the measured cells.
     pub fn half_width_deg(&self, incidence: usize, azimuth_deg: f64) -> Option<f64> {

@@ -1,5 +1,6 @@
 //! The report on samples as a page: a section for each, with its figures.
 
+use papilio_display::capitalised;
 use papilio_figures::compared_spectra;
 
 use super::{Prediction, Verdict};
@@ -60,11 +61,12 @@ fn section(sample: &Prediction) -> Section {
     } else {
         format!(" Not printed: {}.", sample.unknowns.join("; "))
     };
-    let remark = if sample.remark.is_empty() { String::new() } else { format!(": {}", sample.remark) };
+    let remark =
+        if sample.remark.is_empty() { String::new() } else { format!(" {}.", capitalised(&sample.remark)) };
     let mut section = Section::new(sample.name.clone(), sample.title.clone())
         .say(format!("{} ({}).", sample.source, sample.licence))
         .say(format!("Inputs: {}.{unknowns}", sample.inputs))
-        .say(format!("Verdict: {}{remark}.", in_words(sample.verdict)));
+        .say(format!("Verdict: {}.{remark}", in_words(sample.verdict)));
     let metrics = sample.cases.iter().flat_map(|case| &case.comparison.metrics);
     let mut table = Table::new(&["metric", "predicted", "measured", "z"]);
     metrics.for_each(|one| {

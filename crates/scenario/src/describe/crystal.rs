@@ -124,7 +124,7 @@ table! {
         twist_deg: Twist = Twist(0.0),
         /// Tilt of the director out of the panel, in all states that do not state another.
         pretilt_deg: Tilt = Tilt(0.0),
-        /// The director in each state: a file (CSV: depth, tilt_deg, twist_deg), or `{ tilt_deg, twist_deg }`. Default: one state, `cell`.
+        /// The director in each state: a file (CSV: depth, tilt_deg, twist_deg), or `{ tilt_deg, twist_deg }`. Default: one state, `cell` (`pixel` if the display has no cell).
         states: Named<CellState> = Named(Vec::new()),
         /// Number of slices.
         slices: Count<1, 2000> = Count(40),

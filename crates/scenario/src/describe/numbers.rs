@@ -154,10 +154,13 @@ number!(
 number!(
     /// The tail of a distribution of slopes.
     Tail, Range::from_to(2.0, 100.0)
+        .unit("larger: shorter tails")
+        .hint_below("2 is the longest tail, that of distribution = \"ggx\"")
 );
 number!(
     /// The kurtosis of slopes along one axis: 3 if they are Gaussian.
     Kurtosis, Range::from_to(3.04, 1e4)
+        .hint_below("slopes of kurtosis 3 are Gaussian: distribution = \"beckmann\", which is also next to a smaller one")
 );
 number!(
     /// The correlation length of a face, um.

@@ -17,8 +17,8 @@ use crate::mistake::{self, tidy};
 use crate::origin::Origin;
 use crate::read::{Item, Spanned};
 
-/// Name of the only state where no cell has states.
-const ONLY_STATE: &str = "cell";
+/// Name of the only state where no cell has states, and where there is no cell.
+const ONLY_STATE: [&str; 2] = ["cell", "pixel"];
 
 /// Largest number of layers and of slices.
 const MOST_LAYERS: usize = 64;
@@ -84,7 +84,9 @@ impl Resolver<'_> {
                 Some(_) => {}
             }
         }
-        Some(first.unwrap_or_else(|| vec![ONLY_STATE.to_owned()]))
+        let has_cell = pixel.stack.iter().any(|layer| matches!(layer.value, CrystalLayer::Cell(_)));
+        let only = ONLY_STATE[usize::from(!has_cell)];
+        Some(first.unwrap_or_else(|| vec![only.to_owned()]))
     }
 
     fn crystal_layer(&mut self, layer: &Spanned<CrystalLayer>, states: &[String]) -> Option<CrystalPart> {
@@ -118,7 +120,8 @@ impl Resolver<'_> {
             transmittance.iter().zip(extinction.iter()).map(|(t, ratio)| 2.0 * t / (1.0 + ratio)).collect();
         if transmitted.iter().any(|t| *t > 1.0) {
             let wrong = Diagnostic::new(format!(
-                "this polariser would transmit {} of the polarisation along its axis",
+                "a transmittance of {} needs {} of the polarisation along the axis, more than there is",
+                tidy(transmittance.iter().copied().fold(0.0, f64::max)),
                 tidy(transmitted.iter().copied().fold(0.0, f64::max))
             ));
             let expected = "a transmittance for unpolarised light of at most (1 + extinction)/2";

@@ -285,7 +285,7 @@ fn independent_mistakes_are_reported_together() {
 
 #[test]
 fn mistakes_in_set_are_reported_with_its_number_and_column() {
-    let cases: [(&[&str], &str, &[&str]); 14] = [
+    let cases: [(&[&str], &str, &[&str]); 16] = [
         (&["display.glas.index=1.5"], "--set #1:1:9", &["no key `glas`", "did you mean `glass`?"]),
         (
             &["title=\"x\"", "viewer.theta_deg=-95"],
@@ -300,6 +300,16 @@ fn mistakes_in_set_are_reported_with_its_number_and_column() {
         (&["=1"], "--set #1:1:1", &["the path has an empty key"]),
         (&["display..glass=1"], "--set #1:1:9", &["the path has an empty key"]),
         (&["title=7"], "--set #1:1:7", &["a number", "expected a string"]),
+        (
+            &["display.pixel.film.2.thickness_nm=3"],
+            "--set #1:1:20",
+            &["the key `material` is missing", "indices 0 to 1: index 2 appends"],
+        ),
+        (
+            &["display.layers.0.thickness_mm=3"],
+            "--set #1:1:16",
+            &["the key `kind` is missing", "no such list yet"],
+        ),
         (&["viewer.theta_deg=[1,"], "--set #1", &["array"]),
         (&["lighting.preset=suny"], "--set #1:1:17", &["did you mean `sunny`?"]),
         (&["display.glass.index=nothing"], "--set #1:1:21", &["no material named `nothing`"]),

@@ -227,6 +227,12 @@ const WRONG: &[Case] = &[
     ("alpha = 0.3", "alpha = 0.3, slope_kurtosis = 6", (6, 51), &["`slope_kurtosis` describes slopes"]),
     (
         "alpha = 0.3",
+        "alpha = 0.3, distribution = \"student-t\", slope_kurtosis = 3",
+        (6, 79),
+        &["Gaussian: distribution = \"beckmann\""],
+    ),
+    (
+        "alpha = 0.3",
         "alpha = 0.3, distribution = \"student-t\", tail = 1.9",
         (6, 69),
         &["1.9 is out of range", "from 2 to 100"],

@@ -104,7 +104,13 @@ fn mistakes_are_explained() {
         ("n_o = 1.50, n_e = 1.60", "liquid_crystal = \"E8\"", "there is no liquid crystal `E8`"),
         ("n_o = 1.50, ", "n_o = 1.50, liquid_crystal = \"E7\", ", "cannot be combined"),
         ("black = { twist_deg = 60 }", "black = {}", "the state `black` has no director"),
-        ("transmittance = 0.44", "transmittance = 0.55", "this polariser would transmit 1.09989"),
+        ("transmittance = 0.44", "transmittance = 0.55", "a transmittance of 0.55 needs 1.09989"),
+        ("material = 1.52 }", "material = 1.52, thickness_nm = 500 }", "write `thickness_um`, in this unit"),
+        (
+            "[display.pixel]",
+            "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n[display.diffuser]\nmodel = \"lambertian\"\ntransmittance = 0.9\n[display.pixel]",
+            "depends on azimuth, which a display with a diffuser does not compute yet",
+        ),
         ("extinction = 1e-4", "extinction = 0", "extinction above 0"),
         ("plate = \"C\", retardance_nm = -100", "retardance_nm = -100", "this retarder has no axis"),
         (

@@ -130,7 +130,7 @@ export interface Face {
 
 const numbered = (path: string): string => {
   const index = /\.(\d+)$/.exec(path)?.[1];
-  return index === undefined ? "the diffuser" : `layer ${Number(index) + 1}`;
+  return index === undefined ? "the diffuser" : `layer ${index}`;
 };
 
 export const faceName = ({ path, file }: Face): string => `${file.split("/").at(-1)} (${numbered(path)})`;
@@ -186,7 +186,7 @@ export function placesOf(fields: Json): Place[] {
     const edits = (file: string): Edit[] => [{ op: "set", path, value: { kind: "diffuser", ...value(file) } }];
     return [
       {
-        name: `In place of ${textAt(layer, "model") === "microgeometry" ? "the surface" : what}, layer ${i + 1}`,
+        name: `In place of ${textAt(layer, "model") === "microgeometry" ? "the surface" : what}, layer ${i}`,
         edits,
       },
     ];

@@ -62,7 +62,7 @@ function Remarks({ more }: { more: FitVariable["more"] }) {
 function VariableFields({ variable, index }: { variable: FitVariable; index: number }) {
   const wrong = useSignal("");
   const { key, bounds, more } = variable;
-  const name = `variable ${index + 1}`;
+  const name = `variable ${index}`;
   const put = (end: 0 | 1, typed: string) => {
     const value = Number(typed.replace(",", "."));
     const next: [number, number] = end === 0 ? [value, bounds[1]] : [bounds[0], value];

@@ -79,7 +79,7 @@ test("variables are chosen on the page, and what the data cannot tell apart has 
     .locator("input[type=file]")
     .setInputFiles({ name: "metrics.csv", mimeType: "text/csv", buffer: Buffer.from(metrics) });
   await panel(page).getByLabel("metrics.csv").waitFor();
-  for (let i = 0; i < 8; i++) await panel(page).getByRole("button", { name: "Remove variable 1" }).click();
+  for (let i = 0; i < 8; i++) await panel(page).getByRole("button", { name: "Remove variable 0" }).click();
   assert.ok(await panel(page).getByRole("button", { name: "Fit 0 variables" }).isDisabled());
   for (const [number, key] of [
     [1, "display.pixel.fill_factor"],
@@ -88,12 +88,12 @@ test("variables are chosen on the page, and what the data cannot tell apart has 
     await panel(page).getByRole("button", { name: "Add a variable" }).click();
     await panel(page).getByLabel(`Key of variable ${number}`).selectOption(key);
   }
-  await panel(page).getByLabel("from of variable 1").fill("1.5");
-  await panel(page).getByLabel("from of variable 1").press("Enter");
+  await panel(page).getByLabel("from of variable 0").fill("1.5");
+  await panel(page).getByLabel("from of variable 0").press("Enter");
   await panel(page).getByText("the smaller bound must come first").waitFor();
-  await panel(page).getByLabel("from of variable 1").fill("0.7");
-  await panel(page).getByLabel("to of variable 1").fill("0.95");
-  await panel(page).getByLabel("to of variable 1").press("Enter");
+  await panel(page).getByLabel("from of variable 0").fill("0.7");
+  await panel(page).getByLabel("to of variable 0").fill("0.95");
+  await panel(page).getByLabel("to of variable 0").press("Enter");
   await fitted(page, "2 variables");
   await panel(page).getByText("The data cannot tell apart: ").waitFor();
   const cells = await panel(page).locator('[data-key="display.pixel.fill_factor"] td').allInnerTexts();
