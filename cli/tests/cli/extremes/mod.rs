@@ -25,7 +25,7 @@ use papilio_testing::{Dice, sized};
 use serde_json::Value;
 
 use self::keys::Keys;
-use self::places::picture_in;
+pub(crate) use self::places::picture_in;
 use self::record::Record;
 use self::watch::{End, watch};
 
@@ -55,12 +55,17 @@ const COMMANDS: [Tried; 17] = [
     Tried { command: "pixel", files: &["indoor", "table-pixel", "mip-lcd"], sets: &[], not: &OF_COMMANDS },
     Tried {
         command: "brdf --step 30",
-        files: &["indoor", "epaper", "etched-face"],
+        files: &["epaper", "indoor", "etched-face"],
         sets: &COARSE,
         not: &OF_COMMANDS,
     },
-    Tried { command: "brdf --format rgl", files: &["indoor"], sets: &COARSE, not: &OF_COMMANDS },
-    Tried { command: "run --cone", files: &["indoor", "clear-glass"], sets: &COARSE, not: &OF_COMMANDS },
+    Tried {
+        command: "brdf --format rgl --grid 32",
+        files: &["epaper", "indoor"],
+        sets: &COARSE,
+        not: &OF_COMMANDS,
+    },
+    Tried { command: "run --cone", files: &["epaper", "indoor"], sets: &COARSE, not: &OF_COMMANDS },
     Tried {
         command: "run --solver monte-carlo",
         files: &["indoor", "rough-glass", "slab"],

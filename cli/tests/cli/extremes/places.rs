@@ -20,7 +20,7 @@ const FRONT: &str = "[[display.front]]\nreflectance = 0.05\ngap_mm = 0.2\n[displ
     reflectance = { white = 0.6, black = 0.03 }\n[display.matrix]\nppi = 300\n";
 
 /// A picture of 160 x 120 pixels, its path.
-pub(super) fn picture_in(folder: &Path) -> String {
+pub(crate) fn picture_in(folder: &Path) -> String {
     let pixels: Vec<[u8; 3]> = (0..160 * 120).map(|at| [(at * 7 % 256) as u8; 3]).collect();
     let mut picture = Vec::new();
     papilio_formats::write_rgb_png(&mut picture, 160, &pixels, false).unwrap();
