@@ -4,6 +4,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use papilio_diagnostics::short_numbers;
 use papilio_display::{Control, DisplayError};
 use papilio_formats::{SpatialFile, write_file, write_json};
 use papilio_scenario::{Resolved, Scenario};
@@ -61,7 +62,7 @@ pub(crate) fn show<R: SpatialOutput>(
     if arguments.json {
         write_json(&mut stdout, &result.content(resolved, &title))?;
     } else {
-        stdout.write_all(result.table(&title).as_bytes())?;
+        stdout.write_all(short_numbers(&result.table(&title)).as_bytes())?;
     }
     stdout.flush()?;
     if let Some(folder) = &folder {

@@ -29,6 +29,8 @@ mod frame;
 mod gloss;
 mod gonio;
 mod image;
+#[cfg(target_os = "linux")]
+mod kills;
 mod lab_files;
 mod many_points;
 mod migrate;

@@ -186,7 +186,9 @@ impl Measured {
             let Some(all) = self.lights[state].last() else { return 0.0 };
             let places = &self.places[axis];
             let bin = |at: f64| places.partition_point(|place| *place <= at);
-            all.strips[axis][bin(-0.5 * width_mm)..bin(0.5 * width_mm - 1e-12) + 1].iter().sum()
+            // A line that is narrower than rounding covers nothing.
+            let covered = bin(-0.5 * width_mm)..bin(0.5 * width_mm - 1e-12) + 1;
+            all.strips[axis].get(covered).map_or(0.0, |strips| strips.iter().sum())
         };
         [far - inside(surround) + inside(line), far]
     }

@@ -8,6 +8,7 @@
 pub(crate) mod draw;
 mod scores;
 mod solvers;
+mod wide;
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,7 +17,7 @@ use std::sync::{Mutex, OnceLock};
 use draw::{Drawn, drawn};
 use papilio_testing::sized;
 use scores::{FAR, Scores};
-use solvers::{MonteCarloRuns, Pair, SLOW, monte_carlo_runs, scene};
+use solvers::{LONGEST, MonteCarloRuns, Pair, SLOW, monte_carlo_runs, scene};
 
 /// Number of scenarios by default: a few seconds.
 const EVERYDAY: usize = 12;
@@ -68,7 +69,7 @@ fn everyday() -> &'static [Result<MonteCarloRuns, String>] {
     static RUNS: OnceLock<Vec<Result<MonteCarloRuns, String>>> = OnceLock::new();
     RUNS.get_or_init(|| {
         let fast: Vec<Drawn> = (0..).map(drawn).filter(|drawn| !drawn.is_slow).take(EVERYDAY).collect();
-        each(&fast, |drawn| monte_carlo_runs(drawn.clone(), seeds()))
+        each(&fast, |drawn| monte_carlo_runs(drawn.clone(), seeds(), LONGEST))
     })
 }
 
@@ -129,7 +130,7 @@ fn deviations_of_random_scenarios_agree_with_errors() {
     let outcomes = match range("PAPILIO_SCENARIOS").or(sized(None, Some(0..ALL))) {
         Some(numbers) => {
             let numbers: Vec<u64> = numbers.collect();
-            each(&numbers, |number| printed(outcome(&monte_carlo_runs(drawn(*number), seeds()))))
+            each(&numbers, |number| printed(outcome(&monte_carlo_runs(drawn(*number), seeds(), LONGEST))))
         }
         None => each(everyday(), |runs| printed(outcome(runs))),
     };
@@ -202,7 +203,8 @@ fn absorptance_error_of_two_thousandths_is_detected() {
 #[test]
 fn haze_error_of_one_percent_is_detected() {
     let of_haze = (0..).map(drawn).filter(|drawn| drawn.text.contains("\nhaze = ")).take(4);
-    let all: Vec<MonteCarloRuns> = of_haze.map(|drawn| monte_carlo_runs(drawn, seeds()).unwrap()).collect();
+    let all: Vec<MonteCarloRuns> =
+        of_haze.map(|drawn| monte_carlo_runs(drawn, seeds(), LONGEST).unwrap()).collect();
     let wrong = |text: &str| {
         let lines = text.lines().map(|line| match line.strip_prefix("haze = ") {
             Some(haze) => format!("haze = {}\n", 1.01 * haze.parse::<f64>().unwrap()),

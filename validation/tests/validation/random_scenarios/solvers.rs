@@ -16,7 +16,7 @@ use super::draw::Drawn;
 pub(crate) const SLOW: f64 = 60.0;
 
 /// Time after which a run is stopped, on a processor that has other work, seconds.
-const LONGEST: f64 = 5.0 * SLOW;
+pub(crate) const LONGEST: f64 = 5.0 * SLOW;
 
 /// Monte Carlo runs of a scenario, one for each seed.
 #[derive(Debug)]
@@ -26,6 +26,8 @@ pub(crate) struct MonteCarloRuns {
     pub(crate) runs: Vec<RunResult>,
     /// Total time of all runs.
     pub(crate) seconds: f64,
+    /// Time after which a run is stopped, seconds.
+    pub(crate) longest: f64,
 }
 
 /// A number as computed by both solvers.
@@ -42,7 +44,7 @@ pub(crate) struct Pair {
 impl Pair {
     /// Returns the largest total error of the tables of films and coatings, as a fraction of the light, or of
     /// the value if it is larger.
-    fn tables(&self) -> f64 {
+    pub(crate) fn tables(&self) -> f64 {
         1e-7 * self.adding.abs().max(1.0)
     }
 
@@ -79,16 +81,16 @@ fn busy() -> Option<f64> {
     nanoseconds.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
 }
 
-/// Runs a scene for at most `LONGEST`, and returns the time that it took: for adding, which runs on this
+/// Runs a scene for at most `longest` seconds, and returns the time that it took: for adding, which runs on this
 /// thread, the CPU time.
-pub(crate) fn timed(scene: &Scene) -> (Result<RunResult, DisplayError>, f64) {
+pub(crate) fn timed(scene: &Scene, longest: f64) -> (Result<RunResult, DisplayError>, f64) {
     let stop = AtomicBool::new(false);
     let (done, wait) = channel::<()>();
     std::thread::scope(|scope| {
         let stop = &stop;
         scope.spawn(move || {
             use std::sync::mpsc::RecvTimeoutError::Timeout;
-            if wait.recv_timeout(Duration::from_secs_f64(LONGEST)) == Err(Timeout) {
+            if wait.recv_timeout(Duration::from_secs_f64(longest)) == Err(Timeout) {
                 stop.store(true, Ordering::Relaxed);
             }
         });
@@ -103,15 +105,19 @@ pub(crate) fn timed(scene: &Scene) -> (Result<RunResult, DisplayError>, f64) {
 }
 
 /// Runs the scenario with the Monte Carlo solver, with seeds that no other scenario has.
-pub(crate) fn monte_carlo_runs(drawn: Drawn, seeds: std::ops::Range<u64>) -> Result<MonteCarloRuns, String> {
+pub(crate) fn monte_carlo_runs(
+    drawn: Drawn,
+    seeds: std::ops::Range<u64>,
+    longest: f64,
+) -> Result<MonteCarloRuns, String> {
     let about = |why: String| format!("{} ({}): {why}\n{}", drawn.number, drawn.name, drawn.text);
     let mut scene = scene(&drawn.text).map_err(about)?;
     scene.solver.method = Method::MonteCarlo;
     scene.solver.stop = Stop::Paths(drawn.paths);
-    let mut all = MonteCarloRuns { drawn, scene, runs: Vec::new(), seconds: 0.0 };
+    let mut all = MonteCarloRuns { drawn, scene, runs: Vec::new(), seconds: 0.0, longest };
     for seed in seeds {
         all.scene.solver.seed = 1000 * all.drawn.number + seed;
-        let (run, seconds) = timed(&all.scene);
+        let (run, seconds) = timed(&all.scene, longest);
         all.runs.push(run.map_err(|error| format!("{} by Monte Carlo: {error}", all.drawn.number))?);
         all.seconds += seconds;
     }
@@ -140,7 +146,7 @@ impl MonteCarloRuns {
         let mut scene = scene.clone();
         scene.solver.method = Method::Adding;
         scene.solver.stop = Stop::RelativeError { target: self.target(), per_wavelength: false };
-        let (run, seconds) = timed(&scene);
+        let (run, seconds) = timed(&scene, self.longest);
         (run.map_err(|error| format!("adding: {error}")), seconds)
     }
 

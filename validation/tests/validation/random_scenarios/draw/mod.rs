@@ -10,6 +10,7 @@ mod layers;
 mod light;
 mod pixel;
 mod reflection;
+pub(crate) mod wide;
 
 use std::fmt::Write as _;
 

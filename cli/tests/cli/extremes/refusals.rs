@@ -1,0 +1,109 @@
+//! What is refused before work, the numbers of messages, and what an interrupted report leaves.
+
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+
+use super::watch::has_long_number;
+use crate::common::papilio_command;
+
+/// Numbers of the user's at the ends of those of a computer, in messages and in the table of a report.
+#[test]
+fn numbers_of_messages_and_reports_have_exponents() {
+    let film = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/indoor.toml");
+    for (arguments, says) in [
+        (&["tolerance", "--set", "tolerance.samples=1e300"][..], "1e300"),
+        (&["optimize", "--set", "optimize.evaluations=1e300"], "1e300"),
+        (&["run", "--set", "spectrum.step_nm=1e-300"], "1e-300"),
+        (&["run", "--set", "spectrum.range_nm=[1e-300,780]"], "1e-300"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output = papilio_command()
+            .arg(arguments[0])
+            .arg(&film)
+            .args(&arguments[1..])
+            .arg("--out")
+            .arg(folder.path().join("results"))
+            .output()
+            .unwrap();
+        let said =
+            format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert!(said.contains(says) && !has_long_number(&said), "{arguments:?}: {said}");
+    }
+}
+
+/// Numbers in range that would take hours, or names of files that are too long.
+#[test]
+fn what_would_take_hours_is_refused_with_its_key() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let run = |command: &str, file: &str, sets: &[&str]| {
+        let folder = tempfile::tempdir().unwrap();
+        let mut program = papilio_command();
+        program.arg(command).arg(root.join(file)).arg("--out").arg(folder.path().join("out"));
+        sets.iter().for_each(|set| _ = program.args(["--set", set]));
+        program.output().unwrap()
+    };
+    for (command, file, sets, words) in [
+        (
+            "run",
+            "scenarios/map.toml",
+            &["display.diffuser.haze=1e-4"][..],
+            &["`width` or `haze` of display.diffuser", "depends on azimuth", "monte-carlo"][..],
+        ),
+        (
+            "gonio",
+            "surfaces/prisms.toml",
+            &["microgeometry.index_below=1e-6"],
+            &["is out of range", "index_below"],
+        ),
+        ("gonio", "surfaces/etched.toml", &["microgeometry.rms_nm=1e6"], &["are spikes", "correlation_um"]),
+        (
+            "gonio",
+            "surfaces/hemispheres.toml",
+            &["microgeometry.radius_um=1e6"],
+            &["are flat at a radius of 1000000 um", "`radius_um`"],
+        ),
+        (
+            "run",
+            "scenarios/etched-face.toml",
+            &["display.layers.0.rms_nm=1e6"],
+            &["are spikes", "correlation_um"],
+        ),
+        (
+            "run",
+            "scenarios/hazy-face.toml",
+            &["display.layers.0.rms_nm=7e4", "display.layers.0.correlation_um=16"],
+            &["too many wavelengths", "`rms_nm` of at most"],
+        ),
+    ] {
+        let output = run(command, file, sets);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{command} {file} {sets:?}: {said}");
+        for words in words {
+            assert!(said.contains(words), "{command} {file} {sets:?}: {said}");
+        }
+    }
+    let output = run("run", "scenarios/auto.toml", &["viewer.theta_deg.0=1e-300", "spectrum.step_nm=20"]);
+    assert!(output.status.success(), "{}", String::from_utf8(output.stderr).unwrap());
+    assert!(String::from_utf8(output.stdout).unwrap().contains("seen from 1e-300 deg"));
+}
+
+/// Ctrl-C while a report is computed, surfaces or displays: exit code 130, and nothing is left in its folder.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_report_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenarios = folder.path().join("scenarios");
+    let mut program = papilio_command();
+    program.args(["validate", "--threads", "1", "--out"]).arg(folder.path());
+    let child = program.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while !scenarios.join("data/H81-transmission.csv").exists() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(!scenarios.exists(), "{said}");
+}
