@@ -6,8 +6,8 @@
 //! - above a mirror-like pixel, where nothing scatters, the whole display is computed for s and for p ([`weights`],
 //!   [`Stack::with_polarisations`]), and a polariser before the eye chooses between them;
 //! - elsewhere each run of flat layers that begins and ends with the air or a scatterer is one interface
-//!   ([`FlatRun`]) of light without regard to places. The run between the last scatterer and a mirror stays as it is,
-//!   with the mean of s and p at each meeting: the mirror does not scatter.
+//!   ([`FlatRun`]) of light without regard to places; the run between the last scatterer and a mirror is one together
+//!   with the mirror.
 //!
 //! Where light meets one face only, the mean of s and p is exact, and nothing is done. That is so for ordinary panels
 //! of paper below a face; sheets, given by their reflectance, are the same for both.
@@ -51,26 +51,39 @@ pub(crate) fn weights(scene: &Scene) -> Result<Option<[f64; 2]>, DisplayError> {
     }
 }
 
-/// Returns the stack with what it is for s and p; `pixel` is that of light of s and of p, if they are kept apart to the
-/// end.
+/// Returns whether s and p are kept apart where they meet the pixel.
+///
+/// # Errors
+/// As [`weights`].
+pub(crate) fn reaches_pixel(scene: &Scene) -> Result<bool, DisplayError> {
+    Ok(weights(scene)?.is_some() || has_mirror_run(scene))
+}
+
+/// Returns whether they are kept apart by flat layers between a scatterer and the mirror.
+fn has_mirror_run(scene: &Scene) -> bool {
+    is_followed(scene) && scene.display.panel().is_none() && runs(scene).iter().any(|run| run.meets_mirror)
+}
+
+/// Returns the stack with what it is for s and p; `pixel` is that of light of s and of p, if they are kept apart where
+/// they meet it.
 pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Result<Stack, DisplayError> {
-    if pixel.is_none() && (!is_followed(scene) || stack.panel().is_some()) {
+    let weights = weights(scene)?;
+    if weights.is_none() && (!is_followed(scene) || stack.panel().is_some()) {
         return Ok(stack);
     }
-    let runs = runs(scene, stack.base().is_specular());
-    if pixel.is_none() && runs.is_empty() {
+    let runs = if weights.is_none() { runs(scene) } else { Vec::new() };
+    if weights.is_none() && runs.is_empty() {
         return Ok(stack);
     }
     let of_s = of_polarisation(scene, stack.layers(), Polarisation::S)?;
     let of_p = of_polarisation(scene, stack.layers(), Polarisation::P)?;
-    Ok(match pixel {
-        Some([s, p]) => {
-            let both = [Stack::new(of_s, s), Stack::new(of_p, p)];
-            stack.with_polarisations(both, weights(scene)?.unwrap_or([0.5; 2]))
+    Ok(match (weights, pixel) {
+        (Some(weights), Some([s, p])) => {
+            stack.with_polarisations([Stack::new(of_s, s), Stack::new(of_p, p)], weights)
         }
-        None => {
+        (_, mirrors) => {
             let layers = in_runs(stack.layers(), [&of_s, &of_p], &runs);
-            stack.with_runs(layers)
+            stack.with_runs(layers, mirrors)
         }
     })
 }
@@ -109,16 +122,21 @@ impl Meetings {
     /// Those of a whole display; `None` if anything scatters, or depends on place.
     fn of(scene: &Scene) -> Option<Self> {
         let display = &scene.display;
-        let is_film = match &display.pixel {
-            Pixel::Film(_) => true,
-            Pixel::Table(_) | Pixel::Uniform(UniformPixel { kind: UniformKind::Mirror, .. }) => false,
-            Pixel::Uniform(_) | Pixel::Scattering(_) | Pixel::Crystal(_) => return None,
-        };
         let is_flat = |layer: &scene::Layer| is_flat(&layer.interface) && layer.medium.scattering.is_none();
         if display.filter().is_some() || !display.layers.iter().all(is_flat) {
             return None;
         }
-        let of_layers = Self::within(scene, 0..display.layers.len());
+        Self::with_mirror(scene, 0..display.layers.len())
+    }
+
+    /// Those of the interfaces of flat layers and the pixel; `None` if that is no mirror.
+    fn with_mirror(scene: &Scene, layers: Range<usize>) -> Option<Self> {
+        let is_film = match &scene.display.pixel {
+            Pixel::Film(_) => true,
+            Pixel::Table(_) | Pixel::Uniform(UniformPixel { kind: UniformKind::Mirror, .. }) => false,
+            Pixel::Uniform(_) | Pixel::Scattering(_) | Pixel::Crystal(_) => return None,
+        };
+        let of_layers = Self::within(scene, layers);
         Some(Self {
             polarising: of_layers.polarising + usize::from(is_film),
             reflecting: of_layers.reflecting + 1,
@@ -160,9 +178,16 @@ fn is_flat(interface: &scene::Interface) -> bool {
     }
 }
 
-/// Returns the runs of flat layers within which light meets several faces, by their interfaces; the last medium of a run
-/// may scatter.
-fn runs(scene: &Scene, above_mirror: bool) -> Vec<Range<usize>> {
+/// Flat layers within which light meets several faces.
+struct Run {
+    /// By their interfaces; the last medium may scatter.
+    layers: Range<usize>,
+    /// True if the last of what light meets is a mirror-like pixel.
+    meets_mirror: bool,
+}
+
+/// Returns the runs of flat layers within which light meets several faces.
+fn runs(scene: &Scene) -> Vec<Run> {
     let layers = &scene.display.layers;
     let mut found = Vec::new();
     let mut first = 0;
@@ -172,9 +197,16 @@ fn runs(scene: &Scene, above_mirror: bool) -> Vec<Range<usize>> {
         let murky = rest.iter().take(flat).position(|layer| layer.medium.scattering.is_some());
         let run = first..first + murky.map_or(flat, |last| last + 1);
         first = run.end.max(first + 1);
-        let meets_mirror = above_mirror && run.end == layers.len() && murky.is_none();
-        if !meets_mirror && Meetings::within(scene, run.clone()).mix() {
-            found.push(run);
+        let is_last = run.end == layers.len() && murky.is_none();
+        // All layers together, without a scatterer, have a way of their own.
+        let with_mirror = match is_last && !run.is_empty() {
+            true => Meetings::with_mirror(scene, run.clone()),
+            false => None,
+        };
+        let meets_mirror = with_mirror.is_some();
+        let meetings = with_mirror.unwrap_or_else(|| Meetings::within(scene, run.clone()));
+        if meetings.mix() && !(meets_mirror && run.start == 0) {
+            found.push(Run { layers: run, meets_mirror });
         }
     }
     found
@@ -207,10 +239,10 @@ fn of_polarisation(
 }
 
 /// Returns the layers with each of these runs as one interface; `both` are the layers for light of s and of p.
-fn in_runs(layers: &[Layer], both: [&[Layer]; 2], runs: &[Range<usize>]) -> Vec<Layer> {
+fn in_runs(layers: &[Layer], both: [&[Layer]; 2], runs: &[Run]) -> Vec<Layer> {
     let mut made = Vec::with_capacity(layers.len());
     let mut next = 0;
-    for run in runs {
+    for Run { layers: run, .. } in runs {
         made.extend_from_slice(&layers[next..run.start]);
         let interfaces =
             both.map(|own| own[run.clone()].iter().map(|layer| layer.interface.clone()).collect());

@@ -134,7 +134,7 @@ impl Setup {
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
-        let bases = pixel::bases(scene, &mut film, None, polarisation::weights(scene)?.is_some())?;
+        let bases = pixel::bases(scene, &mut film, None, polarisation::reaches_pixel(scene)?)?;
         let setup = Self {
             stack: stack(scene, bases, None, control)?,
             film,
@@ -184,9 +184,9 @@ impl Setup {
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
         let weights = polarisation::weights(scene)?;
-        let apart = weights.is_some();
-        let weights_changed =
-            weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
+        let apart = polarisation::reaches_pixel(scene)?;
+        let weights_changed = apart != self.stack.polarised_bases().is_some()
+            || weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
         if scene.grid != last.grid || solver_changed || weights_changed {
             return Ok(Self { version: self.version + 1, ..Self::with_filter(scene, control)? });
         }
@@ -201,7 +201,7 @@ impl Setup {
         if !scene.display.has_layers_of(&last.display) || was_panel != scene.display.panel().is_some() {
             let bases = Bases {
                 mean: self.stack.base().clone(),
-                polarised: self.stack.polarised().map(|both| both.each_ref().map(|one| one.base().clone())),
+                polarised: self.stack.polarised_bases().map(|both| both.map(Base::clone)),
             };
             let made = Some((&last.display.layers[..], self.stack.layers()));
             self.stack = stack(scene, bases, made, control)?;
@@ -313,8 +313,8 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
 /// Replaces the pixel below the layers of a stack.
 pub(crate) fn replace_bases(stack: &mut Stack, bases: Bases) {
     stack.set_base(bases.mean);
-    let both = stack.polarised_mut().into_iter().flatten();
-    both.zip(bases.polarised.into_iter().flatten()).for_each(|(one, base)| one.set_base(base));
+    let both = stack.polarised_bases_mut().into_iter().flatten();
+    both.zip(bases.polarised.into_iter().flatten()).for_each(|(one, base)| *one = base);
 }
 
 fn stack(

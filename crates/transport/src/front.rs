@@ -93,6 +93,16 @@ impl Flat {
     /// Everything is reflected.
     pub(crate) const MIRROR: Self = Self { t: 0.0, above: 1.0, below: 1.0 };
 
+    /// Returns the mean of two.
+    pub(crate) fn mean([one, other]: [Self; 2]) -> Self {
+        let mean = |a: f64, b: f64| 0.5 * (a + b);
+        Self {
+            t: mean(one.t, other.t),
+            above: mean(one.above, other.above),
+            below: mean(one.below, other.below),
+        }
+    }
+
     /// Combines this part with `lower` below it, all inter-reflections included.
     #[inline]
     pub(crate) fn over(self, lower: Self) -> Self {

@@ -49,6 +49,7 @@ mod estimate;
 mod front;
 mod layers;
 mod light;
+mod mirror_run;
 mod numerics;
 mod panel;
 mod pixel_spread;

@@ -171,7 +171,7 @@ impl Skeleton {
             upper = &layer.medium;
         }
         match &base.reflector {
-            Reflector::Specular(_) => base.reflectance(beta_squared, upper, &mut self.base),
+            Reflector::Specular(_) => stack.reflectance_of(base, beta_squared, upper, &mut self.base),
             Reflector::Lambertian(_) | Reflector::Scattering(_) => {}
         }
         self.combine();

@@ -15,6 +15,7 @@
 use papilio_spectra::Spectrum;
 
 use crate::layers::{LayerKind, least_edge};
+use crate::mirror_run::MirrorRun;
 use crate::{Approximation, Base, Interface, Medium, Panel, PanelParts, Reflector};
 
 /// Layers over a pixel.
@@ -27,6 +28,8 @@ pub struct Stack {
     polarised: Option<Box<Polarised>>,
     /// The same with its flat layers in runs that keep s and p apart, if it has any.
     in_runs: Option<Box<Self>>,
+    /// The last of its layers, if that is a run which keeps s and p apart together with the mirror below.
+    mirror_run: Option<Box<MirrorRun>>,
 }
 
 /// A stack for light of each polarisation.
@@ -92,7 +95,7 @@ impl Stack {
     /// Returns the stack of these layers for the methods of general layers, even if they are an ordinary
     /// panel: both have the same results.
     pub fn general(layers: Vec<Layer>, base: Base) -> Self {
-        Self { layers, form: Form::General(base), polarised: None, in_runs: None }
+        Self { layers, form: Form::General(base), polarised: None, in_runs: None, mirror_run: None }
     }
 
     /// The same stack, with what it is for light of s and of p, which all layers keep apart: `[s, p]`, with as
@@ -109,17 +112,47 @@ impl Stack {
         self.polarised.as_deref().map(|polarised| &polarised.both)
     }
 
-    /// The same for modification.
-    pub fn polarised_mut(&mut self) -> Option<&mut [Self; 2]> {
-        self.polarised.as_deref_mut().map(|polarised| &mut polarised.both)
+    /// The same stack, with what it is for light without regard to places: `layers` with runs of flat layers that
+    /// keep s and p apart ([`Interface::Run`]), over the same pixel. `mirrors`: that pixel for light of s and of p, if
+    /// the last layer is a run that keeps them apart together with it.
+    #[must_use]
+    pub fn with_runs(self, layers: Vec<Layer>, mirrors: Option<[Base; 2]>) -> Self {
+        let mut in_runs = Self::general(layers, self.base().clone());
+        let mirror_run = mirrors.and_then(|mirrors| MirrorRun::new(&in_runs.layers, mirrors));
+        in_runs.mirror_run = mirror_run.map(Box::new);
+        Self { in_runs: Some(Box::new(in_runs)), ..self }
     }
 
-    /// The same stack, with what it is for light without regard to places: `layers` with runs of flat layers that
-    /// keep s and p apart ([`Interface::Run`]), over the same pixel.
-    #[must_use]
-    pub fn with_runs(self, layers: Vec<Layer>) -> Self {
-        let in_runs = Self::general(layers, self.base().clone());
-        Self { in_runs: Some(Box::new(in_runs)), ..self }
+    /// The pixel for light of s and of p, if they are kept apart where they meet it.
+    pub fn polarised_bases(&self) -> Option<[&Base; 2]> {
+        if let Some(both) = self.polarised() {
+            return Some(both.each_ref().map(Self::base));
+        }
+        let run = self.in_runs.as_deref()?.mirror_run.as_deref()?;
+        Some(run.mirrors.each_ref())
+    }
+
+    /// The same for modification; whether they scatter must not change.
+    pub fn polarised_bases_mut(&mut self) -> Option<[&mut Base; 2]> {
+        if let Some(polarised) = self.polarised.as_deref_mut() {
+            return Some(polarised.both.each_mut().map(Self::base_mut));
+        }
+        let run = self.in_runs.as_deref_mut()?.mirror_run.as_deref_mut()?;
+        Some(run.mirrors.each_mut())
+    }
+
+    /// True if s and p are kept apart by layers together with the mirror below them.
+    pub(crate) fn has_mirror_run(&self) -> bool {
+        self.mirror_run.is_some()
+    }
+
+    /// Computes the reflectance of the base, `[state][wavelength]`: below a run that keeps s and p apart together with
+    /// it, that for mean light.
+    pub(crate) fn reflectance_of(&self, base: &Base, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
+        match &self.mirror_run {
+            Some(run) => run.reflectance(beta_squared, out),
+            None => base.reflectance(beta_squared, medium, out),
+        }
     }
 
     /// The stack with its flat layers in runs, if it has any; else itself.
@@ -145,7 +178,7 @@ impl Stack {
             }
             _ => Form::General(base),
         };
-        Self { layers, form, polarised: None, in_runs: None }
+        Self { layers, form, polarised: None, in_runs: None, mirror_run: None }
     }
 
     /// The layers, top to bottom.
@@ -160,8 +193,8 @@ impl Stack {
             panel.gaps_mm.clear();
             panel.gaps_mm.extend(self.layers.iter().map(|layer| layer.thickness_mm));
         }
-        for one in self.polarised_mut().into_iter().flatten() {
-            one.set_thickness_mm(thickness_mm);
+        if let Some(polarised) = &mut self.polarised {
+            polarised.both.iter_mut().for_each(|one| one.set_thickness_mm(thickness_mm));
         }
     }
 
@@ -187,7 +220,7 @@ impl Stack {
     }
 
     /// Replaces the pixel; whether it scatters must not change. For light of one polarisation it is that of
-    /// [`polarised_mut`](Self::polarised_mut).
+    /// [`polarised_bases_mut`](Self::polarised_bases_mut).
     pub fn set_base(&mut self, base: Base) {
         if let Some(in_runs) = &mut self.in_runs {
             in_runs.set_base(base.clone());
@@ -212,7 +245,7 @@ impl Stack {
 
     /// The same layers over another pixel, for unpolarised light; whether it scatters must not change.
     pub fn with_base(&self, base: Base) -> Self {
-        let mut other = Self { polarised: None, in_runs: None, ..self.clone() };
+        let mut other = Self { polarised: None, in_runs: None, mirror_run: None, ..self.clone() };
         *other.base_mut() = base;
         other
     }

@@ -8,7 +8,7 @@
 
 use papilio_optics::film::Polarisation;
 use papilio_transport::adding::Kernel;
-use papilio_transport::{AngularTable, Reflector, Stack};
+use papilio_transport::{AngularTable, Base, ReflectanceFactor, Reflector, Stack};
 
 use super::derivatives::Tangents;
 use super::parameter::Change;
@@ -32,14 +32,52 @@ impl Tangents<'_> {
         view: usize,
     ) -> Result<Vec<Vec<f64>>, DisplayError> {
         let Some([(of_s, s), (of_p, p)]) = kernel.polarised(stack) else {
-            return self.of_light((kernel, stack, table), None, view);
+            return match stack.polarised_bases() {
+                Some(mirrors) => self.of_mirrors((kernel, stack, table), mirrors, view),
+                None => self.of_light((kernel, stack, table), None, view),
+            };
         };
         let of = |kernel, stack: &Stack, polarisation| match &stack.base().reflector {
             Reflector::Specular(table) => self.of_light((kernel, stack, table), Some(polarisation), view),
             _ => Ok(Vec::new()),
         };
         let (s, p) = (of(of_s, s, Polarisation::S)?, of(of_p, p, Polarisation::P)?);
-        Ok(s.iter().zip(&p).map(|(s, p)| mean(s, p)).collect())
+        Ok(s.iter().zip(&p).map(|(s, p)| mean_of(s, p)).collect())
+    }
+
+    /// Computes the same below a scatterer and layers that keep s and p apart together with the mirror: the sum of the
+    /// slopes by the mirror of each.
+    fn of_mirrors(
+        &self,
+        (kernel, stack, mean): (&Kernel, &Stack, &AngularTable),
+        mirrors: [&Base; 2],
+        view: usize,
+    ) -> Result<Vec<Vec<f64>>, DisplayError> {
+        let as_often = |table: &AngularTable| {
+            Reflector::Specular(AngularTable { mixture: table.mixture.repeat(MOVES.len()), ..table.clone() })
+        };
+        let columns = mean.state_count() * mean.common.len();
+        let mut sums: Vec<Vec<f64>> = vec![Vec::new(); self.changes.len()];
+        for (number, polarisation) in [Polarisation::S, Polarisation::P].into_iter().enumerate() {
+            let (Reflector::Specular(own), Reflector::Specular(other)) =
+                (&mirrors[number].reflector, &mirrors[1 - number].reflector)
+            else {
+                continue;
+            };
+            let of_film = self.of_film(Some(polarisation))?;
+            let mut stack = stack.clone();
+            stack.set_reflector(as_often(mean));
+            for (sum, change) in sums.iter_mut().zip(&self.changes) {
+                let Some((moved, step)) = self.moved(own, &of_film, change) else { continue };
+                let both = stack.polarised_bases_mut().into_iter().flatten();
+                let mut reflectors = [Reflector::Specular(moved), as_often(other)];
+                reflectors.rotate_left(number);
+                both.zip(reflectors).for_each(|(base, reflector)| base.reflector = reflector);
+                let slopes = slopes(&kernel.seen(&stack, view), columns, step);
+                *sum = mean_of(sum, &slopes).into_iter().map(|half| 2.0 * half).collect();
+            }
+        }
+        Ok(sums)
     }
 
     /// Computes the same for light of one polarisation, or for unpolarised light.
@@ -55,15 +93,7 @@ impl Tangents<'_> {
         let slopes = self.changes.iter().map(|change| {
             let Some((moved, step)) = self.moved(table, &of_film, change) else { return Vec::new() };
             stack.set_reflector(Reflector::Specular(moved));
-            let seen = kernel.seen(&stack, view);
-            let slope = |base: &[f64]| {
-                let mut slope = vec![0.0; columns];
-                for ((_, count), row) in MOVES.iter().zip(base.chunks_exact(columns)) {
-                    slope.iter_mut().zip(row).for_each(|(slope, seen)| *slope += count / step * seen);
-                }
-                slope
-            };
-            seen.iter().flat_map(|rho| slope(&rho.via_pixel)).collect()
+            slopes(&kernel.seen(&stack, view), columns, step)
         });
         Ok(slopes.collect())
     }
@@ -120,8 +150,20 @@ impl Tangents<'_> {
     }
 }
 
-/// Returns the mean of the slopes of s and p; an empty list is that of zeros.
-fn mean(s: &[f64], p: &[f64]) -> Vec<f64> {
+/// Returns the slopes, `[source][state][wavelength]`, of light seen with the displacements as states.
+fn slopes(seen: &[ReflectanceFactor], columns: usize, step: f64) -> Vec<f64> {
+    let slope = |rho: &ReflectanceFactor| {
+        let mut slope = vec![0.0; columns];
+        for ((_, count), row) in MOVES.iter().zip(rho.via_pixel.chunks_exact(columns)) {
+            slope.iter_mut().zip(row).for_each(|(slope, seen)| *slope += count / step * seen);
+        }
+        slope
+    };
+    seen.iter().flat_map(slope).collect()
+}
+
+/// Returns the mean of two slopes; an empty list is that of zeros.
+fn mean_of(s: &[f64], p: &[f64]) -> Vec<f64> {
     let at = |slopes: &[f64], k: usize| slopes.get(k).copied().unwrap_or_default();
     (0..s.len().max(p.len())).map(|k| 0.5 * (at(s, k) + at(p, k))).collect()
 }

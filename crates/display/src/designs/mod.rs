@@ -150,10 +150,10 @@ impl Designs {
             _ => None,
         };
         let table = |nodes, values| Reflector::Specular(mixture.table(nodes, values, film));
-        if self.stack.polarised().is_some() {
+        if self.stack.polarised_bases().is_some() {
             let (nodes, [mean, s, p]) = polarised_tables(film, &scene.grid, index, &mixture.gaps_nm, known)?;
-            for (one, values) in self.stack.polarised_mut().into_iter().flatten().zip([s, p]) {
-                one.set_reflector(table(nodes.clone(), values));
+            for (one, values) in self.stack.polarised_bases_mut().into_iter().flatten().zip([s, p]) {
+                one.reflector = table(nodes.clone(), values);
             }
             self.stack.set_reflector(table(nodes, mean));
         } else {

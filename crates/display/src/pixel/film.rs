@@ -50,15 +50,15 @@ pub(super) fn polarised_bases(
     let mixture = Mixture::new(film)?;
     let key = kept.take().filter(|key| key.serves(film, grid, index, &mixture.gaps_nm));
     let last = before.and_then(|stack| {
-        let [s, p] = stack.polarised()?;
-        Some([mirror(stack)?, mirror(s)?, mirror(p)?])
+        let [s, p] = stack.polarised_bases()?;
+        Some([mirror(stack.base())?, mirror(s)?, mirror(p)?])
     });
     let (nodes, of_each) = match last {
         Some(tables) if key.is_some() => {
             (tables[0].nodes.clone(), tables.map(|table| Arc::clone(&table.basis)))
         }
         _ => {
-            let nodes = before.and_then(mirror).map(|table| &table.nodes);
+            let nodes = before.and_then(|stack| mirror(stack.base())).map(|table| &table.nodes);
             polarised_tables(film, grid, index, &mixture.gaps_nm, nodes)?
         }
     };
@@ -74,9 +74,9 @@ pub(super) fn polarised_bases(
     Ok(Bases { mean, polarised: Some([s, p]) })
 }
 
-/// The table of a stack's mirror.
-fn mirror(stack: &Stack) -> Option<&AngularTable> {
-    match &stack.base().reflector {
+/// The table of a mirror.
+fn mirror(base: &Base) -> Option<&AngularTable> {
+    match &base.reflector {
         Reflector::Specular(table) => Some(table),
         _ => None,
     }

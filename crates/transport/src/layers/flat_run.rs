@@ -1,4 +1,5 @@
-//! Flat layers between two scatterers, or between a scatterer and the air: s and p are kept apart through all of
+//! Flat layers between two scatterers, or between a scatterer and the air (or, with the mirror itself, a mirror:
+//! `mirror_run.rs`): s and p are kept apart through all of
 //! them, and the light that leaves counts as unpolarised, because what it meets next scatters it.
 //!
 //! Transmittance and reflectances are the means over s and p of those of the whole run, all inter-reflections
@@ -25,6 +26,11 @@ impl FlatRun {
         Self { interfaces, media }
     }
 
+    /// The run for s and for p.
+    pub(crate) fn of_each(&self, at: &Incidence) -> [Flat; 2] {
+        self.interfaces.each_ref().map(|own| self.of(own, at))
+    }
+
     /// The run for one polarisation.
     fn of(&self, interfaces: &[Interface], at: &Incidence) -> Flat {
         let mut above = at.indices[0];
@@ -44,8 +50,12 @@ impl FlatRun {
 
 impl LayerKind for FlatRun {
     fn regular(&self, at: &Incidence) -> Flat {
-        let [s, p] = self.interfaces.each_ref().map(|own| self.of(own, at));
-        Flat { t: 0.5 * (s.t + p.t), above: 0.5 * (s.above + p.above), below: 0.5 * (s.below + p.below) }
+        Flat::mean(self.of_each(at))
+    }
+
+    fn is_colourless(&self) -> bool {
+        let is_clear = |medium: &Medium| medium.constant_index().is_some() && medium.transmittance().is_none();
+        self.interfaces.iter().flatten().all(|one| one.kind().is_colourless()) && self.media.iter().all(is_clear)
     }
 
     /// That of its sheets, if it has any.

@@ -17,6 +17,7 @@ const FLOORS: [&[&str]; 5] = [
         "estimate",
         "front",
         "layers",
+        "mirror_run",
         "panel",
         "pixel_spread",
         "skeleton",

@@ -88,7 +88,7 @@ fn specular(stack: &Stack, group: &Group) -> Matrix {
     for (beta, (_, column)) in
         group.beta.iter().zip(all.columns_mut()).filter(|(beta, _)| **beta < group.index)
     {
-        stack.base().reflectance(beta * beta, medium, column);
+        stack.reflectance_of(stack.base(), beta * beta, medium, column);
     }
     all
 }

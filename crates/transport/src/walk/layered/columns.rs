@@ -38,6 +38,9 @@ pub(super) struct Columns {
 impl Columns {
     /// Builds the columns of a display; `None` if they would not save time.
     pub(super) fn new(stack: &Stack) -> Option<Self> {
+        if stack.has_mirror_run() {
+            return None;
+        }
         let base = stack.base();
         let reflectance = match &base.reflector {
             Reflector::Lambertian(reflectance) => reflectance.clone(),
