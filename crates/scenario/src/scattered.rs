@@ -206,7 +206,10 @@ fn bins(one: &Bins, errors: &mut Errors) -> Option<Distribution> {
     if weights.len() == count && weights.iter().sum::<f64>() > 0.0 {
         return Some(Distribution::Choices { weights });
     }
-    let wrong = Diagnostic::new(format!("there are {} weights for {count} values", weights.len()));
+    let wrong = Diagnostic::new(match weights.len() == count {
+        true => "all weights are 0".to_owned(),
+        false => format!("there are {} weights for {count} values", weights.len()),
+    });
     errors.push(one.weights.origin, wrong.expected(format!("{count} weights, not all 0")));
     None
 }

@@ -22,6 +22,7 @@ mod scielab;
 mod stripes;
 
 pub use flip::{FLIP_PIXELS_PER_DEGREE, FlipPicture};
+pub use planes::NO_CONTRAST;
 pub use scielab::{scielab, scielab_transfer};
 pub use stripes::{Comparison, LEAST_PER_DEGREE, Reader, Spread, compared};
 

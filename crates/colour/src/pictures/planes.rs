@@ -63,6 +63,9 @@ pub(super) fn along_rows(plane: &[f32], columns: usize, kernel: &[f32], lines: &
     }
 }
 
+/// Variance of L* in a window below which it has no contrast: a hundredth of a unit, which rounding does not reach.
+pub const NO_CONTRAST: f64 = 1e-4;
+
 /// Sum of the standard deviations in the windows about the pixels of inner rows; windows end at the borders of the
 /// plane.
 #[inline(always)]
@@ -101,7 +104,8 @@ pub(super) fn local_contrast(plane: &[f32], columns: usize, radius: usize, inner
             let wide = (x + radius + 1).min(columns) - x.saturating_sub(radius);
             let count = (wide * window.len()) as f64;
             let mean = value / count;
-            sum += (square / count - mean * mean).max(0.0).sqrt();
+            let variance = square / count - mean * mean;
+            sum += if variance > NO_CONTRAST { variance.sqrt() } else { 0.0 };
         }
     }
     sum

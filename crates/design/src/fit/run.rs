@@ -25,6 +25,10 @@ const POINTS_PER_START: u64 = 8;
 const MOST_ROUNDS: usize = 10;
 /// Standard deviation of the first round for numbers that state none.
 const FIRST: CommonDeviations = CommonDeviations { fraction: 0.01, lab: 1.0 };
+/// Least standard deviation of numbers that state none, in an exact fit: below it, the predicted numbers are not smooth.
+const LEAST: CommonDeviations = CommonDeviations { fraction: 1e-6, lab: 1e-4 };
+/// Chi-square over the degrees of freedom below which residuals are too small for the stated errors to be too small.
+const SMALL: f64 = 0.25;
 /// Normal quantiles of 68.3 and 95 %.
 const QUANTILES: [f64; 2] = [1.0, 1.959_963_985];
 /// Distance from a bound that counts as being there, in widths of the bounds.
@@ -257,13 +261,12 @@ impl<'stop> Fitting<'stop> {
                 .collect();
             match unstated.len() {
                 0 => now,
-                // Of an exact fit, the deviation is that of the numbers themselves.
-                count => now * (unstated.iter().sum::<f64>() / (count as f64 * left)).sqrt().max(1e-9),
+                count => now * (unstated.iter().sum::<f64>() / (count as f64 * left)).sqrt(),
             }
         };
         CommonDeviations {
-            fraction: of(Unit::Fraction, problem.common.fraction),
-            lab: of(Unit::Lab, problem.common.lab),
+            fraction: of(Unit::Fraction, problem.common.fraction).max(LEAST.fraction),
+            lab: of(Unit::Lab, problem.common.lab).max(LEAST.lab),
         }
     }
 
@@ -441,7 +444,8 @@ impl<'stop> Fitting<'stop> {
 
     /// Remarks on the result.
     fn remarks(&self, chi_square: f64, runs: &Option<super::Runs>, starts: Starts) -> Vec<String> {
-        let systematic = runs.filter(|runs| runs.z < FEW_RUNS).map(|runs| {
+        let is_small = chi_square < SMALL * self.degrees_of_freedom().max(1) as f64;
+        let systematic = runs.filter(|runs| runs.z < FEW_RUNS && !is_small).map(|runs| {
             format!(
                 "the residuals have {} runs of one sign, independent errors have {:.0} (z = {:.1}): the model or the measurement differs \
                  systematically, and the intervals are too narrow",

@@ -1,7 +1,7 @@
 //! How much two pictures in the same light differ: CIEDE2000 of each pixel, and for a reader at a distance S-CIELAB and FLIP.
 
 use papilio_colour::pictures::{
-    Comparison, FlipPicture, LEAST_PER_DEGREE, Picture, Reader, compared, scielab,
+    Comparison, FlipPicture, LEAST_PER_DEGREE, NO_CONTRAST, Picture, Reader, compared, scielab,
 };
 use papilio_colour::{Adaptation, ColourError, D65_WHITE, Xyz};
 use papilio_imaging::window_means;
@@ -89,7 +89,8 @@ fn likeness(seen: &Picture, other: &Picture, per_degree: f64) -> [Option<f64>; 3
         let lightness = &picture.planes()[0];
         let mean = window_means(lightness.clone(), picture.columns(), radius);
         let square = window_means(lightness.iter().map(|one| one * one).collect(), picture.columns(), radius);
-        mean.iter().zip(square).map(|(mean, square)| (square - mean * mean).max(0.0).sqrt()).sum::<f64>()
+        let variances = mean.iter().zip(square).map(|(mean, square)| square - mean * mean);
+        variances.filter(|variance| *variance > NO_CONTRAST).map(f64::sqrt).sum::<f64>()
     };
     let ratio = |part: f64, whole: f64| (whole > 0.0).then(|| part / whole);
     [ratio(turned, hued), ratio(shown, chromas), ratio(contrast(seen), contrast(other))]

@@ -323,8 +323,13 @@ fn responses(
     let Some(view) = setup.views.first() else { return Ok(Some(Vec::new())) };
     setup.refracts()?;
     setup.placed()?;
-    let level =
-        Level { digits, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]), is_fine: digits > 10.0, finer: 0 };
+    let level = Level {
+        digits,
+        most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]),
+        is_fine: digits > 10.0,
+        is_broader: false,
+        finer: 0,
+    };
     let lit = Lit { panel, view, level, spread: None };
     let lights = Meter::new(setup).pixel_lights().into_iter().filter(PixelLight::is_seen);
     lights

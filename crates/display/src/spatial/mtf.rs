@@ -112,7 +112,13 @@ pub(crate) fn sharpness(setup: &Setup, control: &Control<'_>) -> Result<Option<S
     }
     let Some(view) = setup.views.first() else { return Ok(None) };
     let measured = Frame::new(setup, &patterns, control).and_then(|frame| {
-        let level = Level { digits: DIGITS[0], most_per_mm: frame.highest(), is_fine: false, finer: 0 };
+        let level = Level {
+            digits: DIGITS[0],
+            most_per_mm: frame.highest(),
+            is_fine: false,
+            is_broader: false,
+            finer: 0,
+        };
         let has_response = setup.stack.panel().is_some() || below_layers::covers(setup);
         let measured =
             if has_response { frame.by_frequency(view, level) } else { frame.layered_by_frequency(view) };
@@ -201,7 +207,8 @@ impl<'a> Frame<'a> {
     /// Highest frequency at which the sharpest feature of a view has contrast.
     fn reach(&self, view: &ViewPoint) -> Result<f64, DisplayError> {
         // As far as the sharpest feature has contrast.
-        let draft = Level { digits: 4.0, most_per_mm: LOWEST_PER_MM, is_fine: false, finer: 0 };
+        let draft =
+            Level { digits: 4.0, most_per_mm: LOWEST_PER_MM, is_fine: false, is_broader: false, finer: 0 };
         let (seen, _) = responses(self.setup, view, draft, self.control)?;
         let widths = seen.iter().flat_map(|seen| seen.response.peaks()).map(|peak| peak.width_mm);
         let sharpest = widths.fold(f64::INFINITY, f64::min);
@@ -222,7 +229,8 @@ impl<'a> Frame<'a> {
         };
         let borders = OnceCell::new();
         let at = |level: usize, is_fine: bool| {
-            self.measure(view, Level { digits: digits(level), most_per_mm, is_fine, finer: 0 }, &borders)
+            let level = Level { digits: digits(level), most_per_mm, is_fine, is_broader: false, finer: 0 };
+            self.measure(view, level, &borders)
         };
         // The coarse one of two levels uses simpler estimates: each further level has its own coarse one.
         let pair = |level: usize| {
@@ -250,15 +258,34 @@ impl<'a> Frame<'a> {
             layered::widen(coarse, &found.finer.fine, factor);
         }
         let (digits, fine) = (digits(found.level), &found.finer.fine);
-        let coarse = found.finer.coarse(&found.coarser);
-        let states = states(coarse, fine);
+        let level = Level { digits, most_per_mm, is_fine: true, is_broader: false, finer: 0 };
+        let against = |coarse: &Measured| self.seen(view, states(coarse, fine), coarse, fine);
+        let mut seen = against(found.finer.coarse(&found.coarser));
+        if fine.seen.iter().any(|seen| seen.response.is_estimated()) {
+            let broader = self.measure(view, Level { is_broader: true, ..level }, &borders)?;
+            seen.widen_errors(&against(&broader));
+        }
+        seen.states = Named(self.with_kernels(seen.states.0, fine));
+        seen.yule_nielsen_n = self.yule_nielsen(fine, level);
+        Ok(seen)
+    }
+
+    /// What is seen in a view at the finer of two levels, with the differences from the coarser one as errors; without pictures
+    /// of kernels.
+    fn seen(
+        &self,
+        view: &ViewPoint,
+        states: Vec<(String, MtfState)>,
+        coarse: &Measured,
+        fine: &Measured,
+    ) -> MtfView {
         let mut error = fine.line_contrast[0];
         let pairs = error.all_mut().zip(coarse.line_contrast[0].named());
         pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
-        Ok(MtfView {
+        MtfView {
             theta_deg: view.theta_deg,
             phi_deg: view.phi_deg,
-            states: Named(self.with_kernels(states, fine)),
+            states: Named(states),
             line_contrast: fine.line_contrast[0],
             line_contrast_via_pixel: fine.line_contrast[1],
             line_contrast_error: error,
@@ -269,9 +296,9 @@ impl<'a> Frame<'a> {
             text_contrast_error: fine.text_contrast[0]
                 .zip(coarse.text_contrast[0])
                 .map(|(fine, coarse)| [0, 1].map(|k| (fine[k] - coarse[k]).abs())),
-            yule_nielsen_n: self.yule_nielsen(fine, Level { digits, most_per_mm, is_fine: true, finer: 0 }),
+            yule_nielsen_n: None,
             patterns: self.pattern_means(view, coarse, fine),
-        })
+        }
     }
 
     pub(super) fn number(&self, state: &str) -> Option<usize> {

@@ -28,6 +28,8 @@ pub(crate) struct Level {
     /// True for the finer level of a result. A coarse one also takes simpler estimates, so that the
     /// difference bounds theirs, however many digits both have.
     pub(crate) is_fine: bool,
+    /// True if light that a front returns later is to be broader than estimated: the same quantity in another shape.
+    pub(crate) is_broader: bool,
     /// Number of times that cells of figures are halved beyond those of the finer of two levels.
     pub(crate) finer: u32,
 }
@@ -52,6 +54,11 @@ impl Level {
 
 /// Light that a view sees via the pixel in each state, from one source. All values are parts of Y.
 pub(crate) trait Response: Sync {
+    /// True if the places of a part of the light are estimated.
+    fn is_estimated(&self) -> bool {
+        false
+    }
+
     /// Light at a spatial frequency along an axis (0: x), cycles per mm, `[state]`. At 0 it is Y.
     fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64>;
 

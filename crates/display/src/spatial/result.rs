@@ -162,3 +162,56 @@ pub struct Kernel {
     #[serde(skip)]
     pub fractions: Vec<f64>,
 }
+
+/// Replaces an error by a larger one; one that is not known stays.
+fn widen(error: &mut f64, other: f64) {
+    *error = error.max(other);
+}
+
+fn widen_all<'a>(errors: impl IntoIterator<Item = &'a mut f64>, others: &[f64]) {
+    errors.into_iter().zip(others).for_each(|(error, other)| widen(error, *other));
+}
+
+impl MtfView {
+    /// Takes the larger of the errors of two views of the same numbers.
+    pub(super) fn widen_errors(&mut self, other: &Self) {
+        for (error, (_, other)) in self.line_contrast_error.all_mut().zip(other.line_contrast_error.named()) {
+            *error = error.zip(other).map(|(error, other)| error.max(other)).or(*error);
+        }
+        if let (Some(errors), Some(others)) = (&mut self.text_contrast_error, &other.text_contrast_error) {
+            widen_all(errors, others);
+        }
+        self.patterns
+            .iter_mut()
+            .zip(&other.patterns)
+            .for_each(|(one, other)| widen(&mut one.error, other.error));
+        for ((_, one), (_, other)) in self.states.0.iter_mut().zip(&other.states.0) {
+            one.widen_errors(other);
+        }
+    }
+}
+
+impl MtfState {
+    fn widen_errors(&mut self, other: &Self) {
+        for (error, (_, other)) in self.error.all_mut().zip(other.error.named()) {
+            *error = error.zip(other).map(|(error, other)| error.max(other)).or(*error);
+        }
+        self.otf.widen_errors(&other.otf);
+        self.by_light
+            .0
+            .iter_mut()
+            .zip(&other.by_light.0)
+            .for_each(|((_, one), (_, other))| one.widen_errors(other));
+        self.spread
+            .iter_mut()
+            .zip(&other.spread)
+            .for_each(|(one, other)| widen_all(&mut one.error, &other.error));
+    }
+}
+
+impl Curves {
+    fn widen_errors(&mut self, other: &Self) {
+        widen_all(&mut self.error_x, &other.error_x);
+        widen_all(&mut self.error_y, &other.error_y);
+    }
+}

@@ -10,7 +10,8 @@
 //! again after two further passes: a ghost about the place of a trip to the front and back. For small angles
 //! and a lobe of Cauchy's kind its way is that of 5 passes of the first order and 4 of the air,
 //! `|OTF|^(5 + 4 n g/d)`. The coarse level takes the shape of the first order for all light, so that the
-//! error of a result, the difference of levels, bounds that of the estimate. Y itself, and what is seen of
+//! error of a result, the difference of levels, bounds that of the estimate; where both cross, a third shape, with
+//! twice the exponent, bounds it ([`Level::is_broader`]). Y itself, and what is seen of
 //! pages, is exact. `q` is about the reflectance of the front times that of the pixel, some 1e-2.
 //! `adding::LayeredSpread` follows this light exactly, in seconds instead of milliseconds.
 
@@ -37,6 +38,9 @@ const HIGHEST: f64 = 16.0;
 
 /// Frequencies of a pattern, as multiples of the lowest one, end here.
 const MOST_WAVES: u32 = 20;
+
+/// Factor of the exponent of the blur of light that returns later, in the broader of its estimates.
+const BROADER: f64 = 2.0;
 
 /// Less returned light than this does not count.
 const NOTHING: f64 = 1e-9;
@@ -104,7 +108,7 @@ fn later(lit: Lit<'_>, first: &LobeResponse, (once, orders): (&[f64], &[f64])) -
     let (thickness_mm, air_mm) = (lit.thickness_mm(), lit.air_of_one_front_mm().unwrap_or_default());
     let period_mm = PERIOD * thickness_mm.max(0.25 * (thickness_mm + air_mm));
     let step_per_mm = 1.0 / period_mm;
-    let power = power(lit, air_mm);
+    let power = if lit.level.is_broader { BROADER } else { 1.0 } * power(lit, air_mm);
     let mut rest: Vec<Vec<f64>> = once.iter().map(|_| Vec::new()).collect();
     for k in 0..=(HIGHEST / thickness_mm / step_per_mm) as usize {
         let f = k as f64 * step_per_mm;
@@ -258,6 +262,10 @@ fn fraction(bins: &[f64], bin: usize) -> f64 {
 }
 
 impl Response for Returned {
+    fn is_estimated(&self) -> bool {
+        self.orders.iter().any(|orders| *orders > 1.0 + NOTHING)
+    }
+
     fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
         let mut sums = vec![Complex64::ZERO; self.once.len()];
         for (response, factors) in self.last() {

@@ -52,6 +52,10 @@ impl Resolver<'_> {
                 self.err(state, twice.hint("remove one of the two"));
             }
         }
+        if let [only] = &image.states[..] {
+            let wrong = Diagnostic::new(format!("the state `{}` alone shows no picture", only.0));
+            self.err(only, wrong.expected("two or more states").hint("remove `states` to use all"));
+        }
         let is_natural = matches!(image.intent.0, Intent::Natural | Intent::Vivid);
         for (key, adjusted) in [("contrast", &image.contrast), ("saturation", &image.saturation)] {
             if !is_natural && matches!(adjusted.value, Adjusted::Factor(_)) {
@@ -73,7 +77,13 @@ impl Resolver<'_> {
         let used = match &image.states[..] {
             [] => known.clone(),
             states => {
-                states.iter().map(|state| state.0.clone()).filter(|state| known.contains(state)).collect()
+                let mut used: Vec<String> = Vec::new();
+                for state in states.iter().map(|state| &state.0).filter(|state| known.contains(state)) {
+                    if !used.contains(state) {
+                        used.push(state.clone());
+                    }
+                }
+                used
             }
         };
         let codes = self.codes(file.display.pixel.codes(), &used, &known);

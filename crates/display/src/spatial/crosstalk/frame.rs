@@ -100,7 +100,10 @@ impl<'a> Frame<'a> {
         let at = |level: usize| {
             let most_per_mm = ORDERS * f64::from(1_u32 << level) / narrowest;
             let finer = level.saturating_sub(1) as u32;
-            self.measure(view, Level { digits: digits(level), most_per_mm, is_fine: level > 0, finer })
+            self.measure(
+                view,
+                Level { digits: digits(level), most_per_mm, is_fine: level > 0, is_broader: false, finer },
+            )
         };
         refined(self.setup, view, (finest, factor), at, control)
     }
