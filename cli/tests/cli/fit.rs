@@ -269,3 +269,31 @@ fn rows_and_notes_state_what_the_user_must_know() {
     let row = stdout(&output).lines().find(|line| line.contains("film layer 0")).unwrap().to_owned();
     assert!(row.to_lowercase().contains("substrate"), "{row}");
 }
+
+/// Numbers that the program itself has computed, without errors: the fit finds what they were computed with. With errors far above
+/// its residuals, it does not call the intervals too narrow.
+#[test]
+fn exact_numbers_are_fitted() {
+    let (folder, file, _) = place(SMALL);
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let truth = ["--set", "display.pixel.film.0.thickness_nm=231.7", "--out", &path("truth")];
+    let output = papilio(&[&["run", &file], &truth[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let exact = path("truth/spectra.csv");
+    let stated = path("stated.csv");
+    let rows = fs::read_to_string(&exact).unwrap();
+    let rows: Vec<String> = rows
+        .lines()
+        .enumerate()
+        .map(|(row, line)| format!("{line},{}\n", if row == 0 { "standard_deviation" } else { "0.002" }))
+        .collect();
+    fs::write(&stated, rows.concat()).unwrap();
+    for data in [exact, stated] {
+        let output = papilio(&["fit", &file, &data, "--out", &path("fit"), "--json"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let value = found["variables"][0]["value"].as_f64().unwrap();
+        assert!((value - 231.7).abs() < 1e-3, "{value}");
+        assert!(!stderr(&output).contains("too narrow"), "{}", stderr(&output));
+    }
+}

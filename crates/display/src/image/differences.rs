@@ -315,6 +315,8 @@ mod tests {
         let turned = against(&uniform(20.0, 70.0), &uniform(40.0, 60.0));
         assert!((turned.hue_error_deg.unwrap() - 10.0).abs() < 1e-3, "{turned:?}");
         assert!((turned.chroma_ratio.unwrap() - 0.5).abs() < 1e-4, "{turned:?}");
+        // A flat picture has no contrast to compare with, whatever is seen of it; rounding is none.
+        assert_eq!(turned.local_contrast_ratio, None);
         let stripes = |contrast: f64| {
             let tone = |at: usize| [0.0, 1.0][at % 48 / 6 % 2] - 0.5;
             (0..48 * 48).map(|at| of([50.0 + contrast * tone(at), 0.0, 0.0])).collect::<Vec<_>>()

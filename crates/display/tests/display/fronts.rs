@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_display::Control;
 use papilio_display::spatial::walk::{self, Mean};
-use papilio_display::spatial::{MtfResult, crosstalk, mtf};
+use papilio_display::spatial::{MtfResult, SpatialScalars, crosstalk, mtf};
 use papilio_scenario::{Resolved, Scenario};
 use papilio_testing::seeds;
 use papilio_transport::walk::places::{Shape, TwoStates};
@@ -105,6 +105,30 @@ fn what_fronts_return_through_a_lobe_is_within_its_stated_error() {
         // At most as if all that returns had the opposite phase.
         let error = exact.error_reached;
         assert!(error < 2.0 * 0.05 * 0.8, "{pixel}: {error}");
+    }
+}
+
+/// The metrics, too: where the estimate crosses the shape of the first order, the broader one still differs from it.
+#[test]
+fn sharpness_below_fronts_and_lobes_is_within_its_stated_errors() {
+    let front = "[[display.front]]\nreflectance = 0.15\ngap_mm = 0.2\n";
+    let lamp = "[lighting]\ndiffuse = 0.5\n[[lighting.directed]]\ntheta_deg = -35\nshare = 0.5\n";
+    let view = "[viewer]\ntheta_deg = 0\n";
+    let parts = [front, LOBE, COATED, MIRROR, lamp, view, MATRIX];
+    let of = |solver: &str| computed(&resolved(&[&parts[..], &[solver]].concat()));
+    let exact = of("");
+    let paths = of("[solver]\nmethod = \"monte-carlo\"\npaths = 65536\n");
+    for ((name, exact), (_, paths)) in exact.views[0].states.iter().zip(paths.views[0].states.iter()) {
+        for metric in ["edge_10_90_x_um", "mtf_nyquist_x", "mtf_nyquist_y", "f50_x_per_mm"] {
+            let named = |values: &SpatialScalars| {
+                let found = values.named().find(|(name, _)| *name == metric);
+                found.and_then(|(_, value)| value).unwrap()
+            };
+            let off = (named(&exact.scalars) - named(&paths.scalars)).abs();
+            let [stated, standard] = [named(&exact.error), named(&paths.error)];
+            // The larger of two differences is no bound: twice.
+            assert!(off < 2.0 * stated + 4.0 * standard, "{name} {metric}: {off} {stated} {standard}");
+        }
     }
 }
 
