@@ -91,6 +91,7 @@ test("display is tilted by pointer and keys, and its states are decided again af
   await page.keyboard.press("ArrowLeft");
   await page.getByText("The display, seen from 29°").waitFor();
   await page.getByLabel("the panel keeps its picture").check();
+  await page.locator(CANVAS).focus();
   await page.keyboard.press("ArrowLeft");
   await page.getByRole("button", { name: "Reset the view" }).click();
   // The design has one view, which the picture has moved: numbers and picture are of the same view.
