@@ -97,6 +97,8 @@ const found = await on.visit({ viewport: { width: 1440, height: 1000 } });
 await found.getByRole("button", { name: "Got it" }).click();
 await example(found, "optimize-front");
 await tool(found, "optimize");
+await found.getByLabel("designs", { exact: true }).fill("300");
+await found.getByLabel("designs", { exact: true }).press("Enter");
 await found.getByRole("button", { name: "Search", exact: true }).click();
 await found.locator('#tab-panel [data-phase="done"]').waitFor({ timeout: 300_000 });
 await found.locator('[data-design="4"]').click();
