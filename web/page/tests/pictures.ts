@@ -40,11 +40,13 @@ await settled(page);
 await tool(page, "stage");
 await page.getByText("prepared for this light and view").waitFor({ timeout: 30_000 });
 await page.getByRole("button", { name: "Keep this version" }).click();
+await page.locator(".said:empty").waitFor({ state: "attached", timeout: 20_000 });
+await page.getByRole("button", { name: "Stop comparing" }).click();
 await settled(page);
 await page.screenshot({ path: to("page") });
 
 // The picture on six inks in a warm light, seen from the side.
-const inks = await on.visit({ viewport: { width: 1100, height: 1000 } }, "?");
+const inks = await on.visit({ viewport: { width: 1500, height: 900 } }, "?");
 await inks.getByRole("button", { name: "Got it" }).click();
 await example(inks, "six-ink");
 await inks.getByLabel("White of this page").selectOption("display");
@@ -62,6 +64,7 @@ await night.getByRole("button", { name: "Keep this version" }).click();
 await night.locator('[data-part="display.pixel.film.1"]').click();
 await night.locator('[id="f-display.pixel.film.1.thickness_nm"]').fill("9");
 await tool(night, "compare");
+await night.locator(".said:empty").waitFor({ state: "attached", timeout: 20_000 });
 await settled(night);
 await night.screenshot({ path: to("compare") });
 
@@ -97,6 +100,8 @@ const found = await on.visit({ viewport: { width: 1440, height: 1000 } });
 await found.getByRole("button", { name: "Got it" }).click();
 await example(found, "optimize-front");
 await tool(found, "optimize");
+await found.getByLabel("designs", { exact: true }).fill("300");
+await found.getByLabel("designs", { exact: true }).press("Enter");
 await found.getByRole("button", { name: "Search", exact: true }).click();
 await found.locator('#tab-panel [data-phase="done"]').waitFor({ timeout: 300_000 });
 await found.locator('[data-design="4"]').click();

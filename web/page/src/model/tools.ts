@@ -24,7 +24,7 @@ export const STEPS: readonly Step[] = [
     tools: [
       { id: "examples", name: "Examples", command: null },
       { id: "new", name: "New display", command: "papilio new --display KIND --light PRESET FILE" },
-      { id: "files", name: "Files", command: "papilio diffuser inspect FILE" },
+      { id: "files", name: "Files", command: "papilio diffuser inspect MEASURED.bsdf" },
     ],
   },
   {

@@ -124,7 +124,7 @@ export function CommandsPanel() {
         const all = tools.filter(({ command }, i) => command !== null && tools.findIndex((one) => one.command === command) === i);
         return (
           all.length > 0 && (
-            <section key={id} aria-label={name}>
+            <section key={id} aria-label={`Commands of ${name}`}>
               <h3>{name}</h3>
               {all.map((tool) => (
                 <div key={tool.id} class="command-row">

@@ -73,18 +73,23 @@ export function Start({ of, study, table, words, missing, run, fraction, course 
 /** A box for a number. */
 export function NumberBox({ label, value, put }: { label: string; value: number | undefined; put: (value: number | null) => void }) {
   const wrong = useSignal(false);
+  /** The text while it is typed, or while it is no number. */
+  const typing = useSignal<string | null>(null);
   return (
     <input
       inputMode="decimal"
       aria-label={label}
       aria-invalid={wrong.value}
       class={wrong.value ? "wrong-box" : ""}
-      value={value === undefined ? "" : String(value)}
+      value={typing.value ?? (value === undefined ? "" : String(value))}
+      onInput={(event) => (typing.value = event.currentTarget.value)}
       onChange={(event) => {
         const typed = event.currentTarget.value;
         const read = numberFrom(typed);
         wrong.value = read === null && typed.trim() !== "";
-        if (!wrong.value) put(read);
+        if (wrong.value) return;
+        typing.value = null;
+        put(read);
       }}
     />
   );

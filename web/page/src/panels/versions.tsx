@@ -81,6 +81,8 @@ const when = (at: number): string =>
   });
 
 function Card({ of }: { of: Version }) {
+  /** The name while it is typed. */
+  const typed = useSignal<string | null>(null);
   const isCompared = pinned.value?.text === of.text;
   return (
     <li class={of.text === text.value ? "version current" : "version"} data-version={of.name}>
@@ -90,8 +92,10 @@ function Card({ of }: { of: Version }) {
       <div>
         <input
           aria-label={`Name of the version ${of.name}`}
-          value={of.name}
+          value={typed.value ?? of.name}
+          onInput={(event) => (typed.value = event.currentTarget.value)}
           onChange={(event) => renameVersion(of.id, event.currentTarget.value)}
+          onBlur={() => (typed.value = null)}
         />
         <small>
           {Object.entries(of.numbers).map(([name, value]) => (

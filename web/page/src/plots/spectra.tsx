@@ -84,7 +84,7 @@ export function Spectra() {
       <figcaption>
         <span>
           Spectra{" "}
-          <small>
+          <small class={nm === null || nm === undefined ? "idle" : ""}>
             {nm === null || nm === undefined
               ? "move the pointer over the curves to read values"
               : `at ${fixed(nm, 0)} nm`}

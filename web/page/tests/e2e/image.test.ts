@@ -1,7 +1,7 @@
 // The picture on the display: its colours are those of the program, by the graphics processor and without; it follows pointer and files.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
+import { after, afterEach, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
@@ -9,6 +9,8 @@ import { choose, downloaded, example, itemsOf, settled, stage, type Stage } from
 
 let on: Stage;
 before(async () => (on = await stage()));
+// A search of a page that is open takes time from the next test.
+afterEach(() => on.leave());
 after(() => on.close());
 
 const CANVAS = ".seen-display canvas";
@@ -89,6 +91,7 @@ test("display is tilted by pointer and keys, and its states are decided again af
   await page.keyboard.press("ArrowLeft");
   await page.getByText("The display, seen from 29°").waitFor();
   await page.getByLabel("the panel keeps its picture").check();
+  await page.locator(CANVAS).focus();
   await page.keyboard.press("ArrowLeft");
   await page.getByRole("button", { name: "Reset the view" }).click();
   // The design has one view, which the picture has moved: numbers and picture are of the same view.
@@ -193,6 +196,7 @@ test("mirror image of a lamp lies on the display with its veil, and not beside i
   await canvas.focus();
   for (let i = 0; i < 12; i++) await page.keyboard.press("ArrowLeft");
   await legend.getByText("beside the display from here").waitFor();
+  await page.locator('.seen-display[data-age="current"]').waitFor({ timeout: 30_000 });
   assert.ok((await read())(0) < 200);
   assert.deepEqual(on.complaints.splice(0), []);
 });

@@ -45,6 +45,8 @@ export interface Stage {
   revive(): Promise<void>;
   /** Suspends the server, or continues it. */
   halt(isHalted: boolean): void;
+  /** Closes all pages, whose requests end with them. */
+  leave(): Promise<void>;
   close(): Promise<void>;
 }
 
@@ -126,6 +128,9 @@ export async function stage(): Promise<Stage> {
     async restart() {
       await kill();
       await revive();
+    },
+    async leave() {
+      await Promise.all(browser.contexts().map((context) => context.close()));
     },
     async close() {
       await browser.close();
