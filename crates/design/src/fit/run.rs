@@ -249,7 +249,9 @@ impl<'stop> Fitting<'stop> {
         let all = problem.residual_count() as f64;
         // Each residual has lost the same part of a degree of freedom to the variables.
         let left = (1.0 - best.point.len() as f64 / all).max(1.0 / all);
-        let of = |unit: Unit, now: f64| {
+        // Numbers of a display have errors of about a tenth of these: an exact simulation can be fitted, too.
+        const LEAST: CommonDeviations = CommonDeviations { fraction: 1e-6, lab: 1e-4 };
+        let of = |unit: Unit, now: f64, least: f64| {
             let pairs = self.model.observations.iter().zip(&best.residuals);
             let unstated: Vec<f64> = pairs
                 .filter(|(one, _)| one.standard_deviation.is_none() && one.unit() == unit)
@@ -257,13 +259,12 @@ impl<'stop> Fitting<'stop> {
                 .collect();
             match unstated.len() {
                 0 => now,
-                // Of an exact fit, the deviation is that of the numbers themselves.
-                count => now * (unstated.iter().sum::<f64>() / (count as f64 * left)).sqrt().max(1e-9),
+                count => (now * (unstated.iter().sum::<f64>() / (count as f64 * left)).sqrt()).max(least),
             }
         };
         CommonDeviations {
-            fraction: of(Unit::Fraction, problem.common.fraction),
-            lab: of(Unit::Lab, problem.common.lab),
+            fraction: of(Unit::Fraction, problem.common.fraction, LEAST.fraction),
+            lab: of(Unit::Lab, problem.common.lab, LEAST.lab),
         }
     }
 
