@@ -140,13 +140,13 @@ pub(crate) enum IndexOf<'a> {
 
 impl NK {
     /// Returns what the table describes, without the factors.
-    pub(crate) fn index_of(&self) -> Result<IndexOf<'_>, Mistake> {
+    pub(crate) fn index_of(&self) -> Result<IndexOf<'_>, Box<Mistake>> {
         match (&self.n.value, &self.material.value) {
             (Some(n), None) => Ok(IndexOf::Constant { n: n.0, k: self.k.0 }),
             (None, Some(name)) if self.k.0 == 0.0 => Ok(IndexOf::Material(name)),
-            (None, Some(_)) => Err(mistake::not_with("k", "`material`").into()),
-            (None, None) => Err(mistake::missing_key("n", Index::in_words())),
-            (Some(_), Some(_)) => Err(mistake::exactly_one("`n` and `material`", 2).into()),
+            (None, Some(_)) => Err(Box::new(mistake::not_with("k", "`material`").into())),
+            (None, None) => Err(Box::new(mistake::missing_key("n", Index::in_words()))),
+            (Some(_), Some(_)) => Err(Box::new(mistake::exactly_one("`n` and `material`", 2).into())),
         }
     }
 

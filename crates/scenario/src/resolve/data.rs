@@ -179,7 +179,7 @@ impl Resolver<'_> {
                 Ok(IndexOf::Constant { n, k }) => ("the index", Dispersion::constant(n, k)),
                 Ok(IndexOf::Material(name)) => (name, material(name)),
                 Err(wrong) => {
-                    self.err(spec, wrong);
+                    self.err(spec, *wrong);
                     return None;
                 }
             },

@@ -94,7 +94,7 @@ impl SurfaceScenario {
                 Ok(IndexOf::Constant { n, k }) => ("the index", Dispersion::constant(n, k)),
                 Ok(IndexOf::Material(name)) => (name, material(name)),
                 Err(wrong) => {
-                    errors.push(spec.origin, wrong);
+                    errors.push(spec.origin, *wrong);
                     return None;
                 }
             },

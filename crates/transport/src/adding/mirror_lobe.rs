@@ -3,7 +3,7 @@
 //!
 //! # Method
 //! A surface of roughness alpha reflects and refracts a beam into lobes of a width in proportion to alpha. The grid of
-//! [`layered`](super::layered) covers all directions and resolves the lobes in all of them, so that its work grows as a power of
+//! `layered` covers all directions and resolves the lobes in all of them, so that its work grows as a power of
 //! 1/alpha. Near the mirror direction few directions count. Of the light that the window accepts,
 //!
 //! `F = R + T B T + T B (R' B) T + T B (R' B)^2 T + ...`,
@@ -17,7 +17,7 @@
 //! # Validity
 //! The surface is the only scatterer, lies in air above a denser medium, and the base is a mirror. Light that meets several
 //! microfacets is left out, except where it is reflected at once: it leaves in all directions, and for alpha up to 0.1 the window
-//! would accept less than 1e-4 of it. Light reflected inside by more than [`REACH`] widths of the lobe is lost: it returns to the
+//! would accept less than 1e-4 of it. Light reflected inside by more than 12 widths of the lobe beyond the window is lost: it returns to the
 //! window by a second such deviation only.
 
 use std::f64::consts::{FRAC_PI_2, PI};
