@@ -13,12 +13,16 @@
 //! direction 0.3 deg farther from the normal, both through a slit of 0.14 deg (after ASTM E430, method A: 100 for a flat mirror,
 //! 0 for a surface that shows no images).
 //!
+//! Below a weakly rough surface adding follows the light near the mirror direction alone (`gloss/mirror_lobe.rs`).
+//!
 //! The haze in transmission is that of the layers above the pixel (`haze.rs`).
 //!
 //! # Validity
 //! The BRDF is that of the middle of the source at the same deviation from the mirror direction; it changes little over the
 //! angular size of the source. The light of a gloss meter enters and leaves at the same place: light that spreads sideways by
 //! more than the illuminated spot is not lost.
+
+mod mirror_lobe;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -165,6 +169,13 @@ struct Flux {
     warnings: Vec<String>,
 }
 
+impl Meter {
+    fn window(&self, phi_deg: f64) -> MeterWindow {
+        let [source_deg, receptor_deg] = self.sizes_deg;
+        MeterWindow { theta_deg: self.receptor_deg, phi_deg: phi_deg + 180.0, source_deg, receptor_deg }
+    }
+}
+
 impl Flux {
     fn of(
         scene: &Scene,
@@ -173,10 +184,7 @@ impl Flux {
         prepared: &mut Prepared,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
-        let [source_deg, receptor_deg] = meter.sizes_deg;
-        let window =
-            MeterWindow { theta_deg: meter.receptor_deg, phi_deg: phi_deg + 180.0, source_deg, receptor_deg };
-        let Some((field, irradiance)) = window.light() else {
+        let Some((field, irradiance)) = meter.window(phi_deg).light() else {
             return Err(DisplayError::BelowHorizon {
                 what: "receptor",
                 theta_deg: meter.receptor_deg,
@@ -184,6 +192,10 @@ impl Flux {
             });
         };
         let lit = in_light_of(scene, field, [meter.beam_deg, phi_deg]);
+        if let Some(flux) = mirror_lobe::flux(scene, phi_deg, meter, prepared.setup(&lit, control)?, control)?
+        {
+            return Ok(flux);
+        }
         let result = prepared.run(&lit, control)?;
         if result.solver.interrupted {
             return Err(DisplayError::Interrupted);
@@ -219,6 +231,7 @@ fn in_light_of(scene: &Scene, field: Field, [theta_deg, phi_deg]: [f64; 2]) -> S
         directed: Vec::new(),
         environment: vec![Environment { parts: vec![part] }],
         front_light: None,
+        port: None,
     };
     lit.viewer =
         Viewer { theta_deg: vec![theta_deg], phi_deg: vec![phi_deg], field_deg: 0.0, ..scene.viewer };

@@ -36,6 +36,7 @@
 //!         directed: vec![],
 //!         environment: vec![],
 //!         front_light: None,
+//!         port: None,
 //!     },
 //!     viewer: Viewer { theta_deg: vec![0.0], phi_deg: vec![0.0], field_deg: 0.1, numerical_aperture: None, polariser_deg: None, distance_mm: 500.0 },
 //!     metrics: Metrics::default(),
@@ -91,6 +92,7 @@ mod notes;
 pub mod palette;
 pub mod pixel;
 mod polarisation;
+mod port;
 mod prepared;
 mod probes;
 pub mod readability;

@@ -375,6 +375,17 @@ pub struct Lighting {
     pub environment: Vec<Environment>,
     /// Light of a light guide below the front of screen.
     pub front_light: Option<FrontLight>,
+    /// Port of an integrating sphere; `None`: the light is the same everywhere.
+    pub port: Option<Port>,
+}
+
+/// Round port of an integrating sphere, through which it lights the sample, and the spot that the meter sees in its middle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Port {
+    /// Diameter of the port, mm.
+    pub port_mm: f64,
+    /// Diameter of the spot, mm; at most that of the port.
+    pub spot_mm: f64,
 }
 
 /// Front light: a clear light guide below the front of screen and above all other layers.

@@ -24,6 +24,7 @@ use papilio_transport::{
 use crate::DisplayError;
 use crate::pixel::{self, Bases, FilmKey};
 use crate::polarisation;
+use crate::port::Kept;
 use crate::run::Control;
 use crate::scene::{self, AngleMedium, Scene};
 
@@ -53,6 +54,8 @@ pub(crate) struct Setup {
     /// Observer of the reported colours, if it is not that of 1931.
     other_observer: Option<Observer>,
     pub(crate) states: Vec<String>,
+    /// What an instrument with a port sees of each source; `None` without one.
+    pub(crate) kept: Option<Vec<Kept>>,
 }
 
 /// Light of a source in the display plane.
@@ -146,6 +149,7 @@ impl Setup {
             states: scene.display.state_names(),
             version: 0,
             base_version: 0,
+            kept: Kept::of(scene, control)?,
             scene: scene.clone(),
         };
         setup.checked()
@@ -159,7 +163,8 @@ impl Setup {
 
     /// Prepares a scene, which may have a colour filter, for light with its places: s and p are not kept apart.
     pub(crate) fn of_places(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
-        let scene = polarisation::unpolarised(scene)?;
+        let mut scene = polarisation::unpolarised(scene)?;
+        scene.lighting.port = None;
         Self::with_filter(&scene, control)
     }
 
@@ -222,6 +227,10 @@ impl Setup {
         if scene.viewer != last.viewer || index_changed {
             self.views = views(scene, angle_index)?;
             self.version += 1;
+        }
+        let same_kept = scene.lighting.port.is_none() && last.lighting.port.is_none();
+        if !(same_kept || *scene == last) {
+            self.kept = Kept::of(scene, control)?;
         }
         self.checked()
     }

@@ -17,7 +17,8 @@ pub(crate) const FAINT: &str = "#ececec";
 
 /// Returns the line style of a state; `index` selects the colour of states whose name has no hue.
 pub(crate) fn state_stroke(name: &str, index: usize) -> Stroke {
-    const OTHERS: [&str; 5] = ["#d9822b", "#7a5bc0", "#5f8a3a", "#8c564b", "#4c78a8"];
+    // The first has no hue: that of the curve of a single state would contradict its patch.
+    const OTHERS: [&str; 6] = ["#55606b", "#d9822b", "#7a5bc0", "#5f8a3a", "#8c564b", "#4c78a8"];
     let (colour, dash) = match name {
         "white" => ("#777777", ""),
         "black" => ("#111111", "1.5 3"),

@@ -109,7 +109,7 @@ fn with_names<'a>(label: Label, key: &str, rest: &[&'a str]) -> (Label, Vec<&'a 
     let mut label = label;
     let mut names: Vec<&str> = Vec::new();
     for &name in rest {
-        let is_inner = matches!(name, "n" | "k") || !split_unit(name).1.is_empty();
+        let is_inner = matches!(name, "n" | "k" | "n_scale" | "k_scale") || !split_unit(name).1.is_empty();
         match of_any_table(name).filter(|_| is_inner) {
             Some(inner) => label = inner,
             None if name.parse::<usize>().is_ok() => {}
@@ -171,9 +171,15 @@ impl Table {
 /// Returns the label of a key wherever it stands, if any table has it: tables with words of their own come
 /// first.
 fn of_any_table(key: &str) -> Option<Label> {
-    if let "n" | "k" = key {
-        let quantity = if key == "n" { "Refractive index n" } else { "Extinction coefficient k" };
-        return Some(Label::new(quantity, ""));
+    let of_index = match key {
+        "n" => "Refractive index n",
+        "k" => "Extinction coefficient k",
+        "n_scale" => "Factor of n",
+        "k_scale" => "Factor of k",
+        _ => "",
+    };
+    if !of_index.is_empty() {
+        return Some(Label::new(of_index, ""));
     }
     let all: Vec<Label> = Table::all().iter().filter_map(|table| table.label(key)).collect();
     let plain = label_from_name(key);
@@ -190,6 +196,7 @@ mod tests {
             ("display.pixel.film.1.thickness_nm", "Thickness of film layer 1 (nm)"),
             ("display.pixel.film.0.material", "Material of film layer 0"),
             ("display.pixel.film.0.material.n", "Refractive index n of film layer 0"),
+            ("display.pixel.film.0.material.n_scale", "Factor of n of film layer 0"),
             ("display.pixel.substrate", "Substrate"),
             ("display.pixel.substrate.k", "Extinction coefficient k of the substrate"),
             ("display.pixel.gap_nm.red", "Gap of red (nm)"),

@@ -39,6 +39,7 @@ use NewValue::{Flag, Word};
 /// Every key and value that has been renamed.
 pub(crate) const RENAMED: &[NamePair] = &[
     Choice { keys: &["solver.method"], old: "walk", new: Word("monte-carlo") },
+    Choice { keys: &["lighting.preset"], old: "d8", new: Word("d8-included") },
     Key { tables: &["solver"], old: "every_bin", new: "per_wavelength" },
     Key { tables: DIFFUSERS, old: "straight_through", new: "regular_fraction" },
     Choice {

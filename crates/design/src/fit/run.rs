@@ -25,8 +25,6 @@ const POINTS_PER_START: u64 = 8;
 const MOST_ROUNDS: usize = 10;
 /// Standard deviation of the first round for numbers that state none.
 const FIRST: CommonDeviations = CommonDeviations { fraction: 0.01, lab: 1.0 };
-/// Least standard deviation of numbers that state none, in an exact fit: below it, the predicted numbers are not smooth.
-const LEAST: CommonDeviations = CommonDeviations { fraction: 1e-6, lab: 1e-4 };
 /// Chi-square over the degrees of freedom below which residuals are too small for the stated errors to be too small.
 const SMALL: f64 = 0.25;
 /// Normal quantiles of 68.3 and 95 %.
@@ -253,7 +251,9 @@ impl<'stop> Fitting<'stop> {
         let all = problem.residual_count() as f64;
         // Each residual has lost the same part of a degree of freedom to the variables.
         let left = (1.0 - best.point.len() as f64 / all).max(1.0 / all);
-        let of = |unit: Unit, now: f64| {
+        // Numbers of a display have errors of about a tenth of these: an exact simulation can be fitted, too.
+        const LEAST: CommonDeviations = CommonDeviations { fraction: 1e-6, lab: 1e-4 };
+        let of = |unit: Unit, now: f64, least: f64| {
             let pairs = self.model.observations.iter().zip(&best.residuals);
             let unstated: Vec<f64> = pairs
                 .filter(|(one, _)| one.standard_deviation.is_none() && one.unit() == unit)
@@ -261,12 +261,12 @@ impl<'stop> Fitting<'stop> {
                 .collect();
             match unstated.len() {
                 0 => now,
-                count => now * (unstated.iter().sum::<f64>() / (count as f64 * left)).sqrt(),
+                count => (now * (unstated.iter().sum::<f64>() / (count as f64 * left)).sqrt()).max(least),
             }
         };
         CommonDeviations {
-            fraction: of(Unit::Fraction, problem.common.fraction).max(LEAST.fraction),
-            lab: of(Unit::Lab, problem.common.lab).max(LEAST.lab),
+            fraction: of(Unit::Fraction, problem.common.fraction, LEAST.fraction),
+            lab: of(Unit::Lab, problem.common.lab, LEAST.lab),
         }
     }
 

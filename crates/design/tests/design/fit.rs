@@ -180,6 +180,24 @@ fn intervals_contain_the_true_values_as_often_as_they_should() {
     assert!(panels < 200 || !agrees(76, panels, 0.6827));
 }
 
+/// A simulation without noise, whose errors follow from the residuals: the values are those of its scenario.
+#[test]
+fn exact_simulation_is_fitted() {
+    let set =
+        ["display.pixel.film.0.thickness_nm=11.5".to_owned(), "display.pixel.gap_nm.one=191".to_owned()];
+    let of = simulated(DISPLAY, &set);
+    let mut measured = spectra(&of, &["one", "black"], 0, false);
+    for state in &mut measured.states {
+        let exact = of.views[0].states.iter().find(|one| one.name == state.state).unwrap();
+        let values = exact.reflectance_factor.clone();
+        state.quantity = Quantity::Spectrum(Tabulated::new(of.grid.wavelengths_nm(), values).unwrap());
+    }
+    let found = fit(DISPLAY, &[CHROMIUM, GAP], &measured);
+    for (one, truth) in found.variables.iter().zip([11.5, 191.0]) {
+        assert!((one.value.unwrap() - truth).abs() < 1e-3, "{one:?}");
+    }
+}
+
 fn named<'a>(found: &'a FitReport, key: &str) -> &'a FittedVariable {
     found.variables.iter().find(|one| one.key == key).unwrap()
 }

@@ -35,6 +35,21 @@ const CELLS: usize = 16;
 const MOST_COLUMNS: f64 = 7200.0;
 
 impl MeterWindow {
+    /// Returns, along each axis, the angles from the middle at which the accepted fraction begins to decrease and at which it ends,
+    /// radians; and the largest fraction: below 1 if the receptor is smaller than the source.
+    pub(crate) fn trapezium(&self) -> ([[f64; 2]; 2], [f64; 2]) {
+        let both = |axis: usize| [self.source_deg[axis], self.receptor_deg[axis]].map(f64::to_radians);
+        let ends = [0, 1].map(|axis| {
+            let [source, receptor] = both(axis);
+            [0.5 * (source - receptor).abs(), 0.5 * (source + receptor)]
+        });
+        let most = [0, 1].map(|axis| {
+            let [source, receptor] = both(axis);
+            (receptor / source).min(1.0)
+        });
+        (ends, most)
+    }
+
     /// Returns the light that the window accepts, for unit irradiance, and the irradiance in the plane of the display of the
     /// window itself, sr; `None` if the window extends below the horizon.
     pub fn light(&self) -> Option<(Field, f64)> {
@@ -81,15 +96,7 @@ impl Accepted {
             by_inclination(theta + FRAC_PI_2, phi),
             by_inclination(FRAC_PI_2, phi + FRAC_PI_2),
         ];
-        let both = |axis: usize| [window.source_deg[axis], window.receptor_deg[axis]].map(f64::to_radians);
-        let ends = [0, 1].map(|axis| {
-            let [source, receptor] = both(axis);
-            [0.5 * (source - receptor).abs(), 0.5 * (source + receptor)]
-        });
-        let most = [0, 1].map(|axis| {
-            let [source, receptor] = both(axis);
-            (receptor / source).min(1.0)
-        });
+        let (ends, most) = window.trapezium();
         Self { frame, ends, most, middle: theta }
     }
 }

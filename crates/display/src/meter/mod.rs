@@ -216,9 +216,9 @@ impl<'a> Meter<'a> {
 
     /// Returns the weights over wavelength of a reflectance factor under each light in X, Y and Z, and in the
     /// luminance if another observer sees the colours: `[light][quantity][wavelength]`. `None` if there is
-    /// more to it: narrow lines or a front light.
+    /// more to it: narrow lines, a front light, or a port.
     pub(crate) fn colour_weights(&self) -> Option<Vec<Vec<Vec<f64>>>> {
-        if self.layout.corrections > 0 || self.below_front.is_some() {
+        if self.layout.corrections > 0 || self.below_front.is_some() || self.setup.kept.is_some() {
             return None;
         }
         let luminance = |light: &Weights| -> Vec<f64> {
@@ -237,12 +237,16 @@ impl<'a> Meter<'a> {
     }
 
     /// Reflectance factors under each light, with that of the front light converted to its place below the
-    /// front.
+    /// front, and what an instrument with a port sees of them.
     fn seen_of<'e>(&self, all: &'e [ReflectanceFactor]) -> impl Iterator<Item = Cow<'e, ReflectanceFactor>> {
         let last = all.len().saturating_sub(1);
-        all.iter().enumerate().map(move |(k, rho)| match &self.below_front {
-            Some(guide) if k == last => Cow::Owned(guide.seen(rho, &all[0])),
-            _ => Cow::Borrowed(rho),
+        let kept = self.setup.kept.as_deref();
+        all.iter().enumerate().map(move |(k, rho)| {
+            match (&self.below_front, kept.and_then(|kept| kept.get(k))) {
+                (Some(guide), _) if k == last => Cow::Owned(guide.seen(rho, &all[0])),
+                (_, Some(kept)) => Cow::Owned(kept.of_light(rho)),
+                _ => Cow::Borrowed(rho),
+            }
         })
     }
 

@@ -229,6 +229,8 @@ metrics! {
         text_contrast_median = "Median contrast of strokes",
         /// Equivalent exponent n of Yule and Nielsen.
         yule_nielsen_n = "Equivalent exponent of Yule and Nielsen",
+        /// Mean Y over a period of the first pattern of `[pattern]`, the images of the room in flat faces included: a halftone.
+        pattern_mean_Y = "Mean luminance factor Y of the pattern",
     }
     /// Sharpness of a state: results of [`spatial::mtf`](crate::spatial::mtf()). x is to the right, y up.
     mtf_state SpatialScalars {

@@ -63,6 +63,8 @@ impl Prepared {
         let mut everywhere = scene.clone();
         // The map does not store spectra, and luminance needs the observer of 1931: so do its colours.
         everywhere.metrics.observer = Standard::Cie1931;
+        // A port is that of one view.
+        everywhere.lighting.port = None;
         everywhere.viewer.theta_deg.clone_from(&grid.theta_deg);
         everywhere.viewer.phi_deg.clone_from(&grid.phi_deg);
         let setup = self.setup(&everywhere, control)?;
@@ -497,6 +499,7 @@ mod tests {
                 directed,
                 environment,
                 front_light: None,
+                port: None,
             };
             equivalent_azimuths(&[0.0, 90.0, 180.0, 270.0], &light)
         };

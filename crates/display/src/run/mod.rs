@@ -204,6 +204,18 @@ pub(crate) fn run_setup(
             adding::run(&run, kernels, Workers::unless_one(workers, control.threads)?)
         }
     }?;
+    if let Some((kept, port)) = setup.kept.as_ref().zip(setup.scene.lighting.port) {
+        // The brighter of diffuse light and the light of an environment.
+        let brightest = |a: &usize, b: &usize| {
+            setup.lights[*a].illuminance_lx.total_cmp(&setup.lights[*b].illuminance_lx)
+        };
+        if let Some(light) = (0..kept.len()).max_by(brightest) {
+            let all = setup.scene.grid.wavelengths_nm();
+            let bin =
+                (0..all.len()).min_by(|a, b| (all[*a] - 550.0).abs().total_cmp(&(all[*b] - 550.0).abs()));
+            result.notes.extend(bin.map(|bin| kept[light].note(port, (bin, all[bin]), &setup.states)));
+        }
+    }
     if let Some(forecast) = forecast {
         result.notes.push(format!("`auto` has chosen {}: {}", result.solver.method, forecast.reason));
         result.solver.chosen_because = Some(forecast.reason);

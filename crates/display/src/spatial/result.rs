@@ -77,13 +77,15 @@ impl MtfView {
     /// Returns the metrics of the view, for sweeps and searches.
     pub fn metrics(&self) -> SharpnessMetrics {
         let text = [self.text_contrast_min, self.text_contrast_median];
-        Self::of(&self.line_contrast, text, self.yule_nielsen_n)
+        let metrics = Self::of(&self.line_contrast, text, self.yule_nielsen_n);
+        SharpnessMetrics { pattern_mean_Y: self.patterns.first().map(|pattern| pattern.mean_Y), ..metrics }
     }
 
     /// Returns the errors of the metrics, where they are known.
     pub fn errors(&self) -> SharpnessMetrics {
         let text = [0, 1].map(|k| self.text_contrast_error.map(|errors| errors[k]));
-        Self::of(&self.line_contrast_error, text, None)
+        let metrics = Self::of(&self.line_contrast_error, text, None);
+        SharpnessMetrics { pattern_mean_Y: self.patterns.first().map(|pattern| pattern.error), ..metrics }
     }
 
     /// The contrasts of lines are the first metrics, in the same order.

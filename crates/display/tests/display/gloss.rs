@@ -215,3 +215,44 @@ fn haze_is_that_of_one_scattering_interface() {
     assert_eq!(haze("{ kind = \"fresnel\" }"), None);
     assert_eq!(haze(&format!("{face}, {{ kind = \"medium\", index = 1.4 }}, {face}")), None);
 }
+
+/// A rough plate of glass in air, whose second face is seen through the first: the method of adding for the light near the
+/// mirror direction against paths, down to a roughness of 0.001, with and without a tail; and, where both are possible, against
+/// adding for all directions (alpha above its limit).
+#[test]
+fn solvers_agree_on_the_gloss_of_a_rough_plate() {
+    let cases = [
+        ("alpha = 0.05\ndistribution = \"beckmann\"", 0.015),
+        ("alpha = 0.02", 0.02),
+        ("alpha = 0.001\ndistribution = \"beckmann\"", 0.004),
+        ("alpha = 0.01\ndistribution = \"beckmann\"", 0.004),
+        ("alpha = 0.05\ndistribution = \"beckmann\"", 0.004),
+        ("alpha = 0.02", 0.01),
+        ("alpha = 0.1", 0.01),
+        ("alpha = 0.12", 0.01),
+    ];
+    for (face, error) in papilio_testing::everyday(2, cases) {
+        let both = ["adding", "monte-carlo"].map(|solver| {
+            let text = format!(
+                "[spectrum]\nrange_nm = [400, 700]\nstep_nm = 100\n[[display.layers]]\nkind = \"rough\"\n{face}\n[[display.layers]]\n\
+                 kind = \"medium\"\nindex = 1.52\n[display.pixel]\nmodel = \"film\"\nsubstrate = 1.0\n\
+                 film = [{{ material = \"air\", thickness_nm = \"gap\" }}]\narea = {{ back = 1.0 }}\n\
+                 gap_nm = {{ back = 0, dark = 0 }}\ndefault_states = false\n[display.pixel.states]\ndark = {{ back = {{ gap_nm = 0 }} }}\n\
+                 [lighting]\ndiffuse = 1.0\n[solver]\nmethod = \"{solver}\"\nrelative_error = {error}\n"
+            );
+            let scene = Scenario::from_text(&text, "plate.toml", Path::new(""), &[]).unwrap().resolve().unwrap().scene;
+            dark(&gloss(&scene, &Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) }).unwrap())
+        });
+        let [adding, paths] = both;
+        for ((name, one), (_, other)) in adding.values.named().zip(paths.values.named()) {
+            if name == "haze_percent" {
+                continue;
+            }
+            let of = |of: &StateGloss| of.error.named().find(|(known, _)| *known == name).unwrap().1.unwrap();
+            let (off, allowed) = (one.unwrap() - other.unwrap(), of(&adding) + 4.5 * of(&paths));
+            let is_exact = of(&adding) < 2.0 * error * one.unwrap().max(20.0);
+            assert!(is_exact || name == "distinctness_of_image", "{face} {name}: {one:?} ({})", of(&adding));
+            assert!(off.abs() < allowed + 1e-9, "{face} {name}: {one:?} {other:?}");
+        }
+    }
+}

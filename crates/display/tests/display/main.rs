@@ -35,6 +35,7 @@ mod one_model;
 mod picture;
 mod picture_samples;
 mod placed;
+mod port;
 mod prepared;
 mod shown;
 mod spread_within;

@@ -1,11 +1,14 @@
 //! `[display]`: front of screen, diffuser, glass, or layers in any order.
 
+use num_complex::Complex64;
+
 use super::diffuser::Diffuser;
 use super::layers::Layer;
 use super::matrix::Matrix;
-use super::numbers::{AirGap, Extinction, Index, Share, Thickness};
+use super::numbers::{AirGap, Extinction, Index, IndexFactor, Share, Thickness};
 use super::pixel::Pixel;
 use crate::grammar::{choice, forms, table};
+use crate::mistake::{self, Mistake};
 use crate::read::{Read, Spanned};
 
 table! {
@@ -114,11 +117,41 @@ forms! {
 }
 
 table! {
-    /// A complex refractive index, the same at all wavelengths.
+    /// A complex refractive index: the same at all wavelengths, or that of a material with factors, to fit them.
     NK {
         /// Refractive index.
-        n as "Refractive index n": Index,
+        n as "Refractive index n": Option<Index>,
         /// Extinction coefficient, positive in an absorber (n + ik).
         k as "Extinction coefficient k": Extinction = Extinction(0.0),
+        /// Name of a material, or a file, instead of n and k.
+        material: Option<String>,
+        /// Factor of n.
+        n_scale as "Factor of n": IndexFactor = IndexFactor(1.0),
+        /// Factor of k.
+        k_scale as "Factor of k": IndexFactor = IndexFactor(1.0),
+    }
+}
+
+/// What a table of an index describes.
+pub(crate) enum IndexOf<'a> {
+    Constant { n: f64, k: f64 },
+    Material(&'a str),
+}
+
+impl NK {
+    /// Returns what the table describes, without the factors.
+    pub(crate) fn index_of(&self) -> Result<IndexOf<'_>, Box<Mistake>> {
+        match (&self.n.value, &self.material.value) {
+            (Some(n), None) => Ok(IndexOf::Constant { n: n.0, k: self.k.0 }),
+            (None, Some(name)) if self.k.0 == 0.0 => Ok(IndexOf::Material(name)),
+            (None, Some(_)) => Err(Box::new(mistake::not_with("k", "`material`").into())),
+            (None, None) => Err(Box::new(mistake::missing_key("n", Index::in_words()))),
+            (Some(_), Some(_)) => Err(Box::new(mistake::exactly_one("`n` and `material`", 2).into())),
+        }
+    }
+
+    /// Returns an index times the factors.
+    pub(crate) fn scaled(&self, index: Complex64) -> Complex64 {
+        Complex64::new(self.n_scale.0 * index.re, self.k_scale.0 * index.im)
     }
 }

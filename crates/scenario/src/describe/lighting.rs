@@ -2,8 +2,8 @@
 
 use super::environment::Environment;
 use super::numbers::{
-    AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Leak, Lux, RoomLux, Share, Wavelength,
-    Weight,
+    AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Leak, Lux, Millimetres, RoomLux, Share,
+    Wavelength, Weight,
 };
 use crate::grammar::{choice, forms, table};
 use crate::read::Spanned;
@@ -28,6 +28,11 @@ table! {
         environment: Vec<Spanned<Environment>> = Vec::new(),
         /// A front light: a light guide below the front of screen.
         front_light: Option<FrontLight>,
+        /// Diameter of the port of an integrating sphere: light that travels sideways inside the display and leaves beside the port
+        /// is lost (docs/light.md). One view, and light without lamps. Default: the port is wide.
+        port_mm as "Diameter of the port": Option<Millimetres>,
+        /// Diameter of the spot that the meter sees, in the middle of the port. Default: that of the port.
+        spot_mm as "Diameter of the spot": Option<Millimetres>,
     }
 }
 

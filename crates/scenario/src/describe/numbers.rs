@@ -152,6 +152,10 @@ number!(
     FaceSlope, Range::from_to(0.0001, 0.5).unit("slope")
 );
 number!(
+    /// A factor of n or of k.
+    IndexFactor, Range::from_to(0.0, 10.0)
+);
+number!(
     /// The tail of a distribution of slopes.
     Tail, Range::from_to(2.0, 100.0)
         .unit("larger: shorter tails")

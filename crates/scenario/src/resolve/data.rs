@@ -8,7 +8,7 @@ use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_fractions_with_n
 use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_info};
 
 use super::Resolver;
-use crate::describe::display::{MaterialSpec, ShareSpectrum};
+use crate::describe::display::{IndexOf, MaterialSpec, ShareSpectrum};
 use crate::here::looks_like_path;
 use crate::library::{Library, MemoryFile, Missing};
 use crate::mistake;
@@ -175,7 +175,14 @@ impl Resolver<'_> {
     pub(super) fn material(&mut self, spec: &Spanned<MaterialSpec>) -> Option<Vec<Complex64>> {
         let (name, dispersion) = match &spec.value {
             MaterialSpec::Number(n) => ("the index", Dispersion::constant(n.0, 0.0)),
-            MaterialSpec::Complex(index) => ("the index", Dispersion::constant(index.n.0, index.k.0)),
+            MaterialSpec::Complex(table) => match table.index_of() {
+                Ok(IndexOf::Constant { n, k }) => ("the index", Dispersion::constant(n, k)),
+                Ok(IndexOf::Material(name)) => (name, material(name)),
+                Err(wrong) => {
+                    self.err(spec, *wrong);
+                    return None;
+                }
+            },
             MaterialSpec::Text(name) => (name.as_str(), material(name)),
         };
         let dispersion = match dispersion {
@@ -189,7 +196,10 @@ impl Resolver<'_> {
             other => self.sampled(name, spec.origin, other)?,
         };
         let on_grid = dispersion.on(&self.grid);
-        let index = self.sampled(name, spec.origin, on_grid)?;
+        let mut index = self.sampled(name, spec.origin, on_grid)?;
+        if let MaterialSpec::Complex(table) = &spec.value {
+            index.iter_mut().for_each(|index| *index = table.scaled(*index));
+        }
         self.note_beyond_data(name);
         let is_film =
             |index: &Complex64| index.re.max(index.im) <= LARGEST_INDEX && index.norm() >= SMALLEST_INDEX;

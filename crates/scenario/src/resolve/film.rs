@@ -6,7 +6,7 @@ use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::scene::{Drive, FilmLayer, FilmPixel, FilmState, SubPixel, Thickness};
 
 use super::Resolver;
-use crate::describe::display::MaterialSpec;
+use crate::describe::display::{IndexOf, MaterialSpec};
 use crate::describe::pixel as describe;
 use crate::describe::pixel::{DriveSpec, StateSpec};
 use crate::mistake::{self, Mistake, tidy};
@@ -204,7 +204,11 @@ fn name(material: &MaterialSpec) -> String {
     match material {
         MaterialSpec::Text(name) => name.clone(),
         MaterialSpec::Number(n) => format!("n = {}", tidy(n.0)),
-        MaterialSpec::Complex(index) => format!("n = {} + {}i", tidy(index.n.0), tidy(index.k.0)),
+        MaterialSpec::Complex(table) => match table.index_of() {
+            Ok(IndexOf::Material(name)) => name.to_owned(),
+            Ok(IndexOf::Constant { n, k }) => format!("n = {} + {}i", tidy(n), tidy(k)),
+            Err(_) => "an index".to_owned(),
+        },
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::environment::{Sheet, luminous_sheet, profile};
-use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting};
+use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting, Port};
 use papilio_formats::{Luminaire, is_luminaire, read_luminaire, read_profile};
 use papilio_spectra::LightSpectrum;
 
@@ -40,15 +40,48 @@ impl Resolver<'_> {
             Some(guide) => Some(self.front_light(guide, general.as_ref())?),
             None => None,
         };
+        let port = self.port(lighting)?;
+        let directed = directed?;
+        if port.is_some() && !(directed.is_empty() && front_light.is_none()) {
+            let wrong = Diagnostic::new("light from a lamp does not come from the wall of a sphere");
+            let expected = "lighting.preset = \"d8-included\" or \"d8-excluded\", or other light without lamps beside `port_mm`";
+            self.err(&lighting.port_mm, wrong.expected(expected));
+            return None;
+        }
         Some(Lighting {
+            port,
             front_light,
             illuminance_lx: self.illuminance_lx(lighting)?,
             diffuse: lighting.diffuse.map_or(0.0, |share| share.0),
             diffuse_spectrum: general?,
-            directed: directed?,
+            directed,
             // Luminaires are among the directed sources.
             environment: environment.into_iter().filter(|one| !is_empty(one)).collect::<Option<_>>()?,
         })
+    }
+
+    /// Resolves the port of a sphere, if there is one.
+    fn port(&mut self, lighting: &describe::Lighting) -> Option<Option<Port>> {
+        match (&lighting.port_mm.value, &lighting.spot_mm.value) {
+            (None, None) => Some(None),
+            (Some(port), spot) => {
+                let (port_mm, spot_mm) = (port.0, spot.as_ref().map_or(port.0, |spot| spot.0));
+                if spot_mm > port_mm {
+                    let wrong = mistake::out_of_range(
+                        spot_mm,
+                        format!("at most the diameter of the port, {port_mm} mm"),
+                    );
+                    self.err(&lighting.spot_mm, wrong);
+                    return None;
+                }
+                Some(Some(Port { port_mm, spot_mm }))
+            }
+            (None, Some(_)) => {
+                let wrong = Diagnostic::new("`spot_mm` is the part of a port that the meter sees");
+                self.err(&lighting.spot_mm, wrong.expected("`port_mm` beside it"));
+                None
+            }
+        }
     }
 
     fn illuminance_lx(&mut self, lighting: &describe::Lighting) -> Option<f64> {

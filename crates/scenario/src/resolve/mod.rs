@@ -241,6 +241,14 @@ impl Resolver<'_> {
         self.check_slab_thickness(file);
         let (display, lighting, viewer, solver) = (display?, lighting?, viewer?, solver?);
         let metrics = self.metrics(file, &display);
+        if lighting.port.is_some() && viewer.theta_deg.len() * viewer.phi_deg.len() != 1 {
+            let wrong = Diagnostic::new("a meter at a sphere sees the sample from one direction");
+            self.err(
+                &file.lighting.port_mm,
+                wrong.expected("one view").hint("--set viewer.theta_deg=8 --set viewer.phi_deg=0"),
+            );
+            return None;
+        }
         let scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver };
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);

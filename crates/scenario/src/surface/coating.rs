@@ -10,7 +10,7 @@ use papilio_optics::film::Layer;
 use papilio_spectra::{Dispersion, SpectraError, material};
 
 use super::{Common, SurfaceScenario};
-use crate::describe::display::MaterialSpec;
+use crate::describe::display::{IndexOf, MaterialSpec};
 use crate::describe::microgeometry::{FaceCoating, Road};
 use crate::error::Errors;
 use crate::here::looks_like_path;
@@ -90,7 +90,14 @@ impl SurfaceScenario {
     ) -> Option<Complex64> {
         let (name, dispersion) = match &spec.value {
             MaterialSpec::Number(n) => ("the index", Dispersion::constant(n.0, 0.0)),
-            MaterialSpec::Complex(index) => ("the index", Dispersion::constant(index.n.0, index.k.0)),
+            MaterialSpec::Complex(table) => match table.index_of() {
+                Ok(IndexOf::Constant { n, k }) => ("the index", Dispersion::constant(n, k)),
+                Ok(IndexOf::Material(name)) => (name, material(name)),
+                Err(wrong) => {
+                    errors.push(spec.origin, *wrong);
+                    return None;
+                }
+            },
             MaterialSpec::Text(name) => (name.as_str(), material(name)),
         };
         let dispersion = match dispersion {
@@ -112,7 +119,12 @@ impl SurfaceScenario {
             other => other,
         };
         match dispersion.and_then(|dispersion| dispersion.index(nm)) {
-            Ok(index) => return Some(index),
+            Ok(index) => {
+                return Some(match &spec.value {
+                    MaterialSpec::Complex(table) => table.scaled(index),
+                    MaterialSpec::Number(_) | MaterialSpec::Text(_) => index,
+                });
+            }
             Err(SpectraError::OutsideTable { first, last, .. }) => {
                 errors.push(spec.origin, mistake::not_covered(name, (first, last), (nm, nm), 0.0));
             }

@@ -70,6 +70,23 @@ fn set_changes_and_creates_keys() {
     );
 }
 
+/// n and k of a material times factors, which a fit can determine; without factors it is the material.
+#[test]
+fn factors_multiply_n_and_k_of_a_material() {
+    let index = |value: &str| {
+        let set = set(&[&format!("display.pixel.film.0.material={value}")]);
+        film(&set.scene).layers[0].index.clone()
+    };
+    let plain = index("Cr:Johnson");
+    assert_eq!(index("{ material = \"Cr:Johnson\" }"), plain);
+    let scaled = index("{ material = \"Cr:Johnson\", n_scale = 1.1, k_scale = 0.5 }");
+    for (scaled, plain) in scaled.iter().zip(&plain) {
+        assert!((scaled.re / plain.re - 1.1).abs() < 1e-12 && (scaled.im / plain.im - 0.5).abs() < 1e-12);
+    }
+    let constant = index("{ n = 2, k = 1, k_scale = 3 }");
+    assert!(constant.iter().all(|index| (index.re, index.im) == (2.0, 3.0)));
+}
+
 #[test]
 fn set_accepts_numbers_without_leading_zero() {
     let straight = |value: &str| {

@@ -8,6 +8,7 @@
 //! discretisation error of the coarser one.
 
 mod layered;
+pub mod mirror_lobe;
 mod panel;
 mod table_sums;
 

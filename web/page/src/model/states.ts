@@ -17,7 +17,7 @@ const KNOWN: Record<string, Stroke> = {
   magenta: { light: "#b5408f", dark: "#db72b9", dash: [7, 3, 2, 3] },
   yellow: { light: "#c79a0a", dark: "#dfb83a", dash: [7, 2, 1.5, 2, 1.5, 2] },
 };
-const OTHERS = ["#d9822b", "#7a5bc0", "#5f8a3a", "#8c564b", "#4c78a8"];
+const OTHERS = ["#55606b", "#d9822b", "#7a5bc0", "#5f8a3a", "#8c564b", "#4c78a8"];
 /** Dashes of the other states; not as many as hues, so that few pairs are the same. */
 const DASHES: readonly (readonly number[])[] = [
   [10, 2, 4, 2],

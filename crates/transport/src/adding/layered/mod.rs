@@ -74,7 +74,9 @@ use beam_response::BeamResponse;
 use directions::Directions;
 use pixels::Pixels;
 use precision::Precision;
+pub(super) use precision::rough_surface;
 use prepare::Prepared;
+pub(super) use rough::refraction_width;
 pub use spread::{LayeredSpread, NotCovered, PaperLight, Seen};
 
 /// Returns the number of radial nodes that a level takes, besides the directions of views and sources.

@@ -111,7 +111,7 @@ pub(super) fn density_between(stack: &Stack, bin: usize, precision: &Precision) 
 
 /// Returns the rough interface between air and the first medium, if nothing else scatters and the medium is
 /// the denser one: light that is reflected inside then needs fewer nodes than the light that it refracts.
-pub(super) fn rough_surface(stack: &Stack) -> Option<&Rough> {
+pub(in super::super) fn rough_surface(stack: &Stack) -> Option<&Rough> {
     let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
     let scattering_base = matches!(stack.base().reflector, Reflector::Scattering(_));
     match &stack.layers.first()?.interface {

@@ -381,7 +381,7 @@ impl Edge {
 }
 
 /// Returns the width in direction cosines of the lobe into which light of this `|beta|` is refracted.
-pub(super) fn refraction_width(face: &Rough, beta: f64) -> f64 {
+pub(in super::super) fn refraction_width(face: &Rough, beta: f64) -> f64 {
     let normal = |side: Side| (face.index(side).powi(2) - beta * beta).max(0.0).sqrt();
     face.alpha() * (normal(Side::Above) - normal(Side::Below)).abs().max(1e-9)
 }
