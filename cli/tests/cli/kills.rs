@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use papilio_testing::{Dice, sized};
 
-use super::extremes::picture_in;
+use super::extremes::{papilio, picture_in};
 use crate::common::files;
 
 /// Kills in every day's test, and in the full one.
@@ -38,8 +38,8 @@ const COMMANDS: [Killed; 10] = [
         is_resumed: true,
     },
     Killed {
-        command: "gonio {s}/../surfaces/prisms.toml",
-        sets: &["microgeometry.rays=20000"],
+        command: "gonio {s}/../surfaces/etched.toml",
+        sets: &["microgeometry.rays=256"],
         is_resumed: true,
     },
     Killed {
@@ -75,7 +75,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 
 impl Killed {
     fn started(&self, picture: &str, out: &Path) -> Command {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_papilio"));
+        let mut program = Command::new(papilio());
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(SCENARIOS);
         for word in self.command.split(' ') {
             program.arg(word.replace("{picture}", picture).replace("{s}", folder.to_str().unwrap()));

@@ -6,7 +6,6 @@
 use std::cell::OnceCell;
 
 use num_complex::Complex64;
-use papilio_transport::adding;
 
 use super::below_layers;
 use super::layered;
@@ -236,7 +235,7 @@ impl<'a> Frame<'a> {
         let (factor, finest) = match is_panel {
             true => (1.0, MOST_LEVEL),
             false => {
-                let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
+                let factor = layered::error_over_difference(self.setup);
                 (factor, finest(self.setup)?.min(MOST_LEVEL))
             }
         };
@@ -251,7 +250,8 @@ impl<'a> Frame<'a> {
         }
         let (digits, fine) = (digits(found.level), &found.finer.fine);
         let coarse = found.finer.coarse(&found.coarser);
-        let states = states(coarse, fine);
+        let mut states = states(coarse, fine);
+        states.iter_mut().for_each(|(_, state)| layered::widen_radii(&mut state.error, factor));
         let mut error = fine.line_contrast[0];
         let pairs = error.all_mut().zip(coarse.line_contrast[0].named());
         pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
@@ -283,6 +283,10 @@ impl<'a> Frame<'a> {
         let mut error = scalars;
         let pairs = error.all_mut().zip(self.scalars(state, coarse).named());
         pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
+        let between = self.radius_errors(state, fine);
+        for (error, between) in [&mut error.r50_um, &mut error.r90_um].into_iter().zip(between) {
+            *error = error.zip(between).map(|(error, between)| error + between);
+        }
         let all = fine.names.len() - 1;
         let curves = |light: usize| {
             self.curves([coarse, fine].map(|level| &level.lights[state][light]), fine.y(state))

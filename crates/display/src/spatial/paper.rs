@@ -23,7 +23,7 @@ use papilio_transport::spatial::{Cells, LambertianReturn, Peak, PixelSpread, Rec
 use papilio_transport::{Source, Top};
 
 use super::bounds::{cells_across, cells_along, parts_of_pixels};
-use super::irradiance::{PlacedImage, images};
+use super::irradiance::{PlacedImage, images, images_of_field};
 use super::lobe;
 use super::patterns::{Pattern, PatternKind, Text};
 use super::response::Lit;
@@ -116,7 +116,9 @@ pub(super) fn response(
     let spread = lit.spread;
     let paper =
         Paper { lobe, thickness_mm, reach_mm, faces, spread, reflectance, light, bins, images: Vec::new() };
-    Ok(paper.with_images(images(lit)?))
+    // Below a lobe, light is seen from places around anyway.
+    let images = if is_diffused { images(lit)? } else { images_of_field(lit)? };
+    Ok(paper.with_images(images))
 }
 
 impl Paper {
