@@ -88,14 +88,15 @@ impl Killed {
     /// Kills the command some times; returns how often it was killed amid its work.
     fn killed(&self, picture: &str, kills: usize, dice: &mut Dice) -> usize {
         let folder = tempfile::tempdir().unwrap();
-        let whole = folder.path().join("whole");
+        // Some files have the name of their folder.
+        let whole = folder.path().join("whole").join("out");
         let begin = Instant::now();
         assert!(self.started(picture, &whole).status().unwrap().success(), "{}", self.command);
         let seconds = begin.elapsed().as_secs_f64();
         let expected = contents(&whole);
         let (mut done, mut amid, mut round) = (0, 0, 0);
         while done < kills {
-            let out = folder.path().join(format!("{round}"));
+            let out = folder.path().join(format!("{round}")).join("out");
             round += 1;
             let mut left = 1.05 * seconds;
             for _ in 0..1 + dice.below(6) {

@@ -45,11 +45,11 @@ const OF_LAMBERTIAN: f64 = 4.0;
 pub(super) fn error_over_difference(setup: &Setup) -> f64 {
     let of_light = adding::error_over_difference(&setup.stack, &setup.sources);
     let layers = || setup.stack.layers().iter().map(|layer| &layer.interface);
-    let scatters = |one: &&Interface| match one {
-        Interface::Diffuser(_) | Interface::Reflecting(_) | Interface::Rough(_) | Interface::Scatter(_) => {
-            true
-        }
-        _ => false,
+    let scatters = |one: &&Interface| {
+        matches!(
+            one,
+            Interface::Diffuser(_) | Interface::Reflecting(_) | Interface::Rough(_) | Interface::Scatter(_)
+        )
     };
     let is_wide = |one: &Interface| match one {
         Interface::Diffuser(diffuser) => diffuser.lobe == Lobe::Lambertian,
