@@ -30,6 +30,7 @@ mod image;
 mod input;
 mod interrupt;
 mod journal;
+mod long_work;
 mod man;
 mod migrate;
 mod mtf;
@@ -315,6 +316,9 @@ fn run_command(arguments: &[OsString]) -> u8 {
     if parsed.quiet {
         terminal::be_quiet();
     }
+    if parsed.allow_long {
+        long_work::allow();
+    }
     if let Some(message) = missing_format(&matches) {
         print_message(&format!("error: {message}"));
         return 2;
@@ -324,6 +328,12 @@ fn run_command(arguments: &[OsString]) -> u8 {
         // The reader closed the pipe (`papilio run ... | head`): this is not an error.
         Err(Failure::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
         Err(failure) => {
+            if let Failure::Interrupted(left) = &failure
+                && let Some(refusal) = long_work::refusal(left)
+            {
+                print_message(&refusal);
+                return 2;
+            }
             print_message(&failure);
             failure.exit_code()
         }

@@ -10,6 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::{Control, DisplayError, Progress as Report, ProgressFraction};
 use papilio_scenario::Resolved;
 
+use crate::long_work::{JUDGED_AFTER, Judged};
 use crate::terminal::is_quiet;
 use crate::{Failure, interrupt, print_message};
 
@@ -89,6 +90,8 @@ pub(crate) struct FractionBar {
     fraction: ProgressFraction,
     /// The fraction and the paths of the report that is shown.
     last: Mutex<(f64, u64)>,
+    started: Instant,
+    judged: Judged,
 }
 
 impl FractionBar {
@@ -99,7 +102,13 @@ impl FractionBar {
         if let Ok(style) = ProgressStyle::with_template("  {bar:30} {percent:>3} %  {msg}  {elapsed}") {
             bar.set_style(style);
         }
-        Self { bar, fraction: ProgressFraction::default(), last: Mutex::default() }
+        Self {
+            bar,
+            fraction: ProgressFraction::default(),
+            last: Mutex::default(),
+            started: Instant::now(),
+            judged: Judged::default(),
+        }
     }
 
     /// Shows a report, unless a later one of another thread is shown already.
@@ -116,7 +125,9 @@ impl FractionBar {
 
     /// Shows a fraction, unless more was shown before, and words.
     pub(crate) fn advance(&self, fraction: f64, words: String) {
-        self.bar.set_position((POSITIONS as f64 * self.fraction.advance(fraction)) as u64);
+        let fraction = self.fraction.advance(fraction);
+        self.judged.judge(fraction, self.started.elapsed(), between_lines().min(JUDGED_AFTER));
+        self.bar.set_position((POSITIONS as f64 * fraction) as u64);
         self.bar.set_message(words);
     }
 
@@ -174,6 +185,7 @@ pub(crate) struct Progress {
     computed: usize,
     started: Instant,
     log: Option<Heartbeat>,
+    judged: Judged,
 }
 
 impl Progress {
@@ -183,7 +195,7 @@ impl Progress {
         let log = in_log(&bar, move |bar| {
             format!("{} of {} {unit}{}", bar.position(), bar.length().unwrap_or_default(), bar.message())
         });
-        Self { bar, reused: 0, computed: 0, started: Instant::now(), log }
+        Self { bar, reused: 0, computed: 0, started: Instant::now(), log, judged: Judged::default() }
     }
 
     /// Counts a finished item, computed now or known before.
@@ -192,6 +204,12 @@ impl Progress {
         let done = (self.reused + self.computed) as u64;
         let remaining = self.bar.length().unwrap_or_default().saturating_sub(done) as usize;
         self.bar.set_position(done);
+        // Items that were known take no time; the first ones of all threads end together.
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        if self.computed > 2 * threads {
+            let of_new = self.computed as f64 / (self.computed + remaining) as f64;
+            self.judged.judge(of_new, self.started.elapsed(), between_lines().min(JUDGED_AFTER));
+        }
         self.bar.set_message(time_left(self.started.elapsed(), self.computed, remaining));
     }
 }

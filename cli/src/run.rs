@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::time::Instant;
 
+use papilio_diagnostics::short_numbers;
 use papilio_display::result::RunResult;
 use papilio_display::scene::{AngleMedium, Method};
 use papilio_display::{ConeGrid, ConeResult, Prepared, adding_seconds, ambient_light_by_direction, forecast};
@@ -66,7 +67,8 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         write_json(&mut stdout, &file)?;
     } else {
         let cone = cone.as_ref().map(|cone| report::cone(cone, cone_seconds)).unwrap_or_default();
-        stdout.write_all(report::run(&title, files.in_glass, &result, seconds).as_bytes())?;
+        let text = report::run(&title, files.in_glass, &result, seconds);
+        stdout.write_all(short_numbers(&text).as_bytes())?;
         stdout.write_all(cone.as_bytes())?;
     }
     stdout.flush()?;

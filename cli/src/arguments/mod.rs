@@ -43,6 +43,9 @@ pub(crate) struct Arguments {
     /// Print warnings and errors only: no report, notes or progress (JSON is printed)
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
+    /// Compute also what takes more than 12 h; it is refused otherwise, as soon as its time is known
+    #[arg(long, global = true)]
+    pub(crate) allow_long: bool,
 }
 
 #[derive(Debug, Args)]

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use papilio_testing::{Dice, sized};
 
-use super::extremes::picture_in;
+use super::extremes::{papilio, picture_in};
 use crate::common::files;
 
 /// Kills in every day's test, and in the full one.
@@ -38,8 +38,8 @@ const COMMANDS: [Killed; 10] = [
         is_resumed: true,
     },
     Killed {
-        command: "gonio {s}/../surfaces/prisms.toml",
-        sets: &["microgeometry.rays=20000"],
+        command: "gonio {s}/../surfaces/etched.toml",
+        sets: &["microgeometry.rays=256"],
         is_resumed: true,
     },
     Killed {
@@ -75,7 +75,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 
 impl Killed {
     fn started(&self, picture: &str, out: &Path) -> Command {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_papilio"));
+        let mut program = Command::new(papilio());
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(SCENARIOS);
         for word in self.command.split(' ') {
             program.arg(word.replace("{picture}", picture).replace("{s}", folder.to_str().unwrap()));
@@ -88,14 +88,15 @@ impl Killed {
     /// Kills the command some times; returns how often it was killed amid its work.
     fn killed(&self, picture: &str, kills: usize, dice: &mut Dice) -> usize {
         let folder = tempfile::tempdir().unwrap();
-        let whole = folder.path().join("whole");
+        // Some files have the name of their folder.
+        let whole = folder.path().join("whole").join("out");
         let begin = Instant::now();
         assert!(self.started(picture, &whole).status().unwrap().success(), "{}", self.command);
         let seconds = begin.elapsed().as_secs_f64();
         let expected = contents(&whole);
         let (mut done, mut amid, mut round) = (0, 0, 0);
         while done < kills {
-            let out = folder.path().join(format!("{round}"));
+            let out = folder.path().join(format!("{round}")).join("out");
             round += 1;
             let mut left = 1.05 * seconds;
             for _ in 0..1 + dice.below(6) {

@@ -2,8 +2,9 @@
 
 #![allow(
     clippy::panic,
+    clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "helpers of tests, too, say what they expect by unwrapping"
+    reason = "helpers of tests, too, say what they expect by unwrapping, and campaigns print what they find"
 )]
 
 mod bad_input;

@@ -49,6 +49,8 @@ fn means_of<T: Copy + Into<f64>>(
     radius: usize,
     rounded: impl Fn(f64) -> T,
 ) -> Vec<T> {
+    // A window beyond all borders is the whole picture.
+    let radius = radius.min(values.len());
     let mut sums = vec![0.0; columns + 1];
     for row in values.chunks_exact_mut(columns) {
         (0..columns).for_each(|x| sums[x + 1] = sums[x] + row[x].into());

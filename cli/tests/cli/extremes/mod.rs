@@ -27,6 +27,7 @@ use serde_json::Value;
 use self::keys::Keys;
 pub(crate) use self::places::picture_in;
 use self::record::Record;
+pub(crate) use self::watch::papilio;
 use self::watch::{End, watch};
 
 /// Of the runs of every day's test, one in so many.

@@ -7,6 +7,8 @@ use std::path::Path;
 
 use papilio_testing::sized;
 
+use super::watch::papilio;
+
 /// The cases that this program has passed.
 pub(super) struct Record {
     passed: BTreeSet<String>,
@@ -20,7 +22,7 @@ impl Record {
         if sized(true, false) {
             return Self { passed: BTreeSet::new(), file: None };
         }
-        let program = fs::metadata(env!("CARGO_BIN_EXE_papilio")).unwrap();
+        let program = fs::metadata(papilio()).unwrap();
         let head = format!("{} bytes, changed {:?}", program.len(), program.modified().unwrap());
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("extremes");
         fs::create_dir_all(&folder).unwrap();

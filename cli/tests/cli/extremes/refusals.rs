@@ -1,8 +1,11 @@
 //! What is refused before work, the numbers of messages, and what an interrupted report leaves.
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
+
+use papilio_testing::sized;
 
 use super::watch::has_long_number;
 use crate::common::papilio_command;
@@ -86,6 +89,41 @@ fn what_would_take_hours_is_refused_with_its_key() {
     let output = run("run", "scenarios/auto.toml", &["viewer.theta_deg.0=1e-300", "spectrum.step_nm=20"]);
     assert!(output.status.success(), "{}", String::from_utf8(output.stderr).unwrap());
     assert!(String::from_utf8(output.stdout).unwrap().contains("seen from 1e-300 deg"));
+}
+
+/// Paths, rays and samples of years: the command ends soon with what would help, unless it is told to go on.
+#[test]
+fn work_of_years_is_refused_as_soon_as_its_time_is_known() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let started = |arguments: &[&str], file: &str, out: &Path| {
+        let mut program = papilio_command();
+        program.env("PAPILIO_PROGRESS_SECONDS", "0.2").args([arguments[0]]).arg(root.join(file));
+        program.args(&arguments[1..]).arg("--out").arg(out).stdout(Stdio::null()).stderr(Stdio::piped());
+        program.spawn().unwrap()
+    };
+    let paths = ["run", "--solver", "monte-carlo", "--set", "solver.paths=1000000000000"];
+    for (arguments, file) in [
+        (&paths[..], "scenarios/indoor.toml"),
+        (&["gonio", "--set", "microgeometry.rays=1000000000"], "surfaces/etched.toml"),
+        (&["tolerance", "--set", "tolerance.samples=1000000000"], "scenarios/tolerance.toml"),
+    ]
+    .into_iter()
+    .take(sized(1, 3))
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let output = started(arguments, file, folder.path()).wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains("--allow-long") || said.contains("at most"), "{arguments:?}: {said}");
+    }
+    // Told to go on, it does.
+    let folder = tempfile::tempdir().unwrap();
+    let mut child =
+        started(&[&paths[..], &["--allow-long"]].concat(), "scenarios/indoor.toml", folder.path());
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.by_ref().take(8).filter(|line| line.contains("% done")).count() >= 3);
+    child.kill().unwrap();
+    child.wait().unwrap();
 }
 
 /// Ctrl-C while a report is computed, surfaces or displays: exit code 130, and nothing is left in its folder.

@@ -18,6 +18,11 @@ const MOST_SPACE_KB: u64 = 4_000_000;
 const MOST_SECONDS: f64 = 20.0;
 const THREADS: u32 = 2;
 
+/// The program, or another one: `PAPILIO_TESTED_PROGRAM`, such as a released one.
+pub(crate) fn papilio() -> String {
+    std::env::var("PAPILIO_TESTED_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_papilio").to_owned())
+}
+
 /// Commands without threads.
 const WITHOUT_THREADS: [&str; 2] = ["pixel", "study"];
 
@@ -44,11 +49,7 @@ pub(super) fn watch(arguments: &[&str], folder: &Path, is_whole: bool) -> End {
     let into = |path: &Path| Stdio::from(fs::File::create(path).unwrap());
     // The shell limits the address space, and becomes the program.
     let mut program = Command::new("sh");
-    program.args([
-        "-c",
-        &format!("ulimit -v {MOST_SPACE_KB}; exec \"$0\" \"$@\""),
-        env!("CARGO_BIN_EXE_papilio"),
-    ]);
+    program.args(["-c", &format!("ulimit -v {MOST_SPACE_KB}; exec \"$0\" \"$@\""), &papilio()]);
     program.args(arguments).env("NO_COLOR", "1");
     if !arguments.iter().any(|argument| WITHOUT_THREADS.contains(argument) || *argument == "--threads") {
         program.args(["--threads", &THREADS.to_string()]);

@@ -304,14 +304,15 @@ pub fn image(
     let fraction = |number: usize| number as f64 / seen.len() as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / seen.len() as f64;
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
+    let compared = per_degree.filter(|per_degree| *per_degree <= MOST_PER_DEGREE);
     let threads = control.thread_count();
     let [against_source, against_mapped] =
-        PictureDifferences::against(&seen, [&wanted, &mapped], size[0], lit.white, per_degree, threads)?;
+        PictureDifferences::against(&seen, [&wanted, &mapped], size[0], lit.white, compared, threads)?;
     let photograph = rendering.photograph(&source.pixels, threads);
     let [against_photograph] =
-        PictureDifferences::against(&seen, [&photograph], size[0], rendering.white, per_degree, threads)?;
+        PictureDifferences::against(&seen, [&photograph], size[0], rendering.white, compared, threads)?;
     let losses = if settings.losses
-        && let Some(per_degree) = per_degree
+        && let Some(per_degree) = compared
     {
         let pages =
             lit.palette.pages().into_iter().map(|page| page.map(|value| value as f32)).collect::<Vec<_>>();
@@ -510,6 +511,10 @@ fn seen_by_reader(
         None => stack::seen((&lit.setup, &lit.palette), picture, settings.surround, control),
     }
 }
+
+/// Largest number of pixels in a degree at which pictures are compared as the eye sees them, which resolves about 60:
+/// filters of more pixels take much memory and time.
+const MOST_PER_DEGREE: f64 = 3000.0;
 
 /// Pixels in a degree of the visual angle along x and y; `None` without the size of the pixels.
 fn pixels_per_degree(scene: &Scene) -> Option<[f64; 2]> {

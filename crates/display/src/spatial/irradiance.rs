@@ -1,6 +1,10 @@
 //! Irradiance of cells of given reflectances, to which the layers of a flat panel or a front return light:
 //! `E = 1 + A * (rho E)`.
 
+use std::f64::consts::PI;
+
+use papilio_optics::Beta;
+use papilio_transport::Cone;
 use papilio_transport::spatial::{Cells, LambertianReturn, PixelSpread, Recycling, displacement};
 
 use super::Level;
@@ -8,6 +12,7 @@ use super::below_layers::Layers;
 use super::ghosts::Faces;
 use super::response::Lit;
 use crate::DisplayError;
+use crate::setup::ViewPoint;
 
 /// Most meetings of light with mirror-like pixels that are followed one by one. Those of pixels and a front
 /// of 0.99 each are; of better mirrors the rest is taken as a geometric series.
@@ -81,7 +86,8 @@ impl Above<'_> {
     /// layers ([`seen_from`](Self::seen_from)).
     pub(super) fn images(&self) -> Result<Vec<PlacedImage>, DisplayError> {
         match self {
-            Self::Panel(lit) => images(*lit),
+            Self::Panel(lit) if lit.panel.base.is_specular() => images(*lit),
+            Self::Panel(lit) => images_of_field(*lit),
             Self::Layers(_) => Ok(Vec::new()),
         }
     }
@@ -206,6 +212,48 @@ pub(super) fn irradiance(
         last = change;
     }
     irradiance
+}
+
+/// Natural digits of the mean over the directions of a field of view, at the coarse and the finer level. Pixels have
+/// edges: more digits gain little.
+const DIGITS_OF_FIELD: [f64; 2] = [3.0, 5.0];
+
+/// Directions of a field of view along which flat faces show other places, and their fractions of the field.
+pub(super) fn along_field(lit: Lit<'_>) -> Result<Vec<(ViewPoint, f64)>, DisplayError> {
+    let (field, index, level) = (&lit.view.field, lit.panel.medium.index().min(), lit.level);
+    let air_mm = lit.air_of_one_front_mm()?;
+    let mm_per_beta = 2.0 * (lit.thickness_mm() / (index * index - 1.0).max(0.1).sqrt() + air_mm);
+    let phase = 2.0 * PI * level.most_per_mm * mm_per_beta * field.half_angle();
+    let digits = DIGITS_OF_FIELD[usize::from(level.is_fine)] + f64::from(level.finer);
+    let along = |(beta, share): (Beta, f64)| {
+        let theta_deg = beta.length().min(1.0).asin().to_degrees();
+        let phi_deg = beta.y.atan2(beta.x).to_degrees();
+        (ViewPoint { theta_deg, phi_deg, field: Cone::new(theta_deg, phi_deg, 0.0, 1.0) }, share)
+    };
+    Ok(field.directions(phase, digits).into_iter().map(along).collect())
+}
+
+/// [`images`] of all directions of a field of view.
+pub(super) fn images_of_field(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayError> {
+    let along_axis = images(lit)?;
+    let directions = along_field(lit)?;
+    if directions.len() < 2 || lit.air_of_one_front_mm()? == 0.0 {
+        return Ok(along_axis);
+    }
+    let mut all: Vec<PlacedImage> = Vec::new();
+    for (view, share) in directions {
+        for (number, (at_mm, mut fraction)) in images(Lit { view: &view, ..lit })?.into_iter().enumerate() {
+            fraction.iter_mut().for_each(|part| *part *= share);
+            match all.first_mut() {
+                // Each direction sees the pixel itself at its own place.
+                Some((_, sum)) if number == 0 => {
+                    sum.iter_mut().zip(fraction).for_each(|(sum, part)| *sum += part);
+                }
+                _ => all.push((at_mm, fraction)),
+            }
+        }
+    }
+    Ok(all)
 }
 
 /// Images of the pixels that a view sees because light was reflected between a flat face and a front above

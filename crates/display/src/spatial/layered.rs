@@ -5,18 +5,19 @@
 //! the plane; it is left to Monte Carlo. Other Lambertian pixels are those of `below_layers.rs`.
 
 use num_complex::Complex64;
+use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::{self, LayeredSpread};
-use papilio_transport::{ReflectanceFactor, Source, Stack};
+use papilio_transport::{Interface, ReflectanceFactor, Source, Stack};
 
 use super::measured::{Light, Measured, sum};
 use super::mtf::Frame;
 use super::response::name_of_light;
 use super::target::refined;
-use super::{LineContrast, MtfView, Refused};
+use super::{LineContrast, MtfView, Refused, SpatialScalars};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::run::{Control, Workers, each, finest};
-use crate::setup::ViewPoint;
+use crate::setup::{Setup, ViewPoint};
 
 /// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles
 /// per mm.
@@ -36,6 +37,29 @@ const FALLS: f64 = 0.02;
 /// Finest level.
 const MOST_LEVEL: usize = 3;
 
+/// Error of light by place over the difference of two levels, where a Lambertian layer and another one scatter: it
+/// is up to 3.6 times the difference in lines below two of them, which the solver by paths shows.
+const OF_LAMBERTIAN: f64 = 4.0;
+
+/// The factor by which the difference between two levels must be multiplied to bound the error of light by place.
+pub(super) fn error_over_difference(setup: &Setup) -> f64 {
+    let of_light = adding::error_over_difference(&setup.stack, &setup.sources);
+    let layers = || setup.stack.layers().iter().map(|layer| &layer.interface);
+    let scatters = |one: &&Interface| {
+        matches!(
+            one,
+            Interface::Diffuser(_) | Interface::Reflecting(_) | Interface::Rough(_) | Interface::Scatter(_)
+        )
+    };
+    let is_wide = |one: &Interface| match one {
+        Interface::Diffuser(diffuser) => diffuser.lobe == Lobe::Lambertian,
+        Interface::Reflecting(_) => true,
+        _ => false,
+    };
+    let is_slow = layers().filter(scatters).count() > 1 && layers().any(is_wide);
+    if is_slow { of_light.max(OF_LAMBERTIAN) } else { of_light }
+}
+
 /// Frequencies between 0 and the highest, cycles per mm.
 pub(super) fn frequencies(highest: f64) -> Vec<f64> {
     let mut all: Vec<f64> = (1..UNIFORM).map(|k| highest * f64::from(k) / f64::from(UNIFORM)).collect();
@@ -44,13 +68,32 @@ pub(super) fn frequencies(highest: f64) -> Vec<f64> {
     all
 }
 
-/// Makes the difference of the levels as large as the error of the finer one may be.
+/// Moves a coarse level away from the fine one by this factor, so that their difference bounds the error: transfers,
+/// contrasts and means of patterns. Those of widths and radii are multiplied by [`widen_radii`].
 pub(super) fn widen(coarse: &mut Measured, fine: &Measured, factor: f64) {
+    let away = |coarse: &mut f64, fine: f64| *coarse = fine + factor * (*coarse - fine);
     let lights = coarse.lights.iter_mut().flatten().zip(fine.lights.iter().flatten());
     for (coarse, fine) in lights {
         for (coarse, fine) in coarse.transfer.iter_mut().zip(&fine.transfer) {
             coarse.iter_mut().zip(fine).for_each(|(coarse, fine)| *coarse = fine + factor * (*coarse - fine));
         }
+    }
+    for (coarse, fine) in coarse.line_contrast.iter_mut().zip(&fine.line_contrast) {
+        for (coarse, (_, fine)) in coarse.all_mut().zip(fine.named()) {
+            coarse.iter_mut().zip(fine).for_each(|(coarse, fine)| away(coarse, fine));
+        }
+    }
+    for (coarse, fine) in coarse.text_contrast.iter_mut().flatten().zip(fine.text_contrast.iter().flatten()) {
+        coarse.iter_mut().zip(fine).for_each(|(coarse, fine)| away(coarse, *fine));
+    }
+    coarse.patterns.iter_mut().zip(&fine.patterns).for_each(|(coarse, fine)| away(coarse, *fine));
+}
+
+/// Multiplies the errors of what is read from tables of places.
+pub(super) fn widen_radii(error: &mut SpatialScalars, factor: f64) {
+    let SpatialScalars { edge_10_90_x_um, edge_10_90_y_um, r50_um, r90_um, .. } = error;
+    for error in [edge_10_90_x_um, edge_10_90_y_um, r50_um, r90_um].into_iter().flatten() {
+        *error *= factor;
     }
 }
 
@@ -101,7 +144,7 @@ impl Frame<'_> {
             }
             Ok(found)
         };
-        let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
+        let factor = error_over_difference(self.setup);
         let error = |[fine, coarse]: [&Measured; 2]| factor * self.largest_error(coarse, fine);
         let finest = finest(self.setup)?.min(MOST_LEVEL);
         let found = refined(self.setup, finest, at, error, control)?;

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::mtf::Frame;
 use super::patterns;
-use super::profile::{cumulative, density, places};
+use super::profile::{cumulative, density, places, radii};
 use super::response::responses;
 use super::{Level, Seen, SpreadTable};
 use crate::DisplayError;
@@ -78,9 +78,7 @@ impl Frame<'_> {
                 images.iter().flat_map(|at| [-SHARP, SHARP].map(|side| at[axis] + side * self.thickness_mm));
             places(&peaks, axis, extent, &halves.chain(sharp).collect::<Vec<_>>())
         };
-        let own: Vec<_> = peaks.iter().copied().take(1).collect();
-        let mut radii = places(&own, 0, extent, &[SHARP * self.thickness_mm]);
-        radii.retain(|radius| *radius > 0.0);
+        let radii = radii(&peaks, extent, SHARP * self.thickness_mm);
         Borders { places: [along(0), along(1)], radii }
     }
 

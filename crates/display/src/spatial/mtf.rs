@@ -6,7 +6,6 @@
 use std::cell::OnceCell;
 
 use num_complex::Complex64;
-use papilio_transport::adding;
 
 use super::below_layers;
 use super::layered;
@@ -244,7 +243,7 @@ impl<'a> Frame<'a> {
         let (factor, finest) = match is_panel {
             true => (1.0, MOST_LEVEL),
             false => {
-                let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
+                let factor = layered::error_over_difference(self.setup);
                 (factor, finest(self.setup)?.min(MOST_LEVEL))
             }
         };
@@ -259,7 +258,11 @@ impl<'a> Frame<'a> {
         }
         let (digits, fine) = (digits(found.level), &found.finer.fine);
         let level = Level { digits, most_per_mm, is_fine: true, is_broader: false, finer: 0 };
-        let against = |coarse: &Measured| self.seen(view, states(coarse, fine), coarse, fine);
+        let against = |coarse: &Measured| {
+            let mut states = states(coarse, fine);
+            states.iter_mut().for_each(|(_, state)| layered::widen_radii(&mut state.error, factor));
+            self.seen(view, states, coarse, fine)
+        };
         let mut seen = against(found.finer.coarse(&found.coarser));
         if fine.seen.iter().any(|seen| seen.response.is_estimated()) {
             let broader = self.measure(view, Level { is_broader: true, ..level }, &borders)?;
@@ -310,6 +313,10 @@ impl<'a> Frame<'a> {
         let mut error = scalars;
         let pairs = error.all_mut().zip(self.scalars(state, coarse).named());
         pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
+        let between = self.radius_errors(state, fine);
+        for (error, between) in [&mut error.r50_um, &mut error.r90_um].into_iter().zip(between) {
+            *error = error.zip(between).map(|(error, between)| error + between);
+        }
         let all = fine.names.len() - 1;
         let curves = |light: usize| {
             self.curves([coarse, fine].map(|level| &level.lights[state][light]), fine.y(state))

@@ -23,7 +23,7 @@ use papilio_transport::spatial::{Cells, LambertianReturn, Peak, PixelSpread, Rec
 use papilio_transport::{Source, Top};
 
 use super::bounds::{cells_across, cells_along, parts_of_pixels};
-use super::irradiance::{PlacedImage, images};
+use super::irradiance::{PlacedImage, images, images_of_field};
 use super::lobe;
 use super::patterns::{Pattern, PatternKind, Text};
 use super::response::Lit;
@@ -39,6 +39,9 @@ pub(super) const HIGHEST: f64 = 16.0;
 
 /// Below this fraction, what a lobe leaves of the series is neglected.
 const FAINTEST: f64 = 1e-5;
+
+/// Images that are fainter than this fraction of the pixels at their own place are not resolved by tables of places.
+const FAINT_IMAGE: f64 = 1e-3;
 
 /// Most frequencies of the series: glass much thinner than the air below a front returns light to the same
 /// place.
@@ -116,7 +119,16 @@ pub(super) fn response(
     let spread = lit.spread;
     let paper =
         Paper { lobe, thickness_mm, reach_mm, faces, spread, reflectance, light, bins, images: Vec::new() };
-    Ok(paper.with_images(images(lit)?))
+    let along_axis = images(lit)?;
+    // Below a lobe, light is seen from places around anyway.
+    if is_diffused {
+        return Ok(paper.with_images(along_axis));
+    }
+    let in_field = images_of_field(lit)?;
+    match in_field.len() > along_axis.len() {
+        true => Ok(paper.in_field(&in_field, along_axis.get(1).map_or([0.0; 2], |(at_mm, _)| *at_mm))),
+        false => Ok(paper.with_images(along_axis)),
+    }
 }
 
 impl Paper {
@@ -161,6 +173,39 @@ impl Paper {
             self.images.push(Image { fraction, shades, sharp, series });
         }
         self
+    }
+
+    /// The same pixels, seen from all directions of a field of view: `images` are those of all, the first one
+    /// being that of the pixels at their own place. What returns to the pixels, and is seen in an image beside it,
+    /// is wide: all of it is where the axis of the view sees the first image, `at_mm`.
+    fn in_field(self, images: &[PlacedImage], at_mm: [f64; 2]) -> Self {
+        let Some((own, beside)) = images.split_first() else { return self };
+        let all_beside = |bin: usize| beside.iter().map(|(_, fraction)| fraction[bin]).sum();
+        let wide = (at_mm, (0..self.bins).map(all_beside).collect());
+        let mut paper = self.with_images(vec![own.clone(), wide]);
+        let states = paper.reflectance.len() / paper.bins;
+        let no_light = vec![0.0; paper.bins];
+        let no_shades = (0..states).map(|state| paper.shades_of(state, &no_light)).collect();
+        let own_light: f64 = own.1.iter().sum();
+        let (step_per_mm, sharp_of_own) =
+            (paper.images[0].series[0].step_per_mm, paper.images[0].series[0].sharp.clone());
+        let wide = &mut paper.images[1];
+        (wide.fraction, wide.shades) = (no_light, no_shades);
+        for series in &mut wide.series {
+            series.sharp.fill(0.0);
+            series.inside = None;
+        }
+        for (at_mm, fraction) in beside {
+            let shades = (0..states).map(|state| paper.shades_of(state, fraction)).collect();
+            let part = fraction.iter().sum::<f64>() / own_light;
+            let sharp: Vec<f64> = sharp_of_own.iter().map(|light| part * light).collect();
+            let inside = paper.spread.map(|spread| (spread, sharp.clone()));
+            // A single frequency, without light.
+            let rest = vec![vec![0.0]; states];
+            let series = vec![Series { step_per_mm, sharp: sharp.clone(), rest, at_mm: *at_mm, inside }];
+            paper.images.push(Image { fraction: fraction.clone(), shades, sharp, series });
+        }
+        paper
     }
 
     /// The same pixels below layers through which they are seen like this.
@@ -505,7 +550,12 @@ impl Response for Paper {
     fn images(&self) -> Vec<[f64; 2]> {
         match &self.lobe {
             Some(lobe) => lobe.once.images(),
-            None => self.images.iter().map(|image| image.series[0].at_mm).collect(),
+            None => {
+                let light = |image: &Image| image.fraction.iter().copied().fold(0.0, f64::max);
+                let least = FAINT_IMAGE * self.images.first().map_or(0.0, light);
+                let bright = self.images.iter().filter(|image| light(image) > least);
+                bright.map(|image| image.series[0].at_mm).collect()
+            }
         }
     }
 

@@ -43,6 +43,19 @@ pub(super) fn places(peaks: &[Peak], axis: usize, extent_mm: f64, fixed: &[f64])
     kept.into_iter().map(|(at, _)| at).collect()
 }
 
+/// Ascending radii of rings about the view's own ray, mm, dense at the distances of the peaks: the light of a lamp's
+/// image lies within a narrow ring.
+pub(super) fn radii(peaks: &[Peak], extent_mm: f64, sharp_mm: f64) -> Vec<f64> {
+    let at_distance = |peak: &Peak| {
+        let [x, y] = peak.at_mm;
+        Peak { at_mm: [x.hypot(y), 0.0], width_mm: peak.width_mm }
+    };
+    let peaks: Vec<Peak> = peaks.iter().map(at_distance).collect();
+    let mut radii = places(&peaks, 0, extent_mm, &[sharp_mm]);
+    radii.retain(|radius| *radius > 0.0);
+    radii
+}
+
 /// Place where a cumulative function, 0 to 1 over ascending places, reaches a value; `None` where the table
 /// does not reach it.
 pub(super) fn crossing(places: &[f64], cumulative: &[f64], value: f64) -> Option<f64> {

@@ -10,6 +10,10 @@ use super::{Sharpness, SpatialScalars};
 /// Field of view of the square-root integral, degrees.
 const FIELD_DEG: f64 = 10.0;
 
+/// Part of the difference that every second border makes that is an error of what is read between all borders: cubic
+/// pieces of half the length have a sixteenth of the error, or a fourth where the slope jumps.
+const OF_HALF: f64 = 0.25;
+
 /// Widths of edges up to this part of the extent of a table are those of sharp images: the distance of the
 /// places beside them.
 const SHARPEST: f64 = 1e-6;
@@ -62,6 +66,22 @@ impl Frame<'_> {
             sqri_jnd_x: sqri(0),
             sqri_jnd_y: sqri(1),
         }
+    }
+
+    /// Errors of the radii that have 50 and 90 % of the light by what lies between the borders of rings, um.
+    pub(super) fn radius_errors(&self, state: usize, measured: &Measured) -> [Option<f64>; 2] {
+        let Some(all) = measured.lights[state].last() else { return [None; 2] };
+        let rings = cumulative(&all.rings);
+        let every_second = |values: &[f64]| values.iter().step_by(2).copied().collect::<Vec<f64>>();
+        let [few_radii, few_rings] = [&measured.radii, &rings].map(|values| every_second(values));
+        [0.5, 0.9].map(|share| {
+            // A sharp image.
+            if rings.first().is_some_and(|sharp| *sharp >= share) {
+                return Some(0.0);
+            }
+            let radius = crossing(&measured.radii, &rings, share)?;
+            Some(1e3 * OF_HALF * (radius - crossing(&few_radii, &few_rings, share)?).abs())
+        })
     }
 
     /// Square-root integral of a page of this Y along an axis, whose transfer is given for cycles per degree.

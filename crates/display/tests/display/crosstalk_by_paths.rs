@@ -222,6 +222,23 @@ fn gaps_and_wide_fields_above_mirrors_agree() {
     assert_agree("field", &[BARE, mirror, PRINTED, MIXED, along], 1 << 12);
 }
 
+/// A wide field without a filter: along each of its directions, mirror-like pixels below flat faces show light that
+/// has met the pixels at other places, and paper shows other images of itself between face and front.
+#[test]
+fn wide_fields_below_flat_faces_agree() {
+    let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.8, black = 0.1 }\n";
+    let front = "[[display.front]]\nreflectance = 0.2\ngap_mm = 0.4\n";
+    let view = |theta_deg: f64| format!("[viewer]\ntheta_deg = {theta_deg}\nfield_deg = 9\n");
+    let cases = [
+        ("mirrors", mirror, "", 0.0),
+        ("paper", PAPER, front, 0.0),
+        ("mirrors, obliquely", mirror, "", 25.0),
+    ];
+    for (what, pixel, front, theta_deg) in everyday(1, cases) {
+        assert_agree(what, &[front, BARE, pixel, MATRIX, MIXED, &view(theta_deg)], 1 << 13);
+    }
+}
+
 /// Below a lobe: shares and patches, and stripes and lines, which only paths compute: they are blurred above
 /// the filter, too.
 #[test]

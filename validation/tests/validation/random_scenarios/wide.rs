@@ -166,6 +166,9 @@ fn deviations_over_the_whole_grammar_agree_with_errors() {
     });
     let missing: Vec<u64> = numbers.filter(|number| !rows.contains_key(number)).collect();
     let new = each(&missing, |number| {
+        if missing.len() == 1 {
+            println!("{}", wide(*number).text);
+        }
         let row = Row::of(*number);
         if let Some(file) = &file {
             writeln!(file.lock().unwrap(), "{}", row.to_line()).unwrap();

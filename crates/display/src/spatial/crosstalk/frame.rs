@@ -1,10 +1,10 @@
 //! What all views of crosstalk by adding have in common, and the levels of each.
 
 use papilio_imaging::text::Bitmap;
-use papilio_transport::{Panel, Reflector, Top, adding};
+use papilio_transport::{Panel, Reflector, Top};
 
 use super::super::response::Lit;
-use super::super::{Level, Refused, below_layers, patterns};
+use super::super::{Level, Refused, below_layers, layered, patterns};
 use super::places::Windows;
 use super::surfaces::{Part, Surfaces};
 use super::{CrosstalkView, matrix, page, refined};
@@ -92,7 +92,7 @@ impl<'a> Frame<'a> {
             }
             Some(_) => (of_panel, MOST_LEVEL, 1.0),
             None => {
-                let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
+                let factor = layered::error_over_difference(self.setup);
                 let finest = run::finest(self.setup)?.min(MOST_LEVEL);
                 (Level::digits_of_layers as Digits, finest, factor)
             }

@@ -4,7 +4,7 @@
 //! faces or general layers give them (`flat.rs`).
 
 use super::super::below_layers::Layers;
-use super::super::irradiance::{Above, PlacedImage};
+use super::super::irradiance::{Above, PlacedImage, along_field};
 use super::super::response::{Lit, name_of_light};
 use super::super::{Level, Refused};
 use super::flat::{self, Irradiance, Pixels};
@@ -18,6 +18,35 @@ use crate::setup::ViewPoint;
 
 /// Colours of a figure in each state, and of what is beside it; none without such a figure.
 pub(super) type Figures = (Vec<Colour>, Option<Colour>);
+
+/// A direction of the field of view, or the view itself.
+enum Along {
+    All,
+    One(ViewPoint),
+}
+
+impl Along {
+    /// What lies above the pixels, seen along this direction.
+    fn above<'a>(&'a self, above: Above<'a>) -> Above<'a> {
+        match (above, self) {
+            (Above::Panel(lit), Self::One(view)) => Above::Panel(Lit { view, ..lit }),
+            (above, _) => above,
+        }
+    }
+}
+
+/// Directions of a field of view along which mirror-like pixels below flat faces show other places, and their
+/// fractions of the field.
+fn directions(view: &ViewPoint, above: Above<'_>) -> Result<Vec<(Along, f64)>, DisplayError> {
+    let found = match above {
+        Above::Panel(lit) if lit.panel.base.is_specular() => along_field(Lit { view, ..lit })?,
+        Above::Panel(_) | Above::Layers(_) => Vec::new(),
+    };
+    if found.len() < 2 {
+        return Ok(vec![(Along::All, 1.0)]);
+    }
+    Ok(found.into_iter().map(|(view, share)| (Along::One(view), share)).collect())
+}
 
 impl Frame<'_> {
     pub(super) fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
@@ -40,7 +69,9 @@ impl Frame<'_> {
             Above::Panel(lit) if !is_flat(lit.panel) => Some(lit),
             Above::Panel(_) | Above::Layers(_) => None,
         };
-        let images = if below_lobe.is_none() { above.images()? } else { Vec::new() };
+        let directions = if below_lobe.is_none() { directions(view, above)? } else { Vec::new() };
+        let images = directions.iter().map(|(along, share)| Ok((along.above(above).images()?, *share)));
+        let images = images.collect::<Result<Vec<_>, DisplayError>>()?;
         // Light of each state and wavelength in X, Y and Z.
         let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
         measured.from_faces = meter.without_pixel(&factors);
@@ -78,7 +109,7 @@ impl Frame<'_> {
             let (colours, beside) = match (&orders, figure) {
                 (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
                 (Some(orders), _) => self.blurred(figure, &pages, (orders, &by_wavelength), above)?,
-                (None, _) => self.on_flat(figure, &pages, &by_wavelength, above)?,
+                (None, _) => self.on_flat(figure, &pages, &by_wavelength, (above, &directions))?,
             };
             measured.figures[figure as usize] = colours;
             measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
@@ -88,16 +119,23 @@ impl Frame<'_> {
 
     /// Light of the page by window and sub-pixel, where images of the pixels are sharp. Pixels that no image
     /// shows are not divided: they show their own kind.
-    fn shares_of_images(&self, images: &[PlacedImage], page: &[f64], weights: &[f64]) -> Vec<Vec<f64>> {
+    fn shares_of_images(
+        &self,
+        images: &[(Vec<PlacedImage>, f64)],
+        page: &[f64],
+        weights: &[f64],
+    ) -> Vec<Vec<f64>> {
         let count = self.matrix.sub_pixels.len();
         let mut rows = vec![vec![0.0; count + 1]; count];
-        for (at_mm, fraction) in images {
-            let light = page.iter().zip(fraction).zip(weights).map(|((light, f), w)| light * f * w);
-            self.add_image(*at_mm, light.sum(), &mut rows);
-        }
-        if images.is_empty() {
-            let light = weights.iter().zip(page).map(|(weight, light)| weight * light);
-            self.add_image([0.0; 2], light.sum(), &mut rows);
+        for (images, share) in images {
+            for (at_mm, fraction) in images {
+                let light = page.iter().zip(fraction).zip(weights).map(|((light, f), w)| light * f * w);
+                self.add_image(*at_mm, share * light.sum::<f64>(), &mut rows);
+            }
+            if images.is_empty() {
+                let light = weights.iter().zip(page).map(|(weight, light)| weight * light);
+                self.add_image([0.0; 2], share * light.sum::<f64>(), &mut rows);
+            }
         }
         rows
     }
@@ -145,21 +183,32 @@ impl Frame<'_> {
         Ok((rho, irradiance))
     }
 
-    /// Colours of figures under flat faces or general layers, through all orders.
+    /// Colours of figures under flat faces or general layers, through all orders: the mean of the directions of
+    /// the field of view.
     fn on_flat(
         &self,
         figure: Figure,
         pages: &[Colour],
         by_wavelength: &[Vec<f64>; 3],
-        above: Above<'_>,
+        (above, directions): (Above<'_>, &[(Along, f64)]),
     ) -> Result<Figures, DisplayError> {
-        let (rho, irradiance) = self.irradiance(figure, above)?;
-        let Some(irradiance) = irradiance else { return Ok((Vec::new(), None)) };
+        let mut all = Vec::with_capacity(directions.len());
+        for (along, share) in directions {
+            self.control.check()?;
+            let (rho, irradiance) = self.irradiance(figure, along.above(above))?;
+            let Some(irradiance) = irradiance else { return Ok((Vec::new(), None)) };
+            all.push((rho, irradiance, *share));
+        }
         let bins = self.setup.scene.grid.len();
         let light = |state: usize| by_wavelength.each_ref().map(|light| &light[state * bins..][..bins]);
         let on = |own: usize, page: usize| {
-            let rho = [own, page].map(|state| &rho[state * bins..][..bins]);
-            irradiance.colour(&[light(own), light(page)], rho)
+            let mut sum = [0.0; 3];
+            for (rho, irradiance, share) in &all {
+                let rho = [own, page].map(|state| &rho[state * bins..][..bins]);
+                let colour = irradiance.colour(&[light(own), light(page)], rho);
+                add(&mut sum, colour.map(|value| share * value));
+            }
+            sum
         };
         Ok(self.figures(figure, pages, on))
     }

@@ -17,7 +17,7 @@ use papilio_transport::walk::places::{CellGrid, Estimate, KernelTally, Shape, Tw
 use super::measured::Measured;
 use super::mtf::Frame;
 use super::patterns::Pattern;
-use super::profile::{cumulative, places};
+use super::profile::{cumulative, places, radii};
 use super::response::name_of_light;
 use super::walk::{Placed, States, mean};
 use super::{Curves, Kernel, LineContrast, MtfState, MtfView, PatternKind, PatternMean, SpatialScalars};
@@ -186,8 +186,7 @@ impl Grid {
         let extent = (EXTENT * thickness).max(1e-3);
         let sharp = [-SHARP, SHARP].map(|side| side * extent);
         let borders = |axis: usize| places(&peaks, axis, extent, &sharp);
-        let mut radii = places(&peaks[..1], 0, extent, &sharp);
-        radii.retain(|radius| *radius > 0.0);
+        let radii = radii(&peaks, extent, SHARP * extent);
         let pixels = frame.pitch_mm.map_or(0.0, |pitch| 2.0 * pitch[0].max(pitch[1]));
         let half = if half_mm.max(pixels) > 0.0 { half_mm.max(pixels) } else { thickness.max(1e-3) };
         Self {
