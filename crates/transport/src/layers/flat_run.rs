@@ -54,8 +54,10 @@ impl LayerKind for FlatRun {
     }
 
     fn is_colourless(&self) -> bool {
-        let is_clear = |medium: &Medium| medium.constant_index().is_some() && medium.transmittance().is_none();
-        self.interfaces.iter().flatten().all(|one| one.kind().is_colourless()) && self.media.iter().all(is_clear)
+        let is_clear =
+            |medium: &Medium| medium.constant_index().is_some() && medium.transmittance().is_none();
+        self.interfaces.iter().flatten().all(|one| one.kind().is_colourless())
+            && self.media.iter().all(is_clear)
     }
 
     /// That of its sheets, if it has any.
