@@ -161,9 +161,9 @@ impl Stack {
         Some(run.mirrors.each_mut())
     }
 
-    /// True if s and p are kept apart by layers together with the mirror below them.
-    pub(crate) fn has_mirror_run(&self) -> bool {
-        self.mirror_run.is_some()
+    /// The mirror for s and for p, if they are kept apart by layers below the last scatterer together with it.
+    pub(crate) fn mirrors(&self) -> Option<&[Base; 2]> {
+        self.mirror_run.as_deref().map(|run| &run.mirrors)
     }
 
     /// Computes the reflectance of the base, `[state][wavelength]`: below a run that keeps s and p apart together with
