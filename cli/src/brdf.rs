@@ -66,6 +66,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     })?;
     folder.print_written(&names);
     print_notes(&resolved.notes);
+    print_notes(&resolved.scene.ignores_polariser().into_iter().collect::<Vec<_>>());
     resolved
         .warnings
         .iter()

@@ -42,6 +42,10 @@ impl SpatialOutput for CrosstalkResult {
         papilio_figures::crosstalk(self, title)
     }
 
+    fn notes(&self, resolved: &Resolved) -> Vec<String> {
+        papilio_display::note_of_places(&resolved.scene).into_iter().collect()
+    }
+
     fn warnings(&self) -> &[String] {
         &self.warnings
     }

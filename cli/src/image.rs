@@ -249,6 +249,10 @@ impl SpatialOutput for ImageOutput {
         Vec::new()
     }
 
+    fn notes(&self, resolved: &Resolved) -> Vec<String> {
+        papilio_display::note_of_places(&resolved.scene).into_iter().collect()
+    }
+
     fn warnings(&self) -> &[String] {
         &self.here.numbers.warnings
     }

@@ -51,6 +51,10 @@ impl SpatialOutput for MtfResult {
         papilio_figures::of_mtf(self, title)
     }
 
+    fn notes(&self, resolved: &Resolved) -> Vec<String> {
+        papilio_display::note_of_places(&resolved.scene).into_iter().collect()
+    }
+
     fn warnings(&self) -> &[String] {
         &self.warnings
     }

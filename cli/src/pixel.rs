@@ -32,6 +32,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     let resolved = input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?
         .resolve_without_light()?;
     print_notes(&resolved.notes);
+    print_notes(&resolved.scene.ignores_polariser().into_iter().collect::<Vec<_>>());
     let mut scene = resolved.scene.clone();
     match arguments.angles {
         None => {}

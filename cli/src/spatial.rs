@@ -35,6 +35,10 @@ pub(crate) trait SpatialOutput {
     fn figures(&self, title: &str) -> Vec<(String, String)>;
 
     /// Warnings of the computation.
+    fn notes(&self, _: &Resolved) -> Vec<String> {
+        Vec::new()
+    }
+
     fn warnings(&self) -> &[String] {
         &[]
     }
@@ -70,6 +74,7 @@ pub(crate) fn show<R: SpatialOutput>(
         folder.print_written(&names);
     }
     print_notes(&resolved.notes);
+    print_notes(&result.notes(resolved));
     let warnings = resolved.warnings.iter().chain(result.warnings());
     warnings.for_each(|warning| print_message(&format!("warning: {warning}")));
     Ok(())

@@ -7,7 +7,8 @@
 `inc_tmm` sums intensities between thick layers and amplitudes within thin ones, for one polarisation. polarised.csv: the
 reflectance of s and of p of each display, angle in air and wavelength. polarised_paper.csv: paper of reflectance 0.8 below the same
 layers in diffuse light, R(theta) + T(theta)/n^2 0.8 t/(1 - 0.8 r) with t the integral of T over the square of the sine,
-r = 1 - t/n^2, and T and R the means over s and p of the whole layers. The pixel is an absorber of 12 nm (n 3.18, k
+r = 1 - t/n^2, and T and R the means over s and p of the whole layers. polarised_diffused.csv: the mean of R_s and R_p over
+the square of the sine, what a Lambertian diffuser in the air above each display shows in diffuse light. The pixel is an absorber of 12 nm (n 3.18, k
 3.33), a spacer of 38.6 nm (1.46), an air gap of 192.3 nm and a mirror (0.97, 6.46); glass has 1.5.
 """
 
@@ -65,5 +66,16 @@ def paper_rows():
             yield [name, theta_deg, repr(float(1 - through + through / n**2 * up))]
 
 
+def diffused_rows():
+    yield ["display", "wavelength_nm", "rho"]
+    x, weights = np.polynomial.legendre.leggauss(200)
+    x, weights = np.pi / 4 * (x + 1), np.pi / 4 * weights
+    for name, layers in DISPLAYS.items():
+        for nm in (450.0, 550.0, 650.0):
+            both = [[reflectance(p, layers, np.degrees(theta), nm) for theta in x] for p in "sp"]
+            yield [name, nm, repr(float(np.sum(weights * np.sin(2 * x) * np.mean(both, axis=0))))]
+
+
 if __name__ == "__main__":
-    oracle.main(__doc__, HERE, [("polarised.csv", list(rows()), 1e-10), ("polarised_paper.csv", list(paper_rows()), 1e-10)], 1e-6)
+    TABLES = [("polarised.csv", rows()), ("polarised_paper.csv", paper_rows()), ("polarised_diffused.csv", diffused_rows())]
+    oracle.main(__doc__, HERE, [(name, list(table), 1e-10) for name, table in TABLES], 1e-6)

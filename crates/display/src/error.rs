@@ -35,10 +35,12 @@ pub enum DisplayError {
     /// A numerical aperture in light that is not diffuse: mirror images of lamps are averaged in solid angle.
     #[error("`viewer.numerical_aperture` needs diffuse light alone, but there are lamps or an environment")]
     ApertureInDirectedLight,
-    /// A polariser before a display whose light is taken as unpolarised.
-    #[error("`viewer.polariser` needs {needs}")]
-    Polariser {
-        /// What the display would have to be.
+    /// A polariser or a polarised source where light is taken as unpolarised.
+    #[error("`{key}` needs {needs}")]
+    Polarised {
+        /// The polariser or source.
+        key: String,
+        /// What the display or the computation would have to be.
         needs: &'static str,
     },
     /// An eye so close to a picture that it sees a part of it along the panel.

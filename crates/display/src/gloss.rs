@@ -111,7 +111,7 @@ pub fn gloss_of(
     let haze = haze_percent(scene);
     let states =
         names.into_iter().enumerate().map(|(state, name)| (name, StateGloss::of(&fluxes, state, haze)));
-    let mut warnings: Vec<String> = Vec::new();
+    let mut warnings: Vec<String> = scene.ignores_polariser().into_iter().collect();
     if illuminant(ILLUMINANT, &scene.grid).is_err() {
         warnings.push(format!(
             "illuminant {ILLUMINANT} of a glossmeter does not cover the wavelengths of the scenario: light of equal energy is used"
@@ -222,8 +222,13 @@ fn luminous(result: &RunResult, factor: f64) -> Vec<[f64; 2]> {
 /// The display of a scene in the light of a window, seen along a beam.
 fn in_light_of(scene: &Scene, field: Field, [theta_deg, phi_deg]: [f64; 2]) -> Scene {
     let light = illuminant(ILLUMINANT, &scene.grid).unwrap_or_else(|_| Spectrum::constant(&scene.grid, 1.0));
-    let part = EnvironmentPart { field: Arc::new(field), share: 1.0, spectrum: light.clone().into() };
-    let mut lit = scene.clone();
+    let part = EnvironmentPart {
+        field: Arc::new(field),
+        share: 1.0,
+        spectrum: light.clone().into(),
+        vibration: None,
+    };
+    let mut lit = scene.clone().unpolarised();
     lit.lighting = Lighting {
         illuminance_lx: 1000.0,
         diffuse: 0.0,

@@ -123,6 +123,7 @@ pub use label::{
 pub use lobe_width::LobeWidths;
 pub use lobes::{TransmittedLobe, transmitted_lobes};
 pub use node_density::NodeDensity;
+pub use polarisation::note_of_places;
 pub use prepared::Prepared;
 pub use probes::ProbeGrid;
 pub use reflection::{Reflection, ReflectionState, reflection};

@@ -7,47 +7,173 @@
 //!   [`Stack::with_polarisations`]), and a polariser before the eye chooses between them;
 //! - elsewhere each run of flat layers that begins and ends with the air or a scatterer is one interface
 //!   ([`FlatRun`]) of light without regard to places; the run between the last scatterer and a mirror is one together
-//!   with the mirror.
+//!   with the mirror. Polarised light and a polariser before the eye concern the run at the top alone ([`view`]).
 //!
 //! Where light meets one face only, the mean of s and p is exact, and nothing is done. That is so for ordinary panels
 //! of paper below a face; sheets, given by their reflectance, are the same for both.
 
 use std::ops::Range;
 
+use papilio_colour::Observer;
 use papilio_optics::film::{Coating, Polarisation};
 use papilio_spectra::Spectrum;
-use papilio_transport::{Base, FlatRun, Interface, Layer, Stack};
+use papilio_transport::{
+    Base, FlatRun, Interface, Layer, PolarisedLight, PolarisedTop as Top, PolarisedView, Source, Stack,
+};
 
 use crate::DisplayError;
-use crate::scene::{self, AngleMedium, Approximation, Pixel, Ready, Scene, UniformKind, UniformPixel};
+use crate::scene::{
+    self, AngleMedium, Approximation, Pixel, Ready, Scene, UniformKind, UniformPixel, Vibration,
+};
 
-/// Returns the weights of s and of p in what is seen, if they are kept apart to the end.
+/// What of a scene is polarised.
+struct Asked {
+    /// The first key that says so.
+    key: String,
+    /// A polariser before the eye.
+    polariser_deg: Option<f64>,
+    /// By the number of the source.
+    vibrations: Vec<Option<Vibration>>,
+}
+
+impl Asked {
+    /// `None` if nothing is polarised.
+    fn of(scene: &Scene) -> Option<Self> {
+        let polariser_deg = scene.viewer.polariser_deg;
+        let mut key = polariser_deg.map(|_| "viewer.polariser".to_owned());
+        // The first source is the diffuse light.
+        let mut vibrations = vec![None];
+        for (place, vibration) in scene.lighting.vibrations() {
+            if vibration.is_some() {
+                key.get_or_insert(place);
+            }
+            vibrations.push(vibration);
+        }
+        Some(Self { key: key?, polariser_deg, vibrations })
+    }
+
+    /// Refuses what is not followed.
+    fn check(self, scene: &Scene) -> Result<Self, DisplayError> {
+        let is_oblique = |angle_deg: f64| (2.0 * angle_deg.to_radians()).sin().abs() > 1e-9;
+        let mixes = |vibration: &Vibration| match vibration {
+            Vibration::Fixed { angle, .. } => is_oblique(angle.to_degrees()),
+            Vibration::Rayleigh { .. } => true,
+        };
+        let why = if !is_followed(scene) {
+            "solver.approximation = \"none\" and angles in air or glass: other light does not keep s and p apart"
+        } else if matches!(scene.display.pixel, Pixel::Crystal(_)) {
+            "another pixel: that of a liquid crystal is computed for unpolarised light"
+        } else if scene.display.filter().is_some() {
+            "a display without a colour filter above its pixels: light with its places counts as unpolarised"
+        } else if self.polariser_deg.is_some_and(is_oblique) && self.vibrations.iter().flatten().any(mixes) {
+            "viewer.polariser \"s\" or \"p\", or lamps of angle_deg 0 or 90 alone: between s and p, what is seen of \
+             polarised light depends on their phases, which are not followed"
+        } else {
+            return Ok(self);
+        };
+        Err(DisplayError::Polarised { key: self.key, needs: why })
+    }
+
+    /// Weights of s and p in what is seen of unpolarised light.
+    fn weights(&self) -> [f64; 2] {
+        self.polariser_deg.map_or([0.5; 2], |angle_deg| {
+            let (sin, cos) = angle_deg.to_radians().sin_cos();
+            [sin * sin, cos * cos]
+        })
+    }
+}
+
+/// Returns the weights of s and of p in what is seen of unpolarised light, if they are kept apart to the end.
 ///
 /// # Errors
-/// With a polariser, if they are not.
+/// If anything is polarised, and that cannot be followed.
 pub(crate) fn weights(scene: &Scene) -> Result<Option<[f64; 2]>, DisplayError> {
     let meetings = Meetings::of(scene).filter(|_| is_followed(scene));
-    let Some(angle_deg) = scene.viewer.polariser_deg else {
+    let Some(asked) = Asked::of(scene) else {
         return Ok(meetings.is_some_and(Meetings::mix).then_some([0.5; 2]));
     };
-    if !is_followed(scene) {
-        return Err(DisplayError::Polariser {
-            needs: "s and p, which the approximation of the solver does not follow",
-        });
-    }
-    if matches!(scene.display.pixel, Pixel::Crystal(_)) {
-        let needs = "another pixel: that of a liquid crystal is computed for unpolarised light";
-        return Err(DisplayError::Polariser { needs });
-    }
-    match meetings {
-        None => Err(DisplayError::Polariser {
-            needs: "flat layers above a mirror-like pixel: light that has been scattered counts as unpolarised",
-        }),
-        Some(Meetings { polarising: 0, .. }) => Ok(None),
-        Some(_) => {
-            let (sin, cos) = angle_deg.to_radians().sin_cos();
-            Ok(Some([sin * sin, cos * cos]))
+    let asked = asked.check(scene)?;
+    Ok(meetings.filter(|met| met.polarising > 0).map(|_| asked.weights()))
+}
+
+/// Returns the polarised light of a scene and what it meets first, for its stack and its sources; `None` if nothing is
+/// polarised.
+///
+/// # Errors
+/// As [`weights`].
+pub(crate) fn view(
+    scene: &Scene,
+    stack: &Stack,
+    sources: &[Source],
+) -> Result<Option<PolarisedView>, DisplayError> {
+    let Some(asked) = Asked::of(scene) else { return Ok(None) };
+    let asked = asked.check(scene)?;
+    let is_kept = weights(scene)?.is_some();
+    let top = if is_kept { None } else { top(scene, stack, asked.weights())? };
+    let visible = visible(scene);
+    let of = |(source, vibration): (&Source, &Option<Vibration>)| {
+        let vibration = (*vibration)?;
+        match is_kept {
+            true => PolarisedLight::kept(source, vibration),
+            false => PolarisedLight::above(source, vibration, top.as_ref(), &visible),
         }
+    };
+    Ok(Some(PolarisedView { lights: sources.iter().zip(&asked.vibrations).map(of).collect(), top }))
+}
+
+/// Returns notes on what is polarised.
+pub(crate) fn notes(scene: &Scene) -> Vec<String> {
+    let Some(asked) = Asked::of(scene) else { return Vec::new() };
+    let mut notes = Vec::new();
+    if let Some(angle_deg) = asked.polariser_deg {
+        let which = match angle_deg.rem_euclid(180.0) {
+            0.0 => "p, in the plane of incidence".to_owned(),
+            90.0 => "s, across the plane of incidence".to_owned(),
+            _ => format!("at {angle_deg} deg from the plane of incidence"),
+        };
+        notes.push(format!(
+            "seen through a polariser ({which}): luminances and X, Y, Z do not contain the half that it takes from \
+             unpolarised light; the perfect white is seen through it, too"
+        ));
+    }
+    let is_flat = Meetings::of(scene).is_some_and(|met| met.polarising > 0);
+    if !is_flat && Meetings::within(scene, top_layers(scene)).polarising == 0 {
+        notes.push(format!(
+            "`{}` has no effect: this display reflects s and p equally, or scatters light before it meets a face or film, \
+             and scattered light is unpolarised",
+            asked.key
+        ));
+    }
+    notes
+}
+
+/// The flat layers above the first scatterer, by their interfaces.
+fn top_layers(scene: &Scene) -> Range<usize> {
+    flat_from(scene, 0).0
+}
+
+/// Returns those layers with a polariser of these weights before the eye; `None` if s and p are the same to them.
+fn top(scene: &Scene, stack: &Stack, weights: [f64; 2]) -> Result<Option<Top>, DisplayError> {
+    let layers = top_layers(scene);
+    if Meetings::within(scene, layers.clone()).polarising == 0 {
+        return Ok(None);
+    }
+    let own = |polarisation| -> Result<Vec<Interface>, DisplayError> {
+        let made = of_polarisation(scene, stack.layers(), polarisation)?;
+        Ok(made[layers.clone()].iter().map(|layer| layer.interface.clone()).collect())
+    };
+    let mut media: Vec<_> = stack.layers()[layers.clone()].iter().map(|layer| layer.medium.clone()).collect();
+    let Some(below) = media.pop() else { return Ok(None) };
+    let run = FlatRun::new([own(Polarisation::S)?, own(Polarisation::P)?], media);
+    Ok(Some(Top::new(run, below, weights)))
+}
+
+/// V(lambda) on the scene's grid; 1 where nothing is visible.
+fn visible(scene: &Scene) -> Spectrum {
+    let v = Observer::new(&scene.grid).map(|observer| observer.weights()[1].to_vec());
+    match v {
+        Ok(v) if v.iter().any(|v| *v > 0.0) => v.into(),
+        _ => Spectrum::constant(&scene.grid, 1.0),
     }
 }
 
@@ -83,25 +209,50 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
         }
         (_, mirrors) => {
             let layers = in_runs(stack.layers(), [&of_s, &of_p], &runs);
-            stack.with_runs(layers, mirrors)
+            let stack = stack.with_runs(layers, mirrors);
+            if is_flat_paper(scene) { stack.with_layers_of_each([of_s, of_p]) } else { stack }
         }
     })
 }
 
-/// Returns the scene for light with its places, whose s and p are not followed.
+/// Returns the scene for light with its places: s and p are followed through flat layers above paper, and nowhere else.
 ///
 /// # Errors
-/// With a polariser.
-pub(crate) fn unpolarised(scene: &Scene) -> Result<Scene, DisplayError> {
-    if scene.viewer.polariser_deg.is_some() {
-        let needs = "`papilio run`, `cone`, `brdf` or `sweep`: light with its places counts as unpolarised";
-        return Err(DisplayError::Polariser { needs });
+/// With a polariser or polarised light.
+pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
+    if let Some(Asked { key, .. }) = Asked::of(scene) {
+        let needs = "`papilio run`, `cone` or `sweep`: light with its places counts as unpolarised";
+        return Err(DisplayError::Polarised { key, needs });
     }
     let mut scene = scene.clone();
-    if scene.solver.approximation == Approximation::None {
+    if scene.solver.approximation == Approximation::None && !is_flat_paper(&scene) {
         scene.solver.approximation = Approximation::Unpolarised;
     }
     Ok(scene)
+}
+
+/// Returns a note if light with its places counts as unpolarised after each of several meetings with faces or films.
+pub fn note_of_places(scene: &Scene) -> Option<String> {
+    let meets_several = || match Meetings::of(scene) {
+        Some(meetings) => meetings.mix(),
+        None => scene.display.panel().is_none() && !runs(scene).is_empty(),
+    };
+    (is_followed(scene) && !is_flat_paper(scene) && meets_several()).then(|| {
+        "light with its places counts as unpolarised after each face and film here, where `papilio run` keeps s and p apart: \
+         several meetings at more than 45 deg are some per cent wrong"
+            .to_owned()
+    })
+}
+
+/// Returns whether all layers are flat and no ordinary panel, above a Lambertian pixel without colour filter.
+fn is_flat_paper(scene: &Scene) -> bool {
+    let display = &scene.display;
+    let is_paper =
+        matches!(&display.pixel, Pixel::Uniform(UniformPixel { kind: UniformKind::Lambertian, .. }));
+    is_paper
+        && display.filter().is_none()
+        && display.panel().is_none()
+        && flat_from(scene, 0) == (0..display.layers.len(), true)
 }
 
 /// True if the solver follows s and p.
@@ -192,12 +343,9 @@ fn runs(scene: &Scene) -> Vec<Run> {
     let mut found = Vec::new();
     let mut first = 0;
     while first < layers.len() {
-        let rest = &layers[first..];
-        let flat = rest.iter().take_while(|layer| is_flat(&layer.interface)).count();
-        let murky = rest.iter().take(flat).position(|layer| layer.medium.scattering.is_some());
-        let run = first..first + murky.map_or(flat, |last| last + 1);
+        let (run, is_clear) = flat_from(scene, first);
         first = run.end.max(first + 1);
-        let is_last = run.end == layers.len() && murky.is_none();
+        let is_last = run.end == layers.len() && is_clear;
         // All layers together, without a scatterer, have a way of their own.
         let with_mirror = match is_last && !run.is_empty() {
             true => Meetings::with_mirror(scene, run.clone()),
@@ -210,6 +358,15 @@ fn runs(scene: &Scene) -> Vec<Run> {
         }
     }
     found
+}
+
+/// Returns the flat layers from this one on, by their interfaces, down to one whose medium scatters; and whether that of
+/// none does.
+fn flat_from(scene: &Scene, first: usize) -> (Range<usize>, bool) {
+    let rest = &scene.display.layers[first..];
+    let flat = rest.iter().take_while(|layer| is_flat(&layer.interface)).count();
+    let murky = rest.iter().take(flat).position(|layer| layer.medium.scattering.is_some());
+    (first..first + murky.map_or(flat, |last| last + 1), murky.is_none())
 }
 
 /// Layers for light of one polarisation.

@@ -98,7 +98,7 @@ fn total_spectrum(setup: &Setup) -> Spectrum {
 /// Scene of the display viewed from `theta_deg` in diffuse light, under a disc in the mirror direction, and
 /// under beams.
 fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
-    let mut lit = scene.clone();
+    let mut lit = scene.clone().unpolarised();
     lit.viewer.theta_deg = vec![theta_deg];
     lit.viewer.phi_deg = vec![0.0];
     lit.viewer.field_deg = 0.0;
@@ -117,6 +117,7 @@ fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
         spectrum: light.clone().into(),
         radius_deg,
         normal_to_beam: false,
+        vibration: None,
     };
     let mut sources = vec![source(-theta_deg, 0.0, Some(STRAIGHT_DEG))];
     let around = INCLINATIONS_DEG.iter().flat_map(|theta| AZIMUTHS_DEG.map(|phi| (*theta, phi)));

@@ -20,7 +20,7 @@ pub use papilio_transport::spatial::{Rectangle, Window, rows, stripes};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{
     Diffuser, Field, Interface as Ready, LobeReflection, PanelParts, ReflectedLobe, ReflectingDiffuser,
-    RegularRings, ScatterFace, ScatterKernel, Scattering, WaveFace, WaveLight,
+    RegularRings, ScatterFace, ScatterKernel, Scattering, Vibration, WaveFace, WaveLight,
 };
 
 pub(crate) use self::place::SPREAD_KEY;
@@ -388,6 +388,42 @@ pub struct Port {
     pub spot_mm: f64,
 }
 
+impl Lighting {
+    /// The polarisation of each ambient source, directed ones first, with its place in `[lighting]`.
+    pub(crate) fn vibrations(&self) -> impl Iterator<Item = (String, Option<Vibration>)> {
+        let directed = self.directed.iter().enumerate();
+        let directed =
+            directed.map(|(i, light)| (format!("lighting.directed.{i}.polarisation"), light.vibration));
+        let environment = self.environment.iter().enumerate().flat_map(|(i, one)| {
+            let of = move |part: &EnvironmentPart| {
+                (format!("lighting.environment.{i}.polarisation"), part.vibration)
+            };
+            one.parts.iter().map(of)
+        });
+        directed.chain(environment)
+    }
+}
+
+impl Scene {
+    /// The same scene in unpolarised light, seen without a polariser.
+    #[must_use]
+    pub fn unpolarised(mut self) -> Self {
+        self.viewer.polariser_deg = None;
+        self.lighting.directed.iter_mut().for_each(|light| light.vibration = None);
+        let parts = self.lighting.environment.iter_mut().flat_map(|one| &mut one.parts);
+        parts.for_each(|part| part.vibration = None);
+        self
+    }
+
+    /// Returns a note if a computation that does so ignores a polariser.
+    pub fn ignores_polariser(&self) -> Option<String> {
+        self.viewer.polariser_deg.map(|_| {
+            "`viewer.polariser` is not used here: this computation has unpolarised light of its own, seen without a polariser"
+                .to_owned()
+        })
+    }
+}
+
 /// Front light: a clear light guide below the front of screen and above all other layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrontLight {
@@ -419,6 +455,8 @@ pub struct EnvironmentPart {
     pub share: f64,
     /// Relative spectrum.
     pub spectrum: LightSpectrum,
+    /// Polarisation, of light that is given by a formula; `None`: unpolarised.
+    pub vibration: Option<Vibration>,
 }
 
 /// Directed source.
@@ -436,6 +474,8 @@ pub struct DirectedLight {
     pub radius_deg: Option<f64>,
     /// True: the fraction is that across the beam, and cos(theta) times it falls on the display.
     pub normal_to_beam: bool,
+    /// Polarisation; `None`: unpolarised.
+    pub vibration: Option<Vibration>,
 }
 
 /// Viewer. The views are all combinations of theta and phi, with theta varying fastest.

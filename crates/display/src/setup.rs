@@ -138,11 +138,13 @@ impl Setup {
         let angle_index = angle_index(scene)?;
         let mut film = None;
         let bases = pixel::bases(scene, &mut film, None, polarisation::reaches_pixel(scene)?)?;
+        let (mut stack, sources) = (stack(scene, bases, None, control)?, sources(scene, angle_index)?);
+        stack.set_polarised_view(polarisation::view(scene, &stack, &sources)?);
         let setup = Self {
-            stack: stack(scene, bases, None, control)?,
+            stack,
             film,
             lights: lights(scene, &observer)?,
-            sources: sources(scene, angle_index)?,
+            sources,
             views: views(scene, angle_index)?,
             other_observer: other_observer(scene)?,
             observer,
@@ -161,9 +163,9 @@ impl Setup {
         if is_bare || !self.stack.base().is_azimuthal() { Ok(self) } else { Err(pixel::AZIMUTH_BELOW_LAYERS) }
     }
 
-    /// Prepares a scene, which may have a colour filter, for light with its places: s and p are not kept apart.
+    /// Prepares a scene, which may have a colour filter, for light with its places: s and p are kept apart by flat layers above paper alone.
     pub(crate) fn of_places(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
-        let mut scene = polarisation::unpolarised(scene)?;
+        let mut scene = polarisation::of_places(scene)?;
         scene.lighting.port = None;
         Self::with_filter(&scene, control)
     }
@@ -232,6 +234,9 @@ impl Setup {
         if !(same_kept || *scene == last) {
             self.kept = Kept::of(scene, control)?;
         }
+        let vibrations = |scene: &Scene| scene.lighting.vibrations().map(|one| one.1).collect::<Vec<_>>();
+        self.version += u64::from(vibrations(scene) != vibrations(&last));
+        self.stack.set_polarised_view(polarisation::view(scene, &self.stack, &self.sources)?);
         self.checked()
     }
 }

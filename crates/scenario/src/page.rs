@@ -86,6 +86,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.matrix.filter", matrix::Filter::rows()),
         ("lighting", lighting::Lighting::rows()),
         ("lighting.directed", lighting::Directed::rows()),
+        ("lighting.directed.polarisation", lighting::LampPolarisation::rows()),
         ("lighting.environment ring", environment::Ring::rows()),
         ("lighting.environment cap", environment::Cap::rows()),
         ("lighting.environment profile", environment::Profile::rows()),

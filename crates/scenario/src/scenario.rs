@@ -302,11 +302,12 @@ impl Resolved {
                     .hint("set lighting.diffuse = 1 without lamps; or field_deg instead, which is uniform in solid angle");
                 ("viewer.numerical_aperture", wrong.into())
             }
-            DisplayError::Polariser { needs } => {
-                let wrong = Diagnostic::new("the polariser has no effect that is computed")
-                    .expected(needs)
-                    .hint("remove viewer.polariser");
-                ("viewer.polariser", wrong.into())
+            DisplayError::Polarised { key, needs } => {
+                let what = if key == "viewer.polariser" { "a polariser" } else { "polarised light" };
+                let wrong = Diagnostic::new(format!("{what} is not possible here"))
+                    .expected(*needs)
+                    .hint(format!("remove {key}"));
+                (key, wrong.into())
             }
             DisplayError::SparkleOfPoint { number } => {
                 source = format!("lighting.directed.{number}");

@@ -72,9 +72,11 @@ impl ReflectanceFactor {
 }
 
 impl Estimate {
-    /// Returns the weighted sum of two estimates: of s and of p.
-    pub(crate) fn mixed_with(&self, other: &Self, weights: [f64; 2]) -> Self {
-        let rho = self.rho.iter().zip(&other.rho).map(|(one, other)| one.mixed_with(other, weights));
+    /// Returns the weighted sum of two estimates: of s and of p; `of_source` are the weights of each source, `weights`
+    /// those of the ledger.
+    pub(crate) fn mixed_with(&self, other: &Self, of_source: &[[f64; 2]], weights: [f64; 2]) -> Self {
+        let pairs = self.rho.iter().zip(&other.rho).zip(of_source);
+        let rho = pairs.map(|((one, other), weights)| one.mixed_with(other, *weights));
         Self { rho: rho.collect(), ledger: self.ledger.mixed_with(&other.ledger, weights) }
     }
 }

@@ -20,6 +20,25 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> ReflectanceFactor {
     stack.panel().map_or_else(|| layered_image(stack, beta), |panel| panel_image(panel, beta))
 }
 
+/// Returns [`specular_image`] for the light of a directed source, with its number among those of kernels: its
+/// polarisation counts, and so does a polariser before the eye.
+pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> ReflectanceFactor {
+    let beta = source.direction().unwrap_or_default();
+    let whole = stack.in_runs();
+    if let Some([s, p]) = whole.polarised() {
+        let weights = match stack.polarised_view() {
+            Some(view) => view.weights(number, source, whole.weights_of_polarisations()),
+            None => whole.weights_of_polarisations(),
+        };
+        return specular_image(s, beta).mixed_with(&specular_image(p, beta), weights);
+    }
+    let image = specular_image(stack, beta);
+    match stack.polarised_view() {
+        Some(view) => view.image(number, source, image),
+        None => image,
+    }
+}
+
 /// Returns the mirror image of a round source in a field of view, as a reflectance factor: [`specular_image`]
 /// times the light of the source in the view. 0 where the view does not look into the image.
 pub fn disc_image(stack: &Stack, view: &Cone, disc: &Cone) -> ReflectanceFactor {

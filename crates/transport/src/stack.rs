@@ -12,11 +12,14 @@
 //! Both solvers have methods of their own for the ordinary panel ([`Panel`]). [`Stack::new`] recognises it
 //! among any layers, here and nowhere else.
 
+use std::sync::Arc;
+
 use papilio_spectra::Spectrum;
 
 use crate::layers::{LayerKind, least_edge};
 use crate::mirror_run::MirrorRun;
-use crate::{Approximation, Base, Interface, Medium, Panel, PanelParts, Reflector};
+use crate::polarised_view::PolarisedView;
+use crate::{Approximation, Base, Interface, Medium, Panel, PanelParts, Reflector, Source};
 
 /// Layers over a pixel.
 #[derive(Debug, Clone)]
@@ -30,6 +33,10 @@ pub struct Stack {
     in_runs: Option<Box<Self>>,
     /// The last of its layers, if that is a run which keeps s and p apart together with the mirror below.
     mirror_run: Option<Box<MirrorRun>>,
+    /// Polarised light, and a polariser before the eye above layers that scatter.
+    polarised_view: Option<Arc<PolarisedView>>,
+    /// All layers for light of s and of p, for light with its places, if they are flat and the pixel is Lambertian.
+    of_each: Option<Arc<[Vec<Layer>; 2]>>,
 }
 
 /// A stack for light of each polarisation.
@@ -95,7 +102,7 @@ impl Stack {
     /// Returns the stack of these layers for the methods of general layers, even if they are an ordinary
     /// panel: both have the same results.
     pub fn general(layers: Vec<Layer>, base: Base) -> Self {
-        Self { layers, form: Form::General(base), polarised: None, in_runs: None, mirror_run: None }
+        Self::of(layers, Form::General(base))
     }
 
     /// The same stack, with what it is for light of s and of p, which all layers keep apart: `[s, p]`, with as
@@ -123,6 +130,19 @@ impl Stack {
         Self { in_runs: Some(Box::new(in_runs)), ..self }
     }
 
+    /// The same stack with its layers for light of s and of p, all flat above a Lambertian pixel: light with its places
+    /// keeps them apart between two meetings with the pixel.
+    #[must_use]
+    pub fn with_layers_of_each(self, both: [Vec<Layer>; 2]) -> Self {
+        debug_assert!(self.elements().all(|(kind, _)| !kind.scatters()) && !self.base().is_specular());
+        Self { of_each: Some(Arc::new(both)), ..self }
+    }
+
+    /// These layers.
+    pub(crate) fn layers_of_each(&self) -> Option<&[Vec<Layer>; 2]> {
+        self.of_each.as_deref()
+    }
+
     /// The pixel for light of s and of p, if they are kept apart where they meet it.
     pub fn polarised_bases(&self) -> Option<[&Base; 2]> {
         if let Some(both) = self.polarised() {
@@ -141,9 +161,9 @@ impl Stack {
         Some(run.mirrors.each_mut())
     }
 
-    /// True if s and p are kept apart by layers together with the mirror below them.
-    pub(crate) fn has_mirror_run(&self) -> bool {
-        self.mirror_run.is_some()
+    /// The mirror for s and for p, if they are kept apart by layers below the last scatterer together with it.
+    pub(crate) fn mirrors(&self) -> Option<&[Base; 2]> {
+        self.mirror_run.as_deref().map(|run| &run.mirrors)
     }
 
     /// Computes the reflectance of the base, `[state][wavelength]`: below a run that keeps s and p apart together with
@@ -160,7 +180,27 @@ impl Stack {
         self.in_runs.as_deref().unwrap_or(self)
     }
 
-    /// Weights of s and of p in what is seen; those of unpolarised light if they are not kept apart.
+    /// Sets what is polarised: sources are those with these numbers in the lists of kernels and walks.
+    pub fn set_polarised_view(&mut self, view: Option<PolarisedView>) {
+        self.polarised_view = view.map(Arc::new);
+    }
+
+    /// What is polarised.
+    pub(crate) fn polarised_view(&self) -> Option<&Arc<PolarisedView>> {
+        self.polarised_view.as_ref()
+    }
+
+    /// Weights of s and of p in what is seen of each source.
+    pub fn weights_by_source(&self, sources: &[Source]) -> Vec<[f64; 2]> {
+        let usual = self.weights_of_polarisations();
+        let of = |(number, source)| match &self.polarised_view {
+            Some(view) => view.weights(number, source, usual),
+            None => usual,
+        };
+        sources.iter().enumerate().map(of).collect()
+    }
+
+    /// Weights of s and of p in what is seen of unpolarised light; those of unpolarised light if they are not kept apart.
     pub fn weights_of_polarisations(&self) -> [f64; 2] {
         self.polarised.as_deref().map_or([0.5; 2], |polarised| polarised.weights)
     }
@@ -178,7 +218,19 @@ impl Stack {
             }
             _ => Form::General(base),
         };
-        Self { layers, form, polarised: None, in_runs: None, mirror_run: None }
+        Self::of(layers, form)
+    }
+
+    fn of(layers: Vec<Layer>, form: Form) -> Self {
+        Self {
+            layers,
+            form,
+            polarised: None,
+            in_runs: None,
+            mirror_run: None,
+            polarised_view: None,
+            of_each: None,
+        }
     }
 
     /// The layers, top to bottom.
@@ -245,9 +297,16 @@ impl Stack {
 
     /// The same layers over another pixel, for unpolarised light; whether it scatters must not change.
     pub fn with_base(&self, base: Base) -> Self {
-        let mut other = Self { polarised: None, in_runs: None, mirror_run: None, ..self.clone() };
+        let mut other = Self::of(self.layers.clone(), self.form.clone());
         *other.base_mut() = base;
         other
+    }
+
+    /// The same layers over another pixel, which may scatter, for the methods of general layers and light with its
+    /// places.
+    pub fn general_over(&self, base: Base) -> Self {
+        let of_each = self.of_each.clone().filter(|_| !base.is_specular());
+        Self { of_each, ..Self::general(self.layers.clone(), base) }
     }
 
     /// The same layers above glass, the lowest medium, that is clear, and the internal transmittance that it has

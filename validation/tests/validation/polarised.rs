@@ -5,8 +5,10 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::result::RunResult;
-use papilio_display::{Control, run};
+use papilio_display::spatial::{mtf, walk};
+use papilio_display::{Control, note_of_places, run};
 use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
+use papilio_testing::{everyday, sized};
 
 /// The pixel of the oracle, and a view.
 const PIXEL: &str = r#"
@@ -164,4 +166,346 @@ fn paper_below_several_faces_has_the_mean_transmittance_of_tmm() {
         // Light meets one face alone.
         assert!(if display == "face" { off < 2e-4 } else { off > 0.005 }, "{display}: {off}");
     }
+}
+
+/// A diffuser that sends the same radiance everywhere makes light unpolarised before and after a mirror below several
+/// faces: seen from anywhere, R over the square of the sine, with s and p kept apart between diffuser and mirror.
+#[test]
+fn diffuser_above_faces_and_mirror_has_the_mean_reflectance_of_tmm() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("films/polarised_diffused.csv");
+    let text = std::fs::read_to_string(path).unwrap();
+    let diffuser = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"lambertian\"\ntransmittance = 1.0\n\
+        [[display.layers]]\nkind = \"medium\"\nindex = \"air\"\n";
+    for display in everyday(1, ["coated", "cover", "panes", "face"]) {
+        let own = text.lines().filter_map(|line| line.strip_prefix(display)?.strip_prefix(','));
+        let expected: Vec<f64> = own.map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect();
+        assert_eq!(expected.len(), 3);
+        let text = format!("{PIXEL}{diffuser}{}", layers(display));
+        let of = |set: &[&str]| {
+            let set: Vec<String> = set
+                .iter()
+                .chain(&["lighting.diffuse=1", "viewer.theta_deg=[8,60]"])
+                .map(|one| (*one).to_owned())
+                .collect();
+            let resolved =
+                Scenario::from_text(&text, display, Path::new(""), &set).unwrap().resolve().unwrap();
+            let stop = AtomicBool::new(false);
+            let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+            run(&resolved.scene, &control).unwrap()
+        };
+        for (set, most) in [
+            (&["solver.method=adding", "solver.relative_error=1e-5"][..], 2e-5),
+            (&["solver.method=monte-carlo", "solver.paths=65536"], 4e-3),
+        ] {
+            let result = of(set);
+            for found in reflectance(&result) {
+                for (found, expected) in found.iter().zip(&expected) {
+                    let off = (found / expected - 1.0).abs();
+                    assert!(off < most, "{display}, {set:?}: {found} {expected}");
+                }
+            }
+            let balance = &result.views[0].states.0[0].1;
+            assert!(balance.value.Y > 0.0);
+        }
+        let unpolarised = reflectance(&of(&["solver.approximation=unpolarised"]));
+        let off = (unpolarised[0][1] / expected[1] - 1.0).abs();
+        assert!(off > 0.002, "{display}: {off}");
+    }
+}
+
+/// Fresnel's formulas for s and p, from the angles of incidence and refraction.
+fn face(theta_deg: f64, index: f64) -> [f64; 2] {
+    let i = theta_deg.to_radians();
+    let t = (i.sin() / index).asin();
+    [((i - t).sin() / (i + t).sin()).powi(2), ((i - t).tan() / (i + t).tan()).powi(2)]
+}
+
+/// Reflectance and transmittance of the display "cover" without its pixel, for s and p: a pane in air, then a face; all
+/// orders, by hand.
+fn cover(theta_deg: f64) -> [[f64; 2]; 2] {
+    face(theta_deg, 1.5).map(|r| {
+        let (pane, through) = (2.0 * r / (1.0 + r), (1.0 - r) / (1.0 + r));
+        let series = 1.0 / (1.0 - pane * r);
+        [pane + through * through * r * series, through * (1.0 - r) * series]
+    })
+}
+
+const METHODS: [&str; 2] = ["solver.method=adding", "solver.method=monte-carlo"];
+const PAPER: &str = "display.pixel={model=\"uniform\",kind=\"lambertian\",reflectance={one=0.8}}";
+
+/// p light at Brewster's angle has no gloss, and s light that of ((n^2 - 1)/(n^2 + 1))^2.
+#[test]
+fn p_light_at_brewsters_angle_has_no_gloss() {
+    let theta_deg = 1.5_f64.atan().to_degrees();
+    let view = format!("viewer.theta_deg={theta_deg}");
+    let of = |angle_deg: f64, degree: f64, method: &str| {
+        let lamp = format!(
+            "lighting.directed=[{{theta_deg={theta_deg},phi_deg=180,radius_deg=1,share=1,polarisation={{degree={degree},angle_deg={angle_deg}}}}}]"
+        );
+        let black = PAPER.replace("0.8", "0.0");
+        let set = [&black[..], "lighting.diffuse=0", "viewer.field_deg=0.2", &view, &lamp, method];
+        reflectance(&result("face", &set)).remove(0)[1]
+    };
+    let brighter = 1.0 / 1.0_f64.to_radians().sin().powi(2) / theta_deg.to_radians().cos();
+    let s = (1.25_f64 / 3.25).powi(2);
+    for method in METHODS {
+        assert!(of(0.0, 1.0, method) < 1e-5 * brighter, "{method}: {}", of(0.0, 1.0, method) / brighter);
+        assert!((of(90.0, 1.0, method) / (brighter * s) - 1.0).abs() < 1e-3, "{method}");
+        assert!((of(90.0, 0.5, method) / (brighter * 0.75 * s) - 1.0).abs() < 1e-3, "{method}");
+        assert!((of(45.0, 1.0, method) / (brighter * 0.5 * s) - 1.0).abs() < 1e-3, "{method}");
+    }
+}
+
+/// Paper scatters: of a polarised lamp, what passes the glass above it counts, and of a polariser, what passes it back.
+#[test]
+fn paper_below_faces_in_polarised_light_and_through_a_polariser() {
+    let lamp = |more: &str| format!("lighting.directed=[{{theta_deg=60,phi_deg=90,share=1{more}}}]");
+    let of = |lamp: &str, more: &[&str]| {
+        let set = [&[PAPER, "lighting.diffuse=0", "viewer.theta_deg=45", lamp], more].concat();
+        reflectance(&result("cover", &set)).remove(0)[1]
+    };
+    let mean = |both: [f64; 2]| 0.5 * (both[0] + both[1]);
+    let (enters, leaves) = (cover(60.0).map(|k| k[1]), cover(45.0).map(|k| k[1]));
+    for (method, most) in METHODS.into_iter().zip([1e-9, 1e-9]) {
+        let method = [method, "solver.paths=16384"];
+        let method = if method[0] == METHODS[0] { &method[..1] } else { &method[..] };
+        let open = of(&lamp(""), method);
+        for (degree, angle_deg, s) in [(1.0, 0.0, 0.0), (0.6, 90.0, 0.8), (1.0, 30.0, 0.25)] {
+            let polarised = lamp(&format!(",polarisation={{degree={degree},angle_deg={angle_deg}}}"));
+            let expected = (s * enters[0] + (1.0 - s) * enters[1]) / mean(enters);
+            assert!(
+                (of(&polarised, method) / open / expected - 1.0).abs() < most,
+                "{method:?} {degree} {angle_deg}"
+            );
+            for (polariser, seen) in [("s", leaves[0]), ("p", leaves[1])] {
+                let polariser = format!("viewer.polariser={polariser}");
+                let both = of(&polarised, &[method, &[&polariser]].concat());
+                assert!((both / open / (expected * seen / mean(leaves)) - 1.0).abs() < most, "{polariser}");
+            }
+        }
+    }
+}
+
+/// The image of a polarised lamp in the glass above black paper, through a polariser: s stays s.
+#[test]
+fn glass_above_paper_mirrors_s_as_s() {
+    let black = PAPER.replace("0.8", "0.0");
+    let of = |angle_deg: f64, more: &[&str]| {
+        let lamp = format!(
+            "lighting.directed=[{{theta_deg=60,phi_deg=180,radius_deg=5,share=1,polarisation={{angle_deg={angle_deg}}}}}]"
+        );
+        let set = [&black[..], "lighting.diffuse=0", "viewer.theta_deg=60", &lamp];
+        reflectance(&result("cover", &[&set[..], more].concat())).remove(0)[1]
+    };
+    let brighter = 1.0 / 5.0_f64.to_radians().sin().powi(2) / 60.0_f64.to_radians().cos();
+    let [s, p] = cover(60.0).map(|k| k[0]);
+    for method in METHODS {
+        for (angle_deg, polariser, expected) in [
+            (90.0, None, s),
+            (0.0, None, p),
+            (90.0, Some("s"), 2.0 * s),
+            (0.0, Some("p"), 2.0 * p),
+            (0.0, Some("s"), 0.0),
+            (90.0, Some("p"), 0.0),
+        ] {
+            let polariser = polariser.map(|word| format!("viewer.polariser={word}"));
+            // Nothing has no relative error.
+            let paths = (method == METHODS[1]).then_some("solver.paths=16384");
+            let set: Vec<&str> = std::iter::once(method).chain(paths).chain(polariser.as_deref()).collect();
+            let found = of(angle_deg, &set) / brighter;
+            assert!(
+                (found - expected).abs() < 2e-3 * s,
+                "{method} {angle_deg} {polariser:?}: {found} {expected}"
+            );
+        }
+    }
+}
+
+/// A sky of uniform radiance whose light is polarised.
+fn sky(elevation_deg: f64, azimuth_deg: f64) -> String {
+    format!(
+        "lighting.environment=[{{model=\"sky\",number=5,share=1,polarisation=0.75,sun_elevation_deg={elevation_deg},sun_azimuth_deg={azimuth_deg}}}]"
+    )
+}
+
+/// A bare display mirrors the sky at 90 deg from the sun, whose light is 0.75 polarised across the plane of the sun, and a
+/// sky beside it.
+#[test]
+fn bare_displays_mirror_a_polarised_sky() {
+    for display in everyday(1, ["cover", "face", "panes", "coated"]) {
+        let oracle = &oracle(display)[1];
+        // The view at phi 0 shows the sky at 45 deg and phi 180. From the sun at (45, 0) that is 90 deg (s); from (90, 90)
+        // too, in the plane of incidence (p); from (45, 90) by the spherical law of cosines 60 deg, with the angle
+        // between the planes by that of sines.
+        let degree = 0.75 * 0.75 / 1.25;
+        let turn = (45.0_f64.to_radians().sin() / 60.0_f64.to_radians().sin()).asin();
+        for (sun, more_s) in [
+            ([45.0, 0.0], 0.75),
+            ([1e-6, 90.0], -0.75),
+            ([45.0, 90.0], degree * (turn.cos().powi(2) - turn.sin().powi(2))),
+        ] {
+            let light = sky(sun[0], sun[1]);
+            for method in METHODS {
+                for (polariser, weights) in
+                    [(None, [0.5; 2]), (Some("s"), [1.0, 0.0]), (Some("p"), [0.0, 1.0])]
+                {
+                    let polariser = polariser.map(|word| format!("viewer.polariser={word}"));
+                    let set = ["lighting.diffuse=0", "viewer.theta_deg=45", &light, method];
+                    let set: Vec<&str> = set.into_iter().chain(polariser.as_deref()).collect();
+                    let found = reflectance(&result(display, &set)).remove(0);
+                    for (found, [s, p]) in found.iter().zip(oracle) {
+                        let expected = weights[0] * (1.0 + more_s) * s + weights[1] * (1.0 - more_s) * p;
+                        assert!(
+                            (found - expected).abs() < 1e-5,
+                            "{display} {sun:?} {set:?}: {found} {expected}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Paper below glass in the light of such a sky with the sun at the zenith: all light vibrates horizontally (s), more of it
+/// near the horizon. Sum over inclinations by hand.
+#[test]
+fn paper_below_faces_under_a_polarised_sky() {
+    const STEPS: usize = 20_000;
+    let mean = |both: [f64; 2]| 0.5 * (both[0] + both[1]);
+    let (mut enters, mut as_mean) = (0.0, 0.0);
+    for step in 0..STEPS {
+        let theta_deg = 90.0 * (step as f64 + 0.5) / STEPS as f64;
+        let (sin, cos) = theta_deg.to_radians().sin_cos();
+        let [s, p] = cover(theta_deg).map(|k| k[1]);
+        let weight = 2.0 * sin * cos * std::f64::consts::FRAC_PI_2 / STEPS as f64;
+        let more_s = 0.75 * sin * sin / (1.0 + cos * cos);
+        enters += weight * 0.5 * ((1.0 + more_s) * s + (1.0 - more_s) * p);
+        as_mean += weight * 0.5 * (s + p);
+    }
+    let returned = 1.0 - as_mean / 2.25;
+    let light = sky(90.0, 0.0);
+    let through = mean(cover(45.0).map(|k| k[1]));
+    let paper = enters * 0.8 / (1.0 - 0.8 * returned) * through / 2.25;
+    // And what the glass mirrors, 45 deg from the sun.
+    let more_s = 0.75 * 0.5 / 1.5;
+    let [s, p] = cover(45.0).map(|k| k[0]);
+    let expected = paper + 0.5 * ((1.0 + more_s) * s + (1.0 - more_s) * p);
+    for (set, most) in [
+        (&["solver.method=adding", "solver.relative_error=1e-5"][..], 2e-5),
+        (
+            &["solver.method=monte-carlo", sized("solver.paths=32768", "solver.paths=131072")],
+            sized(6e-3, 3e-3),
+        ),
+    ] {
+        let set = [&[PAPER, "lighting.diffuse=0", "viewer.theta_deg=45", &light], set].concat();
+        let found = reflectance(&result("cover", &set)).remove(0)[1];
+        assert!((found / expected - 1.0).abs() < most, "{set:?}: {found} {expected}");
+    }
+}
+
+/// Refusals say where, what and why.
+#[test]
+fn polarisation_that_is_not_followed_is_refused() {
+    let lamp = "lighting.directed=[{theta_deg=60,share=1,polarisation={angle_deg=30}}]";
+    for (set, part) in [
+        (&["viewer.polariser=s", "solver.approximation=unpolarised"][..], "a polariser is not possible here"),
+        (&[lamp, "solver.approximation=unpolarised"], "polarised light is not possible here"),
+        (&[lamp, "viewer.polariser=30"], "their phases"),
+    ] {
+        let set = [&["lighting.diffuse=0", "lighting.illuminance_lx=100"], set].concat();
+        let resolved =
+            resolved("cover", &if set.contains(&lamp) { set.clone() } else { set[2..].to_vec() }).unwrap();
+        let stop = AtomicBool::new(false);
+        let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+        let error = run(&resolved.scene, &control).unwrap_err();
+        let text = resolved.located(&error).unwrap().to_string();
+        assert!(text.contains(part), "{text}");
+    }
+    let without_sun = "lighting.environment=[{model=\"sky\",number=5,share=1,polarisation=0.75}]";
+    let text = resolved("cover", &["lighting.diffuse=0", without_sun]).unwrap_err().to_string();
+    assert!(text.contains("sun_elevation_deg") && text.contains("plane of the sun"), "{text}");
+}
+
+/// A cover glass of 0.5 mm, 0.1 mm above glass of 0.4 mm over paper, with its places.
+fn placed(set: &[&str]) -> Resolved {
+    let medium = |index: f64, mm: f64| {
+        format!("[[display.layers]]\nkind = \"medium\"\nindex = {index}\nthickness_mm = {mm}\n")
+    };
+    let layers = medium(1.5, 0.5) + &medium(1.0, 0.1) + &medium(1.5, 0.4);
+    let paper = "[spectrum]\nrange_nm = [500, 600]\nstep_nm = 50\n[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\n\
+        reflectance = { white = 0.8, black = 0.1 }\n[viewer]\ntheta_deg = 60\nfield_deg = 0\n[lighting]\nspectrum = \"E\"\ndiffuse = 1.0\n";
+    let set: Vec<String> = set.iter().map(|one| (*one).to_owned()).collect();
+    Scenario::from_text(&format!("{paper}{layers}"), "placed", Path::new(""), &set)
+        .unwrap()
+        .resolve()
+        .unwrap()
+}
+
+/// Light of frequency f, cycles per mm along the plane of incidence, that leaves towards 60 deg: every reflection between
+/// the three faces displaces it. By hand for s and for p.
+fn leaving(frequency_per_mm: f64) -> num_complex::Complex64 {
+    use num_complex::Complex64;
+    let theta = 60.0_f64.to_radians();
+    let in_glass = (theta.sin() / 1.5).asin();
+    let phase = |mm: f64| std::f64::consts::TAU * frequency_per_mm * 2.0 * mm;
+    let [pane, gap] =
+        [phase(0.5 * in_glass.tan()), phase(0.1 * theta.tan())].map(|phase| Complex64::cis(-phase));
+    let of_each = face(60.0, 1.5).map(|r| {
+        let t = 1.0 - r;
+        let inside = 1.0 / (1.0 - r * r * pane);
+        // The cover from below, and through it.
+        let (back, through) = (r + t * t * r * pane * inside, t * t * inside);
+        through * t / (1.0 - back * r * gap)
+    });
+    0.5 * (of_each[0] + of_each[1])
+}
+
+/// Light with its places keeps s and p apart through flat layers above paper: the blur of a view by a sum of its own, both
+/// solvers, and the light of all places together.
+#[test]
+fn places_below_flat_layers_keep_s_and_p_apart() {
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    let resolved = placed(&["solver.relative_error=0.001"]);
+    let scene = resolved.scene;
+    assert!(note_of_places(&scene).is_none());
+    let blur = mtf(&scene, &resolved.patterns, &control).unwrap();
+    let (state, error) = (blur.views[0].states.get("white").unwrap(), blur.error_reached);
+    let places = |f: f64| blur.frequency_per_mm.iter().position(|one| (one - f).abs() < 1e-9);
+    let frequencies = [0.5, 1.0, 2.0];
+    let wanted: Vec<[f64; 2]> = frequencies.iter().map(|f| [*f, 0.0]).collect();
+    let walked = walk::transfer(&scene, &wanted, sized(1 << 15, 1 << 18), &control).unwrap();
+    let [white, _] = ["white", "black"].map(|name| walked[0].states.get(name).unwrap());
+    for (k, f) in frequencies.into_iter().enumerate() {
+        let expected = leaving(f) / leaving(0.0);
+        let [re, im] = white.once.otf[k];
+        let close = |found: walk::Mean, expected: f64| {
+            (found.value - expected).abs() < 4.5 * found.standard_error + 1e-4
+        };
+        assert!(close(re, expected.re), "{f}: {re:?} {expected}");
+        assert!(close(im, expected.im) || close(im, -expected.im), "{f}: {im:?} {expected}");
+        let Some(k_adding) = places(f) else { continue };
+        let ([adding, _], [re, _]) = (state.otf.otf_x[k_adding], white.response.otf[k]);
+        let most = 4.5 * re.standard_error + 2.0 * error + 1e-3;
+        assert!((adding - re.value).abs() < most, "{f}: {adding} {re:?}");
+    }
+    // The sum of all places.
+    let total = run(&scene, &control).unwrap().views[0].states.get("white").unwrap().value.Y;
+    let shown = walk::pattern(
+        &scene,
+        &papilio_transport::walk::places::Uniform { states: 2 },
+        sized(1 << 14, 1 << 17),
+        &control,
+    )
+    .unwrap();
+    let (via, front) = (shown[0].via_pixel[0], shown[0].front);
+    let found = via.value + front.value;
+    let allowed = 4.5 * via.standard_error.hypot(front.standard_error) + 1e-3 * total;
+    assert!((found - total).abs() < allowed, "{found} +- {allowed}, {total}");
+    let mean_scene = placed(&["solver.approximation=unpolarised"]).scene;
+    let as_mean = run(&mean_scene, &control).unwrap().views[0].states.get("black").unwrap().value.Y;
+    let kept = run(&scene, &control).unwrap().views[0].states.get("black").unwrap().value.Y;
+    assert!((as_mean / kept - 1.0).abs() > 0.02, "{as_mean} {kept}");
+    let mirror = "display.pixel={model=\"uniform\",kind=\"mirror\",reflectance={white=0.5,black=0.02}}";
+    assert!(note_of_places(&placed(&[mirror]).scene).is_some());
 }

@@ -42,7 +42,9 @@ impl Tangents<'_> {
             _ => Ok(Vec::new()),
         };
         let (s, p) = (of(of_s, s, Polarisation::S)?, of(of_p, p, Polarisation::P)?);
-        Ok(s.iter().zip(&p).map(|(s, p)| mean_of(s, p)).collect())
+        let weights = kernel.weights_by_source(stack);
+        let columns = table.state_count() * table.common.len();
+        Ok(s.iter().zip(&p).map(|(s, p)| weighted(s, p, &weights, columns)).collect())
     }
 
     /// Computes the same below a scatterer and layers that keep s and p apart together with the mirror: the sum of the
@@ -74,7 +76,7 @@ impl Tangents<'_> {
                 reflectors.rotate_left(number);
                 both.zip(reflectors).for_each(|(base, reflector)| base.reflector = reflector);
                 let slopes = slopes(&kernel.seen(&stack, view), columns, step);
-                *sum = mean_of(sum, &slopes).into_iter().map(|half| 2.0 * half).collect();
+                *sum = weighted(sum, &slopes, &vec![[1.0; 2]; slopes.len() / columns], columns);
             }
         }
         Ok(sums)
@@ -162,8 +164,12 @@ fn slopes(seen: &[ReflectanceFactor], columns: usize, step: f64) -> Vec<f64> {
     seen.iter().flat_map(slope).collect()
 }
 
-/// Returns the mean of two slopes; an empty list is that of zeros.
-fn mean_of(s: &[f64], p: &[f64]) -> Vec<f64> {
+/// Returns the sum of two slopes, `[source][column]`, with weights of each source; an empty list is that of zeros.
+fn weighted(s: &[f64], p: &[f64], weights: &[[f64; 2]], columns: usize) -> Vec<f64> {
     let at = |slopes: &[f64], k: usize| slopes.get(k).copied().unwrap_or_default();
-    (0..s.len().max(p.len())).map(|k| 0.5 * (at(s, k) + at(p, k))).collect()
+    let weights = weights.iter().flat_map(|pair| std::iter::repeat_n(pair, columns));
+    (0..s.len().max(p.len()))
+        .zip(weights)
+        .map(|(k, [of_s, of_p])| of_s * at(s, k) + of_p * at(p, k))
+        .collect()
 }

@@ -21,9 +21,14 @@ impl Pose {
 
     /// Returns the inclination and azimuth in the display's frame, degrees, of a direction given by its
     /// elevation and azimuth in the world.
-    pub fn sees(self, [elevation_deg, azimuth_deg]: [f64; 2]) -> (f64, f64) {
-        let [x, y, z] = self.to_display(by_elevation(elevation_deg, azimuth_deg));
+    pub fn sees(self, direction_deg: [f64; 2]) -> (f64, f64) {
+        let [x, y, z] = self.towards(direction_deg);
         (x.hypot(y).atan2(z).to_degrees(), y.atan2(x).to_degrees())
+    }
+
+    /// Returns the unit vector in the display's frame of a direction given by its elevation and azimuth in the world.
+    pub fn towards(self, [elevation_deg, azimuth_deg]: [f64; 2]) -> [f64; 3] {
+        self.to_display(by_elevation(elevation_deg, azimuth_deg))
     }
 
     /// Converts a unit vector from the frame of the world to that of the display.

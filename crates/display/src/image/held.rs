@@ -11,7 +11,7 @@ use super::search::REACH_OF_LAYERS;
 use super::{ImageSettings, PictureSurround, SourceImage};
 use crate::DisplayError;
 use crate::palette::Palette;
-use crate::polarisation::unpolarised;
+use crate::polarisation::of_places;
 use crate::prepared::Prepared;
 use crate::result::RunResult;
 use crate::run::Control;
@@ -97,7 +97,7 @@ impl Lit {
         prepared: &mut Prepared,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
-        let scene = &unpolarised(scene)?;
+        let scene = &of_places(scene)?;
         let view = SingleView::of(&scene.viewer, "a picture")?;
         let result = prepared.run(scene, control)?;
         let no_white = DisplayError::NoWhite { what: "a picture" };

@@ -23,7 +23,7 @@ use crate::setup::Setup;
 use crate::viewers::BrdfState;
 use crate::{DisplayError, RowErrors};
 
-/// Computes the BSDF of the scene's display, by adding independently of the scene's method.
+/// Computes the BSDF of the scene's display for unpolarised light, by adding independently of the scene's method.
 ///
 /// The scene's `relative_error` applies to the luminous BRDF (in an equal-energy light) of each state
 /// in a sample of directions; all directions are computed at the level of the sample.
@@ -31,7 +31,7 @@ use crate::{DisplayError, RowErrors};
 /// # Errors
 /// If the scene is invalid, or the computation was stopped.
 pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<BrdfTable, DisplayError> {
-    let setup = Setup::new(scene, control)?;
+    let setup = Setup::new(&scene.clone().unpolarised(), control)?;
     setup.knows_azimuth("a BSDF of the display")?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;

@@ -484,7 +484,15 @@ mod tests {
 
     fn from(theta_deg: f64, phi_deg: f64) -> DirectedLight {
         let spectrum = Spectrum::from_values(vec![]).into();
-        DirectedLight { theta_deg, phi_deg, share: 0.1, spectrum, radius_deg: None, normal_to_beam: false }
+        DirectedLight {
+            theta_deg,
+            phi_deg,
+            share: 0.1,
+            spectrum,
+            radius_deg: None,
+            normal_to_beam: false,
+            vibration: None,
+        }
     }
 
     #[test]

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use papilio_optics::Beta;
 use papilio_spectra::StateSpectra;
-use papilio_transport::{Source, specular_image};
+use papilio_transport::{Source, specular_image, specular_image_of};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
@@ -37,6 +37,7 @@ pub use viewers::brdf_at_viewers;
 use crate::filtered::Filtered;
 use crate::meter::{Meter, ViewSamples, against_angle};
 use crate::notes::notes;
+use crate::polarisation;
 use crate::readability::Reader;
 use crate::result::{self, RunResult, SolverReport, View, XyzError};
 use crate::scene::{Method, Scene, Stop};
@@ -252,7 +253,8 @@ impl Run<'_> {
     /// Computes the image luminance ratio of each directed source, `[state][light]`.
     fn specular(&self) -> Vec<Vec<f64>> {
         let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
-        let images: Vec<StateSpectra> = directed.iter().map(|source| self.image(source)).collect();
+        let images: Vec<StateSpectra> =
+            directed.iter().enumerate().map(|(i, source)| self.image(1 + i, source)).collect();
         self.meter.specular(&images)
     }
 
@@ -267,10 +269,10 @@ impl Run<'_> {
         })
     }
 
-    /// Computes the specular reflectance for a directed source (for a disc, at its centre).
-    fn image(&self, source: &Source) -> StateSpectra {
+    /// Computes the specular reflectance for a directed source (for a disc, at its centre), given with its number.
+    fn image(&self, number: usize, source: &Source) -> StateSpectra {
         let beta = source.direction().unwrap_or_default();
-        let mut image = specular_image(&self.setup.stack, beta);
+        let mut image = specular_image_of(&self.setup.stack, number, source);
         if self.scene.display.filter().is_some() {
             // A display with a filter has other states than its pixel.
             let nothing = || StateSpectra::zeros(self.setup.states.len(), image.front.len());
@@ -316,9 +318,11 @@ impl Run<'_> {
             }
         }
         let (views, reference_white) = (against_angle(views), self.meter.reference_white());
+        let mut notes = notes(&views, reference_white);
+        notes.extend(polarisation::notes(self.scene));
         warnings.extend(self.coarse_reflectances(&views));
         RunResult {
-            notes: notes(&views, reference_white),
+            notes,
             solver,
             wavelength_nm: self.scene.grid.wavelengths_nm(),
             illuminant: self.meter.illuminant(),

@@ -45,7 +45,7 @@ pub fn brdf_at_viewers<G: ViewerGrid>(
     grid: G,
     control: &Control<'_>,
 ) -> Result<ViewerTable<G>, DisplayError> {
-    let setup = Setup::new(scene, control)?;
+    let setup = Setup::new(&scene.clone().unpolarised(), control)?;
     setup.knows_azimuth("a BSDF of the display")?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;

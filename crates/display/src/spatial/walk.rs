@@ -228,7 +228,7 @@ impl<'a> Placed<'a> {
 
     /// The same layers above another base, whose states are those of patterns.
     pub(super) fn above(mut self, base: Base) -> Self {
-        self.stack = Stack::general(self.stack.layers().to_vec(), base);
+        self.stack = self.stack.general_over(base);
         self
     }
 

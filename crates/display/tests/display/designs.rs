@@ -54,6 +54,8 @@ fn scenes() -> Vec<(&'static str, Scene)> {
                 &["solver.angle_medium=air", "display.glass.surface=fresnel", "viewer.theta_deg=35"],
             ),
         ),
+        ("s and p apart below a diffuser", scene("cover-glass", &["viewer.theta_deg=50"])),
+        ("through a polariser", scene("sunglasses", &["viewer.theta_deg=45"])),
     ]
 }
 

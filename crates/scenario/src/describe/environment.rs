@@ -102,6 +102,9 @@ table! {
         sun_share as "Light fraction of the sun": Share = Share(0.0),
         /// Relative spectrum of the sun's disc. Default: that of the lighting.
         sun_spectrum: Option<LightSpectrum>,
+        /// Degree of linear polarisation of the sky at 90 deg from the sun: about 0.75 for a clear one. Elsewhere it is that times
+        /// sin^2/(1 + cos^2) of the angle from the sun (Rayleigh); the sun's disc and the ground are unpolarised.
+        polarisation as "Polarisation of the sky": Share = Share(0.0),
         /// Tilt of the display: 0 is flat, facing the zenith; 90 is upright, facing azimuth -90 deg.
         tilt_deg: FieldAngle = FieldAngle(0.0),
         /// Reflectance of the ground that a tilted display sees below the horizon.

@@ -5,6 +5,7 @@ use super::numbers::{
     AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Leak, Lux, Millimetres, RoomLux, Share,
     Wavelength, Weight,
 };
+use super::viewer::PolariserAngle;
 use crate::grammar::{choice, forms, table};
 use crate::read::Spanned;
 
@@ -124,6 +125,18 @@ table! {
         /// `true`: the share is that of a plane perpendicular to the beam; the display receives the share
         /// times cos(theta).
         normal_to_beam: bool = false,
+        /// Linear polarisation of the source, such as a reflection or a screen. Default: unpolarised.
+        polarisation: Option<LampPolarisation>,
+    }
+}
+
+table! {
+    /// Partly linearly polarised light.
+    LampPolarisation {
+        /// Degree of linear polarisation.
+        degree as "Degree of polarisation": Share = Share(1.0),
+        /// Angle of its electric field from the plane of incidence: 0 is p, 90 is s.
+        angle_deg as "Angle of polarisation": PolariserAngle,
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::environment::{Pose, Sky, cap as cap_field, profile};
-use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field};
+use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field, Vibration};
 use papilio_formats::{read_luminaire, read_profile};
 use papilio_spectra::LightSpectrum;
 
@@ -78,7 +78,11 @@ impl Resolver<'_> {
             }
         };
         let share = environment.share().0;
-        let part = EnvironmentPart { field: Arc::new(field?), share, spectrum: spectrum? };
+        let vibration = match environment {
+            describe::Environment::Sky(sky) => self.vibration(sky)?,
+            _ => None,
+        };
+        let part = EnvironmentPart { field: Arc::new(field?), share, spectrum: spectrum?, vibration };
         Some(Environment { parts: vec![part] })
     }
 
@@ -143,6 +147,23 @@ impl Resolver<'_> {
         field
     }
 
+    /// Resolves the polarisation of a sky; `None` after an error.
+    fn vibration(&mut self, sky: &Spanned<describe::Sky>) -> Option<Option<Vibration>> {
+        if sky.polarisation.0 == 0.0 {
+            return Some(None);
+        }
+        let Some(elevation) = sky.sun_elevation_deg.value else {
+            let mut wrong = mistake::missing_key("sun_elevation_deg", Elevation::in_words());
+            let note = "light of a sky vibrates across the plane of the sun";
+            wrong.diagnostic = wrong.diagnostic.note(note);
+            self.errors.push(sky.polarisation.origin, wrong);
+            return None;
+        };
+        let pose = Pose { tilt_deg: sky.tilt_deg.0 };
+        let sun = pose.towards([elevation.0, sky.sun_azimuth_deg.0]);
+        Some(Some(Vibration::Rayleigh { most: sky.polarisation.0, sun, zenith: pose.towards([90.0, 0.0]) }))
+    }
+
     /// Resolves a luminaire: a disc of the size of its opening, in its direction.
     fn luminaire(
         &mut self,
@@ -186,6 +207,7 @@ impl Resolver<'_> {
             spectrum: spectrum?,
             radius_deg: (radius_deg > 0.0).then_some(radius_deg),
             normal_to_beam: false,
+            vibration: None,
         })
     }
 
@@ -229,6 +251,7 @@ impl Resolver<'_> {
             spectrum: spectrum?,
             radius_deg: Some(SUN_RADIUS_DEG),
             normal_to_beam: false,
+            vibration: None,
         })
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::environment::{Sheet, luminous_sheet, profile};
-use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting, Port};
+use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting, Port, Vibration};
 use papilio_formats::{Luminaire, is_luminaire, read_luminaire, read_profile};
 use papilio_spectra::LightSpectrum;
 
@@ -198,6 +198,10 @@ impl Resolver<'_> {
             spectrum: spectrum?,
             radius_deg,
             normal_to_beam: source.normal_to_beam.value,
+            vibration: source
+                .polarisation
+                .as_ref()
+                .map(|lamp| Vibration::Fixed { degree: lamp.degree.0, angle: lamp.angle_deg.0.to_radians() }),
         })
     }
 

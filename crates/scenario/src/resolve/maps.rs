@@ -89,6 +89,7 @@ impl Resolver<'_> {
                     field: Arc::new(field),
                     share: irradiance * lm_per_w,
                     spectrum,
+                    vibration: None,
                 });
             }
         }

@@ -12,6 +12,7 @@ pub mod mirror_lobe;
 mod panel;
 mod table_sums;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -85,6 +86,8 @@ pub struct Kernel {
     kind: Kind,
     /// Views with which its own share data; if there are none, its own alone.
     together: Arc<[Cone]>,
+    /// Its own views and the sources, where any light is polarised.
+    asked: Arc<(Vec<Cone>, Vec<Source>)>,
 }
 
 #[derive(Debug, Clone)]
@@ -99,7 +102,8 @@ enum Kind {
 impl Kernel {
     /// Returns an empty kernel of this level, 0 (coarsest) to [`FINEST`].
     pub fn new(level: u32) -> Self {
-        Self { level: f64::from(level), ledger: true, kind: Kind::Empty, together: Arc::default() }
+        let level = f64::from(level);
+        Self { level, ledger: true, kind: Kind::Empty, together: Arc::default(), asked: Arc::default() }
     }
 
     /// Returns an empty kernel of a first answer: number 0 is coarser than number 1, and both are coarser
@@ -117,7 +121,7 @@ impl Kernel {
 
     /// Returns an empty kernel that computes the same as this one once it is prepared.
     pub fn unprepared(&self) -> Self {
-        Self { kind: Kind::Empty, together: Arc::clone(&self.together), ..*self }
+        Self { kind: Kind::Empty, together: Arc::clone(&self.together), asked: Arc::default(), ..*self }
     }
 
     /// Prepares the kernel for these layers, views (cones of directions in air) and sources. Data prepared
@@ -178,10 +182,16 @@ impl Kernel {
         sources: &[Source],
         stop: &AtomicBool,
     ) -> bool {
+        let view = stack.polarised_view();
         let stack = stack.in_runs();
-        if let Some(both) = stack.polarised() {
-            return self.prepare_both(both, (own, common), sources, stop);
+        if view.is_some() || stack.polarised().is_some() {
+            self.asked = Arc::new((own.to_vec(), sources.to_vec()));
         }
+        if let Some(both) = stack.polarised() {
+            let of = |one| view.map_or(Cow::Borrowed(sources), |view| view.sources(sources, Some(one)));
+            return self.prepare_both(both, (own, common), [0, 1].map(of), stop);
+        }
+        let sources = &*view.map_or(Cow::Borrowed(sources), |view| view.sources(sources, None));
         let common = match common.map(|common| &common.kind) {
             Some(Kind::Panel(common)) => Some(common),
             _ => None,
@@ -213,7 +223,7 @@ impl Kernel {
         &mut self,
         both: &[Stack; 2],
         (own, common): (&[Cone], Option<&Self>),
-        sources: &[Source],
+        sources: [Cow<'_, [Source]>; 2],
         stop: &AtomicBool,
     ) -> bool {
         let common = match common.map(|common| &common.kind) {
@@ -228,7 +238,7 @@ impl Kernel {
         for (number, (kernel, stack)) in kernels.iter_mut().zip(both).enumerate() {
             kernel.together = Arc::clone(&self.together);
             let common = common.map(|common| &common[number]);
-            done = done && kernel.prepare_until(stack, (own, common), sources, stop);
+            done = done && kernel.prepare_until(stack, (own, common), &sources[number], stop);
         }
         if done {
             self.kind = Kind::Polarised(kernels);
@@ -242,6 +252,11 @@ impl Kernel {
             (Kind::Polarised(kernels), Some([s, p])) => Some([(&kernels[0], s), (&kernels[1], p)]),
             _ => None,
         }
+    }
+
+    /// Returns the weights of s and of p in what is seen of each source, if the stack keeps them apart.
+    pub fn weights_by_source(&self, stack: &Stack) -> Vec<[f64; 2]> {
+        stack.weights_by_source(&self.asked.1)
     }
 
     /// Returns whether an estimate of this stack, for whose layers it was prepared, needs no further
@@ -269,12 +284,14 @@ impl Kernel {
     /// Returns the same estimate; `None` if `stop` was set during the computation. Over another base than
     /// the last this can take long.
     pub fn estimate_unless(&self, stack: &Stack, view: usize, stop: &AtomicBool) -> Option<Estimate> {
+        let lit = stack;
         let stack = stack.in_runs();
         if let Some(both) = self.polarised(stack) {
             let [s, p] = both.map(|(kernel, stack)| kernel.estimate_unless(stack, view, stop));
-            return Some(s?.mixed_with(&p?, stack.weights_of_polarisations()));
+            let weights = lit.weights_by_source(&self.asked.1);
+            return Some(s?.mixed_with(&p?, &weights, lit.weights_of_polarisations()));
         }
-        let estimate = match (stack.panel(), &self.kind) {
+        let mut estimate = match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => kernel.estimate(panel, view),
             (None, Kind::Layered(kernel)) => kernel.estimate(stack, view, stop),
             _ => {
@@ -282,20 +299,34 @@ impl Kernel {
                 Estimate::default()
             }
         };
+        self.change(lit, view, &mut estimate.rho);
         (!stop.load(Ordering::Relaxed)).then_some(estimate)
+    }
+
+    /// Changes the light that a view sees to that of polarised sources, and through a polariser.
+    fn change(&self, stack: &Stack, view: usize, rho: &mut [ReflectanceFactor]) {
+        let (Some(polarised), Some(view)) = (stack.polarised_view(), self.asked.0.get(view)) else { return };
+        if let Some(changes) = polarised.changes(view, &self.asked.1) {
+            changes.apply(rho);
+        }
     }
 
     /// Returns only the `rho` of an estimate, which takes less time: the ledger is not computed.
     pub fn seen(&self, stack: &Stack, view: usize) -> Vec<ReflectanceFactor> {
+        let lit = stack;
         let stack = stack.in_runs();
         if let Some(both) = self.polarised(stack) {
             let [s, p] = both.map(|(kernel, stack)| kernel.seen(stack, view));
-            let weights = stack.weights_of_polarisations();
-            return s.iter().zip(&p).map(|(s, p)| s.mixed_with(p, weights)).collect();
+            let weights = lit.weights_by_source(&self.asked.1);
+            return s.iter().zip(&p).zip(weights).map(|((s, p), weights)| s.mixed_with(p, weights)).collect();
         }
         match (stack.panel(), &self.kind) {
-            (Some(panel), Kind::Panel(kernel)) => kernel.seen(panel, view),
-            _ => self.estimate(stack, view).rho,
+            (Some(panel), Kind::Panel(kernel)) => {
+                let mut rho = kernel.seen(panel, view);
+                self.change(lit, view, &mut rho);
+                rho
+            }
+            _ => self.estimate(lit, view).rho,
         }
     }
 

@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use papilio_optics::Beta;
 
-use super::formula::{Formula, Polar, Radiance};
+use super::formula::{Edge, Formula, Polar, Radiance};
 use super::pixels::Pixels;
 
 /// Radiance by direction, zero outside its rows.
@@ -161,6 +161,36 @@ impl Field {
         (irradiance > 0.0 && irradiance.is_finite()).then_some((Self { cells, light }, irradiance))
     }
 
+    /// Returns this light times a factor of the direction it comes from, a unit vector away from the display, and its
+    /// irradiance over that of this light; no field if none is left. `None` unless it is light of a formula. The factor is
+    /// smooth except along the normal, and where the formula is not.
+    pub(crate) fn times(&self, factor: Factor) -> Option<(Option<Self>, f64)> {
+        let Exact::Formula(OfUnit { formula, scale }) = &self.light else { return None };
+        let rows = self.cells.squares.len() - 1;
+        let columns = if self.cells.columns == 1 { COLUMNS } else { self.cells.columns };
+        let mut about = Vec::with_capacity(rows * columns);
+        for row in self.cells.edges.windows(2) {
+            for column in 0..columns {
+                let points = [(0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)];
+                let light = points.map(|(along, turn)| {
+                    let (sin, cos) = (row[0] + along * (row[1] - row[0])).sin_cos();
+                    let (y, x) = (self.cells.turn + TAU * (column as f64 + turn) / columns as f64).sin_cos();
+                    let direction = [sin * x, sin * y, cos];
+                    formula.radiance(direction) * factor(direction)
+                });
+                about.push(light.iter().sum());
+            }
+        }
+        let edges: Vec<f64> = self.cells.edges.iter().map(|edge| edge.to_degrees()).collect();
+        let product = Product { radiance: formula.of_light(), factor };
+        Some(match Self::of(Arc::new(product), &edges, columns, about) {
+            Some((field, irradiance)) => {
+                (Some(field.turned(self.cells.turn.to_degrees())), irradiance * scale)
+            }
+            None => (None, 0.0),
+        })
+    }
+
     /// Returns uniform light from a ring around the normal, or from a cap if it begins at 0, degrees.
     pub fn ring(from_deg: f64, to_deg: f64) -> Option<Self> {
         Some(Self::new(&[from_deg, to_deg], 1, vec![1.0])?.0)
@@ -208,6 +238,39 @@ impl Field {
             Exact::Formula(OfUnit { formula, scale }) => Light::Formula(formula, *scale),
             Exact::Pixels(unit) => Light::Pixels(&unit.pixels, unit.scale, unit.cells.lit()),
         }
+    }
+}
+
+/// Number of columns of light that depends on azimuth, where it was the same at all.
+const COLUMNS: usize = 180;
+
+/// A factor by direction.
+pub(crate) type Factor = Arc<dyn Fn([f64; 3]) -> f64 + Send + Sync>;
+
+/// A radiance times a factor.
+struct Product {
+    radiance: Arc<dyn Radiance>,
+    factor: Factor,
+}
+
+impl std::fmt::Debug for Product {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Product").field("radiance", &self.radiance).finish_non_exhaustive()
+    }
+}
+
+impl Radiance for Product {
+    fn at(&self, direction: [f64; 3]) -> f64 {
+        self.radiance.at(direction) * (self.factor)(direction)
+    }
+
+    fn edges(&self) -> Vec<Edge> {
+        let normal = Edge { centre: [0.0, 0.0, 1.0], radius: 0.0, scale: 0.0 };
+        self.radiance.edges().into_iter().chain([normal]).collect()
+    }
+
+    fn span(&self) -> [f64; 2] {
+        self.radiance.span()
     }
 }
 

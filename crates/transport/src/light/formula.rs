@@ -163,6 +163,11 @@ impl Formula {
         Self { radiance, polar, seen }
     }
 
+    /// The radiances by direction.
+    pub(crate) fn of_light(&self) -> Arc<dyn Radiance> {
+        Arc::clone(&self.radiance)
+    }
+
     /// Returns the same formula in other coordinates.
     pub(crate) fn about(&self, polar: Polar) -> Self {
         Self::new(self.radiance.clone(), polar)

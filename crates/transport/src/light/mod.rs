@@ -5,6 +5,7 @@ pub(crate) mod field;
 pub(crate) mod formula;
 pub(crate) mod images;
 pub(crate) mod pixels;
+mod polarised;
 pub(crate) mod rings;
 
 use std::f64::consts::PI;
@@ -16,6 +17,7 @@ use papilio_sampling::warp;
 pub use field::Field;
 pub use formula::{Edge, Radiance};
 pub use pixels::Pixels;
+pub use polarised::Vibration;
 
 /// A distant light source, in air.
 #[derive(Debug, Clone, PartialEq)]

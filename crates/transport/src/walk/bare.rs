@@ -7,6 +7,8 @@
 //! reflection is known in closed form; however small either fraction is, no path has to find it. The path
 //! always carries spectra: `[state][wavelength]`.
 
+use std::borrow::Cow;
+
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 use papilio_spectra::StateSpectra;
@@ -20,7 +22,7 @@ use crate::{Cone, Estimate, Ledger, Panel, ReflectanceFactor, Source};
 pub(super) struct Bare<'a> {
     stack: &'a Panel,
     view: Cone,
-    sources: &'a [Source],
+    sources: Cow<'a, [Source]>,
     specular: bool,
     /// Light that a Lambertian base sends up within a disc of this radius may leave; beyond it is trapped.
     leaving: f64,
@@ -66,7 +68,7 @@ struct Workspace {
 }
 
 impl<'a> Bare<'a> {
-    pub(super) fn new(stack: &'a Panel, view: Cone, sources: &'a [Source]) -> Self {
+    pub(super) fn new(stack: &'a Panel, view: Cone, sources: Cow<'a, [Source]>) -> Self {
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
         let leaving = stack.medium.largest_index().min(1.0);
         Self { stack, view, sources, specular, leaving }

@@ -19,16 +19,16 @@ const POINTS: u64 = 1 << 13;
 pub(super) struct Images<'a> {
     stack: &'a Stack,
     view: Cone,
-    seen: Vec<VisibleSource<'a>>,
+    seen: Vec<VisibleSource>,
     /// Whether the stack mirrors any light.
     mirrors: bool,
 }
 
 /// A source whose image may be visible.
 #[derive(Debug)]
-struct VisibleSource<'a> {
+struct VisibleSource {
     source: usize,
-    light: &'a Source,
+    light: Source,
     /// Cone in which points are sampled, and its fraction of the view.
     cone: Cone,
     share: f64,
@@ -39,7 +39,7 @@ struct VisibleSource<'a> {
 pub(super) struct Sums(Vec<ReflectanceFactor>);
 
 impl<'a> Images<'a> {
-    pub(super) fn new(stack: &'a Stack, view: Cone, sources: &'a [Source]) -> Self {
+    pub(super) fn new(stack: &'a Stack, view: Cone, sources: &[Source]) -> Self {
         let seen = sources.iter().enumerate().filter_map(|(source, light)| {
             let cone = match light {
                 Source::Diffuse | Source::Beam(_) => return None,
@@ -48,7 +48,7 @@ impl<'a> Images<'a> {
             };
             // A view of zero width is a single direction.
             let share = if view.is_point() { 1.0 } else { cone.solid_angle() / view.solid_angle() };
-            Some(VisibleSource { source, light, cone, share })
+            Some(VisibleSource { source, light: light.clone(), cone, share })
         });
         Self { stack, view, seen: seen.collect(), mirrors: mirrors(stack) }
     }
@@ -66,11 +66,11 @@ impl<'a> Images<'a> {
             .fold(1.0, f64::min)
     }
 
-    fn rarest_of(&self, seen: &VisibleSource<'_>) -> f64 {
+    fn rarest_of(&self, seen: &VisibleSource) -> f64 {
         let numbers = SampleStream::new(Sampler::Sobol, 0, 0);
         let strength = |path| {
             let [u, v, ..] = numbers.block(path, 0);
-            Target::at(seen.light, seen.cone.sample_towards([u, v])).map_or(0.0, |target| target.strength)
+            Target::at(&seen.light, seen.cone.sample_towards([u, v])).map_or(0.0, |target| target.strength)
         };
         let strengths: Vec<f64> = (0..POINTS).map(strength).collect();
         let count = POINTS as f64;
@@ -97,7 +97,7 @@ impl<'a> Images<'a> {
         for (seen, sum) in self.seen.iter().zip(&mut sums.0) {
             let beta = seen.cone.sample_towards(u);
             // Mirrors conserve direction cosines.
-            let Some(target) = Target::at(seen.light, beta).filter(|_| self.view.holds(beta)) else {
+            let Some(target) = Target::at(&seen.light, beta).filter(|_| self.view.holds(beta)) else {
                 continue;
             };
             let (image, weight) = (specular_image(self.stack, beta), seen.share * target.strength);

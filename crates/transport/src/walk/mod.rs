@@ -47,9 +47,12 @@ pub mod places;
 mod plain;
 mod strategy;
 
+use std::borrow::Cow;
+
 use papilio_optics::{Beta, with_widest_simd};
 use papilio_sampling::{PLANNED_BLOCKS, SampleStream, warp};
 
+use crate::polarised_view::Changes;
 use crate::{Cone, Estimate, Source, Stack, Top};
 use bare::Bare;
 use diffused::Diffused;
@@ -114,6 +117,8 @@ impl<'a> PathNumbers<'a> {
 #[derive(Debug)]
 pub struct Walk<'a> {
     kind: Kind<'a>,
+    /// What polarised sources and a polariser change.
+    changes: Option<Changes>,
 }
 
 #[derive(Debug)]
@@ -121,8 +126,9 @@ enum Kind<'a> {
     Bare(Bare<'a>, Images<'a>),
     Diffused(Box<Diffused<'a>>, Images<'a>),
     Layered(Box<Layered<'a>>, Images<'a>),
-    /// Of a stack that keeps s and p apart: a walk for each, with the same random numbers, and their weights.
-    Polarised(Box<[Walk<'a>; 2]>, [f64; 2]),
+    /// Of a stack that keeps s and p apart: a walk for each, with the same random numbers, and their weights by source
+    /// and in the ledger.
+    Polarised(Box<[Walk<'a>; 2]>, Vec<[f64; 2]>, [f64; 2]),
 }
 
 impl<'a> Walk<'a> {
@@ -142,13 +148,35 @@ impl<'a> Walk<'a> {
         strategy: Strategy,
         shares: &[f64],
     ) -> Self {
+        Self::of_light(stack, view, Cow::Borrowed(sources), (strategy, shares))
+    }
+
+    fn of_light(
+        stack: &'a Stack,
+        view: Cone,
+        sources: Cow<'a, [Source]>,
+        (strategy, shares): (Strategy, &[f64]),
+    ) -> Self {
+        let lit = stack;
         let stack = stack.in_runs();
         if let Some(both) = stack.polarised() {
-            let of = |stack| Self::with_strategy(stack, view, sources, strategy, shares);
-            let walks = Box::new(both.each_ref().map(of));
-            return Self { kind: Kind::Polarised(walks, stack.weights_of_polarisations()) };
+            let of = |number: usize| {
+                let own = match lit.polarised_view() {
+                    Some(light) => Cow::Owned(light.sources(&sources, Some(number)).into_owned()),
+                    None => sources.clone(),
+                };
+                Self::of_light(&both[number], view, own, (strategy, shares))
+            };
+            let walks = Box::new([0, 1].map(of));
+            let weights = (lit.weights_by_source(&sources), lit.weights_of_polarisations());
+            return Self { kind: Kind::Polarised(walks, weights.0, weights.1), changes: None };
         }
-        let images = Images::new(stack, view, sources);
+        let changes = lit.polarised_view().and_then(|light| light.changes(&view, &sources));
+        let sources = match lit.polarised_view() {
+            Some(light) => Cow::Owned(light.sources(&sources, None).into_owned()),
+            None => sources,
+        };
+        let images = Images::new(stack, view, &sources);
         let kind = match stack.panel() {
             None => Kind::Layered(Box::new(Layered::new(stack, view, sources)), images),
             Some(panel) => match &panel.top {
@@ -159,7 +187,7 @@ impl<'a> Walk<'a> {
                 Top::IdealAr | Top::Fresnel(_) => Kind::Bare(Bare::new(panel, view, sources), images),
             },
         };
-        Self { kind }
+        Self { kind, changes }
     }
 
     /// Returns the smallest probability of a random choice that may carry a large fraction of the light; 1
@@ -170,7 +198,7 @@ impl<'a> Walk<'a> {
             Kind::Bare(bare, images) => (bare.rarest(), images),
             Kind::Diffused(diffused, images) => (diffused.rarest(), images),
             Kind::Layered(layered, images) => (layered.rarest(), images),
-            Kind::Polarised(both, _) => return both[0].rarest().min(both[1].rarest()),
+            Kind::Polarised(both, ..) => return both[0].rarest().min(both[1].rarest()),
         };
         of_paths.min(images.rarest())
     }
@@ -181,7 +209,7 @@ impl<'a> Walk<'a> {
         match &self.kind {
             Kind::Bare(..) | Kind::Diffused(..) => true,
             Kind::Layered(..) => false,
-            Kind::Polarised(both, _) => both[0].prefers_powers_of_two(),
+            Kind::Polarised(both, ..) => both[0].prefers_powers_of_two(),
         }
     }
 
@@ -193,7 +221,7 @@ impl<'a> Walk<'a> {
                 Accumulator::Diffused(Box::new(diffused.tally()), images.sums())
             }
             Kind::Layered(layered, images) => Accumulator::Layered(Box::new(layered.tally()), images.sums()),
-            Kind::Polarised(both, _) => {
+            Kind::Polarised(both, ..) => {
                 Accumulator::Polarised(Box::new(both.each_ref().map(Self::replicate)))
             }
         };
@@ -206,7 +234,7 @@ impl<'a> Walk<'a> {
         match &self.kind {
             Kind::Layered(layered, _) => layered.batch_size(),
             Kind::Bare(..) | Kind::Diffused(..) => 1,
-            Kind::Polarised(both, _) => both[0].batch(),
+            Kind::Polarised(both, ..) => both[0].batch(),
         }
     }
 
@@ -229,7 +257,7 @@ impl<'a> Walk<'a> {
                 images.paths(paths.clone().map(of), sums);
                 layered.paths(numbers, paths, tally);
             }
-            (Kind::Polarised(both, _), Accumulator::Polarised(tallies)) => {
+            (Kind::Polarised(both, ..), Accumulator::Polarised(tallies)) => {
                 let pairs = both.iter().zip(tallies.iter_mut());
                 pairs.for_each(|(walk, tally)| walk.trace(tally, numbers, count));
             }
@@ -247,8 +275,8 @@ impl<'a> Walk<'a> {
     /// Returns the means of several replicates. Their spectra are formed together, which takes a fraction of
     /// the time.
     pub fn estimates(&self, replicates: &[Replicate]) -> Vec<Estimate> {
-        if let Kind::Polarised(both, weights) = &self.kind {
-            return Self::means_of_both(both, *weights, replicates);
+        if let Kind::Polarised(both, by_source, weights) = &self.kind {
+            return Self::means_of_both(both, (by_source, *weights), replicates);
         }
         let mut means = match &self.kind {
             Kind::Diffused(diffused, _) => diffused.estimates(&Self::diffused_sums(replicates)),
@@ -273,11 +301,18 @@ impl<'a> Walk<'a> {
             };
             images.add_to(mean, sums, replicate.scale());
         }
+        if let Some(changes) = &self.changes {
+            means.iter_mut().for_each(|mean| changes.apply(&mut mean.rho));
+        }
         means
     }
 
     /// Returns the means of several replicates, both polarisations together.
-    fn means_of_both(both: &[Self; 2], weights: [f64; 2], replicates: &[Replicate]) -> Vec<Estimate> {
+    fn means_of_both(
+        both: &[Self; 2],
+        (by_source, weights): (&[[f64; 2]], [f64; 2]),
+        replicates: &[Replicate],
+    ) -> Vec<Estimate> {
         let of = |polarisation: usize| {
             let own = replicates.iter().filter_map(|replicate| match &replicate.tally {
                 Accumulator::Polarised(tallies) => Some(tallies[polarisation].clone()),
@@ -285,7 +320,7 @@ impl<'a> Walk<'a> {
             });
             both[polarisation].estimates(&own.collect::<Vec<_>>())
         };
-        of(0).iter().zip(&of(1)).map(|(s, p)| s.mixed_with(p, weights)).collect()
+        of(0).iter().zip(&of(1)).map(|(s, p)| s.mixed_with(p, by_source, weights)).collect()
     }
 
     fn diffused_sums(replicates: &[Replicate]) -> Vec<(&diffused::Accumulator, f64)> {

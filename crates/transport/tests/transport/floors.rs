@@ -20,6 +20,7 @@ const FLOORS: [&[&str]; 5] = [
         "mirror_run",
         "panel",
         "pixel_spread",
+        "polarised_view",
         "skeleton",
         "specular",
         "stack",

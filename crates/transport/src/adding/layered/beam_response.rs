@@ -26,6 +26,8 @@ use crate::{Base, Estimate, Ledger, ReflectanceFactor, Stack};
 #[derive(Debug)]
 pub(super) struct BeamResponse {
     pub(super) base: Base,
+    /// The mirrors for s and for p, if they are kept apart below the last scatterer.
+    pub(super) mirrors: Option<[Base; 2]>,
     /// Reflectance factors of beams, by view and source.
     beams: Vec<Vec<ReflectanceFactor>>,
     families: Vec<Followed>,
@@ -112,13 +114,19 @@ impl BeamResponse {
         let (states, bins) = (stack.base().states(), stack.base().bins());
         let zeros = |_| ReflectanceFactor::zeros(states, bins);
         let beams = directions.views.iter().map(|_| directions.sources.iter().map(zeros).collect());
-        Self { base: stack.base().clone(), beams: beams.collect(), families: Vec::new(), known: Vec::new() }
+        Self {
+            base: stack.base().clone(),
+            mirrors: stack.mirrors().cloned(),
+            beams: beams.collect(),
+            families: Vec::new(),
+            known: Vec::new(),
+        }
     }
 
     /// Takes over what `before`, a response of the same layers, knows of this base: diffuse light and ledgers
     /// depend on no source.
     pub(super) fn knowing(mut self, before: &Self) -> Self {
-        if before.base == self.base {
+        if before.base == self.base && before.mirrors == self.mirrors {
             self.known = before.families.iter().map(|family| family.seen.clone()).collect();
         }
         self

@@ -226,7 +226,7 @@ impl Kernel {
     /// Returns the response over this base.
     fn over(&self, stack: &Stack, stop: &AtomicBool) -> Arc<BeamResponse> {
         let mut last = self.last();
-        if let Some(known) = last.as_ref().filter(|known| is_same(&known.base, stack.base())) {
+        if let Some(known) = last.as_ref().filter(|known| is_over(known, stack)) {
             return Arc::clone(known);
         }
         let stack = self.coarser(stack);
@@ -263,6 +263,16 @@ impl Kernel {
             }
         }
     }
+}
+
+/// Returns whether a response is that over the base of this stack.
+fn is_over(known: &BeamResponse, stack: &Stack) -> bool {
+    let mirrors = match (&known.mirrors, stack.mirrors()) {
+        (Some(known), Some(own)) => known.iter().zip(own).all(|(known, own)| is_same(known, own)),
+        (None, None) => true,
+        _ => false,
+    };
+    mirrors && is_same(&known.base, stack.base())
 }
 
 /// Returns whether two bases are equal; tables that are shared are not compared.

@@ -82,7 +82,7 @@ impl Diffused<'_> {
             }
         }
         let spectra = Channel::sums(&channels, base);
-        let of_one = (2 + self.directed_only(self.sources).count()) * base.states() * base.bins();
+        let of_one = (2 + self.directed_only(&self.sources).count()) * base.states() * base.bins();
         replicates
             .iter()
             .zip(spectra.chunks_exact(of_one.max(1)))

@@ -15,6 +15,7 @@ mod numbers;
 mod sources;
 mod steps;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use papilio_optics::{Beta, Scatterer};
@@ -51,7 +52,7 @@ pub(super) struct Diffused<'a> {
     stack: &'a Panel,
     diffuser: &'a Diffuser,
     view: Cone,
-    sources: &'a [Source],
+    sources: Cow<'a, [Source]>,
     /// Selects the paths that continue after the first pass.
     blocks: Blocks,
     /// Probability with which light beyond a first pass is scattered by the lobe instead of passing
@@ -100,7 +101,7 @@ impl<'a> Diffused<'a> {
         stack: &'a Panel,
         diffuser: &'a Diffuser,
         view: Cone,
-        sources: &'a [Source],
+        sources: Cow<'a, [Source]>,
         (strategy, shares): (Strategy, &[f64]),
     ) -> Self {
         let sent_back = diffuser.transmittance.zip_map(&stack.front.reflectance_below, |t, r| t * t * r);
@@ -118,8 +119,8 @@ impl<'a> Diffused<'a> {
             stack.front.transmittance.zip_map(&diffuser.transmittance, |t, diffuser| (t * diffuser).powi(2));
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
         let discs = sources.iter().any(Source::has_radiance);
-        let drawing = DirectionSampler::new(strategy, diffuser.lobe, stack.medium.largest_index(), sources);
-        let first = First::new(strategy, (stack, diffuser), view, (sources, shares));
+        let drawing = DirectionSampler::new(strategy, diffuser.lobe, stack.medium.largest_index(), &sources);
+        let first = First::new(strategy, (stack, diffuser), view, (&sources, shares));
         let backwards = strategy == Strategy::Kernel;
         Self {
             stack,

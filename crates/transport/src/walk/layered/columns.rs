@@ -38,7 +38,7 @@ pub(super) struct Columns {
 impl Columns {
     /// Builds the columns of a display; `None` if they would not save time.
     pub(super) fn new(stack: &Stack) -> Option<Self> {
-        if stack.has_mirror_run() {
+        if stack.mirrors().is_some() {
             return None;
         }
         let base = stack.base();

@@ -37,6 +37,7 @@ mod sources;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use papilio_optics::Beta;
@@ -86,7 +87,7 @@ pub(super) struct Layered<'a> {
     /// The spectra that paths carry instead of those of the base.
     columns: Option<Columns>,
     view: Cone,
-    sources: &'a [Source],
+    sources: Cow<'a, [Source]>,
     /// Where lobes of the stack have no bound.
     horizons: Option<Horizons>,
     /// All kinds of scattering events.
@@ -154,14 +155,15 @@ fn most_survival(generation: u32) -> f64 {
 
 impl<'a> Layered<'a> {
     /// Prepares a walk.
-    pub(super) fn new(stack: &'a crate::Stack, view: Cone, sources: &'a [Source]) -> Self {
+    pub(super) fn new(stack: &'a crate::Stack, view: Cone, sources: impl Into<Cow<'a, [Source]>>) -> Self {
+        let sources = sources.into();
         let discs = sources.iter().any(Source::has_radiance);
         let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
         let largest_index = stack.layers.iter().map(|layer| layer.medium.largest_index()).fold(1.0, f64::max);
         let columns = Columns::new(stack);
         let horizons = Horizons::of(stack);
         let mut events = events(stack, horizons);
-        events.iter_mut().for_each(|event| event.aim_half_way(view, sources));
+        events.iter_mut().for_each(|event| event.aim_half_way(view, &sources));
         let base = columns.as_ref().map_or(stack.base(), |columns| &columns.base);
         // Light of two branches, and light and fields of what each source sends on.
         let interfaces = events.iter().filter(|event| matches!(event.kind, Kind::Interface(..))).count();
@@ -352,7 +354,7 @@ impl<'a> Layered<'a> {
         share.set(field, Ray::LEAVING, |_| 1.0);
         sums.received.leaving.add_share(light, share, &field.rising, 1.0);
         if sent.density.is_finite() {
-            sources::meet_discs(self.sources, sent, (light, share, &field.rising), sums);
+            sources::meet_discs(&self.sources, sent, (light, share, &field.rising), sums);
         }
     }
 

@@ -144,7 +144,8 @@ impl Tracer<'_> {
         let upper = if number == 0 { &self.air } else { &self.stack.layers[number - 1].medium };
         let layer = &self.stack.layers[number];
         let FlatWork { parts, fractions, .. } = flat;
-        layer.interface.kind().parts([upper, &layer.medium], path.beta.squared(), parts);
+        let own = self.of_each.map_or(layer, |both| &both[path.polarisation][number]);
+        own.interface.kind().parts([upper, &layer.medium], path.beta.squared(), parts);
         for (band, part) in parts.iter().enumerate() {
             let Flat { t, above, below } = part.flat;
             fractions[band] = if path.going == Propagation::Down { above } else { below };

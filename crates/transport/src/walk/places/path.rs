@@ -32,6 +32,8 @@ pub(super) struct Path {
     /// scattered.
     pub(super) density: f64,
     pub(super) light: Light,
+    /// Number of its polarisation where flat layers keep s (0) and p (1) apart.
+    pub(super) polarisation: usize,
     pub(super) trace: Trace,
 }
 
@@ -69,6 +71,7 @@ impl Path {
             passed_mm: Vec::new(),
             density: f64::INFINITY,
             light,
+            polarisation: 0,
             trace: Trace::default(),
         }
     }
@@ -77,6 +80,7 @@ impl Path {
     pub(super) fn start(&mut self, beta: Beta) {
         (self.beta, self.plane, self.going) = (beta, 0, Propagation::Down);
         self.density = f64::INFINITY;
+        self.polarisation = 0;
         self.light.start();
         self.trace.clear();
     }
@@ -84,7 +88,7 @@ impl Path {
     /// Becomes a copy of another path; keeps the memory.
     pub(super) fn copy(&mut self, other: &Self) {
         (self.beta, self.plane, self.going) = (other.beta, other.plane, other.going);
-        self.density = other.density;
+        (self.density, self.polarisation) = (other.density, other.polarisation);
         self.place_mm.copy_from_slice(&other.place_mm);
         (self.entry_mm, self.own_mm) = (other.entry_mm, other.own_mm);
         self.own_at_filter_mm = other.own_at_filter_mm;

@@ -167,11 +167,13 @@ impl Tracer<'_> {
             let weight = target.balanced(value, || emitted_density(horizons, largest, target.beta), 0.0);
             last.copy(path);
             last.beta = target.beta;
+            last.polarisation = self.any_polarisation(dice);
             let factors = flat.factors.iter_mut().enumerate();
             factors.for_each(|(bin, factor)| *factor = weight * spread(target.beta, bin));
             last.light.multiply(&flat.factors);
             self.reach(source, &mut Last { path: last, flat: of_last, pixel }, dice, record);
         }
+        path.polarisation = self.any_polarisation(dice);
         let [u, v, ..] = dice.next();
         path.beta = emitted(horizons, largest, [u, v]);
         path.density = emitted_density(horizons, largest, path.beta);

@@ -28,6 +28,8 @@ const OFTEN: u32 = 16;
 /// A stack, its sources, and what is seen of its pixel.
 pub(super) struct Tracer<'a> {
     pub(super) stack: &'a Stack,
+    /// The layers for s and for p, if they keep both apart.
+    pub(super) of_each: Option<&'a [Vec<Layer>; 2]>,
     pub(super) view: Cone,
     pub(super) sources: &'a [Source],
     pub(super) shows: Shows<'a>,
@@ -107,6 +109,7 @@ impl<'a> Tracer<'a> {
         let about = sources.iter().filter_map(Source::direction);
         Self {
             stack,
+            of_each: stack.layers_of_each(),
             view,
             sources,
             shows,
@@ -197,6 +200,12 @@ impl<'a> Tracer<'a> {
             path.own_at_filter_mm = [path.own_mm[0] + way * beta.x, path.own_mm[1] + way * beta.y];
         }
         let mut dice = Dice::new(numbers);
+        if self.of_each.is_some() {
+            // Light of the view is followed for s and for p.
+            work.path.light.multiply(&[0.5]);
+            let (other, _) = work.branches.add(&work.path, dice.branch());
+            other.polarisation = 1;
+        }
         loop {
             while self.step(&mut dice, work, record) && self.continues(&mut dice, work) {}
             let Some(counts) = work.branches.take(&mut work.path) else { return };
@@ -230,6 +239,11 @@ impl<'a> Tracer<'a> {
         for (target, source) in work.targets.iter_mut().zip(self.sources) {
             *target = Target::sample(source, [of_points[0], of_points[1]]);
         }
+    }
+
+    /// A polarisation of scattered light, by chance.
+    pub(super) fn any_polarisation(&self, dice: &mut Dice<'_>) -> usize {
+        if self.of_each.is_some() { usize::from(dice.of_connection() < 0.5) } else { 0 }
     }
 
     /// Counts a step; false if roulette ends the path.

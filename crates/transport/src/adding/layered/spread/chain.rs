@@ -1,7 +1,8 @@
 //! Flat elements at one `|beta|`, with the phases of the places that light crosses.
 //!
 //! A medium multiplies light by `exp(-2 pi i f.D(beta))`, whether it goes up or down. All inter-reflections
-//! between flat elements are summed in closed form, above a black base; scatterers have their regular part.
+//! between flat elements are summed in closed form, above a black base; scatterers have their regular part. Where all
+//! elements are flat, light is the mean of the sums of s and of p.
 
 use num_complex::Complex64;
 
@@ -16,7 +17,8 @@ const CLOSED: f64 = 1e-12;
 /// The elements of a stack at one `|beta|` and wavelength.
 #[derive(Debug, Clone)]
 pub(super) struct Chain {
-    flats: Vec<Flat>,
+    /// For each light: unpolarised, or s and p.
+    lights: Vec<Vec<Flat>>,
     /// By how much each element moves light, mm.
     moves_mm: Vec<f64>,
     reflects: bool,
@@ -35,11 +37,19 @@ pub(super) struct Cavities {
 
 impl Chain {
     pub(super) fn new(stack: &Stack, bin: usize, beta: f64) -> Self {
-        let mut flats = Vec::with_capacity(2 * stack.layers.len());
-        let mut moves_mm = Vec::with_capacity(flats.capacity());
+        let of_each = stack.layers_of_each();
+        let mut lights =
+            vec![Vec::with_capacity(2 * stack.layers.len()); if of_each.is_some() { 2 } else { 1 }];
+        let mut moves_mm = Vec::with_capacity(2 * stack.layers.len());
         for (number, (kind, media)) in stack.elements().enumerate() {
             let indices @ [index, _] = indices(media, bin);
-            flats.push(regular(kind, bin, indices, beta));
+            for (light, flats) in lights.iter_mut().enumerate() {
+                let kind = match of_each {
+                    Some(both) if number % 2 == 0 => both[light][number / 2].interface.kind(),
+                    _ => kind,
+                };
+                flats.push(regular(kind, bin, indices, beta));
+            }
             let is_medium = number % 2 == 1;
             moves_mm.push(if is_medium {
                 moved_mm(index, stack.layers[number / 2].thickness_mm, beta)
@@ -47,8 +57,8 @@ impl Chain {
                 0.0
             });
         }
-        let reflects = flats.iter().any(|flat| flat.above != 0.0 || flat.below != 0.0);
-        Self { flats, moves_mm, reflects }
+        let reflects = lights.iter().flatten().any(|flat| flat.above != 0.0 || flat.below != 0.0);
+        Self { lights, moves_mm, reflects }
     }
 
     /// Returns by how much all elements together move light, mm.
@@ -68,7 +78,8 @@ impl Chain {
             (Propagation::Down, Propagation::Down) if from.plane <= to.plane => from.plane..to.plane,
             _ => return (0.0, 0.0),
         };
-        let t = self.flats[passed.clone()].iter().map(|flat| flat.t).product();
+        let of_light = |flats: &Vec<Flat>| flats[passed.clone()].iter().map(|flat| flat.t).product::<f64>();
+        let t = self.lights.iter().map(of_light).sum::<f64>() / self.lights.len() as f64;
         (t, self.moves_mm[passed].iter().sum())
     }
 
@@ -88,23 +99,41 @@ impl Chain {
                 .for_each(|(out, (t, way))| *out = Complex64::from_polar(t, -way * per_mm));
             return;
         }
-        let planes = self.flats.len() + 1;
+        let [first, others @ ..] = &self.lights[..] else { return };
+        self.links_of(first, [from, to], per_mm, cavities, out);
+        for flats in others {
+            let before = out.to_vec();
+            self.links_of(flats, [from, to], per_mm, cavities, out);
+            out.iter_mut().zip(before).for_each(|(out, before)| *out = 0.5 * (*out + before));
+        }
+    }
+
+    /// The same of one light, whose elements reflect.
+    fn links_of(
+        &self,
+        flats: &[Flat],
+        [from, to]: [&[Ray]; 2],
+        per_mm: f64,
+        cavities: &mut Cavities,
+        out: &mut [Complex64],
+    ) {
+        let planes = flats.len() + 1;
         let Cavities { passed, above, below, entered: [falls, rises], currents } = cavities;
         passed.clear();
         let passes = |(flat, way): (&Flat, &f64)| match way * per_mm {
             0.0 => Complex64::from(flat.t),
             phase => Complex64::from_polar(flat.t, -phase),
         };
-        passed.extend(self.flats.iter().zip(&self.moves_mm).map(passes));
+        passed.extend(flats.iter().zip(&self.moves_mm).map(passes));
         for all in [&mut *above, &mut *below, &mut *falls, &mut *rises].into_iter().chain(&mut *currents) {
             all.clear();
             all.resize(planes, Complex64::ZERO);
         }
-        for (k, flat) in self.flats.iter().enumerate() {
+        for (k, flat) in flats.iter().enumerate() {
             rises[k] = entered(passed[k], flat.above * above[k]);
             above[k + 1] = flat.below + passed[k] * above[k] * rises[k];
         }
-        for (k, flat) in self.flats.iter().enumerate().rev() {
+        for (k, flat) in flats.iter().enumerate().rev() {
             falls[k] = entered(passed[k], flat.below * below[k + 1]);
             below[k] = flat.above + passed[k] * below[k + 1] * falls[k];
         }

@@ -1,0 +1,112 @@
+//! Which part of the light from a direction vibrates across the plane of incidence (s), and which in it (p).
+//!
+//! Flat layers keep s apart from p, and return of each what they return of it alone. What else polarised light has, the
+//! phase between s and p, is lost where it is not seen: without a polariser between s and p before the eye.
+
+use papilio_optics::Beta;
+
+/// The vibration of partly polarised light, by direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Vibration {
+    /// The same from the plane of incidence of every direction.
+    Fixed {
+        /// Degree of linear polarisation, 0 to 1.
+        degree: f64,
+        /// Angle of the field from the plane of incidence, radians: 0 is p.
+        angle: f64,
+    },
+    /// Of a clear sky: across the plane of sun and direction, with the degree `most sin^2/(1 + cos^2)` of the angle
+    /// between them (J. W. Strutt (Lord Rayleigh), 1871, for single scattering by molecules, scaled to what other
+    /// scattering leaves of it). Light from below the horizon is unpolarised.
+    Rayleigh {
+        /// Degree at 90 deg from the sun.
+        most: f64,
+        /// Unit vector to the sun, in the frame of the display.
+        sun: [f64; 3],
+        /// Unit vector to the zenith.
+        zenith: [f64; 3],
+    },
+}
+
+impl Vibration {
+    /// Returns the shares of s and of p in light that comes from this direction: a unit vector away from the display.
+    pub fn shares(&self, direction: [f64; 3]) -> [f64; 2] {
+        let more = self.more_s(direction);
+        [0.5 * (1.0 + more), 0.5 * (1.0 - more)]
+    }
+
+    /// Returns the same of light that propagates with these direction cosines.
+    pub(crate) fn shares_towards(&self, beta: Beta) -> [f64; 2] {
+        self.shares([-beta.x, -beta.y, (1.0 - beta.squared()).max(0.0).sqrt()])
+    }
+
+    /// Returns the share of s less that of p.
+    fn more_s(&self, direction: [f64; 3]) -> f64 {
+        match self {
+            Self::Fixed { degree, angle } => -degree * (2.0 * angle).cos(),
+            Self::Rayleigh { most, sun, zenith } => {
+                // Across the plane of incidence.
+                let across = [-direction[1], direction[0], 0.0];
+                let square = dot(across, across);
+                if square == 0.0 || dot(direction, *zenith) <= 0.0 {
+                    return 0.0;
+                }
+                let field = cross(direction, *sun);
+                let cosine = dot(direction, *sun);
+                // Of the degree, cos 2 chi with the angle chi between field and s.
+                let aligned = 2.0 * dot(field, across).powi(2) / square - dot(field, field);
+                most * aligned / (1.0 + cosine * cosine)
+            }
+        }
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn cross([ax, ay, az]: [f64; 3], [bx, by, bz]: [f64; 3]) -> [f64; 3] {
+    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn towards(theta_deg: f64, phi_deg: f64) -> [f64; 3] {
+        let ((sin, cos), (sin_phi, cos_phi)) =
+            (theta_deg.to_radians().sin_cos(), phi_deg.to_radians().sin_cos());
+        [sin * cos_phi, sin * sin_phi, cos]
+    }
+
+    /// In the plane of the sun all light vibrates across it (s); 90 deg from it, with the largest degree. From the sun
+    /// itself, and from the ground, it is unpolarised.
+    #[test]
+    fn sky_vibrates_across_the_plane_of_the_sun() {
+        let zenith = [0.0, 0.0, 1.0];
+        let sky = |theta, phi| Vibration::Rayleigh { most: 0.75, sun: towards(theta, phi), zenith };
+        let close = |found: [f64; 2], s: f64| {
+            assert!((found[0] - s).abs() < 1e-12 && (found[1] - (1.0 - s)).abs() < 1e-12, "{found:?} {s}");
+        };
+        close(sky(50.0, 30.0).shares(towards(40.0, 210.0)), 0.875);
+        // 60 deg from the sun: 0.75 x 0.75/1.25.
+        close(sky(50.0, 30.0).shares(towards(10.0, 210.0)), 0.5 * (1.0 + 0.45));
+        close(sky(50.0, 30.0).shares(towards(50.0, 30.0)), 0.5);
+        // A sun on the horizon at a right angle to the view: the sky there vibrates in the vertical plane (p).
+        close(sky(90.0, 0.0).shares(towards(60.0, 90.0)), 0.125);
+        // Half-way between: a spherical triangle by hand. The zenith is 90 deg from this sun and direction (90, 45).
+        close(sky(90.0, 0.0).shares(towards(90.0, 45.0)), 0.5 * (1.0 - 0.75 * 0.5 / 1.5));
+        let from_below = Vibration::Rayleigh { most: 0.75, sun: towards(20.0, 0.0), zenith: [0.0, 1.0, 0.0] };
+        close(from_below.shares(towards(60.0, -90.0)), 0.5);
+    }
+
+    #[test]
+    fn lamp_has_the_square_of_the_cosine_in_the_plane_of_incidence() {
+        let lamp = |degree, angle_deg: f64| Vibration::Fixed { degree, angle: angle_deg.to_radians() };
+        for (degree, angle_deg, s) in
+            [(1.0, 0.0, 0.0), (1.0, 90.0, 1.0), (0.5, 90.0, 0.75), (1.0, 30.0, 0.25)]
+        {
+            assert!((lamp(degree, angle_deg).shares(towards(60.0, 20.0))[0] - s).abs() < 1e-12);
+        }
+    }
+}
