@@ -134,7 +134,7 @@ impl Setup {
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
-        let bases = pixel::bases(scene, &mut film, None, polarisation::weights(scene)?.is_some())?;
+        let bases = pixel::bases(scene, &mut film, None, polarisation::weights(scene)?.is_some(), control)?;
         let setup = Self {
             stack: stack(scene, bases, None, control)?,
             film,
@@ -192,7 +192,7 @@ impl Setup {
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
         if index_changed || scene.display.pixel != last.display.pixel {
-            let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), apart)?;
+            let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), apart, control)?;
             replace_bases(&mut self.stack, bases);
             self.base_version += 1;
         }
