@@ -137,7 +137,7 @@ impl Setup {
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
-        let bases = pixel::bases(scene, &mut film, None, polarisation::reaches_pixel(scene)?)?;
+        let bases = pixel::bases(scene, &mut film, None, polarisation::reaches_pixel(scene)?, control)?;
         let (mut stack, sources) = (stack(scene, bases, None, control)?, sources(scene, angle_index)?);
         stack.set_polarised_view(polarisation::view(scene, &stack, &sources)?);
         let setup = Self {
@@ -199,7 +199,7 @@ impl Setup {
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
         if index_changed || scene.display.pixel != last.display.pixel {
-            let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), apart)?;
+            let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), apart, control)?;
             replace_bases(&mut self.stack, bases);
             self.base_version += 1;
         }

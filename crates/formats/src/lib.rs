@@ -10,6 +10,7 @@
 //! | [`read_index`] | a table of n and k or of a permittivity, or a refractiveindex.info page (detected from the content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
 //! | [`read_director`] | directors of a liquid crystal: depth, tilt, twist |
+//! | [`read_polariser`] | both polarisations of a polariser by wavelength |
 //! | [`read_windows`] | rectangles of sub-pixels: name, x0, y0, x1, y1 |
 //! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
 //! | [`read_measurement`] | the same, or metrics by name |
@@ -89,6 +90,7 @@ mod palette;
 pub mod panel;
 mod picture;
 mod pixel_table;
+mod polariser;
 mod refractiveindex;
 pub mod report;
 mod result;
@@ -157,6 +159,7 @@ pub use picture::{
     read_picture, write_indexed_png, write_rgb_png, write_scene_exr,
 };
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
+pub use polariser::{PolariserTable, read_polariser};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result, read_result_with};
 pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};

@@ -43,6 +43,7 @@
 
 mod dielectric;
 mod director;
+mod generator;
 mod lanes;
 mod matrix;
 mod modes;

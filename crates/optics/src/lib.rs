@@ -8,6 +8,7 @@
 //!   [`film::absorbed`] the absorptance of each layer,
 //!   [`film::GapFilm`] the reflectances of very many, in a nanosecond each;
 //! - [`berreman`]: stacks of anisotropic layers, coherent and thick: liquid crystals, retarders, polarisers;
+//! - [`frank_oseen`]: the director of a liquid crystal at a voltage;
 //! - [`scatterer`]: the interface of all scatterers;
 //! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;
 //! - [`film::Coating`]: such films between two transparent media, tabulated over direction;
@@ -42,6 +43,7 @@ mod chebyshev;
 mod direction;
 mod error;
 pub mod film;
+pub mod frank_oseen;
 pub mod interface;
 pub mod lobe;
 pub mod phase;

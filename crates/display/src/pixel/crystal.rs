@@ -1,7 +1,8 @@
 //! Liquid-crystal pixels: reflectance for unpolarised light against inclination and azimuth.
 //!
 //! The table holds, at each inclination, the harmonics of twice the azimuth: by reciprocity, the reflectance for unpolarised light is the
-//! same at opposite azimuths. Their number is chosen at a steep inclination, the nodes as for films.
+//! same at opposite azimuths. Their number is chosen at a steep inclination, the nodes as for films. Nearer to the normal, fewer azimuths are
+//! computed, as many as the last harmonics there require.
 
 use std::f64::consts::PI;
 
@@ -13,6 +14,7 @@ use rayon::prelude::*;
 
 use super::table;
 use crate::DisplayError;
+use crate::run::{Control, Progress};
 use crate::scene::CrystalPixel;
 
 /// Largest harmonic of azimuth that is left out, as a reflectance.
@@ -21,8 +23,12 @@ const HARMONIC_ERROR: f64 = 5e-5;
 /// Interpolation error of the table, as a reflectance. What the faces of a thick, almost matched retarder return to each other is below it.
 const TABLE_ERROR: f64 = 1e-4;
 
-/// Number of azimuths over half a turn at which the harmonics are looked for.
+/// Least and largest number of azimuths over half a turn, powers of two.
+const FEWEST_AZIMUTHS: usize = 8;
 const MOST_AZIMUTHS: usize = 64;
+
+/// Part of the progress of a computation in which the table is made.
+const PART: [f64; 2] = [0.0, 0.8];
 
 /// Sine of the inclination in air at which they are.
 const STEEP: f64 = 0.97;
@@ -47,27 +53,58 @@ impl Crystal {
         Ok(Self { stack, index: index.to_vec(), states: pixel.states.len() })
     }
 
-    /// Computes the reflectance, `[state][wavelength]`, of light that leaves towards this azimuth; `beta` at each
+    /// Computes the reflectance, `[azimuth][state][wavelength]`, of light that leaves towards these azimuths; `beta` at each
     /// wavelength is `sine` times the index, or the sine itself in air. Grazing light is reflected as that at 89.99 deg.
-    pub(super) fn reflectance(&self, sine: f64, in_air: bool, phi_deg: f64) -> Result<Vec<f64>, OpticsError> {
+    pub(super) fn reflectance(
+        &self,
+        sine: f64,
+        in_air: bool,
+        phi_deg: &[f64],
+    ) -> Result<Vec<f64>, OpticsError> {
         const GRAZING: f64 = 1.0 - 1e-8;
         let beta = |n: &f64| if in_air { sine.min(GRAZING * n) } else { sine.min(GRAZING) * n };
         let beta: Vec<f64> = self.index.iter().map(beta).collect();
         // A stack whose parts are the same in all states is computed once.
-        let own = self.stack.states();
-        let mut out = vec![0.0; own * self.index.len()];
+        let (own, bins) = (self.stack.states(), self.index.len());
+        let mut out = vec![0.0; phi_deg.len() * own * bins];
         self.stack.reflectance(&beta, phi_deg, &mut out)?;
-        Ok(if own == self.states { out } else { out.repeat(self.states) })
+        Ok(if own == self.states {
+            out
+        } else {
+            out.chunks_exact(own * bins).flat_map(|row| row.repeat(self.states)).collect()
+        })
     }
 
-    /// Returns the harmonics of the reflectance, `[state][harmonic][wavelength]`.
-    fn harmonics(&self, sine: f64, in_air: bool, azimuths: usize) -> Result<Vec<f64>, OpticsError> {
-        let count = if azimuths == 1 { 1 } else { azimuths - 1 };
+    /// Returns the first `count` harmonics of the reflectance, `[state][harmonic][wavelength]`, from at most this number of azimuths.
+    fn harmonics(&self, sine: f64, in_air: bool, count: usize, most: usize) -> Result<Vec<f64>, OpticsError> {
+        if count == 1 {
+            // The same at all azimuths.
+            return self.reflectance(sine, in_air, &[0.0]);
+        }
+        let step_deg = |azimuths: usize| 180.0 / azimuths as f64;
+        let mut azimuths = FEWEST_AZIMUTHS.min(most);
+        let first: Vec<f64> = (0..azimuths).map(|k| step_deg(azimuths) * k as f64).collect();
+        let mut rows = self.reflectance(sine, in_air, &first)?;
+        loop {
+            let own = count.min(azimuths - 1);
+            let found = self.harmonics_of(&rows, azimuths, own);
+            if azimuths >= most || self.are_last_small(&found, own) {
+                return Ok(self.padded(found, own, count));
+            }
+            let between: Vec<f64> = (0..azimuths).map(|k| step_deg(azimuths) * (k as f64 + 0.5)).collect();
+            let more = self.reflectance(sine, in_air, &between)?;
+            let of_azimuth = rows.len() / azimuths;
+            let pairs = rows.chunks_exact(of_azimuth).zip(more.chunks_exact(of_azimuth));
+            rows = pairs.flat_map(|(even, odd)| [even, odd].concat()).collect();
+            azimuths *= 2;
+        }
+    }
+
+    /// Returns harmonics, `[state][harmonic][wavelength]`, of reflectances `[azimuth][state][wavelength]`.
+    fn harmonics_of(&self, rows: &[f64], azimuths: usize, count: usize) -> Vec<f64> {
         let bins = self.index.len();
         let mut out = vec![0.0; self.states * count * bins];
-        for k in 0..azimuths {
-            let phi_deg = 180.0 * k as f64 / azimuths as f64;
-            let row = self.reflectance(sine, in_air, phi_deg)?;
+        for (k, row) in rows.chunks_exact(self.states * bins).enumerate() {
             for (state, values) in row.chunks_exact(bins).enumerate() {
                 for harmonic in 0..count {
                     let weight = weight(harmonic, k, azimuths);
@@ -76,17 +113,35 @@ impl Crystal {
                 }
             }
         }
-        Ok(out)
+        out
     }
 
-    /// Returns the number of azimuths over half a turn whose harmonics suffice.
-    fn azimuths(&self) -> Result<usize, OpticsError> {
-        let all = self.harmonics(STEEP, true, MOST_AZIMUTHS)?;
+    /// True if the harmonics of the upper half of the orders, of which at least two are known, are negligible.
+    fn are_last_small(&self, harmonics: &[f64], count: usize) -> bool {
+        let bins = self.index.len();
+        let rows = harmonics.chunks_exact(bins).enumerate();
+        let mut upper = rows.filter(|(at, _)| (at % count).div_ceil(2) > count / 4);
+        upper.all(|(_, row)| row.iter().all(|value| value.abs() < HARMONIC_ERROR))
+    }
+
+    /// Adds harmonics of 0.
+    fn padded(&self, harmonics: Vec<f64>, own: usize, count: usize) -> Vec<f64> {
+        if own == count {
+            return harmonics;
+        }
+        let bins = self.index.len();
+        let rows = harmonics.chunks_exact(own * bins);
+        rows.flat_map(|row| row.iter().copied().chain(vec![0.0; (count - own) * bins])).collect()
+    }
+
+    /// Returns the number of harmonics that suffice, an odd number.
+    fn count(&self) -> Result<usize, OpticsError> {
+        let all = self.harmonics(STEEP, true, MOST_AZIMUTHS - 1, MOST_AZIMUTHS)?;
         let bins = self.index.len();
         let is_large = |row: &[f64]| row.iter().any(|value| value.abs() > HARMONIC_ERROR);
         let rows = all.chunks_exact(bins).enumerate().filter(|(_, row)| is_large(row));
         let last = rows.map(|(at, _)| (at % (MOST_AZIMUTHS - 1)).div_ceil(2)).max().unwrap_or(0);
-        Ok(if last == 0 { 1 } else { (2 * last + 2).min(MOST_AZIMUTHS) })
+        Ok(2 * last + 1)
     }
 }
 
@@ -102,29 +157,39 @@ fn weight(harmonic: usize, k: usize, azimuths: usize) -> f64 {
 /// left at 0, unless it is `unrefracted`.
 ///
 /// # Errors
-/// If the pixel depends on azimuth below layers that change the azimuth of light.
+/// If the pixel depends on azimuth below layers that change the azimuth of light; if the computation was stopped.
 pub(super) fn base(
     pixel: &CrystalPixel,
     grid: &Grid,
     index: &Spectrum,
     (is_bare, unrefracted): (bool, bool),
+    control: Option<&Control<'_>>,
 ) -> Result<Base, DisplayError> {
     let crystal = Crystal::new(pixel, grid, index)?;
-    let azimuths = crystal.azimuths()?;
-    if azimuths > 1 && !is_bare {
+    let count = crystal.count()?;
+    if count > 1 && !is_bare {
         return Err(AZIMUTH_BELOW_LAYERS);
     }
-    let count = if azimuths == 1 { 1 } else { azimuths - 1 };
+    let most = (count + 1).next_power_of_two().max(FEWEST_AZIMUTHS);
     let (bins, states) = (grid.len(), pixel.states.len());
     let lowest = if unrefracted || !is_bare { 0.0 } else { (1.0 - index.min().powi(-2)).max(0.0).sqrt() };
-    let all = |cosines: &[f64]| -> Result<Vec<f64>, OpticsError> {
+    let all = |cosines: &[f64]| -> Result<Vec<f64>, DisplayError> {
         if cosines.iter().all(|cosine| *cosine < lowest) {
             return Ok(vec![0.0; cosines.len() * states * count * bins]);
         }
+        control.map_or(Ok(()), Control::check)?;
         let rows = cosines
             .par_iter()
-            .map(|cosine| crystal.harmonics((1.0 - cosine * cosine).max(0.0).sqrt(), false, azimuths));
-        Ok(rows.collect::<Result<Vec<_>, _>>()?.concat())
+            .map(|cosine| crystal.harmonics((1.0 - cosine * cosine).max(0.0).sqrt(), false, count, most));
+        let rows = rows.collect::<Result<Vec<_>, _>>()?.concat();
+        // Panels come in ascending order of the cosine.
+        let done = cosines.iter().copied().fold(lowest, f64::max);
+        let share_of_view = Some((done - lowest) / (1.0 - lowest));
+        let now = Progress { share_of_view, unit: "tables of the pixel", ..Progress::of_views(0, 1) };
+        if let Some(control) = control {
+            (control.progress)(now.within(PART));
+        }
+        Ok(rows)
     };
     // A sample as good as the whole would take as long: the whole decides.
     let panels = table::panels_within(TABLE_ERROR, None, |cosines| Ok(vec![0.0; cosines.len()]), all)?;

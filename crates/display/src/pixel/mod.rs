@@ -19,6 +19,7 @@ use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
 pub(crate) use weighted::{SeenLight, WeightedNodes, WeightedTable};
 
+use crate::run::Control;
 use crate::scene::{
     AngleMedium, Drive, FilmState, Pixel, ScatteringPixel, Scene, TableAngles, TablePixel, UniformKind,
     UniformPixel,
@@ -113,7 +114,7 @@ pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: f64) -> Result<PixelSc
         // Without reciprocity, and without the table: as a test of both.
         let crystal = crystal::Crystal::new(pixel, &scene.grid, index)?;
         for sine in sines {
-            let mut out = crystal.reflectance(sine, in_air, phi_deg)?;
+            let mut out = crystal.reflectance(sine, in_air, &[phi_deg])?;
             let inactive = pixel.inactive_reflectance.iter().map(|r| (1.0 - pixel.fill_factor) * r);
             let inactive: Vec<f64> = inactive.collect();
             for row in out.chunks_exact_mut(bins) {
@@ -122,7 +123,7 @@ pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: f64) -> Result<PixelSc
             keep(&out);
         }
     } else {
-        let base = base(scene, &mut None, None)?;
+        let base = base(scene, &mut None, None, None)?;
         let medium = setup::medium(scene);
         let scale = setup::angle_index(scene)?;
         for sine in sines {
@@ -144,6 +145,7 @@ pub(crate) fn base(
     scene: &Scene,
     film: &mut Option<FilmKey>,
     before: Option<&Base>,
+    control: Option<&Control<'_>>,
 ) -> Result<Base, DisplayError> {
     let index = scene.display.index_above_pixel();
     if !matches!(scene.display.pixel, Pixel::Film(_)) {
@@ -158,7 +160,7 @@ pub(crate) fn base(
             // Between the pixel and general layers, all directions of the glass occur.
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
             let is_bare = scene.display.is_bare() && scene.display.filter().is_none();
-            crystal::base(pixel, &scene.grid, index, (is_bare, unrefracted))
+            crystal::base(pixel, &scene.grid, index, (is_bare, unrefracted), control)
         }
     }
 }
@@ -179,6 +181,7 @@ pub(crate) fn bases(
     film: &mut Option<FilmKey>,
     before: Option<&Stack>,
     kept_apart: bool,
+    control: &Control<'_>,
 ) -> Result<Bases, DisplayError> {
     match &scene.display.pixel {
         Pixel::Film(pixel) if kept_apart => {
@@ -186,7 +189,7 @@ pub(crate) fn bases(
         }
         // Tables and uniform pixels have one reflectance for both.
         _ => {
-            let mean = base(scene, film, before.map(Stack::base))?;
+            let mean = base(scene, film, before.map(Stack::base), Some(control))?;
             let polarised = kept_apart.then(|| [mean.clone(), mean.clone()]);
             Ok(Bases { mean, polarised })
         }

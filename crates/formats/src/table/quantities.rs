@@ -335,6 +335,17 @@ pub(crate) static X_1: Quantity =
     named("the right edge", &["x1", "right", "x_max", "xmax"], Dimension::Fraction);
 pub(crate) static Y_1: Quantity =
     named("the upper edge", &["y1", "top", "y_max", "ymax"], Dimension::Fraction);
+pub(crate) static TRANSMITTANCE: Quantity = named(
+    "a transmittance",
+    &["transmittance", "t", "transmission", "single_transmittance"],
+    Dimension::Fraction,
+);
+pub(crate) static EXTINCTION_RATIO: Quantity =
+    named("an extinction ratio", &["extinction", "extinction_ratio"], Dimension::Fraction);
+pub(crate) static K_TRANSMITTED: Quantity =
+    named("k of the transmitted polarisation", &["k_transmitted", "k_1", "k1"], Dimension::Number);
+pub(crate) static K_ABSORBED: Quantity =
+    named("k of the absorbed polarisation", &["k_absorbed", "k_2", "k2"], Dimension::Number);
 pub(crate) static DEPTH: Quantity =
     named("a depth", &["depth", "z", "position", "depth_fraction"], Dimension::Fraction);
 pub(crate) static TILT: Quantity = named("a tilt", &["tilt", "tilt_angle"], Dimension::Angle);

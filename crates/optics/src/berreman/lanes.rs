@@ -5,7 +5,7 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Number of wavelengths that are computed together.
-pub(super) const LANES: usize = 4;
+pub(super) const LANES: usize = 8;
 
 /// Real numbers.
 #[derive(Debug, Clone, Copy)]
@@ -25,8 +25,10 @@ pub(super) trait Element: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<O
     fn inverse(self) -> Self;
     /// Returns sum + self * other.
     fn times(self, other: Complex, sum: Complex) -> Complex;
-    /// Returns at least the largest absolute value.
-    fn size(self) -> f64;
+    /// Returns the sum of another element and i times this one.
+    fn times_i(self, sum: Self) -> Complex;
+    /// Returns at least the absolute value.
+    fn size(self) -> Real;
 }
 
 impl Real {
@@ -43,15 +45,6 @@ impl Real {
         self
     }
 
-    /// Returns sine and cosine.
-    pub(super) fn sin_cos(self) -> (Self, Self) {
-        let (mut sin, mut cos) = (self, self);
-        for k in 0..LANES {
-            (sin.0[k], cos.0[k]) = self.0[k].sin_cos();
-        }
-        (sin, cos)
-    }
-
     #[inline(always)]
     pub(super) fn at_least(mut self, least: f64) -> Self {
         for value in &mut self.0 {
@@ -61,9 +54,9 @@ impl Real {
     }
 
     #[inline(always)]
-    fn size(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = value.abs();
+    pub(super) fn larger(mut self, other: Self) -> Self {
+        for k in 0..LANES {
+            self.0[k] = if self.0[k] > other.0[k] { self.0[k] } else { other.0[k] };
         }
         self
     }
@@ -148,8 +141,15 @@ impl Element for Real {
         Complex { re: self * other.re + sum.re, im: self * other.im + sum.im }
     }
     #[inline(always)]
-    fn size(self) -> f64 {
-        Real::size(self).max()
+    fn times_i(self, sum: Self) -> Complex {
+        Complex { re: sum, im: self }
+    }
+    #[inline(always)]
+    fn size(mut self) -> Real {
+        for value in &mut self.0 {
+            *value = value.abs();
+        }
+        self
     }
 }
 
@@ -157,6 +157,12 @@ impl Complex {
     #[inline(always)]
     pub(super) fn splat(value: f64) -> Self {
         Real::splat(value).into()
+    }
+
+    /// Returns the same number in all lanes.
+    #[inline(always)]
+    pub(super) fn of(value: num_complex::Complex64) -> Self {
+        Self { re: Real::splat(value.re), im: Real::splat(value.im) }
     }
 
     #[inline(always)]
@@ -169,10 +175,15 @@ impl Complex {
         self.re * self.re + self.im * self.im
     }
 
-    /// Returns -i times it.
-    #[inline(always)]
-    pub(super) fn minus_i(self) -> Self {
-        Self { re: self.im, im: -self.re }
+    /// Returns exp(i z).
+    pub(super) fn wave(self) -> Self {
+        let mut out = self;
+        for k in 0..LANES {
+            let (sin, cos) = self.re.0[k].sin_cos();
+            let size = (-self.im.0[k]).exp();
+            (out.re.0[k], out.im.0[k]) = (size * cos, size * sin);
+        }
+        out
     }
 }
 
@@ -237,8 +248,12 @@ impl Element for Complex {
         }
     }
     #[inline(always)]
-    fn size(self) -> f64 {
-        (Real::size(self.re) + Real::size(self.im)).max()
+    fn times_i(self, sum: Self) -> Complex {
+        Complex { re: sum.re - self.im, im: sum.im + self.re }
+    }
+    #[inline(always)]
+    fn size(self) -> Real {
+        self.re.size() + self.im.size()
     }
 }
 
@@ -304,6 +319,7 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Returns both parts together, `below` being below this one.
+    #[inline(always)]
     pub(super) fn over(&self, below: &Self) -> Self {
         let between = (Pair::one() - self.r_below * below.r).inverse();
         let down = between * self.t;
@@ -317,6 +333,7 @@ impl Blocks {
     }
 
     /// Returns the reflection of this part over one that reflects.
+    #[inline(always)]
     pub(super) fn over_reflection(&self, below: Pair) -> Pair {
         let down = (Pair::one() - self.r_below * below).inverse() * self.t;
         self.r + self.t_up * (below * down)

@@ -4,9 +4,8 @@
 //! relative to a medium of admittances `y` (p and s) close to those of the layers, so that waves down and up are
 //! `(1, 1)` and `(-1, 1)` for p, `(1, 1)` and `(1, -1)` for s. What lies below is a 2x2 reflection matrix between them.
 //!
-//! - Slices of a cell below all thick slabs carry two fields up: the Taylor series of the exponential acts on them, real where
-//!   nothing absorbs; after each slice they are a reflection matrix again, so that nothing grows.
-//! - Other layers become scattering matrices, by doubling of a thin slice, once for all states.
+//! - Slices of a cell below all thick slabs carry two fields up; before waves can have grown much, they become a reflection matrix again.
+//! - Other layers become scattering matrices, once for all states.
 //! - A thick layer without fringes is the mean over the phase of its waves: of one layer at 16 points, so that the light of 15 round trips
 //!   between its faces is exact; of several at the points of a lattice, exact for light that one or two faces return. An anisotropic
 //!   layer keeps the phase between its two waves, and has the faces of its mean index.
@@ -15,6 +14,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use num_complex::Complex64;
 
+use super::generator::{Generator, Rising, layer};
 use super::lanes::{Blocks, Complex, Element, LANES, Pair, Real};
 use crate::film::{checked_incidence, checked_index, checked_thickness, checked_wavelength};
 use crate::{OpticsError, with_widest_simd};
@@ -58,12 +58,8 @@ pub const MOST_SLABS: usize = 8;
 const LATTICES: [(usize, [usize; MOST_SLABS]); 3] =
     [(16, [1, 0, 0, 0, 0, 0, 0, 0]), (21, [1, 3, 10, 2, 0, 0, 0, 0]), (73, [1, 2, 4, 8, 16, 5, 18, 9])];
 
-/// Largest norm of a step of the Taylor series, and of that of a slice that is doubled.
-const STEP: f64 = 2.0;
-const THIN: f64 = 0.5;
-
-/// Error of the Taylor series.
-const SERIES: f64 = 1e-13;
+/// Bound of the rate at which waves grow over that of waves along the principal axes.
+const GROWTH: f64 = 1.5;
 
 impl SpectralStack {
     /// Builds a stack. `front` and `back` are the indices of the transparent medium above and of the one below, by wavelength.
@@ -115,16 +111,20 @@ impl SpectralStack {
         self.states
     }
 
-    /// Computes the reflectance for unpolarised light, `[state][wavelength]`, of a wave of `beta = n sin(theta)` at each wavelength that
-    /// travels at this azimuth.
+    /// Computes the reflectance for unpolarised light, `[azimuth][state][wavelength]`, of waves of `beta = n sin(theta)` at each wavelength
+    /// that travel at these azimuths.
     ///
     /// # Errors
     /// beta outside 0 <= beta < n of the medium above; arrays of other lengths.
-    pub fn reflectance(&self, beta: &[f64], azimuth_deg: f64, out: &mut [f64]) -> Result<(), OpticsError> {
+    pub fn reflectance(
+        &self,
+        beta: &[f64],
+        azimuths_deg: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), OpticsError> {
         let count = self.wavelength_nm.len();
-        for (what, expected, found) in
-            [("beta", count, beta.len()), ("reflectances", self.states * count, out.len())]
-        {
+        let all = azimuths_deg.len() * self.states * count;
+        for (what, expected, found) in [("beta", count, beta.len()), ("reflectances", all, out.len())] {
             if found != expected {
                 return Err(OpticsError::Length { what, expected, found });
             }
@@ -134,11 +134,37 @@ impl SpectralStack {
                 return Err(OpticsError::Beta { beta: *beta, limit: *n });
             }
         }
-        let azimuth = azimuth_deg.to_radians();
+        let phases = Phases::new(self.parts.iter().filter(|part| !part.coherent).count());
         for first in (0..count).step_by(LANES) {
-            Group::new(self, first, beta).reflectance(azimuth, count, out);
+            let group = Group::new(self, first, beta);
+            let materials: Vec<Material> =
+                self.parts.iter().map(|part| Material::new(&group, part)).collect();
+            for (azimuth_deg, out) in azimuths_deg.iter().zip(out.chunks_exact_mut(self.states * count)) {
+                group.reflectance(&materials, &phases, azimuth_deg.to_radians(), out);
+            }
         }
         Ok(())
+    }
+}
+
+/// Phases of the waves in thick layers.
+struct Phases {
+    /// Number of points of the lattice, the steps of each layer, and the phase factors of multiples of a step.
+    points: usize,
+    steps: [usize; MOST_SLABS],
+    turns: Vec<Complex64>,
+}
+
+impl Phases {
+    fn new(slabs: usize) -> Self {
+        let (points, steps) = match slabs {
+            0 => (1, LATTICES[0].1),
+            1 => LATTICES[0],
+            2..=4 => LATTICES[1],
+            _ => LATTICES[2],
+        };
+        let turn = |k: usize| Complex64::cis(2.0 * PI * k as f64 / points as f64);
+        Self { points, steps, turns: (0..points).map(turn).collect() }
     }
 }
 
@@ -152,6 +178,8 @@ struct Group<'a> {
     /// Roots of the admittances of the reference and their inverse: p, s.
     root: [Real; 2],
     inverse_root: [Real; 2],
+    /// Admittances of the medium above over those of the reference.
+    front: [Real; 2],
 }
 
 /// What is above the lowest thick layer.
@@ -173,7 +201,10 @@ impl<'a> Group<'a> {
         let p = index_squared * s.inverse();
         let root = [p.root(), s.root()];
         let k0 = loaded(&stack.wavelength_nm, first).inverse() * Real::splat(2.0 * PI);
-        Self { stack, first, k0, beta, root, inverse_root: [root[0].inverse(), root[1].inverse()] }
+        let (inverse_root, front) = ([root[0].inverse(), root[1].inverse()], [s; 2]);
+        let mut group = Self { stack, first, k0, beta, root, inverse_root, front };
+        group.front = group.admittances(loaded(&stack.front, first).into()).map(|front| front.re);
+        group
     }
 
     fn complex(&self, values: &[Complex64]) -> Complex {
@@ -185,46 +216,44 @@ impl<'a> Group<'a> {
         out
     }
 
-    fn reflectance(&self, azimuth: f64, count: usize, out: &mut [f64]) {
-        let parts = &self.stack.parts;
+    fn reflectance(&self, materials: &[Material], phases: &Phases, azimuth: f64, out: &mut [f64]) {
+        let (parts, count) = (&self.stack.parts, self.stack.wavelength_nm.len());
         let below = parts.iter().rposition(|part| !part.coherent).map_or(0, |slab| slab + 1);
         let mut reflection = vec![self.of_medium(&self.stack.back); self.stack.states];
-        for part in parts[below..].iter().rev() {
-            self.raise(part, azimuth, &mut reflection);
+        for (part, material) in parts.iter().zip(materials).skip(below).rev() {
+            self.raise(part, material, azimuth, &mut reflection);
         }
         let mut above = Vec::new();
-        for part in parts[..below].iter().rev() {
-            self.above(part, azimuth, &mut above);
+        for (part, material) in parts.iter().zip(materials).take(below).rev() {
+            self.above(part, material, azimuth, &mut above);
         }
-        let slabs = parts.iter().filter(|part| !part.coherent).count();
-        let (points, steps) = match slabs {
-            0 => (1, LATTICES[0].1),
-            1 => LATTICES[0],
-            2..=4 => LATTICES[1],
-            _ => LATTICES[2],
-        };
-        let face = self.of_front();
+        let Phases { points, steps, turns } = phases;
         let last = (count - self.first).min(LANES);
-        for state in 0..self.stack.states {
+        for (state, reflection) in reflection.iter().enumerate() {
             let mut sum = Real::splat(0.0);
-            for point in 0..points {
-                let mut slab = 0;
-                let mut r = reflection[state];
-                for above in &above {
-                    r = match above {
-                        Above::Coherent(all) => {
-                            all[if all.len() == 1 { 0 } else { state }].over_reflection(r)
+            with_widest_simd(
+                #[inline(always)]
+                || {
+                    for point in 0..*points {
+                        let mut slab = 0;
+                        let mut r = *reflection;
+                        for above in &above {
+                            r = match above {
+                                Above::Coherent(all) => {
+                                    all[if all.len() == 1 { 0 } else { state }].over_reflection(r)
+                                }
+                                Above::Thick(faces, down, up) => {
+                                    slab += 1;
+                                    let turn = turns[point * steps[slab - 1] % points];
+                                    thick(*faces, (*down, *up), Complex::of(turn), r)
+                                }
+                            };
                         }
-                        Above::Thick(faces, down, up) => {
-                            slab += 1;
-                            let turn = 2.0 * PI * (point * steps[slab - 1] % points) as f64 / points as f64;
-                            thick(*faces, (*down, *up), turn, r)
-                        }
-                    };
-                }
-                sum = sum + unpolarised(face, r);
-            }
-            let mean = sum * Real::splat(1.0 / points as f64);
+                        sum = sum + unpolarised(self.front, r);
+                    }
+                },
+            );
+            let mean = sum * Real::splat(1.0 / *points as f64);
             out[state * count + self.first..][..last].copy_from_slice(&mean.0[..last]);
         }
     }
@@ -243,19 +272,12 @@ impl<'a> Group<'a> {
         Pair::diagonal(p, s)
     }
 
-    /// Returns the admittances of the medium above.
-    fn of_front(&self) -> [Real; 2] {
-        let [p, s] = self.admittances(loaded(&self.stack.front, self.first).into());
-        [p.re, s.re]
-    }
-
     /// Replaces the reflection of what is below a part by that of both.
-    fn raise(&self, part: &Part, azimuth: f64, reflection: &mut [Pair]) {
-        let material = Material::new(self, part);
+    fn raise(&self, part: &Part, material: &Material, azimuth: f64, reflection: &mut [Pair]) {
         let is_one = part.slices.len() == 1;
         if part.slices.iter().all(|slices| slices.len() <= 1) {
             let mut blocks = Vec::with_capacity(part.slices.len());
-            self.blocks(&material, part, azimuth, &mut blocks);
+            self.blocks(part, material, azimuth, &mut blocks);
             for (state, r) in reflection.iter_mut().enumerate() {
                 *r = blocks[if is_one { 0 } else { state }].over_reflection(*r);
             }
@@ -263,32 +285,58 @@ impl<'a> Group<'a> {
         }
         for (state, below) in reflection.iter_mut().enumerate() {
             let slices = &part.slices[if is_one { 0 } else { state }];
-            let mut r = *below;
             with_widest_simd(
                 #[inline(always)]
                 || {
-                    for slice in slices.iter().rev() {
-                        let depth = self.k0 * Real::splat(slice.thickness_nm);
-                        if material.absorbs {
-                            r = raised(&material.complex(self, slice, azimuth), depth, r);
-                        } else {
-                            r = raised(&material.real(self, slice, azimuth), depth, r);
+                    let mut waves = Rising::new(*below);
+                    if material.absorbs {
+                        for slice in slices.iter().rev() {
+                            let generator = material.complex(self, slice, azimuth);
+                            let (depth, growth) = self.depth(material, slice);
+                            waves.raise(&generator, depth, growth);
+                        }
+                    } else {
+                        for slice in slices.iter().rev() {
+                            let generator = material.real(self, slice, azimuth);
+                            let (depth, growth) = self.depth(material, slice);
+                            waves.raise(&generator, depth, growth);
                         }
                     }
+                    *below = waves.reflection();
                 },
             );
-            *below = r;
         }
     }
 
+    /// Returns k0 d of a slice, and the exponent by which waves grow in it at most.
+    #[inline(always)]
+    fn depth(&self, material: &Material, slice: &Slice) -> (Real, f64) {
+        let depth = self.k0 * Real::splat(slice.thickness_nm);
+        (depth, if material.grows { (depth * material.rate).max() } else { 0.0 })
+    }
+
+    /// Returns the scattering matrix of a slice.
+    fn layer(&self, material: &Material, slice: &Slice, azimuth: f64, more: Real) -> Blocks {
+        let (depth, growth) = self.depth(material, slice);
+        with_widest_simd(
+            #[inline(always)]
+            || {
+                if material.absorbs {
+                    layer(&material.complex(self, slice, azimuth), depth + more, growth)
+                } else {
+                    layer(&material.real(self, slice, azimuth), depth + more, growth)
+                }
+            },
+        )
+    }
+
     /// Adds the scattering matrices of a part, one for each list of slices.
-    fn blocks(&self, material: &Material, part: &Part, azimuth: f64, out: &mut Vec<Blocks>) {
+    fn blocks(&self, part: &Part, material: &Material, azimuth: f64, out: &mut Vec<Blocks>) {
         for slices in &part.slices {
             let nothing = Pair::diagonal(Complex::zero(), Complex::zero());
             let mut all = Blocks { r: nothing, t: Pair::one(), r_below: nothing, t_up: Pair::one() };
             for (number, slice) in slices.iter().enumerate() {
-                let depth = self.k0 * Real::splat(slice.thickness_nm);
-                let one = doubled(&material.complex(self, slice, azimuth), depth);
+                let one = self.layer(material, slice, azimuth, Real::splat(0.0));
                 all = if number == 0 { one } else { all.over(&one) };
             }
             out.push(all);
@@ -296,31 +344,30 @@ impl<'a> Group<'a> {
     }
 
     /// Adds what a part is above a thick layer or as one, from the bottom up.
-    fn above(&self, part: &Part, azimuth: f64, out: &mut Vec<Above>) {
-        let material = Material::new(self, part);
+    fn above(&self, part: &Part, material: &Material, azimuth: f64, out: &mut Vec<Above>) {
         let Some(slice) = part.slices.first().and_then(|slices| slices.first()).filter(|_| !part.coherent)
         else {
             let mut blocks = Vec::with_capacity(part.slices.len());
-            self.blocks(&material, part, azimuth, &mut blocks);
+            self.blocks(part, material, azimuth, &mut blocks);
             out.push(Above::Coherent(blocks));
             return;
         };
-        let third = Real::splat(1.0 / 3.0);
-        let mean = root(material.square + (material.more[0] + material.more[1]).scaled(third));
-        let faces = face(self.admittances(mean));
-        let generator = material.complex(self, slice, azimuth);
+        let Thick { faces, wave, eighth, turn } = material.thick;
+        let depth = self.k0 * Real::splat(slice.thickness_nm);
+        if material.isotropic {
+            let wave = wave.scaled(depth).wave();
+            let both = Pair::diagonal(wave, wave);
+            out.push(Above::Thick(faces, both, both));
+            return;
+        }
         // The mean of two thicknesses that differ by a quarter wave, whose phase is undone: what the faces of the layer itself reflect to each
         // other has opposite signs in both.
-        let q = root(mean * mean - Complex::from(self.beta * self.beta)).re;
-        let eighth = q.at_least(0.1).inverse() * Real::splat(FRAC_PI_4);
-        let depth = self.k0 * Real::splat(slice.thickness_nm);
         let zero = Complex::zero();
         let (mut down, mut up) = (Pair::diagonal(zero, zero), Pair::diagonal(zero, zero));
         for sign in [1.0, -1.0] {
-            let layer = doubled(&generator, depth + eighth * Real::splat(sign));
+            let layer = self.layer(material, slice, azimuth, eighth * Real::splat(sign));
             let inside = from_medium(faces).over(&layer).over(&into_medium(faces));
-            let (sin, cos) = (q * eighth).sin_cos();
-            let phase = Complex { re: cos * Real::splat(0.5), im: sin * Real::splat(-0.5 * sign) };
+            let phase = Complex { re: turn.re, im: turn.im * Real::splat(-sign) };
             let phase = Pair::diagonal(phase, phase);
             (down, up) = (down + inside.t * phase, up + inside.t_up * phase);
         }
@@ -356,6 +403,7 @@ fn face([p, s]: [Complex; 2]) -> [Complex; 2] {
 }
 
 /// Returns the face from the reference down into a medium, in waves of it whose transmission down is 1.
+#[inline(always)]
 fn into_medium([p, s]: [Complex; 2]) -> Blocks {
     let one = Complex::splat(1.0);
     Blocks {
@@ -367,6 +415,7 @@ fn into_medium([p, s]: [Complex; 2]) -> Blocks {
 }
 
 /// Returns the face from a medium down into the reference.
+#[inline(always)]
 fn from_medium([p, s]: [Complex; 2]) -> Blocks {
     let one = Complex::splat(1.0);
     Blocks {
@@ -378,14 +427,14 @@ fn from_medium([p, s]: [Complex; 2]) -> Blocks {
 }
 
 /// Returns the reflection of a thick layer over one that reflects, with another phase of its waves.
-fn thick(faces: [Complex; 2], (down, up): (Pair, Pair), turn: f64, r: Pair) -> Pair {
-    let (sin, cos) = turn.sin_cos();
-    let phase = Complex { re: Real::splat(cos), im: Real::splat(sin) };
+#[inline(always)]
+fn thick(faces: [Complex; 2], (down, up): (Pair, Pair), phase: Complex, r: Pair) -> Pair {
     let inside = up * (from_medium(faces).over_reflection(r) * Pair::diagonal(phase, phase)) * down;
     into_medium(faces).over_reflection(inside)
 }
 
 /// Returns the reflectance for unpolarised light from a medium of these relative admittances.
+#[inline(always)]
 fn unpolarised(front: [Real; 2], r: Pair) -> Real {
     // Waves of unit power in the front, down and up: (E root(y) +- H/root(y))/2, with E = (1 - r) or (1 + r) and H the reverse.
     let [[pp, ps], [sp, ss]] = r.0;
@@ -400,33 +449,62 @@ fn unpolarised(front: [Real; 2], r: Pair) -> Real {
     (a.norm_sqr() + b.norm_sqr() + c.norm_sqr() + d.norm_sqr()) * Real::splat(0.5)
 }
 
-/// Squares of the principal indices of a part.
+/// What waves of any azimuth have in common in a part.
 struct Material {
-    /// That along the third axis, and what the first and second have in addition.
+    /// Square of the principal index along the third axis, and what those along the first and second have in addition.
     square: Complex,
     more: [Complex; 2],
     biaxial: bool,
+    isotropic: bool,
     absorbs: bool,
+    /// Bound of the rate at which waves grow, over k0.
+    rate: Real,
+    grows: bool,
+    thick: Thick,
+}
+
+/// A part as a thick layer.
+#[derive(Clone, Copy)]
+struct Thick {
+    /// Reflections of a face from the reference to a medium of its mean index, p and s.
+    faces: [Complex; 2],
+    /// Wave vector along the normal in that medium, over k0.
+    wave: Complex,
+    /// k0 d of an eighth of a wave, and half of its phase factor.
+    eighth: Real,
+    turn: Complex,
 }
 
 impl Material {
     fn new(group: &Group<'_>, part: &Part) -> Self {
-        let [a, b, c] = [&part.indices[0], &part.indices[1], &part.indices[2]];
-        let (a, b, c) = (group.complex(a), group.complex(b), group.complex(c));
-        let (a, b, c) = (a * a, b * b, c * c);
-        let absorbs = part.indices.iter().flatten().any(|index| index.im != 0.0);
-        Self { square: c, more: [a - c, b - c], biaxial: part.indices[1] != part.indices[2], absorbs }
+        let indices = part.indices.each_ref().map(|index| group.complex(index));
+        let [a, b, c] = indices.map(|index| index * index);
+        let more = [a - c, b - c];
+        let absorbs = indices.iter().any(|index| index.im.size().max() > 0.0);
+        let along = [a, b, c].map(|square| root(square - Complex::from(group.beta * group.beta)).im);
+        let rate = along[0].larger(along[1]).larger(along[2]) * Real::splat(GROWTH);
+        let is_zero = |value: Complex| value.norm_sqr().max() == 0.0;
+        let [biaxial, isotropic] = [!is_zero(more[1]), is_zero(more[0]) && is_zero(more[1])];
+        let mean = root(c + (more[0] + more[1]).scaled(Real::splat(1.0 / 3.0)));
+        let wave = root(mean * mean - Complex::from(group.beta * group.beta));
+        let eighth = wave.re.at_least(0.1).inverse() * Real::splat(FRAC_PI_4);
+        let turn = Complex::from(wave.re * eighth).wave().scaled(Real::splat(0.5));
+        let thick = Thick { faces: face(group.admittances(mean)), wave, eighth, turn };
+        Self { square: c, more, biaxial, isotropic, absorbs, rate, grows: rate.max() > 0.0, thick }
     }
 
+    #[inline(always)]
     fn complex(&self, group: &Group<'_>, slice: &Slice, azimuth: f64) -> Generator<Complex> {
         generator(group, self.square, self.more, self.biaxial, (slice, azimuth))
     }
 
+    #[inline(always)]
     fn real(&self, group: &Group<'_>, slice: &Slice, azimuth: f64) -> Generator<Real> {
         generator(group, self.square.re, [self.more[0].re, self.more[1].re], self.biaxial, (slice, azimuth))
     }
 }
 
+#[inline(always)]
 fn generator<T: Element>(
     group: &Group<'_>,
     square: T,
@@ -462,137 +540,4 @@ fn generator<T: Element>(
         other: (yy - yz * y - T::real(beta * beta)).scaled(over_s * over_s),
         s: s * s,
     }
-}
-
-/// Berreman's matrix relative to the reference, whose elements are these: rows
-/// `(along, electric, across, 0)`, `(magnetic, along, mixed, 0)`, `(0, 0, 0, s)`, `(mixed, across, other, 0)`.
-#[derive(Clone, Copy)]
-struct Generator<T> {
-    along: T,
-    across: T,
-    mixed: T,
-    electric: T,
-    magnetic: T,
-    other: T,
-    s: Real,
-}
-
-impl<T: Element> Generator<T> {
-    /// Returns the product with a field, plus another field.
-    #[inline(always)]
-    fn times(&self, field: [Complex; 4], sum: [Complex; 4]) -> [Complex; 4] {
-        let [a, b, c, d] = field;
-        [
-            self.across.times(c, self.electric.times(b, self.along.times(a, sum[0]))),
-            self.mixed.times(c, self.along.times(b, self.magnetic.times(a, sum[1]))),
-            self.s.times(d, sum[2]),
-            self.other.times(c, self.across.times(b, self.mixed.times(a, sum[3]))),
-        ]
-    }
-
-    /// Returns the matrix times a factor.
-    #[inline(always)]
-    fn scaled(&self, factor: Real) -> Self {
-        let Self { along, across, mixed, electric, magnetic, other, s } = *self;
-        Self {
-            along: along.scaled(factor),
-            across: across.scaled(factor),
-            mixed: mixed.scaled(factor),
-            electric: electric.scaled(factor),
-            magnetic: magnetic.scaled(factor),
-            other: other.scaled(factor),
-            s: s * factor,
-        }
-    }
-
-    /// Returns a bound of the norm.
-    #[inline(always)]
-    fn norm(&self) -> f64 {
-        let [along, across, mixed] = [self.along.size(), self.across.size(), self.mixed.size()];
-        let rows = [
-            along + across + self.electric.size(),
-            along + mixed + self.magnetic.size(),
-            self.s.max(),
-            mixed + across + self.other.size(),
-        ];
-        rows[0].max(rows[1]).max(rows[2]).max(rows[3])
-    }
-
-    /// Returns the exponential of `-i` (upwards) or `i` times the matrix, times a field.
-    #[inline(always)]
-    fn exponential(&self, terms: usize, up: bool, field: [Complex; 4]) -> [Complex; 4] {
-        let mut sum = field;
-        let zero = [Complex::zero(); 4];
-        for term in (1..=terms).rev() {
-            let over = Real::splat(if up { 1.0 } else { -1.0 } / term as f64);
-            let next = self.times(sum, zero);
-            for k in 0..4 {
-                sum[k] = field[k] + next[k].minus_i().scaled(over);
-            }
-        }
-        sum
-    }
-}
-
-/// Returns the number of terms of the Taylor series of the exponential of a matrix of this norm.
-fn terms(norm: f64) -> usize {
-    let (mut size, mut count) = (1.0, 0);
-    while size > SERIES && count < 40 {
-        count += 1;
-        size *= norm / count as f64;
-    }
-    count
-}
-
-/// Returns the reflection of a slice of k0 d = `depth` over one that reflects.
-#[inline(always)]
-fn raised<T: Element>(generator: &Generator<T>, depth: Real, mut r: Pair) -> Pair {
-    let whole = generator.scaled(depth);
-    let norm = whole.norm();
-    let steps = (norm / STEP).ceil().max(1.0);
-    let step = whole.scaled(Real::splat(1.0 / steps));
-    let terms = terms(norm / steps);
-    for _ in 0..steps as usize {
-        let [[pp, ps], [sp, ss]] = r.0;
-        let one = Complex::splat(1.0);
-        let p = step.exponential(terms, true, [one - pp, one + pp, sp, -sp]);
-        let s = step.exponential(terms, true, [-ps, ps, one + ss, one - ss]);
-        // Twice the waves down and up.
-        let down = Pair([[p[0] + p[1], s[0] + s[1]], [p[2] + p[3], s[2] + s[3]]]);
-        let up = Pair([[p[1] - p[0], s[1] - s[0]], [p[2] - p[3], s[2] - s[3]]]);
-        r = up * down.inverse();
-    }
-    r
-}
-
-/// Returns the scattering matrix of a layer of k0 d = `depth`, by doubling a thin slice of it.
-fn doubled<T: Element>(generator: &Generator<T>, depth: Real) -> Blocks {
-    let whole = generator.scaled(depth);
-    let doublings = (whole.norm() / THIN).log2().ceil().max(0.0) as i32;
-    let thin = whole.scaled(Real::splat(0.5_f64.powi(doublings)));
-    let terms = terms(thin.norm());
-    let (zero, half) = (Complex::zero(), Complex::splat(0.5));
-    // Columns of the transfer matrix downwards, between waves: p and s down, p and s up.
-    let mut columns = [
-        [half, half, zero, zero],
-        [zero, zero, half, half],
-        [-half, half, zero, zero],
-        [zero, zero, half, -half],
-    ];
-    for column in &mut columns {
-        let [a, b, c, d] = thin.exponential(terms, false, *column);
-        *column = [a + b, c + d, b - a, c - d];
-    }
-    let [p, s, p_up, s_up] = columns;
-    let down = Pair([[p[0], s[0]], [p[1], s[1]]]);
-    let from_down = Pair([[p[2], s[2]], [p[3], s[3]]]);
-    let from_up = Pair([[p_up[0], s_up[0]], [p_up[1], s_up[1]]]);
-    let t_up = Pair([[p_up[2], s_up[2]], [p_up[3], s_up[3]]]).inverse();
-    let none = Pair::diagonal(zero, zero);
-    let r = none - t_up * from_down;
-    let mut layer = Blocks { r, t: down + from_up * r, r_below: from_up * t_up, t_up };
-    for _ in 0..doublings {
-        layer = layer.over(&layer);
-    }
-    layer
 }

@@ -10,5 +10,6 @@ mod films_known_killers;
 mod films_laws;
 mod films_reference_imod;
 mod films_two_roads;
+mod frank_oseen;
 mod rough_faces;
 mod scatter;

@@ -3,8 +3,8 @@
 use super::codes::Codes;
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{
-    AxisAngle, Biaxiality, Count, CrystalThickness, HelixPitch, Index, Nanometres, PositiveShare, Retardance,
-    RetardanceRatio, Share, Tilt, Twist,
+    AxisAngle, Biaxiality, BottomTilt, Count, CrystalThickness, ElasticConstant, HelixPitch, Index,
+    Nanometres, Permittivity, PositiveShare, Retardance, RetardanceRatio, Share, Tilt, Twist, Volts,
 };
 use crate::grammar::{choice, forms, kinds, table};
 use crate::read::{Named, Spanned};
@@ -59,11 +59,14 @@ table! {
     Polariser {
         /// Azimuth of the light that it transmits.
         axis_deg as "Transmission axis": AxisAngle,
+        /// Measured spectra instead of `transmittance` and `extinction`. A CSV file with the columns `wavelength_nm`, `transmittance` and
+        /// `extinction`, or `wavelength_nm`, `k_transmitted` and `k_absorbed` (the extinction coefficients of the two polarisations).
+        file: Option<String>,
         /// Transmittance for unpolarised light within the film, at most 0.5: that of a datasheet over 0.92, which the faces to air
-        /// transmit.
-        transmittance: ShareSpectrum = ShareSpectrum::Constant(Share(0.44)),
-        /// Transmittance of the absorbed polarisation over that of the transmitted one.
-        extinction as "Extinction ratio": ShareSpectrum = ShareSpectrum::Constant(Share(1e-4)),
+        /// transmit. Default: 0.44.
+        transmittance: Option<ShareSpectrum>,
+        /// Transmittance of the absorbed polarisation over that of the transmitted one. Default: 1e-4.
+        extinction as "Extinction ratio": Option<ShareSpectrum>,
         /// The wave that it transmits.
         transmits as "Transmitted wave": TransmittedWave = TransmittedWave::Ordinary,
         /// Refractive index.
@@ -124,7 +127,21 @@ table! {
         twist_deg: Twist = Twist(0.0),
         /// Tilt of the director out of the panel, in all states that do not state another.
         pretilt_deg: Tilt = Tilt(0.0),
-        /// The director in each state: a file (CSV: depth, tilt_deg, twist_deg), or `{ tilt_deg, twist_deg }`. Default: one state, `cell` (`pixel` if the display has no cell).
+        /// Tilt at the bottom of states by voltage. Above 90, the director turns through the normal, as in a driven pi cell. Default:
+        /// `pretilt_deg`.
+        pretilt_bottom_deg as "Pretilt at the bottom": Option<BottomTilt>,
+        /// Elastic constant of splay. All three and both permittivities are for states by voltage.
+        K11_pN as "K11": Option<ElasticConstant>,
+        /// Elastic constant of twist.
+        K22_pN as "K22": Option<ElasticConstant>,
+        /// Elastic constant of bend.
+        K33_pN as "K33": Option<ElasticConstant>,
+        /// Relative permittivity along the director, at the frequency of the drive.
+        epsilon_parallel as "Permittivity along the director": Option<Permittivity>,
+        /// Relative permittivity across the director.
+        epsilon_perpendicular as "Permittivity across the director": Option<Permittivity>,
+        /// The director in each state: `{ volts }`, `{ tilt_deg, twist_deg }`, or a file (CSV: depth, tilt_deg, twist_deg). Default: one
+        /// state, `cell` (`pixel` if the display has no cell).
         states: Named<CellState> = Named(Vec::new()),
         /// Number of slices.
         slices: Count<1, 2000> = Count(40),
@@ -132,18 +149,20 @@ table! {
 }
 
 forms! {
-    /// The director in a state: a file, or a tilt.
-    CellState, "a file of directors by depth, or a table with tilt_deg"; {
+    /// The director in a state: a file, a voltage, or a tilt.
+    CellState, "a file of directors by depth, or a table with volts or tilt_deg"; {
         /// A CSV file with the columns depth (a fraction of the gap, 0 at the top), tilt_deg and twist_deg (from `rub_deg`).
         File(String) if Value::Text(_),
-        /// The same tilt at all depths.
+        /// That of a voltage, or the same tilt at all depths.
         Uniform(UniformDirector) if Value::Table(_),
     }
 }
 
 table! {
-    /// A director with the same tilt at all depths.
+    /// The director at a voltage, or with the same tilt at all depths.
     UniformDirector {
+        /// Voltage, rms: the director has the least elastic and electric energy between surfaces that hold it at the pretilt.
+        volts as "Voltage": Option<Volts>,
         /// Tilt out of the panel. Default: `pretilt_deg`.
         tilt_deg: Option<Tilt>,
         /// Turn from the top to the bottom. Default: `twist_deg` of the cell.

@@ -260,6 +260,22 @@ number!(
     Tilt, Range::from_to(-90.0, 90.0).unit("degrees")
 );
 number!(
+    /// A tilt at the bottom of a cell, degrees: above 90, the director turns through the normal.
+    BottomTilt, Range::from_to(-180.0, 180.0).unit("degrees")
+);
+number!(
+    /// An elastic constant of a liquid crystal, pN.
+    ElasticConstant, Range::from_to(0.01, 1000.0).unit("pN")
+);
+number!(
+    /// A relative permittivity.
+    Permittivity, Range::from_to(1.0, 1000.0)
+);
+number!(
+    /// A voltage, rms.
+    Volts, Range::from_to(0.0, 100.0).unit("V")
+);
+number!(
     /// A retardance of one pass along the normal, nm.
     Retardance, Range::from_to(-1e4, 1e4).unit("nm")
 );

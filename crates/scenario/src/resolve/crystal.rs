@@ -5,14 +5,15 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::scene::{CrystalPart, CrystalPixel, CrystalSlice};
-use papilio_formats::{DirectorRow, read_director};
+use papilio_formats::{DirectorRow, PolariserTable, read_director, read_polariser};
 use papilio_optics::berreman::{MOST_SLABS, axes};
-use papilio_spectra::{LIQUID_CRYSTAL_RANGE_NM, liquid_crystal, liquid_crystal_names};
+use papilio_optics::frank_oseen::{DrivenCell, Nematic, director};
+use papilio_spectra::{LIQUID_CRYSTAL_RANGE_NM, Spectrum, liquid_crystal, liquid_crystal_names};
 
 use super::Resolver;
 use crate::describe::crystal as describe;
 use crate::describe::crystal::{CellState, CrystalLayer, Handedness, Plate, TransmittedWave};
-use crate::describe::numbers::AxisAngle;
+use crate::describe::numbers::{AxisAngle, CrystalThickness};
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
 use crate::read::{Item, Spanned};
@@ -24,6 +25,18 @@ const ONLY_STATE: [&str; 2] = ["cell", "pixel"];
 const MOST_LAYERS: usize = 64;
 const MOST_SLICES: usize = 20_000;
 
+/// Largest number of slices of all states x wavelengths, each of which is computed for thousands of directions.
+const MOST_CRYSTAL_WORK: usize = 1_000_000;
+
+/// Thickest liquid crystal, um.
+const MOST_CRYSTAL_UM: f64 = 100.0;
+
+/// Wavelength at which fringes are compared with the grid, nm.
+const FRINGES_AT_NM: f64 = 550.0;
+
+/// Keys of what states by voltage need.
+const CONSTANTS: [&str; 5] = ["K11_pN", "K22_pN", "K33_pN", "epsilon_parallel", "epsilon_perpendicular"];
+
 /// Slices of a turn of a cholesteric layer.
 const SLICES_OF_A_TURN: f64 = 40.0;
 
@@ -33,6 +46,16 @@ const DISPERSION_AT_NM: f64 = 450.0;
 
 /// Director at a fraction of the depth: azimuth and tilt, degrees.
 type Director = (f64, f64);
+
+/// What the states of a cell have in common.
+#[derive(Clone, Copy)]
+struct Shape {
+    rub_deg: f64,
+    tilt_deg: f64,
+    twist_deg: f64,
+    thickness_nm: f64,
+    count: usize,
+}
 
 impl Resolver<'_> {
     pub(super) fn crystal(&mut self, pixel: &describe::CrystalPixel) -> Option<CrystalPixel> {
@@ -44,6 +67,8 @@ impl Resolver<'_> {
         let parts: Vec<CrystalPart> = parts.into_iter().collect::<Option<_>>()?;
         let slices = parts.iter().flat_map(|part| &part.slices).map(Vec::len).sum();
         self.limit(&pixel.stack, "slices", slices, MOST_SLICES)?;
+        let work = slices * self.grid.len();
+        self.limit(&pixel.stack, "slices of all states x wavelengths", work, MOST_CRYSTAL_WORK)?;
         if parts.iter().filter(|part| !part.coherent).count() > MOST_SLABS {
             let wrong = Diagnostic::new("this stack has too many thick layers")
                 .expected(format!("{MOST_SLABS} polarisers, retarders and slabs at most"))
@@ -110,49 +135,16 @@ impl Resolver<'_> {
 
     fn polariser(&mut self, polariser: &describe::Polariser) -> Option<CrystalPart> {
         let axis_deg = self.azimuth(&polariser.axis_deg, "axis_deg");
-        let transmittance = self.share(&polariser.transmittance, polariser.transmittance.origin);
-        let extinction = self.share(&polariser.extinction, polariser.extinction.origin);
         let index = self.material(&polariser.index)?;
-        let (transmittance, extinction) = (transmittance?, extinction?);
         let thickness_nm = 1e3 * polariser.thickness_um.0;
-        // Along the transmitted polarisation and across it; both halves of unpolarised light give the transmittance.
-        let transmitted: Vec<f64> =
-            transmittance.iter().zip(extinction.iter()).map(|(t, ratio)| 2.0 * t / (1.0 + ratio)).collect();
-        if transmitted.iter().any(|t| *t > 1.0) {
-            let wrong = Diagnostic::new(format!(
-                "a transmittance of {} needs {} of the polarisation along the axis, more than there is",
-                tidy(transmittance.iter().copied().fold(0.0, f64::max)),
-                tidy(transmitted.iter().copied().fold(0.0, f64::max))
-            ));
-            let expected = "a transmittance for unpolarised light of at most (1 + extinction)/2";
-            self.err(&polariser.transmittance, wrong.expected(expected));
-            return None;
-        }
-        let is_dark = |value: f64| value <= 0.0;
-        if transmitted.iter().any(|t| is_dark(*t)) || extinction.iter().any(|ratio| is_dark(*ratio)) {
-            let wrong = Diagnostic::new(
-                "a polariser of finite thickness transmits some light of either polarisation",
-            );
-            self.err(
-                &polariser.extinction,
-                wrong
-                    .expected("transmittance and extinction above 0")
-                    .hint("an almost ideal one has extinction = 1e-9"),
-            );
-            return None;
-        }
-        let nm = self.grid.wavelengths_nm();
-        let absorbing = |k: usize, t: f64| {
-            let extinction = -t.ln() * nm[k] / (4.0 * PI * thickness_nm);
-            Complex64::new(index[k].re, index[k].im + extinction.max(0.0))
+        let [along, across] = self.extinction_of(polariser, thickness_nm)?;
+        let with = |k: Vec<f64>| -> Vec<Complex64> {
+            index.iter().zip(k).map(|(index, k)| index + Complex64::new(0.0, k)).collect()
         };
-        let along = transmitted.iter().enumerate().map(|(k, t)| absorbing(k, *t)).collect();
-        let pairs = transmitted.iter().zip(extinction.iter()).enumerate();
-        let across: Vec<Complex64> = pairs.map(|(k, (t, ratio))| absorbing(k, t * ratio)).collect();
+        let (along, across) = (with(along), with(across));
         let indices = match polariser.transmits.value {
             // The molecules lie across the axis; along it and along the normal the wave is ordinary.
             TransmittedWave::Ordinary => {
-                let along: Vec<Complex64> = along;
                 return Some(uniform(
                     [across, along.clone(), along],
                     (axis_deg? + 90.0, 0.0),
@@ -163,6 +155,62 @@ impl Resolver<'_> {
             TransmittedWave::Extraordinary => [along, across.clone(), across],
         };
         Some(uniform(indices, (axis_deg?, 0.0), thickness_nm, false))
+    }
+
+    /// The extinction coefficients of a polariser: of the transmitted polarisation and of the absorbed one.
+    fn extinction_of(&mut self, polariser: &describe::Polariser, thickness_nm: f64) -> Option<[Vec<f64>; 2]> {
+        let own = [&polariser.transmittance, &polariser.extinction];
+        let (transmittance, extinction) = if let Some(name) = &polariser.file.value {
+            if let Some(both) = own.into_iter().find(|own| own.is_some()) {
+                let wrong = mistake::not_with("file", "transmittance or extinction");
+                self.errors.push(both.origin, wrong.hint("remove one of the two"));
+                return None;
+            }
+            let origin = polariser.file.origin;
+            match self.data(name, origin, read_polariser)? {
+                PolariserTable::Extinction(of) => {
+                    let [along, across] = of.map(|k| k.on(&self.grid).map(|k| k.to_vec()));
+                    return Some([self.sampled(name, origin, along)?, self.sampled(name, origin, across)?]);
+                }
+                PolariserTable::Transmittance(of) => {
+                    let [t, ratio] = of.map(|table| table.on(&self.grid));
+                    (self.sampled(name, origin, t)?, self.sampled(name, origin, ratio)?)
+                }
+            }
+        } else {
+            let [t, ratio] = [(own[0], 0.44), (own[1], 1e-4)].map(|(own, usual)| match &own.value {
+                Some(share) => self.share(share, own.origin),
+                None => Some(Spectrum::constant(&self.grid, usual)),
+            });
+            (t?, ratio?)
+        };
+        let [of_transmittance, of_extinction] =
+            if polariser.file.is_some() { [polariser.file.origin; 2] } else { own.map(|own| own.origin) };
+        // Along the transmitted polarisation and across it; both halves of unpolarised light give the transmittance.
+        let transmitted: Vec<f64> =
+            transmittance.iter().zip(extinction.iter()).map(|(t, ratio)| 2.0 * t / (1.0 + ratio)).collect();
+        if transmitted.iter().any(|t| *t > 1.0) {
+            let wrong = Diagnostic::new(format!(
+                "this polariser would transmit {} of the polarisation along its axis",
+                tidy(transmitted.iter().copied().fold(0.0, f64::max))
+            ));
+            let expected = "a transmittance for unpolarised light of at most (1 + extinction)/2";
+            self.errors.push(of_transmittance, wrong.expected(expected));
+            return None;
+        }
+        if transmitted.iter().chain(extinction.iter()).any(|value| *value <= 0.0) {
+            let wrong = Diagnostic::new(
+                "a polariser of finite thickness transmits some light of either polarisation",
+            );
+            let wrong = wrong.expected("transmittance and extinction above 0");
+            self.errors.push(of_extinction, wrong.hint("an almost ideal one has extinction = 1e-9"));
+            return None;
+        }
+        let nm = self.grid.wavelengths_nm();
+        let absorbing = |k: usize, t: f64| (-t.ln() * nm[k] / (4.0 * PI * thickness_nm)).max(0.0);
+        let along = transmitted.iter().enumerate().map(|(k, t)| absorbing(k, *t)).collect();
+        let pairs = transmitted.iter().zip(extinction.iter()).enumerate();
+        Some([along, pairs.map(|(k, (t, ratio))| absorbing(k, t * ratio)).collect()])
     }
 
     fn retarder(&mut self, retarder: &describe::Retarder) -> Option<CrystalPart> {
@@ -233,51 +281,141 @@ impl Resolver<'_> {
         let thickness_nm = 1e3 * cell.gap_um.0;
         let count = cell.slices.value.0 as usize;
         let (rub_deg, usual) = (rub_deg?, (pretilt_deg?, twist_deg?));
+        let nematic = self.nematic(cell)?;
         let mut slices = Vec::with_capacity(states.len());
         if cell.states.0.is_empty() {
             let [tilt_deg, twist_deg] = [usual.0, usual.1];
             slices.push(sliced(thickness_nm, count, |depth| (rub_deg + twist_deg * depth, tilt_deg)));
         }
         for state in &cell.states.0 {
-            slices.push(self.cell_state(state, (rub_deg, usual), thickness_nm, count)?);
+            let shape = Shape { rub_deg, tilt_deg: usual.0, twist_deg: usual.1, thickness_nm, count };
+            slices.push(self.cell_state(state, cell, nematic, shape)?);
         }
         let [ordinary, extraordinary] = indices?;
+        self.check_fringes("gap_um", &cell.gap_um, &extraordinary)?;
         Some(CrystalPart { indices: [extraordinary, ordinary.clone(), ordinary], slices, coherent: true })
     }
 
     fn cell_state(
         &mut self,
         state: &Item<CellState>,
-        (rub_deg, (tilt_deg, twist_deg)): (f64, (f64, f64)),
-        thickness_nm: f64,
-        count: usize,
+        cell: &describe::Cell,
+        nematic: Option<Nematic>,
+        shape: Shape,
     ) -> Option<Vec<CrystalSlice>> {
-        match &state.value.value {
+        let Shape { rub_deg, tilt_deg, twist_deg, thickness_nm, count } = shape;
+        let own = match &state.value.value {
             CellState::File(name) => {
                 let rows = self.data(name, state.value.origin, read_director)?;
-                Some(sliced(thickness_nm, count, |depth| {
+                return Some(sliced(thickness_nm, count, |depth| {
                     let (tilt_deg, twist_deg) = director_at(&rows, depth);
                     (rub_deg + twist_deg, tilt_deg)
-                }))
+                }));
             }
-            CellState::Uniform(own) => {
-                if own.tilt_deg.is_none() && own.twist_deg.is_none() {
-                    let wrong = Diagnostic::new(format!("the state `{}` has no director", state.name));
-                    let hint = "add `tilt_deg`, `twist_deg` or both, or state a file of directors by depth";
-                    self.err(&state.value, wrong.expected("{ tilt_deg = 85 } or \"on.csv\"").hint(hint));
+            CellState::Uniform(own) => own,
+        };
+        let tilt = own.tilt_deg.value.as_ref().map(|tilt| (tilt.0, own.tilt_deg.origin, "tilt_deg"));
+        let twist = own.twist_deg.value.as_ref().map(|twist| (twist.0, own.twist_deg.origin, "twist_deg"));
+        if let Some(volts) = &own.volts.value {
+            if let Some((_, origin, key)) = tilt.or(twist) {
+                let wrong = mistake::not_with("volts", key);
+                let hint =
+                    "remove it: the director follows from the voltage, pretilt_deg and twist_deg of the cell";
+                self.errors.push(origin, wrong.hint(hint));
+                return None;
+            }
+            let Some(nematic) = nematic else {
+                let wrong =
+                    Diagnostic::new("the director at a voltage needs the constants of the liquid crystal");
+                let wrong = wrong.expected(CONSTANTS.map(|key| format!("`{key}`")).join(", "));
+                let hint = "add them to the cell, from the data sheet (at the temperature and frequency of the display)";
+                self.err(&own.volts, wrong.hint(hint));
+                return None;
+            };
+            let bottom = cell.pretilt_bottom_deg.value.as_ref().map_or(tilt_deg, |tilt| tilt.0);
+            let driven = DrivenCell { nematic, tilt_deg: [tilt_deg, bottom], twist_deg, volts: volts.0 };
+            let profile = match director(&driven) {
+                Ok(profile) => profile,
+                Err(error) => {
+                    self.err(&own.volts, Diagnostic::new(error.to_string()));
                     return None;
                 }
-                let tilt_deg = match &own.tilt_deg.value {
-                    Some(tilt) => self.degrees(tilt.0, own.tilt_deg.origin, "tilt_deg")?,
-                    None => tilt_deg,
-                };
-                let twist_deg = match &own.twist_deg.value {
-                    Some(twist) => self.degrees(twist.0, own.twist_deg.origin, "twist_deg")?,
-                    None => twist_deg,
-                };
-                Some(sliced(thickness_nm, count, |depth| (rub_deg + twist_deg * depth, tilt_deg)))
-            }
+            };
+            return Some(sliced(thickness_nm, count, |depth| {
+                (rub_deg + between(&profile.twist_deg, depth), between(&profile.tilt_deg, depth))
+            }));
         }
+        if tilt.is_none() && twist.is_none() {
+            let wrong = Diagnostic::new(format!("the state `{}` has no director", state.name));
+            let hint =
+                "add `volts`, or `tilt_deg`, `twist_deg` or both, or state a file of directors by depth";
+            self.err(
+                &state.value,
+                wrong.expected("{ volts = 5 }, { tilt_deg = 85 } or \"on.csv\"").hint(hint),
+            );
+            return None;
+        }
+        let mut checked = |own: Option<(f64, Origin, &str)>, usual: f64| match own {
+            Some((angle, origin, key)) => self.degrees(angle, origin, key),
+            None => Some(usual),
+        };
+        let (tilt_deg, twist_deg) = (checked(tilt, tilt_deg)?, checked(twist, twist_deg)?);
+        Some(sliced(thickness_nm, count, |depth| (rub_deg + twist_deg * depth, tilt_deg)))
+    }
+
+    /// The elastic constants and permittivities of a cell, if it states them.
+    fn nematic(&mut self, cell: &describe::Cell) -> Option<Option<Nematic>> {
+        let elastic = [&cell.K11_pN, &cell.K22_pN, &cell.K33_pN];
+        let permittivity = [&cell.epsilon_parallel, &cell.epsilon_perpendicular];
+        let has =
+            elastic.map(|k| k.is_some()).into_iter().chain(permittivity.map(|epsilon| epsilon.is_some()));
+        let missing: Vec<String> =
+            CONSTANTS.iter().zip(has).filter(|(_, has)| !has).map(|(key, _)| format!("`{key}`")).collect();
+        if missing.len() == CONSTANTS.len() {
+            return Some(None);
+        }
+        let values = [elastic[0], elastic[1], elastic[2]].map(|k| k.value.as_ref().map(|k| k.0));
+        let others = permittivity.map(|epsilon| epsilon.value.as_ref().map(|epsilon| epsilon.0));
+        let ([Some(k11), Some(k22), Some(k33)], [Some(along), Some(across)]) = (values, others) else {
+            let wrong = Diagnostic::new(format!("this cell has no {}", missing.join(", ")));
+            let expected = "all three elastic constants and both permittivities, or none of them";
+            self.err(&cell.gap_um, wrong.expected(expected));
+            return None;
+        };
+        Some(Some(Nematic { elastic_pn: [k11, k22, k33], permittivity: [along, across] }))
+    }
+
+    /// Refuses a layer that is thicker than any liquid crystal, and notes fringes that the grid of wavelengths does not resolve.
+    fn check_fringes(
+        &mut self,
+        key: &str,
+        thickness: &Spanned<CrystalThickness>,
+        index: &[Complex64],
+    ) -> Option<()> {
+        let (um, nm) = (thickness.value.0, 1e3 * thickness.value.0);
+        let fringes = |from_nm: f64, to_nm: f64| 2.0 * index[0].re * nm * (1.0 / from_nm - 1.0 / to_nm);
+        let (start, stop, step) = (self.grid.start_nm(), self.grid.stop_nm(), self.grid.step_nm());
+        if um > MOST_CRYSTAL_UM {
+            let count = tidy(fringes(start, stop).round());
+            let wrong = Diagnostic::new(format!(
+                "`{key}` = {} makes {count} interference fringes between {start} and {stop} nm, which nothing resolves",
+                tidy(um)
+            ));
+            let hint = format!("did you mean {} (from nm)? A thick pane is kind = \"slab\"", tidy(um / 1e3));
+            self.err(thickness, wrong.expected(format!("at most {MOST_CRYSTAL_UM} um")).hint(hint));
+            return None;
+        }
+        let of_step = fringes(FRINGES_AT_NM, FRINGES_AT_NM + step);
+        if of_step > 1.0 {
+            self.notes.push(format!(
+                "`{key}` = {} makes {} fringes in a step of {step} nm at {FRINGES_AT_NM} nm: its reflectance is that at single wavelengths; \
+                 a step of {} nm resolves them",
+                tidy(um),
+                tidy((10.0 * of_step).round() / 10.0),
+                tidy((1.0_f64).max((5.0 * step / of_step).round() / 10.0)),
+            ));
+        }
+        Some(())
     }
 
     /// The ordinary and the extraordinary index of a cell.
@@ -331,6 +469,7 @@ impl Resolver<'_> {
         };
         let slices = sliced(thickness_nm, slices, |depth| (azimuth_deg + turn_deg * depth, 0.0));
         let (ordinary, extraordinary) = (ordinary?, extraordinary?);
+        self.check_fringes("thickness_um", &layer.thickness_um, &extraordinary)?;
         let indices = [extraordinary, ordinary.clone(), ordinary];
         Some(CrystalPart { indices, slices: vec![slices], coherent: true })
     }
@@ -375,6 +514,13 @@ fn director_at(rows: &[DirectorRow], depth: f64) -> (f64, f64) {
     let (a, b) = (rows[right - 1], rows[right]);
     let t = ((depth - a.depth) / (b.depth - a.depth)).clamp(0.0, 1.0);
     (a.tilt_deg + t * (b.tilt_deg - a.tilt_deg), a.twist_deg + t * (b.twist_deg - a.twist_deg))
+}
+
+/// Returns a value at a depth, linear between values at equal steps.
+fn between(values: &[f64], depth: f64) -> f64 {
+    let at = depth * (values.len() - 1) as f64;
+    let k = (at as usize).min(values.len() - 2);
+    values[k] + (at - k as f64) * (values[k + 1] - values[k])
 }
 
 /// Returns slices with the director in the middle of each.

@@ -82,7 +82,7 @@ fn many_wavelengths_and_states_equal_one_by_one() {
         assert_eq!(stack.states(), case.states);
         let count = case.wavelength_nm.len();
         let mut found = vec![f64::NAN; case.states * count];
-        stack.reflectance(&case.beta, case.azimuth_deg, &mut found).unwrap();
+        stack.reflectance(&case.beta, &[case.azimuth_deg], &mut found).unwrap();
         for state in 0..case.states {
             for bin in 0..count {
                 let expected = one(case, state, bin);
@@ -126,5 +126,5 @@ fn invalid_stacks_are_refused() {
     let short = [index.clone(), index.clone(), vec![]];
     assert!(new(&[part(short, vec![vec![slice]], true)]).to_string().contains("indices"));
     let ok = SpectralStack::new(&[550.0], &[1.0], &[part(glass, vec![vec![slice]], true)], &index).unwrap();
-    assert!(ok.reflectance(&[1.0], 0.0, &mut [0.0]).is_err());
+    assert!(ok.reflectance(&[1.0], &[0.0], &mut [0.0]).is_err());
 }

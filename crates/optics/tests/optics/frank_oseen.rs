@@ -1,0 +1,151 @@
+//! The director at a voltage: thresholds, the exact solution of splay and bend, and the equations of equilibrium.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use papilio_optics::frank_oseen::{DrivenCell, INTERVALS, Nematic, Profile, director};
+
+const EPSILON_0: f64 = 8.854_187_812_8;
+const NEMATIC: Nematic = Nematic { elastic_pn: [11.0, 6.5, 17.0], permittivity: [19.0, 5.2] };
+const NEGATIVE: Nematic = Nematic { elastic_pn: [16.7, 7.0, 18.1], permittivity: [3.6, 7.8] };
+
+fn cell(nematic: Nematic, tilt_deg: f64, twist_deg: f64, volts: f64) -> Profile {
+    director(&DrivenCell { nematic, tilt_deg: [tilt_deg; 2], twist_deg, volts }).unwrap()
+}
+
+fn middle(profile: &Profile) -> f64 {
+    profile.tilt_deg[INTERVALS / 2]
+}
+
+/// Freedericksz thresholds of splay, of bend and of a twisted cell (F. M. Leslie, Mol. Cryst. Liq. Cryst. 12, 57 (1970)).
+#[test]
+fn directors_move_above_the_threshold_only() {
+    let [splay, twist, bend] = NEMATIC.elastic_pn;
+    let difference = NEMATIC.permittivity[0] - NEMATIC.permittivity[1];
+    let threshold = |elastic: f64, difference: f64| PI * (elastic / (EPSILON_0 * difference)).sqrt();
+    for turn_deg in [0.0_f64, 45.0, 90.0] {
+        let turn = (turn_deg / 180.0).powi(2);
+        let volts = threshold(splay + (bend - 2.0 * twist) * turn, difference);
+        assert!(middle(&cell(NEMATIC, 0.0, turn_deg, 0.998 * volts)).abs() < 1e-3, "{turn_deg}");
+        assert!(middle(&cell(NEMATIC, 0.0, turn_deg, 1.002 * volts)) > 2.0, "{turn_deg}");
+    }
+    let volts = threshold(NEGATIVE.elastic_pn[2], 7.8 - 3.6);
+    assert!((middle(&cell(NEGATIVE, 90.0, 0.0, 0.998 * volts)) - 90.0).abs() < 1e-3);
+    assert!(middle(&cell(NEGATIVE, 90.0, 0.0, 1.002 * volts)) < 88.0);
+}
+
+/// Voltage over the threshold at which the middle of a splay cell without pretilt has this tilt: H. J. Deuling, Mol. Cryst. Liq. Cryst. 19,
+/// 123 (1972). `sin theta = sin theta_m sin psi` removes the singular end of the integral.
+fn voltage_over_threshold(nematic: Nematic, tilt: f64) -> f64 {
+    let kappa = nematic.elastic_pn[2] / nematic.elastic_pn[0] - 1.0;
+    let gamma = nematic.permittivity[0] / nematic.permittivity[1] - 1.0;
+    let most = tilt.sin().powi(2);
+    let count = 2000;
+    let sum: f64 = (0..count)
+        .map(|k| {
+            let square = most * (FRAC_PI_2 * (f64::from(k) + 0.5) / f64::from(count)).sin().powi(2);
+            ((1.0 + kappa * square) / ((1.0 + gamma * square) * (1.0 - square))).sqrt()
+        })
+        .sum();
+    2.0 / PI * (1.0 + gamma * most).sqrt() * sum * FRAC_PI_2 / f64::from(count)
+}
+
+#[test]
+fn splay_and_bend_are_those_of_the_exact_solution() {
+    let threshold = PI * (11.0 / (EPSILON_0 * 13.8)).sqrt();
+    for tilt_deg in [10.0_f64, 30.0, 60.0, 80.0, 89.0] {
+        let volts = threshold * voltage_over_threshold(NEMATIC, tilt_deg.to_radians());
+        let found = middle(&cell(NEMATIC, 0.0, 0.0, volts));
+        assert!((found - tilt_deg).abs() < 0.01, "{tilt_deg}: {found}");
+    }
+    // The bend cell is the splay cell with the axes exchanged.
+    let exchanged = Nematic { elastic_pn: [18.1, 7.0, 16.7], permittivity: [7.8, 3.6] };
+    let threshold = PI * (18.1 / (EPSILON_0 * 4.2)).sqrt();
+    for tilt_deg in [10.0_f64, 45.0, 85.0] {
+        let volts = threshold * voltage_over_threshold(exchanged, tilt_deg.to_radians());
+        let found = 90.0 - middle(&cell(NEGATIVE, 90.0, 0.0, volts));
+        assert!((found - tilt_deg).abs() < 0.01, "{tilt_deg}: {found}");
+    }
+}
+
+/// Of a driven twisted cell: the torque about the normal and the torque about the horizontal axis vanish at every depth, by differences of the
+/// profile (another discretisation than that of the energy).
+#[test]
+fn twisted_cells_are_in_equilibrium() {
+    let volts = 2.5;
+    let found = cell(NEMATIC, 3.0, 90.0, volts);
+    let [splay, twist, bend] = NEMATIC.elastic_pn;
+    let h = 1.0 / INTERVALS as f64;
+    let tilt: Vec<f64> = found.tilt_deg.iter().map(|tilt| tilt.to_radians()).collect();
+    let azimuth: Vec<f64> = found.twist_deg.iter().map(|twist| twist.to_radians()).collect();
+    let inverse: Vec<f64> =
+        tilt.iter().map(|tilt| 1.0 / (NEMATIC.permittivity[1] + 13.8 * tilt.sin().powi(2))).collect();
+    let total = h * (inverse.iter().sum::<f64>() - 0.5 * (inverse[0] + inverse[INTERVALS]));
+    // The first integral of the Euler-Lagrange equations: k tilt'^2 + a azimuth'^2 - D^2/(epsilon_0 epsilon), the same at all depths.
+    let displacement = EPSILON_0 * volts / total;
+    let first_integral: Vec<f64> = (1..INTERVALS)
+        .map(|k| {
+            let (sin2, cos2) = (tilt[k].sin().powi(2), tilt[k].cos().powi(2));
+            let change = (tilt[k + 1] - tilt[k - 1]) / (2.0 * h);
+            let turn = (azimuth[k + 1] - azimuth[k - 1]) / (2.0 * h);
+            (splay * cos2 + bend * sin2) * change * change + (twist * cos2 + bend * sin2) * cos2 * turn * turn
+                - displacement * displacement * inverse[k] / EPSILON_0
+        })
+        .collect();
+    let torque: Vec<f64> = (1..INTERVALS)
+        .map(|k| {
+            let (sin2, cos2) = (tilt[k].sin().powi(2), tilt[k].cos().powi(2));
+            (twist * cos2 + bend * sin2) * cos2 * (azimuth[k + 1] - azimuth[k - 1]) / (2.0 * h)
+        })
+        .collect();
+    // Relative to the largest electric term, and to the torque.
+    let electric = displacement * displacement * inverse[0] / EPSILON_0;
+    for (what, values, scale) in
+        [("first integral", first_integral, electric), ("torque", torque.clone(), torque[0])]
+    {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let worst = values.iter().map(|value| (value - mean).abs() / scale).fold(0.0, f64::max);
+        assert!(worst < 1e-3, "{what}: {worst}");
+    }
+    assert!((found.twist_deg[INTERVALS] - 90.0).abs() < 1e-9);
+    assert!((found.twist_deg[INTERVALS / 2] - 45.0).abs() < 1e-6);
+}
+
+/// A uniform cell has the energy of a capacitor; a driven cell has less.
+#[test]
+fn the_energy_is_that_of_a_capacitor_below_the_threshold_and_less_above() {
+    let capacitor = |volts: f64| -0.5 * EPSILON_0 * 5.2 * volts * volts;
+    assert!((cell(NEMATIC, 0.0, 0.0, 0.5).energy_pn / capacitor(0.5) - 1.0).abs() < 1e-9);
+    assert!(cell(NEMATIC, 0.0, 0.0, 2.0).energy_pn < capacitor(2.0));
+    // The twist of an undriven cell: K22 twist^2/2.
+    let expected = 0.5 * 6.5 * FRAC_PI_2 * FRAC_PI_2;
+    assert!((cell(NEMATIC, 0.0, 90.0, 0.0).energy_pn / expected - 1.0).abs() < 1e-9);
+}
+
+/// A hybrid cell with equal constants turns evenly; a cell whose tilt at the bottom is above 90 deg turns through the normal.
+#[test]
+fn hybrid_and_bend_cells_turn_between_their_surfaces() {
+    let equal = Nematic { elastic_pn: [10.0; 3], permittivity: [10.0, 5.0] };
+    for (top, bottom) in [(0.0, 90.0), (5.0, 175.0), (-20.0, 20.0)] {
+        let cell = DrivenCell { nematic: equal, tilt_deg: [top, bottom], twist_deg: 0.0, volts: 0.0 };
+        let found = director(&cell).unwrap().tilt_deg;
+        for (k, tilt) in found.iter().enumerate() {
+            let expected = top + (bottom - top) * k as f64 / INTERVALS as f64;
+            assert!((tilt - expected).abs() < 1e-6, "{k}: {tilt} {expected}");
+        }
+    }
+}
+
+#[test]
+fn impossible_cells_are_refused() {
+    let good = DrivenCell { nematic: NEMATIC, tilt_deg: [0.0; 2], twist_deg: 0.0, volts: 1.0 };
+    let wrong = [
+        DrivenCell { nematic: Nematic { elastic_pn: [0.0, 1.0, 1.0], ..NEMATIC }, ..good },
+        DrivenCell { nematic: Nematic { permittivity: [1.0, -1.0], ..NEMATIC }, ..good },
+        DrivenCell { volts: -1.0, ..good },
+        DrivenCell { volts: f64::NAN, ..good },
+        DrivenCell { tilt_deg: [0.0, 200.0], ..good },
+    ];
+    for cell in wrong {
+        assert!(director(&cell).is_err(), "{cell:?}");
+    }
+}
