@@ -103,6 +103,37 @@ fn circular_polariser_leaves_the_square_of_the_cosine() {
     }
 }
 
+/// Positions of the bands of cholesteric paper: from n_o p to n_e p along the normal, half of the light there, and bluer from the side by
+/// the cosine of the angle in the layer (J. L. Fergason, Mol. Cryst. 1, 293 (1966)).
+#[test]
+fn cholesteric_paper_reflects_the_bands_of_its_helices() {
+    let scene =
+        scenario("cholesteric", &["spectrum.range_nm=[400,700]", "spectrum.step_nm=4"]).unwrap().scene;
+    let mean = 1.6;
+    for (theta_deg, tolerance) in [(0.0_f64, 0.02), (30.0, 0.03)] {
+        let scan = scan_at(&scene, &[theta_deg], 0.0).unwrap();
+        let cosine = (1.0 - (theta_deg.to_radians().sin() / mean).powi(2)).sqrt();
+        for (state, pitch_nm) in [("blue", 288.0), ("green", 337.0), ("red", 394.0)] {
+            let (_, spectrum) = scan.states.iter().find(|(name, _)| name == state).unwrap();
+            // The middle between the half-height edges of the band.
+            let most = spectrum.iter().copied().fold(0.0, f64::max);
+            assert!((0.42..0.56).contains(&most), "{state} {theta_deg}: {most}");
+            let above = |k: &usize| spectrum[*k] > 0.25;
+            let (first, last) =
+                ((0..spectrum.len()).find(above).unwrap(), (0..spectrum.len()).rfind(above).unwrap());
+            let middle = 0.5 * (scan.wavelength_nm[first] + scan.wavelength_nm[last]);
+            let expected = mean * pitch_nm * cosine;
+            assert!((middle / expected - 1.0).abs() < tolerance, "{state} {theta_deg}: {middle} {expected}");
+            if theta_deg == 0.0 {
+                let width = (scan.wavelength_nm[last] - scan.wavelength_nm[first]) / (0.18 * pitch_nm);
+                assert!((0.8..1.35).contains(&width), "{state}: {width}");
+            }
+        }
+        let (_, black) = scan.states.iter().find(|(name, _)| name == "black").unwrap();
+        assert!(black.iter().all(|r| *r < 0.01), "{black:?}");
+    }
+}
+
 /// Where light changes its azimuth above the pixel, or the computation does not know azimuths, it is refused and not averaged.
 #[test]
 fn computations_without_azimuth_are_refused() {

@@ -318,6 +318,12 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
+    /// Returns those of no layer.
+    pub(super) fn nothing() -> Self {
+        let none = Pair::diagonal(Complex::zero(), Complex::zero());
+        Self { r: none, t: Pair::one(), r_below: none, t_up: Pair::one() }
+    }
+
     /// Returns both parts together, `below` being below this one.
     #[inline(always)]
     pub(super) fn over(&self, below: &Self) -> Self {

@@ -5,7 +5,7 @@
 //! `(1, 1)` and `(-1, 1)` for p, `(1, 1)` and `(1, -1)` for s. What lies below is a 2x2 reflection matrix between them.
 //!
 //! - Slices of a cell below all thick slabs carry two fields up; before waves can have grown much, they become a reflection matrix again.
-//! - Other layers become scattering matrices, once for all states.
+//! - Other layers become scattering matrices, once for all states that have them in common; turns of a helix by doubling.
 //! - A thick layer without fringes is the mean over the phase of its waves: of one layer at 16 points, so that the light of 15 round trips
 //!   between its faces is exact; of several at the points of a lattice, exact for light that one or two faces return. An anisotropic
 //!   layer keeps the phase between its two waves, and has the faces of its mean index.
@@ -35,6 +35,8 @@ pub struct Part {
     pub indices: [Vec<Complex64>; 3],
     /// Slices from the top down: a list for each state, or one list for all states.
     pub slices: Vec<Vec<Slice>>,
+    /// How often the slices of a list follow each other: the turns of a helix. 1 for a thick layer.
+    pub repeats: usize,
     /// False for a thick layer without fringes. It must be one slice, the same in all states, with indices that are close to each other.
     pub coherent: bool,
 }
@@ -45,6 +47,8 @@ pub struct SpectralStack {
     wavelength_nm: Vec<f64>,
     front: Vec<f64>,
     parts: Vec<Part>,
+    /// For each list of slices of a part, the first one that equals it.
+    first_equal: Vec<Vec<usize>>,
     back: Vec<Complex64>,
     states: usize,
 }
@@ -52,11 +56,18 @@ pub struct SpectralStack {
 /// Largest number of thick layers.
 pub const MOST_SLABS: usize = 8;
 
-/// Points of the lattices over the phases of up to 1, 4 and 8 thick layers, and the steps of each layer. The phases of two faces differ by the sum of the
+/// Points of the lattices over the phases of up to 1, 3, 4 and 8 thick layers, and the steps of each layer. The phases of two faces differ by the sum of the
 /// steps between them: the sums from the first layer on are a perfect difference set (J. Singer, 1938), so that no difference of two of them
 /// occurs twice.
-const LATTICES: [(usize, [usize; MOST_SLABS]); 3] =
-    [(16, [1, 0, 0, 0, 0, 0, 0, 0]), (21, [1, 3, 10, 2, 0, 0, 0, 0]), (73, [1, 2, 4, 8, 16, 5, 18, 9])];
+const LATTICES: [(usize, [usize; MOST_SLABS]); 4] = [
+    (16, [1, 0, 0, 0, 0, 0, 0, 0]),
+    (13, [1, 2, 6, 0, 0, 0, 0, 0]),
+    (21, [1, 3, 10, 2, 0, 0, 0, 0]),
+    (73, [1, 2, 4, 8, 16, 5, 18, 9]),
+];
+
+/// Reflectance of a face between thick layers that does not matter.
+const NO_FACE: f64 = 1e-6;
 
 /// Bound of the rate at which waves grow over that of waves along the principal axes.
 const GROWTH: f64 = 1.5;
@@ -94,7 +105,7 @@ impl SpectralStack {
                 let (expected, found) = (states, part.slices.len());
                 return Err(OpticsError::Length { what: "states of a part", expected, found });
             }
-            let is_one_slice = part.slices.len() == 1 && part.slices[0].len() == 1;
+            let is_one_slice = part.slices.len() == 1 && part.slices[0].len() == 1 && part.repeats == 1;
             if !part.coherent && !is_one_slice {
                 return Err(OpticsError::Axis { what: "a thick layer", expected: "one slice" });
             }
@@ -102,8 +113,13 @@ impl SpectralStack {
         if parts.iter().filter(|part| !part.coherent).count() > MOST_SLABS {
             return Err(OpticsError::Axis { what: "thick layers", expected: "eight at most" });
         }
+        let first_equal = |part: &Part| -> Vec<usize> {
+            let all = &part.slices;
+            (0..all.len()).map(|k| (0..k).find(|first| all[*first] == all[k]).unwrap_or(k)).collect()
+        };
+        let first_equal = parts.iter().map(first_equal).collect();
         let (wavelength_nm, front, back) = (wavelength_nm.to_vec(), front.to_vec(), back.to_vec());
-        Ok(Self { wavelength_nm, front, parts: parts.to_vec(), back, states })
+        Ok(Self { wavelength_nm, front, parts: parts.to_vec(), first_equal, back, states })
     }
 
     /// Returns the number of states.
@@ -134,7 +150,7 @@ impl SpectralStack {
                 return Err(OpticsError::Beta { beta: *beta, limit: *n });
             }
         }
-        let phases = Phases::new(self.parts.iter().filter(|part| !part.coherent).count());
+        let phases: Vec<Phases> = (0..=MOST_SLABS).map(Phases::new).collect();
         for first in (0..count).step_by(LANES) {
             let group = Group::new(self, first, beta);
             let materials: Vec<Material> =
@@ -160,8 +176,9 @@ impl Phases {
         let (points, steps) = match slabs {
             0 => (1, LATTICES[0].1),
             1 => LATTICES[0],
-            2..=4 => LATTICES[1],
-            _ => LATTICES[2],
+            2 | 3 => LATTICES[1],
+            4 => LATTICES[2],
+            _ => LATTICES[3],
         };
         let turn = |k: usize| Complex64::cis(2.0 * PI * k as f64 / points as f64);
         Self { points, steps, turns: (0..points).map(turn).collect() }
@@ -187,9 +204,9 @@ struct Group<'a> {
 enum Above {
     /// One scattering matrix for each state, or one for all.
     Coherent(Vec<Blocks>),
-    /// A thick layer: reflections of a face from the reference to a medium of its mean index, p and s, and its transmission down and up
-    /// without faces.
-    Thick([Complex; 2], Pair, Pair),
+    /// Thick layers whose faces to each other reflect nothing: reflections p and s of a face from the reference to the uppermost and to the
+    /// lowest, and their transmission down and up without faces.
+    Thick { top: [Complex; 2], bottom: [Complex; 2], down: Pair, up: Pair },
 }
 
 impl<'a> Group<'a> {
@@ -216,18 +233,19 @@ impl<'a> Group<'a> {
         out
     }
 
-    fn reflectance(&self, materials: &[Material], phases: &Phases, azimuth: f64, out: &mut [f64]) {
+    fn reflectance(&self, materials: &[Material], phases: &[Phases], azimuth: f64, out: &mut [f64]) {
         let (parts, count) = (&self.stack.parts, self.stack.wavelength_nm.len());
         let below = parts.iter().rposition(|part| !part.coherent).map_or(0, |slab| slab + 1);
         let mut reflection = vec![self.of_medium(&self.stack.back); self.stack.states];
-        for (part, material) in parts.iter().zip(materials).skip(below).rev() {
-            self.raise(part, material, azimuth, &mut reflection);
+        for (number, material) in materials.iter().enumerate().skip(below).rev() {
+            self.raise(number, material, azimuth, &mut reflection);
         }
         let mut above = Vec::new();
-        for (part, material) in parts.iter().zip(materials).take(below).rev() {
-            self.above(part, material, azimuth, &mut above);
+        for (number, material) in materials.iter().enumerate().take(below).rev() {
+            self.above(number, material, azimuth, &mut above);
         }
-        let Phases { points, steps, turns } = phases;
+        let slabs = above.iter().filter(|part| matches!(part, Above::Thick { .. })).count();
+        let Phases { points, steps, turns } = &phases[slabs];
         let last = (count - self.first).min(LANES);
         for (state, reflection) in reflection.iter().enumerate() {
             let mut sum = Real::splat(0.0);
@@ -242,10 +260,12 @@ impl<'a> Group<'a> {
                                 Above::Coherent(all) => {
                                     all[if all.len() == 1 { 0 } else { state }].over_reflection(r)
                                 }
-                                Above::Thick(faces, down, up) => {
+                                Above::Thick { top, bottom, down, up } => {
                                     slab += 1;
-                                    let turn = turns[point * steps[slab - 1] % points];
-                                    thick(*faces, (*down, *up), Complex::of(turn), r)
+                                    let turn = Complex::of(turns[point * steps[slab - 1] % points]);
+                                    let inside = out_of_medium(*bottom, r);
+                                    let inside = (*up * inside) * (*down * Pair::diagonal(turn, turn));
+                                    medium_over(*top, inside)
                                 }
                             };
                         }
@@ -273,11 +293,12 @@ impl<'a> Group<'a> {
     }
 
     /// Replaces the reflection of what is below a part by that of both.
-    fn raise(&self, part: &Part, material: &Material, azimuth: f64, reflection: &mut [Pair]) {
+    fn raise(&self, number: usize, material: &Material, azimuth: f64, reflection: &mut [Pair]) {
+        let part = &self.stack.parts[number];
         let is_one = part.slices.len() == 1;
-        if part.slices.iter().all(|slices| slices.len() <= 1) {
+        if part.repeats > 1 || material.absorbs || part.slices.iter().all(|slices| slices.len() <= 1) {
             let mut blocks = Vec::with_capacity(part.slices.len());
-            self.blocks(part, material, azimuth, &mut blocks);
+            self.blocks(number, material, azimuth, &mut blocks);
             for (state, r) in reflection.iter_mut().enumerate() {
                 *r = blocks[if is_one { 0 } else { state }].over_reflection(*r);
             }
@@ -289,18 +310,10 @@ impl<'a> Group<'a> {
                 #[inline(always)]
                 || {
                     let mut waves = Rising::new(*below);
-                    if material.absorbs {
-                        for slice in slices.iter().rev() {
-                            let generator = material.complex(self, slice, azimuth);
-                            let (depth, growth) = self.depth(material, slice);
-                            waves.raise(&generator, depth, growth);
-                        }
-                    } else {
-                        for slice in slices.iter().rev() {
-                            let generator = material.real(self, slice, azimuth);
-                            let (depth, growth) = self.depth(material, slice);
-                            waves.raise(&generator, depth, growth);
-                        }
+                    for slice in slices.iter().rev() {
+                        let generator = material.real(self, slice, azimuth);
+                        let (depth, growth) = self.depth(material, slice);
+                        waves.raise(&generator, depth, growth);
                     }
                     *below = waves.reflection();
                 },
@@ -320,44 +333,64 @@ impl<'a> Group<'a> {
         let (depth, growth) = self.depth(material, slice);
         with_widest_simd(
             #[inline(always)]
-            || {
-                if material.absorbs {
-                    layer(&material.complex(self, slice, azimuth), depth + more, growth)
-                } else {
-                    layer(&material.real(self, slice, azimuth), depth + more, growth)
-                }
-            },
+            || layer(&material.complex(self, slice, azimuth), depth + more, growth),
         )
     }
 
-    /// Adds the scattering matrices of a part, one for each list of slices.
-    fn blocks(&self, part: &Part, material: &Material, azimuth: f64, out: &mut Vec<Blocks>) {
-        for slices in &part.slices {
-            let nothing = Pair::diagonal(Complex::zero(), Complex::zero());
-            let mut all = Blocks { r: nothing, t: Pair::one(), r_below: nothing, t_up: Pair::one() };
+    /// Adds the scattering matrices of a part, one for each list of slices. Those of equal lists are computed once, those of many turns by
+    /// doubling.
+    fn blocks(&self, number: usize, material: &Material, azimuth: f64, out: &mut Vec<Blocks>) {
+        let part = &self.stack.parts[number];
+        for (slices, first) in part.slices.iter().zip(&self.stack.first_equal[number]) {
+            if *first < out.len() {
+                out.push(out[*first]);
+                continue;
+            }
+            let mut once = Blocks::nothing();
             for (number, slice) in slices.iter().enumerate() {
                 let one = self.layer(material, slice, azimuth, Real::splat(0.0));
-                all = if number == 0 { one } else { all.over(&one) };
+                once = if number == 0 { one } else { joined(&once, &one) };
             }
-            out.push(all);
+            let (mut all, mut left) = (None, part.repeats);
+            loop {
+                if left % 2 == 1 {
+                    all = Some(all.map_or(once, |all| joined(&all, &once)));
+                }
+                left /= 2;
+                if left == 0 {
+                    break;
+                }
+                once = joined(&once, &once);
+            }
+            out.push(all.unwrap_or_else(Blocks::nothing));
         }
     }
 
     /// Adds what a part is above a thick layer or as one, from the bottom up.
-    fn above(&self, part: &Part, material: &Material, azimuth: f64, out: &mut Vec<Above>) {
+    fn above(&self, number: usize, material: &Material, azimuth: f64, out: &mut Vec<Above>) {
+        let part = &self.stack.parts[number];
         let Some(slice) = part.slices.first().and_then(|slices| slices.first()).filter(|_| !part.coherent)
         else {
             let mut blocks = Vec::with_capacity(part.slices.len());
-            self.blocks(part, material, azimuth, &mut blocks);
+            self.blocks(number, material, azimuth, &mut blocks);
             out.push(Above::Coherent(blocks));
             return;
         };
         let Thick { faces, wave, eighth, turn } = material.thick;
+        let mut add = |down: Pair, up: Pair| {
+            if let Some(Above::Thick { top, down: lower, up: raised, .. }) = out.last_mut()
+                && let Some([through, back]) = transparent_face(faces, *top)
+            {
+                (*top, *lower, *raised) = (faces, *lower * through * down, up * back * *raised);
+                return;
+            }
+            out.push(Above::Thick { top: faces, bottom: faces, down, up });
+        };
         let depth = self.k0 * Real::splat(slice.thickness_nm);
         if material.isotropic {
             let wave = wave.scaled(depth).wave();
             let both = Pair::diagonal(wave, wave);
-            out.push(Above::Thick(faces, both, both));
+            add(both, both);
             return;
         }
         // The mean of two thicknesses that differ by a quarter wave, whose phase is undone: what the faces of the layer itself reflect to each
@@ -366,13 +399,21 @@ impl<'a> Group<'a> {
         let (mut down, mut up) = (Pair::diagonal(zero, zero), Pair::diagonal(zero, zero));
         for sign in [1.0, -1.0] {
             let layer = self.layer(material, slice, azimuth, eighth * Real::splat(sign));
-            let inside = from_medium(faces).over(&layer).over(&into_medium(faces));
+            let inside = joined(&joined(&from_medium(faces), &layer), &into_medium(faces));
             let phase = Complex { re: turn.re, im: turn.im * Real::splat(-sign) };
             let phase = Pair::diagonal(phase, phase);
             (down, up) = (down + inside.t * phase, up + inside.t_up * phase);
         }
-        out.push(Above::Thick(faces, down, up));
+        add(down, up);
     }
+}
+
+/// Returns two scattering matrices as one.
+fn joined(above: &Blocks, below: &Blocks) -> Blocks {
+    with_widest_simd(
+        #[inline(always)]
+        || above.over(below),
+    )
 }
 
 /// Returns the values from number `first` on; the last one is repeated.
@@ -426,11 +467,37 @@ fn from_medium([p, s]: [Complex; 2]) -> Blocks {
     }
 }
 
-/// Returns the reflection of a thick layer over one that reflects, with another phase of its waves.
+/// Returns the transmission down and up of a face from one medium to another, given by their faces from the reference, if it reflects less than
+/// [`NO_FACE`].
+fn transparent_face(above: [Complex; 2], below: [Complex; 2]) -> Option<[Pair; 2]> {
+    let one = Complex::splat(1.0);
+    let over = [0, 1].map(|k| (one - above[k] * below[k]).inverse());
+    let is_faint = |k: usize| ((above[k] - below[k]) * over[k]).norm_sqr().max() < NO_FACE;
+    let passed =
+        |by: [Complex; 2]| Pair::diagonal((one - by[0] * by[0]) * over[0], (one - by[1] * by[1]) * over[1]);
+    (is_faint(0) && is_faint(1)).then(|| [passed(above), passed(below)])
+}
+
+/// Returns `r` as waves of a medium see it, from its reflections to the reference: `-f + r (1 - f r)^-1 (1 - f^2)`.
 #[inline(always)]
-fn thick(faces: [Complex; 2], (down, up): (Pair, Pair), phase: Complex, r: Pair) -> Pair {
-    let inside = up * (from_medium(faces).over_reflection(r) * Pair::diagonal(phase, phase)) * down;
-    into_medium(faces).over_reflection(inside)
+fn out_of_medium([p, s]: [Complex; 2], r: Pair) -> Pair {
+    let [[pp, ps], [sp, ss]] = r.0;
+    let one = Complex::splat(1.0);
+    let determinant = pp * ss - ps * sp;
+    let scale = (one - p * pp - s * ss + p * s * determinant).inverse();
+    let (by_p, by_s) = ((one - p * p) * scale, (one - s * s) * scale);
+    Pair([[(pp - s * determinant) * by_p - p, ps * by_s], [sp * by_p, (ss - p * determinant) * by_s - s]])
+}
+
+/// Returns the reflection of a medium with `r` inside, as waves of the reference see it: `f + (1 - f^2) r (1 + f r)^-1`.
+#[inline(always)]
+fn medium_over([p, s]: [Complex; 2], r: Pair) -> Pair {
+    let [[pp, ps], [sp, ss]] = r.0;
+    let one = Complex::splat(1.0);
+    let determinant = pp * ss - ps * sp;
+    let scale = (one + p * pp + s * ss + p * s * determinant).inverse();
+    let (by_p, by_s) = ((one - p * p) * scale, (one - s * s) * scale);
+    Pair([[(pp + s * determinant) * by_p + p, ps * by_p], [sp * by_s, (ss + p * determinant) * by_s + s]])
 }
 
 /// Returns the reflectance for unpolarised light from a medium of these relative admittances.

@@ -35,7 +35,7 @@ kinds! {
         Retarder(Retarder) = "retarder",
         /// A cell with a liquid crystal, whose director depends on the state.
         Cell(Cell) = "cell",
-        /// A cholesteric layer: a helix of many turns, the same in all states.
+        /// A cholesteric layer: a helix of many turns.
         Cholesteric(Cholesteric) = "cholesteric",
         /// A thin isotropic film.
         Film(IsotropicFilm) = "film",
@@ -195,6 +195,18 @@ table! {
         thickness_um: CrystalThickness,
         /// Azimuth of the director at the top.
         azimuth_deg as "Director at the top": AxisAngle = AxisAngle(0.0),
+        /// What the layer is in each state: `"planar"` or `"focal-conic"`. Default: planar in all states.
+        states: Named<HelixState> = Named(Vec::new()),
+    }
+}
+
+choice! {
+    /// Texture of a cholesteric layer.
+    HelixState {
+        /// The helix stands: it reflects its band.
+        Planar = "planar",
+        /// Small domains of all directions, taken as an isotropic medium of the mean permittivity. What they scatter is not computed.
+        FocalConic = "focal-conic",
     }
 }
 

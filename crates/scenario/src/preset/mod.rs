@@ -72,7 +72,7 @@ impl ExampleDisplay {
     };
 
     /// All displays.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::IMOD,
         Self {
             name: "epaper",
@@ -125,6 +125,20 @@ impl ExampleDisplay {
                 ("filter-green.csv", include_str!("filter-green.csv")),
                 ("filter-blue.csv", include_str!("filter-blue.csv")),
             ],
+            panel: None,
+        },
+        Self {
+            name: "mip-lcd",
+            about: "A reflective liquid-crystal cell below a circular polariser, driven by a voltage",
+            text: include_str!("mip-lcd.toml"),
+            files: &[],
+            panel: None,
+        },
+        Self {
+            name: "cholesteric",
+            about: "Electronic paper of three cholesteric layers over black paint",
+            text: include_str!("cholesteric.toml"),
+            files: &[],
             panel: None,
         },
     ];

@@ -12,7 +12,7 @@ use papilio_spectra::{LIQUID_CRYSTAL_RANGE_NM, Spectrum, liquid_crystal, liquid_
 
 use super::Resolver;
 use crate::describe::crystal as describe;
-use crate::describe::crystal::{CellState, CrystalLayer, Handedness, Plate, TransmittedWave};
+use crate::describe::crystal::{CellState, CrystalLayer, Handedness, HelixState, Plate, TransmittedWave};
 use crate::describe::numbers::{AxisAngle, CrystalThickness};
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
@@ -23,6 +23,7 @@ const ONLY_STATE: [&str; 2] = ["cell", "pixel"];
 
 /// Largest number of layers and of slices.
 const MOST_LAYERS: usize = 64;
+const MOST_STATES: usize = 256;
 const MOST_SLICES: usize = 20_000;
 
 /// Largest number of slices of all states x wavelengths, each of which is computed for thousands of directions.
@@ -64,7 +65,7 @@ impl Resolver<'_> {
         let parts: Vec<_> = pixel.stack.iter().map(|layer| self.crystal_layer(layer, &states)).collect();
         let substrate = self.material(&pixel.substrate);
         let inactive_reflectance = self.share(&pixel.inactive_reflectance, pixel.inactive_reflectance.origin);
-        let parts: Vec<CrystalPart> = parts.into_iter().collect::<Option<_>>()?;
+        let parts: Vec<CrystalPart> = parts.into_iter().collect::<Option<Vec<_>>>()?.concat();
         let slices = parts.iter().flat_map(|part| &part.slices).map(Vec::len).sum();
         self.limit(&pixel.stack, "slices", slices, MOST_SLICES)?;
         let work = slices * self.grid.len();
@@ -85,25 +86,28 @@ impl Resolver<'_> {
         })
     }
 
-    /// The names of the states, which all cells that have states have in common.
+    /// The names of the states, which all layers that have states have in common.
     fn crystal_states(&mut self, pixel: &describe::CrystalPixel) -> Option<Vec<String>> {
         let mut first: Option<Vec<String>> = None;
         for layer in pixel.stack.iter() {
-            let CrystalLayer::Cell(cell) = &layer.value else { continue };
-            let names = cell.states.names();
+            let (names, at) = match &layer.value {
+                CrystalLayer::Cell(cell) => (cell.states.names(), cell.states.origin),
+                CrystalLayer::Cholesteric(layer) => (layer.states.names(), layer.states.origin),
+                _ => continue,
+            };
             if names.is_empty() {
                 continue;
             }
-            self.limit(&cell.states, "states", names.len(), 256)?;
+            if names.len() > MOST_STATES {
+                self.errors.push(at, mistake::too_many("states", names.len() as f64, MOST_STATES));
+                return None;
+            }
             match &first {
                 None => first = Some(names),
                 Some(first) if *first != names => {
-                    let wrong = Diagnostic::new("two cells have different states");
-                    let expected = first.join(", ");
-                    self.err(
-                        &cell.states,
-                        wrong.expected(format!("the states of the first cell: {expected}")),
-                    );
+                    let wrong = Diagnostic::new("two layers have different states");
+                    let expected = format!("the states of the first of them: {}", first.join(", "));
+                    self.errors.push(at, wrong.expected(expected));
                     return None;
                 }
                 Some(_) => {}
@@ -114,12 +118,16 @@ impl Resolver<'_> {
         Some(first.unwrap_or_else(|| vec![only.to_owned()]))
     }
 
-    fn crystal_layer(&mut self, layer: &Spanned<CrystalLayer>, states: &[String]) -> Option<CrystalPart> {
-        match &layer.value {
+    fn crystal_layer(
+        &mut self,
+        layer: &Spanned<CrystalLayer>,
+        states: &[String],
+    ) -> Option<Vec<CrystalPart>> {
+        let part = match &layer.value {
             CrystalLayer::Polariser(polariser) => self.polariser(polariser),
             CrystalLayer::Retarder(retarder) => self.retarder(retarder),
             CrystalLayer::Cell(cell) => self.cell(cell, states),
-            CrystalLayer::Cholesteric(layer) => self.cholesteric(layer),
+            CrystalLayer::Cholesteric(layer) => return self.cholesteric(layer, states),
             CrystalLayer::Film(film) => {
                 self.check_nm("display.pixel.stack.thickness_nm", film.thickness_nm.0);
                 let index = self.material(&film.material)?;
@@ -130,7 +138,8 @@ impl Resolver<'_> {
                 let thickness_nm = 1e3 * pane.thickness_um.0;
                 Some(uniform([index.clone(), index.clone(), index], (0.0, 0.0), thickness_nm, false))
             }
-        }
+        };
+        part.map(|part| vec![part])
     }
 
     fn polariser(&mut self, polariser: &describe::Polariser) -> Option<CrystalPart> {
@@ -293,7 +302,12 @@ impl Resolver<'_> {
         }
         let [ordinary, extraordinary] = indices?;
         self.check_fringes("gap_um", &cell.gap_um, &extraordinary)?;
-        Some(CrystalPart { indices: [extraordinary, ordinary.clone(), ordinary], slices, coherent: true })
+        Some(CrystalPart {
+            indices: [extraordinary, ordinary.clone(), ordinary],
+            slices,
+            repeats: 1,
+            coherent: true,
+        })
     }
 
     fn cell_state(
@@ -455,23 +469,61 @@ impl Resolver<'_> {
         Some([0, 1].map(|k| indices.iter().map(|n| n[k].into()).collect()))
     }
 
-    fn cholesteric(&mut self, layer: &describe::Cholesteric) -> Option<CrystalPart> {
+    /// A helix of whole turns, the rest of a turn below it, and what the layer is in focal conic states.
+    fn cholesteric(&mut self, layer: &describe::Cholesteric, states: &[String]) -> Option<Vec<CrystalPart>> {
         let [ordinary, extraordinary] = [&layer.n_o, &layer.n_e].map(|n| self.material(n));
         let azimuth_deg = self.azimuth(&layer.azimuth_deg, "azimuth_deg")?;
         let thickness_nm = 1e3 * layer.thickness_um.0;
-        let turns = thickness_nm / layer.pitch_nm.0;
-        let slices = (SLICES_OF_A_TURN * turns).ceil().max(1.0) as usize;
-        self.limit(&layer.thickness_um, "slices (40 a turn)", slices, MOST_SLICES)?;
-        // Clockwise away from the viewer is right-handed.
-        let turn_deg = match layer.handedness.value {
-            Handedness::Right => -360.0 * turns,
-            Handedness::Left => 360.0 * turns,
-        };
-        let slices = sliced(thickness_nm, slices, |depth| (azimuth_deg + turn_deg * depth, 0.0));
         let (ordinary, extraordinary) = (ordinary?, extraordinary?);
         self.check_fringes("thickness_um", &layer.thickness_um, &extraordinary)?;
-        let indices = [extraordinary, ordinary.clone(), ordinary];
-        Some(CrystalPart { indices, slices: vec![slices], coherent: true })
+        let turns = thickness_nm / layer.pitch_nm.0;
+        // Clockwise away from the viewer is right-handed.
+        let turn_deg = match layer.handedness.value {
+            Handedness::Right => -360.0,
+            Handedness::Left => 360.0,
+        };
+        let helix = |turns: f64| {
+            let count = (SLICES_OF_A_TURN * turns).ceil().max(1.0) as usize;
+            sliced(layer.pitch_nm.0 * turns, count, |depth| (azimuth_deg + turn_deg * turns * depth, 0.0))
+        };
+        let nothing = || vec![CrystalSlice { axes: axes(azimuth_deg, 0.0, 0.0), thickness_nm: 0.0 }];
+        let shapes: Vec<HelixState> = match layer.states.0.is_empty() {
+            true => vec![HelixState::Planar],
+            false => layer.states.0.iter().map(|state| state.value.value).collect(),
+        };
+        debug_assert!(shapes.len() == 1 || shapes.len() == states.len(), "states are checked before");
+        let planar = |slices: Vec<CrystalSlice>| -> Vec<Vec<CrystalSlice>> {
+            let of =
+                |shape: &HelixState| if *shape == HelixState::Planar { slices.clone() } else { nothing() };
+            shapes.iter().map(of).collect()
+        };
+        let indices = [extraordinary.clone(), ordinary.clone(), ordinary.clone()];
+        let part =
+            |slices, repeats| CrystalPart { indices: indices.clone(), slices, repeats, coherent: true };
+        let whole = (turns + 1e-9).floor();
+        let rest = turns - whole;
+        let mut parts = Vec::new();
+        if whole > 0.0 {
+            parts.push(part(planar(helix(1.0)), whole as usize));
+        }
+        if rest > 1e-9 {
+            parts.push(part(planar(helix(rest)), 1));
+        }
+        if shapes.contains(&HelixState::FocalConic) {
+            // Small domains of all directions: the mean of the permittivity.
+            let mean: Vec<Complex64> = ordinary
+                .iter()
+                .zip(&extraordinary)
+                .map(|(o, e)| ((2.0 * o * o + e * e) / 3.0).sqrt())
+                .collect();
+            let slice = |thickness_nm| vec![CrystalSlice { axes: axes(0.0, 0.0, 0.0), thickness_nm }];
+            let of =
+                |shape: &HelixState| slice(if *shape == HelixState::FocalConic { thickness_nm } else { 0.0 });
+            let slices = shapes.iter().map(of).collect();
+            let indices = [mean.clone(), mean.clone(), mean];
+            parts.push(CrystalPart { indices, slices, repeats: 1, coherent: true });
+        }
+        Some(parts)
     }
 
     fn azimuth(&mut self, angle: &Spanned<AxisAngle>, key: &str) -> Option<f64> {
@@ -540,7 +592,7 @@ fn uniform(
     coherent: bool,
 ) -> CrystalPart {
     let slice = CrystalSlice { axes: axes(azimuth_deg, tilt_deg, 0.0), thickness_nm };
-    CrystalPart { indices, slices: vec![vec![slice]], coherent }
+    CrystalPart { indices, slices: vec![vec![slice]], repeats: 1, coherent }
 }
 
 #[cfg(test)]

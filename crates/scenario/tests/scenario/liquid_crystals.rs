@@ -60,7 +60,7 @@ fn layers_have_the_indices_and_axes_of_the_scenario() {
     assert!(!parts[0].coherent && !parts[4].coherent && parts[5].coherent);
     // Left-handed: counter-clockwise downwards.
     let turned = &parts[5].slices[0];
-    assert_eq!(turned.len(), 80);
+    assert_eq!((turned.len(), parts[5].repeats), (40, 2));
     assert!(turned[0].axes[0][1] > 0.0);
     let (white, black) = (&parts[7].slices[0], &parts[7].slices[1]);
     assert_eq!((white.len(), black.len()), (40, 40));
@@ -94,6 +94,89 @@ fn directors_come_from_a_file_by_depth() {
     close(axis[1].atan2(axis[0]).to_degrees(), 5.0 + 60.0 * 9.5 / 40.0);
 }
 
+/// The director of each state is that of the relaxation, and the threshold shows: nothing moves at 1 V, the middle lies at 10 V.
+#[test]
+fn directors_follow_from_voltages() {
+    let driven = GOOD.replace(
+        "pretilt_deg = 2, states = { white = { tilt_deg = 80 }, black = { twist_deg = 60 } }",
+        "pretilt_deg = 89, K11_pN = 16.7, K22_pN = 7, K33_pN = 18.1, epsilon_parallel = 3.6, epsilon_perpendicular = 7.8, \
+         states = { white = { volts = 10 }, black = { volts = 1 }, flat = { tilt_deg = 3 } }",
+    );
+    let slices = pixel(&driven).parts.pop().unwrap().slices;
+    let tilt_deg = |state: usize, slice: usize| slices[state][slice].axes[0][2].asin().to_degrees();
+    assert!(tilt_deg(0, 20) < 5.0 && tilt_deg(0, 0) > 45.0, "{} {}", tilt_deg(0, 20), tilt_deg(0, 0));
+    assert!((0..40).all(|slice| tilt_deg(1, slice) > 88.0));
+    close(tilt_deg(2, 10), 3.0);
+}
+
+/// Turns of a helix are one list of slices that repeats; a focal conic state has none of it, but an isotropic layer of the same thickness.
+#[test]
+fn cholesteric_layers_have_textures() {
+    let text = r#"[spectrum]
+range_nm = [400, 700]
+step_nm = 50
+
+[display.pixel]
+model = "liquid-crystal"
+substrate = "Al"
+stack = [
+  { kind = "cholesteric", pitch_nm = 400, handedness = "right", n_o = 1.5, n_e = 1.7, thickness_um = 4.1, states = { white = "planar", black = "focal-conic" } },
+]
+"#;
+    let CrystalPixel { parts, states, .. } = pixel(text);
+    assert_eq!(states, ["white", "black"]);
+    let thickness = |part: usize, state: usize| -> f64 {
+        let slices = &parts[part].slices[state];
+        parts[part].repeats as f64 * slices.iter().map(|slice| slice.thickness_nm).sum::<f64>()
+    };
+    assert_eq!((parts.len(), parts[0].repeats, parts[0].slices[0].len()), (3, 10, 40));
+    close(thickness(0, 0), 4000.0);
+    close(thickness(1, 0), 100.0);
+    for (part, state, expected) in [(2, 0, 0.0), (0, 1, 0.0), (1, 1, 0.0), (2, 1, 4100.0)] {
+        close(thickness(part, state), expected);
+    }
+    close(parts[2].indices[0][0].re, ((2.0 * 1.5_f64 * 1.5 + 1.7 * 1.7) / 3.0).sqrt());
+}
+
+#[test]
+fn polarisers_come_from_tables() {
+    let name = format!("papilio-polariser-{}.csv", Dice::new(8, u64::from(std::process::id())).bits());
+    let path = std::env::temp_dir().join(name);
+    let table = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        let file = format!("file = {:?}", path.display().to_string());
+        GOOD.replace("transmittance = 0.44, extinction = 1e-4", &file)
+    };
+    let of_k = pixel(&table("wavelength_nm,k_absorbed,k_transmitted\n400,0.03,1e-4\n700,0.02,2e-4\n")).parts;
+    let ratios = table("wavelength_nm,transmittance,extinction\n400,0.44,1e-4\n700,0.44,1e-4\n");
+    let (of_ratio, usual) = (pixel(&ratios).parts, pixel(GOOD).parts);
+    let short = table("wavelength_nm,transmittance,extinction\n400,0.44,1e-4\n650,0.44,1e-4\n");
+    let message = resolve(&short, Path::new(""), &[]).err().unwrap().to_string();
+    std::fs::remove_file(&path).unwrap();
+    close(of_k[0].indices[0][0].im, 0.03);
+    close(of_k[0].indices[1][6].im, 2e-4);
+    for axis in [0, 1, 2] {
+        close(of_ratio[0].indices[axis][3].im, usual[0].indices[axis][3].im);
+    }
+    assert!(message.contains("650"), "{message}");
+}
+
+/// A gap in nm, taken for um, is refused before anything is computed; fringes finer than the grid are noted.
+#[test]
+fn fringes_that_nothing_resolves_are_refused_or_noted() {
+    let thick = GOOD.replace("gap_um = 3.2", "gap_um = 3200");
+    let message = resolve(&thick, Path::new(""), &[]).err().unwrap().to_string();
+    for part in [
+        "`gap_um` = 3200 makes",
+        "interference fringes between 400 and 700 nm",
+        "did you mean 3.2 (from nm)?",
+    ] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    let noted = resolve(&GOOD.replace("gap_um = 3.2", "gap_um = 60"), Path::new(""), &[]).unwrap();
+    assert!(noted.notes.iter().any(|note| note.contains("fringes in a step of 50 nm")), "{:?}", noted.notes);
+}
+
 #[test]
 fn mistakes_are_explained() {
     for (from, to, expected) in [
@@ -104,13 +187,22 @@ fn mistakes_are_explained() {
         ("n_o = 1.50, n_e = 1.60", "liquid_crystal = \"E8\"", "there is no liquid crystal `E8`"),
         ("n_o = 1.50, ", "n_o = 1.50, liquid_crystal = \"E7\", ", "cannot be combined"),
         ("black = { twist_deg = 60 }", "black = {}", "the state `black` has no director"),
-        ("transmittance = 0.44", "transmittance = 0.55", "a transmittance of 0.55 needs 1.09989"),
         ("material = 1.52 }", "material = 1.52, thickness_nm = 500 }", "write `thickness_um`, in this unit"),
         (
             "[display.pixel]",
             "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n[display.diffuser]\nmodel = \"lambertian\"\ntransmittance = 0.9\n[display.pixel]",
             "depends on azimuth, which a display with a diffuser does not compute yet",
         ),
+        ("black = { twist_deg = 60 }", "black = { volts = 5 }", "needs the constants of the liquid crystal"),
+        ("black = { twist_deg = 60 }", "black = { volts = 5, twist_deg = 60 }", "cannot be combined"),
+        ("black = { twist_deg = 60 }", "black = { volts = -5 }", "-5"),
+        ("gap_um = 3.2,", "gap_um = 3.2, K11_pN = 10,", "this cell has no `K22_pN`"),
+        (
+            "axis_deg = 10, transmittance",
+            "axis_deg = 10, file = \"a.csv\", transmittance",
+            "cannot be combined",
+        ),
+        ("transmittance = 0.44", "transmittance = 0.55", "this polariser would transmit 1.09989"),
         ("extinction = 1e-4", "extinction = 0", "extinction above 0"),
         ("plate = \"C\", retardance_nm = -100", "retardance_nm = -100", "this retarder has no axis"),
         (
@@ -130,7 +222,7 @@ fn mistakes_are_explained() {
         (
             "twist_deg = 63.6, pretilt_deg = 2, states",
             "states = { a = { tilt_deg = 1 } } }, { kind = \"cell\", gap_um = 1, n_o = 1.5, n_e = 1.6, states",
-            "two cells have different states",
+            "two layers have different states",
         ),
     ] {
         assert!(GOOD.contains(from), "{from}");

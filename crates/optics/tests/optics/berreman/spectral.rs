@@ -42,11 +42,16 @@ fn part(dice: &mut Dice, count: usize, states: usize, contrast: f64) -> Part {
         let birefringence = dice.of([0.0, 0.01]);
         let more = |share: f64| indices[0].iter().map(|n| n + share * birefringence).collect();
         indices = [more(1.0), more(0.0), more(0.3)];
-        return Part { indices, slices: vec![slices(dice, 1, 1e5)], coherent: false };
+        return Part { indices, slices: vec![slices(dice, 1, 1e5)], repeats: 1, coherent: false };
     }
     let lists = if dice.one_in(2) { states } else { 1 };
     let most = dice.of([1, 5]);
-    Part { indices, slices: (0..lists).map(|_| slices(dice, most, 700.0)).collect(), coherent: true }
+    let mut all: Vec<Vec<Slice>> = (0..lists).map(|_| slices(dice, most, 700.0)).collect();
+    if dice.one_in(3) {
+        let last = all.len() - 1;
+        all[last] = all[0].clone();
+    }
+    Part { indices, slices: all, repeats: dice.of([1, 1, 2, 5]), coherent: true }
 }
 
 fn case(dice: &mut Dice) -> Case {
@@ -101,7 +106,8 @@ fn many_wavelengths_and_states_equal_one_by_one() {
 fn one(case: &Case, state: usize, bin: usize) -> f64 {
     let layers = case.parts.iter().flat_map(|part| {
         let slices = &part.slices[if part.slices.len() == 1 { 0 } else { state }];
-        slices.iter().map(|slice| AnisotropicLayer {
+        let turns = std::iter::repeat_n(slices, part.repeats).flatten();
+        turns.map(|slice| AnisotropicLayer {
             dielectric: Dielectric::biaxial(part.indices.each_ref().map(|n| n[bin]), slice.axes).unwrap(),
             thickness_nm: slice.thickness_nm,
             coherent: part.coherent,
@@ -117,7 +123,8 @@ fn one(case: &Case, state: usize, bin: usize) -> f64 {
 fn invalid_stacks_are_refused() {
     let index = vec![Complex64::new(1.5, 0.0)];
     let slice = Slice { axes: axes(0.0, 0.0, 0.0), thickness_nm: 100.0 };
-    let part = |indices: [Vec<Complex64>; 3], slices, coherent| Part { indices, slices, coherent };
+    let part =
+        |indices: [Vec<Complex64>; 3], slices, coherent| Part { indices, slices, repeats: 1, coherent };
     let glass = [index.clone(), index.clone(), index.clone()];
     let new = |parts: &[Part]| SpectralStack::new(&[550.0], &[1.0], parts, &index).map(|_| ()).unwrap_err();
     assert!(new(&[part(glass.clone(), vec![vec![slice; 2]], false)]).to_string().contains("one slice"));
