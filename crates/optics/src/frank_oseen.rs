@@ -122,6 +122,9 @@ pub fn director(cell: &DrivenCell) -> Result<Profile, OpticsError> {
 /// A function of tilt with its first two derivatives.
 type Jet = [f64; 3];
 
+/// A factor, and the function of tilt by whose integral it is divided.
+type Integral = (f64, fn(&Problem, f64) -> Jet);
+
 /// The energy in units of pN, as a function of the tilts.
 struct Problem {
     elastic: [f64; 3],
@@ -179,7 +182,7 @@ impl Problem {
     }
 
     /// The energies `c/(integral of w)`: c and w of the twist and of the field.
-    fn integrals(&self) -> [(f64, fn(&Self, f64) -> Jet); 2] {
+    fn integrals(&self) -> [Integral; 2] {
         [
             (0.5 * self.twist * self.twist, Self::over_twist),
             (-0.5 * EPSILON_0 * self.square_volts, Self::over_permittivity),
