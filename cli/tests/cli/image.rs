@@ -464,7 +464,7 @@ fn wrong_input_is_answered() {
         (vec![good, "--set", "image.states=[\"red\",\"red\"]"], "the state `red` is listed twice"),
         (vec![good, "--set", "image.kernel=\"floyd\""], "floyd-steinberg"),
         (vec![good, "--set", "viewer.theta_deg=[0,10]"], "computed for one view"),
-        (vec![good, "--set", "image.states=[\"white\"]"], "2 to 64"),
+        (vec![good, "--set", "image.states=[\"white\"]"], "the state `white` alone"),
         (
             vec![good, "--set", "image.intent=\"relative\"", "--set", "image.contrast=1.2"],
             "contrast is a factor on natural and vivid pictures",

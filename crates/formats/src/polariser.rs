@@ -55,7 +55,12 @@ pub fn read_polariser(file: &DataFile) -> Result<PolariserTable, FormatError> {
     let mut all = [Vec::new(), Vec::new(), Vec::new()];
     for row in rows {
         row.expect_cells(header.count, "three columns, as in the header")?;
-        all[0].push(nm.number(&row)?);
+        let at = nm.number(&row)?;
+        if let Some(before) = all[0].last().filter(|before| at <= **before) {
+            let wrong = Diagnostic::new(format!("{at} nm does not follow {before} nm"));
+            return Err(row.error(wrong.expected("ascending wavelengths").into()));
+        }
+        all[0].push(at);
         for (values, column) in all[1..].iter_mut().zip(columns) {
             values.push(if of_k {
                 column.number_within(&row, "an extinction coefficient", (0.0, 100.0), "0 to 100")?

@@ -23,6 +23,7 @@ fn scenario(table: &str, line: &str) -> String {
         "display.pixel" => {
             format!("[display.pixel]\nmodel = \"measured\"\nfile = {{ white = \"a.bsdf\" }}\n{line}\n")
         }
+        "lighting" => format!("{PIXEL}[lighting]\n{line}\n"),
         "lighting.environment.*" => format!(
             "{PIXEL}[[lighting.environment]]\nmodel = \"luminaire\"\nshare = 1\nfile = \"a.ies\"\nelevation_deg = 40\n\
              distance_m = 2\n{line}\n"

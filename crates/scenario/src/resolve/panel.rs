@@ -9,7 +9,7 @@ use super::Resolver;
 use super::layers::{Neighbours, Part, length};
 use super::stack::Stack;
 use crate::describe::File;
-use crate::describe::crystal::CrystalLayer;
+use crate::describe::crystal::{CrystalLayer, Plate};
 use crate::describe::diffuser::Diffuser;
 use crate::describe::display as describe;
 use crate::describe::display::ShareSpectrum;
@@ -132,8 +132,10 @@ impl Resolver<'_> {
     /// Refuses a liquid-crystal pixel below a diffuser; returns whether it did.
     fn refuses_crystal(&mut self, display: &describe::Display) -> bool {
         let Pixel::Crystal(pixel) = &display.pixel.value else { return false };
-        let of_azimuth = |layer: &Spanned<CrystalLayer>| {
-            !matches!(layer.value, CrystalLayer::Film(_) | CrystalLayer::Slab(_))
+        let of_azimuth = |layer: &Spanned<CrystalLayer>| match &layer.value {
+            CrystalLayer::Film(_) | CrystalLayer::Slab(_) => false,
+            CrystalLayer::Retarder(one) => one.plate.value != Plate::C,
+            _ => true,
         };
         let refused = pixel.value.stack.iter().any(of_azimuth);
         if refused {
