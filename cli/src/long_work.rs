@@ -1,7 +1,7 @@
 //! Work of many hours: it is stopped soon after its begin, unless `--allow-long` is given.
 //!
 //! Bounds of memory, and of work that shows no progress, are checked before anything is computed
-//! (docs/limits.md). What remains is work that goes on as it should, but for very long: a large number of paths,
+//! (docs/limits.md). What remains is work that makes progress, but takes very long: a large number of paths,
 //! rays, samples or points. Its time is known from its own progress after [`JUDGED_AFTER`].
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

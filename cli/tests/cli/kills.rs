@@ -23,7 +23,7 @@ struct Killed {
     command: &'static str,
     /// Changes of keys that make it fast.
     sets: &'static [&'static str],
-    /// Whether it goes on where it was killed: others begin again.
+    /// Whether it is resumed; others begin again.
     is_resumed: bool,
 }
 

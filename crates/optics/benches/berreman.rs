@@ -53,7 +53,7 @@ fn stack(thick: bool) -> SpectralStack {
 #[divan::bench(args = [false, true], sample_count = 5, sample_size = 1)]
 fn fifty_inclinations_and_36_azimuths(bencher: divan::Bencher<'_, '_>, thick: bool) {
     let stack = stack(thick);
-    // Unpolarised light of opposite azimuths is reflected alike (reciprocity).
+    // By reciprocity, unpolarised light is reflected in the same way towards opposite azimuths.
     let azimuths_deg: Vec<f64> = (0..18).map(|k| 10.0 * f64::from(k)).collect();
     let mut out = vec![0.0; 18 * 2 * BINS];
     bencher.counter(ItemsCount::new(2 * BINS * 50 * 36)).bench_local(|| {

@@ -8,7 +8,7 @@
 //! **Values.** 0, 1e-300, 1e-6, 1e6, 1e300, both ends of the range, and the nearest numbers below and above them.
 //!
 //! **Parts.** The full run writes each case that passes into `target/extremes/`, and does not repeat it while the
-//! program is the same: an interrupted run goes on where it was. `PAPILIO_EXTREMES=haze` tries all cases with a word;
+//! program is the same: an interrupted run is resumed. `PAPILIO_EXTREMES=haze` tries all cases with a word;
 //! `PAPILIO_PROGRESS_SECONDS=2` shows progress sooner, so that long cases end sooner.
 
 mod keys;

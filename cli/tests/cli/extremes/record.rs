@@ -1,4 +1,4 @@
-//! Cases that have passed, in a file: a full run that was interrupted goes on where it was.
+//! Cases that have passed, in a file: a full run that was interrupted is resumed.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};

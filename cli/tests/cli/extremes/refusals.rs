@@ -91,7 +91,7 @@ fn what_would_take_hours_is_refused_with_its_key() {
     assert!(String::from_utf8(output.stdout).unwrap().contains("seen from 1e-300 deg"));
 }
 
-/// Paths, rays and samples of years: the command ends soon with what would help, unless it is told to go on.
+/// Paths, rays and samples that would take years: the command ends soon, with a hint, unless `--allow-long` is given.
 #[test]
 fn work_of_years_is_refused_as_soon_as_its_time_is_known() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -116,7 +116,7 @@ fn work_of_years_is_refused_as_soon_as_its_time_is_known() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
         assert!(said.contains("--allow-long") || said.contains("at most"), "{arguments:?}: {said}");
     }
-    // Told to go on, it does.
+    // With `--allow-long`, it is computed.
     let folder = tempfile::tempdir().unwrap();
     let mut child =
         started(&[&paths[..], &["--allow-long"]].concat(), "scenarios/indoor.toml", folder.path());

@@ -11,7 +11,7 @@
 //! and a lobe of Cauchy's kind its way is that of 5 passes of the first order and 4 of the air,
 //! `|OTF|^(5 + 4 n g/d)`. The coarse level takes the shape of the first order for all light, so that the
 //! error of a result, the difference of levels, bounds that of the estimate; where both cross, a third shape, with
-//! twice the exponent, bounds it ([`Level::is_broader`]). Y itself, and what is seen of
+//! four times the exponent, bounds it ([`Level::is_broader`]). Y itself, and what is seen of
 //! pages, is exact. `q` is about the reflectance of the front times that of the pixel, some 1e-2.
 //! `adding::LayeredSpread` follows this light exactly, in seconds instead of milliseconds.
 
@@ -39,8 +39,9 @@ const HIGHEST: f64 = 16.0;
 /// Frequencies of a pattern, as multiples of the lowest one, end here.
 const MOST_WAVES: u32 = 20;
 
-/// Factor of the exponent of the blur of light that returns later, in the broader of its estimates.
-const BROADER: f64 = 2.0;
+/// Factor of the exponent of the blur of light that returns later, in the broader of its estimates. What paths show of displays with film pixels,
+/// mirrors and a front of 0.15 is between both (with a factor of 2, not all of it).
+const BROADER: f64 = 4.0;
 
 /// Less returned light than this does not count.
 const NOTHING: f64 = 1e-9;

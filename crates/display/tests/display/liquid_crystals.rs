@@ -1,10 +1,12 @@
 //! Liquid-crystal pixels from the scenario to the result, in all azimuths.
 
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::pixel::scan_at;
 use papilio_display::scene::Scene;
 use papilio_display::{BrdfGrid, Control, DisplayError};
+use papilio_scenario::Scenario;
 
 use crate::common::{run, scenario, walked};
 
@@ -149,6 +151,13 @@ fn computations_without_azimuth_are_refused() {
     let diffuser = "display.diffuser={ model = \"k-correlation\", haze = 0.5, total_transmittance = 0.9 }";
     let diffused = scenario("mip-lcd", &[TWISTED, diffuser, "display.glass={ index = 1.5 }"]);
     assert!(diffused.unwrap_err().to_string().contains("depends on azimuth"));
+    let layered = "[spectrum]\nrange_nm = [400, 720]\nstep_nm = 80\n[display]\nlayers = [\n\
+        { kind = \"diffuser\", model = \"k-correlation\", haze = 0.5, total_transmittance = 0.9 }, { kind = \"medium\", index = 1.5 } ]\n\
+        [display.pixel]\nmodel = \"liquid-crystal\"\nsubstrate = \"Ag\"\n\
+        stack = [ { kind = \"polariser\", axis_deg = 20 }, { kind = \"retarder\", axis_deg = 65, retardance_nm = 150 } ]\n";
+    let layered =
+        Scenario::from_text(layered, "layered.toml", Path::new(""), &[]).unwrap().resolve().unwrap().scene;
+    assert!(matches!(run(&layered), Err(DisplayError::Azimuth { .. })));
     let stop = AtomicBool::new(false);
     let control = Control { threads: None, progress: &|_| {}, stop: &stop };
     let grid = BrdfGrid { theta_i_deg: vec![0.0], theta_o_deg: vec![0.0], dphi_deg: vec![0.0] };

@@ -3,8 +3,8 @@
 //! Each display is compared once: X, Y, Z of each state and its ledger. Where the noise of Monte Carlo is most of the
 //! difference, its z-scores are collected; where the stated error of adding is, the error of adding must hold.
 //!
-//! The full run writes each display into `target/random/wide.txt` and does not repeat it: an interrupted run goes on
-//! where it was. Delete the file after a change of a solver. `PAPILIO_WIDE=0..300` selects displays, and
+//! The full run writes each display into `target/random/wide.txt` and does not repeat it: an interrupted run is
+//! resumed. Delete the file after a change of a solver. `PAPILIO_WIDE=0..300` selects displays, and
 //! `target/random/z-scores.svg` shows the scores of all displays of the file.
 
 use std::collections::BTreeMap;

@@ -48,6 +48,7 @@ export function Tabs({ tabs, open, name: all, show }: Props) {
         ))}
       </div>
       <div id="tab-panel" role="tabpanel" aria-labelledby={`tab-${current.id}`}>
+        <h2 class="spoken">{current.name}</h2>
         {current.body()}
       </div>
     </section>

@@ -150,6 +150,8 @@ test("refused value does not block the next change", async () => {
   const scenario = await saved(page);
   assert.match(scenario, /haze = 0\.78/);
   assert.match(scenario, /theta_deg = 9/);
+  // The refused value, and nothing else.
+  assert.deepEqual(on.complaints.splice(0).filter((words) => !/status of 422/.test(words)), []);
 });
 
 test("layers that are added keep every comment of the text", async () => {

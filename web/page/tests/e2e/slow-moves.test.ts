@@ -62,10 +62,13 @@ const move = (page: Page, key: string, value: number): Promise<{ first: Seen; ex
     async ([key, value, lost]) => {
       const field = document.getElementById(`f-${key}`) as HTMLInputElement;
       const [trace, white] = [".trace", '[data-figure="White % Y"] b'].map((at) => document.querySelector(at)!);
-      const before = trace!.textContent;
+      // Without the mark of a result of the design before, which comes at once.
+      const isMark = (node: Node): boolean => node instanceof HTMLElement && node.classList.contains("age-mark");
+      const words = (): string => [...trace!.childNodes].filter((node) => !isMark(node)).map((node) => node.textContent).join("").trim();
+      const before = words();
       const from = performance.now();
       const until = async (isReached: (text: string) => boolean) => {
-        const isThere = (): boolean => trace!.textContent !== before && isReached(trace!.textContent!);
+        const isThere = (): boolean => ![...trace!.childNodes].some(isMark) && words() !== before && isReached(words());
         await new Promise<void>((resolve) => {
           const watch = new MutationObserver(() => isThere() && (watch.disconnect(), resolve()));
           watch.observe(trace!, { childList: true, characterData: true, subtree: true });
@@ -81,7 +84,7 @@ const move = (page: Page, key: string, value: number): Promise<{ first: Seen; ex
           }),
         );
         if (!isThere()) return null;
-        const error = Number(/\u00b1([\d.e\u2212-]+) %/.exec(trace!.textContent!)?.[1]!.replace("\u2212", "-"));
+        const error = Number(/\u00b1([\d.e\u2212-]+) %/.exec(words())?.[1]!.replace("\u2212", "-"));
         return { ms: performance.now() - from, white: Number(white!.textContent!.split(" ")[0]), error: error / 100 };
       };
       field.value = String(value);
