@@ -11,6 +11,7 @@
 //! is within its unknowns. Without a standard deviation of the measurement there is no verdict.
 
 mod brdf;
+mod figures;
 mod page;
 mod predicted;
 #[cfg(test)]
@@ -26,6 +27,7 @@ use serde::{Deserialize, Serialize};
 use crate::ReproductionError;
 use crate::displays::write_example;
 pub use brdf::BrdfComparison;
+pub use figures::{SampleFigure, figures};
 pub use page::{in_words, report};
 pub use predicted::{CasePrediction, Prediction, Verdict, predict};
 
@@ -133,12 +135,25 @@ impl SampleList {
     pub fn parse(text: &str, name: &str) -> Result<Self, ReproductionError> {
         let list: Self = toml::from_str(text)
             .map_err(|error| ReproductionError::List(format!("{name}: {}", error.to_string().trim_end())))?;
-        match list.samples.iter().find(|sample| sample.cases.is_empty()) {
-            Some(Sample { name: sample, .. }) => Err(ReproductionError::List(format!(
-                "{name}: the sample `{sample}` has no `cases`; expected at least one, such as cases = [{{ name = \"one\" }}]"
-            ))),
-            None => Ok(list),
+        let refused = |text: String| Err(ReproductionError::List(format!("{name}: {text}")));
+        for (number, sample) in list.samples.iter().enumerate() {
+            let own = &sample.name;
+            let plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+            if own.is_empty() || own.starts_with('.') || !own.chars().all(plain) {
+                return refused(format!(
+                    "the sample name \"{own}\" is not the name of a file; expected letters, digits, `-`, `_`, such as \"panel-17\""
+                ));
+            }
+            if list.samples[..number].iter().any(|other| other.name == *own) {
+                return refused(format!("two samples are called `{own}`; expected a name for each"));
+            }
+            if sample.cases.is_empty() {
+                return refused(format!(
+                    "the sample `{own}` has no `cases`; expected at least one, such as cases = [{{ name = \"one\" }}]"
+                ));
+            }
         }
+        Ok(list)
     }
 
     /// Writes the shipped list and its files to a folder, and reads it.
