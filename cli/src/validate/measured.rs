@@ -144,7 +144,8 @@ fn of_sample(name: &str, error: &ReproductionError) -> String {
 
 /// The table of all samples.
 fn text(samples: &[Prediction]) -> String {
-    let head = ["sample", "verdict", "rms difference", "of", "rms z", "with unknowns", "mean dE2000"];
+    let head =
+        ["sample", "verdict", "rms difference", "of", "rms z", "with unknowns", "mean dE2000", "peaks (nm)"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     let value = |value: Option<f64>, decimals: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
@@ -158,6 +159,7 @@ fn text(samples: &[Prediction]) -> String {
             value(sample.z_rms, 2),
             value(sample.z_rms_with_unknowns, 2),
             value(sample.delta_e_2000_mean, 2),
+            value(sample.peak_difference_rms_nm, 1),
         ]
     }));
     let table = crate::report::table(&rows);

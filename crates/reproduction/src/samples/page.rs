@@ -32,6 +32,7 @@ fn summary(samples: &[Prediction]) -> Table {
         "rms z",
         "rms z with unknowns",
         "mean dE2000",
+        "peaks, rms nm",
     ]);
     for sample in samples {
         let value = |value: Option<f64>| value.map_or("-".to_owned(), |value| number(value, 2));
@@ -43,6 +44,7 @@ fn summary(samples: &[Prediction]) -> Table {
             value(sample.z_rms),
             value(sample.z_rms_with_unknowns),
             value(sample.delta_e_2000_mean),
+            value(sample.peak_difference_rms_nm),
         ]);
     }
     table

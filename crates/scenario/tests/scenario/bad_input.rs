@@ -31,28 +31,28 @@ const SPHERES: &[Case] = &[
     (
         "diffuse = 0.5",
         "diffuse = 0.5\nspot_mm = 4",
-        (35, 11),
+        (33, 11),
         &["the part of a port", "expected `port_mm` beside it"],
     ),
     (
         "diffuse = 0.5",
         "diffuse = 0.5\nsample_mm = 4",
-        (35, 13),
+        (33, 13),
         &["the size of a sample at the port", "`port_mm`"],
     ),
     (
         "diffuse = 0.5",
         "diffuse = 0.5\nport_mm = 8\nspot_mm = 9",
-        (36, 11),
+        (34, 11),
         &["9 is out of range", "the diameter of the port, 8 mm"],
     ),
     (
         "diffuse = 0.5",
         "diffuse = 0.5\nport_mm = 8\nspot_mm = 5\nsample_mm = 4",
-        (36, 11),
+        (34, 11),
         &["5 is out of range", "the diameter of the sample, 4 mm"],
     ),
-    ("diffuse = 0.5", "diffuse = 0.5\nport_mm = 8", (35, 11), &["light from a lamp", "d8-included"]),
+    ("diffuse = 0.5", "diffuse = 0.5\nport_mm = 8", (33, 11), &["light from a lamp", "d8-included"]),
 ];
 
 const KEYS_AND_TYPES: &[Case] = &[
