@@ -49,14 +49,14 @@ pub(super) fn run(arguments: &Validate, name: Option<&str>) -> Result<(), Failur
         stdout.write_all(text(&result.samples).as_bytes())?;
     }
     stdout.flush()?;
-    if let Some(folder) = &folder {
+    if let Some(folder) = folder.filter(|_| !result.samples.is_empty()) {
         let page = report(&result.samples).html();
         write_file(&folder.join("samples.json"), |out| write_json(out, &result))?;
         write_file(&folder.join("report.html"), |out| out.write_all(page.as_bytes()))?;
         // Figures of an earlier list could be mistaken for those of this one.
-        output::remove(folder, |name| name.starts_with("sample-") && name.ends_with(".svg"))?;
+        output::remove(&folder, |name| name.starts_with("sample-") && name.ends_with(".svg"))?;
         let figures = result.samples.iter().flat_map(figures).map(|one| (one.name, one.svg));
-        let names = output::write_figures(folder, figures.collect(), false)?;
+        let names = output::write_figures(&folder, figures.collect(), false)?;
         let all = [vec!["report.html".to_owned(), "samples.json".to_owned()], names].concat().join(", ");
         print_message(&format!("wrote {}: {all}", folder.display()));
     }

@@ -138,19 +138,17 @@ fn tails_of_etched_glass_explain_its_haze_and_not_its_gloss() {
 fn bad_lists_are_refused_with_their_place() {
     let said = |text: &str| SampleList::parse(text, "mine.toml").unwrap_err().to_string();
     let unknown = said("[[sample]]\nname = \"a\"\ncolour = 1\n");
-    assert!(
-        unknown.contains("mine.toml") && unknown.contains("line 3") && unknown.contains("colour"),
-        "{unknown}"
-    );
+    assert!(unknown.contains("--> mine.toml:3:1") && unknown.contains("unknown field `colour`"), "{unknown}");
     let missing = said("[[sample]]\nname = \"a\"\n");
     assert!(missing.contains("missing field"), "{missing}");
     let no_case = "[[sample]]\nname = \"a\"\ntitle = \"\"\nsource = \"\"\nlicence = \"\"\ninputs = \"\"\nscenario = \"a.toml\"\n\
                    measured = \"a.csv\"\ncases = []\n";
     assert!(said(no_case).contains("`a` has no `cases`"), "{}", said(no_case));
     let one = no_case.replace("cases = []", "cases = [{ name = \"one\" }]");
-    assert!(said(&one.replace("\"a\"", "\"a/b\"")).contains("\"a/b\" is not the name of a file"));
+    assert!(said(&one.replace("\"a\"", "\"a/b\"")).contains("\"a/b\" of this sample is not that of a file"));
     let two = said(&format!("{one}{one}"));
-    assert!(two.contains("two samples are called `a`"), "{two}");
+    assert!(two.contains("two samples are called `a`") && two.contains("mine.toml:10:1"), "{two}");
+    assert!(said("sample = []").contains("this list has no samples"), "{}", said("sample = []"));
     let list = SampleList::of_program().unwrap();
     let none = list.only("glass").unwrap_err().to_string();
     assert!(none.contains("`glass`") && none.contains("clear-glass"), "{none}");
