@@ -3,6 +3,7 @@
 
 mod catalogue;
 mod compare;
+mod data;
 mod detail;
 mod drawn;
 mod endpoint;
@@ -102,6 +103,8 @@ fn endpoints() -> Endpoints {
             export::export,
         )
         .upload("/files", "Stores a file, whose bytes are the body, and describes its contents", files::file)
+        .get("/data", "The data files of the program, by the names that scenarios use", data::list)
+        .export("/data/file", "The bytes of a file: an uploaded one or one of the program", data::file)
         .events::<_, walk::WalkEvent, _>(
             "/walk",
             "A run of the Monte Carlo solver, with its progress",

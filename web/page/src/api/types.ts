@@ -53,4 +53,5 @@ export type SampleEntry = Schemas["SampleEntry"];
 export type Prediction = Schemas["Prediction"];
 export type ValidateDone = Schemas["ValidateDone"];
 export type ValidateProgress = Schemas["ValidateProgress"];
+export type DataEntry = Schemas["DataEntry"];
 export type New = Schemas["NewDisplay"];

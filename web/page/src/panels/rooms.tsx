@@ -13,12 +13,11 @@ import { onCanvas } from "../plots/seen-2d.ts";
 import { fields, text } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
 import { pictureName, tilt } from "../state/image.ts";
+import { rooms as chosen, showRooms } from "../state/rooms.ts";
 import { BUSY } from "../state/server.ts";
 import { PRESETS } from "../state/shelf.ts";
 import { applyPreset } from "./editor.tsx";
 
-/** The rooms that are shown first. */
-const FIRST = ["indoor", "living-room", "office", "overcast", "sunny", "daylight"];
 const REST_MS = 300;
 const AGAIN_MS = 700;
 
@@ -77,7 +76,6 @@ function Picture({ of, preset }: { of: InRoom | undefined; preset: string }) {
 }
 
 export function RoomsPanel() {
-  const chosen = useSignal<readonly string[]>(FIRST);
   const found = useSignal<Readonly<Record<string, InRoom>>>({});
   const rooms = chosen.value.filter((name) => PRESETS.value.some((preset) => preset.name === name));
   const key = JSON.stringify([text.value, fileIds.value, pictureName.value, tilt.value, rooms]);
@@ -117,9 +115,7 @@ export function RoomsPanel() {
               type="checkbox"
               checked={rooms.includes(name)}
               onChange={() =>
-                (chosen.value = chosen.value.includes(name)
-                  ? chosen.value.filter((one) => one !== name)
-                  : [...chosen.value, name])
+                showRooms(chosen.value.includes(name) ? chosen.value.filter((one) => one !== name) : [...chosen.value, name])
               }
             />{" "}
             {name}

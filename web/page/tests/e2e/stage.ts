@@ -193,7 +193,7 @@ export async function downloaded(
 
 /** Clicks Save and returns the scenario. */
 export const saved = async (page: Page): Promise<string> =>
-  (await downloaded(page, () => page.getByRole("button", { name: "Save" }).click())).text;
+  (await downloaded(page, () => page.getByRole("button", { name: "Save", exact: true }).click())).text;
 
 /** Returns the result of `papilio run` for a scenario. */
 export function commandLine(scenario: string): {
