@@ -26,6 +26,7 @@ import { PixelPanel } from "./panels/pixel.tsx";
 import { Problems } from "./panels/problems.tsx";
 import { Readability } from "./panels/readability.tsx";
 import { RoomsPanel } from "./panels/rooms.tsx";
+import { SidePanel } from "./panels/side.tsx";
 import { CommandsPanel, SharePanel } from "./panels/share.tsx";
 import { Stage } from "./panels/stage.tsx";
 import { Source } from "./panels/source.tsx";
@@ -111,6 +112,7 @@ const BODIES: Readonly<Record<string, () => ComponentChild>> = {
   new: () => <NewDisplay />,
   files: () => <FilesPanel />,
   stage: () => <Stage />,
+  side: () => <SidePanel />,
   states: () => <OfResult><StatesTable /></OfResult>,
   spectra: () => <Enlarged><Spectra /></Enlarged>,
   chromaticity: () => <Enlarged><Chromaticity /></Enlarged>,

@@ -33,6 +33,7 @@ export const STEPS: readonly Step[] = [
     about: "Change layers, light and viewer, and see the result at once",
     tools: [
       { id: "stage", name: "Stage", command: "papilio run FILE" },
+      { id: "side", name: "Side by side", command: null },
       { id: "states", name: "States", command: "papilio run FILE" },
       { id: "spectra", name: "Spectra", command: "papilio run FILE" },
       { id: "chromaticity", name: "Chromaticity", command: "papilio run FILE" },
