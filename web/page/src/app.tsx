@@ -14,6 +14,7 @@ import { DetailPanel } from "./panels/detail.tsx";
 import { ToolCommand } from "./panels/command.tsx";
 import { applyWidths, Divider, widths } from "./panels/divider.tsx";
 import { Downloads } from "./panels/downloads.tsx";
+import { JobsPanel } from "./panels/jobs.tsx";
 import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
 import { FitPanel } from "./panels/fit.tsx";
 import { FilesPanel } from "./panels/files.tsx";
@@ -106,6 +107,11 @@ function Enlarged({ children }: { children: ComponentChildren }) {
   );
 }
 
+/** Commands of the tools that start jobs. */
+const DIFFUSER = ["fit", "inspect", "convert", "calibrate", "steps", "measure"].map((name) => `diffuser ${name}`);
+const STUDY = ["study sampling"];
+const BRDF = ["brdf"];
+
 /** What each tool shows. */
 const BODIES: Readonly<Record<string, () => ComponentChild>> = {
   examples: () => <Gallery />,
@@ -132,6 +138,10 @@ const BODIES: Readonly<Record<string, () => ComponentChild>> = {
   optimize: () => <OptimizePanel />,
   tolerance: () => <TolerancePanel />,
   fit: () => <FitPanel />,
+  diffuser: () => <JobsPanel key="diffuser" names={DIFFUSER} />,
+  study: () => <JobsPanel key="study" names={STUDY} />,
+  brdf: () => <JobsPanel key="brdf" names={BRDF} />,
+  jobs: () => <JobsPanel key="jobs" />,
   export: () => <SharePanel />,
   commands: () => <CommandsPanel />,
 };

@@ -128,13 +128,6 @@ const OTHERS = [
   ["detail", "Sharpness, crosstalk, sparkle and gloss", "Their tables and figures are in Fine detail"],
 ] as const;
 
-/** Commands that the page does not have; each with the reason. */
-const LEFT_OUT = [
-  ["papilio brdf FILE", "Tables of the display's BRDF for ray tracers: files of up to gigabytes"],
-  ["papilio diffuser fit FILE", "Fits lobes to a measured diffuser; drop the file to see its audit"],
-  ["papilio study FILE", "Convergence of the numerical methods"],
-] as const;
-
 /** The commands of all tools. */
 export function CommandsPanel() {
   const file = scenarioFile();
@@ -162,15 +155,6 @@ export function CommandsPanel() {
           )
         );
       })}
-      <section aria-label="Only on the command line">
-        <h3>Only on the command line</h3>
-        {LEFT_OUT.map(([command, why]) => (
-          <div key={command} class="command-row">
-            <span>{why}</span>
-            <Command line={commandFor(command, file)} />
-          </div>
-        ))}
-      </section>
     </section>
   );
 }
