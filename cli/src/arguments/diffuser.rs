@@ -163,7 +163,8 @@ pub(crate) struct Measure {
     /// File to write
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Change a key of the scenario, for example measure.blur=0.05; can be repeated
+    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated; paths
+    /// of files are relative to the current folder
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
     /// Format of the output [default: from its extension .bsdf, .csv, .xml or .npz]

@@ -34,7 +34,7 @@ pub(crate) struct Gonio {
     /// Follow a ninth of the rays: three times the error
     #[arg(long)]
     pub(crate) preview: bool,
-    /// Print the audit as JSON on standard output; write files only if --out is given
+    /// Print the result as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
     /// Write each figure as PNG too
