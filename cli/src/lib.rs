@@ -123,8 +123,7 @@ commands! {
                       papilio image scenarios/six-ink.toml photograph.jpg --packed 4 --rotate 90\n\n\
                       docs/image.md describes the files, docs/panel.md those for a panel.")]
     Image(arguments::ImageCommand) => pictures::command,
-    /// Compute the palette of a display: the colours of all states in this light and in other rooms, for
-    /// other programs too
+    /// Compute the palette of a display: the colours of all states in this light and in other rooms
     #[command(after_help = "Example:\n  \
                       papilio palette scenarios/six-ink.toml --rooms D65,FL11 --relative-to display\n\n\
                       docs/palette.md describes the files.")]

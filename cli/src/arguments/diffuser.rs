@@ -46,7 +46,7 @@ const PART: &str =
 
 #[derive(Debug, Args)]
 pub(crate) struct Inspect {
-    #[arg(value_name = "FILE", help = format!("File of measured scattering; the format is detected from the content: {}", bsdf_formats()))]
+    #[arg(value_name = "FILE", help = format!("File of measured scattering: {}", bsdf_formats()))]
     pub(crate) file: PathBuf,
     #[arg(long, value_parser = one_of(PARTS), help = PART)]
     pub(crate) part: Option<ScatterMode>,

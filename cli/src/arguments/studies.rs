@@ -35,8 +35,7 @@ pub(crate) struct SweepRun {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Sweep a key over FROM:TO:STEP, or over values with commas between them:
-    /// `--axis viewer.theta_deg=0:60:10`; can be repeated, for all combinations. The axes of the file are not
-    /// used then
+    /// `--axis viewer.theta_deg=0:60:10`; can be repeated, for all combinations; instead of the axes of the file
     #[arg(long, value_name = "KEY=VALUES")]
     pub(crate) axis: Vec<String>,
     /// Change a key of the scenario before the values of the sweep are applied; can be repeated
@@ -99,8 +98,7 @@ pub(crate) struct Tolerance {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SweepOutputs {
     /// Write only these columns of sweep.csv: those of states.csv (`Y,L_star,Y_se`), or metrics of a view and
-    /// of one state (`contrast_ratio,white.Y`); the terminal and the figures follow `sweep.figures` [default:
-    /// all]
+    /// of one state (`contrast_ratio,white.Y`) [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
     /// Print the result as JSON, and write the files too

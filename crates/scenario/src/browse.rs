@@ -185,12 +185,11 @@ pub fn with_catalogue_tables(page: &str) -> Option<String> {
 }
 
 fn material_table() -> String {
-    let mut text = "| name | what | n, k at 550 nm |\n|---|---|---|\n".to_owned();
-    for entry in materials() {
+    let line = |entry: MaterialEntry| {
         let k = if entry.k_550 >= 5e-4 { format!(", {:.3}", entry.k_550) } else { String::new() };
-        text += &format!("| `{}` | {} | {:.3}{k} |\n", entry.name, entry.what, entry.n_550);
-    }
-    text
+        format!("- `{}`: {:.3}{k}; {}\n", entry.name, entry.n_550, entry.what)
+    };
+    materials().into_iter().map(line).collect()
 }
 
 fn illuminant_table() -> String {

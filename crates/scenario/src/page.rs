@@ -207,14 +207,14 @@ fn line(row: &Row) -> String {
         Some((_, unit)) => value.replace(unit, ""),
         None => value,
     };
-    let value = without_brackets(value);
     // Choices that have a meaning each stand after the meaning of the key.
-    let (value, choices) = match value.contains("`: ") {
-        true => (None, format!(" {value}.")),
-        false => (Some(value), String::new()),
+    let (value, choices) = match value.find('`').filter(|_| value.contains("`: ")) {
+        Some(start) => (value[..start].trim_end_matches(": ").to_owned(), format!(" {}.", &value[start..])),
+        None => (without_brackets(value), String::new()),
     };
-    let default = (default != "none").then_some(default);
-    let brief = value.into_iter().chain(default).collect::<Vec<_>>().join("; ");
+    let default = if default == "none" { String::new() } else { default };
+    let brief: Vec<String> = [value, default].into_iter().filter(|text| !text.is_empty()).collect();
+    let brief = brief.join("; ");
     let brief = if brief.is_empty() { brief } else { format!(" ({brief})") };
     format!("- `{}`{brief}: {}{choices}\n", row.key, row.doc)
 }

@@ -48,11 +48,9 @@ kinds! {
 choice! {
     /// The wave that a polariser transmits.
     TransmittedWave {
-        /// The ordinary wave: the axis of the molecules absorbs, as in stretched polymers with iodine or
-        /// dyes.
+        /// Ordinary: the axis of the molecules absorbs, as in stretched polymers with iodine or dyes.
         Ordinary = "O",
-        /// The extraordinary wave: directions across the axis of the molecules absorb, as in coated films of
-        /// dyes.
+        /// Extraordinary: directions across the axis absorb, as in coated films of dyes.
         Extraordinary = "E",
     }
 }
@@ -202,7 +200,7 @@ table! {
         thickness_um: CrystalThickness,
         /// Azimuth of the director at the top.
         azimuth_deg as "Director at the top": AxisAngle = AxisAngle(0.0),
-        /// What the layer is in each state: `"planar"` or `"focal-conic"`. Default: planar in all states.
+        /// What the layer is in each state. Default: planar in all states.
         states: Named<HelixState> = Named(Vec::new()),
     }
 }

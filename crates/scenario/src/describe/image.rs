@@ -77,7 +77,7 @@ choice! {
     for PictureSurround {
         /// The picture again: its borders see the opposite ones.
         Repeat = "repeat",
-        /// A mask that reflects no light, as around a panel in its frame.
+        /// A mask that reflects no light.
         BlackMask = "black mask",
     }
 }
@@ -86,9 +86,9 @@ choice! {
     for TestPattern {
         /// Black on the left of an edge 5 deg from the columns.
         SlantedEdge = "slanted-edge",
-        /// Stripes along y, half of a period each.
+        /// Along y, half of a period each.
         Stripes = "stripes",
-        /// Squares with sides of half a period.
+        /// Squares of half a period.
         Checker = "checker",
         /// A star of black spokes.
         Siemens = "siemens",
@@ -97,11 +97,11 @@ choice! {
 
 choice! {
     for Fit {
-        /// The whole picture, with white margins.
+        /// All of it, with white margins.
         Contain = "contain",
         /// The whole panel; the picture is cut.
         Cover = "cover",
-        /// The whole picture on the whole panel, distorted.
+        /// All of it on the whole panel, distorted.
         Stretch = "stretch",
         /// Pixel by pixel.
         None = "none",

@@ -82,8 +82,7 @@ choice! {
         Ggx = "ggx",
         /// Gaussian slopes of variance alpha^2/2 along each axis.
         Beckmann = "beckmann",
-        /// Slopes with a tail between those of the other two (t-distribution of Student), by `tail` or
-        /// `slope_kurtosis`.
+        /// Student's t: a tail between those of the other two, by `tail` or `slope_kurtosis`.
         StudentT = "student-t",
     }
 }

@@ -14,9 +14,8 @@ table! {
     Lighting {
         /// A preset of lighting and viewer (docs/light.md); keys of the scenario override it.
         preset as "Lighting preset": Option<Preset>,
-        /// Illuminance of the display plane, to which all shares refer; 0 is allowed with a front light;
-        /// `"from-map"`: the absolute value of the scenario's one map. Default: `500`, or `0` if a front
-        /// light is the only light.
+        /// Illuminance of the display plane, to which all shares refer; `"from-map"`: the absolute value of
+        /// the scenario's one map. Default: `500`, or `0` if a front light is the only light.
         illuminance_lx: Option<Illuminance>,
         /// Relative spectrum of all light without a spectrum of its own.
         spectrum as "Spectrum of the light": LightSpectrum = LightSpectrum::Text("D65".to_owned()),

@@ -24,8 +24,8 @@ table! {
         /// A colour filter above the pixels, with the same rectangles. Default: none.
         filter: Option<Filter>,
         /// With a filter, the states of the display: the state of the pixel below each part of the filter.
-        /// Default: the eight states white, black, red, green, blue, cyan, magenta and yellow, if the filter
-        /// has red, green and blue, and the pixel has white and black.
+        /// Default: the eight usual states, if the filter has red, green and blue, and the pixel has white
+        /// and black.
         states: Option<Named<Named<String>>>,
     }
 }

@@ -257,7 +257,7 @@ choice! {
 choice! {
     /// How a map of heights repeats.
     MapPeriod {
-        /// Beside each map stands its mirror image: heights are continuous, slopes change their sign.
+        /// Its mirror image beside it: heights are continuous, slopes change their sign.
         Mirror = "mirror",
         /// The map again: for maps of whole periods.
         Repeat = "repeat",

@@ -80,8 +80,8 @@ table! {
         inactive_reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
         /// Further states; the name of a default state replaces it. Default: none.
         states: Named<StateSpec> = Named(Vec::new()),
-        /// Whether to define the states white, black, red, green, blue, cyan, magenta and yellow, if there
-        /// are sub-pixels red, green and blue.
+        /// Whether to define white, black, red, green, blue, cyan, magenta and yellow, if there are
+        /// sub-pixels red, green and blue.
         default_states: bool = true,
         /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
         /// the states.

@@ -25,8 +25,8 @@ table! {
         correlations: Vec<Spanned<Correlated>> = Vec::new(),
         /// Limits of a good display. Default: none: every display is good.
         limits: Vec<Spanned<Limit>> = Vec::new(),
-        /// Metrics to report in addition to those with limits. Default: contrast_ratio, gamut_percent_srgb, white.Y, black.Y and
-        /// L_star, a_star, b_star of white, if the display has these states.
+        /// Metrics to report in addition to those with limits. Default: contrast_ratio, gamut_percent_srgb,
+        /// white.Y, black.Y and L_star, a_star, b_star of white, where they exist.
         metrics: Option<Vec<Spanned<MetricName>>>,
     }
 }
