@@ -14,7 +14,7 @@ const ABOVE: &str = "As above: ";
 /// Between the name of a table and those of others, separated by commas, whose keys it does not repeat.
 const WITHOUT: &str = " without ";
 /// Long phrases of messages, and the short ones of the values in the page.
-const BRIEF: [(&str, &str); 15] = [
+const BRIEF: [(&str, &str); 16] = [
     (
         "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such",
         "[a light](#the-spectrum-of-a-light)",
@@ -26,6 +26,7 @@ const BRIEF: [(&str, &str); 15] = [
     ("a whole number from ", "integer, "),
     ("a number from ", ""),
     ("a number above", "above"),
+    (", at most ", " to "),
     ("a number", "number"),
     ("a list, each item ", "list: "),
     ("a table of names, each with ", "by name: "),
@@ -223,7 +224,7 @@ fn line(row: &Row) -> String {
 fn without_brackets(mut value: String) -> String {
     while let Some((number, rest)) = value.split_once(" (") {
         let (unit, rest) = rest.split_once(')').unwrap_or((rest, ""));
-        value = format!("{number} {unit}{rest}");
+        value = format!("{number}, {unit}{rest}");
     }
     value
 }

@@ -82,7 +82,7 @@ choice! {
         Ggx = "ggx",
         /// Gaussian slopes of variance alpha^2/2 along each axis.
         Beckmann = "beckmann",
-        /// Student's t: a tail between those of the other two, by `tail` or `slope_kurtosis`.
+        /// A tail between those of the other two (Student's t-distribution), by `tail` or `slope_kurtosis`.
         StudentT = "student-t",
     }
 }
