@@ -3,10 +3,11 @@
 
 use papilio_display::Control;
 use papilio_reproduction::ReproductionError;
-use papilio_reproduction::samples::{Prediction, SampleList, SampleReport, predict, report};
+use papilio_reproduction::samples::{Prediction, SampleList, SampleReport, figures, predict, report};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::drawn::Figure;
 use super::events::{self, EventSender, Events};
 use crate::fault::{Fault, FaultBody};
 use crate::site::Site;
@@ -71,6 +72,8 @@ pub(super) struct ValidateDone {
     html: String,
     /// The contents of samples.json.
     report: SampleReport,
+    /// What was predicted and measured of each sample: `sample-NAME`, with a number if it is not the first of a sample.
+    figures: Vec<Figure>,
 }
 
 pub(super) async fn validate(site: Site, request: ValidateOf) -> Result<Events, Fault> {
@@ -109,8 +112,12 @@ fn computed(list: &SampleList, events: &EventSender) -> Result<ValidateDone, Fau
         events.send_reliably(&ValidateEvent::Sample(Box::new(found.clone())));
         samples.push(found);
     }
-    let html = report(&samples).html();
-    Ok(ValidateDone { html, report: SampleReport { papilio: env!("CARGO_PKG_VERSION").to_owned(), samples } })
+    let figure = |one: papilio_reproduction::samples::SampleFigure| Figure { name: one.name, svg: one.svg };
+    Ok(ValidateDone {
+        html: report(&samples).html(),
+        figures: samples.iter().flat_map(figures).map(figure).collect(),
+        report: SampleReport { papilio: env!("CARGO_PKG_VERSION").to_owned(), samples },
+    })
 }
 
 fn fault_of(error: &ReproductionError) -> Fault {

@@ -144,6 +144,7 @@ fn published_sample_is_predicted_and_an_unknown_one_is_named() {
     let sample = &done["report"]["samples"][0];
     assert_eq!((&sample["name"], &sample["verdict"]), (&json!("ptfe"), &json!("agrees")));
     assert!(done["html"].as_str().unwrap().contains("<html"));
+    assert_eq!(done["figures"][0]["name"], json!("sample-ptfe"));
     let (message, _) = server.post("/validate", &json!({ "sample": "nothing" })).error();
     assert!(message.contains("no sample `nothing`") && message.contains("ptfe"), "{message}");
 }

@@ -8,6 +8,7 @@ import type { Prediction, SampleEntry, ValidateDone, ValidateProgress } from "..
 import { digits, fixed, NONE } from "../model/format.ts";
 import { long } from "../state/work.ts";
 import { said } from "../state/said.ts";
+import { Drawn } from "../plots/figure.tsx";
 import { Problems } from "./problems.tsx";
 import { save } from "./save.ts";
 
@@ -115,6 +116,9 @@ export function ValidatePanel() {
           </tbody>
         </table>
       </div>
+      {done.value?.figures.map(({ name, svg }) => (
+        <Drawn key={name} name={name} svg={svg} label={`${name.replace("sample-", "")}: predicted and measured`} />
+      ))}
     </section>
   );
 }

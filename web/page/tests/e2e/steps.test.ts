@@ -210,6 +210,7 @@ test("published sample is predicted, and rooms show the page in other light", { 
   await tool(page, "validate");
   await page.getByRole("button", { name: "Predict ptfe" }).click();
   await page.locator('[data-sample="ptfe"] .agrees').waitFor({ timeout: 60_000 });
+  await page.getByRole("img", { name: "ptfe: predicted and measured" }).waitFor();
   await tool(page, "rooms");
   await page.locator('[data-room="sunny"] figcaption', { hasText: "contrast" }).waitFor({ timeout: 120_000 });
   await page.locator('[data-room="sunny"]').getByRole("button", { name: "Take this light" }).click();
