@@ -5,6 +5,7 @@ mod catalogue;
 mod compare;
 mod data;
 mod detail;
+mod directors;
 mod drawn;
 mod endpoint;
 mod events;
@@ -92,6 +93,7 @@ fn endpoints() -> Endpoints {
             "The reflectance of the pixel alone from 0 to 90 degrees: tables and figures, as by papilio pixel",
             pixel::pixel,
         )
+        .post("/directors", "The director of a liquid-crystal cell by depth in each state", directors::directors)
         .get("/samples", "The samples that others measured, as of papilio validate", validate::samples)
         .export(
             "/image/export",
