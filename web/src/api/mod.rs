@@ -79,6 +79,7 @@ fn endpoints() -> Endpoints {
             compare::compare,
         )
         .post("/detail", "Sharpness, crosstalk, sparkle or gloss of a scenario: tables and figures", detail::detail)
+        .events::<_, detail::DetailEvent, _>("/detail/follow", "The same as /detail, with its progress", detail::follow)
         .post("/gonio", "A preview of a surface, measured as by papilio gonio: light, audit, waves, figures", gonio::gonio)
         .events::<_, gonio::GonioEvent, _>("/gonio/full", "A full measurement of a surface, with its progress", gonio::full)
         .post("/gonio/layers", "The surfaces that are layers of a display", gonio::layers)
