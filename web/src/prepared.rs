@@ -1,12 +1,15 @@
 //! Stores the prepared displays of the last few computations, so that small changes are fast.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use papilio_display::result::RunResult;
 use papilio_display::scene::Scene;
 use papilio_display::{Control, DisplayError, Prepared};
 use schemars::JsonSchema;
 use serde::Deserialize;
+
+use crate::site::Site;
 
 /// Maximum number of prepared displays: two designs that are compared, and some more.
 const MAX_DISPLAYS: usize = 6;
@@ -18,6 +21,13 @@ const MAX_LARGE: usize = 4;
 /// If the whole process uses more memory than this, in bytes, only the display that was used last is stored.
 /// A new server takes about 50 MB; a display with general layers may take 256 MB at each of two levels.
 const MAX_MEMORY: usize = 384 << 20;
+
+/// While nobody uses the server, prepared displays are released if the process uses more memory than this, in bytes.
+const REST_MEMORY: usize = 256 << 20;
+
+/// Time without a computation after which that is checked, and time between two checks.
+const REST: Duration = Duration::from_secs(20);
+const BETWEEN_CHECKS: Duration = Duration::from_secs(5);
 
 /// Scenes with more views than this are not stored, because each view has its own kernels.
 const MAX_VIEWS: usize = 200;
@@ -35,7 +45,11 @@ pub(crate) enum Accuracy {
 
 /// Prepared displays that are not in use, in the order of their last use.
 #[derive(Debug, Default)]
-pub(crate) struct PreparedDisplays(Mutex<Vec<Entry>>);
+pub(crate) struct PreparedDisplays {
+    entries: Mutex<Vec<Entry>>,
+    /// When one was used last.
+    last_use: Mutex<Option<Instant>>,
+}
 
 #[derive(Debug)]
 struct Entry {
@@ -70,6 +84,7 @@ impl PreparedDisplays {
         control: &Control<'_>,
         compute: impl FnOnce(&mut Prepared) -> Result<T, DisplayError>,
     ) -> Result<T, DisplayError> {
+        self.used();
         let mut prepared = match self.take(scene) {
             Some(entry) => entry.prepared,
             None => Prepared::new(scene, control)?,
@@ -82,7 +97,22 @@ impl PreparedDisplays {
             entries.push(Entry { scene: scene.clone(), prepared });
             remove_oldest(&mut entries, memory_in_use());
         }
+        self.used();
         result
+    }
+
+    fn used(&self) {
+        *self.last_use.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+    }
+
+    /// Releases the oldest display if nobody has used any for a while and the process uses much memory.
+    fn rest(&self) {
+        let last = *self.last_use.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.is_some_and(|last| last.elapsed() > REST) && memory_in_use() > REST_MEMORY {
+            let mut entries = self.entries();
+            let count = entries.len().min(1);
+            entries.drain(..count);
+        }
     }
 
     /// Takes out the display that has most in common with a scene, if it has anything in common; of several
@@ -94,7 +124,17 @@ impl PreparedDisplays {
     }
 
     fn entries(&self) -> MutexGuard<'_, Vec<Entry>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.entries.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Releases displays while nobody uses the server, without end.
+pub(crate) async fn release_at_rest(site: Site) {
+    loop {
+        tokio::time::sleep(BETWEEN_CHECKS).await;
+        let site = site.clone();
+        // To free a large display takes time.
+        let _ = tokio::task::spawn_blocking(move || site.prepared().rest()).await;
     }
 }
 

@@ -12,7 +12,7 @@ use crate::guard::Guard;
 use crate::held::HeldPictures;
 use crate::jobs::{JobOptions, Jobs};
 use crate::listen::{self, ServeError};
-use crate::prepared::PreparedDisplays;
+use crate::prepared::{PreparedDisplays, release_at_rest};
 use crate::store::Store;
 use crate::work::Gate;
 
@@ -100,6 +100,7 @@ impl Site {
 
     /// Serves requests until the process ends.
     pub async fn serve(self, listener: TcpListener) {
+        tokio::spawn(release_at_rest(self.clone()));
         listen::serve(self, listener).await;
     }
 

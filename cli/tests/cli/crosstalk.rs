@@ -44,6 +44,8 @@ fn missing_matrix_and_thickness_are_reported() {
         // All at once.
         ("epaper", &["--json"], "the key `matrix` is missing"),
         ("epaper", &["--json"], "the key `thickness_mm` is missing"),
+        // Of a table that does not exist.
+        ("six-ink", &["--json"], "the key `glass.thickness_mm` is missing"),
         ("matrix", &["--json", "--set", SPREAD], "monte-carlo"),
         // A pitch in mm.
         (

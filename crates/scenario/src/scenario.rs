@@ -432,8 +432,10 @@ impl Resolved {
 impl Resolved {
     fn push_missing_lengths<'k>(&self, keys: impl Iterator<Item = &'k String>, errors: &mut Errors) {
         for key in keys {
-            let last = key.rsplit('.').next().unwrap_or(key);
-            errors.push(self.written.root.place_of(key), mistake::missing_length(last));
+            // The table of the key may be missing, too.
+            let known = self.written.root.depth_of(key);
+            let missing = key.splitn(known + 1, '.').last().unwrap_or(key);
+            errors.push(self.written.root.place_of(key), mistake::missing_length(missing));
         }
     }
 }

@@ -141,6 +141,11 @@ impl Node {
         there.map_or(Origin::FILE, |node| node.origin)
     }
 
+    /// Returns the number of the first keys of a path that exist.
+    pub(crate) fn depth_of(&self, path: &str) -> usize {
+        KeyPath::new(path).prefixes().map_while(|path| path.get(self)).count()
+    }
+
     /// Removes a key, if this is a table that has it.
     pub(crate) fn remove(&mut self, key: &str) {
         if let Value::Table(entries) = &mut self.value {

@@ -1,11 +1,10 @@
 //! The endpoint `/detail`: sharpness, crosstalk, sparkle or gloss, as by `papilio mtf`, `crosstalk`, `sparkle` and `gloss`.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
 
-use papilio_display::Control;
 use papilio_display::gloss::gloss;
 use papilio_display::spatial::{self, MtfResult};
+use papilio_display::{Control, Progress};
 use papilio_formats::{
     write_crosstalk_csv, write_gloss, write_mtf_csv, write_patterns_csv, write_sparkle, write_spread_csv,
 };
@@ -14,8 +13,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::drawn::Figure;
+use super::events::{self, Events};
 use super::written::text;
-use crate::fault::Fault;
+use crate::fault::{Fault, FaultBody};
 use crate::reading::{Given, Solver};
 use crate::site::Site;
 
@@ -90,21 +90,60 @@ pub(super) async fn detail(site: Site, request: DetailOf) -> Result<Detailed, Fa
     site.long()
         .work(move |stop| {
             let (_, resolved) = given.resolve(&server, Solver::Adding)?;
-            let mut detailed = detailed(&resolved, request.command, stop)?;
-            detailed.warnings.splice(0..0, resolved.warnings);
-            Ok(detailed)
+            detailed(&resolved, request.command, &Control { threads: None, progress: &|_| {}, stop })
         })
         .await
 }
 
-fn detailed(resolved: &Resolved, command: Detail, stop: &AtomicBool) -> Result<Detailed, Fault> {
+/// An event of a computation.
+#[derive(Debug, Serialize, JsonSchema)]
+#[serde(tag = "event", content = "data", rename_all = "lowercase")]
+pub(super) enum DetailEvent {
+    /// What is done so far.
+    Progress(DetailProgress),
+    /// It is complete.
+    Done(Box<Detailed>),
+    /// It has failed; this event replaces `done`.
+    Failed(FaultBody),
+}
+
+/// The progress of a computation.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct DetailProgress {
+    /// Fraction of the work that is done, 0 to 1.
+    fraction: f64,
+}
+
+/// The same as [`detail`], with its progress.
+pub(super) async fn follow(site: Site, request: DetailOf) -> Result<Events, Fault> {
+    let server = site.clone();
+    let given = Given { scenario: request.scenario, files: request.files };
+    // Errors of the scenario are reported before the stream starts.
+    let resolved = site
+        .quick()
+        .work(move |_| given.resolve(&server, Solver::Adding).map(|(_, resolved)| resolved))
+        .await?;
+    events::start(site.long(), move |events| {
+        let report = |progress: Progress<'_>| {
+            events.stop_if_late();
+            events.send(&DetailEvent::Progress(DetailProgress { fraction: progress.fraction() }));
+        };
+        let control = Control { threads: None, progress: &report, stop: events.stop() };
+        match detailed(&resolved, request.command, &control) {
+            Ok(done) => DetailEvent::Done(Box::new(done)),
+            Err(fault) => DetailEvent::Failed(fault.body),
+        }
+    })
+    .await
+}
+
+fn detailed(resolved: &Resolved, command: Detail, control: &Control<'_>) -> Result<Detailed, Fault> {
     let Resolved { scene, patterns, .. } = resolved;
-    let control = Control { threads: None, progress: &|_| {}, stop };
     let title = resolved.title.as_deref().unwrap_or_default();
     let fault = |error| Fault::of(resolved, error);
-    let (numbers, tables, figures, warnings) = match command {
+    let (numbers, tables, figures, mut warnings) = match command {
         Detail::Mtf => {
-            let found = spatial::mtf(scene, patterns, &control).map_err(fault)?;
+            let found = spatial::mtf(scene, patterns, control).map_err(fault)?;
             let tables = vec![
                 Table { name: "mtf", csv: text(|out| write_mtf_csv(out, &found))? },
                 Table { name: "spread", csv: text(|out| write_spread_csv(out, &found))? },
@@ -112,7 +151,7 @@ fn detailed(resolved: &Resolved, command: Detail, stop: &AtomicBool) -> Result<D
             (of_sharpness(&found), tables, papilio_figures::of_mtf(&found, title), found.warnings)
         }
         Detail::Crosstalk => {
-            let found = spatial::crosstalk(scene, &patterns.text, &control).map_err(fault)?;
+            let found = spatial::crosstalk(scene, &patterns.text, control).map_err(fault)?;
             let tables = vec![
                 Table { name: "crosstalk", csv: text(|out| write_crosstalk_csv(out, &found))? },
                 Table { name: "patterns", csv: text(|out| write_patterns_csv(out, &found))? },
@@ -124,7 +163,7 @@ fn detailed(resolved: &Resolved, command: Detail, stop: &AtomicBool) -> Result<D
         }
         Detail::Sparkle => {
             let face = resolved.sparkle.as_ref().ok_or_else(no_face)?;
-            let found = spatial::sparkle(scene, face, &control).map_err(fault)?;
+            let found = spatial::sparkle(scene, face, control).map_err(fault)?;
             let tables = vec![Table { name: "sparkle", csv: text(|out| write_sparkle(out, &found))? }];
             let numbers = found.rows.first().map_or_else(Vec::new, |row| {
                 numbers(None, row.metrics().named(), row.errors().named()).collect()
@@ -132,7 +171,7 @@ fn detailed(resolved: &Resolved, command: Detail, stop: &AtomicBool) -> Result<D
             (numbers, tables, papilio_figures::of_sparkle(&found, title), Vec::new())
         }
         Detail::Gloss => {
-            let found = gloss(scene, &control).map_err(fault)?;
+            let found = gloss(scene, control).map_err(fault)?;
             let tables = vec![Table { name: "gloss", csv: text(|out| write_gloss(out, &found))? }];
             let of_states = found.states.iter();
             let numbers = of_states
@@ -141,6 +180,7 @@ fn detailed(resolved: &Resolved, command: Detail, stop: &AtomicBool) -> Result<D
             (numbers, tables, Vec::new(), found.warnings)
         }
     };
+    warnings.splice(0..0, resolved.warnings.iter().cloned());
     let figures = figures.into_iter().map(|(name, svg)| Figure { name, svg }).collect();
     Ok(Detailed { numbers, tables, figures, warnings })
 }

@@ -153,6 +153,9 @@ pub(super) struct AnglesOf {
     to_deg: f64,
     /// Step of the inclinations, degrees; at most 181 inclinations.
     step_deg: f64,
+    /// A first answer is coarse and fast.
+    #[serde(default)]
+    accuracy: Accuracy,
 }
 
 /// Metrics against the viewing angle.
@@ -162,6 +165,10 @@ pub(super) struct AnglesSeen {
     theta_deg: Vec<f64>,
     /// Azimuth, degrees.
     phi_deg: f64,
+    /// False for a first answer.
+    is_final: bool,
+    /// The largest relative error of Y.
+    relative_error: f64,
     /// Metrics of a view by their names in result.json: a number for each inclination.
     metrics: BTreeMap<String, Vec<Option<f64>>>,
     /// Metrics of each state by their names in result.json: a number for each inclination.
@@ -169,7 +176,7 @@ pub(super) struct AnglesSeen {
 }
 
 pub(super) async fn angles(site: Site, request: AnglesOf) -> Result<AnglesSeen, Fault> {
-    let AnglesOf { scenario, files, phi_deg, from_deg, to_deg, step_deg } = request;
+    let AnglesOf { scenario, files, phi_deg, from_deg, to_deg, step_deg, accuracy } = request;
     let inside = |theta: f64| theta.abs() < 90.0;
     let count = ((to_deg - from_deg) / step_deg).floor() + 1.0;
     if !(inside(from_deg) && inside(to_deg) && phi_deg.abs() <= 360.0 && (1.0..=MOST_ANGLES).contains(&count))
@@ -182,14 +189,14 @@ pub(super) async fn angles(site: Site, request: AnglesOf) -> Result<AnglesSeen, 
     }
     let server = site.clone();
     let given = Given { scenario, files };
-    site.quick()
-        .work(move |stop| {
-            let (_, mut resolved) = given.resolve(&server, Solver::Adding)?;
-            resolved.scene.viewer.theta_deg = uniform_steps(from_deg, to_deg, step_deg);
-            resolved.scene.viewer.phi_deg = vec![phi_deg];
-            Ok(by_angle(&compute_scene(&server, resolved, Accuracy::Exact, stop)?, phi_deg))
-        })
-        .await
+    let gate = if accuracy == Accuracy::First { site.quick() } else { site.long() };
+    gate.work(move |stop| {
+        let (_, mut resolved) = given.resolve(&server, Solver::Adding)?;
+        resolved.scene.viewer.theta_deg = uniform_steps(from_deg, to_deg, step_deg);
+        resolved.scene.viewer.phi_deg = vec![phi_deg];
+        Ok(by_angle(&compute_scene(&server, resolved, accuracy, stop)?, phi_deg))
+    })
+    .await
 }
 
 fn by_angle(answer: &Answer, phi_deg: f64) -> AnglesSeen {
@@ -197,6 +204,8 @@ fn by_angle(answer: &Answer, phi_deg: f64) -> AnglesSeen {
     let mut all = AnglesSeen {
         theta_deg: views.iter().map(|view| view.theta_deg).collect(),
         phi_deg,
+        is_final: answer.result.solver.is_final,
+        relative_error: answer.result.solver.relative_error_reached,
         metrics: BTreeMap::new(),
         states: BTreeMap::new(),
     };

@@ -5,6 +5,7 @@ mod catalogue;
 mod compare;
 mod data;
 mod detail;
+mod directors;
 mod drawn;
 mod endpoint;
 mod events;
@@ -78,6 +79,7 @@ fn endpoints() -> Endpoints {
             compare::compare,
         )
         .post("/detail", "Sharpness, crosstalk, sparkle or gloss of a scenario: tables and figures", detail::detail)
+        .events::<_, detail::DetailEvent, _>("/detail/follow", "The same as /detail, with its progress", detail::follow)
         .post("/gonio", "A preview of a surface, measured as by papilio gonio: light, audit, waves, figures", gonio::gonio)
         .events::<_, gonio::GonioEvent, _>("/gonio/full", "A full measurement of a surface, with its progress", gonio::full)
         .post("/gonio/layers", "The surfaces that are layers of a display", gonio::layers)
@@ -92,6 +94,7 @@ fn endpoints() -> Endpoints {
             "The reflectance of the pixel alone from 0 to 90 degrees: tables and figures, as by papilio pixel",
             pixel::pixel,
         )
+        .post("/directors", "The director of a liquid-crystal cell by depth in each state", directors::directors)
         .get("/samples", "The samples that others measured, as of papilio validate", validate::samples)
         .export(
             "/image/export",

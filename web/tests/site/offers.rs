@@ -244,3 +244,33 @@ fn data_files_are_listed_and_given() {
         assert_eq!(file(unknown).status, 404, "{unknown}");
     }
 }
+
+/// The directors of a cell are those that its keys state: uniform at 29 and 89 deg, along the rubbing direction of 45 deg.
+#[test]
+fn directors_of_a_cell_are_those_of_its_states() {
+    let server = Server::start();
+    let scenario = server.get("/api/v1/examples/mip-lcd").json()["scenario"].clone();
+    let ask = |layer: usize| server.post("/directors", &json!({ "scenario": scenario, "layer": layer }));
+    let states = ask(4).json();
+    for (k, (name, tilt_deg)) in [("white", 29.0_f64), ("black", 89.0)].into_iter().enumerate() {
+        assert_eq!(states[k]["state"], name);
+        let tilt = tilt_deg.to_radians();
+        let expected = [tilt.cos() / 2.0_f64.sqrt(), tilt.cos() / 2.0_f64.sqrt(), tilt.sin()];
+        for director in states[k]["directors"].as_array().unwrap() {
+            for (axis, value) in expected.iter().enumerate() {
+                assert!((director[axis].as_f64().unwrap() - value).abs() < 1e-9, "{director}");
+            }
+        }
+    }
+    // By voltage: the surfaces hold the director, which leans most in the middle.
+    let driven = server.get("/api/v1/examples/lcd-voltage").json()["scenario"].clone();
+    let states = server.post("/directors", &json!({ "scenario": driven, "layer": 3 })).json();
+    let heights: Vec<f64> =
+        states[0]["directors"].as_array().unwrap().iter().map(|one| one[2].as_f64().unwrap().abs()).collect();
+    let middle = heights[heights.len() / 2];
+    assert!(
+        heights[0] > 0.9 && middle < 0.6 && (heights[0] - heights[heights.len() - 1]).abs() < 1e-6,
+        "{heights:?}"
+    );
+    assert_eq!(ask(9).status, 404);
+}

@@ -58,4 +58,5 @@ export type Job = Schemas["JobSeen"];
 export type JobList = Schemas["JobList"];
 export type JobCommand = Schemas["JobCommand"];
 export type CommandOption = Schemas["CommandOption"];
+export type StateDirectors = Schemas["StateDirectors"];
 export type New = Schemas["NewDisplay"];

@@ -2,7 +2,8 @@
 // cannot describe is converted to an equivalent list of general layers.
 
 import type { Edit } from "../api/types.ts";
-import { at, listAt, numberAt, split, tableAt, type Table } from "../model/json.ts";
+import { CRYSTAL_KINDS, isCrystal, STACK } from "../model/crystal.ts";
+import { at, listAt, numberAt, split, tableAt, type Json, type Table } from "../model/json.ts";
 import { without } from "../model/shares.ts";
 import { KINDS } from "../model/kinds.ts";
 import { freed, layers, MODELS, type Freed } from "../model/stack.ts";
@@ -15,34 +16,50 @@ function entry(path: string): { list: string; index: number } | null {
   return /^\d+$/.test(key) ? { list, index: Number(key) } : null;
 }
 
-/** Adds a layer below the selected one. */
-export function addLayer(kind: string): void {
+/** The edits of an addition, and the path of what is added. */
+export interface Addition {
+  readonly edits: Edit[];
+  readonly path: string;
+}
+
+/** Returns the addition of a layer below the selected one; null for an unknown kind. */
+export function layerAddition(kind: string): Addition | null {
+  if (kind === PIXEL_FILM) return filmAddition();
+  if (kind.startsWith(PIXEL_PART)) return crystalAddition(kind.slice(PIXEL_PART.length));
   const starter = KINDS[kind]?.starter;
-  if (!starter) return;
+  if (!starter) return null;
   const all = fields.value;
   const free = listAt(all, "display.layers");
   const here = entry(selected.value);
   if (free.length > 0) {
     const index = placeFor(kind, free as Table[], here?.list === "display.layers" ? here.index + 1 : free.length);
-    edit([{ op: "insert", path: "display.layers", index, value: starter }]);
-    selected.value = `display.layers.${index}`;
-  } else if (KINDS[kind]?.isComponent) {
+    return { edits: [{ op: "insert", path: "display.layers", index, value: starter }], path: `display.layers.${index}` };
+  }
+  if (KINDS[kind]?.isComponent) {
     const { kind: _, ...value } = starter;
     const index = here?.list === "display.front" ? here.index + 1 : listAt(all, "display.front").length;
-    edit([{ op: "insert", path: "display.front", index, value }]);
-    selected.value = `display.front.${index}`;
-  } else if (kind === "diffuser" && at(all, "display.diffuser") === undefined) {
-    edit([{ op: "set", path: "display.diffuser", value: MODELS["display.diffuser"]!["k-correlation"] }]);
-    selected.value = "display.diffuser";
-  } else {
-    const guides = at(all, "lighting.front_light") === undefined ? 0 : 1;
-    const under = layers(all).findIndex((layer) => layer.path === selected.value) + 1 - guides;
-    const list = freed(all);
-    const tables = list.map(({ layer }) => layer);
-    const place = placeFor(kind, tables, under > 0 ? under : list.length);
-    edit(freeing([...list.slice(0, place), { from: null, layer: starter }, ...list.slice(place)]));
-    selected.value = `display.layers.${place}`;
+    return { edits: [{ op: "insert", path: "display.front", index, value }], path: `display.front.${index}` };
   }
+  if (kind === "diffuser" && at(all, "display.diffuser") === undefined)
+    return {
+      edits: [{ op: "set", path: "display.diffuser", value: MODELS["display.diffuser"]!["k-correlation"] }],
+      path: "display.diffuser",
+    };
+  const guides = at(all, "lighting.front_light") === undefined ? 0 : 1;
+  const under = layers(all).findIndex((layer) => layer.path === selected.value) + 1 - guides;
+  const list = freed(all);
+  const tables = list.map(({ layer }) => layer);
+  const place = placeFor(kind, tables, under > 0 ? under : list.length);
+  const edits = freeing([...list.slice(0, place), { from: null, layer: starter }, ...list.slice(place)]);
+  return { edits, path: `display.layers.${place}` };
+}
+
+/** Adds a layer below the selected one. */
+export function addLayer(kind: string): void {
+  const addition = layerAddition(kind);
+  if (!addition) return;
+  edit(addition.edits);
+  selected.value = addition.path;
 }
 
 const MEDIA = ["medium", "slab"];
@@ -69,12 +86,32 @@ function freeing(list: readonly Freed[]): Edit[] {
   });
 }
 
-/** Adds a film below the selected one. */
-export function addFilm(): void {
+/** The name of a film of the pixel among the layers. */
+export const PIXEL_FILM = "pixel film";
+
+/** Returns the addition of a film below the selected one. */
+function filmAddition(): Addition {
   const here = entry(selected.value);
   const index = here?.list === "display.pixel.film" ? here.index + 1 : 0;
-  edit([{ op: "insert", path: "display.pixel.film", index, value: { material: "SiO2", thickness_nm: 20 } }]);
-  selected.value = `display.pixel.film.${index}`;
+  const edits: Edit[] = [{ op: "insert", path: "display.pixel.film", index, value: { material: "SiO2", thickness_nm: 20 } }];
+  return { edits, path: `display.pixel.film.${index}` };
+}
+
+/** The beginning of the names of a liquid-crystal pixel's parts among the layers. */
+export const PIXEL_PART = "pixel: ";
+
+/** Returns the addition of a part below the selected one. A new cell has the states of the display. */
+function crystalAddition(kind: string): Addition | null {
+  const starter = CRYSTAL_KINDS[kind]?.starter;
+  if (!starter) return null;
+  const all = listAt(fields.value, STACK);
+  const here = entry(selected.value);
+  const index = here?.list === STACK ? here.index + 1 : 0;
+  const names = all.map((one) => Object.keys(tableAt(one, "states"))).find((found) => found.length > 0) ?? [];
+  const of = (k: number): Json => (kind === "cell" ? { tilt_deg: k === 0 ? 2 : 80 } : "planar");
+  const hasStates = (kind === "cell" || kind === "cholesteric") && names.length > 0;
+  const value = hasStates ? { ...starter, states: Object.fromEntries(names.map((name, k) => [name, of(k)])) } : starter;
+  return { edits: [{ op: "insert", path: STACK, index, value }], path: `${STACK}.${index}` };
 }
 
 /** The fraction of the light that a new source has; the others are reduced in proportion. */
@@ -117,6 +154,7 @@ export function canRemove(): boolean {
   const path = selected.value;
   const layer = layers(fields.value).find((one) => one.path === path);
   if (layer) return layer.removable;
+  if (path.startsWith(`${STACK}.`)) return isCrystal(fields.value) && listAt(fields.value, STACK).length > 1;
   if (path.startsWith("display.pixel.film.")) return at(fields.value, `${path}.thickness_nm`) !== "gap";
   return /^lighting\.(directed|environment)\.\d+$/.test(path);
 }

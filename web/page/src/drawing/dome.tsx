@@ -6,8 +6,8 @@ import { type ComponentChildren } from "preact";
 import { degrees, plain } from "../model/format.ts";
 import { at, isTable, listAt, numberAt, textAt, type Json, type Table } from "../model/json.ts";
 import { inPlane, mirrored, nearest, seen, sense, type Direction } from "../model/plane.ts";
-import { fields, selected, view } from "../state/design.ts";
-import { set } from "../state/live.ts";
+import { answer, fields, selected, view } from "../state/design.ts";
+import { chooseView, set } from "../state/live.ts";
 import { Eye, Sun } from "./glyphs.tsx";
 import { lightShares } from "../model/shares.ts";
 
@@ -265,7 +265,12 @@ function anglesAt(viewer: Json | undefined, key: string): { path: string | null;
   if (!isTable(angle)) return [{ path: `viewer.${key}`, angle: Number(angle ?? 0) }];
   const [from, to, step] = ["from", "to", "step"].map((part) => Number(angle[part])) as [number, number, number];
   const count = step > 0 ? Math.min(MOST_ANGLES, Math.floor((to - from) / step + 1e-9)) + 1 : 1;
-  return Array.from({ length: count }, (_, i) => ({ path: null, angle: from + i * step }));
+  // The ends of a range can be dragged.
+  const end = (i: number): string | null => (i === 0 ? "from" : i === count - 1 ? "to" : null);
+  return Array.from({ length: count }, (_, i) => {
+    const of = end(i);
+    return { path: of && `viewer.${key}.${of}`, angle: from + i * step };
+  });
 }
 
 /** Returns the viewing directions; those at the first azimuth can be dragged. */
@@ -274,6 +279,14 @@ export function viewersOf(viewer: Json | undefined): (Direction & { path: string
   return anglesAt(viewer, "phi_deg").flatMap(({ angle: phi }, turn) =>
     inclinations.map(({ path, angle: theta }) => ({ path: turn === 0 ? path : null, theta, phi })),
   );
+}
+
+/** Shows the view of a direction. */
+function showDirection({ theta, phi }: Direction): void {
+  const number = (answer.value?.views ?? []).findIndex(
+    (one) => Math.abs(one.theta_deg - theta) < 1e-6 && Math.abs(one.phi_deg - phi) < 1e-6,
+  );
+  if (number >= 0) chooseView(number);
 }
 
 /** The scale of the half circle. */
@@ -345,7 +358,10 @@ export function Dome() {
                 cx={dotX}
                 cy={dotY}
                 r={now ? 5 : 3}
-                onClick={() => (selected.value = "viewer")}
+                onClick={() => {
+                  selected.value = "viewer";
+                  showDirection(here);
+                }}
               />
             )}
             {path && <Tag {...here} />}

@@ -7,12 +7,12 @@ import { useEffect, useRef } from "preact/hooks";
 import { NONE, plain } from "../model/format.ts";
 import { at, join, listAt, textAt, type Json } from "../model/json.ts";
 import { drives, gaps, subPixels } from "../model/drive.ts";
+import { isCrystal } from "../model/crystal.ts";
 import { material, type Look } from "../model/kinds.ts";
 import { films, layers, type Film, type Layer } from "../model/stack.ts";
 import { coloursOf } from "../plots/patches.tsx";
 import { draft, fields, result, resultCount, selected, shownState, view } from "../state/design.ts";
 import { isLight } from "../model/colour.ts";
-import { moveSelected, removeSelected } from "./actions.ts";
 import { LiveMark } from "../panels/aged.tsx";
 import { Downloads } from "../panels/downloads.tsx";
 import { isFaded, liveAge } from "../state/age.ts";
@@ -20,11 +20,11 @@ import { svgOf } from "../plots/picture.ts";
 import type { Medium } from "../model/rays.ts";
 import { compact } from "../state/compact.ts";
 import { Above, ABOVE_HEIGHT } from "./above.tsx";
+import { crystalHeight, CrystalParts } from "./crystal.tsx";
 import { CENTRE, Dome } from "./dome.tsx";
+import { LEFT, Part, WIDTH, Words } from "./part.tsx";
 import { Rays } from "./rays.tsx";
 
-const LEFT = 14;
-const WIDTH = 432;
 /** Heights of the bands; in the compact layout they are larger, for fingers. */
 const USUAL: Record<Look, number> = {
   component: 19,
@@ -45,63 +45,6 @@ const MIRROR = 16;
 const substrateHeight = (): number => scaled(22);
 /** Height of the gap's band: the gap, the mirrors, and a margin. */
 const GAPS = GAP + MIRROR + 6;
-
-/** A part of the drawing that is selected with a click, Enter or Space. */
-function Part({ path, children, y }: { path: string; children: preact.ComponentChildren; y: number }) {
-  const chosen = selected.value === path;
-  const press = (event: KeyboardEvent) => {
-    if (event.key === "Enter" || event.key === " ") selected.value = path;
-    else if (event.key === "Delete" || event.key === "Backspace") removeSelected();
-    else if (event.altKey && event.key === "ArrowUp") moveWithFocus(-1);
-    else if (event.altKey && event.key === "ArrowDown") moveWithFocus(1);
-    else if (event.key === "ArrowUp" || event.key === "ArrowDown")
-      neighbour(event.currentTarget as Element, event.key === "ArrowUp" ? -1 : 1);
-    else return;
-    event.preventDefault();
-  };
-  return (
-    <g
-      class={chosen ? "part chosen" : "part"}
-      role="button"
-      tabindex={0}
-      aria-pressed={chosen}
-      data-part={path}
-      transform={`translate(0 ${y})`}
-      onClick={() => (selected.value = path)}
-      onKeyDown={press}
-    >
-      {children}
-    </g>
-  );
-}
-
-/** Moves the selected layer, together with the focus. */
-function moveWithFocus(by: number): void {
-  moveSelected(by);
-  requestAnimationFrame(() =>
-    document.querySelector<SVGElement>(`[data-part="${CSS.escape(selected.value)}"]`)?.focus(),
-  );
-}
-
-/** Moves the focus to the next part above or below. */
-function neighbour(from: Element, by: number): void {
-  const parts = [...(from.closest("svg")?.querySelectorAll<SVGElement>("[data-part]") ?? [])];
-  parts[parts.indexOf(from as SVGElement) + by]?.focus();
-}
-
-/** The text of a band: its name on the left, its description on the right. */
-function Words({ name, note, height }: { name: string; note: string; height: number }) {
-  return (
-    <>
-      <text class="name" x={LEFT + 9} y={height / 2 + 4}>
-        {name}
-      </text>
-      <text class="note" x={LEFT + WIDTH - 9} y={height / 2 + 4} text-anchor="end">
-        {note}
-      </text>
-    </>
-  );
-}
 
 function Band({ layer, y }: { layer: Layer; y: number }) {
   const height = heightOf(layer.look);
@@ -232,6 +175,7 @@ const stateColour = (name: string): string => colours.value.get(name) ?? "#8899a
 function PixelParts({ top }: { top: number }) {
   const all = fields.value;
   const model = textAt(all, "display.pixel.model") ?? "";
+  if (model === "liquid-crystal") return <CrystalParts top={top} />;
   if (model !== "film") {
     const note =
       model === "uniform" ? textAt(all, "display.pixel.kind") : material(at(all, "display.pixel.file") as Json);
@@ -268,6 +212,7 @@ function PixelParts({ top }: { top: number }) {
 }
 
 function pixelHeight(): number {
+  if (isCrystal(fields.value)) return crystalHeight();
   if (textAt(fields.value, "display.pixel.model") !== "film") return 44;
   const rows = listAt(fields.value, "display.pixel.film");
   return (

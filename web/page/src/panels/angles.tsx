@@ -74,7 +74,12 @@ export function AnglesPanel() {
   const phi = useSignal(0);
   const under = useSignal<number | null>(null);
   const request = { phi_deg: phi.value, from_deg: -80, to_deg: 80, step_deg: 2 };
-  const now = useFollowed<Angles>("angles", request, REST_MS);
+  const exact = useFollowed<Angles>("angles", request, REST_MS);
+  const isExact = exact.value !== null && exact.age === "current";
+  // A first answer in large steps is shown until the exact one is there.
+  const first = useFollowed<Angles>("angles", { ...request, step_deg: 10, accuracy: "first" }, 0, isExact ? null : undefined);
+  const isFirst = !isExact && exact.problems.length === 0 && first.value !== null && first.age === "current";
+  const now = isFirst ? first : exact;
   const before = useFollowed<Angles>("angles", request, REST_MS, pinned.value?.text ?? null);
   const x = now.value?.theta_deg ?? [];
   const own = curvesOf(now.value, metric.value);
@@ -112,7 +117,24 @@ export function AnglesPanel() {
           change={(to) => (phi.value = to)}
         />
       </div>
-      <Problems of={now.problems} />
+      <Problems of={exact.problems} />
+      {!isExact && exact.problems.length === 0 && (
+        <p class="controls" role="status" data-phase={exact.isCancelled ? "cancelled" : "running"}>
+          {isFirst && !first.value!.is_final && `First answer ±${digits(100 * first.value!.relative_error, 2)} %. `}
+          {exact.isCancelled ? (
+            <button type="button" onClick={exact.restart}>
+              Compute the exact one
+            </button>
+          ) : (
+            <>
+              {isFirst ? "The exact one is being computed… " : "computing… "}
+              <button type="button" onClick={exact.cancel}>
+                Cancel
+              </button>
+            </>
+          )}
+        </p>
+      )}
       <Aged age={now.value ? now.age : "current"} count={now.count}>
         {now.value && (
           <p class="figure-tools">
@@ -122,7 +144,7 @@ export function AnglesPanel() {
         <div class="with-key">
           {x.length === 0 ? (
             <p class="empty-plot" role="status">
-              {now.problems.length > 0 ? "no result" : "computing…"}
+              {exact.problems.length > 0 ? "no result" : exact.isCancelled ? "cancelled" : "computing…"}
             </p>
           ) : (
             <Curves

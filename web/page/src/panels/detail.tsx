@@ -10,10 +10,12 @@ import { mendOf } from "../model/mends.ts";
 import { Drawn } from "../plots/figure.tsx";
 import { fields, states } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
+import { startJob } from "../state/jobs.ts";
 import { labelText } from "../state/labels.ts";
 import { edit } from "../state/live.ts";
 import { Aged } from "./aged.tsx";
 import { Downloads } from "./downloads.tsx";
+import { AsJob } from "./jobs.tsx";
 import { Problems } from "./problems.tsx";
 
 /** Time without changes after which the figures are requested, ms. */
@@ -136,7 +138,8 @@ function Shown({ of, kind }: { of: Detailed; kind: Kind }) {
 }
 
 function Follow({ kind }: { kind: Kind }) {
-  const now = useFollowed<Detailed>("detail", { command: kind.command }, REST_MS);
+  const now = useFollowed<Detailed>("detail/follow", { command: kind.command }, REST_MS, undefined, { streams: true });
+  const isWaiting = (!now.value || now.age !== "current") && now.problems.length === 0;
   const mend = mendOf(now.problems);
   return (
     <>
@@ -148,7 +151,27 @@ function Follow({ kind }: { kind: Kind }) {
           </button>
         </p>
       )}
-      {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
+      {isWaiting && (
+        <p class="controls" role="status" data-phase={now.isCancelled ? "cancelled" : "running"}>
+          {now.isCancelled ? (
+            <>
+              cancelled{" "}
+              <button type="button" class="run" onClick={now.restart}>
+                Compute
+              </button>
+            </>
+          ) : (
+            <>
+              computing…{" "}
+              <progress aria-label={`Progress of ${kind.name}`} max={1} {...(now.fraction === null ? {} : { value: now.fraction })} />
+              <button type="button" onClick={now.cancel}>
+                Cancel
+              </button>
+              <AsJob start={() => startJob({ command: kind.command })} />
+            </>
+          )}
+        </p>
+      )}
       {now.value && (
         <Aged age={now.age} count={now.count}>
           <Shown of={now.value} kind={kind} />

@@ -1,7 +1,9 @@
 // The fields of the part that is selected in the drawing, under its name and its key in the scenario.
 
-import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSelected } from "../drawing/actions.ts";
+import { addLayer, addLight, canMove, canRemove, moveSelected, PIXEL_FILM, PIXEL_PART, removeSelected } from "../drawing/actions.ts";
+import { CellStates } from "../fields/cell-states.tsx";
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
+import { CRYSTAL_KINDS, crystalParts, isCrystal, STACK } from "../model/crystal.ts";
 import { KINDS } from "../model/kinds.ts";
 import { films, layers, MODELS } from "../model/stack.ts";
 import { firstError, isFaded, liveAge } from "../state/age.ts";
@@ -16,11 +18,14 @@ import { facesOf } from "../model/surface.ts";
 import { showLayer } from "../state/surface.ts";
 import { said } from "../state/said.ts";
 import { PRESETS } from "../state/shelf.ts";
+import { refusedLayers, tryLayers } from "../state/try-layers.ts";
 
 /** Returns the name of the part at a path. */
 function nameOf(path: string): string {
   const layer = layers(fields.value).find((one) => one.path === path);
   const film = films(fields.value).find((one) => one.path === path);
+  const part = crystalParts(fields.value).find((one) => one.path === path);
+  if (part) return part.name;
   if (layer) return layer.name;
   if (film) return film.thickness === null ? "Gap" : `Film of ${film.material}`;
   if (path.startsWith("lighting.directed.")) return `Source ${Number(path.split(".")[2]) + 1}`;
@@ -45,15 +50,24 @@ function Add({
   name,
   options,
   names = {},
+  refused,
+  opens,
   add,
 }: {
   name: string;
   options: readonly string[];
   names?: Record<string, string>;
+  /** Why parts cannot be added here. */
+  refused?: ReadonlyMap<string, string>;
+  opens?: () => void;
   add: (what: string) => void;
 }) {
+  const items = options.map((option) => {
+    const why = refused?.get(option);
+    return { name: option, label: names[option] ?? option, ...(why === undefined ? {} : { refused: why }) };
+  });
   return (
-    <Menu items={options.map((option) => ({ name: option, label: names[option] ?? option }))} choose={add}>
+    <Menu items={items} choose={add} {...(opens ? { opens } : {})}>
       {name}
     </Menu>
   );
@@ -92,13 +106,17 @@ export function Room() {
 
 export function Toolbar() {
   const film = textAt(fields.value, "display.pixel.model") === "film";
+  const parts = isCrystal(fields.value) ? Object.keys(CRYSTAL_KINDS).map((kind) => PIXEL_PART + kind) : [];
+  const layerKinds = [...Object.keys(KINDS), ...(film ? [PIXEL_FILM] : []), ...parts];
   return (
     <div class="toolbar" role="toolbar" aria-label="Parts of the display">
       <Add
         name="Add layer"
-        options={[...Object.keys(KINDS), ...(film ? ["pixel film"] : [])]}
+        options={layerKinds}
         names={LAYER_NAMES}
-        add={(what) => (what === "pixel film" ? addFilm() : addLayer(what))}
+        refused={refusedLayers.value}
+        opens={() => void tryLayers(layerKinds)}
+        add={addLayer}
       />
       <Add
         name="Add source"
@@ -192,9 +210,20 @@ function CoatingFields({ path }: { path: string }) {
   );
 }
 
+/** The fields of a part of a liquid-crystal pixel, and of its states. */
+function CrystalFields({ path }: { path: string }) {
+  return (
+    <>
+      <Form path={path} except={["states"]} />
+      <CellStates path={path} />
+    </>
+  );
+}
+
 function Fields({ path }: { path: string }) {
   if (path === "display.pixel.states") return <StatesEditor />;
-  if (path === "display.pixel") return <Form path={path} except={["film", "states"]} />;
+  if (path === "display.pixel") return <Form path={path} except={["film", "states", "stack"]} />;
+  if (path.startsWith(`${STACK}.`)) return <CrystalFields path={path} />;
   if (path === "viewer") return <Form path="viewer" />;
   if (path === "lighting")
     return <Form path="lighting" except={["preset", "directed", "environment", "front_light"]} />;

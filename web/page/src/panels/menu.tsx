@@ -10,6 +10,8 @@ export interface Item {
   /** The text that is shown instead of the name. */
   readonly label?: string;
   readonly summary?: string;
+  /** Why it cannot be selected. */
+  readonly refused?: string;
 }
 
 interface Props {
@@ -151,7 +153,7 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
           aria-label={label ?? (typeof children === "string" ? children : undefined)}
           onKeyDown={pressMenu}
         >
-          {items.map(({ name, label: words, summary }) => (
+          {items.map(({ name, label: words, summary, refused }) => (
             <li key={name} role="none">
               <button
                 type="button"
@@ -159,10 +161,11 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
                 aria-checked={chosen === undefined ? undefined : name === chosen}
                 tabindex={-1}
                 data-item={name}
-                onClick={() => take(name)}
+                aria-disabled={refused === undefined ? undefined : true}
+                onClick={() => refused === undefined && take(name)}
               >
                 <span>{words ?? name}</span>
-                {summary && <small>{plain(summary)}</small>}
+                {(refused ?? summary) && <small>{plain(refused ?? summary!)}</small>}
               </button>
             </li>
           ))}

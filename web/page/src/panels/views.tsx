@@ -1,13 +1,8 @@
 // The choice of the view, if the viewer has several.
 
 import { degrees } from "../model/format.ts";
-import { answer, isViewKnown, showView, view, viewIndex } from "../state/design.ts";
-import { kick } from "../state/live.ts";
-
-function choose(index: number): void {
-  showView(index);
-  if (!isViewKnown()) kick();
-}
+import { answer, view, viewIndex } from "../state/design.ts";
+import { chooseView } from "../state/live.ts";
 
 export function Views() {
   const all = answer.value?.views ?? [];
@@ -18,7 +13,7 @@ export function Views() {
   return (
     <p class="views">
       <label for="view">seen from</label>{" "}
-      <select id="view" value={String(viewIndex.value)} onChange={(event) => choose(Number(event.currentTarget.value))}>
+      <select id="view" value={String(viewIndex.value)} onChange={(event) => chooseView(Number(event.currentTarget.value))}>
         {all.map((one, i) => (
           <option key={i} value={String(i)}>
             {name(one.theta_deg, one.phi_deg)}

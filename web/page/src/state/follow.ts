@@ -4,7 +4,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 
-import { post, Refused, type Work } from "../api/client.ts";
+import { events, post, Refused, type Work } from "../api/client.ts";
 import type { Problem } from "../api/types.ts";
 import { present } from "./age.ts";
 import { text } from "./design.ts";
@@ -23,6 +23,29 @@ export interface Followed<T> {
   readonly problems: readonly Problem[];
   /** The number of results so far. */
   readonly count: number;
+  /** Fraction of the work in progress; null if none is, or if it does not tell. */
+  readonly fraction: number | null;
+  /** Whether the work for the current design was cancelled. */
+  readonly isCancelled: boolean;
+  cancel(): void;
+  /** Starts it again after a cancellation. */
+  restart(): void;
+}
+
+/** How a result is requested. */
+interface How {
+  /** Whether the server sends events: progress, then the result. */
+  readonly streams?: boolean;
+}
+
+/** Returns the last event of a computation. */
+async function streamed<T>(path: string, body: unknown, signal: AbortSignal, on: (fraction: number) => void): Promise<T> {
+  for await (const { event, data } of events(path, body, signal)) {
+    if (event === "progress") on((data as { fraction: number }).fraction);
+    if (event === "failed") throw new Refused(422, (data as { errors: Problem[] }).errors);
+    if (event === "done") return data as T;
+  }
+  throw new Refused(0, [{ message: "Papilio does not respond." }]);
 }
 
 /** A result or a refusal, with the design and the settings for which it was requested. */
@@ -34,20 +57,28 @@ interface Kept<T> {
 }
 
 /** Requests `path` for a scenario (by default the current one), with the additional fields `more`. */
-export function useFollowed<T>(path: string, more: object, restMs: number, other?: string | null): Followed<T> {
+export function useFollowed<T>(path: string, more: object, restMs: number, other?: string | null, { streams = false }: How = {}): Followed<T> {
   const found = useSignal<Kept<T> | null>(null);
   const refused = useSignal<Kept<readonly Problem[]> | null>(null);
   const scenario = other === undefined ? text.value : other;
   const files = keptIds.value;
   const [design, settings] = [scenario === null ? "" : revisionOf(scenario, files), JSON.stringify(more)];
+  const fraction = useSignal<number | null>(null);
+  const cancelled = useSignal("");
+  const wanted = JSON.stringify([design, settings]);
+  const isCancelled = cancelled.value === wanted;
   useEffect(() => {
-    if (scenario === null) return;
+    if (scenario === null || isCancelled) return;
     const abort = new AbortController();
+    fraction.value = null;
     let isSent = false;
     let rest = setTimeout(async function request() {
       try {
         const work: Work = { scenario, files: fileIds.value };
-        const value = await post<T>(path, { ...work, ...more }, abort.signal);
+        const body = { ...work, ...more };
+        const value = streams
+          ? await streamed<T>(path, body, abort.signal, (done) => (fraction.value = done))
+          : await post<T>(path, body, abort.signal);
         found.value = { value, design, settings, count: (found.value?.count ?? 0) + 1 };
       } catch (why) {
         if (abort.signal.aborted) return;
@@ -65,7 +96,7 @@ export function useFollowed<T>(path: string, more: object, restMs: number, other
       clearTimeout(rest);
       abort.abort();
     };
-  }, [design, settings]);
+  }, [design, settings, isCancelled]);
   const isOf = (kept: Kept<unknown> | null): boolean => kept?.design === design && kept.settings === settings;
   const hasFailed = isOf(refused.value) && !isOf(found.value);
   const now = other === undefined ? present.value : { revision: design, isWaiting: false, isRefused: false };
@@ -75,5 +106,9 @@ export function useFollowed<T>(path: string, more: object, restMs: number, other
     age: age === "current" && found.value?.settings !== settings ? "settings" : age,
     count: found.value?.count ?? 0,
     problems: hasFailed ? refused.value!.value : [],
+    fraction: fraction.value,
+    isCancelled,
+    cancel: () => void (cancelled.value = wanted),
+    restart: () => void (cancelled.value = ""),
   };
 }

@@ -9,7 +9,7 @@ import { batch, effect, untracked } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit, Live } from "../api/types.ts";
-import { answer, busy, draft, draftName, held, opening, pending, problems, resultCount, resultOf, text, viewIndex } from "./design.ts";
+import { answer, busy, draft, draftName, held, isViewKnown, opening, pending, problems, resultCount, resultOf, showView, text, viewIndex } from "./design.ts";
 import { byGesture, editsOf, merged, type Change } from "./edits.ts";
 import { fileIds, keptIds, sendAgain } from "./files.ts";
 import { revisionOf, type Ids } from "./revision.ts";
@@ -149,6 +149,12 @@ export function kick(): void {
   clearTimeout(rest);
   if (!running) running = run("first");
   else if (flight && isLate(flight)) flight.abort.abort();
+}
+
+/** Shows another view, and computes it if it is not known. */
+export function chooseView(index: number): void {
+  showView(index);
+  if (!isViewKnown()) kick();
 }
 
 const patience = (): number => Math.max(PATIENCE_MS, 2 * lastTook);

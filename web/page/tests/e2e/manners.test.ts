@@ -50,6 +50,32 @@ for (const colorScheme of ["light", "dark"] as const) {
   });
 }
 
+for (const colorScheme of ["light", "dark"] as const)
+  test(`versions side by side, jobs and liquid crystals have no axe violations, ${colorScheme}`, { timeout: 120_000 }, async () => {
+    const page = await on.visit({ colorScheme });
+    await page.getByRole("button", { name: "Keep this version" }).click();
+    await page.locator("[data-version]").waitFor();
+    await page.getByRole("button", { name: "Side by side" }).first().click();
+    await page.locator('[data-column][aria-busy="false"]').nth(1).waitFor({ timeout: 30_000 });
+    assert.deepEqual(await violations(page), [], "side by side");
+    await tool(page, "jobs");
+    await page.getByLabel("Command", { exact: true }).selectOption("pixel");
+    await page.getByRole("button", { name: "Start the job" }).click();
+    await page.locator('[data-job="pixel"][data-phase="done"]').first().waitFor({ timeout: 60_000 });
+    await page.locator('[data-job="pixel"] .fold').first().click();
+    await page.locator('[data-job="pixel"] img.drawn').first().waitFor();
+    assert.deepEqual(await violations(page), [], "job");
+    await example(page, "mip-lcd");
+    await page.locator('[data-part="display.pixel.stack.4"] .directors').waitFor();
+    await page.locator('[data-part="display.pixel.stack.4"]').click();
+    await settled(page);
+    assert.deepEqual(await violations(page), [], "cell");
+    await page.getByRole("button", { name: "Add layer" }).click();
+    await page.locator('.menu [aria-disabled="true"]').first().waitFor({ timeout: 20_000 });
+    assert.deepEqual(await violations(page), [], "menu of layers");
+    on.complaints.splice(0, on.complaints.length, ...on.complaints.filter((words) => !/status of 422/.test(words)));
+  });
+
 /** Presses Tab until the focus is on an element. */
 async function tabTo(page: Page, selector: string): Promise<void> {
   for (let i = 0; i < 250; i++) {

@@ -5,7 +5,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { choose, example, itemsOf, saved, settled, stage, type Stage, type } from "./stage.ts";
+import { changed, choose, example, figure, itemsOf, saved, settled, stage, type Stage, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -170,5 +170,61 @@ test("layers that are added keep every comment of the text", async () => {
   await page.getByRole("button", { name: "Undo" }).click();
   await settled(page);
   assert.equal(await saved(page), before);
+  assert.deepEqual(on.complaints, []);
+});
+
+test("parts of a liquid-crystal pixel have fields, and its cell is drawn with the directors of the shown state", async () => {
+  const page = await on.visit();
+  await example(page, "lcd-voltage");
+  await settled(page);
+  await page.locator('[data-part="display.pixel.stack.3"]').click();
+  const rods = page.locator('[data-part="display.pixel.stack.3"] .directors');
+  await rods.waitFor();
+  assert.equal(await rods.getAttribute("aria-label"), "Directors of the cell in the state white");
+  /** The slope of the middle row, which the voltage turns. */
+  const middle = async (): Promise<number> => {
+    const line = rods.locator("line").nth(2 * 9);
+    const [x1, x2, y1, y2] = await Promise.all(["x1", "x2", "y1", "y2"].map(async (name) => Number(await line.getAttribute(name))));
+    return Math.abs((y2! - y1!) / (x2! - x1!));
+  };
+  const driven = await middle();
+  const volts = page.locator('[id="f-display.pixel.stack.3.states.white.volts"]');
+  assert.equal(await volts.inputValue(), "3.5");
+  const first = await figure(page, "White % Y");
+  await volts.fill("6");
+  await changed(page, "White % Y", first);
+  for (let i = 0; i < 50 && (await middle()) >= 0.9 * driven; i++) await page.waitForTimeout(100);
+  assert.ok((await middle()) < 0.9 * driven);
+  // The other state is not driven: its molecules stand.
+  await page.locator(".editor .key-link", { hasText: "black" }).click();
+  await page.locator('[aria-label="Directors of the cell in the state black"]').waitFor();
+  assert.ok((await middle()) > 20);
+  await page.locator('[data-part="display.pixel.stack.1"]').click();
+  await type(page, "display.pixel.stack.1.axis_deg", "20");
+  await type(page, "display.pixel.stack.1.retardance_nm", "280");
+  await settled(page);
+  const scenario = await saved(page);
+  assert.match(scenario, /volts = 6/);
+  assert.match(scenario, /kind = "retarder", axis_deg = 20, retardance_nm = 280/);
+  assert.deepEqual(on.complaints, []);
+});
+
+test("menu of layers says what cannot be added here, and why", async () => {
+  const page = await on.visit();
+  await example(page, "mip-lcd");
+  await settled(page);
+  await page.getByRole("button", { name: "Add layer" }).click();
+  const diffuser = page.locator('.menu [data-item="diffuser"]');
+  await page.locator('.menu [data-item="diffuser"][aria-disabled="true"]').waitFor({ timeout: 20_000 });
+  assert.match(await diffuser.innerText(), /depends on azimuth, which a display with a diffuser does not compute yet/);
+  await page.locator('.menu [data-item="fresnel"][aria-disabled="true"]').waitFor({ timeout: 20_000 });
+  assert.equal(await page.locator('.menu [data-item="component"]').getAttribute("aria-disabled"), null);
+  await diffuser.click({ force: true });
+  assert.equal(await page.locator(".refusal").count(), 0);
+  await page.locator('.menu [data-item="pixel: retarder"]').click();
+  await page.locator('[data-part="display.pixel.stack.5"]').waitFor();
+  await settled(page);
+  assert.equal(await page.locator(".refusal").count(), 0);
+  on.complaints.splice(0, on.complaints.length, ...on.complaints.filter((one) => !/422/.test(one)));
   assert.deepEqual(on.complaints, []);
 });

@@ -37,6 +37,8 @@ export interface Stage {
   /** Opens the page in a new context; errors and warnings of the browser are collected in `complaints`. */
   visit(options?: BrowserContextOptions, fragment?: string): Promise<Page>;
   readonly complaints: string[];
+  /** Resident memory of the server, MB. */
+  memory(): number;
   /** Kills the server and starts it again on the same port. */
   restart(): Promise<void>;
   /** Kills the server. */
@@ -94,6 +96,7 @@ export async function stage(): Promise<Stage> {
   return {
     url,
     complaints,
+    memory: () => Number(execFileSync("ps", ["-o", "rss=", "-p", String(child.pid)], { encoding: "utf8" })) / 1024,
     async visit(options = {}, fragment = "") {
       const context = await browser.newContext({
         viewport: { width: 1440, height: 900 },

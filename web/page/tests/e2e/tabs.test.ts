@@ -143,3 +143,53 @@ test("fine detail shows the numbers and figures of sharpness and crosstalk, or w
   assert.match(await own.innerText(), /^0\.44/);
   assert.deepEqual(on.complaints, []);
 });
+
+test("fine detail without a thickness offers the glass; slow ones have progress and are cancelled", { timeout: 240_000 }, async () => {
+  const page = await on.visit();
+  await example(page, "six-ink");
+  await settled(page);
+  await tool(page, "detail");
+  await page.getByText("the key `glass.thickness_mm` is missing").first().waitFor();
+  await page.getByRole("button", { name: "Add 0.5 mm of glass" }).click();
+  await page.locator("#tab-panel table.numbers").first().waitFor({ timeout: 120_000 });
+  assert.match(await saved(page), /\[display\.glass\]\s+thickness_mm = 0\.5|glass = \{ thickness_mm = 0\.5 \}|glass\.thickness_mm = 0\.5/);
+  await example(page, "antiglare");
+  await settled(page);
+  await tool(page, "detail");
+  await page.locator("#detail-kind").selectOption("sparkle");
+  const work = page.locator('#tab-panel [data-phase="running"]');
+  await work.locator("progress[value]").waitFor({ timeout: 60_000 });
+  await work.getByRole("button", { name: "Cancel" }).click();
+  await page.locator('#tab-panel [data-phase="cancelled"]').getByRole("button", { name: "Compute" }).click();
+  await work.waitFor();
+  on.complaints.splice(0, on.complaints.length, ...on.complaints.filter((one) => !/422/.test(one)));
+  assert.deepEqual(on.complaints, []);
+});
+
+test("angles have a first answer with its error, and the exact one is cancelled", { timeout: 240_000 }, async () => {
+  const page = await on.visit();
+  await example(page, "hazy-face");
+  await tool(page, "angles");
+  await page.locator("#tab-panel .u-over").waitFor({ timeout: 90_000 });
+  await page.getByText(/^First answer ±[\d.]+ %\. The exact one is being computed/).waitFor({ timeout: 60_000 });
+  await page.locator("#tab-panel").getByRole("button", { name: "Cancel" }).click();
+  await page.getByRole("button", { name: "Compute the exact one" }).waitFor();
+  assert.deepEqual(on.complaints, []);
+});
+
+test("ends of a range of views are dragged, and a click on a direction between shows its view", async () => {
+  const page = await on.visit();
+  await page.getByRole("button", { name: "TOML" }).click();
+  const scenario = await page.locator("#source").inputValue();
+  await page.locator("#source").fill(`${scenario.replace(/\[viewer\][^[]*/, "")}\n[viewer]\ntheta_deg = { from = 0, to = 60, step = 10 }\n`);
+  await settled(page);
+  await page.getByRole("button", { name: "Drawing" }).click();
+  await page.locator("circle.seen").nth(2).click();
+  await page.locator(".views", { hasText: "30" }).waitFor();
+  await page.waitForFunction(() => document.querySelector<HTMLSelectElement>(".views select")?.selectedOptions[0]?.textContent?.includes("30"));
+  await page.locator('[data-handle="viewer.theta_deg.to"]').focus();
+  await page.keyboard.press("PageUp");
+  await settled(page);
+  assert.match(await saved(page), /theta_deg = \{ from = 0, to = 70, step = 10 \}/);
+  assert.deepEqual(on.complaints, []);
+});
