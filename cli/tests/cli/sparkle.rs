@@ -27,6 +27,7 @@ fn files_and_figures_are_written() {
         .arg("sparkle")
         .arg(scenario("antiglare"))
         .args(["--set", "sparkle.replicates=2", "--set", "sparkle.correlation_um=[60,80]"])
+        .args(["--set", "solver.relative_error=0.001"])
         .args(["--out", folder.path().to_str().unwrap()])
         .output()
         .unwrap();

@@ -2,6 +2,9 @@
 
 use std::borrow::Cow;
 
+/// Integers below it have no error.
+const LARGEST_INTEGER: f64 = 9_007_199_254_740_992.0;
+
 /// Numbers from here on are written with an exponent if that is shorter.
 const LARGE: f64 = 1e6;
 /// Smaller numbers are written with an exponent.
@@ -18,7 +21,9 @@ const LONGEST: usize = 21;
 /// assert_eq!([0.1 + 0.2, 380.0, 1e300, -2.5e-7, 0.0].map(number), ["0.3", "380", "1e300", "-2.5e-7", "0"]);
 /// ```
 pub fn number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    // All digits of an integer are exact.
+    let is_whole = value.fract() == 0.0 && value.abs() < LARGEST_INTEGER;
+    let rounded = if is_whole { value } else { format!("{value:.11e}").parse().unwrap_or(value) };
     match rounded.abs() {
         0.0 => "0".to_owned(),
         size if (SMALL..LARGE).contains(&size) || !size.is_finite() => rounded.to_string(),
@@ -72,6 +77,7 @@ mod tests {
         let numbers = [
             999_999.5,
             8_076_432.0,
+            1_234_567_890_123.0,
             1e9,
             -1.5e9,
             123.456,
@@ -84,6 +90,7 @@ mod tests {
         let written = [
             "999999.5",
             "8076432",
+            "1234567890123",
             "1e9",
             "-1.5e9",
             "123.456",

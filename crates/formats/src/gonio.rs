@@ -460,11 +460,16 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
         ];
         let mut line = vec![name(total.from).to_owned(), total.theta_deg.to_string()];
         line.extend(total.phi_deg.map(|deg| deg.to_string()));
-        line.extend(values.iter().map(|one| one.value.to_string()));
-        line.extend(values.iter().map(|one| one.error.to_string()));
+        line.extend(values.iter().map(|one| digits(one.value)));
+        line.extend(values.iter().map(|one| digits(one.error)));
         csv.write_record(line).map_err(io::Error::other)?;
     }
     csv.flush()
+}
+
+/// Writes all digits of a number: small ones, such as errors of rounding, with an exponent.
+fn digits(number: f64) -> String {
+    if number != 0.0 && number.abs() < 1e-4 { format!("{number:e}") } else { number.to_string() }
 }
 
 /// Writes `face.npz`: the kernel of a surface as NumPy arrays, also by azimuth if it was measured. That of a coated one contains what its facets

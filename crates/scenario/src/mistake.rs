@@ -266,6 +266,11 @@ pub(crate) fn empty_list() -> Diagnostic {
     Diagnostic::new("this list is empty").expected("at least one item")
 }
 
+/// An item of a list that it has before.
+pub(crate) fn listed_twice(item: &str) -> Diagnostic {
+    Diagnostic::new(format!("{item} is in this list twice")).hint("remove one of them")
+}
+
 /// Numbers with a wrong sum.
 pub(crate) fn sum(what: &str, sum: f64, expected: &str) -> Diagnostic {
     Diagnostic::new(format!("{what} sum to {}", tidy(sum))).expected(expected)

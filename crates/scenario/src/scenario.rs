@@ -240,7 +240,11 @@ impl Scenario {
         if lights.is_empty() {
             errors.push(*origin, Diagnostic::new("the list is empty").expected(LIGHTS));
         }
-        for &Spanned { value: ref name, origin } in lights {
+        for (number, &Spanned { value: ref name, origin }) in lights.iter().enumerate() {
+            if lights[..number].iter().any(|other| other.value == *name) {
+                errors.push(origin, mistake::listed_twice(&format!("`{name}`")));
+                continue;
+            }
             let changed = match (&**name, preset::text(name), illuminant_sheet(name)) {
                 (THIS, ..) => None,
                 (_, Some(_), _) => Some(("lighting", json!({ "preset": name }))),

@@ -19,6 +19,7 @@ use crate::describe::microgeometry::{CapLattice, FaceCoating, MapPeriod, Microge
 use crate::describe::numbers::{AzimuthStep, Inclination, Wavelength};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, MemoryFile, Missing, sha256};
+use crate::mistake;
 use crate::origin::Origin;
 use crate::read::{Read as _, Spanned};
 use crate::scenario::{CompleteTree, assemble, parse, sorted};
@@ -71,7 +72,7 @@ struct Common<'a> {
     road: Road,
     /// Place of the key `road`.
     road_at: Origin,
-    wavelength_nm: &'a [Spanned<Wavelength>],
+    wavelength_nm: Option<&'a Spanned<Vec<Spanned<Wavelength>>>>,
     rays: u64,
     seed: u64,
 }
@@ -86,7 +87,7 @@ macro_rules! common {
             coating: $kind.coating.as_ref().map(|coating| (coating, $kind.coating.origin)),
             road: $kind.road.value,
             road_at: $kind.road.origin,
-            wavelength_nm: &$kind.wavelength_nm.value,
+            wavelength_nm: Some(&$kind.wavelength_nm),
             rays: $kind.rays.0,
             seed: $kind.seed.0,
         }
@@ -156,6 +157,7 @@ impl SurfaceScenario {
             errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
         }
         let incidence_deg = incidences(common.incidence_deg, &mut errors);
+        common.wavelength_nm.into_iter().for_each(|list| check_wavelengths(list, &mut errors));
         let azimuths = azimuths(common.azimuth_deg, common.road, &mut errors);
         let coating = errors.finish(coating, &self.sources)?;
         let goniometer = Goniometer {
@@ -172,10 +174,11 @@ impl SurfaceScenario {
             errors.push(common.azimuth_deg.origin, Diagnostic::new(wrong.to_string()));
             errors.check(&self.sources)?;
         }
-        let waves_nm = match (common.road, common.wavelength_nm) {
+        let listed = common.wavelength_nm.filter(|list| !list.is_empty());
+        let waves_nm = match (common.road, listed) {
             (Road::Rays, _) => Vec::new(),
-            (_, []) => (8..15).map(|step| 50.0 * f64::from(step)).collect(),
-            (_, list) => list.iter().map(|item| item.0).collect(),
+            (_, None) => (8..15).map(|step| 50.0 * f64::from(step)).collect(),
+            (_, Some(list)) => list.iter().map(|item| item.0).collect(),
         };
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
@@ -255,7 +258,7 @@ impl SurfaceScenario {
                     coating: None,
                     road: Road::Rays,
                     road_at: volume.origin,
-                    wavelength_nm: &[],
+                    wavelength_nm: None,
                     rays: volume.rays.0,
                     seed: volume.seed.0,
                 };
@@ -325,8 +328,24 @@ fn azimuths(step: &Spanned<Option<AzimuthStep>>, road: Road, errors: &mut Errors
     None
 }
 
+/// Shortest wavelength, nm: below it, the heights of any surface are too many wavelengths.
+const SHORTEST_NM: f64 = 1.0;
+
+/// Fails for a list that is written and empty, and for wavelengths that are none of light.
+fn check_wavelengths(list: &Spanned<Vec<Spanned<Wavelength>>>, errors: &mut Errors) {
+    if list.is_empty() && list.origin != Origin::FILE {
+        errors.push(list.origin, mistake::empty_list());
+    }
+    for item in list.iter().filter(|item| item.0 < SHORTEST_NM) {
+        errors.push(item.origin, mistake::out_of_range(item.0, format!("wavelengths from {SHORTEST_NM} nm")));
+    }
+}
+
 /// Inclinations, each once and within the hemisphere.
 fn incidences(list: &Spanned<Vec<Spanned<Inclination>>>, errors: &mut Errors) -> Vec<f64> {
+    if list.is_empty() && list.origin != Origin::FILE {
+        errors.push(list.origin, mistake::empty_list());
+    }
     if list.is_empty() {
         return (0..18).map(|step| 5.0 * f64::from(step)).collect();
     }

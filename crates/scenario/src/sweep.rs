@@ -274,6 +274,12 @@ fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
             return false;
         }
     }
+    for axis in sweep.axes.iter() {
+        if let Some((origin, values)) = axis.repeated() {
+            errors.push(origin, mistake::listed_twice(&values));
+            return false;
+        }
+    }
     let points = sweep.axes.iter().try_fold(1_usize, |points, axis| points.checked_mul(axis.len()));
     match points.filter(|points| *points <= MOST_POINTS) {
         Some(_) => true,

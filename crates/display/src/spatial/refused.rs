@@ -56,9 +56,10 @@ impl From<Refused> for DisplayError {
                 "mirror-like pixels, or pixels inside which light spreads, below general layers ([[display.layers]])",
                 "display.layers",
             ),
-            Refused::PatternsBelowLayers => {
-                ("patterns of these pixels below general layers ([[display.layers]])", "pattern")
-            }
+            Refused::PatternsBelowLayers => (
+                "patterns of these pixels below general layers ([[display.layers]]), and does all else without the table [pattern]",
+                "pattern",
+            ),
             Refused::SubPixelsBelowFaces => (
                 "mirror-like sub-pixels of different colours below a face, or a front, that reflects",
                 "display.glass.surface",

@@ -61,6 +61,8 @@ pub struct Antiglare {
     pub pupil_mm: f64,
     /// Number of independent faces, 2 or more.
     pub replicates: usize,
+    /// Whether the target of the scene is the user's own: a note says that it is none of sparkle.
+    pub has_target: bool,
 }
 
 /// Sparkle of a display.
@@ -225,7 +227,7 @@ pub fn sparkle(
     }
     let relative = result.rows.iter().filter(|row| row.ppd > 0.0).map(|row| row.standard_error / row.ppd);
     let largest = relative.fold(0.0, f64::max);
-    result.warnings.extend(target(&scene.solver.stop).filter(|target| largest > *target).map(|target| {
+    result.warnings.extend(target(&scene.solver.stop).filter(|target| face.has_target && largest > *target).map(|target| {
         format!(
             "solver.relative_error = {target} is not the target of sparkle, whose error is that of sparkle.replicates = {} random faces: at \
              most {:.1} % of a pixel power deviation; it falls with the root of their number",

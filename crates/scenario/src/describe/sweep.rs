@@ -1,6 +1,7 @@
 //! `[sweep]`: keys that vary, and their values.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 
 use papilio_diagnostics::Diagnostic;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -71,6 +72,17 @@ pub(crate) struct Swept {
 pub(crate) const MOST_POINTS: usize = 100_000;
 
 impl Axis {
+    /// Returns the first point whose values are those of an earlier one: their place, and the values.
+    pub(crate) fn repeated(&self) -> Option<(Origin, String)> {
+        let mut seen = HashSet::new();
+        (0..self.len()).find_map(|point| {
+            let nodes: Vec<&Node> = self.0.iter().filter_map(|swept| swept.values.get(point)).collect();
+            let values = nodes.iter().map(|node| node.to_json().to_string()).collect::<Vec<_>>().join(", ");
+            let origin = nodes.first().map(|node| node.origin)?;
+            (!seen.insert(values.clone())).then_some((origin, values))
+        })
+    }
+
     /// Returns the number of points.
     pub(crate) fn len(&self) -> usize {
         self.0.first().map_or(0, |swept| swept.values.len())

@@ -128,6 +128,7 @@ impl Reader {
                 "a search with method = \"monte-carlo\" would follow the noise of the Monte Carlo solver",
                 "set solver.method = \"adding\"; the Monte Carlo solver checks the best design afterwards",
             )?;
+            self.check_numbers(&condition.varied, &found)?;
             self.check_ends(&condition.varied, &found)?;
         }
         let names: Vec<&str> = conditions.iter().map(|one| one.name.as_str()).collect();
@@ -316,7 +317,8 @@ impl Reader {
         /// A number that each key which is a word or a number accepts, such as an index for a material.
         const ACCEPTED: f64 = 1.5;
         let mut errors = Errors::default();
-        for one in found {
+        let numeric = found.iter().filter(|one| matches!(one.variable.range, SearchRange::Bounds(..)));
+        for one in numeric {
             for (key, origin) in one.variable.keys.iter().zip(&one.origins) {
                 let is_word = |node: &Node| matches!(node.to_json(), Json::String(_) | Json::Bool(_));
                 if !self.root.at(&key.path).is_some_and(is_word) {

@@ -114,7 +114,14 @@ impl Resolver<'_> {
         let sum: f64 = area.0.iter().map(|item| item.value.0).sum();
         if (sum - 1.0).abs() > 1e-3 {
             let at = pixel.area.origin.or_override(area.0.iter().map(|item| item.value.origin));
-            self.errors.push(at, mistake::sum("the areas", sum, "1 within 0.001"));
+            let wrong = mistake::sum("the areas", sum, "1 within 0.001");
+            self.errors.push(
+                at,
+                wrong.hint(
+                    "areas are fractions of the pixel: what changes one of them changes another by as much, as `compensated_by` of a \
+                     variable of [optimize] does; [tolerance] varies none alone",
+                ),
+            );
         } else if (sum - 1.0).abs() > 1e-9 {
             self.warnings
                 .push(format!("the areas of the sub-pixels sum to {}, and are used as given", tidy(sum)));

@@ -77,6 +77,7 @@ impl Resolver<'_> {
             layer,
             pupil_mm: table.pupil_mm.0,
             replicates: table.replicates.0 as usize,
+            has_target: file.solver.relative_error.origin != Origin::FILE,
         })
     }
 

@@ -81,8 +81,7 @@ impl Resolver<'_> {
         }
         let mut seen = HashSet::new();
         for item in list.iter().filter(|item| !seen.insert(angle(item).to_bits())) {
-            let wrong = Diagnostic::new(format!("{} is in this list twice", angle(item)));
-            self.err(item, wrong.hint("remove one of them"));
+            self.err(item, mistake::listed_twice(&angle(item).to_string()));
         }
         Some(list.iter().map(|item| angle(item)).collect())
     }

@@ -3,7 +3,8 @@
 //!
 //! Both estimates have noise: their difference over the quadratic sum of both errors has about Student's t. The reference
 //! finds discs by chance alone; a beam it finds by the density of what scatters, which is bounded for wide lobes only.
-//! The full run writes `target/random/plain-0-of-1.csv`, in parts if need be ([`papilio_testing::Campaign`]).
+//! The full run writes `target/random/plain-0-of-1.csv`, in parts if need be ([`papilio_testing::Campaign`]);
+//! `PAPILIO_PLAIN=391` prints a display and its comparison instead.
 
 use std::path::Path;
 use std::time::Instant;
@@ -68,8 +69,11 @@ fn display(number: u64) -> (Stack, f64, String) {
             3 => (sheet(dice.between(0.0, 0.4), dice.between(0.0, 0.2)), "sheet"),
             _ => (Interface::Fresnel, "fresnel"),
         };
-        if matches!(name, "rough" | "diffuser" | "ward") {
-            narrowest = narrowest.min(width);
+        match name {
+            // Its refracted lobe is narrower by the step of the index.
+            "rough" => narrowest = narrowest.min(width * (next - index).abs() / next),
+            "diffuser" | "ward" => narrowest = narrowest.min(width),
+            _ => {}
         }
         // A sheet is inside a medium.
         index = if name == "sheet" { index } else { next };
@@ -140,10 +144,15 @@ fn monte_carlo_agrees_with_reference_over_random_displays() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("random");
     let header = "monte_carlo,standard_error,reference,reference_error";
     let campaign = sized(None, Some(())).map(|()| Campaign::open(&folder, "plain", header));
-    let numbers = 0..sized(DISPLAYS[0], DISPLAYS[1]);
+    let chosen: Option<u64> = std::env::var("PAPILIO_PLAIN").ok().map(|number| number.parse().unwrap());
+    let campaign = campaign.filter(|_| chosen.is_none());
+    let numbers = chosen.map_or(0..sized(DISPLAYS[0], DISPLAYS[1]), |number| number..number + 1);
     let missing = campaign.as_ref().map_or(numbers.clone().collect(), |files| files.missing(numbers));
     let new = each(&missing, |number| {
         let (name, rows, times) = compare(*number);
+        if chosen.is_some() {
+            println!("{:#?}\n{rows:#?}", display(*number).0);
+        }
         if let Some(campaign) = &campaign {
             campaign.append(*number, &name, &rows, &times);
         }

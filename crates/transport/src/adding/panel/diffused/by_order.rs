@@ -56,18 +56,23 @@ pub(super) fn of(
             Some(stored) => Some(Cow::Borrowed(&stored[number])),
             None => is_field.then(|| Cow::Owned(project(bundle))),
         };
+        let recycling = views.iter().find_map(|view| Some(view.recycled?.0));
+        let on_grid = recycling.map(|recycling| match light.recycled.get(index) {
+            Some(stored) => Cow::Borrowed(&stored[number]),
+            None => Cow::Owned(bundle.group(recycling, pass.index)),
+        });
         for (view, all) in views.iter().zip(&mut all) {
             let projected = match &of_field {
                 Some(projected) => Cow::Borrowed(&**projected),
                 None => Cow::Owned(for_view(pass, view.bundle, bundle)),
             };
-            let forms = |(recycling, own): (&Recycling, &Group)| {
-                recycling.between_by_order(own, &light.recycled[index][number])
+            let forms = |((recycling, own), on_grid): ((&Recycling, &Group), &Cow<'_, Group>)| {
+                recycling.between_by_order(own, on_grid)
             };
             let azimuth = view.bundle.azimuth();
             let by_order = ByOrder {
                 weights: pass.by_order(&view.bundle.points, azimuth, &projected),
-                forms: view.recycled.map(forms).unwrap_or_default(),
+                forms: view.recycled.zip(on_grid.as_ref()).map(forms).unwrap_or_default(),
                 azimuth: Some(bundle.azimuth()),
                 odd: bundle.odd,
                 nodes: projected.nodes(),

@@ -18,7 +18,7 @@ use crate::{Field, Source};
 pub(super) struct Light {
     pub(super) source: Source,
     pub(super) groups: Vec<Bundle>,
-    /// For each index and group.
+    /// For each index and group; empty if those of a field are too large.
     pub(super) recycled: Vec<Vec<Group>>,
     /// Of a field: for each index and group its light below the diffuser; empty if that is too large.
     pub(super) projected: Vec<Vec<Projected>>,
@@ -56,6 +56,14 @@ impl Bundle {
             return Lit::Points(&self.points, exact);
         }
         Lit::Circles(&self.circles, self.odd)
+    }
+
+    /// Returns its light on the grid at an index.
+    pub(super) fn group(&self, recycling: &Recycling, index: f64) -> Group {
+        if self.circles.is_empty() {
+            return recycling.group(&self.points, self.axis, index, false);
+        }
+        recycling.group_of_circles(&self.circles, self.odd, self.axis, index)
     }
 
     pub(super) fn azimuth(&self) -> f64 {
@@ -153,22 +161,28 @@ impl Kernel {
         all
     }
 
-    /// Returns the groups of a source on the grid.
+    /// Returns the groups of a source on the grid; those of a field are not stored if they have too many numbers.
     fn groups(&self, bundles: &[Bundle]) -> Vec<Vec<Group>> {
-        let at = |(recycling, index): (&Recycling, &f64)| {
-            let group = |b: &Bundle| {
-                if b.circles.is_empty() {
-                    return recycling.group(&b.points, b.axis, *index, false);
+        let is_needed = self.grids().any(Recycling::sums_columns);
+        let (mut all, mut numbers) = (Vec::new(), 0);
+        for (recycling, index) in self.grids().zip(&self.indices.nodes) {
+            let mut of_index = Vec::with_capacity(bundles.len());
+            for bundle in bundles {
+                let group = bundle.group(recycling, *index);
+                numbers += if is_needed || bundle.circles.is_empty() { 0 } else { group.numbers() };
+                if numbers > MOST_STORED {
+                    return Vec::new();
                 }
-                recycling.group_of_circles(&b.circles, b.odd, b.axis, *index)
-            };
-            bundles.iter().map(group).collect()
-        };
-        self.grids().zip(&self.indices.nodes).map(at).collect()
+                of_index.push(group);
+            }
+            all.push(of_index);
+        }
+        all
     }
 }
 
-/// Most numbers of the projected light of a source that are stored (64 MB); more are computed again for each view.
+/// Most numbers of the light of a source below the diffuser and on the grid that are stored, each (64 MB); more are
+/// computed again for each view.
 const MOST_STORED: usize = 1 << 23;
 
 /// Natural digits that the directions of a field have less than everything else: there are many directions,

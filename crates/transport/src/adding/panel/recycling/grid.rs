@@ -71,6 +71,18 @@ pub(super) struct End {
     across: Vec<f64>,
 }
 
+impl Meridian {
+    pub(super) fn numbers(&self) -> usize {
+        self.glass.len() + self.air.len()
+    }
+}
+
+impl End {
+    pub(super) fn numbers(&self) -> usize {
+        self.glass.len() + self.air.len() + self.across.len()
+    }
+}
+
 impl Grid {
     /// Builds the grid; `terms`: number of terms of the polynomials that the grid has to distinguish;
     /// `None`: it resolves the table itself.

@@ -75,6 +75,11 @@ pub(super) struct Direction {
 }
 
 impl Group {
+    /// Returns how many numbers it has.
+    pub(super) fn numbers(&self) -> usize {
+        self.meridian.numbers() + self.light.iter().map(End::numbers).sum::<usize>()
+    }
+
     /// Returns the same group rotated to the azimuth of this axis.
     pub(super) fn turned_to(&self, axis: Point) -> Self {
         Self { azimuth: azimuth(axis), ..self.clone() }
