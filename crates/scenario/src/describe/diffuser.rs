@@ -72,6 +72,19 @@ kinds! {
     }
 }
 
+impl Btdf {
+    /// Fraction of the scattered light that leaves unpolarised.
+    pub(crate) fn depolarisation(&self) -> f64 {
+        match self {
+            Self::KCorrelation(lobe) => lobe.depolarisation.0,
+            Self::Lambertian(lobe) => lobe.depolarisation.0,
+            Self::Ward(lobe) => lobe.depolarisation.0,
+            Self::Measured(foil) => foil.depolarisation.0,
+            Self::Microgeometry(_) => 1.0,
+        }
+    }
+}
+
 table! {
     /// A face of glass or film, described by its geometry and measured by rays from both sides, light that is
     /// trapped below it included.
@@ -112,6 +125,9 @@ table! {
         /// Fraction s of T that is not scattered. `total_transmittance` is T ((1 - s) f + s), where f is the
         /// fraction of the lobe within |beta| <= 1 at normal incidence.
         regular_fraction: Share = Share(0.0),
+        /// Fraction of the light that the diffuser scatters which leaves unpolarised: 1, or 0 if all of it keeps the shares of s
+        /// and p with which it arrived.
+        depolarisation: Share = Share(1.0),
         /// The light that the diffuser itself reflects. Default: it reflects nothing; a note says so.
         reflection: Option<Reflection>,
     }
@@ -127,6 +143,9 @@ table! {
         transmittance: Option<ShareSpectrum>,
         /// Fraction of T that is not scattered.
         regular_fraction: Share = Share(0.0),
+        /// Fraction of the light that the diffuser scatters which leaves unpolarised: 1, or 0 if all of it keeps the shares of s
+        /// and p with which it arrived.
+        depolarisation: Share = Share(1.0),
         /// The light that the diffuser itself reflects. Default: it reflects nothing; a note says so.
         reflection: Option<Reflection>,
     }
@@ -158,6 +177,9 @@ table! {
         transmittance: Option<ShareSpectrum>,
         /// Fraction of rho that is not scattered.
         regular_fraction: Share = Share(0.0),
+        /// Fraction of the light that the diffuser scatters which leaves unpolarised: 1, or 0 if all of it keeps the shares of s
+        /// and p with which it arrived.
+        depolarisation: Share = Share(1.0),
         /// The light that the diffuser itself reflects. Default: it reflects nothing; a note says so.
         reflection: Option<Reflection>,
     }
@@ -313,6 +335,9 @@ table! {
         mounting: Mounting = Mounting::AsMeasured,
         /// With `mounting = "air"`: the air between foil and glass, which places of light depend on.
         gap_mm as "Air gap": Option<AirGap>,
+        /// Fraction of the light that the foil scatters which leaves unpolarised: 1, or 0 if all of it keeps the shares of s
+        /// and p with which it arrived.
+        depolarisation: Share = Share(1.0),
         /// The light that the foil itself reflects, if the file contains its transmission only. Default: that
         /// of the file.
         reflection: Option<Reflection>,
