@@ -29,6 +29,7 @@ mod gonio;
 mod image;
 mod input;
 mod interrupt;
+mod job;
 mod journal;
 mod long_work;
 mod man;
@@ -102,38 +103,29 @@ commands! {
     )]
     Sparkle(arguments::SpatialCommand) => sparkle::sparkle,
     /// Compute the gloss (ISO 2813) and the distinctness of image of each state
-    #[command(after_help = "Examples:\n  \
-                      papilio gloss scenarios/etched-face.toml\n  \
-                      papilio gloss scenarios/rough-glass.toml --solver monte-carlo\n\n\
+    #[command(after_help = "Example: papilio gloss scenarios/etched-face.toml\n\n\
                       docs/gloss.md describes the results.")]
     Gloss(arguments::SolvedSpatially) => gloss::gloss,
     /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine
     /// lines
-    #[command(after_help = "Examples:\n  \
-                      papilio mtf scenarios/matrix.toml\n  \
-                      papilio mtf scenarios/matrix.toml --solver monte-carlo\n\n\
+    #[command(after_help = "Example: papilio mtf scenarios/matrix.toml\n\n\
                       It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
     Mtf(arguments::SolvedSpatially) => mtf::mtf,
     /// Compute which sub-pixel lights which, and the gamut and contrast of stripes, lines and text
-    #[command(after_help = "Examples:\n  \
-                      papilio crosstalk scenarios/matrix.toml\n  \
-                      papilio crosstalk scenarios/matrix.toml --solver monte-carlo\n\n\
+    #[command(after_help = "Example: papilio crosstalk scenarios/matrix.toml --solver monte-carlo\n\n\
                       The scenario needs [display.matrix] and the thickness of the layers above the pixels. docs/crosstalk.md describes \
                       the results.")]
     Crosstalk(arguments::SolvedSpatially) => crosstalk::crosstalk,
     /// Show a picture on the display: what the reader sees in this light, and what to send to the panel
     #[command(after_help = "Examples:\n  \
                       papilio image photograph.jpg --on six-ink --rooms office,LED-B1\n  \
-                      papilio image scenarios/six-ink.toml photograph.jpg\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n  \
                       papilio image scenarios/page.toml --rooms FL11,D65\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg --packed 4 --rotate 90\n\n\
                       docs/image.md describes the files, docs/panel.md those for a panel.")]
     Image(arguments::ImageCommand) => pictures::command,
-    /// Compute the palette of a display: the colours of all states in this light and in other rooms, for
-    /// other programs too
-    #[command(after_help = "Examples:\n  \
-                      papilio palette scenarios/six-ink.toml\n  \
+    /// Compute the palette of a display: the colours of all states in this light and in other rooms
+    #[command(after_help = "Example:\n  \
                       papilio palette scenarios/six-ink.toml --rooms D65,FL11 --relative-to display\n\n\
                       docs/palette.md describes the files.")]
     Palette(arguments::PaletteCommand) => palette::palette,
@@ -142,7 +134,7 @@ commands! {
     #[command(after_help = "Examples:\n  \
                       papilio gonio surfaces/hemispheres.toml\n  \
                       papilio gonio surfaces/etched.toml --preview --set microgeometry.rms_nm=400\n\n\
-                      docs/gonio.md describes the files. To resume an interrupted measurement, run the same command again.")]
+                      docs/gonio.md describes the files. The same command resumes an interrupted measurement.")]
     Gonio(arguments::Gonio) => gonio::gonio,
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
@@ -163,12 +155,12 @@ commands! {
     New(arguments::New) => new::run,
     /// List the named materials, or show one: source, n and k, a figure
     #[command(
-        after_help = "Examples: papilio materials\n          papilio materials TiO2\n          papilio materials oxide\n\n\
+        after_help = "Examples: papilio materials TiO2\n          papilio materials oxide\n\n\
                       docs/films.md describes other materials."
     )]
     Materials(arguments::Catalogue) => catalogue::list_materials,
     /// List the CIE illuminants, or show one: colour, colour temperature, Ra, spectrum, a figure
-    #[command(after_help = "Examples: papilio illuminants\n          papilio illuminants FL11\n\n\
+    #[command(after_help = "Example: papilio illuminants FL11\n\n\
                       docs/light.md describes other spectra.")]
     Illuminants(arguments::Catalogue) => catalogue::list_illuminants,
     /// Replace old names of keys and values in a scenario file
@@ -181,15 +173,15 @@ commands! {
     /// Compute a scenario over a grid of values (`[sweep]`): sweep.csv and figures; can be resumed
     #[command(after_help = "Examples: papilio sweep scenarios/sweep.toml\n          \
                       papilio sweep scenarios/indoor.toml --axis display.diffuser.haze=0.3:0.8:0.1 --axis viewer.theta_deg=0,30\n\n\
-                      To resume an interrupted sweep, run the same command again.")]
+                      The same command resumes an interrupted sweep.")]
     Sweep(arguments::Sweep) => sweep::sweep,
     /// Search for better designs (`[optimize]`): best.toml or a Pareto front; can be resumed
     #[command(after_help = "Example: papilio optimize scenarios/optimize.toml\n\n\
-                      To resume an interrupted search, run the same command again.")]
+                      The same command resumes an interrupted search.")]
     Optimize(arguments::Optimize) => optimize::run,
     /// Run a tolerance analysis (`[tolerance]`): percentiles, yield, sensitivities; can be resumed
     #[command(after_help = "Example: papilio tolerance scenarios/tolerance.toml\n\n\
-                      To resume an interrupted analysis, run the same command again.")]
+                      The same command resumes an interrupted analysis.")]
     Tolerance(arguments::Tolerance) => tolerance::run,
     /// Fit keys of a scenario (`[fit]`) to measured data: values with intervals, and the fitted scenario
     #[command(after_help = "Example: papilio fit scenarios/fit.toml scenarios/data/synthetic-film.csv\n\n\
@@ -203,7 +195,7 @@ commands! {
     #[command(after_help = "Examples:\n  \
                       papilio validate --out out/validate\n  \
                       papilio validate --measured clear-glass\n\n\
-                      Then open report.html in the folder in a browser. docs/measured-samples.md describes the samples.")]
+                      It writes report.html. docs/measured-samples.md describes the samples.")]
     Validate(arguments::Validate) => validate::validate,
     /// Start the web app: edit a display and see its result in the browser (local access only)
     #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\
@@ -218,7 +210,7 @@ commands! {
     Completions(arguments::Completions) => completions::run,
     /// Write manual pages into a folder: papilio.1, and one for each command
     #[command(after_help = "Example: papilio man --out ~/.local/share/man/man1\n\n\
-                      Then, for example, `man papilio-run` shows the page of `papilio run`.")]
+                      `man papilio-run` then shows the page of `papilio run`.")]
     Man(arguments::Man) => man::run,
     /// Print the JSON Schema of a scenario, for editors
     Schema(schema::Schema) => schema::schema,
@@ -323,6 +315,7 @@ fn run_command(arguments: &[OsString]) -> u8 {
         print_message(&format!("error: {message}"));
         return 2;
     }
+    job::follow_server();
     match parsed.command.run() {
         Ok(()) => 0,
         // The reader closed the pipe (`papilio run ... | head`): this is not an error.

@@ -19,7 +19,7 @@ impl clap::Args for Schema {
     fn augment_args(command: clap::Command) -> clap::Command {
         let with_schema = RESULTS.iter().filter(|file| file.schema.is_some());
         let flags = with_schema.map(|file| {
-            let help = format!("Print the JSON Schema of {}{} instead", file.name, file.of);
+            let help = format!("Print that of {}{}", file.name, file.of);
             Arg::new(option(file.name))
                 .long(option(file.name))
                 .group("of")

@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
 type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const PICTURES: [Picture; 32] = [
+const PICTURES: [Picture; 31] = [
     (
         &["run"],
         "indoor.toml",
@@ -26,18 +26,6 @@ const PICTURES: [Picture; 32] = [
     ),
     (&["pixel", "--absorption"], "indoor.toml", &["pixel.svg", "absorption.svg"], ""),
     (
-        &[
-            "diffuser",
-            "inspect",
-            "--transmission=scenarios/data/H65-transmission.csv",
-            "--transmission=scenarios/data/H78-transmission.csv",
-            "--transmission=scenarios/data/H81-transmission.csv",
-        ],
-        "data/H78.bsdf",
-        &["front-transmission.svg", "transmission.svg"],
-        "measured-",
-    ),
-    (
         &["diffuser", "steps", "--beside=scenarios/measured-truth.toml"],
         "measured-diffused.toml",
         &["step-normalise.svg"],
@@ -52,7 +40,6 @@ const PICTURES: [Picture; 32] = [
         &["tolerance_gamut_percent_srgb.svg", "tolerance_sensitivities.svg"],
         "",
     ),
-    (&["sweep"], "laminate-thickness.toml", &["sweep_white.mtf_nyquist_x.svg"], "laminate-"),
     (&["mtf"], "double-image.toml", &["kernel_white.svg"], "double-image-"),
     (&["mtf"], "laminated-text.toml", &["edges.svg"], "laminated-text-"),
     (&["crosstalk"], "matrix.toml", &["crosstalk.svg"], ""),
@@ -101,6 +88,21 @@ const PICTURES: [Picture; 32] = [
     (&GALLERY, "data/photographs/raccoon.jpg", &["rooms.png"], "gallery-raccoon-"),
     (&GALLERY, "data/photographs/hopper.jpg", &["rooms.png"], "gallery-hopper-"),
     (&["image", "--on=six-ink"], "data/photographs/dashboard.png", &["seen.png"], "gallery-dashboard-"),
+    (
+        &["validate", "--measured"],
+        "data/samples.toml",
+        &[
+            "sample-nanochannels.svg",
+            "sample-clear-glass.svg",
+            "sample-polished-metals.svg",
+            "sample-etched-grades.svg",
+            "sample-etched-grades-tails.svg",
+            "sample-ptfe.svg",
+            "sample-spectralon.svg",
+            "sample-microspheres.svg",
+        ],
+        "",
+    ),
 ];
 
 /// A picture of the gallery: on six inks in daylight, and below a sodium lamp.

@@ -46,7 +46,7 @@ const PART: &str =
 
 #[derive(Debug, Args)]
 pub(crate) struct Inspect {
-    #[arg(value_name = "FILE", help = format!("File of measured scattering; the format is detected from the content: {}", bsdf_formats()))]
+    #[arg(value_name = "FILE", help = format!("File of measured scattering: {}", bsdf_formats()))]
     pub(crate) file: PathBuf,
     #[arg(long, value_parser = one_of(PARTS), help = PART)]
     pub(crate) part: Option<ScatterMode>,
@@ -163,7 +163,8 @@ pub(crate) struct Measure {
     /// File to write
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Change a key of the scenario, for example measure.blur=0.05; can be repeated
+    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated; paths
+    /// of files are relative to the current folder
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
     /// Format of the output [default: from its extension .bsdf, .csv, .xml or .npz]

@@ -22,8 +22,7 @@ pub(crate) struct FrameArguments {
     /// Mirror the frame left to right, after the rotation
     #[arg(long)]
     pub(crate) mirror: bool,
-    /// states.png of the frame that the panel shows now: write changed.png, the pixels of the frame that differ,
-    /// and their rectangle into image.json
+    /// states.png of the frame that the panel shows now: write changed.png, the pixels that differ
     #[arg(long, value_name = "STATES")]
     pub(crate) since: Option<PathBuf>,
 }

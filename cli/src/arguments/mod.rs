@@ -59,6 +59,9 @@ pub(crate) struct Serve {
     /// 127.0.0.1]
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) listen: Option<IpAddr>,
+    /// Folder for the jobs of the page, in one for each port [default: papilio/jobs in the user's folder of states]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) jobs: Option<PathBuf>,
     /// Open the page in the browser
     #[arg(long)]
     pub(crate) open: bool,
@@ -224,7 +227,7 @@ pub(crate) struct Compare {
     /// Change a key of the scenario, if RESULT is one; can be repeated
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Print the comparison as JSON on standard output; write files only if --out is given
+    /// Print the result as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
     /// Write each figure as PNG too
@@ -250,7 +253,7 @@ pub(crate) struct Pixel {
     /// Also compute the absorptance of each layer of the film: absorption.csv, sub-pixels.csv and a figure
     #[arg(long)]
     pub(crate) absorption: bool,
-    /// Print the scan as JSON on standard output; write files only if --out is given
+    /// Print the result as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
 }

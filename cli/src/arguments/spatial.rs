@@ -34,7 +34,7 @@ pub(crate) struct Gonio {
     /// Follow a ninth of the rays: three times the error
     #[arg(long)]
     pub(crate) preview: bool,
-    /// Print the audit as JSON on standard output; write files only if --out is given
+    /// Print the result as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
     /// Write each figure as PNG too
@@ -57,8 +57,7 @@ pub(crate) struct ImageCommand {
     /// results
     #[arg(value_name = "PICTURE")]
     pub(crate) picture: Option<String>,
-    /// Show the picture, which is then the only argument, on a usual panel of this kind in a living room, without a scenario
-    /// file
+    /// Show the picture, which is then the only argument, on a usual panel in a living room, without a scenario file
     #[arg(long, value_name = "DISPLAY", value_parser = panels())]
     pub(crate) on: Option<ExampleDisplay>,
     /// What is white in seen.png [default: white; with --on: display]
@@ -68,11 +67,10 @@ pub(crate) struct ImageCommand {
     #[arg(long, value_parser = one_of(SPACES), value_name = "SPACE", default_value = "srgb")]
     pub(crate) space: ScreenSpace,
     /// Also show what the panel holds in the light of these presets, or with the spectra of these CIE
-    /// illuminants; the view remains
+    /// illuminants
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) rooms: Vec<String>,
-    /// Give states.png and frame.bmp the usual codes of states, #000000 for black and #ff0000 for red, instead of the
-    /// colours that are seen
+    /// Give states.png and frame.bmp the usual codes of states: #000000 for black, #ff0000 for red
     #[arg(long)]
     pub(crate) device_colours: bool,
     #[command(flatten)]
@@ -89,8 +87,7 @@ fn panels() -> impl TypedValueParser<Value = ExampleDisplay> {
 pub(crate) struct PaletteCommand {
     #[command(flatten)]
     pub(crate) command: SpatialCommand,
-    /// Also compute the colours in the light of these presets, or with the spectra of these CIE illuminants;
-    /// the view remains
+    /// Also compute the colours in the light of these presets, or with the spectra of these CIE illuminants
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) rooms: Vec<String>,
     /// What is white in the files for other programs

@@ -35,8 +35,7 @@ pub(crate) struct SweepRun {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Sweep a key over FROM:TO:STEP, or over values with commas between them:
-    /// `--axis viewer.theta_deg=0:60:10`; can be repeated, for all combinations. The axes of the file are not
-    /// used then
+    /// `--axis viewer.theta_deg=0:60:10`; can be repeated, for all combinations; instead of the axes of the file
     #[arg(long, value_name = "KEY=VALUES")]
     pub(crate) axis: Vec<String>,
     /// Change a key of the scenario before the values of the sweep are applied; can be repeated
@@ -75,7 +74,8 @@ pub(crate) struct Tolerance {
     /// Folder for the results [default: out/NAME for NAME.toml]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Change a key of the scenario, for example tolerance.samples=65536; can be repeated
+    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated; paths
+    /// of files are relative to the current folder
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
     /// Compute only shard K of N (every N-th sample), to divide an analysis among machines
@@ -84,7 +84,7 @@ pub(crate) struct Tolerance {
     /// Also use the finished work in the journals of this folder; can be repeated
     #[arg(long, value_name = "DIR")]
     pub(crate) merge: Vec<PathBuf>,
-    /// Print the report as JSON on standard output, and write the files as usual
+    /// Print the result as JSON, and write the files too
     #[arg(long)]
     pub(crate) json: bool,
     /// Write each figure as PNG too
@@ -98,11 +98,10 @@ pub(crate) struct Tolerance {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SweepOutputs {
     /// Write only these columns of sweep.csv: those of states.csv (`Y,L_star,Y_se`), or metrics of a view and
-    /// of one state (`contrast_ratio,white.Y`); the terminal and the figures follow `sweep.figures` [default:
-    /// all]
+    /// of one state (`contrast_ratio,white.Y`) [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
-    /// Print all points as JSON on standard output, and write the files as usual
+    /// Print the result as JSON, and write the files too
     #[arg(long)]
     pub(crate) json: bool,
     /// Write each figure as PNG too
@@ -117,7 +116,7 @@ pub(crate) struct SweepOutputs {
 pub(crate) struct Optimize {
     #[command(flatten)]
     pub(crate) scenario: ScenarioArguments,
-    /// Print the result as JSON on standard output, and write the files as usual
+    /// Print the result as JSON, and write the files too
     #[arg(long)]
     pub(crate) json: bool,
     /// Write each figure as PNG too
@@ -147,7 +146,7 @@ pub(crate) struct FitCommand {
     /// Measured spectra, colours or metrics (CSV, CGATS, CxF), in one or more files
     #[arg(value_name = "MEASURED", required = true)]
     pub(crate) measured: Vec<PathBuf>,
-    /// Print the result as JSON on standard output, and write the files as usual
+    /// Print the result as JSON, and write the files too
     #[arg(long)]
     pub(crate) json: bool,
     /// Write each figure as PNG too

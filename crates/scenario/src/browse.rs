@@ -185,26 +185,24 @@ pub fn with_catalogue_tables(page: &str) -> Option<String> {
 }
 
 fn material_table() -> String {
-    let mut text = "| name | what | n, k at 550 nm | data, nm |\n|---|---|---|---|\n".to_owned();
-    for entry in materials() {
-        let range = entry.measured_nm.map_or("all".to_owned(), |[a, b]| format!("{a:.0} to {b:.0}"));
+    let line = |entry: MaterialEntry| {
         let k = if entry.k_550 >= 5e-4 { format!(", {:.3}", entry.k_550) } else { String::new() };
-        text += &format!("| `{}` | {} | {:.3}{k} | {range} |\n", entry.name, entry.what, entry.n_550);
-    }
-    text
+        format!("- `{}`: {:.3}{k}; {}\n", entry.name, entry.n_550, entry.what)
+    };
+    materials().into_iter().map(line).collect()
 }
 
 fn illuminant_table() -> String {
     let mut text = "| name | light | CCT, K | Ra |\n|---|---|---|---|\n".to_owned();
-    for entry in illuminants() {
-        let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));
-        text += &format!(
-            "| `{}` | {} | {} | {} |\n",
-            entry.name,
-            entry.what,
-            number(entry.cct_K),
-            number(entry.Ra)
-        );
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));
+    // Neighbours of one description have one row.
+    for alike in illuminants().chunk_by(|one, next| one.what == next.what) {
+        let joined = |cell: &dyn Fn(&IlluminantEntry) -> String| -> String {
+            alike.iter().map(cell).collect::<Vec<_>>().join(", ")
+        };
+        let names = joined(&|entry| format!("`{}`", entry.name));
+        let (cct, ra) = (joined(&|entry| number(entry.cct_K)), joined(&|entry| number(entry.Ra)));
+        text += &format!("| {names} | {} | {cct} | {ra} |\n", alike[0].what);
     }
     text
 }

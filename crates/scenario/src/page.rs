@@ -1,4 +1,4 @@
-//! The tables of keys in `docs/scenario.md`, generated from the grammar.
+//! The lists of keys in `docs/scenario.md`, generated from the grammar.
 
 use crate::describe::{
     File, Spectrum, crystal, diffuser, display, environment, fit, image, layers, lighting, limits, matrix,
@@ -7,14 +7,14 @@ use crate::describe::{
 use crate::read::Table;
 use crate::schema::{Default, Row, toml};
 
-/// Begins a table in a page of documentation, and names it.
+/// Begins the keys of a table in a page of documentation, and names the table.
 const BEGIN: &str = "<!-- keys: ";
-/// Ends it.
-const END: &str = "<!-- end -->";
-/// Between the name of a table and that of another whose rows it does not repeat.
+/// Begins the line that names the keys of other tables.
+const ABOVE: &str = "As above: ";
+/// Between the name of a table and those of others, separated by commas, whose keys it does not repeat.
 const WITHOUT: &str = " without ";
-/// Long phrases of messages, and the short ones of the column `value` in the tables.
-const BRIEF: [(&str, &str); 14] = [
+/// Long phrases of messages, and the short ones of the values in the page.
+const BRIEF: [(&str, &str); 16] = [
     (
         "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such",
         "[a light](#the-spectrum-of-a-light)",
@@ -26,15 +26,17 @@ const BRIEF: [(&str, &str); 14] = [
     ("a whole number from ", "integer, "),
     ("a number from ", ""),
     ("a number above", "above"),
+    (", at most ", " to "),
     ("a number", "number"),
     ("a list, each item ", "list: "),
     ("a table of names, each with ", "by name: "),
+    ("a table; its keys depend on", "table by"),
     ("a table", "table"),
     ("true or false", "boolean"),
     ("a string", "string"),
 ];
 
-/// Endings of keys that state a unit, and the unit in the column `value`, which does not repeat it.
+/// Endings of keys that state a unit, and the unit of the value, which does not repeat it.
 const UNITS: [(&str, &str); 8] = [
     ("_nm", " (nm)"),
     ("_um", " (um)"),
@@ -138,15 +140,14 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
     ]
 }
 
-/// Returns a page of documentation with the tables of keys of the grammar: the text between
-/// `<!-- keys: NAME -->` and `<!-- end -->` is replaced. `<!-- keys: NAME without OTHER -->` names only the
-/// rows that stand in the table OTHER, too.
+/// Returns a page of documentation with the keys of the grammar: the list below `<!-- keys: NAME -->` is
+/// replaced. `<!-- keys: NAME without OTHER, ... -->` names only the keys that one of the other tables has, too.
 ///
 /// # Errors
-/// If a table is unknown, has no end, or is missing in the page.
+/// If a table is unknown, or is missing in the page.
 ///
 /// ```
-/// let page = "# Glass\n\n<!-- keys: metrics.appearance -->\n<!-- end -->\n";
+/// let page = "# Appearance\n\n<!-- keys: metrics.appearance -->\n";
 /// assert!(papilio_scenario::with_key_tables(page).unwrap_err().contains("lacks the table `scenario`"));
 /// ```
 pub fn with_key_tables(page: &str) -> Result<String, String> {
@@ -155,15 +156,19 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
     let mut seen = Vec::new();
     while let Some((before, after)) = rest.split_once(BEGIN) {
         let (name, after) = after.split_once(" -->").ok_or("a marker has no end")?;
-        let (_, after) = after.split_once(END).ok_or_else(|| format!("the table `{name}` has no end"))?;
+        let is_old =
+            |line: &&str| line.trim().is_empty() || line.starts_with("- `") || line.starts_with(ABOVE);
+        let old: usize = after.split_inclusive('\n').take_while(is_old).map(str::len).sum();
+        let after = &after[old..];
         let lines = |name: &str| {
             let table = tables.iter().find(|(known, _)| *known == name);
             table
                 .map(|(_, rows)| rows.iter().map(line).collect())
                 .ok_or_else(|| format!("there is no table `{name}`"))
         };
-        let (of, other) = name.split_once(WITHOUT).map_or((name, None), |(of, other)| (of, Some(other)));
-        let shared: Vec<String> = other.map_or(Ok(Vec::new()), &lines)?;
+        let (of, others) = name.split_once(WITHOUT).unwrap_or((name, ""));
+        let others = others.split(", ").filter(|other| !other.is_empty());
+        let shared = others.map(&lines).collect::<Result<Vec<Vec<String>>, _>>()?.concat();
         let (same, own): (Vec<String>, Vec<String>) =
             lines(of)?.into_iter().partition(|line| shared.contains(line));
         let same: Vec<&str> = same.iter().filter_map(|line| line.split('`').nth(1)).collect();
@@ -171,13 +176,14 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
             [] => String::new(),
             // A whole table of many keys, from its first one to its last one.
             [first, .., last] if same.len() == shared.len() && same.len() > 5 => {
-                format!("\nAs above: `{first}` to `{last}`.\n")
+                format!("\n{ABOVE}`{first}` to `{last}`.\n")
             }
-            keys => format!("\nAs above: `{}`.\n", keys.join("`, `")),
+            keys => format!("\n{ABOVE}`{}`.\n", keys.join("`, `")),
         };
         seen.push(of);
-        let head = if own.is_empty() { "" } else { HEAD };
-        made += &format!("{before}{BEGIN}{name} -->\n{head}{}{same}\n{END}", own.concat());
+        let head = if own.is_empty() { "" } else { "\n" };
+        let gap = if after.is_empty() { "" } else { "\n" };
+        made += &format!("{before}{BEGIN}{name} -->\n{head}{}{same}{gap}", own.concat());
         rest = after;
     }
     match tables.iter().find(|(name, _)| !seen.contains(name)) {
@@ -186,10 +192,7 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
     }
 }
 
-/// Head of a table of keys in Markdown.
-const HEAD: &str = "\n| key | meaning | value; default |\n|---|---|---|\n";
-
-/// A row of a table of keys in Markdown.
+/// An entry of a list of keys in Markdown: key, value, default, meaning.
 fn line(row: &Row) -> String {
     let default = match &row.default {
         Default::Required => "required".to_owned(),
@@ -205,8 +208,23 @@ fn line(row: &Row) -> String {
         Some((_, unit)) => value.replace(unit, ""),
         None => value,
     };
-    // A bar would begin the next cell.
-    let value = if default == "none" { value } else { format!("{value}; {default}") };
-    let [doc, value] = [&row.doc, &value].map(|text| text.replace('|', "\\|"));
-    format!("| `{}` | {doc} | {value} |\n", row.key)
+    // Choices that have a meaning each stand after the meaning of the key.
+    let (value, choices) = match value.find('`').filter(|_| value.contains("`: ")) {
+        Some(start) => (value[..start].trim_end_matches(": ").to_owned(), format!(" {}.", &value[start..])),
+        None => (without_brackets(value), String::new()),
+    };
+    let default = if default == "none" { String::new() } else { default };
+    let brief: Vec<String> = [value, default].into_iter().filter(|text| !text.is_empty()).collect();
+    let brief = brief.join("; ");
+    let brief = if brief.is_empty() { brief } else { format!(" ({brief})") };
+    format!("- `{}`{brief}: {}{choices}\n", row.key, row.doc)
+}
+
+/// A value without the brackets about its unit: the page has brackets about the value.
+fn without_brackets(mut value: String) -> String {
+    while let Some((number, rest)) = value.split_once(" (") {
+        let (unit, rest) = rest.split_once(')').unwrap_or((rest, ""));
+        value = format!("{number}, {unit}{rest}");
+    }
+    value
 }

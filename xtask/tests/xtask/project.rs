@@ -27,12 +27,13 @@ fn files(folder: &str, without: &[&str]) -> BTreeSet<String> {
     found
 }
 
-/// The names in the first cells of the table of a section.
+/// The names before the colons of the list of a section, or in the first cells of its table.
 fn listed(page: &str, section: &str) -> BTreeSet<String> {
     let (_, rest) =
         page.split_once(&format!("## `{section}`")).unwrap_or_else(|| panic!("no section {section}"));
-    let rows = rest.split("\n## ").next().unwrap().lines().filter(|line| line.starts_with("| `"));
-    let cells = rows.map(|row| row.split(" | ").next().unwrap());
+    let rows = rest.split("\n## ").next().unwrap().lines();
+    let rows = rows.filter(|line| line.starts_with("- `") || line.starts_with("| `"));
+    let cells = rows.map(|row| row.split([':', '|']).find(|cell| cell.contains('`')).unwrap());
     cells.flat_map(|cell| cell.split('`').skip(1).step_by(2)).map(str::to_owned).collect()
 }
 

@@ -22,14 +22,13 @@ pub(super) fn reference(mut program: Command) -> String {
     program.build();
     let mut text = String::new();
     let all = commands(&program, "papilio");
-    text += "| command | purpose |\n|---|---|\n";
     for (name, command) in
         all.iter().filter(|(_, command)| !command.has_subcommands() || has_arguments(command))
     {
         let about = command.get_about().map(ToString::to_string).unwrap_or_default();
         let _ = writeln!(
             text,
-            "| [`{name}`](#{}) | {} |",
+            "- [`{name}`](#{}): {}",
             name.replace(' ', "-"),
             cell(about.trim_end_matches('.'))
         );
@@ -53,7 +52,7 @@ pub(super) fn reference(mut program: Command) -> String {
     }
     text += "\n## Common options\n\nThey have this meaning wherever a command names them. Every command has `--quiet`.\n\n";
     let global = program.get_arguments().filter(|option| is_shown(option)).map(row).collect::<Vec<_>>();
-    text += &table("argument", global.iter().chain(common));
+    text += &list(global.iter().chain(common));
     text += &after_help(&program);
     for ((name, command), rows) in all.iter().zip(&every) {
         let _ = write!(text, "\n## {name}\n");
@@ -65,7 +64,7 @@ pub(super) fn reference(mut program: Command) -> String {
         }
         let (common, special): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| is_common(row));
         if !special.is_empty() {
-            let _ = write!(text, "\n{}", table("argument", special));
+            let _ = write!(text, "\n{}", list(special));
         }
         if !common.is_empty() {
             // Without the values of options, which the table of common options has.
@@ -110,12 +109,8 @@ fn is_shown(argument: &Arg) -> bool {
 /// An argument as a reader types it, and its meaning.
 type Row = (String, String);
 
-fn table<'a>(what: &str, rows: impl IntoIterator<Item = &'a Row>) -> String {
-    let mut text = format!("| {what} | meaning |\n|---|---|\n");
-    for (name, meaning) in rows {
-        let _ = writeln!(text, "| `{name}` | {meaning} |");
-    }
-    text
+fn list<'a>(rows: impl IntoIterator<Item = &'a Row>) -> String {
+    rows.into_iter().map(|(name, meaning)| format!("- `{name}`: {meaning}\n")).collect()
 }
 
 fn row(argument: &Arg) -> Row {
@@ -135,7 +130,8 @@ fn row(argument: &Arg) -> Row {
         let default: Vec<_> = default.iter().map(|value| value.to_string_lossy()).collect();
         let _ = write!(meaning, " [default: {}]", default.join(","));
     }
-    (cell(&name(argument, takes_values)), cell(&meaning))
+    let words = |text: &str| cell(text).replace("\\|", "|");
+    (words(&name(argument, takes_values)), words(&meaning))
 }
 
 /// An argument as a reader types it.

@@ -1,4 +1,4 @@
-//! Tables of all metrics: names, quantities, units, definitions.
+//! Lists of all metrics: names, units, definitions.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -100,10 +100,7 @@ pub(super) fn tables() -> String {
             }
             let command = source.unwrap_or("run");
             let what = if is_of_view { "metrics of a view" } else { "metrics of a state, as `white.NAME`" };
-            let _ = writeln!(
-                text,
-                "\n### papilio {command}: {what}\n\n| name | unit | definition |\n|---|---|---|"
-            );
+            let _ = writeln!(text, "\n### papilio {command}: {what}\n");
             for name in &all {
                 match family(name, &all) {
                     Some((pattern, meaning, true)) => text += &row(pattern, &members(pattern), meaning),
@@ -128,7 +125,9 @@ fn row(name: &str, members: &[String], meaning: &str) -> String {
     };
     let units: Vec<String> = members.iter().map(unit).collect();
     let is_one = units.iter().all(|unit| *unit == units[0]);
-    format!("| `{name}` | {} | {} |\n", if is_one { &units[0] } else { "%" }, cell(meaning))
+    let unit = if is_one { &units[0] } else { "%" };
+    let unit = if unit == "1" { String::new() } else { format!(" ({unit})") };
+    format!("- `{name}`{unit}: {}\n", cell(meaning))
 }
 
 /// Documentation of all metrics, by name.

@@ -15,13 +15,14 @@ table! {
     CrystalPixel {
         /// Layers from the glass down.
         stack as "Layers": Vec<Spanned<CrystalLayer>>,
-        /// Material of the reflector, an opaque, semi-infinite substrate.
+        /// Material of the opaque, semi-infinite reflector.
         substrate: MaterialSpec,
         /// Active fraction of the panel.
         fill_factor: PositiveShare = PositiveShare(1.0),
         /// Reflectance of the inactive area.
         inactive_reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
-        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
 }
@@ -47,9 +48,9 @@ kinds! {
 choice! {
     /// The wave that a polariser transmits.
     TransmittedWave {
-        /// The ordinary wave: the axis of the molecules absorbs, as in stretched polymers with iodine or dyes.
+        /// Ordinary: the axis of the molecules absorbs, as in stretched polymers with iodine or dyes.
         Ordinary = "O",
-        /// The extraordinary wave: all directions across the axis of the molecules absorb, as in coated films of dyes.
+        /// Extraordinary: directions across the axis absorb, as in coated films of dyes.
         Extraordinary = "E",
     }
 }
@@ -59,11 +60,12 @@ table! {
     Polariser {
         /// Azimuth of the light that it transmits.
         axis_deg as "Transmission axis": AxisAngle,
-        /// Measured spectra instead of `transmittance` and `extinction`. A CSV file with the columns `wavelength_nm`, `transmittance` and
-        /// `extinction`, or `wavelength_nm`, `k_transmitted` and `k_absorbed` (the extinction coefficients of the two polarisations).
+        /// Measured spectra instead of `transmittance` and `extinction`: a CSV file with the columns
+        /// `wavelength_nm`, `transmittance` and `extinction`, or `wavelength_nm`, `k_transmitted` and
+        /// `k_absorbed` (extinction coefficients of the two polarisations).
         file: Option<String>,
-        /// Transmittance for unpolarised light within the film, at most 0.5: that of a datasheet over 0.92, which the faces to air
-        /// transmit. Default: 0.44.
+        /// Transmittance for unpolarised light within the film, at most 0.5: that of a datasheet over 0.92,
+        /// which the faces to air transmit. Default: 0.44.
         transmittance: Option<ShareSpectrum>,
         /// Transmittance of the absorbed polarisation over that of the transmitted one. Default: 1e-4.
         extinction as "Extinction ratio": Option<ShareSpectrum>,
@@ -71,7 +73,7 @@ table! {
         transmits as "Transmitted wave": TransmittedWave = TransmittedWave::Ordinary,
         /// Refractive index.
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Thickness. What the faces reflect does not interfere with the other layers.
+        /// Thickness. Reflections of its faces do not interfere with the other layers.
         thickness_um: CrystalThickness = CrystalThickness(20.0),
     }
 }
@@ -91,21 +93,22 @@ choice! {
 table! {
     /// A retarder: a uniform birefringent film.
     Retarder {
-        /// Azimuth of the optic axis; the slow axis where `retardance_nm` is positive. A C plate has none.
+        /// Azimuth of the optic axis: the slow axis where `retardance_nm` is positive. A C plate has none.
         axis_deg as "Optic axis": Option<AxisAngle>,
-        /// (n_e - n_o) times the thickness at 550 nm; negative for a negative retarder.
+        /// (n_e - n_o) times the thickness at 550 nm.
         retardance_nm: Retardance,
-        /// Retardance at 450 nm over that at 550 nm, with `a + b/wavelength^2` between: 1 for a flat one, below 1 for reverse dispersion.
+        /// Retardance at 450 nm over that at 550 nm, with `a + b/wavelength^2` between: 1 flat, below 1
+        /// reverse dispersion.
         dispersion as "Re(450)/Re(550)": RetardanceRatio = RetardanceRatio(1.0),
         /// Orientation of the optic axis.
         plate: Plate = Plate::A,
         /// Tilt of the axis of an O plate out of the panel.
         tilt_deg as "Tilt of the axis": Option<Tilt>,
-        /// Biaxiality (n_x - n_z)/(n_x - n_y) of an A plate, x along the axis: 1 for a uniaxial one.
+        /// Biaxiality (n_x - n_z)/(n_x - n_y) of an A plate, x along the axis: 1 if uniaxial.
         nz as "Biaxiality Nz": Biaxiality = Biaxiality(1.0),
         /// Ordinary refractive index.
         index as "Ordinary index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Thickness. What the faces reflect does not interfere with the other layers.
+        /// Thickness. Reflections of its faces do not interfere with the other layers.
         thickness_um: CrystalThickness = CrystalThickness(40.0),
     }
 }
@@ -115,7 +118,8 @@ table! {
     Cell {
         /// Thickness of the liquid crystal.
         gap_um as "Gap": CrystalThickness,
-        /// A liquid crystal by its name: `5CB`, `E7` or `MLC-6608`, at 25 degrees Celsius. Default: `n_o` and `n_e`.
+        /// A liquid crystal by name: `5CB`, `E7` or `MLC-6608`, at 25 degrees Celsius. Default: `n_o` and
+        /// `n_e`.
         liquid_crystal: Option<String>,
         /// Ordinary refractive index.
         n_o as "Ordinary index": Option<MaterialSpec>,
@@ -123,14 +127,14 @@ table! {
         n_e as "Extraordinary index": Option<MaterialSpec>,
         /// Azimuth of the director at the top.
         rub_deg as "Rubbing direction": AxisAngle = AxisAngle(0.0),
-        /// Turn of the director from the top to the bottom, counter-clockwise as seen by the viewer where it is positive.
+        /// Turn of the director from top to bottom; positive: counter-clockwise as seen by the viewer.
         twist_deg: Twist = Twist(0.0),
-        /// Tilt of the director out of the panel, in all states that do not state another.
+        /// Tilt of the director out of the panel, in states without a tilt of their own.
         pretilt_deg: Tilt = Tilt(0.0),
-        /// Tilt at the bottom of states by voltage. Above 90, the director turns through the normal, as in a driven pi cell. Default:
-        /// `pretilt_deg`.
+        /// Tilt at the bottom of states by voltage. Above 90, the director turns through the normal, as in a
+        /// driven pi cell. Default: `pretilt_deg`.
         pretilt_bottom_deg as "Pretilt at the bottom": Option<BottomTilt>,
-        /// Elastic constant of splay. All three and both permittivities are for states by voltage.
+        /// Elastic constant of splay. States by voltage need all three and both permittivities.
         K11_pN as "K11": Option<ElasticConstant>,
         /// Elastic constant of twist.
         K22_pN as "K22": Option<ElasticConstant>,
@@ -161,7 +165,8 @@ forms! {
 table! {
     /// The director at a voltage, or with the same tilt at all depths.
     UniformDirector {
-        /// Voltage, rms: the director has the least elastic and electric energy between surfaces that hold it at the pretilt.
+        /// Voltage, rms: the director minimises the elastic and electric energy between surfaces that hold it
+        /// at the pretilt.
         volts as "Voltage": Option<Volts>,
         /// Tilt out of the panel. Default: `pretilt_deg`.
         tilt_deg: Option<Tilt>,
@@ -173,7 +178,7 @@ table! {
 choice! {
     /// Sense of a helix.
     Handedness {
-        /// As a corkscrew: clockwise away from the viewer. It reflects right circular light.
+        /// As a corkscrew: clockwise away from the viewer; reflects right circular light.
         Right = "right",
         /// Counter-clockwise away from the viewer.
         Left = "left",
@@ -195,7 +200,7 @@ table! {
         thickness_um: CrystalThickness,
         /// Azimuth of the director at the top.
         azimuth_deg as "Director at the top": AxisAngle = AxisAngle(0.0),
-        /// What the layer is in each state: `"planar"` or `"focal-conic"`. Default: planar in all states.
+        /// What the layer is in each state. Default: planar in all states.
         states: Named<HelixState> = Named(Vec::new()),
     }
 }
@@ -203,9 +208,10 @@ table! {
 choice! {
     /// Texture of a cholesteric layer.
     HelixState {
-        /// The helix stands: it reflects its band.
+        /// The helix stands and reflects its band.
         Planar = "planar",
-        /// Small domains of all directions, taken as an isotropic medium of the mean permittivity. What they scatter is not computed.
+        /// Small domains of all directions, as an isotropic medium of the mean permittivity, without
+        /// scattering.
         FocalConic = "focal-conic",
     }
 }

@@ -60,7 +60,7 @@ table! {
         reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
         /// Fraction of the light that is absorbed. Its sum with `reflectance` is at most 1.
         absorptance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
-        /// Air between the component and what is below it, which places of light depend on.
+        /// Air between the component and what is below it, for places of light.
         gap_mm as "Air gap": Option<AirGap>,
     }
 }
@@ -72,11 +72,11 @@ table! {
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Surface of the glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
         surface: Option<Surface>,
-        /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Default:
+        /// Transmittance along the normal without the surfaces; oblique light has a longer path. Default:
         /// clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at
-        /// most 1e-3) absorbs along the path.
+        /// Thickness, for places of light. Without `internal_transmittance`, k of the index (at most 1e-3)
+        /// absorbs along the path.
         thickness_mm: Option<Thickness>,
     }
 }
@@ -84,8 +84,7 @@ table! {
 choice! {
     /// The interface between air and glass.
     Surface {
-        /// An ideal antireflection interface: light with |beta| <= 1 is transmitted, all other light is
-        /// reflected.
+        /// An ideal antireflection interface: transmits light with |beta| <= 1, and reflects all other.
         IdealAr = "ideal-ar",
         /// A bare interface, with Fresnel reflection.
         Fresnel = "fresnel",

@@ -34,7 +34,7 @@ table! {
         spectrum: Option<LightSpectrum>,
         /// Inclination of the centre of the ring.
         theta_deg as "Inclination": Horizon,
-        /// Full width of the ring, which must be between 0 and 90 deg.
+        /// Full width of the ring, within 0 to 90 deg.
         width_deg as "Width": Horizon,
     }
 }
@@ -47,13 +47,13 @@ table! {
         share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Inclination of the axis of the cap; 0 is the normal.
+        /// Inclination of the axis of the cap.
         theta_deg as "Inclination": Inclination = Inclination(0.0),
         /// Azimuth of the axis of the cap.
         phi_deg as "Azimuth": Azimuth = Azimuth(0.0),
         /// First angle of the cap from its axis.
         from_deg as "Inner radius": FieldAngle = FieldAngle(0.0),
-        /// Last angle of the cap from its axis, above `from_deg`; the cap is also cut off at the horizon.
+        /// Last angle of the cap, above `from_deg`; the horizon also ends it.
         to_deg as "Outer radius": CapEnd = CapEnd(180.0),
     }
 }
@@ -90,7 +90,7 @@ table! {
         share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Type of the sky: 1 to 15 as in ISO 15469 (1 overcast, 5 uniform, 12 clear), 16 for the traditional
+        /// Type of the sky: 1 to 15 of ISO 15469 (1 overcast, 5 uniform, 12 clear), 16 the traditional
         /// overcast sky.
         number as "CIE sky number": Count<1, 16>,
         /// Elevation of the sun above the horizon. Default: required, except for skies 1, 3, 5 and 16 without
@@ -102,8 +102,9 @@ table! {
         sun_share as "Light fraction of the sun": Share = Share(0.0),
         /// Relative spectrum of the sun's disc. Default: that of the lighting.
         sun_spectrum: Option<LightSpectrum>,
-        /// Degree of linear polarisation of the sky at 90 deg from the sun: about 0.75 for a clear one. Elsewhere it is that times
-        /// sin^2/(1 + cos^2) of the angle from the sun (Rayleigh); the sun's disc and the ground are unpolarised.
+        /// Degree of linear polarisation p of the sky at 90 deg from the sun: about 0.75 for a clear one;
+        /// elsewhere p sin^2/(1 + cos^2) of the angle from the sun (Rayleigh). The sun's disc and the ground
+        /// are unpolarised.
         polarisation as "Polarisation of the sky": Share = Share(0.0),
         /// Tilt of the display: 0 is flat, facing the zenith; 90 is upright, facing azimuth -90 deg.
         tilt_deg: FieldAngle = FieldAngle(0.0),
@@ -119,16 +120,15 @@ table! {
         share as "Light fraction": Share,
         /// Relative spectrum of the map's white; not for a spectral map. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// A Radiance picture (.hdr) or an OpenEXR file (.exr), equirectangular, whose width is twice its
-        /// height.
+        /// A Radiance (.hdr) or OpenEXR (.exr) picture, equirectangular, twice as wide as high.
         file: String,
         /// Rotation of the map about the vertical, counterclockwise seen from above; at 0 an upright display
-        /// faces the centre of the map.
+        /// faces its centre.
         rotate_deg: Azimuth = Azimuth(0.0),
-        /// Tilt of the display: 0 is flat, facing the top of the map; 90 is upright.
+        /// Tilt of the display: 0 is flat, facing the zenith; 90 is upright, facing azimuth -90 deg.
         tilt_deg: FieldAngle = FieldAngle(0.0),
-        /// Regions of a colour map with spectra of their own; a pixel in several regions belongs to the
-        /// first. Default: none.
+        /// Regions of a colour map with spectra of their own; a pixel belongs to the first that contains it.
+        /// Default: none.
         regions: Vec<Spanned<Region>> = Vec::new(),
     }
 }
@@ -136,11 +136,11 @@ table! {
 table! {
     /// A region of a map with a spectrum of its own: its pixels keep their luminance, but not their colour.
     Region {
-        /// Relative spectrum of the light of the region.
+        /// Relative spectrum of its light.
         spectrum: LightSpectrum,
-        /// First and last elevation of the region above the horizon of the map.
+        /// First and last elevation above the horizon of the map.
         elevation_deg: Vec<Spanned<Latitude>> = vec![Spanned::without_span(Latitude(-90.0)), Spanned::without_span(Latitude(90.0))],
-        /// First and last azimuth of the region, counterclockwise from the display's x axis, seen from above;
+        /// First and last azimuth of the region, counterclockwise seen from above, from the display's x axis;
         /// the centre of the map is at -90. The region rotates with the map.
         azimuth_deg: Vec<Spanned<Azimuth>> = vec![Spanned::without_span(Azimuth(-180.0)), Spanned::without_span(Azimuth(180.0))],
     }
@@ -155,15 +155,15 @@ table! {
         spectrum: Option<LightSpectrum>,
         /// An IES LM-63 file (.ies) or a EULUMDAT file (.ldt).
         file: String,
-        /// Elevation of the luminaire above the horizon, seen from the display.
+        /// Elevation above the horizon, seen from the display.
         elevation_deg: Elevation,
-        /// Azimuth of the luminaire, counterclockwise seen from above, from the display's x axis.
+        /// Azimuth, counterclockwise seen from above, from the display's x axis.
         azimuth_deg: Azimuth = Azimuth(0.0),
-        /// Distance of the luminaire.
+        /// Distance.
         distance_m: Metres,
-        /// Rotation of the luminaire: the azimuth of its plane C = 0.
+        /// Azimuth of its plane C = 0.
         rotation_deg: Azimuth = Azimuth(0.0),
-        /// Tilt of the display: 0 is flat; 90 is upright, facing azimuth -90 deg.
+        /// Tilt of the display: 0 is flat, facing the zenith; 90 is upright, facing azimuth -90 deg.
         tilt_deg: FieldAngle = FieldAngle(0.0),
     }
 }

@@ -26,7 +26,7 @@ choice! {
     for FitDeviations {
         /// Those of the measurement; from the residuals where it states none.
         Stated = "stated",
-        /// From the residuals, one for each kind of numbers: for stated ones that are smaller than the errors of the measurement.
+        /// From the residuals, one for each kind of numbers: where the stated ones are too small.
         Residuals = "residuals",
     }
 }
@@ -34,8 +34,8 @@ choice! {
 table! {
     /// A number that the data are to determine.
     FitVariable {
-        /// A path as in `--set`; or `"meter.wavelength_offset_nm"` (what is to be added to the measured wavelengths) or
-        /// `"meter.scale"` (factor on the predicted reflectance factors, X, Y and Z) of the measurement. Either `key` or `keys`.
+        /// A path as in `--set`; or `"meter.wavelength_offset_nm"` (added to the measured wavelengths) or
+        /// `"meter.scale"` (factor on the predicted reflectance factors, X, Y and Z); or `keys`.
         key: Option<String>,
         /// Several paths that get the same value. Either `key` or `keys`.
         keys: Option<Vec<Spanned<String>>>,

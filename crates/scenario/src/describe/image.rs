@@ -14,15 +14,15 @@ use crate::word::Word;
 table! {
     /// A picture on the display, for `papilio image` only.
     Image {
-        /// The picture, a PNG, JPEG, OpenEXR or Radiance file. `papilio image` takes it as an argument, too.
+        /// The picture: PNG, JPEG, OpenEXR or Radiance; also an argument of `papilio image`.
         file: Option<String>,
-        /// Text in lines of the panel's width, black on white, with the bundled font; beside a `file` both
-        /// are a page. It needs `display.matrix.pixels`.
+        /// Text in lines of the panel's width, black on white, with the bundled font; with a `file` both are
+        /// a page. It needs `display.matrix.pixels`.
         text: Option<String>,
         /// Size of the text in points of 1/72 inch. Default: that at which the lower-case x is
         /// `viewer.text_height_mm` high, or 1.6 mm.
         text_size_pt as "Size of the text": Option<Points>,
-        /// A test pattern of black and white instead of a picture. It needs `display.matrix.pixels`.
+        /// A test pattern of black and white, for `display.matrix.pixels`.
         pattern: Option<Word<TestPattern>>,
         /// Period of stripes and squares, and of the star at its rim. Default: 8 pixels; 36 spokes of the
         /// star.
@@ -35,17 +35,17 @@ table! {
         intent: Word<Intent> = Word(Intent::Natural),
         /// Exposure, stops: 1 doubles the light of the picture.
         exposure: Exposure = Exposure::Auto(Auto::Auto),
-        /// Factor on the contrast of detail, for natural and vivid pictures. 1: that of the picture.
+        /// Factor on the contrast of detail, for natural and vivid pictures.
         contrast as "Contrast of detail": Adjusted = Adjusted::Auto(Auto::Auto),
-        /// Factor on chroma, for natural and vivid pictures. 1: that of the picture.
+        /// Factor on chroma, for natural and vivid pictures.
         saturation: Adjusted = Adjusted::Auto(Auto::Auto),
-        /// Light of the photograph that becomes white, by its correlated colour temperature in K.
+        /// Light of the photograph that becomes white, by its correlated colour temperature.
         white_balance: WhiteBalance = WhiteBalance::Word(BalanceWord::Auto),
-        /// Space in which the hue of such colours is constant.
+        /// Space in which their hue is constant.
         map_space: ImageMapSpace = ImageMapSpace::Oklab,
         /// Which parts are drawings: `"auto"` finds them in natural and vivid pictures, `"photograph"` and
-        /// `"drawing"` are for all of it, and the path of a picture is a mask: black for drawings, white for
-        /// photographs, of the size of the panel or with the proportions of the picture.
+        /// `"drawing"` are for all of it, and a file is a mask: black for drawings, white for photographs, of
+        /// the size of the panel or with the proportions of the picture.
         regions as "Drawings": String = "auto".to_owned(),
         /// Which states show neutral colours.
         neutrals as "Neutral colours": Word<Neutrals> = Word(Neutrals::All),
@@ -60,13 +60,13 @@ table! {
         /// States that are used, in the order of the palette of states.png. Default: all.
         states: Vec<Spanned<Title>> = Vec::new(),
         /// The light for which the states are decided: `"this"`, a preset, or a CIE illuminant as the
-        /// spectrum of this light. With a list of such, the states are a compromise for all of them.
+        /// spectrum of this light; a list is a compromise for all of them.
         prepared_for: DecidedFor = DecidedFor::One("this".to_owned()),
         /// Whether the eye at `viewer.distance_mm` sees each part of the panel in its own direction (with
         /// `display.matrix`).
         perspective: bool = true,
-        /// Samples along each side of a pixel in seen.png and seen.exr. With more than one, sub-pixels are
-        /// seen at their places.
+        /// Samples along each side of a pixel in seen.png and seen.exr; above 1, sub-pixels are seen at their
+        /// places.
         samples_per_pixel as "Samples along a pixel": Count<1, 32> = Count(1),
         /// What lies beyond the borders of the picture.
         surround: Word<PictureSurround> = Word(PictureSurround::BlackMask),
@@ -75,9 +75,9 @@ table! {
 
 choice! {
     for PictureSurround {
-        /// The picture again: its borders see the opposite ones, as in a swatch without end.
+        /// The picture again: its borders see the opposite ones.
         Repeat = "repeat",
-        /// A mask that reflects no light, as around a panel in its frame.
+        /// A mask that reflects no light.
         BlackMask = "black mask",
     }
 }
@@ -86,9 +86,9 @@ choice! {
     for TestPattern {
         /// Black on the left of an edge 5 deg from the columns.
         SlantedEdge = "slanted-edge",
-        /// Stripes along y, half of a period each.
+        /// Along y, half of a period each.
         Stripes = "stripes",
-        /// Squares with sides of half a period.
+        /// Squares of half a period.
         Checker = "checker",
         /// A star of black spokes.
         Siemens = "siemens",
@@ -97,11 +97,11 @@ choice! {
 
 choice! {
     for Fit {
-        /// The whole picture, with white margins.
+        /// All of it, with white margins.
         Contain = "contain",
         /// The whole panel; the picture is cut.
         Cover = "cover",
-        /// The whole picture on the whole panel, distorted.
+        /// All of it on the whole panel, distorted.
         Stretch = "stretch",
         /// Pixel by pixel.
         None = "none",
@@ -180,12 +180,13 @@ forms! {
 
 choice! {
     for Intent {
-        /// The best picture of a photograph: light tones stay, dark ones bend towards the display's black;
-        /// colours outside its gamut become the closest inside.
+        /// For photographs: light tones stay, dark ones bend towards the display's black; colours outside its
+        /// gamut become the closest inside.
         Natural = "natural",
         /// As natural, darker and with more chroma and contrast.
         Vivid = "vivid",
-        /// White and black become those of the display in linear light; colours outside its gamut lose chroma.
+        /// White and black become those of the display in linear light; colours outside its gamut lose
+        /// chroma.
         Relative = "relative",
         /// As relative, but white is a perfect white in the light.
         Absolute = "absolute",
@@ -197,18 +198,18 @@ choice! {
 choice! {
     /// Space with constant hue.
     ImageMapSpace {
-        /// Oklab, relative to the white of the display.
+        /// Relative to the white of the display.
         Oklab = "oklab",
-        /// CAM16-UCS, relative to the white of the display, in the luminance of the scene.
+        /// Relative to the white of the display, in the luminance of the scene.
         Cam16Ucs = "cam16-ucs",
     }
 }
 
 choice! {
     for Neutrals {
-        /// All states, which is finest.
+        /// All states: finest.
         All = "all",
-        /// Black, white and greys only: no coloured dots.
+        /// Black, white and greys: no coloured dots.
         BlackAndWhite = "black-and-white",
     }
 }

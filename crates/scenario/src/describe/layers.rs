@@ -48,9 +48,10 @@ table! {
     Medium {
         /// Refractive index, with n from 1 to 10; its k absorbs only with `thickness_mm`.
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Default: clear.
+        /// Transmittance along the normal without the surfaces; oblique light has a longer path. Default:
+        /// clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at most 1e-3)
+        /// Thickness, for places of light. Without `internal_transmittance`, k of the index (at most 1e-3)
         /// absorbs along the path.
         thickness_mm: Option<Thickness>,
     }
@@ -77,11 +78,11 @@ table! {
 choice! {
     /// Distribution of the slopes of a rough interface.
     Slopes {
-        /// GGX (Trowbridge-Reitz), with a long tail: half of the surface is steeper than atan(alpha).
+        /// GGX (Trowbridge-Reitz): half of the surface is steeper than atan(alpha).
         Ggx = "ggx",
         /// Gaussian slopes of variance alpha^2/2 along each axis.
         Beckmann = "beckmann",
-        /// Slopes with a tail between those of the other two (t-distribution of Student), by `tail` or `slope_kurtosis`.
+        /// A tail between those of the other two (Student's t-distribution), by `tail` or `slope_kurtosis`.
         StudentT = "student-t",
     }
 }
@@ -93,7 +94,7 @@ table! {
         alpha as "Roughness alpha": Option<Roughness>,
         /// Mean absolute slope along one axis, of a profilometer (Rda), or 2 pi Ra/RSm.
         slope_mean as "Mean slope": Option<FaceSlope>,
-        /// Root mean square slope along one axis (Rdq); not for `"ggx"`, and a `tail` of 2, which have none.
+        /// Root mean square slope along one axis (Rdq); not for `"ggx"` or a `tail` of 2, which have none.
         slope_rms as "Rms slope": Option<FaceSlope>,
         /// Distribution of the slopes.
         distribution: Slopes = Slopes::Ggx,
@@ -101,7 +102,7 @@ table! {
         tail as "Tail of the slopes": Option<Tail>,
         /// Kurtosis of the slopes along one axis, from which `tail` follows as 3 + 3/(kurtosis - 3).
         slope_kurtosis as "Kurtosis of the slopes": Option<Kurtosis>,
-        /// Distance at which the correlation of the heights is 1/e, for `papilio sparkle` only; it requires
+        /// Distance at which the correlation of the heights is 1/e, for `papilio sparkle`; it requires
         /// `distribution = "beckmann"`. Default: not known.
         correlation_um as "Correlation length": Option<CorrelationLength>,
     }

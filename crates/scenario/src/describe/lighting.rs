@@ -14,9 +14,8 @@ table! {
     Lighting {
         /// A preset of lighting and viewer (docs/light.md); keys of the scenario override it.
         preset as "Lighting preset": Option<Preset>,
-        /// Illuminance of the display plane, to which all shares refer; 0 is allowed with a front light;
-        /// `"from-map"` takes it from the absolute values of the scenario's one map. Default: `500`, or `0`
-        /// if a front light is the only light.
+        /// Illuminance of the display plane, to which all shares refer; `"from-map"`: the absolute value of
+        /// the scenario's one map. Default: `500`, or `0` if a front light is the only light.
         illuminance_lx: Option<Illuminance>,
         /// Relative spectrum of all light without a spectrum of its own.
         spectrum as "Spectrum of the light": LightSpectrum = LightSpectrum::Text("D65".to_owned()),
@@ -29,27 +28,29 @@ table! {
         environment: Vec<Spanned<Environment>> = Vec::new(),
         /// A front light: a light guide below the front of screen.
         front_light: Option<FrontLight>,
-        /// Diameter of the port of an integrating sphere: light that travels sideways inside the display and leaves beside the port
-        /// is lost (docs/light.md). One view, and light without lamps. Default: the port is wide.
+        /// Diameter of the port of an integrating sphere, beside which light that travels sideways in the
+        /// display is lost (docs/light.md). One view, and light without lamps. Default: the port is wide.
         port_mm as "Diameter of the port": Option<Millimetres>,
-        /// Diameter of the spot that the meter sees, in the middle of the port. Default: that of the port.
+        /// Diameter of the spot that the meter sees, in the middle of the port. Default: that of the port, or of a smaller sample.
         spot_mm as "Diameter of the spot": Option<Millimetres>,
+        /// Diameter of a round sample in the middle of the port: light that reaches its edge is lost. Default: the sample is larger
+        /// than the port by what light travels inside it.
+        sample_mm as "Diameter of the sample": Option<Millimetres>,
     }
 }
 
 table! {
     /// A clear light guide below the front of screen and above all other layers.
     FrontLight {
-        /// Illuminance of the layer below the front of screen by the guide, in addition to the ambient light.
+        /// Illuminance of the layer below the front of screen by the guide, beside the ambient light.
         illuminance_lx: Lux,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// Light that the guide emits downwards: a file of inclination in degrees (0 to 90, increasing) and
-        /// relative radiance, or an IES or EULUMDAT file (.ies, .ldt) with its nadir along the display's
-        /// normal and C = 0 along x. Only for an ordinary panel with a diffuser given by a lobe. Default:
-        /// diffuse.
+        /// relative radiance, or an IES or EULUMDAT file (.ies, .ldt), its nadir along the normal and C = 0
+        /// along x. Only for an ordinary panel with a diffuser given by a lobe. Default: diffuse.
         distribution: Option<String>,
-        /// Fraction of all its light that the guide emits upwards, diffusely.
+        /// Fraction of its light that the guide emits upwards, diffusely.
         upward_leak: Leak = Leak(0.0),
     }
 }
@@ -119,11 +120,10 @@ table! {
         share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Angular radius of a disc of uniform radiance, which must be above the horizon. Default: none:
-        /// collimated light.
+        /// Angular radius of a disc of uniform radiance above the horizon. Default: none: collimated light.
         radius_deg as "Angular radius": Option<AngularRadius>,
-        /// `true`: the share is that of a plane perpendicular to the beam; the display receives the share
-        /// times cos(theta).
+        /// `true`: the share is that of a plane perpendicular to the beam; the display receives it times
+        /// cos(theta).
         normal_to_beam: bool = false,
         /// Linear polarisation of the source, such as a reflection or a screen. Default: unpolarised.
         polarisation: Option<LampPolarisation>,
@@ -159,7 +159,7 @@ table! {
     LightModel {
         /// Peak wavelength of an LED.
         led_nm as "Peak of the LED": Option<Wavelength>,
-        /// Width of the LED; its full width at half maximum is 0.92 of this value.
+        /// Width of the LED; its full width at half maximum is 0.92 of it.
         width_nm as "Width of the LED": Option<Wavelength>,
         /// Correlated colour temperature of CIE daylight.
         daylight_K as "Colour temperature of daylight": Option<DaylightKelvin>,

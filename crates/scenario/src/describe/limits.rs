@@ -17,9 +17,9 @@ table! {
         metric: MetricName,
         /// Index of the view, from 0.
         view: Count<0, 4999> = Count(0),
-        /// Smallest value of a good display. At least one of `at_least` and `at_most`.
+        /// Lower limit; or `at_most`, or both.
         at_least: Option<Any>,
-        /// Largest value of a good display. At least one of `at_least` and `at_most`.
+        /// Upper limit.
         at_most: Option<Any>,
     }
 }

@@ -8,24 +8,24 @@ use crate::read::{Named, Spanned};
 table! {
     /// The sub-pixels in the plane of the panel: one pixel, which repeats.
     Matrix {
-        /// Period of a whole pixel along x (azimuth 0) and y (azimuth 90 deg). Either `pitch_um` or `ppi`.
+        /// Period of a whole pixel along x and y; or `ppi`.
         pitch_um as "Pixel pitch": Option<Period>,
-        /// Pixels per inch: the pitch is 25400/ppi, in um. Either `ppi` or `pitch_um`.
+        /// Pixels per inch: the pitch is 25400/ppi um; or `pitch_um`.
         ppi as "Pixels per inch": Option<PixelsPerInch>,
-        /// Number of columns and rows of the display; only pictures need it. Default: that of the picture.
+        /// Columns and rows of the display; only pictures need them. Default: that of the picture.
         pixels: Option<Vec<Spanned<PixelCount>>>,
         /// Arrangement of the sub-pixels. Default: `"stripe"`, unless rectangles are given.
         layout: Option<Layout>,
         /// Rectangles of each sub-pixel instead of a layout: `[x0, y0, x1, y1]` from the lower left corner of
         /// the pixel. The rest is inactive. Default: the layout.
         subpixel as "Sub-pixel rectangles": Option<Named<Vec<Spanned<Vec<Spanned<Fraction>>>>>>,
-        /// The same rectangles from a CSV file with the columns name, x0, y0, x1, y1. Default: the layout.
+        /// The rectangles from a CSV file with the columns name, x0, y0, x1, y1. Default: the layout.
         subpixel_file: Option<String>,
         /// A colour filter above the pixels, with the same rectangles. Default: none.
         filter: Option<Filter>,
         /// With a filter, the states of the display: the state of the pixel below each part of the filter.
-        /// Default: the eight states white, black, red, green, blue, cyan, magenta and yellow, if the filter
-        /// has red, green and blue, and the pixel has white and black.
+        /// Default: the eight usual states, if the filter has red, green and blue, and the pixel has white
+        /// and black.
         states: Option<Named<Named<String>>>,
     }
 }
@@ -64,7 +64,7 @@ table! {
     Filter {
         /// Height of the filter above the pixels, in the medium above them.
         height_um as "Height of the colour filter": Micrometres,
-        /// Transmittance of each part of the filter, by the names of the sub-pixels: one pass along the
+        /// Transmittance of each part of the filter, by the names of the sub-pixels, for one pass along the
         /// normal. Oblique light has a longer path.
         transmittance: Named<ShareSpectrum>,
     }

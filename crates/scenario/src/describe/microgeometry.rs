@@ -50,7 +50,7 @@ macro_rules! surface {
             $(#[doc = $doc])*
             $name {
                 $($own)*
-                /// Refractive index of the medium above, towards which heights are counted.
+                /// Refractive index of the medium above, towards which heights count.
                 index_above as "Index above": SurfaceIndex = SurfaceIndex(1.0),
                 /// Refractive index of the medium below.
                 index_below as "Index below": SurfaceIndex = SurfaceIndex(1.5),
@@ -61,7 +61,7 @@ macro_rules! surface {
                 /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg.
                 /// Default: the surface is turned about its normal.
                 azimuth_deg as "Steps of azimuth": Option<AzimuthStep>,
-                /// By rays, by waves, or by both.
+                /// Solver.
                 road as "Road": Road = Road::Rays,
                 /// Wavelengths of waves. Default: 400 to 700 nm in steps of 50 nm.
                 wavelength_nm as "Wavelengths of waves": Vec<Spanned<Wavelength>> = Vec::new(),
@@ -82,7 +82,7 @@ surface! {
 surface! {
     /// Spherical caps on a flat face: bumps of the medium below.
     Caps {
-        /// Distance of neighbours; for random places, the side of the square that has one cap on average.
+        /// Distance of neighbours; for random places, the side of the square with one cap on average.
         pitch_um: SurfaceLength,
         /// Radius of the balls of which the caps are parts.
         radius_um: SurfaceLength,
@@ -96,10 +96,10 @@ surface! {
 surface! {
     /// Heights of a file, which repeat in both directions.
     HeightMap {
-        /// The file: that of a profilometer (SDF, X3P, .sur, .gsf, .opd, .plux, .vk4, .vk6), a text of rows
-        /// or points, .npy, OpenEXR, a grey PNG or TIFF.
+        /// The heights: of a profilometer (SDF, X3P, .sur, .gsf, .opd, .plux, .vk4, .vk6), a text of rows or
+        /// points, .npy, OpenEXR, a grey PNG or TIFF.
         file: String,
-        /// Distance of neighbouring heights, one number or along x and y. Default: that of the file.
+        /// Distance of heights, one number or along x and y. Default: that of the file.
         pixel_um: Option<HeightDistance>,
         /// Height of the number 1 of the file. Default: the unit of the file; 1 um for .npy and .csv.
         height_um_per_unit: Option<SurfaceLength>,
@@ -151,12 +151,12 @@ surface! {
     /// A random face with the two-dimensional power spectral density A (1 + (B f)^2)^(-C/2), f in cycles per
     /// um, or with that of a file.
     Psd {
-        /// A (um^4), B (um) and C. Either this or `file`.
+        /// A (um^4), B (um) and C; or `file`.
         abc: Option<Vec<Spanned<SurfaceLength>>>,
-        /// A table with two columns: frequency in cycles per um, and density in um^4, as `psd.csv` of
-        /// `papilio gonio`. Either this or `abc`.
+        /// A table of two columns: frequency in cycles per um, and density in um^4, as `psd.csv` of `papilio
+        /// gonio`.
         file: Option<String>,
-        /// Shortest wavelength of the face.
+        /// Shortest wavelength of the face, without which its slopes have no limit.
         cutoff_um: SurfaceLength,
     }
 }
@@ -165,7 +165,7 @@ surface! {
     /// Triangles of a file, which repeat in both directions. They form one closed surface between the media,
     /// and may overhang.
     Mesh {
-        /// The file: Wavefront OBJ, or STL in text or binary.
+        /// Wavefront OBJ, or STL in text or binary.
         file: String,
         /// Length of the number 1 of the file.
         um_per_unit: SurfaceLength = SurfaceLength(1.0),
@@ -227,7 +227,7 @@ table! {
     MetalCoating {
         /// Refractive index of the metal; its k must be above 0.
         material: MaterialSpec,
-        /// Wavelength in vacuum at which the index is taken.
+        /// Wavelength in vacuum for which it is computed.
         wavelength_nm: Wavelength = Wavelength(550.0),
     }
 }
@@ -237,7 +237,7 @@ table! {
     FilmCoating {
         /// The films from top to bottom, 1 to 256.
         film: Vec<Spanned<CoatingFilm>>,
-        /// Wavelength in vacuum at which they are computed.
+        /// Wavelength in vacuum for which it is computed.
         wavelength_nm: Wavelength = Wavelength(550.0),
     }
 }
@@ -257,7 +257,7 @@ choice! {
 choice! {
     /// How a map of heights repeats.
     MapPeriod {
-        /// Beside each map stands its mirror image: heights are continuous, slopes change their sign.
+        /// Its mirror image beside it: heights are continuous, slopes change their sign.
         Mirror = "mirror",
         /// The map again: for maps of whole periods.
         Repeat = "repeat",

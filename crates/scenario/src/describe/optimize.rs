@@ -23,15 +23,15 @@ table! {
     Optimize {
         /// Method of the search.
         method: Word<SearchMethod> = Word(SearchMethod::Gradient),
-        /// Number of gradient searches for each combination of choices, each from its own starting point.
+        /// Gradient searches for each combination of choices, each from its own starting point.
         starts: Count<1, 10_000> = Count(20),
-        /// Seed of the starting points and of the population.
+        /// Seed of starting points and population.
         seed: Seed = Count(0),
-        /// Largest number of designs that one search evaluates, for all its starts together.
+        /// Most designs that one search evaluates, all its starts together.
         evaluations: Count<10, 100_000_000> = Count(20_000),
         /// Number of searches along the Pareto front of several objectives.
         points: Count<2, 1000> = Count(15),
-        /// Variables: keys that the search may change.
+        /// Keys that the search may change.
         variables: Vec<Spanned<Variable>>,
         /// Lights, views and other conditions of use. Default: none: the scenario without changes.
         conditions: Vec<Spanned<Condition>> = Vec::new(),
@@ -56,15 +56,16 @@ choice! {
 table! {
     /// A key that the search may change: a number or a choice.
     Variable {
-        /// A path as in `--set`. Either `key` or `keys`.
+        /// A path as in `--set`; or `keys`.
         key: Option<String>,
-        /// Several paths that get the same value. Either `key` or `keys`.
+        /// Several paths that get the same value.
         keys: Option<Vec<Spanned<String>>>,
-        /// A key that changes by the opposite amount, so that the sum is constant: for areas and shares of the light.
+        /// A key that changes by the opposite amount, so that the sum is constant: for areas and shares of
+        /// the light.
         compensated_by: Option<String>,
-        /// The smallest and the largest value. Either `bounds` or `choices`.
+        /// The smallest and the largest value; or `choices`.
         bounds: Option<Vec<Spanned<Any>>>,
-        /// The possible values: materials, files, numbers, tables. Either `bounds` or `choices`.
+        /// The possible values: materials, files, numbers, tables.
         choices: Option<Choices>,
     }
 }
@@ -124,9 +125,9 @@ table! {
         condition: Option<String>,
         /// Index of the view, from 0. Default: all views; the constraint must hold in each.
         view: Option<Count<0, 4999>>,
-        /// Lower limit. At least one of `at_least` and `at_most`.
+        /// Lower limit; or `at_most`, or both.
         at_least: Option<Any>,
-        /// Upper limit. At least one of `at_least` and `at_most`.
+        /// Upper limit.
         at_most: Option<Any>,
     }
 }

@@ -30,7 +30,7 @@ table! {
 
 choice! {
     for PatternKind {
-        /// Stripes along y, half of a period each.
+        /// Along y, half of a period each.
         Stripes = "stripes",
         /// Squares with sides of half a period.
         Checkerboard = "checkerboard",

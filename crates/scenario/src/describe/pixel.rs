@@ -69,20 +69,22 @@ table! {
         film as "Film": Vec<Spanned<FilmLayer>>,
         /// Material of the opaque, semi-infinite substrate.
         substrate: MaterialSpec,
-        /// Fraction of the active area that each sub-pixel covers; the sum is 1 within 0.001. Any names except `dark`.
+        /// Fraction of the active area of each sub-pixel; the sum is 1 within 0.001. Any names except `dark`.
         area as "Area fraction": Named<Share>,
-        /// Gap at which each sub-pixel shows its own colour; also `dark`, the gap of a dark sub-pixel, if a state needs it.
+        /// Gap at which each sub-pixel shows its own colour; also `dark`, that of a dark sub-pixel, if a
+        /// state needs it.
         gap_nm as "Gap": Named<Nanometres>,
         /// Active fraction of the panel.
         fill_factor: PositiveShare = PositiveShare(1.0),
         /// Reflectance of the inactive area.
         inactive_reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
-        /// Further states; one with the name of a default state replaces it. Default: none.
+        /// Further states; the name of a default state replaces it. Default: none.
         states: Named<StateSpec> = Named(Vec::new()),
-        /// Whether to define the states white, black, red, green, blue, cyan, magenta and yellow, if sub-pixels red, green and
-        /// blue exist.
+        /// Whether to define white, black, red, green, blue, cyan, magenta and yellow, if there are
+        /// sub-pixels red, green and blue.
         default_states: bool = true,
-        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
 }
@@ -201,7 +203,8 @@ table! {
         file: String,
         /// Medium of the angles of the file.
         angles: Word<TableAngles>,
-        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
 }
@@ -220,15 +223,16 @@ table! {
     UniformPixel {
         /// Kind of the reflection.
         kind: Word<UniformKind>,
-        /// Reflectance of each state *below* the glass, which is not the value of a datasheet.
+        /// Reflectance of each state *below* the glass, not that of a datasheet.
         reflectance: Named<ShareSpectrum>,
-        /// The flat face through which the reflectances were measured; the pixel's own are recovered. For `kind = "lambertian"`. Default:
-        /// they are the pixel's own.
+        /// The flat face through which the reflectances were measured; those of the pixel are recovered. For
+        /// `kind = "lambertian"`. Default: they are the pixel's own.
         measured_through as "Measured through": Option<MeasuredThrough>,
-        /// How far light spreads sideways within a Lambertian pixel: the distance at which the line spread has decreased to 1/e.
-        /// Default: 0.
+        /// Spread of light within Lambertian pixels: the distance at which the line spread has decreased to
+        /// 1/e. Default: 0.
         spread_um as "Spread within the pixel": Option<SpreadWithin>,
-        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
 }
@@ -238,7 +242,7 @@ table! {
     MeasuredThrough {
         /// Refractive index of the medium below the face.
         index: FaceIndex,
-        /// Whether the light that the face reflects itself is part of the values.
+        /// Whether the values include the reflection of the face.
         specular as "Specular component": SpecularComponent = SpecularComponent::Included,
     }
 }
@@ -246,7 +250,7 @@ table! {
 choice! {
     /// The light that a face reflects like a mirror.
     SpecularComponent {
-        /// It is part of the values.
+        /// They do.
         Included = "included",
         /// The instrument has removed it.
         Excluded = "excluded",
@@ -314,13 +318,14 @@ table! {
         file: String,
         /// The CIE illuminant of L\*, a\*, b\*. Spectra need none.
         illuminant as "Illuminant of L*, a*, b*": String = "D50".to_owned(),
-        /// The flat face through which the values were measured; those of the inks below it are recovered. Default: the colours are used as they
-        /// are.
+        /// The flat face through which the values were measured; those of the inks are recovered. Default:
+        /// the colours are used as they are.
         measured_through as "Measured through": Option<MeasuredThrough>,
-        /// How far light spreads sideways within the pixels: the distance at which the line spread has decreased to 1/e.
-        /// Default: 0.
+        /// Spread of light within Lambertian pixels: the distance at which the line spread has decreased to
+        /// 1/e. Default: 0.
         spread_um as "Spread within the pixel": Option<SpreadWithin>,
-        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
 }
@@ -328,11 +333,11 @@ table! {
 table! {
     /// A measured BRDF for each state. Its directions are used as directions in the medium above the pixel.
     MeasuredPixel {
-        /// A file of measured scattering for each state (docs/bsdf-files.md). The reflection from the front of the sample is
-        /// used.
+        /// A file of measured scattering for each state (docs/bsdf-files.md), of which the reflection from
+        /// the front is used.
         file: Named<String>,
-        /// Reflectance spectra of any of the states: the spectral shape of the BRDF, not its level. Default: the same at all
-        /// wavelengths.
+        /// Reflectance spectra of any states: the spectral shape of the BRDF, not its level. Default: the
+        /// same at all wavelengths.
         spectrum: Named<ShareSpectrum> = Named(Vec::new()),
         /// The totals to which the measurement is normalised.
         normalise: Normalise = Normalise::None,
@@ -340,7 +345,8 @@ table! {
         extrapolate_tails: bool = false,
         /// Treatment of light beyond the measured directions. Default: `"hold"`, with a note where a file ends.
         extrapolate: Option<Extrapolate>,
-        /// What the controller of the panel calls each state, for the frame of `papilio image`. Default: the numbers of the states.
+        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
 }

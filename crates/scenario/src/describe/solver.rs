@@ -15,16 +15,16 @@ table! {
     Solver {
         /// Solver.
         method: Word<Method> = Word(Method::Adding),
-        /// Stop at this relative error of Y, the largest over states and views: the standard error for Monte Carlo, the
-        /// discretisation error for adding. Default: `0.001`.
+        /// Stop at this relative error of Y, the largest over states and views: the standard error for Monte
+        /// Carlo, the discretisation error for adding. Default: `0.001`.
         relative_error: Option<RelativeError>,
-        /// For Monte Carlo, instead of `relative_error`: paths of each view, rounded up to a multiple of 32. Default: none,
-        /// `relative_error` is used.
+        /// For Monte Carlo, instead of `relative_error`: paths of each view, rounded up to a multiple of 32.
+        /// Default: none, `relative_error` is used.
         paths: Option<Paths>,
         /// For Monte Carlo: stop at this error of a metric.
         target: Option<Target>,
-        /// `true`: `relative_error` also applies at every wavelength, relative to the maximum of the spectrum. With `paths` it
-        /// has no effect, with a warning.
+        /// `true`: `relative_error` also applies at every wavelength, relative to the maximum of the
+        /// spectrum; without effect, with a warning, with `paths`.
         per_wavelength: bool = false,
         /// For Monte Carlo: source of the random numbers (docs/sampling.md).
         sampler: Word<Sampler> = Word(Sampler::Sobol),
@@ -42,13 +42,13 @@ table! {
 table! {
     /// A metric and its largest standard error, at every view.
     Target {
-        /// Name of the metric in result.json.
+        /// Metric of result.json.
         metric: Metric,
         /// Name of the state, for a metric of a state. Default: all states that have the metric.
         state: Option<String>,
-        /// Standard error in the unit of the metric. Either `error` or `relative_error`.
+        /// Standard error in the unit of the metric; or `relative_error`.
         error: Option<Tolerance>,
-        /// Standard error relative to the value. Either `error` or `relative_error`.
+        /// Standard error relative to the value; or `error`.
         relative_error: Option<RelativeError>,
     }
 }
@@ -169,25 +169,26 @@ choice! {
 choice! {
     /// Approximations of the transport, for ordinary panels.
     Approximation {
-        /// None: all orders of reflection, with refraction.
+        /// All orders of reflection, with refraction.
         None = "none",
-        /// One pass through the panel, with the front of screen to first order (Feng 2012, eq. 3-2, 3-3 and 3-5).
+        /// One pass through the panel, with the front of screen to first order (Feng 2012, eq. 3-2, 3-3 and
+        /// 3-5).
         SinglePass = "single-pass",
-        /// Glass without refraction: the pixel is evaluated at the angle in air as if it were in glass; the lobe of a diffuser is also
-        /// cut off at |beta| = 1 below it.
+        /// Glass without refraction: the pixel is evaluated at the angle in air; the lobe of a diffuser is
+        /// also cut off at |beta| = 1 below it.
         Unrefracted = "unrefracted",
-        /// The mean of s and p at each meeting with a face or film, instead of s and p through all orders (docs/light.md).
+        /// The mean of s and p at each face or film, instead of s and p through all orders (docs/light.md).
         Unpolarised = "unpolarised",
     }
 }
 
 choice! {
     for AngleMedium {
-        /// Angles are in air, and refracted by Snell's law.
+        /// In air, and refracted by Snell's law.
         Air = "air",
-        /// Angles are in glass; for a bare panel.
+        /// In glass; for a bare panel.
         Glass = "glass",
-        /// The same as `approximation = "unrefracted"`.
+        /// As `approximation = "unrefracted"`.
         Unrefracted = "unrefracted",
     }
 }

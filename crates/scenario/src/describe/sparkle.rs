@@ -7,11 +7,10 @@ use crate::read::Spanned;
 table! {
     /// An antiglare face, for `papilio sparkle` only.
     Sparkle {
-        /// Root mean square slope of the face along one axis. Either `slope_rms` or `haze`, unless a `rough`
-        /// layer has `correlation_um`.
+        /// Root mean square slope of the face along one axis; or `haze`.
         slope_rms as "Slope of the face": Option<FaceSlope>,
-        /// Fraction of light along the normal that a plate with this face transmits beyond 2.5 deg. Either
-        /// `haze` or `slope_rms`, unless a `rough` layer has `correlation_um`.
+        /// Fraction of light along the normal that a plate with this face transmits beyond 2.5 deg; or
+        /// `slope_rms`.
         haze: Option<InnerShare>,
         /// Distance at which the correlation of the heights exp(-r^2/xi^2) is 1/e, or several. Required with
         /// `slope_rms` or `haze`.

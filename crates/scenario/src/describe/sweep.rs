@@ -20,15 +20,15 @@ use crate::tree::{Entry, Node, Value};
 table! {
     /// Keys that `papilio sweep` varies. Every combination of the axes is computed; the last axis varies fastest.
     Sweep {
-        /// The axes: tables of keys as in `--set`. Keys of one axis change together. Every combination of the axes is
-        /// computed; the last axis varies fastest. Also `"from:to:step"` and `{ from, to, count }`.
+        /// Tables of keys as in `--set`. Keys of one axis change together. Every combination of the axes is
+        /// computed, the last axis fastest. Also `"from:to:step"` and `{ from, to, count }`.
         axes: Vec<Spanned<Axis>>,
         /// Metrics to draw: columns of sweep.csv, those of a state as `"white.L_star"`. Default: for a compact sweep all stored
         /// metrics.
         figures: Vec<Spanned<String>> =
             ["contrast_ratio", "gamut_percent_srgb"].map(|name| Spanned::without_span(name.to_owned())).to_vec(),
-        /// Makes this a compact sweep, for many points: only these metrics are stored, for every view. Default: all results of
-        /// every point.
+        /// Makes this a compact sweep, for many points: only these metrics are stored, for every view.
+        /// Default: all results of every point.
         metrics: Option<Vec<Spanned<MetricName>>>,
     }
 }

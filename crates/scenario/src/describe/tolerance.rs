@@ -14,7 +14,8 @@ table! {
     Tolerance {
         /// Number of displays.
         samples: Count<64, MOST_SAMPLES> = Count(4096),
-        /// Number of displays for sensitivities, each with two more evaluations and one for each key; 0: none. Default: a quarter of `samples`.
+        /// Displays for sensitivities, each with two more evaluations and one for each key; 0: none. Default:
+        /// a quarter of `samples`.
         sensitivity_samples: Option<Count<0, MOST_SAMPLES>>,
         /// Seed of the samples.
         seed: Seed = Count(0),
@@ -24,8 +25,8 @@ table! {
         correlations: Vec<Spanned<Correlated>> = Vec::new(),
         /// Limits of a good display. Default: none: every display is good.
         limits: Vec<Spanned<Limit>> = Vec::new(),
-        /// Metrics to report in addition to those with limits. Default: contrast_ratio, gamut_percent_srgb, white.Y, black.Y and
-        /// L_star, a_star, b_star of white, if the display has these states.
+        /// Metrics to report in addition to those with limits. Default: contrast_ratio, gamut_percent_srgb,
+        /// white.Y, black.Y and L_star, a_star, b_star of white, where they exist.
         metrics: Option<Vec<Spanned<MetricName>>>,
     }
 }
@@ -37,9 +38,9 @@ table! {
     /// A key with a distribution, or several with the same deviation. There is exactly one distribution. Its numbers are
     /// values of the key; for several keys, deviations from the value of each.
     Scattered {
-        /// A path as in `--set`. Either `key` or `keys`.
+        /// A path as in `--set`; or `keys`.
         key: Option<String>,
-        /// Several paths with the same deviation; numbers are deviations from the value of each. Either `key` or `keys`.
+        /// Several paths with the same deviation; numbers are deviations from the value of each.
         keys: Option<Vec<Spanned<String>>>,
         /// Name in tables and figures, one line. Default: the path.
         name: Option<Label>,
@@ -89,11 +90,11 @@ table! {
 table! {
     /// A uniform distribution: `from` and `to`, or `plus_minus`.
     Uniform {
-        /// Lower end. Either `from` and `to`, or `plus_minus`.
+        /// Lower end; with `to`, or `plus_minus` instead.
         from: Option<Any>,
-        /// Upper end. Either `from` and `to`, or `plus_minus`.
+        /// Upper end.
         to: Option<Any>,
-        /// Half width about the scenario's value. Either `from` and `to`, or `plus_minus`.
+        /// Half width about the scenario's value.
         plus_minus: Option<Deviation>,
     }
 }
@@ -101,13 +102,13 @@ table! {
 table! {
     /// A triangular distribution: `from` and `to`, or `plus_minus`.
     Triangular {
-        /// Lower end. Either `from` and `to`, or `plus_minus`.
+        /// Lower end; with `to`, or `plus_minus` instead.
         from: Option<Any>,
         /// The most probable value. Default: the scenario's value.
         mode: Option<Any>,
-        /// Upper end. Either `from` and `to`, or `plus_minus`.
+        /// Upper end.
         to: Option<Any>,
-        /// Half width about the mode. Either `from` and `to`, or `plus_minus`.
+        /// Half width about the mode.
         plus_minus: Option<Deviation>,
     }
 }
@@ -125,7 +126,7 @@ table! {
 table! {
     /// Keys whose deviations are correlated.
     Correlated {
-        /// Names of two or more keys (the path if there is no name). Every pair of them has the coefficient.
+        /// Names of two or more keys (the path if there is no name), of which every pair has the coefficient.
         keys: Vec<Spanned<String>>,
         /// Correlation of the normal random numbers from which the values are drawn.
         coefficient: Correlation,

@@ -12,16 +12,15 @@ table! {
         theta_deg as "Viewing angle": Inclinations = Inclinations::One(Inclination(0.0)),
         /// Azimuth of the view, or several.
         phi_deg as "Azimuth of the view": Azimuths = Azimuths::One(Azimuth(0.0)),
-        /// Full angle of the round field of view, which must be above the horizon.
+        /// Full angle of the round field of view, above the horizon.
         field_deg as "Field of view": FieldAngle = FieldAngle(0.1),
-        /// Numerical aperture of a microscope's objective, instead of `field_deg`: the pupil is averaged uniformly, in diffuse
-        /// light alone.
+        /// Numerical aperture of a microscope's objective, instead of `field_deg`: a uniform mean over the
+        /// pupil, in diffuse light alone.
         numerical_aperture as "Numerical aperture": Option<InnerShare>,
-        /// Polariser before the eye, such as sunglasses: `"s"`, `"p"`, or the angle of the light that it passes from the plane of
-        /// incidence, counter-clockwise as seen by the viewer (docs/light.md).
+        /// Polariser before the eye, such as sunglasses: `"s"`, `"p"`, or the angle of the light that it
+        /// passes from the plane of incidence, counter-clockwise as seen by the viewer (docs/light.md).
         polariser as "Polariser": Option<Polariser>,
-        /// Viewing distance; it determines the angle of text (docs/readability.md), and has no effect on
-        /// colours.
+        /// Viewing distance; it determines the angle of text (docs/readability.md), not the colours.
         distance_mm as "Viewing distance": Millimetres = Millimetres(500.0),
         /// Age of the reader of black text (docs/readability.md); 25 if only the text is described.
         age_years as "Age of the reader": Option<Years>,
