@@ -21,6 +21,9 @@ __all__ = ["Grid", "stored"]
 #: Deeper values are no scenario.
 _DEEPEST = 40
 
+#: Keys whose values are refractive indices: real numbers are n.
+_INDICES = {"index", "material", "n_e", "n_o", "substrate"}
+
 #: First and last wavelength and step of a scenario, nm.
 Grid = tuple[float, float, float]
 
@@ -29,7 +32,7 @@ def stored(value: Any, path: str, grid: Grid, files: dict[str, bytes], depth: in
     """Replaces the arrays in a value for ``path`` by names of files, whose contents are added to ``files``.
 
     Arrays are pairs ``(wavelength_nm, values)``, objects with wavelengths (DataArray, Series, SpectralDistribution), and numpy arrays
-    over the scenario's own wavelengths (``grid``) where a key accepts a file. Complex values are n + 1j k.
+    over the scenario's own wavelengths (``grid``) where a key accepts a file. Complex values are n + 1j k; the real ones of an index are n.
     """
     if depth > _DEEPEST:
         return value  # refused with the other values
@@ -91,7 +94,7 @@ def _file(path: str, wavelength_nm: Any, values: Any) -> bytes:
     if nm.shape != numbers.shape or nm.ndim != 1:
         raise ArgumentError(f"{path}: expected as many values as wavelengths; the shapes are {nm.shape} and {numbers.shape}")
     order = np.argsort(nm, kind="stable")
-    if np.asarray(values).dtype.kind == "c":
+    if np.asarray(values).dtype.kind == "c" or path.rpartition(".")[2].strip() in _INDICES:
         rows = [f"{at!r},{n!r},{k!r}" for at, n, k in zip(nm[order].tolist(), numbers.real[order].tolist(), numbers.imag[order].tolist(), strict=True)]
         return ("\n".join(["nm,n,k", *rows]) + "\n").encode()
     rows = [f"{at!r},{one!r}" for at, one in zip(nm[order].tolist(), numbers.real[order].tolist(), strict=True)]

@@ -25,6 +25,7 @@
 //!             interface: Ready::Fresnel.into(),
 //!             medium: Medium::clear(constant(1.5)),
 //!             thickness: Length::Mm(0.5),
+//!             depolarisation: Depolarisation::default(),
 //!         }],
 //!         pixel: Pixel::Uniform(paint),
 //!         matrix: None,

@@ -3,8 +3,8 @@
 //! All faces are parallel: s stays s, and p stays p, until something scatters the light, which then counts as
 //! unpolarised. Therefore
 //!
-//! - above a mirror-like pixel, where nothing scatters, the whole display is computed for s and for p ([`weights`],
-//!   [`Stack::with_polarisations`]), and a polariser before the eye chooses between them;
+//! - above a mirror-like pixel, where nothing scatters, or only diffusers that keep s and p do (`depolarisation = 0`), the whole display is computed for s
+//!   and for p ([`weights`], [`Stack::with_polarisations`]), and a polariser before the eye chooses between them;
 //! - elsewhere each run of flat layers that begins and ends with the air or a scatterer is one interface
 //!   ([`FlatRun`]) of light without regard to places; the run between the last scatterer and a mirror is one together
 //!   with the mirror. Polarised light and a polariser before the eye concern the run at the top alone ([`view`]).
@@ -83,17 +83,77 @@ impl Asked {
     }
 }
 
+/// Refuses scatterers that keep s and p where they are not followed.
+fn check_scatterers(scene: &Scene) -> Result<(), DisplayError> {
+    let layers = &scene.display.layers;
+    let Some(keeper) =
+        layers.iter().find(|layer| !is_flat(&layer.interface) && layer.depolarisation.fraction < 1.0)
+    else {
+        return Ok(());
+    };
+    let depolarises = |layer: &scene::Layer| {
+        layer.medium.scattering.is_some()
+            || !is_flat(&layer.interface) && layer.depolarisation.fraction != keeper.depolarisation.fraction
+    };
+    let needs = if scene.solver.approximation == Approximation::Unpolarised {
+        return Ok(());
+    } else if !is_followed(scene) {
+        "solver.approximation = \"none\" (or \"unpolarised\") and angles in air or glass: other light does not keep s and p apart"
+    } else if keeper.depolarisation.fraction > 0.0 && !is_met_twice(layers) {
+        "a value of 0 or 1, or one diffuser with a lobe (model \"k-correlation\" or \"lambertian\", regular_fraction = 0, no reflection) below \
+         nothing that reflects: light that returns to it again and again, polarised in part, is not followed"
+    } else if layers.iter().any(depolarises) {
+        "no other scatterer than those of `depolarisation` = 0: s and p are kept to the end or to the first scatterer"
+    } else if scene.display.filter().is_some() {
+        "a display without a colour filter above its pixels: light with its places counts as unpolarised"
+    } else if Meetings::with_mirror(scene, 0..0).is_none() {
+        "a pixel that is a mirror: what others scatter is unpolarised"
+    } else {
+        return Ok(());
+    };
+    Err(DisplayError::Polarised { key: keeper.depolarisation.key.clone(), needs })
+}
+
+/// Returns whether light meets the one scatterer of these layers twice, on its way in and on its way out, and nothing above it: what it does to
+/// polarisation is then the same as if the light were less polarised, and the polariser weaker.
+fn is_met_twice(layers: &[scene::Layer]) -> bool {
+    let is_nothing = |layer: &scene::Layer| match &layer.interface {
+        scene::Interface::Ready(Ready::Open) => true,
+        scene::Interface::Ready(Ready::Component(sheet)) => sheet.reflectance.max() == 0.0,
+        _ => false,
+    };
+    let mut rest = layers.iter().skip_while(|layer| is_nothing(layer));
+    let is_lobe = |layer: &scene::Layer| match &layer.interface {
+        scene::Interface::Ready(Ready::Diffuser(lobe)) => lobe.regular_fraction == 0.0,
+        _ => false,
+    };
+    rest.next().is_some_and(is_lobe) && rest.all(|layer| is_flat(&layer.interface))
+}
+
+/// Returns the fraction of polarisation that the scatterers of a display leave, once on its way in or out.
+fn left(scene: &Scene) -> f64 {
+    let scatterer = scene.display.layers.iter().find(|layer| !is_flat(&layer.interface));
+    scatterer.map_or(1.0, |layer| match layer.depolarisation.fraction {
+        // They leave it to the light, whose polarisation is followed.
+        0.0 => 1.0,
+        fraction => 1.0 - fraction,
+    })
+}
+
 /// Returns the weights of s and of p in what is seen of unpolarised light, if they are kept apart to the end.
 ///
 /// # Errors
 /// If anything is polarised, and that cannot be followed.
 pub(crate) fn weights(scene: &Scene) -> Result<Option<[f64; 2]>, DisplayError> {
+    check_scatterers(scene)?;
     let meetings = Meetings::of(scene).filter(|_| is_followed(scene));
     let Some(asked) = Asked::of(scene) else {
         return Ok(meetings.is_some_and(Meetings::mix).then_some([0.5; 2]));
     };
     let asked = asked.check(scene)?;
-    Ok(meetings.filter(|met| met.polarising > 0).map(|_| asked.weights()))
+    let left = left(scene);
+    let weights = asked.weights().map(|weight| 0.5 + left * (weight - 0.5));
+    Ok(meetings.filter(|met| met.polarising > 0).map(|_| weights))
 }
 
 /// Returns the polarised light of a scene and what it meets first, for its stack and its sources; `None` if nothing is
@@ -114,7 +174,7 @@ pub(crate) fn view(
     let of = |(source, vibration): (&Source, &Option<Vibration>)| {
         let vibration = (*vibration)?;
         match is_kept {
-            true => PolarisedLight::kept(source, vibration),
+            true => PolarisedLight::kept(source, vibration.times(left(scene))),
             false => PolarisedLight::above(source, vibration, top.as_ref(), &visible),
         }
     };
@@ -270,11 +330,10 @@ struct Meetings {
 }
 
 impl Meetings {
-    /// Those of a whole display; `None` if anything scatters, or depends on place.
+    /// Those of a whole display; `None` if anything scatters without keeping s and p, or depends on place.
     fn of(scene: &Scene) -> Option<Self> {
         let display = &scene.display;
-        let is_flat = |layer: &scene::Layer| is_flat(&layer.interface) && layer.medium.scattering.is_none();
-        if display.filter().is_some() || !display.layers.iter().all(is_flat) {
+        if display.filter().is_some() || !display.layers.iter().all(keeps) {
             return None;
         }
         Self::with_mirror(scene, 0..display.layers.len())
@@ -306,7 +365,8 @@ impl Meetings {
                 scene::Interface::Ready(Ready::Fresnel) => (differs(), differs()),
                 scene::Interface::Coating(_) => (true, true),
                 scene::Interface::Ready(Ready::Component(sheet)) => (false, sheet.reflectance.max() > 0.0),
-                _ => (false, false),
+                // Light that a diffuser sends elsewhere meets the same faces at another angle.
+                interface => (false, !is_flat(interface)),
             };
             sum.polarising += usize::from(polarises);
             sum.reflecting += usize::from(reflects);
@@ -318,6 +378,11 @@ impl Meetings {
     fn mix(self) -> bool {
         self.polarising > 0 && self.reflecting > 1
     }
+}
+
+/// True if nothing of a layer changes the shares of s and p of light, but faces and films.
+fn keeps(layer: &scene::Layer) -> bool {
+    (is_flat(&layer.interface) || layer.depolarisation.fraction < 1.0) && layer.medium.scattering.is_none()
 }
 
 fn is_flat(interface: &scene::Interface) -> bool {

@@ -152,12 +152,31 @@ pub struct Layer {
     pub medium: Medium,
     /// Thickness of the medium. Colours do not depend on it, only the places of light.
     pub thickness: Length,
+    /// What the interface does to the polarisation of light that it scatters.
+    pub depolarisation: Depolarisation,
 }
 
 impl Layer {
     /// True if both layers are the same, apart from their thickness.
     pub fn acts_as(&self, other: &Self) -> bool {
-        self.interface == other.interface && self.medium == other.medium
+        self.interface == other.interface
+            && self.medium == other.medium
+            && self.depolarisation.fraction == other.depolarisation.fraction
+    }
+}
+
+/// Depolarisation of scattered light. The default is that all of it is unpolarised.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Depolarisation {
+    /// Fraction of the scattered light that leaves unpolarised; the rest keeps the shares of s and p with which it arrived.
+    pub fraction: f64,
+    /// Key of the fraction in the scenario, for error messages.
+    pub key: String,
+}
+
+impl Default for Depolarisation {
+    fn default() -> Self {
+        Self { fraction: 1.0, key: String::new() }
     }
 }
 

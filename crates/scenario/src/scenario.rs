@@ -307,7 +307,11 @@ impl Resolved {
                 ("viewer.numerical_aperture", wrong.into())
             }
             DisplayError::Polarised { key, needs } => {
-                let what = if key == "viewer.polariser" { "a polariser" } else { "polarised light" };
+                let what = match key.as_str() {
+                    "viewer.polariser" => "a polariser",
+                    key if key.ends_with(".depolarisation") => "a scatterer that keeps polarisation",
+                    _ => "polarised light",
+                };
                 let wrong = Diagnostic::new(format!("{what} is not possible here"))
                     .expected(*needs)
                     .hint(format!("remove {key}"));

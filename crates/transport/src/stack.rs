@@ -5,7 +5,7 @@
 //! internal reflection. Every interface is an operator on direction cosines; light with `|beta| >= n` does
 //! not enter a medium of index n.
 //!
-//! Where all layers are flat and the pixel is a mirror, s and p are kept apart through all orders: such a
+//! Where all layers are flat, or scatter light without changing its shares of s and p, and the pixel is a mirror, they are kept apart through all orders: such a
 //! stack may hold itself for light of each polarisation ([`Stack::with_polarisations`]). Both
 //! solvers return the mean of both, or what a polariser before the viewer makes of them.
 //!
@@ -106,11 +106,11 @@ impl Stack {
     }
 
     /// The same stack, with what it is for light of s and of p, which all layers keep apart: `[s, p]`, with as
-    /// many states and wavelengths, and their weights in what is seen, 0.5 each without a polariser. Nothing of
-    /// it may scatter.
+    /// many states and wavelengths, and their weights in what is seen, 0.5 each without a polariser. What scatters in it
+    /// must keep them apart, too.
     #[must_use]
     pub fn with_polarisations(self, both: [Self; 2], weights: [f64; 2]) -> Self {
-        debug_assert!(self.base().is_specular() && self.elements().all(|(kind, _)| !kind.scatters()));
+        debug_assert!(self.base().is_specular());
         Self { polarised: Some(Box::new(Polarised { both, weights })), ..self }
     }
 

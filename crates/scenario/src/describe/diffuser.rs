@@ -72,6 +72,19 @@ kinds! {
     }
 }
 
+impl Btdf {
+    /// Fraction of the scattered light that leaves unpolarised.
+    pub(crate) fn depolarisation(&self) -> f64 {
+        match self {
+            Self::KCorrelation(lobe) => lobe.depolarisation.0,
+            Self::Lambertian(lobe) => lobe.depolarisation.0,
+            Self::Ward(lobe) => lobe.depolarisation.0,
+            Self::Measured(foil) => foil.depolarisation.0,
+            Self::Microgeometry(_) => 1.0,
+        }
+    }
+}
+
 table! {
     /// A face of glass or film, described by its geometry and measured by rays from both sides, light that is
     /// trapped below it included.
@@ -111,6 +124,8 @@ table! {
         /// Fraction s of T that is not scattered. `total_transmittance` is T ((1 - s) f + s), with the
         /// fraction f of the lobe within |beta| <= 1 at normal incidence.
         regular_fraction: Share = Share(0.0),
+        /// Fraction of the scattered light that leaves unpolarised: 1, or 0 if all of it keeps its shares of s and p.
+        depolarisation: Share = Share(1.0),
         /// The light that the diffuser itself reflects. Default: it reflects nothing; a note says so.
         reflection: Option<Reflection>,
     }
@@ -126,6 +141,8 @@ table! {
         transmittance: Option<ShareSpectrum>,
         /// Fraction of T that is not scattered.
         regular_fraction: Share = Share(0.0),
+        /// Fraction of the scattered light that leaves unpolarised: 1, or 0 if all of it keeps its shares of s and p.
+        depolarisation: Share = Share(1.0),
         /// The light that the diffuser itself reflects. Default: it reflects nothing; a note says so.
         reflection: Option<Reflection>,
     }
@@ -157,6 +174,8 @@ table! {
         transmittance: Option<ShareSpectrum>,
         /// Fraction of rho that is not scattered.
         regular_fraction: Share = Share(0.0),
+        /// Fraction of the scattered light that leaves unpolarised: 1, or 0 if all of it keeps its shares of s and p.
+        depolarisation: Share = Share(1.0),
         /// The light that the diffuser itself reflects. Default: it reflects nothing; a note says so.
         reflection: Option<Reflection>,
     }
@@ -309,6 +328,8 @@ table! {
         mounting: Mounting = Mounting::AsMeasured,
         /// With `mounting = "air"`: the air between foil and glass, for places of light.
         gap_mm as "Air gap": Option<AirGap>,
+        /// Fraction of the scattered light that leaves unpolarised: 1, or 0 if all of it keeps its shares of s and p.
+        depolarisation: Share = Share(1.0),
         /// The light that the foil itself reflects, if the file has its transmission only. Default: that of
         /// the file.
         reflection: Option<Reflection>,

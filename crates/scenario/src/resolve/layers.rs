@@ -6,7 +6,8 @@ use num_complex::Complex64;
 use papilio_diagnostics::{Diagnostic, number};
 use papilio_display::THICKEST_FOR_MONTE_CARLO;
 use papilio_display::scene::{
-    Coating, FilmLayer, Interface, Layer, Length, Medium, Method, Ready, Scattering, Thickness,
+    Coating, Depolarisation, FilmLayer, Interface, Layer, Length, Medium, Method, Ready, Scattering,
+    Thickness,
 };
 use papilio_spectra::Spectrum;
 
@@ -135,7 +136,14 @@ impl Resolver<'_> {
         let parts = parts.into_iter().collect::<Option<Vec<_>>>()?;
         let parts = self.with_diffusers(parts)?;
         let mut stack = Stack::new(&self.grid);
-        for (parts, layer) in parts.into_iter().zip(layers) {
+        for (number, (parts, layer)) in parts.into_iter().zip(layers).enumerate() {
+            stack.depolarise(match &layer.value {
+                describe::Layer::Diffuser(diffuser) => Depolarisation {
+                    fraction: diffuser.depolarisation(),
+                    key: format!("display.layers.{number}.depolarisation"),
+                },
+                _ => Depolarisation::default(),
+            });
             for part in parts {
                 match part {
                     Part::Medium(medium, length, index_at) => stack.fill(medium, length, index_at),

@@ -2,7 +2,9 @@
 //! ordinary panel only.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{AngleMedium, Display, Interface, Layer, Length, Medium, Ready, Scene};
+use papilio_display::scene::{
+    AngleMedium, Depolarisation, Display, Interface, Layer, Length, Medium, Ready, Scene,
+};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -78,6 +80,10 @@ impl Resolver<'_> {
         let reflection = display.diffuser.as_ref().and_then(Diffuser::reflection);
         let thickness = display.glass.as_ref().and_then(|glass| glass.thickness_mm.value);
         let glass = Part::Medium(glass, length("display.glass", &thickness), Origin::FILE);
+        if let Some(diffuser) = display.diffuser.as_ref().and_then(Diffuser::btdf) {
+            let key = "display.diffuser.depolarisation".to_owned();
+            stack.depolarise(Depolarisation { fraction: diffuser.depolarisation(), key });
+        }
         for part in top.into_iter().chain([glass]) {
             match (part, reflection) {
                 (Part::Medium(medium, length, index_at), _) => stack.fill(medium, length, index_at),

@@ -1,7 +1,7 @@
 //! Conversion of a list of media and interfaces to layers: each an interface and the medium below it.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Interface, Layer, Length, Medium, Ready};
+use papilio_display::scene::{Depolarisation, Interface, Layer, Length, Medium, Ready};
 use papilio_spectra::{Grid, Spectrum};
 
 use super::pixel::dispersive;
@@ -15,6 +15,10 @@ pub(super) struct Stack {
     /// An interface without a medium below it yet, and the thickness of the medium above it, should that
     /// continue below.
     waiting: Option<(Interface, Length, Origin)>,
+    /// Depolarisation of the interfaces that are added.
+    depolarisation: Depolarisation,
+    /// That of the one without a medium below it yet.
+    of_waiting: Depolarisation,
     /// Index of the lowest medium so far, and its place.
     above: (Spectrum, Origin),
     mistakes: Vec<(Origin, Diagnostic)>,
@@ -23,7 +27,14 @@ pub(super) struct Stack {
 impl Stack {
     pub(super) fn new(grid: &Grid) -> Self {
         let above = (Spectrum::constant(grid, 1.0), Origin::FILE);
-        Self { layers: Vec::new(), waiting: None, above, mistakes: Vec::new() }
+        let usual = Depolarisation::default;
+        let [depolarisation, of_waiting] = [usual(), usual()];
+        Self { layers: Vec::new(), waiting: None, depolarisation, of_waiting, above, mistakes: Vec::new() }
+    }
+
+    /// Sets the depolarisation of the interfaces that are added from now on.
+    pub(super) fn depolarise(&mut self, depolarisation: Depolarisation) {
+        self.depolarisation = depolarisation;
     }
 
     /// Adds an interface. An interface directly above it is then inside the medium above both, at the same
@@ -37,6 +48,7 @@ impl Stack {
     pub(super) fn put_above(&mut self, interface: Interface, below: Length, origin: Origin) {
         self.close();
         self.waiting = Some((interface, below, origin));
+        self.of_waiting = self.depolarisation.clone();
     }
 
     /// Adds a medium of this thickness; `index_at` is the place of its index. Without an interface above it,
@@ -60,7 +72,8 @@ impl Stack {
         let interface =
             if same && interface == Ready::Fresnel.into() { Ready::Open.into() } else { interface };
         self.above = (medium.index.clone(), index_at);
-        self.layers.push(Layer { interface, medium, thickness });
+        let depolarisation = std::mem::take(&mut self.of_waiting);
+        self.layers.push(Layer { interface, medium, thickness, depolarisation });
     }
 
     /// Returns the layers; mistakes are added to `errors`.

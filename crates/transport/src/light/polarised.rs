@@ -29,6 +29,15 @@ pub enum Vibration {
 }
 
 impl Vibration {
+    /// Returns the vibration of light of which this fraction is as polarised, and the rest unpolarised.
+    #[must_use]
+    pub fn times(self, fraction: f64) -> Self {
+        match self {
+            Self::Fixed { degree, angle } => Self::Fixed { degree: fraction * degree, angle },
+            Self::Rayleigh { most, sun, zenith } => Self::Rayleigh { most: fraction * most, sun, zenith },
+        }
+    }
+
     /// Returns the shares of s and of p in light that comes from this direction: a unit vector away from the display.
     pub fn shares(&self, direction: [f64; 3]) -> [f64; 2] {
         let more = self.more_s(direction);
