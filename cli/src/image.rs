@@ -263,9 +263,12 @@ const LINEAR: &str = "seen.exr";
 
 impl ImageOutput {
     fn write_linear(&self, folder: &Path) -> Result<(), Failure> {
-        let ImageResult { linear, white_cd_m2, .. } = &self.here;
+        let ImageResult { seen, white_cd_m2, .. } = &self.here;
         let [across, _] = self.here.seen_size();
-        Ok(write_file(&folder.join(LINEAR), |out| write_scene_exr(out, across, linear, Some(*white_cd_m2)))?)
+        let linear = |sample| self.here.linear(sample);
+        Ok(write_file(&folder.join(LINEAR), |out| {
+            write_scene_exr(out, across, seen.len(), linear, Some(*white_cd_m2))
+        })?)
     }
 
     /// Writes all but the file of linear light, and returns the names of all.

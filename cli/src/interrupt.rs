@@ -1,6 +1,7 @@
 //! Ctrl-C: the first one ends the computation with the finished work, a second one ends the program.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// Set by the first Ctrl-C.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
@@ -16,6 +17,16 @@ pub(crate) fn catch_ctrl_c() {
             std::process::exit(130);
         }
     });
+}
+
+/// Ends the computation with the finished work, and the program after `grace`.
+pub(crate) fn end(grace: Duration) {
+    STOP.store(true, Ordering::Relaxed);
+    std::thread::sleep(grace);
+    while WRITING.load(Ordering::Relaxed) {
+        std::thread::sleep(grace / 100);
+    }
+    std::process::exit(130);
 }
 
 /// Runs `write` to its end, even if the user presses Ctrl-C twice.

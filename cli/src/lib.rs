@@ -29,6 +29,7 @@ mod gonio;
 mod image;
 mod input;
 mod interrupt;
+mod job;
 mod journal;
 mod long_work;
 mod man;
@@ -314,6 +315,7 @@ fn run_command(arguments: &[OsString]) -> u8 {
         print_message(&format!("error: {message}"));
         return 2;
     }
+    job::follow_server();
     match parsed.command.run() {
         Ok(()) => 0,
         // The reader closed the pipe (`papilio run ... | head`): this is not an error.

@@ -159,7 +159,8 @@ fn in_words(report: &Report<'_>) -> String {
     let paths = report.paths.map(|paths| format!("{paths} paths"));
     let (done, all) = report.views_done;
     let views = (all > 1).then(|| format!("{done} of {all} {} done", report.unit));
-    [error, paths, views].into_iter().flatten().collect::<Vec<_>>().join(", ")
+    let level = report.level.map(|level| format!("level {level} of adding"));
+    [level, error, paths, views].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// Time between two lines in a log.

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use papilio_formats::{DataFile, FormatError, LARGEST_BSDF_FILE};
 use papilio_scenario::{Resolved, Scenario};
-use papilio_web::{Options, Site, Start};
+use papilio_web::{JobOptions, Options, Site, Start};
 
 use crate::arguments::Serve;
 use crate::{Failure, print_message, report};
@@ -15,6 +15,7 @@ pub(crate) fn run(arguments: &Serve) -> Result<(), Failure> {
         listen: arguments.listen.unwrap_or(Options::default().listen),
         port: arguments.port.unwrap_or(Options::default().port),
         start: arguments.file.as_deref().map(start).transpose()?,
+        jobs: jobs(arguments.jobs.as_deref()),
     };
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     runtime.block_on(async {
@@ -34,6 +35,23 @@ pub(crate) fn run(arguments: &Serve) -> Result<(), Failure> {
         site.serve(listener).await;
         Ok(())
     })
+}
+
+/// How jobs are run. In another program, such as Python, there are none.
+fn jobs(folder: Option<&Path>) -> Option<JobOptions> {
+    let program = std::env::current_exe().ok()?;
+    let is_papilio = program.file_stem().is_some_and(|stem| stem == "papilio");
+    let folder = folder.map_or_else(job_folder, |folder| std::path::absolute(folder).unwrap_or(folder.to_owned()));
+    is_papilio.then_some(JobOptions { program, folder })
+}
+
+/// The folder of jobs in that of the user's states.
+fn job_folder() -> PathBuf {
+    let variable = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let state = variable("XDG_STATE_HOME")
+        .or_else(|| variable("LOCALAPPDATA"))
+        .or_else(|| variable("HOME").map(|home| home.join(".local/state")));
+    state.unwrap_or_else(std::env::temp_dir).join("papilio").join("jobs")
 }
 
 /// A scenario and the files that it names. An invalid scenario is opened too, so that it can be corrected in

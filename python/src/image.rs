@@ -23,6 +23,8 @@ type Codes = (Option<&'static str>, Vec<(String, u8)>);
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Image {
     of: ImageResult,
+    /// X, Y, Z of each pixel that are wanted.
+    wanted: Vec<[f32; 3]>,
     /// Name of the controller, and codes of the states, of `display.pixel.codes`.
     codes: Option<Codes>,
     json: String,
@@ -86,8 +88,10 @@ impl Image {
         })?;
         let codes = request.codes.as_ref();
         let codes = codes.map(|codes| (codes.controller.map(|one| one.name), codes.of_states.clone()));
+        let wanted = of.wanted(&request.source);
         Ok(Self {
             of,
+            wanted,
             codes,
             json,
             title,
@@ -110,7 +114,7 @@ impl Image {
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let [columns, rows] = self.of.size;
         let dict = PyDict::new(py);
-        for (name, pixels) in [("wanted", &self.of.wanted), ("mapped", &self.of.mapped)] {
+        for (name, pixels) in [("wanted", &self.wanted), ("mapped", &self.of.mapped)] {
             dict.set_item(name, array(py, &[rows, columns, 3], pixels.as_flattened().to_vec())?)?;
         }
         let [across, down] = self.of.seen_size();

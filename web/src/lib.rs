@@ -14,16 +14,18 @@
 //! - `guard` refuses requests that do not come from this page: foreign hosts and origins, missing tokens.
 //! - `listen` and `places` accept a limited number of connections, and close those whose clients do not read.
 //! - `prepared` stores prepared displays, `held` the states of pictures, `store` uploaded files.
+//! - `jobs` runs commands of the program as processes that go on without the page.
 //! - `page` serves the bundle of `web/page`, if one was built into the program.
 //!
 //! **Limits.** Requests of at most 1 MiB, scenarios of 256 KiB, files of 64 MiB, responses of about half a
-//! million numbers. **Out of scope.** Reading or writing the disk on behalf of the browser; users and
-//! passwords.
+//! million numbers. **Out of scope.** Reading the disk on behalf of the browser, or writing outside of
+//! the folders of jobs; users and passwords.
 
 mod api;
 mod fault;
 mod guard;
 mod held;
+mod jobs;
 mod listen;
 mod page;
 mod panics;
@@ -36,5 +38,6 @@ mod store;
 mod work;
 
 pub use api::openapi;
+pub use jobs::{JobOptions, LOCK_VARIABLE};
 pub use listen::ServeError;
 pub use site::{Options, Site, Start};

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use axum::http::StatusCode;
 use papilio_display::adding_seconds;
 use papilio_display::pixel::state_names;
-use papilio_scenario::{Edit, Library, Resolved, Scenario};
+use papilio_scenario::{Edit, Library, MemoryFile, Resolved, Scenario};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -65,13 +65,20 @@ pub(crate) enum Solver {
 }
 
 impl Given {
-    /// Returns the files by their names, or an error with the ids of the files that are not stored.
+    /// Returns the files by their names, with those of the program, or an error with the ids of the files that are not stored.
     pub(crate) fn library(&self, site: &Site) -> Result<Library, Fault> {
+        let mut files = shipped::DATA.clone();
+        files.extend(self.own_files(site)?);
+        Ok(Library::Memory { files: Arc::new(files), memo: site.memo() })
+    }
+
+    /// Returns the uploaded files by their names, or an error with the ids of the files that are not stored.
+    pub(crate) fn own_files(&self, site: &Site) -> Result<BTreeMap<String, MemoryFile>, Fault> {
         check_length(&self.scenario)?;
         if self.files.len() > MOST_FILES {
             return Err(Fault::malformed(format!("a scenario has at most {MOST_FILES} files")));
         }
-        let mut files = shipped::DATA.clone();
+        let mut files = BTreeMap::new();
         let mut missing = Vec::new();
         for (name, id) in &self.files {
             match site.store().get(id) {
@@ -80,7 +87,7 @@ impl Given {
             }
         }
         if missing.is_empty() {
-            return Ok(Library::Memory { files: Arc::new(files), memo: site.memo() });
+            return Ok(files);
         }
         let mut fault = Fault::new(StatusCode::GONE, "a file is no longer stored", "send it again");
         fault.body.missing = Some(missing);

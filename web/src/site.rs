@@ -10,6 +10,7 @@ use tokio::net::TcpListener;
 
 use crate::guard::Guard;
 use crate::held::HeldPictures;
+use crate::jobs::{JobOptions, Jobs};
 use crate::listen::{self, ServeError};
 use crate::prepared::PreparedDisplays;
 use crate::store::Store;
@@ -24,6 +25,8 @@ pub struct Options {
     pub port: u16,
     /// The scenario that the page opens; `None`: the example "indoor".
     pub start: Option<Start>,
+    /// How jobs are run; `None`: there are none.
+    pub jobs: Option<JobOptions>,
 }
 
 /// A scenario that the page opens.
@@ -41,7 +44,7 @@ impl Default for Options {
     /// Listens to this machine only, on port 7417. The port is fixed because the browser stores designs by
     /// address and port.
     fn default() -> Self {
-        Self { listen: IpAddr::V4(Ipv4Addr::LOCALHOST), port: 7417, start: None }
+        Self { listen: IpAddr::V4(Ipv4Addr::LOCALHOST), port: 7417, start: None, jobs: None }
     }
 }
 
@@ -54,6 +57,7 @@ struct Inner {
     address: SocketAddr,
     guard: Guard,
     start: Option<Start>,
+    jobs: Option<Arc<Jobs>>,
     store: Store,
     prepared: PreparedDisplays,
     held: HeldPictures,
@@ -79,6 +83,7 @@ impl Site {
             address,
             guard: Guard::new(address)?,
             start: options.start,
+            jobs: options.jobs.map(|jobs| Jobs::open(jobs, address.port())),
             store: Store::default(),
             prepared: PreparedDisplays::default(),
             held: HeldPictures::default(),
@@ -119,6 +124,10 @@ impl Site {
 
     pub(crate) fn start(&self) -> Option<&Start> {
         self.0.start.as_ref()
+    }
+
+    pub(crate) fn jobs(&self) -> Option<&Jobs> {
+        self.0.jobs.as_deref()
     }
 
     pub(crate) fn store(&self) -> &Store {

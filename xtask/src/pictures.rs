@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
 type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const PICTURES: [Picture; 30] = [
+const PICTURES: [Picture; 31] = [
     (
         &["run"],
         "indoor.toml",
@@ -88,6 +88,21 @@ const PICTURES: [Picture; 30] = [
     (&GALLERY, "data/photographs/raccoon.jpg", &["rooms.png"], "gallery-raccoon-"),
     (&GALLERY, "data/photographs/hopper.jpg", &["rooms.png"], "gallery-hopper-"),
     (&["image", "--on=six-ink"], "data/photographs/dashboard.png", &["seen.png"], "gallery-dashboard-"),
+    (
+        &["validate", "--measured"],
+        "data/samples.toml",
+        &[
+            "sample-nanochannels.svg",
+            "sample-clear-glass.svg",
+            "sample-polished-metals.svg",
+            "sample-etched-grades.svg",
+            "sample-etched-grades-tails.svg",
+            "sample-ptfe.svg",
+            "sample-spectralon.svg",
+            "sample-microspheres.svg",
+        ],
+        "",
+    ),
 ];
 
 /// A picture of the gallery: on six inks in daylight, and below a sodium lamp.

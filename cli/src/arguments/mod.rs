@@ -59,6 +59,9 @@ pub(crate) struct Serve {
     /// 127.0.0.1]
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) listen: Option<IpAddr>,
+    /// Folder for the jobs of the page, in one for each port [default: papilio/jobs in the user's folder of states]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) jobs: Option<PathBuf>,
     /// Open the page in the browser
     #[arg(long)]
     pub(crate) open: bool,

@@ -12,7 +12,7 @@ use papilio_display::compare::{
     ViewComparison, compare_measurement,
 };
 use papilio_display::pixel::is_mixture;
-use papilio_figures::{compared_gamuts, compared_spectra};
+use papilio_figures::{compared_gamuts, compared_metrics, compared_spectra};
 use papilio_formats::{
     DataFile, read_measurement, write_compared_metrics, write_compared_spectra, write_comparison, write_file,
     write_json,
@@ -137,6 +137,8 @@ fn write(folder: &Path, all: &Comparison, title: &str, png: bool) -> Result<Vec<
         let gamuts = (format!("compared-gamuts{suffix}"), compared_gamuts(all, view, title));
         names.extend(output::write_figures(folder, spectra.into_iter().chain([gamuts]).collect(), png)?);
     }
+    let metrics = compared_metrics(&all.metrics, title).map(|svg| ("compared-metrics".to_owned(), svg));
+    names.extend(output::write_figures(folder, metrics.into_iter().collect(), png)?);
     Ok(names)
 }
 

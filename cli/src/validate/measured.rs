@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 
 use papilio_design::DesignError;
 use papilio_display::{Control, DisplayError};
-use papilio_formats::{write_file, write_json};
+use papilio_formats::{DataFile, write_file, write_json};
 use papilio_reproduction::ReproductionError;
-use papilio_reproduction::samples::{Prediction, SampleList, SampleReport, in_words, predict, report};
+use papilio_reproduction::samples::{
+    Prediction, SampleList, SampleReport, figures, in_words, predict, report,
+};
 
 use crate::arguments::Validate;
 use crate::progress::FractionBar;
@@ -27,9 +29,8 @@ pub(super) fn run(arguments: &Validate, name: Option<&str>) -> Result<(), Failur
     let shipped = folder.as_deref().unwrap_or(temporary.path()).join("scenarios");
     let (list, files) = match name {
         Some(path) if is_list(path) => {
-            let text = std::fs::read_to_string(path).map_err(|error| {
-                Failure::Input(format!("cannot read the list of samples {path}: {error}"))
-            })?;
+            let text = DataFile::open(Path::new(path), path)?.bytes;
+            let text = String::from_utf8_lossy(&text);
             let files = Path::new(path).parent().unwrap_or(Path::new("")).to_owned();
             (SampleList::parse(&text, path).map_err(in_list)?, files)
         }
@@ -48,11 +49,16 @@ pub(super) fn run(arguments: &Validate, name: Option<&str>) -> Result<(), Failur
         stdout.write_all(text(&result.samples).as_bytes())?;
     }
     stdout.flush()?;
-    if let Some(folder) = &folder {
+    if let Some(folder) = folder.filter(|_| !result.samples.is_empty()) {
         let page = report(&result.samples).html();
         write_file(&folder.join("samples.json"), |out| write_json(out, &result))?;
         write_file(&folder.join("report.html"), |out| out.write_all(page.as_bytes()))?;
-        print_message(&format!("wrote {}: report.html, samples.json", folder.display()));
+        // Figures of an earlier list could be mistaken for those of this one.
+        output::remove(&folder, |name| name.starts_with("sample-") && name.ends_with(".svg"))?;
+        let figures = result.samples.iter().flat_map(figures).map(|one| (one.name, one.svg));
+        let names = output::write_figures(&folder, figures.collect(), false)?;
+        let all = [vec!["report.html".to_owned(), "samples.json".to_owned()], names].concat().join(", ");
+        print_message(&format!("wrote {}: {all}", folder.display()));
     }
     match wrong.as_slice() {
         [] => Ok(()),
@@ -138,7 +144,8 @@ fn of_sample(name: &str, error: &ReproductionError) -> String {
 
 /// The table of all samples.
 fn text(samples: &[Prediction]) -> String {
-    let head = ["sample", "verdict", "rms difference", "of", "rms z", "with unknowns", "mean dE2000"];
+    let head =
+        ["sample", "verdict", "rms difference", "of", "rms z", "with unknowns", "mean dE2000", "peaks (nm)"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     let value = |value: Option<f64>, decimals: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
@@ -152,6 +159,7 @@ fn text(samples: &[Prediction]) -> String {
             value(sample.z_rms, 2),
             value(sample.z_rms_with_unknowns, 2),
             value(sample.delta_e_2000_mean, 2),
+            value(sample.peak_difference_rms_nm, 1),
         ]
     }));
     let table = crate::report::table(&rows);

@@ -57,7 +57,7 @@ fn pictures_of_high_dynamic_range_get_a_white() {
             .collect();
         let path = folder.path().join("scene.exr");
         let mut bytes = Vec::new();
-        write_scene_exr(&mut bytes, 24, &pixels, None).unwrap();
+        write_scene_exr(&mut bytes, 24, pixels.len(), |at| pixels[at], None).unwrap();
         fs::write(&path, bytes).unwrap();
         let output = image(&scenario("six-ink"), &[path.to_str().unwrap(), "--json"]);
         assert!(stderr(&output).contains("has no white"), "{}", stderr(&output));

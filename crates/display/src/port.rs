@@ -8,16 +8,19 @@
 //! shifted by r: the overlap of two discs over the area of the spot. All paths are reciprocal: P is that of light that enters at
 //! the direction of the meter, followed to where it leaves ([`PlacedWalk::exits`]).
 //!
+//! A sample of a given diameter is a disc in the middle of the port, whose edge absorbs. Paths enter at random places of the spot,
+//! and count if they leave inside the port and were never beside the sample.
+//!
 //! # Validity
-//! The sample is larger than the port by what light travels inside it; what lies beside the port returns no light to it (the port
-//! lies on the sample). The wall of the sphere around the port is lit as without a sample. The random numbers are the same for
+//! Without a diameter, the sample is larger than the port by what light travels inside it. What lies beside the port or the sample
+//! returns no light (the port lies on the sample, which lies on nothing or in a black holder). The wall of the sphere around the port is lit as without a sample. The random numbers are the same for
 //! all displays: their noise cancels in differences.
 
 use std::f64::consts::PI;
 
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::StateSpectra;
-use papilio_transport::walk::places::{PlacedWalk, Uniform, What};
+use papilio_transport::walk::places::{Exit, PlacedWalk, RoundSample, Uniform, What};
 use papilio_transport::{ReflectanceFactor, Source};
 
 use crate::scene::{Port, Scene};
@@ -57,7 +60,7 @@ impl Kept {
         let pattern = Uniform { states };
         let walk =
             PlacedWalk::new(stack, view.field, &[], What::Pattern(&pattern)).map_err(DisplayError::Places)?;
-        let walk = walk.with_spread(scene.display.pixel_spread());
+        let walk = walk.with_spread(scene.display.pixel_spread()).in_sample(port.sample());
         let nothing = |values: usize| [vec![0.0; values], vec![0.0; values]];
         let empty = Sums { front: nothing(bins), via_pixel: nothing(states * bins) };
         let mut all = vec![empty; setup.sources.len()];
@@ -68,8 +71,7 @@ impl Kept {
                 if exit.below {
                     return;
                 }
-                let [x, y] = exit.place_mm;
-                let seen = port.overlap(x.hypot(y));
+                let seen = port.sees(&exit);
                 for (sums, source) in all.iter_mut().zip(&setup.sources) {
                     let strength = match source {
                         Source::Diffuse => 1.0,
@@ -111,8 +113,10 @@ impl Kept {
             let lost = self.total.state(k).get(bin).map_or(0.0, |kept| 100.0 * (1.0 - kept));
             format!("{name} {lost:.1} %")
         });
+        let edge =
+            port.sample_mm.map_or(String::new(), |mm| format!(" and at the edge of the sample of {mm} mm"));
         format!(
-            "beside the port of {} mm (spot of {} mm) the meter loses, at {nm} nm: {}",
+            "beside the port of {} mm{edge} (spot of {} mm) the meter loses, at {nm} nm: {}",
             port.port_mm,
             port.spot_mm,
             lost.collect::<Vec<_>>().join(", ")
@@ -129,6 +133,21 @@ impl Kept {
 }
 
 impl Port {
+    fn sample(self) -> Option<RoundSample> {
+        let sample = |mm: f64| RoundSample { radius_mm: 0.5 * mm, spot_mm: 0.5 * self.spot_mm };
+        self.sample_mm.map(sample)
+    }
+
+    /// Fraction of light that leaves here which the meter sees.
+    fn sees(self, exit: &Exit<'_>) -> f64 {
+        if self.sample_mm.is_none() {
+            let [x, y] = exit.place_mm;
+            return self.overlap(x.hypot(y));
+        }
+        let [x, y] = exit.from_middle_mm;
+        f64::from(u8::from(!exit.left_sample && x.hypot(y) <= 0.5 * self.port_mm))
+    }
+
     /// Fraction of the spot that is inside the port if it is shifted by this distance, mm.
     pub fn overlap(&self, shift_mm: f64) -> f64 {
         let [port, spot] = [0.5 * self.port_mm, 0.5 * self.spot_mm];
@@ -157,7 +176,7 @@ mod tests {
     #[test]
     fn overlap_is_that_of_two_discs() {
         for (port_mm, spot_mm) in [(10.0, 10.0), (10.0, 6.0), (8.0, 0.5)] {
-            let port = Port { port_mm, spot_mm };
+            let port = Port { port_mm, spot_mm, sample_mm: None };
             for shift in [0.0, 0.5, 1.9, 2.1, 4.0, 7.9, 8.3, 12.0] {
                 let (mut inside, mut all) = (0.0_f64, 0.0_f64);
                 for i in 0..800 {

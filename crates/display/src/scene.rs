@@ -384,8 +384,10 @@ pub struct Lighting {
 pub struct Port {
     /// Diameter of the port, mm.
     pub port_mm: f64,
-    /// Diameter of the spot, mm; at most that of the port.
+    /// Diameter of the spot, mm; at most that of the port and of the sample.
     pub spot_mm: f64,
+    /// Diameter of a round sample, mm; `None`: it is larger than any distance that light moves sideways.
+    pub sample_mm: Option<f64>,
 }
 
 impl Lighting {

@@ -16,7 +16,7 @@ use crate::style::{INK, degrees, joined, state_stroke};
 use crate::svg::{Point, Stroke, Svg, Text};
 
 /// Dash pattern of measured curves.
-const MEASURED: &str = "6 3";
+pub(crate) const MEASURED: &str = "6 3";
 /// Half the width of a band, standard deviations.
 const BAND: f64 = 2.0;
 /// The panel of spectra, px.
@@ -27,15 +27,26 @@ const DIAGRAM: Point = (70.0, 44.0);
 const WIDTH: f64 = 560.0;
 
 /// Returns the states of a viewing direction, in order.
-fn states_of<'a>(all: &'a Comparison, view: &ViewComparison) -> Vec<&'a StateComparison> {
+pub(crate) fn states_of<'a>(all: &'a Comparison, view: &ViewComparison) -> Vec<&'a StateComparison> {
     let (theta, phi) = (view.theta_deg, view.phi_deg);
     all.states.iter().filter(|one| one.theta_deg == theta && one.phi_deg == phi).collect()
 }
 
-fn caption(title: &str, view: &ViewComparison) -> String {
+pub(crate) fn caption(title: &str, view: &ViewComparison) -> String {
     let azimuth =
         if view.phi_deg == 0.0 { String::new() } else { format!(", azimuth {}", degrees(view.phi_deg)) };
     joined(&[title, &format!("viewed at {}{azimuth}", degrees(view.theta_deg))])
+}
+
+/// The edges of the bands of a spectrum.
+pub(crate) fn sides(one: &SpectrumComparison) -> impl Iterator<Item = f64> {
+    let of = |values: &[f64], deviations: &[f64]| -> Vec<f64> {
+        let deviations = deviations.iter().copied().chain(std::iter::repeat(0.0));
+        let both = values.iter().zip(deviations);
+        both.flat_map(|(value, by)| [value - BAND * by, value + BAND * by]).collect()
+    };
+    let simulated = of(&one.simulated, &one.simulated_deviation);
+    simulated.into_iter().chain(of(&one.measured, &one.measured_deviation))
 }
 
 /// Draws the simulated and measured reflectance factors of a viewing direction. Returns `None` if no spectrum
@@ -47,18 +58,6 @@ pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) ->
     if spectra.is_empty() {
         return None;
     }
-    let sides = |one: &SpectrumComparison| {
-        let of = |values: &[f64], deviations: &[f64]| -> Vec<f64> {
-            let deviations = deviations.iter().copied().chain(std::iter::repeat(0.0));
-            values
-                .iter()
-                .zip(deviations)
-                .flat_map(|(value, by)| [value - BAND * by, value + BAND * by])
-                .collect()
-        };
-        let simulated = of(&one.simulated, &one.simulated_deviation);
-        simulated.into_iter().chain(of(&one.measured, &one.measured_deviation))
-    };
     let values = spectra.iter().flat_map(|(_, one)| sides(one));
     let y = Axis::covering(values.chain([0.0]), 6, "Reflectance factor");
     let nm = spectra.iter().flat_map(|(_, one)| one.wavelength_nm.iter().copied());
@@ -142,7 +141,7 @@ pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> 
     svg.finish()
 }
 
-fn legend_entries() -> impl Iterator<Item = (&'static str, Stroke)> {
+pub(crate) fn legend_entries() -> impl Iterator<Item = (&'static str, Stroke)> {
     [("simulated", ""), ("measured", MEASURED)]
         .into_iter()
         .map(|(name, dash)| (name, Stroke::solid(INK, 1.8).dashed(dash)))

@@ -15,7 +15,7 @@
 //! | [`cone_differences`] | polar maps of colour differences from a reference direction |
 //! | [`absorption`] | absorptance of each layer of a film pixel |
 //! | [`spectra_over`] | spectra of variants of a display in one panel |
-//! | [`compared_spectra`], [`compared_gamuts`] | a simulated and a measured display |
+//! | [`compared_spectra`], [`compared_panels`], [`compared_gamuts`], [`compared_metrics`] | a simulated and a measured display |
 //! | [`light`] | the lighting: luminance over the hemisphere, directed sources |
 //! | [`transmission`] | transmittance of diffusers against wavelength |
 //! | [`scattering`] | a measured lobe in the plane of incidence and over the hemisphere |
@@ -49,6 +49,8 @@ mod axis;
 mod chart;
 mod chromaticity;
 mod colour_map;
+mod compared_metrics;
+mod compared_panels;
 mod comparison;
 mod cone;
 mod cone_differences;
@@ -90,6 +92,8 @@ pub use accuracy::{ErrorCurve, ErrorPanel, accuracy};
 pub use angle::{AngleMetric, against_angle};
 pub use chart::{Chart, ChartCurve, Hue, chart};
 pub use chromaticity::{chromaticity, gamuts};
+pub use compared_metrics::compared_metrics;
+pub use compared_panels::compared_panels;
 pub use comparison::{compared_gamuts, compared_spectra};
 pub use cone::cone;
 pub use cone_differences::cone_differences;

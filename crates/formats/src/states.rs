@@ -7,6 +7,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::path::Path;
 
 use papilio_colour::Standard;
 use papilio_diagnostics::{Diagnostic, Place};
@@ -339,6 +340,13 @@ impl Points {
         }
         if read.kind == Kind::Unstated {
             read.divide_per_cent();
+        }
+        if let [only] = &mut read.samples[..]
+            && only.name.is_empty()
+            && let Some(stem) = Path::new(&file.name).file_stem().and_then(|stem| stem.to_str())
+        {
+            stem.clone_into(&mut only.name);
+            read.notes.push(format!("the state is called `{stem}`, as its file: the spectrum has no name"));
         }
         let has_spectra = read.samples.iter().all(|sample| !sample.spectrum.is_empty());
         let point = |sample: instrument::Sample| Point {

@@ -24,6 +24,7 @@ fn stack(thick: bool) -> SpectralStack {
         indices: [vec![n_e; BINS], constant(1.5, 0.0), constant(1.5, 0.0)],
         slices: vec![vec![Slice { axes: axes(azimuth_deg, 0.0, 0.0), thickness_nm: 1e3 * um }]],
         repeats: 1,
+        rest: 0,
         coherent: !thick || um < 1.0,
     };
     let twisted = |tilt_deg: f64| {
@@ -37,6 +38,7 @@ fn stack(thick: bool) -> SpectralStack {
         indices: [constant(1.6, 0.0), constant(1.5, 0.0), constant(1.5, 0.0)],
         slices: vec![twisted(2.0), twisted(60.0)],
         repeats: 1,
+        rest: 0,
         coherent: true,
     };
     let parts = [

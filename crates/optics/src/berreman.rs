@@ -44,6 +44,8 @@
 mod dielectric;
 mod director;
 mod generator;
+mod helix;
+mod incoherent;
 mod lanes;
 mod matrix;
 mod modes;
@@ -53,5 +55,5 @@ mod stack;
 
 pub use dielectric::{Dielectric, axes, direction};
 pub use director::{Director, slices};
-pub use spectral::{MOST_SLABS, Part, Slice, SpectralStack};
+pub use spectral::{Part, Slice, SpectralStack, SpectralWaves};
 pub use stack::{AnisotropicLayer, Jones, Mueller, Response, Stack, Wave, jones, mueller};

@@ -14,10 +14,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use papilio_display::DisplayError;
 use papilio_display::scene::{Method, Scene, Stop};
 use papilio_scenario::Scenario;
-use papilio_testing::{everyday, mean_square_bounds, sized};
+use papilio_testing::{Campaign, CaseRow, everyday, mean_square_bounds, sized};
 use papilio_validation::{run_on, scenario};
 
-use crate::random_scenarios::draw::drawn;
+use crate::random_scenarios::draw::wide::wide;
+use crate::random_scenarios::draw::{Drawn, drawn};
+use crate::random_scenarios::summary::families;
 use crate::random_scenarios::{each, range};
 
 /// Seeds of the variance between seeds.
@@ -194,8 +196,8 @@ const EVERYDAY_RANDOM: [u64; 3] = [0, 116, 247];
 
 /// A random scenario; `None` if it is refused (films with too many fringes) or warned of as infinite, of which `infinite`
 /// counts the latter.
-fn random(number: u64, infinite: &AtomicUsize) -> Option<(String, Scene)> {
-    let drawn = drawn(number);
+fn random(drawn: Drawn, infinite: &AtomicUsize) -> Option<(String, Scene)> {
+    let number = drawn.number;
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
     let set = ["solver.method=monte-carlo".to_owned()];
     let resolved =
@@ -217,7 +219,7 @@ fn errors_over_seeds_of_random_scenarios_are_honest() {
     };
     let infinite = AtomicUsize::new(0);
     let all = each(&numbers, |number| {
-        let (name, scene) = random(*number, &infinite)?;
+        let (name, scene) = random(drawn(*number), &infinite)?;
         let measured = measured(&name, scene, sized(64, 1024)).ok()?;
         println!("{}", measured.row());
         if !measured.faults(MOST_OVER_ROOT_OF_RANDOM).is_empty() {
@@ -232,6 +234,68 @@ fn errors_over_seeds_of_random_scenarios_are_honest() {
     let compared = all.len() + infinite.into_inner();
     assert!(compared + 1 + numbers.len() / 20 >= numbers.len(), "{compared} of {}", numbers.len());
     assert_honest(&all, MOST_OVER_ROOT_OF_RANDOM);
+}
+
+/// Displays of the campaign over the whole grammar.
+const WIDE: u64 = 400;
+
+/// Variance of the logarithm of a ratio of two standard errors of 32 replicates, of 16 and 2 seeds.
+const OF_FALLS: f64 = 0.5 * (1.0 / 31.0) * (1.0 / 16.0 + 1.0 / 2.0);
+
+/// Over the whole grammar: the variance between seeds and the slope of the error with paths, by family of displays. In
+/// the campaign only, whose files other machines can compute in parts.
+#[test]
+fn errors_over_seeds_of_the_whole_grammar_are_honest() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("random");
+    let header = "relative_error,ratio_1,ratio_4,fall_4,fall_16,fall_64";
+    let Some(campaign) = sized(None, Some(())).map(|()| Campaign::open(&folder, "seeds", header)) else {
+        return;
+    };
+    let infinite = AtomicUsize::new(0);
+    each(&campaign.missing(0..WIDE), |number| {
+        let begun = std::time::Instant::now();
+        let drawn = wide(*number);
+        let (name, paths) = (drawn.name.clone(), drawn.paths / 32);
+        let found = random(drawn, &infinite).and_then(|(_, scene)| measured(&name, scene, paths).ok());
+        let states = found.map_or_else(Vec::new, |found| found.states);
+        let row = |state: &OfState| {
+            let OfState { name: of, relative_error, ratios, falls } = state;
+            let numbers = [&[*relative_error][..], ratios, falls].concat();
+            CaseRow::new(*number, &name, of, numbers)
+        };
+        let rows: Vec<CaseRow> = states.iter().map(row).collect();
+        campaign.append(*number, &name, &rows, &[begun.elapsed().as_secs_f64()]);
+    });
+    let mut by_family: std::collections::BTreeMap<String, Vec<[f64; 3]>> = Default::default();
+    for rows in campaign.rows().into_values() {
+        // The states of a display share their paths: the first one with noise counts.
+        let known = |row: &&CaseRow| row.numbers.len() == 6 && row.numbers[0] < FAINT;
+        for row in rows.iter().find(known).into_iter() {
+            let slope = row.numbers[5].ln() / 64.0_f64.ln();
+            for family in families(&row.name) {
+                by_family.entry(family).or_default().push([row.numbers[1], row.numbers[2], slope]);
+            }
+        }
+    }
+    let mut table =
+        "family,displays,variance_over_stated,with_4_times_the_paths,slope,slope_by_chance\n".to_owned();
+    let mut faults = Vec::new();
+    for (family, rows) in &by_family {
+        let count = rows.len() as f64;
+        let [few, more, slope] = [0, 1, 2].map(|k| mean(rows.iter().map(|row| row[k])));
+        // At most this by chance, were the true slope -0.5.
+        let most = -0.5 + 4.5 * (OF_FALLS / count).sqrt() / 64.0_f64.ln();
+        let _ = writeln!(table, "{family},{count},{few:.3},{more:.3},{slope:.3},{most:.3}");
+        let bounds = mean_square_bounds(1.0, 2.55 / (SEEDS - 1) as f64, count);
+        if few > *bounds.end() || more > *bounds.end() || slope > most {
+            faults.push(format!(
+                "{family}: {few:.3}, {more:.3} of {bounds:.3?}; slope {slope:.3} of {most:.3}"
+            ));
+        }
+    }
+    println!("{table}");
+    std::fs::write(campaign.folder().join("seeds.csv"), table).unwrap();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 /// Displays in which light that is scattered comes to Ward's lobe in Duer's normalisation near the horizon,

@@ -146,16 +146,16 @@ fn paper_below_several_faces_has_the_mean_transmittance_of_tmm() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("films/polarised_paper.csv");
     let text = std::fs::read_to_string(path).unwrap();
     let paper = "display.pixel={model=\"uniform\",kind=\"lambertian\",reflectance={one=0.8}}";
+    let (paths, noise) = sized(("solver.paths=8192", 6e-3), ("solver.paths=65536", 2e-3));
     for display in DISPLAYS {
         let own = text.lines().filter_map(|line| line.strip_prefix(display)?.strip_prefix(','));
         let expected: Vec<f64> = own.map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect();
         assert_eq!(expected.len(), 4);
         let of =
             |set: &[&str]| reflectance(&result(display, &[&[paper, "lighting.diffuse=1"], set].concat()));
-        for (set, most) in [
-            (&["solver.relative_error=1e-5"][..], 1e-5),
-            (&["solver.method=monte-carlo", "solver.paths=65536"], 2e-3),
-        ] {
+        for (set, most) in
+            [(&["solver.relative_error=1e-5"][..], 1e-5), (&["solver.method=monte-carlo", paths], noise)]
+        {
             for (found, expected) in of(set).iter().zip(&expected) {
                 let off = (found[1] / expected - 1.0).abs();
                 assert!(off < most, "{display}, {set:?}: {} {expected}", found[1]);

@@ -14,6 +14,7 @@ import { DetailPanel } from "./panels/detail.tsx";
 import { ToolCommand } from "./panels/command.tsx";
 import { applyWidths, Divider, widths } from "./panels/divider.tsx";
 import { Downloads } from "./panels/downloads.tsx";
+import { JobsPanel } from "./panels/jobs.tsx";
 import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
 import { FitPanel } from "./panels/fit.tsx";
 import { FilesPanel } from "./panels/files.tsx";
@@ -26,6 +27,7 @@ import { PixelPanel } from "./panels/pixel.tsx";
 import { Problems } from "./panels/problems.tsx";
 import { Readability } from "./panels/readability.tsx";
 import { RoomsPanel } from "./panels/rooms.tsx";
+import { SidePanel } from "./panels/side.tsx";
 import { CommandsPanel, SharePanel } from "./panels/share.tsx";
 import { Stage } from "./panels/stage.tsx";
 import { Source } from "./panels/source.tsx";
@@ -105,12 +107,18 @@ function Enlarged({ children }: { children: ComponentChildren }) {
   );
 }
 
+/** Commands of the tools that start jobs. */
+const DIFFUSER = ["fit", "inspect", "convert", "calibrate", "steps", "measure"].map((name) => `diffuser ${name}`);
+const STUDY = ["study sampling"];
+const BRDF = ["brdf"];
+
 /** What each tool shows. */
 const BODIES: Readonly<Record<string, () => ComponentChild>> = {
   examples: () => <Gallery />,
   new: () => <NewDisplay />,
   files: () => <FilesPanel />,
   stage: () => <Stage />,
+  side: () => <SidePanel />,
   states: () => <OfResult><StatesTable /></OfResult>,
   spectra: () => <Enlarged><Spectra /></Enlarged>,
   chromaticity: () => <Enlarged><Chromaticity /></Enlarged>,
@@ -130,6 +138,10 @@ const BODIES: Readonly<Record<string, () => ComponentChild>> = {
   optimize: () => <OptimizePanel />,
   tolerance: () => <TolerancePanel />,
   fit: () => <FitPanel />,
+  diffuser: () => <JobsPanel key="diffuser" names={DIFFUSER} />,
+  study: () => <JobsPanel key="study" names={STUDY} />,
+  brdf: () => <JobsPanel key="brdf" names={BRDF} />,
+  jobs: () => <JobsPanel key="jobs" />,
   export: () => <SharePanel />,
   commands: () => <CommandsPanel />,
 };

@@ -7,6 +7,7 @@ import { App } from "./app.tsx";
 import { Schema, type Node } from "./model/schema.ts";
 import { acceptDrops } from "./panels/drop.tsx";
 import { schema, startProblems } from "./state/design.ts";
+import { beginJobs } from "./state/jobs.ts";
 import { redo, undo } from "./state/open.ts";
 import { followGestures } from "./state/gesture.ts";
 import { fillShelf } from "./state/shelf.ts";
@@ -51,6 +52,7 @@ async function start(): Promise<void> {
   const [grammar] = await Promise.all([api.schema(), fillShelf()]);
   schema.value = new Schema(grammar as Node);
   await begin();
+  beginJobs();
 }
 
 start().catch((why: unknown) => {

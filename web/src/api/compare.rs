@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use axum::http::StatusCode;
 use papilio_display::compare::{Comparison, compare_measurement};
-use papilio_figures::{compared_gamuts, compared_spectra};
+use papilio_figures::{compared_gamuts, compared_metrics, compared_spectra};
 use papilio_formats::{
     DataFile, read_measurement, read_result_with, write_compared_spectra, write_comparison, write_json,
 };
@@ -102,5 +102,7 @@ fn figures(all: &Comparison, title: &str) -> Vec<Figure> {
         let svg = compared_gamuts(all, view, title);
         figures.push(Figure { name: format!("compared-gamuts{suffix}"), svg });
     }
+    let metrics = compared_metrics(&all.metrics, title);
+    figures.extend(metrics.map(|svg| Figure { name: "compared-metrics".to_owned(), svg }));
     figures
 }

@@ -3,6 +3,7 @@
 
 mod catalogue;
 mod compare;
+mod data;
 mod detail;
 mod drawn;
 mod endpoint;
@@ -12,6 +13,7 @@ mod files;
 mod fit;
 mod gonio;
 mod image;
+mod jobs;
 mod live;
 mod optimize;
 mod packed;
@@ -102,6 +104,14 @@ fn endpoints() -> Endpoints {
             export::export,
         )
         .upload("/files", "Stores a file, whose bytes are the body, and describes its contents", files::file)
+        .get("/jobs/commands", "The commands that run as jobs, with their options", jobs::commands)
+        .post("/jobs", "All jobs: where they are, what they have printed and written", jobs::list)
+        .post("/jobs/start", "Starts a job, which goes on when the page is closed", jobs::start)
+        .post("/jobs/cancel", "Ends a job; its results so far stay", jobs::cancel)
+        .post("/jobs/remove", "Removes a job that has ended, with its results", jobs::remove)
+        .export("/jobs/file", "A file that a job has written", jobs::file)
+        .get("/data", "The data files of the program, by the names that scenarios use", data::list)
+        .export("/data/file", "The bytes of a file: an uploaded one or one of the program", data::file)
         .events::<_, walk::WalkEvent, _>(
             "/walk",
             "A run of the Monte Carlo solver, with its progress",

@@ -80,7 +80,7 @@ fn foreign_host_origin_or_method_is_refused() {
 #[test]
 fn server_reachable_from_other_machines_requires_token() {
     let everywhere: IpAddr = "0.0.0.0".parse().unwrap();
-    let server = Server::with(Options { listen: everywhere, port: 0, start: None });
+    let server = Server::with(Options { listen: everywhere, port: 0, ..Options::default() });
     assert_eq!(server.get("/api/v1/health").status, 401);
     assert_eq!(server.post("/live", &json!({ "scenario": "" })).status, 401);
     // The page itself loads without the token, which it reads from its address.

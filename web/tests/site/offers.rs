@@ -223,3 +223,24 @@ fn fit_that_cannot_start_says_why() {
         "{message}"
     );
 }
+
+/// The data files of the program, which the page packs with designs, are those of their names; uploaded files are found by their ids.
+#[test]
+fn data_files_are_listed_and_given() {
+    let server = Server::start();
+    let entries = server.get("/api/v1/data").json();
+    let names: Vec<&str> =
+        entries.as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect();
+    for name in ["data/H65.bsdf", "H65.bsdf", "../surfaces/etched.toml"] {
+        assert!(names.contains(&name), "{name}");
+    }
+    let file = |file: &str| server.post("/data/file", &json!({ "file": file }));
+    let own = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/data/H65.bsdf")).unwrap();
+    assert_eq!(file("data/H65.bsdf").body, own);
+    let mine = b"wavelength_nm,value\n400,0.1\n500,0.2\n600,0.2\n700,0.2\n";
+    let kept = server.send("/api/v1/files?name=mine.csv", "application/octet-stream", mine).json();
+    assert_eq!(file(kept["id"].as_str().unwrap()).body, mine);
+    for unknown in ["../Cargo.toml", "/etc/passwd", "data/none.csv", ""] {
+        assert_eq!(file(unknown).status, 404, "{unknown}");
+    }
+}

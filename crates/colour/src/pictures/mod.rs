@@ -17,11 +17,13 @@ mod filter;
 mod flip;
 mod histogram;
 mod lab;
+mod mapped;
 mod planes;
 mod scielab;
 mod stripes;
 
 pub use flip::{FLIP_PIXELS_PER_DEGREE, FlipPicture};
+pub use mapped::{AffineMap, MappedPicture};
 pub use planes::NO_CONTRAST;
 pub use scielab::{scielab, scielab_transfer};
 pub use stripes::{Comparison, LEAST_PER_DEGREE, Reader, Spread, compared};

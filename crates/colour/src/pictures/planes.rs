@@ -4,6 +4,8 @@
 
 use std::ops::Range;
 
+use super::mapped::SingleMap;
+
 /// A matrix times a colour.
 #[inline(always)]
 pub(super) fn times(matrix: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
@@ -11,13 +13,14 @@ pub(super) fn times(matrix: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
     [row(0), row(1), row(2)]
 }
 
-/// The planes of pixels after a matrix.
+/// The planes of pixels after a map.
 #[inline(always)]
-pub(super) fn planes(pixels: &[[f32; 3]], matrix: &[[f32; 3]; 3]) -> [Vec<f32>; 3] {
+pub(super) fn planes(pixels: &[[f32; 3]], map: &SingleMap) -> [Vec<f32>; 3] {
     let mut planes = [0; 3].map(|_| vec![0.0; pixels.len()]);
     let [one, two, three] = &mut planes;
     for (((pixel, one), two), three) in pixels.iter().zip(one).zip(two).zip(three) {
-        [*one, *two, *three] = times(matrix, *pixel);
+        let [a, b, c] = times(&map.matrix, *pixel);
+        (*one, *two, *three) = (a + map.offset[0], b + map.offset[1], c + map.offset[2]);
     }
     planes
 }

@@ -19,6 +19,7 @@ use pulp::NullaryFnOnce;
 use super::difference::{Hues, delta_e_2000};
 use super::flip::FlipPicture;
 use super::histogram::Histogram;
+use super::mapped::{MappedPicture, SingleMap};
 use super::planes::{along_rows, chromas, local_contrast, planes, times, to_lab};
 use super::scielab::{FILTERS, OPPONENT, gaussian};
 use crate::matrix::{Matrix, inverse};
@@ -80,7 +81,7 @@ pub struct Reader {
 /// are positive.
 pub fn compared<const N: usize>(
     seen: &[[f32; 3]],
-    others: [&[[f32; 3]]; N],
+    others: [MappedPicture<'_>; N],
     columns: usize,
     reader: Reader,
     threads: usize,
@@ -94,14 +95,14 @@ pub fn compared<const N: usize>(
         return Err(ColourError::PictureShape { columns, values: [seen.len(); 3] });
     }
     let size = |pixels: &[[f32; 3]]| [columns, pixels.len() / columns];
-    if let Some(other) = others.iter().find(|other| other.len() != seen.len()) {
-        return Err(ColourError::PictureSizes { one: size(seen), other: size(other) });
+    if let Some(other) = others.iter().find(|other| other.pixels.len() != seen.len()) {
+        return Err(ColourError::PictureSizes { one: size(seen), other: size(other.pixels) });
     }
     let eye = Eye::new(reader, to_screen, size(seen));
-    let all: Vec<&[[f32; 3]]> = [seen].into_iter().chain(others).collect();
-    let coarse = in_turn(threads, all.len(), &|| (), &|(), number| eye.coarse(all[number]));
+    let all: Vec<MappedPicture<'_>> = [seen.into()].into_iter().chain(others).collect();
+    let coarse = in_turn(threads, all.len(), &|| (), &|(), number| eye.coarse(&all[number]));
     let pictures: Vec<Source<'_>> =
-        all.into_iter().zip(&coarse).map(|(pixels, coarse)| Source { pixels, coarse }).collect();
+        all.iter().zip(&coarse).map(|(picture, coarse)| eye.source(picture, coarse)).collect();
     let rows = seen.len() / columns;
     let stripes = rows.div_ceil(ROWS);
     let histograms = std::sync::Mutex::new(vec![[Histogram::default(), Histogram::default()]; N]);
@@ -169,6 +170,12 @@ impl Sums {
 struct Source<'a> {
     pixels: &'a [[f32; 3]],
     coarse: &'a [Vec<f32>; 3],
+    /// From the pixels to opponent colours.
+    opponent: SingleMap,
+    /// To X, Y, Z relative to the white.
+    relative: SingleMap,
+    /// To linear sRGB on a screen.
+    screen: SingleMap,
 }
 
 /// The filters of a reader.
@@ -223,8 +230,19 @@ impl Eye {
         Self { reader, columns, rows, opponent, back, screen, narrow, block, reach, hues }
     }
 
+    fn source<'a>(&self, picture: &MappedPicture<'a>, coarse: &'a [Vec<f32>; 3]) -> Source<'a> {
+        let MappedPicture { pixels, map } = picture;
+        let [x, y, z] = self.reader.white.to_array().map(|one| (1.0 / one) as f32);
+        let relative = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]];
+        let screen = self.screen.map(|[a, b, c]| [a * x, b * y, c * z]);
+        let [opponent, relative, screen] =
+            [&self.opponent, &relative, &screen].map(|matrix| map.then(matrix));
+        Source { pixels, coarse, opponent, relative, screen }
+    }
+
     /// Means of blocks of the opponent colours, after the wide filters.
-    fn coarse(&self, pixels: &[[f32; 3]]) -> [Vec<f32>; 3] {
+    fn coarse(&self, MappedPicture { pixels, map }: &MappedPicture<'_>) -> [Vec<f32>; 3] {
+        let opponent = map.then(&self.opponent);
         let block = self.block;
         let [across, down] = [self.columns, self.rows].map(|count| count.div_ceil(block));
         let mut planes = [0; 3].map(|_| vec![0.0_f64; across * down]);
@@ -245,8 +263,10 @@ impl Eye {
             }
             for (column, sums) in sums.chunks_exact(block).enumerate() {
                 let sum = [0, 1, 2].map(|k| sums.iter().map(|one| f64::from(one[k])).sum::<f64>() * scale);
-                for (plane, matrix) in planes.iter_mut().zip(&self.opponent) {
-                    plane[row * across + column] = (0..3).map(|k| f64::from(matrix[k]) * sum[k]).sum();
+                for ((plane, row_of), offset) in planes.iter_mut().zip(&opponent.matrix).zip(opponent.offset)
+                {
+                    let mean: f64 = (0..3).map(|k| f64::from(row_of[k]) * sum[k]).sum();
+                    plane[row * across + column] = mean + f64::from(offset);
                 }
             }
         }
@@ -345,11 +365,7 @@ impl Eye {
         let columns = self.columns;
         let pixels = |rows: Range<usize>| &picture.pixels[rows.start * columns..rows.end * columns];
         let around = |reach: usize| inner.start.saturating_sub(reach)..(inner.end + reach).min(self.rows);
-        let whites = self.reader.white.to_array().map(|one| (1.0 / one) as f32);
-        let mut plain = planes(
-            pixels(inner.clone()),
-            &[[whites[0], 0.0, 0.0], [0.0, whites[1], 0.0], [0.0, 0.0, whites[2]]],
-        );
+        let mut plain = planes(pixels(inner.clone()), &picture.relative);
         to_lab(&mut plain);
         let windowed = around(self.reader.window);
         let mut blurred = self.blurred(picture, windowed.clone());
@@ -364,8 +380,7 @@ impl Eye {
         let blurred = blurred.map(|plane| plane[skipped..][..inner.len() * columns].to_vec());
         let reach = FlipPicture::reach(self.reader.per_degree);
         let more = around(reach);
-        let screen = [0, 1, 2].map(|i| [0, 1, 2].map(|k| self.screen[i][k] * whites[k]));
-        let rgb = planes(pixels(more.clone()), &screen);
+        let rgb = planes(pixels(more.clone()), &picture.screen);
         let flip = FlipPicture::of_rows(
             rgb,
             columns,
@@ -380,7 +395,8 @@ impl Eye {
     fn blurred(&self, picture: &Source<'_>, rows: Range<usize>) -> [Vec<f32>; 3] {
         let columns = self.columns;
         let source = rows.start.saturating_sub(self.reach)..(rows.end + self.reach).min(self.rows);
-        let opponent = planes(&picture.pixels[source.start * columns..source.end * columns], &self.opponent);
+        let opponent =
+            planes(&picture.pixels[source.start * columns..source.end * columns], &picture.opponent);
         let mut sums = [0; 3].map(|_| Vec::new());
         let mut lines = Vec::new();
         for (k, sum) in sums.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 //! How much two pictures in the same light differ: CIEDE2000 of each pixel, and for a reader at a distance S-CIELAB and FLIP.
 
 use papilio_colour::pictures::{
-    Comparison, FlipPicture, LEAST_PER_DEGREE, NO_CONTRAST, Picture, Reader, compared, scielab,
+    Comparison, FlipPicture, LEAST_PER_DEGREE, MappedPicture, NO_CONTRAST, Picture, Reader, compared, scielab,
 };
 use papilio_colour::{Adaptation, ColourError, D65_WHITE, Xyz};
 use papilio_imaging::window_means;
@@ -126,7 +126,7 @@ impl PictureDifferences {
     /// If the white has no X, Y or Z.
     pub(super) fn against<const N: usize>(
         seen: &[[f32; 3]],
-        others: [&[[f32; 3]]; N],
+        others: [MappedPicture<'_>; N],
         columns: usize,
         white: Xyz,
         pixels_per_degree: Option<f64>,
@@ -146,21 +146,24 @@ impl PictureDifferences {
     /// The same, of whole pictures one by one, in double precision.
     fn one_by_one<const N: usize>(
         seen: &[[f32; 3]],
-        others: [&[[f32; 3]]; N],
+        others: [MappedPicture<'_>; N],
         columns: usize,
         white: Xyz,
         pixels_per_degree: Option<f64>,
         threads: usize,
     ) -> Result<[Self; N], ColourError> {
         let to_screen = Adaptation::between(white, D65_WHITE).ok_or(ColourError::NoWhite)?;
-        let picture = |pixels: &[[f32; 3]], of: &(dyn Fn(Xyz) -> [f64; 3] + Sync)| {
+        let picture = |MappedPicture { pixels, map }: MappedPicture<'_>,
+                       of: &(dyn Fn(Xyz) -> [f64; 3] + Sync)| {
             let mut planes = [0; 3].map(|_| Vec::with_capacity(pixels.len()));
             for pixel in pixels {
-                planes.iter_mut().zip(of(colour(*pixel))).for_each(|(plane, value)| plane.push(value));
+                let values = of(map.apply(colour(*pixel)));
+                planes.iter_mut().zip(values).for_each(|(plane, value)| plane.push(value));
             }
             Picture::new(columns, planes)
         };
-        let xyz = |pixels| picture(pixels, &Xyz::to_array);
+        let xyz = |picture_of: MappedPicture<'_>| picture(picture_of, &Xyz::to_array);
+        let seen = MappedPicture::from(seen);
         let own = xyz(seen)?.into_lab(white)?;
         let mut differences: [Self; N] = all_of(threads, |k| {
             let plain = Difference::of(own.delta_e_2000(&xyz(others[k])?.into_lab(white)?)?);
@@ -190,8 +193,8 @@ impl PictureDifferences {
             differences.local_contrast_ratio = contrast;
         }
         drop(own);
-        let flip = |pixels| {
-            let rgb = picture(pixels, &|pixel| to_screen.apply(pixel).linear_srgb())?;
+        let flip = |picture_of: MappedPicture<'_>| {
+            let rgb = picture(picture_of, &|pixel| to_screen.apply(pixel).linear_srgb())?;
             Ok::<_, ColourError>(FlipPicture::new(&rgb, per_degree))
         };
         let own = flip(seen)?;
@@ -230,7 +233,7 @@ mod tests {
             .map(|(k, pixel)| pixel.map(|one| one * (1.0 - k as f32 / 200.0)))
             .collect();
         let with = |threads| {
-            let others = [&darker[..], &grey, &darker];
+            let others = [&darker[..], &grey, &darker].map(MappedPicture::from);
             PictureDifferences::against(&grey, others, 8, D65_WHITE, Some(40.0), threads).unwrap()
         };
         let [one, none, again] = with(1);
@@ -263,7 +266,7 @@ mod tests {
             .collect();
         let darker: Vec<[f32; 3]> = smooth.iter().map(|pixel| pixel.map(|one| 0.8 * one)).collect();
         for per_degree in [25.0, 44.0, 90.0] {
-            let others = [&smooth[..], &darker];
+            let others = [&smooth[..], &darker].map(MappedPicture::from);
             let plain =
                 PictureDifferences::one_by_one(&seen, others, columns, white, Some(per_degree), 1).unwrap();
             let (coloured, window) = ([COLOURED as f32, WITH_HUE as f32], window_radius(per_degree));
@@ -310,7 +313,7 @@ mod tests {
             vec![of([60.0, chroma * hue.cos(), chroma * hue.sin()]); 48 * 48]
         };
         let against = |seen: &[[f32; 3]], other: &[[f32; 3]]| {
-            PictureDifferences::against(seen, [other], 48, white, Some(20.0), 1).unwrap()[0]
+            PictureDifferences::against(seen, [other.into()], 48, white, Some(20.0), 1).unwrap()[0]
         };
         let turned = against(&uniform(20.0, 70.0), &uniform(40.0, 60.0));
         assert!((turned.hue_error_deg.unwrap() - 10.0).abs() < 1e-3, "{turned:?}");

@@ -61,6 +61,7 @@ pub use natural::{Adjustments, Rendition};
 pub use neutrals::Neutrals;
 pub use papilio_colour::ScreenSpace;
 use papilio_colour::mapping::{Intent, MapSpace};
+use papilio_colour::pictures::{AffineMap, MappedPicture};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz, encoded_byte};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
 use perspective::Eye;
@@ -154,9 +155,11 @@ pub struct ImageResult {
     pub size: [usize; 2],
     /// State of each pixel, by its number in [`ImageNumbers::states`]; empty without a halftone.
     pub states: Vec<u8>,
-    /// X, Y, Z of each pixel that are wanted: the picture with the white and black of the display.
-    pub wanted: Vec<[f32; 3]>,
-    /// The same in the gamut of the display: what a halftone should show.
+    /// From the picture after exposure and white balance to X, Y, Z with the white and black of the display.
+    target: AffineMap,
+    /// The picture after exposure and white balance, if they change it.
+    adjusted: Option<Vec<[f32; 3]>>,
+    /// X, Y, Z of each pixel in the gamut of the display: what a halftone should show.
     pub mapped: Vec<[f32; 3]>,
     /// X, Y, Z of each sample as the reader sees it, rows from the top: [`seen_size`](Self::seen_size). Numbers are those of one sample for
     /// each pixel.
@@ -166,8 +169,8 @@ pub struct ImageResult {
     /// Encoded red, green and blue of `seen` in the colour space of the screen, adapted to D65; what is brighter than its white is as bright as
     /// it can be with the same hue.
     pub on_screen: Vec<[u8; 3]>,
-    /// Linear red, green and blue of `seen` with sRGB's primaries, adapted to D65, a perfect white 1; not clipped.
-    pub linear: Vec<[f32; 3]>,
+    /// From the light of the display to D65.
+    to_d65: Adaptation,
     /// The colour space of the screen.
     pub space: ScreenSpace,
     /// Luminance of a perfect white in the light, cd/m2.
@@ -283,7 +286,7 @@ pub fn image(
     let lit = control.within([0.3, 0.4], |control| Lit::new(scene, settings, &mut prepared, control))?;
     let Brought { rendering, rendered, drawing_fraction, states, cut } =
         control.within([0.4, 0.6], |control| Brought::new(&lit, source, settings, control))?;
-    let Rendered { wanted, toned, mapped, inside, table_error, rendition } = rendered;
+    let Rendered { adjusted, toned, mapped, inside, table_error, rendition } = rendered;
     let to_screen =
         Adaptation::between(lit.white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let picture = Picture { size, states: &states, wholes: &[] };
@@ -306,11 +309,19 @@ pub fn image(
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
     let compared = per_degree.filter(|per_degree| *per_degree <= MOST_PER_DEGREE);
     let threads = control.thread_count();
-    let [against_source, against_mapped] =
-        PictureDifferences::against(&seen, [&wanted, &mapped], size[0], lit.white, compared, threads)?;
-    let photograph = rendering.photograph(&source.pixels, threads);
+    let target = rendering.wanted();
+    let wanted = MappedPicture { pixels: adjusted.as_deref().unwrap_or(&source.pixels), map: target };
+    let [against_source, against_mapped] = PictureDifferences::against(
+        &seen,
+        [wanted, mapped[..].into()],
+        size[0],
+        lit.white,
+        compared,
+        threads,
+    )?;
+    let photograph = MappedPicture { pixels: &source.pixels, map: rendering.photograph() };
     let [against_photograph] =
-        PictureDifferences::against(&seen, [&photograph], size[0], rendering.white, compared, threads)?;
+        PictureDifferences::against(&seen, [photograph], size[0], rendering.white, compared, threads)?;
     let losses = if settings.losses
         && let Some(per_degree) = compared
     {
@@ -318,7 +329,7 @@ pub fn image(
             lit.palette.pages().into_iter().map(|page| page.map(|value| value as f32)).collect::<Vec<_>>();
         let halftone: Vec<[f32; 3]> = states.iter().map(|state| pages[usize::from(*state)]).collect();
         let halftone = if states.is_empty() { &mapped } else { &halftone };
-        let step = |after: &[[f32; 3]], before: &[[f32; 3]]| {
+        let step = |after: &[[f32; 3]], before: MappedPicture<'_>| {
             let [one] = PictureDifferences::against(
                 after,
                 [before],
@@ -330,15 +341,15 @@ pub fn image(
             Ok::<_, DisplayError>(one.scielab_mean.unwrap_or_default())
         };
         Some(Losses {
-            tone: step(&toned, &photograph)?,
-            gamut: step(&mapped, &toned)?,
-            halftone: step(halftone, &mapped)?,
-            layers: step(&seen, halftone)?,
+            tone: step(&toned, photograph)?,
+            gamut: step(&mapped, toned[..].into())?,
+            halftone: step(halftone, mapped[..].into())?,
+            layers: step(&seen, halftone[..].into())?,
         })
     } else {
         None
     };
-    drop((photograph, toned));
+    drop(toned);
     let mut warnings = lit.result.warnings.clone();
     if error > LARGE_ERROR {
         let reason = if between_places > 0.5 * error {
@@ -368,8 +379,7 @@ pub fn image(
     let sharpness = sharpness(&lit.setup, control)?;
     let Lit { view, result, palette, .. } = lit;
     let shown = sampled.as_ref().unwrap_or(&seen);
-    let OnScreen { bytes: on_screen, linear, clipped } =
-        OnScreen::of(shown, &shown_as, &to_screen, screen.space, threads);
+    let OnScreen { bytes: on_screen, clipped } = OnScreen::of(shown, &shown_as, screen.space, threads);
     let numbers = ImageNumbers {
         light: LightSummary::of(scene, &result),
         view,
@@ -400,12 +410,13 @@ pub fn image(
     Ok(ImageResult {
         size,
         states,
-        wanted,
+        target,
+        adjusted,
         mapped,
         seen,
         samples_per_pixel,
         on_screen,
-        linear,
+        to_d65: to_screen,
         space,
         white_cd_m2,
         numbers,
@@ -417,21 +428,13 @@ pub fn image(
 struct OnScreen {
     /// Encoded red, green and blue.
     bytes: Vec<[u8; 3]>,
-    /// Linear red, green and blue with sRGB's primaries.
-    linear: Vec<[f32; 3]>,
     /// Number of samples that the screen cannot show.
     clipped: usize,
 }
 
 impl OnScreen {
-    /// `shown_as` adapts X, Y, Z to what is white on the screen, `to_screen` to D65.
-    fn of(
-        seen: &[[f32; 3]],
-        shown_as: &Adaptation,
-        to_screen: &Adaptation,
-        space: ScreenSpace,
-        threads: usize,
-    ) -> Self {
+    /// `shown_as` adapts X, Y, Z to what is white on the screen.
+    fn of(seen: &[[f32; 3]], shown_as: &Adaptation, space: ScreenSpace, threads: usize) -> Self {
         let on_screen = |sample: &[f32; 3]| space.linear(shown_as.apply(colour(*sample)));
         let mut bytes = vec![[0; 3]; seen.len()];
         let clipped = in_chunks(threads, &mut bytes, |first, bytes| {
@@ -444,13 +447,7 @@ impl OnScreen {
             }
             clipped
         });
-        let mut linear = vec![[0.0; 3]; seen.len()];
-        in_chunks(threads, &mut linear, |first, linear| {
-            for (linear, sample) in linear.iter_mut().zip(&seen[first..]) {
-                *linear = to_screen.apply(colour(*sample)).linear_srgb().map(|value| value as f32);
-            }
-        });
-        Self { bytes, linear, clipped: clipped.into_iter().sum() }
+        Self { bytes, clipped: clipped.into_iter().sum() }
     }
 }
 
@@ -464,6 +461,18 @@ impl ImageResult {
     /// Number of columns and rows of [`seen`](Self::seen) and [`on_screen`](Self::on_screen).
     pub fn seen_size(&self) -> [usize; 2] {
         self.size.map(|pixels| pixels * self.samples_per_pixel)
+    }
+
+    /// X, Y, Z of each pixel that are wanted: the picture, whose pixels these are, with the white and black of the display.
+    pub fn wanted(&self, source: &SourceImage) -> Vec<[f32; 3]> {
+        let pixels = self.adjusted.as_deref().unwrap_or(&source.pixels);
+        let wanted = |pixel: &[f32; 3]| self.target.apply(colour(*pixel)).to_array().map(|one| one as f32);
+        pixels.iter().map(wanted).collect()
+    }
+
+    /// Linear red, green and blue of a sample of [`seen`](Self::seen) with sRGB's primaries, adapted to D65, a perfect white 1; not clipped.
+    pub fn linear(&self, sample: usize) -> [f32; 3] {
+        self.to_d65.apply(colour(self.seen[sample])).linear_srgb().map(|value| value as f32)
     }
 }
 

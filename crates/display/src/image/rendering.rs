@@ -4,6 +4,7 @@
 use papilio_colour::mapping::{
     ClosestLattice, DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SourceSpace,
 };
+use papilio_colour::pictures::AffineMap;
 use papilio_colour::states::StateHull;
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 
@@ -48,8 +49,8 @@ pub(super) struct Rendering {
 
 /// A picture before and after gamut mapping.
 pub(super) struct Rendered {
-    /// With the white and black of the display.
-    pub(super) wanted: Vec<[f32; 3]>,
+    /// The picture after exposure and white balance, if they change it.
+    pub(super) adjusted: Option<Vec<[f32; 3]>>,
     /// After exposure, tone and chroma, before gamut mapping; empty unless it is requested.
     pub(super) toned: Vec<[f32; 3]>,
     /// In the gamut of the display.
@@ -144,32 +145,39 @@ impl Rendering {
     ) -> Result<Rendered, DisplayError> {
         let adjusted = adjustments.of_source(pixels, is_drawn, is_natural(self.intent))?;
         let shown = adjusted.pixels.as_deref().unwrap_or(pixels);
-        if is_natural(self.intent) {
-            return self.natural((shown, columns, is_drawn), adjustments, &adjusted, keep_toned, threads);
-        }
-        let mut rendered = self.colour_by_colour(shown);
-        if keep_toned {
-            rendered.toned = rendered.wanted.clone();
-        }
+        let mut rendered = if is_natural(self.intent) {
+            self.natural((shown, columns, is_drawn), adjustments, &adjusted, keep_toned, threads)?
+        } else {
+            self.colour_by_colour(shown, keep_toned)
+        };
+        rendered.adjusted = adjusted.pixels;
         Ok(rendered)
     }
 
-    /// The picture itself: its white is that of the display, its black is 0.
-    pub(super) fn photograph(&self, pixels: &[[f32; 3]], threads: usize) -> Vec<[f32; 3]> {
-        changed(threads, pixels, |pixel| single(self.to_white.apply(colour(pixel))))
+    /// From the picture itself to it with the white of the display; its black is 0.
+    pub(super) fn photograph(&self) -> AffineMap {
+        AffineMap::of(|colour| self.to_white.apply(colour))
+    }
+
+    /// From the picture after exposure and white balance to it with the white and black of the display.
+    pub(super) fn wanted(&self) -> AffineMap {
+        AffineMap::of(|colour| self.mapping.target_xyz(colour))
     }
 
     /// Maps the colour of each pixel by itself.
-    fn colour_by_colour(&self, pixels: &[[f32; 3]]) -> Rendered {
-        let mut rendered = Rendered::with_room_for(pixels.len());
-        rendered.table_error = self.table.as_ref().map(|table| table.error(&self.mapping).p95);
+    fn colour_by_colour(&self, pixels: &[[f32; 3]], keep_toned: bool) -> Rendered {
+        let table_error = self.table.as_ref().map(|table| table.error(&self.mapping).p95);
+        let mut mapped = Vec::with_capacity(pixels.len());
+        let (mut toned, mut inside) = (Vec::new(), 0);
         for pixel in pixels {
-            let (wanted, mapped, is_inside) = self.mapped(*pixel);
-            rendered.wanted.push(wanted);
-            rendered.mapped.push(mapped);
-            rendered.inside += usize::from(is_inside);
+            let (wanted, shown, is_inside) = self.mapped(*pixel);
+            mapped.push(shown);
+            inside += usize::from(is_inside);
+            if keep_toned {
+                toned.push(wanted);
+            }
         }
-        rendered
+        Rendered { adjusted: None, toned, mapped, inside, table_error, rendition: None }
     }
 
     /// Maps a natural picture: the tone of a pixel depends on its surroundings.
@@ -221,9 +229,7 @@ impl Rendering {
         let mut errors: Vec<f64> = found.into_iter().flat_map(|(_, errors)| errors).collect();
         errors.sort_by(f64::total_cmp);
         let table_error = errors.get(errors.len() * 95 / 100).copied();
-        let wanted = changed(threads, pixels, |pixel| single(self.mapping.target_xyz(colour(pixel))));
-        let rendition = Some(rendition);
-        Ok(Rendered { wanted, toned, mapped, inside, table_error, rendition })
+        Ok(Rendered { adjusted: None, toned, mapped, inside, table_error, rendition: Some(rendition) })
     }
 
     /// The colour that the display should show, the one that it can show instead, and whether a mixture of
@@ -239,14 +245,6 @@ impl Rendering {
         };
         let counts = is_inside || self.mapping.hull().contains_within(wanted, COUNTED_INSIDE);
         (single(wanted), single(mapped), counts)
-    }
-}
-
-impl Rendered {
-    fn with_room_for(pixels: usize) -> Self {
-        let all = || Vec::with_capacity(pixels);
-        let (table_error, rendition) = (None, None);
-        Self { wanted: all(), toned: Vec::new(), mapped: all(), inside: 0, table_error, rendition }
     }
 }
 

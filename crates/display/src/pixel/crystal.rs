@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use papilio_optics::OpticsError;
-use papilio_optics::berreman::SpectralStack;
+use papilio_optics::berreman::{SpectralStack, SpectralWaves};
 use papilio_spectra::{Grid, Spectrum};
 use papilio_transport::{AngularTable, Base, Nodes, Reflector};
 use rayon::prelude::*;
@@ -53,21 +53,33 @@ impl Crystal {
         Ok(Self { stack, index: index.to_vec(), states: pixel.states.len() })
     }
 
-    /// Computes the reflectance, `[azimuth][state][wavelength]`, of light that leaves towards these azimuths; `beta` at each
-    /// wavelength is `sine` times the index, or the sine itself in air. Grazing light is reflected as that at 89.99 deg.
+    /// Returns the waves of light at this inclination; `beta` at each wavelength is `sine` times the index, or the sine itself in air. Grazing light
+    /// is reflected as that at 89.99 deg.
+    fn waves(&self, sine: f64, in_air: bool) -> Result<SpectralWaves<'_>, OpticsError> {
+        const GRAZING: f64 = 1.0 - 1e-8;
+        let beta = |n: &f64| if in_air { sine.min(GRAZING * n) } else { sine.min(GRAZING) * n };
+        self.stack.at(&self.index.iter().map(beta).collect::<Vec<f64>>())
+    }
+
+    /// Computes the reflectance, `[azimuth][state][wavelength]`, of light that leaves towards these azimuths.
     pub(super) fn reflectance(
         &self,
         sine: f64,
         in_air: bool,
         phi_deg: &[f64],
     ) -> Result<Vec<f64>, OpticsError> {
-        const GRAZING: f64 = 1.0 - 1e-8;
-        let beta = |n: &f64| if in_air { sine.min(GRAZING * n) } else { sine.min(GRAZING) * n };
-        let beta: Vec<f64> = self.index.iter().map(beta).collect();
+        self.reflectance_of(&mut self.waves(sine, in_air)?, phi_deg)
+    }
+
+    fn reflectance_of(
+        &self,
+        waves: &mut SpectralWaves<'_>,
+        phi_deg: &[f64],
+    ) -> Result<Vec<f64>, OpticsError> {
         // A stack whose parts are the same in all states is computed once.
         let (own, bins) = (self.stack.states(), self.index.len());
         let mut out = vec![0.0; phi_deg.len() * own * bins];
-        self.stack.reflectance(&beta, phi_deg, &mut out)?;
+        waves.reflectance(phi_deg, &mut out)?;
         Ok(if own == self.states {
             out
         } else {
@@ -84,7 +96,8 @@ impl Crystal {
         let step_deg = |azimuths: usize| 180.0 / azimuths as f64;
         let mut azimuths = FEWEST_AZIMUTHS.min(most);
         let first: Vec<f64> = (0..azimuths).map(|k| step_deg(azimuths) * k as f64).collect();
-        let mut rows = self.reflectance(sine, in_air, &first)?;
+        let mut waves = self.waves(sine, in_air)?;
+        let mut rows = self.reflectance_of(&mut waves, &first)?;
         loop {
             let own = count.min(azimuths - 1);
             let found = self.harmonics_of(&rows, azimuths, own);
@@ -92,7 +105,7 @@ impl Crystal {
                 return Ok(self.padded(found, own, count));
             }
             let between: Vec<f64> = (0..azimuths).map(|k| step_deg(azimuths) * (k as f64 + 0.5)).collect();
-            let more = self.reflectance(sine, in_air, &between)?;
+            let more = self.reflectance_of(&mut waves, &between)?;
             let of_azimuth = rows.len() / azimuths;
             let pairs = rows.chunks_exact(of_azimuth).zip(more.chunks_exact(of_azimuth));
             rows = pairs.flat_map(|(even, odd)| [even, odd].concat()).collect();

@@ -13,7 +13,7 @@
 //! [`Setup`](crate::setup::Setup) (`version`, `base_version`) tell whether they are still valid.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use papilio_transport::adding::{FINEST, FIRST_LEVELS, Kernel};
@@ -249,6 +249,8 @@ struct Runner<'a> {
     finest: usize,
     per_wavelength: bool,
     views_done: AtomicUsize,
+    /// The error that was reported last, as bits.
+    last_error: AtomicU64,
 }
 
 /// Samples of a group of views.
@@ -272,7 +274,8 @@ impl<'a> Runner<'a> {
             // Its last level is level 0.
             Accuracy::First => (0, first, target.max(FIRST_ERROR)),
         };
-        Ok(Self { run, common, target, begin, finest, per_wavelength, views_done: AtomicUsize::new(0) })
+        let (views_done, last_error) = (AtomicUsize::new(0), AtomicU64::new(f64::INFINITY.to_bits()));
+        Ok(Self { run, common, target, begin, finest, per_wavelength, views_done, last_error })
     }
 
     /// Computes finer levels until the target is met; `None` if stopped before two levels were computed.
@@ -305,6 +308,7 @@ impl<'a> Runner<'a> {
         for missing in levels.len()..=level {
             levels.push(Level::new(missing));
         }
+        self.report_level(level);
         let setup = self.run.setup;
         let estimates = levels[level].estimates((setup, self.common), views, pool, self.run.control)?;
         Some(estimates.iter().map(|estimate| self.run.meter.sample(estimate)).collect())
@@ -319,8 +323,18 @@ impl<'a> Runner<'a> {
         (0..finer.len()).map(error).fold(0.0, largest)
     }
 
+    /// Reports the level that is computed now, which may take most of the time.
+    fn report_level(&self, index: usize) {
+        let done = self.views_done.load(Ordering::Relaxed);
+        let level = Some(index.saturating_sub(FIRST_LEVELS as usize) as u32);
+        let error = f64::from_bits(self.last_error.load(Ordering::Relaxed));
+        let now = Progress { level, ..Progress::of_views(done, self.run.setup.views.len()) };
+        (self.run.control.progress)(now.with_error(error, self.target));
+    }
+
     /// Reports progress to the caller.
     fn report(&self, relative_error: f64, views_done: usize) {
+        self.last_error.store(relative_error.to_bits(), Ordering::Relaxed);
         let done = self.views_done.fetch_add(views_done, Ordering::Relaxed) + views_done;
         let progress = Progress::of_views(done, self.run.setup.views.len());
         (self.run.control.progress)(progress.with_error(relative_error, self.target));

@@ -16,6 +16,8 @@ pub struct Progress<'a> {
     pub paths: Option<u64>,
     /// Fraction of the current view's work that is done, if it is known.
     pub share_of_view: Option<f64>,
+    /// The level of discretisation that is being computed (adding).
+    pub level: Option<u32>,
     /// Largest relative error of Y in the current view, if it is estimated.
     pub relative_error: Option<f64>,
     /// Target of the relative error, if there is one.
@@ -37,6 +39,7 @@ impl Progress<'_> {
         Self {
             paths: None,
             share_of_view: None,
+            level: None,
             relative_error: None,
             target: None,
             views_done: (done, all),

@@ -8,6 +8,8 @@
 //! view. Films, mirrors and tables are mirror-like pixels, all others Lambertian. Skies, maps and front lights count as
 //! diffuse light. Indices are those at 555 nm.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use papilio_colour::Observer;
 use papilio_colour::reader::contrast_sensitivity;
 use papilio_optics::Beta;
@@ -191,10 +193,13 @@ pub fn sparkle(
         for media in &media {
             for heights in &face.faces {
                 let (views_done, done) = (result.rows.len() / rows, result.rows.len() % rows);
-                (control.progress)(Progress {
-                    share_of_view: Some(done as f64 / rows as f64),
-                    ..Progress::of_views(views_done, setup.views.len())
-                });
+                let report = |of_row: f64| {
+                    (control.progress)(Progress {
+                        share_of_view: Some((done as f64 + of_row) / rows as f64),
+                        ..Progress::of_views(views_done, setup.views.len())
+                    });
+                };
+                report(0.0);
                 let panel = Panel {
                     face: heights.clone(),
                     media: media.clone(),
@@ -210,7 +215,7 @@ pub fn sparkle(
                     seed: scene.solver.seed,
                     ..Effort::default()
                 };
-                let (mut row, map) = pool.install(|| row(&panel, view, effort, control))?;
+                let (mut row, map) = pool.install(|| row((&panel, view), effort, control, &report))?;
                 row.contrast_times_sensitivity =
                     above_threshold(row.ppd, &panel, scene.viewer.distance_mm, luminance);
                 result.rows.push(row);
@@ -231,16 +236,24 @@ pub fn sparkle(
     Ok(result)
 }
 
-/// Computes one row, without its threshold, and the pixels below its faces.
+/// Computes one row, without its threshold, and the pixels below its faces; reports the fraction of its faces that are
+/// done.
 fn row(
-    panel: &Panel,
-    view: &ViewPoint,
+    (panel, view): (&Panel, &ViewPoint),
     effort: Effort,
     control: &Control<'_>,
+    report: &(dyn Fn(f64) + Sync),
 ) -> Result<(SparkleRow, SparkleMap), DisplayError> {
     let plan = Plan::new(panel.clone(), effort)?;
-    let one = |replicate: u64| control.check().map(|()| plan.light_of_pixels(replicate));
-    let faces: Vec<_> = (0..effort.replicates as u64).into_par_iter().map(one).collect::<Result<_, _>>()?;
+    let done = AtomicUsize::new(0);
+    let one = |replicate: u64| {
+        control.check()?;
+        let light = plan.light_of_pixels(replicate);
+        report((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / effort.replicates as f64);
+        Ok(light)
+    };
+    let faces: Vec<_> =
+        (0..effort.replicates as u64).into_par_iter().map(one).collect::<Result<_, DisplayError>>()?;
     let found = plan.sparkle(&faces.iter().map(|light| Plan::moments(light)).collect::<Vec<_>>());
     let deflection = Deflection::new(&panel.media, panel.view);
     // The image of the pupil on the pixels: a disc, whose mean square along an axis is a quarter of its radius squared.

@@ -9,7 +9,7 @@ use papilio_display::Control;
 use papilio_display::spatial::walk::{self, Mean};
 use papilio_display::spatial::{MtfResult, SpatialScalars, crosstalk, mtf};
 use papilio_scenario::{Resolved, Scenario};
-use papilio_testing::seeds;
+use papilio_testing::{everyday, seeds};
 use papilio_transport::walk::places::{Shape, TwoStates};
 
 use crate::common;
@@ -117,7 +117,7 @@ fn sharpness_below_fronts_and_lobes_is_within_its_stated_errors() {
     let film = "[display.pixel]\nmodel = \"film\"\nsubstrate = \"Al\"\narea = { red = 0.4, green = 0.35, blue = 0.25 }\n\
         gap_nm = { red = 275, green = 192, blue = 138, dark = 20 }\nfilm = [ { material = 2.0, thickness_nm = 56 }, \
         { material = \"SiO2\", thickness_nm = 38 }, { material = \"air\", thickness_nm = \"gap\" } ]\n";
-    for pixel in [MIRROR, film] {
+    for pixel in everyday(1, [MIRROR, film]) {
         let parts = [front, LOBE, COATED, pixel, lamp, view, MATRIX];
         let of = |solver: &str| computed(&resolved(&[&parts[..], &[solver]].concat()));
         let exact = of("");

@@ -7,8 +7,8 @@ use papilio_display::result::{Named, RunResult, StateValues};
 use papilio_display::{AmbientLight, AmbientSource, ConeGrid, ConeResult, ConeState};
 use papilio_figures::{
     AngleMetric, Diagram, PixelScan, Transmission, absorption, against_angle, chromaticity, compared_gamuts,
-    compared_spectra, cone, cone_differences, gamut_rings, light, overview, patches, pixel_scan, png,
-    spectra, spectra_over, transmission,
+    compared_metrics, compared_panels, compared_spectra, cone, cone_differences, gamut_rings, light,
+    overview, patches, pixel_scan, png, spectra, spectra_over, transmission,
 };
 
 mod cones;
@@ -422,7 +422,9 @@ fn gamut_rings_need_requested_volume() {
 /// Comparisons with and without spectra, and with undefined values.
 #[test]
 fn comparison_shows_simulated_and_measured() {
-    use papilio_display::compare::{Colour, Comparison, SpectrumComparison, StateComparison, ViewComparison};
+    use papilio_display::compare::{
+        Colour, Comparison, MetricComparison, SpectrumComparison, StateComparison, ViewComparison,
+    };
     let colour = |uv: Option<f64>| Colour {
         X: 0.2,
         Y: 0.2,
@@ -481,9 +483,35 @@ fn comparison_shows_simulated_and_measured() {
         &compared_spectra(&all, &view, TITLE).unwrap(),
         &[TITLE, "simulated", "measured", "odd <name>"],
     );
+    assert_texts(
+        &compared_panels(&all, &view, TITLE).unwrap(),
+        &[TITLE, "simulated", "measured", "odd <name>"],
+    );
     assert_texts(&compared_gamuts(&all, &view, TITLE), &[TITLE, "measured", "20.0 % of EBU simulated, "]);
+    let metric = |metric: &str, simulated: f64, measured_deviation| MetricComparison {
+        metric: metric.to_owned(),
+        theta_deg: 0.0,
+        phi_deg: 0.0,
+        simulated,
+        measured: 2.0,
+        simulated_deviation: 0.1,
+        measured_deviation,
+        z: None,
+    };
+    let metrics = [
+        metric("odd <name>.gloss_60", 1.0, Some(0.5)),
+        metric("white.gloss_60", f64::NAN, None),
+        metric("white.Y", 0.5, None),
+        metric("contrast_ratio", 20.0, Some(f64::INFINITY)),
+    ];
+    assert_texts(
+        &compared_metrics(&metrics, TITLE).unwrap(),
+        &[TITLE, "odd <name>", "Gloss at 60", "Contrast ratio", "two standard deviations"],
+    );
+    assert_eq!(compared_metrics(&[], TITLE), None);
     all.states.iter_mut().for_each(|one| one.spectrum = None);
     assert_eq!(compared_spectra(&all, &view, TITLE), None);
+    assert_eq!(compared_panels(&all, &view, TITLE), None);
 }
 
 #[test]

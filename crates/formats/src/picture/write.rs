@@ -102,19 +102,20 @@ fn finish(encoder: Encoder<'_, &mut dyn Write>, data: &[u8]) -> io::Result<()> {
 pub fn write_scene_exr(
     out: &mut dyn Write,
     columns: usize,
-    pixels: &[[f32; 3]],
+    pixels: usize,
+    linear: impl Fn(usize) -> [f32; 3] + Sync,
     white_cd_m2: Option<f32>,
 ) -> io::Result<()> {
-    let [width, height] = size(columns, pixels.len())?.map(|side| side as usize);
+    let [width, height] = size(columns, pixels)?.map(|side| side as usize);
     let attributes = LayerAttributes { white_luminance: white_cd_m2, ..LayerAttributes::default() };
     let pixel = |at: exr::math::Vec2<usize>| {
-        let [red, green, blue] = pixels[at.y() * columns + at.x()];
+        let [red, green, blue] = linear(at.y() * columns + at.x());
         (red, green, blue)
     };
     let layer =
         Layer::new((width, height), attributes, ExrEncoding::FAST_LOSSLESS, SpecificChannels::rgb(pixel));
     // Runs of equal bytes hardly make the numbers of a halftone fewer.
-    let mut bytes = Cursor::new(Vec::with_capacity(13 * pixels.len()));
+    let mut bytes = Cursor::new(Vec::with_capacity(13 * pixels));
     let written = Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
     written.map_err(|error| io::Error::other(error.to_string()))?;
     out.write_all(&bytes.into_inner())

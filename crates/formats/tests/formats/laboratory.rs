@@ -194,6 +194,16 @@ fn interpretations_are_noted() {
     assert!(notes.iter().any(|note| note.contains("read as per cent")), "{notes:?}");
 }
 
+/// A spectrometer writes one spectrum without a name: as that of a state, it has the name of its file.
+#[test]
+fn spectrum_without_a_name_has_that_of_its_file() {
+    let (_, bytes) = laboratory!("oceanview.txt");
+    let read = read_palette(&data("panel 17/white.txt", bytes)).unwrap();
+    let PaletteTable::Spectra(states) = read.value else { panic!("no spectra") };
+    assert_eq!(states.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["white"]);
+    assert!(read.warnings.iter().any(|note| note.contains("called `white`")), "{:?}", read.warnings);
+}
+
 /// Colours of the 10 deg observer are kept as such, in CxF and in CGATS.
 #[test]
 fn observer_of_colours_is_read() {

@@ -480,7 +480,7 @@ fn written_pictures_are_read_with_their_colours() {
 fn written_scene_has_its_light_and_its_white() {
     let pixels: Vec<[f32; 3]> = (0..32).map(|k| [k as f32, -0.25, 1e4]).collect();
     let mut bytes = Vec::new();
-    write_scene_exr(&mut bytes, 8, &pixels, Some(120.5)).unwrap();
+    write_scene_exr(&mut bytes, 8, pixels.len(), |at| pixels[at], Some(120.5)).unwrap();
     let read = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
     let image = read.first_valid_layer().all_attributes().from_buffered(std::io::Cursor::new(bytes)).unwrap();
     assert_eq!(image.layer_data.attributes.white_luminance, Some(120.5));
@@ -490,5 +490,5 @@ fn written_scene_has_its_light_and_its_white() {
     };
     assert_eq!(channel("R"), pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>());
     assert_eq!((channel("G")[31], channel("B")[0]), (-0.25, 1e4));
-    assert!(write_scene_exr(&mut Vec::new(), 5, &pixels, None).is_err());
+    assert!(write_scene_exr(&mut Vec::new(), 5, pixels.len(), |at| pixels[at], None).is_err());
 }

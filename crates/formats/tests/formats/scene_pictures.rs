@@ -9,7 +9,7 @@ fn read(bytes: &[u8]) -> Result<Warned<SourcePicture>, String> {
 
 fn exr(columns: usize, pixels: &[[f32; 3]]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write_scene_exr(&mut bytes, columns, pixels, Some(80.0)).unwrap();
+    write_scene_exr(&mut bytes, columns, pixels.len(), |at| pixels[at], Some(80.0)).unwrap();
     bytes
 }
 

@@ -159,12 +159,6 @@ impl Complex {
         Real::splat(value).into()
     }
 
-    /// Returns the same number in all lanes.
-    #[inline(always)]
-    pub(super) fn of(value: num_complex::Complex64) -> Self {
-        Self { re: Real::splat(value.re), im: Real::splat(value.im) }
-    }
-
     #[inline(always)]
     pub(super) fn zero() -> Self {
         Self::splat(0.0)

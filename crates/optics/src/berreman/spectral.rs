@@ -5,16 +5,19 @@
 //! `(1, 1)` and `(-1, 1)` for p, `(1, 1)` and `(1, -1)` for s. What lies below is a 2x2 reflection matrix between them.
 //!
 //! - Slices of a cell below all thick slabs carry two fields up; before waves can have grown much, they become a reflection matrix again.
-//! - Other layers become scattering matrices, once for all states that have them in common; turns of a helix by doubling.
-//! - A thick layer without fringes is the mean over the phase of its waves: of one layer at 16 points, so that the light of 15 round trips
-//!   between its faces is exact; of several at the points of a lattice, exact for light that one or two faces return. An anisotropic
-//!   layer keeps the phase between its two waves, and has the faces of its mean index.
+//! - Other layers become scattering matrices, once for all states that have them in common, and once for all azimuths where they are isotropic;
+//!   turns of a helix by doubling ([`helix`](super::helix)).
+//! - Light that crosses a thick layer a different number of times does not interfere: from the lowest thick layer up, reflections are actions on coherency
+//!   matrices ([`incoherent`](super::incoherent)). An anisotropic layer keeps the phase between its two waves, and has the faces of its mean index.
 
 use std::f64::consts::{FRAC_PI_4, PI};
+use std::ops::Range;
 
 use num_complex::Complex64;
 
 use super::generator::{Generator, Rising, layer};
+use super::helix::{self, Turns};
+use super::incoherent::{Action, Between, Light, dot};
 use super::lanes::{Blocks, Complex, Element, LANES, Pair, Real};
 use crate::film::{checked_incidence, checked_index, checked_thickness, checked_wavelength};
 use crate::{OpticsError, with_widest_simd};
@@ -37,6 +40,8 @@ pub struct Part {
     pub slices: Vec<Vec<Slice>>,
     /// How often the slices of a list follow each other: the turns of a helix. 1 for a thick layer.
     pub repeats: usize,
+    /// How many of the first slices of a list follow once more: the rest of a turn.
+    pub rest: usize,
     /// False for a thick layer without fringes. It must be one slice, the same in all states, with indices that are close to each other.
     pub coherent: bool,
 }
@@ -47,24 +52,36 @@ pub struct SpectralStack {
     wavelength_nm: Vec<f64>,
     front: Vec<f64>,
     parts: Vec<Part>,
-    /// For each list of slices of a part, the first one that equals it.
-    first_equal: Vec<Vec<usize>>,
+    lists: Vec<Vec<List>>,
+    /// For each part below all thick layers, the combinations of lists of it and of what is below: the number of the latter, and the list.
+    below: Vec<Vec<(usize, usize)>>,
+    /// The thick layers from the bottom up, with the coherent parts above each.
+    slabs: Vec<Slab>,
+    /// The combination of each state.
+    combination: Vec<usize>,
     back: Vec<Complex64>,
     states: usize,
 }
 
-/// Largest number of thick layers.
-pub const MOST_SLABS: usize = 8;
+/// What is known of a list of slices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct List {
+    /// The first list of the part that equals it.
+    first_equal: usize,
+    is_nothing: bool,
+    /// Angle from each slice to the next, radians, if they are a helix.
+    step: Option<f64>,
+}
 
-/// Points of the lattices over the phases of up to 1, 3, 4 and 8 thick layers, and the steps of each layer. The phases of two faces differ by the sum of the
-/// steps between them: the sums from the first layer on are a perfect difference set (J. Singer, 1938), so that no difference of two of them
-/// occurs twice.
-const LATTICES: [(usize, [usize; MOST_SLABS]); 4] = [
-    (16, [1, 0, 0, 0, 0, 0, 0, 0]),
-    (13, [1, 2, 6, 0, 0, 0, 0, 0]),
-    (21, [1, 3, 10, 2, 0, 0, 0, 0]),
-    (73, [1, 2, 4, 8, 16, 5, 18, 9]),
-];
+/// Thick layer, and the coherent parts from the next one above it, or from the top, down to it.
+#[derive(Debug, Clone, PartialEq)]
+struct Slab {
+    part: usize,
+    above: Range<usize>,
+    /// The different choices of a list of each of these parts, and the combinations of one of them with what is below.
+    choices: Vec<Vec<usize>>,
+    combinations: Vec<(usize, usize)>,
+}
 
 /// Reflectance of a face between thick layers that does not matter.
 const NO_FACE: f64 = 1e-6;
@@ -77,7 +94,7 @@ impl SpectralStack {
     ///
     /// # Errors
     /// Arrays of different lengths, impossible indices, thicknesses or wavelengths; a thick layer that is not one
-    /// slice, or more than [`MOST_SLABS`] of them.
+    /// slice; a rest of more slices than a turn has.
     pub fn new(
         wavelength_nm: &[f64],
         front: &[f64],
@@ -105,21 +122,57 @@ impl SpectralStack {
                 let (expected, found) = (states, part.slices.len());
                 return Err(OpticsError::Length { what: "states of a part", expected, found });
             }
-            let is_one_slice = part.slices.len() == 1 && part.slices[0].len() == 1 && part.repeats == 1;
+            let is_one_slice =
+                part.slices.len() == 1 && part.slices[0].len() == 1 && (part.repeats, part.rest) == (1, 0);
             if !part.coherent && !is_one_slice {
                 return Err(OpticsError::Axis { what: "a thick layer", expected: "one slice" });
             }
         }
-        if parts.iter().filter(|part| !part.coherent).count() > MOST_SLABS {
-            return Err(OpticsError::Axis { what: "thick layers", expected: "eight at most" });
+        let lists: Vec<Vec<List>> = parts.iter().map(lists).collect();
+        for (part, lists) in parts.iter().zip(&lists) {
+            let own = part.slices.iter().zip(lists).filter(|(_, list)| !list.is_nothing);
+            if let Some((slices, _)) = own.into_iter().find(|(slices, _)| slices.len() < part.rest) {
+                let (expected, found) = (slices.len(), part.rest);
+                return Err(OpticsError::Length { what: "rest of a turn", expected, found });
+            }
         }
-        let first_equal = |part: &Part| -> Vec<usize> {
-            let all = &part.slices;
-            (0..all.len()).map(|k| (0..k).find(|first| all[*first] == all[k]).unwrap_or(k)).collect()
+        let lowest = parts.iter().rposition(|part| !part.coherent).map_or(0, |slab| slab + 1);
+        let (mut below, mut combination) = (vec![Vec::new(); parts.len()], vec![0; states]);
+        let of_state = |lists: &[List], state: usize| -> usize {
+            let list = lists[if lists.len() == 1 { 0 } else { state }];
+            // Lists of nothing are equal, whatever they are made of.
+            lists.iter().position(|other| list.is_nothing && other.is_nothing).unwrap_or(list.first_equal)
         };
-        let first_equal = parts.iter().map(first_equal).collect();
+        for (number, lists) in lists.iter().enumerate().skip(lowest).rev() {
+            for (state, combination) in combination.iter_mut().enumerate() {
+                let own = (*combination, of_state(lists, state));
+                *combination = number_of(&mut below[number], own);
+            }
+        }
+        let mut slabs: Vec<Slab> = Vec::new();
+        for part in (0..lowest).rev().filter(|part| !parts[*part].coherent) {
+            let above =
+                (0..part).rev().take_while(|above| parts[*above].coherent).last().unwrap_or(part)..part;
+            let (mut choices, mut combinations) = (Vec::new(), Vec::new());
+            for (state, combination) in combination.iter_mut().enumerate() {
+                let choice = lists[above.clone()].iter().map(|lists| of_state(lists, state)).collect();
+                let own = (*combination, number_of(&mut choices, choice));
+                *combination = number_of(&mut combinations, own);
+            }
+            slabs.push(Slab { part, above, choices, combinations });
+        }
         let (wavelength_nm, front, back) = (wavelength_nm.to_vec(), front.to_vec(), back.to_vec());
-        Ok(Self { wavelength_nm, front, parts: parts.to_vec(), first_equal, back, states })
+        Ok(Self {
+            wavelength_nm,
+            front,
+            parts: parts.to_vec(),
+            lists,
+            below,
+            slabs,
+            combination,
+            back,
+            states,
+        })
     }
 
     /// Returns the number of states.
@@ -127,61 +180,94 @@ impl SpectralStack {
         self.states
     }
 
-    /// Computes the reflectance for unpolarised light, `[azimuth][state][wavelength]`, of waves of `beta = n sin(theta)` at each wavelength
-    /// that travel at these azimuths.
+    /// Prepares waves of `beta = n sin(theta)` at each wavelength.
     ///
     /// # Errors
-    /// beta outside 0 <= beta < n of the medium above; arrays of other lengths.
-    pub fn reflectance(
-        &self,
-        beta: &[f64],
-        azimuths_deg: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), OpticsError> {
+    /// beta outside 0 <= beta < n of the medium above; another number of them than of wavelengths.
+    pub fn at(&self, beta: &[f64]) -> Result<SpectralWaves<'_>, OpticsError> {
         let count = self.wavelength_nm.len();
-        let all = azimuths_deg.len() * self.states * count;
-        for (what, expected, found) in [("beta", count, beta.len()), ("reflectances", all, out.len())] {
-            if found != expected {
-                return Err(OpticsError::Length { what, expected, found });
-            }
+        if beta.len() != count {
+            return Err(OpticsError::Length { what: "beta", expected: count, found: beta.len() });
         }
         for (beta, n) in beta.iter().zip(&self.front) {
             if !(0.0..*n).contains(beta) {
                 return Err(OpticsError::Beta { beta: *beta, limit: *n });
             }
         }
-        let phases: Vec<Phases> = (0..=MOST_SLABS).map(Phases::new).collect();
-        for first in (0..count).step_by(LANES) {
+        let group = |first: usize| {
             let group = Group::new(self, first, beta);
-            let materials: Vec<Material> =
-                self.parts.iter().map(|part| Material::new(&group, part)).collect();
-            for (azimuth_deg, out) in azimuths_deg.iter().zip(out.chunks_exact_mut(self.states * count)) {
-                group.reflectance(&materials, &phases, azimuth_deg.to_radians(), out);
-            }
-        }
-        Ok(())
+            let materials = self.parts.iter().map(|part| Material::new(&group, part)).collect();
+            let kept = self.parts.iter().map(|part| part.slices.iter().map(|_| Kept::default()).collect());
+            (group, materials, kept.collect())
+        };
+        let groups = (0..count).step_by(LANES).map(group).collect();
+        Ok(SpectralWaves { stack: self, groups })
+    }
+
+    /// Computes the reflectance for unpolarised light, `[azimuth][state][wavelength]`, of waves of `beta = n sin(theta)` at each wavelength
+    /// that travel at these azimuths.
+    ///
+    /// # Errors
+    /// As of [`at`](Self::at), and `out` of another length.
+    pub fn reflectance(
+        &self,
+        beta: &[f64],
+        azimuths_deg: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), OpticsError> {
+        self.at(beta)?.reflectance(azimuths_deg, out)
     }
 }
 
-/// Phases of the waves in thick layers.
-struct Phases {
-    /// Number of points of the lattice, the steps of each layer, and the phase factors of multiples of a step.
-    points: usize,
-    steps: [usize; MOST_SLABS],
-    turns: Vec<Complex64>,
+/// Returns the number of a value, which is added unless it is known.
+fn number_of<T: PartialEq>(known: &mut Vec<T>, value: T) -> usize {
+    known.iter().position(|known| *known == value).unwrap_or_else(|| {
+        known.push(value);
+        known.len() - 1
+    })
 }
 
-impl Phases {
-    fn new(slabs: usize) -> Self {
-        let (points, steps) = match slabs {
-            0 => (1, LATTICES[0].1),
-            1 => LATTICES[0],
-            2 | 3 => LATTICES[1],
-            4 => LATTICES[2],
-            _ => LATTICES[3],
-        };
-        let turn = |k: usize| Complex64::cis(2.0 * PI * k as f64 / points as f64);
-        Self { points, steps, turns: (0..points).map(turn).collect() }
+/// Returns what is known of the lists of slices of a part.
+fn lists(part: &Part) -> Vec<List> {
+    let all = &part.slices;
+    let list = |k: usize| List {
+        first_equal: (0..k).find(|first| all[*first] == all[k]).unwrap_or(k),
+        is_nothing: all[k].iter().all(|slice| slice.thickness_nm == 0.0),
+        step: if part.repeats > 0 { helix::step(&all[k]) } else { None },
+    };
+    (0..all.len()).map(list).collect()
+}
+
+/// Waves of one inclination in a stack, and what those of all azimuths have in common.
+pub struct SpectralWaves<'a> {
+    stack: &'a SpectralStack,
+    groups: Vec<(Group<'a>, Vec<Material>, Vec<Vec<Kept>>)>,
+}
+
+/// What is kept of a list of slices for waves of other azimuths.
+#[derive(Default)]
+struct Kept {
+    isotropic: Option<Blocks>,
+    helix: Vec<Turns>,
+}
+
+impl SpectralWaves<'_> {
+    /// Computes the reflectance for unpolarised light, `[azimuth][state][wavelength]`, of waves that travel at these azimuths.
+    ///
+    /// # Errors
+    /// If `out` has another length.
+    pub fn reflectance(&mut self, azimuths_deg: &[f64], out: &mut [f64]) -> Result<(), OpticsError> {
+        let row = self.stack.states * self.stack.wavelength_nm.len();
+        let (expected, found) = (azimuths_deg.len() * row, out.len());
+        if found != expected {
+            return Err(OpticsError::Length { what: "reflectances", expected, found });
+        }
+        for (group, materials, kept) in &mut self.groups {
+            for (azimuth_deg, out) in azimuths_deg.iter().zip(out.chunks_exact_mut(row)) {
+                group.reflectance((materials, kept), azimuth_deg.to_radians(), out);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -199,14 +285,10 @@ struct Group<'a> {
     front: [Real; 2],
 }
 
-/// What is above the lowest thick layer.
-#[allow(clippy::large_enum_variant, reason = "there are a few layers")]
-enum Above {
-    /// One scattering matrix for each state, or one for all.
-    Coherent(Vec<Blocks>),
-    /// Thick layers whose faces to each other reflect nothing: reflections p and s of a face from the reference to the uppermost and to the
-    /// lowest, and their transmission down and up without faces.
-    Thick { top: [Complex; 2], bottom: [Complex; 2], down: Pair, up: Pair },
+/// Transmission of thick layers whose faces to each other reflect nothing, without their outer faces.
+struct Crossing {
+    down: Pair,
+    up: Pair,
 }
 
 impl<'a> Group<'a> {
@@ -233,49 +315,123 @@ impl<'a> Group<'a> {
         out
     }
 
-    fn reflectance(&self, materials: &[Material], phases: &[Phases], azimuth: f64, out: &mut [f64]) {
-        let (parts, count) = (&self.stack.parts, self.stack.wavelength_nm.len());
-        let below = parts.iter().rposition(|part| !part.coherent).map_or(0, |slab| slab + 1);
-        let mut reflection = vec![self.of_medium(&self.stack.back); self.stack.states];
+    fn reflectance(&self, (materials, kept): (&[Material], &mut [Vec<Kept>]), azimuth: f64, out: &mut [f64]) {
+        let (slabs, count) = (&self.stack.slabs, self.stack.wavelength_nm.len());
+        let below = slabs.first().map_or(0, |slab| slab.part + 1);
+        let mut amplitudes = vec![self.of_medium(&self.stack.back)];
         for (number, material) in materials.iter().enumerate().skip(below).rev() {
-            self.raise(number, material, azimuth, &mut reflection);
+            amplitudes = self.raised(number, (material, &mut kept[number]), azimuth, &amplitudes);
         }
-        let mut above = Vec::new();
-        for (number, material) in materials.iter().enumerate().take(below).rev() {
-            self.above(number, material, azimuth, &mut above);
-        }
-        let slabs = above.iter().filter(|part| matches!(part, Above::Thick { .. })).count();
-        let Phases { points, steps, turns } = &phases[slabs];
+        let [half, one, none] = [0.5, 1.0, 0.0].map(Real::splat);
+        let (light, meter) = ([half, half, none, none], [one, one, none, none]);
+        let seen = match slabs.is_empty() {
+            true => with_widest_simd(
+                #[inline(always)]
+                || {
+                    amplitudes
+                        .iter()
+                        .map(|r| dot(meter, Action::of(in_front(self.front, *r)).on(light)))
+                        .collect()
+                },
+            ),
+            false => self.through_slabs((materials, kept), azimuth, &amplitudes, [light, meter]),
+        };
         let last = (count - self.first).min(LANES);
-        for (state, reflection) in reflection.iter().enumerate() {
-            let mut sum = Real::splat(0.0);
+        for (state, combination) in self.stack.combination.iter().enumerate() {
+            out[state * count + self.first..][..last].copy_from_slice(&seen[*combination].0[..last]);
+        }
+    }
+
+    /// Returns what a meter sees of this light with thick layers above these reflections, for each combination.
+    fn through_slabs(
+        &self,
+        (materials, kept): (&[Material], &mut [Vec<Kept>]),
+        azimuth: f64,
+        amplitudes: &[Pair],
+        [light, meter]: [Light; 2],
+    ) -> Vec<Real> {
+        let slabs = &self.stack.slabs;
+        let faces = |slab: &Slab| materials[slab.part].thick.faces;
+        // What is below as the light inside the thick layer above it sees it: amplitudes down to the lowest one.
+        let amplitudes: Vec<Pair> = amplitudes.iter().map(|r| out_of_medium(faces(&slabs[0]), *r)).collect();
+        let mut below: Vec<Action> = Vec::new();
+        let mut joined_below: Option<Crossing> = None;
+        for (number, slab) in slabs.iter().enumerate() {
+            let mut crossing = self.crossing(slab.part, &materials[slab.part], azimuth);
+            if let Some(lower) = joined_below.take() {
+                crossing = Crossing { down: lower.down * crossing.down, up: crossing.up * lower.up };
+            }
+            let next = slabs.get(number + 1).map(faces);
+            if let Some(next) = next.filter(|_| slab.above.is_empty())
+                && let Some([through, back]) = transparent_face(next, faces(slab))
+            {
+                joined_below = Some(Crossing { down: crossing.down * through, up: back * crossing.up });
+                continue;
+            }
+            let all = self.between(slab, next, (materials, kept), azimuth);
+            let Crossing { down, up } = crossing;
+            let (mut inside, mut over, mut seen) = (Vec::new(), Vec::new(), Vec::new());
             with_widest_simd(
                 #[inline(always)]
                 || {
-                    for point in 0..*points {
-                        let mut slab = 0;
-                        let mut r = *reflection;
-                        for above in &above {
-                            r = match above {
-                                Above::Coherent(all) => {
-                                    all[if all.len() == 1 { 0 } else { state }].over_reflection(r)
-                                }
-                                Above::Thick { top, bottom, down, up } => {
-                                    slab += 1;
-                                    let turn = Complex::of(turns[point * steps[slab - 1] % points]);
-                                    let inside = out_of_medium(*bottom, r);
-                                    let inside = (*up * inside) * (*down * Pair::diagonal(turn, turn));
-                                    medium_over(*top, inside)
-                                }
-                            };
+                    if below.is_empty() {
+                        for r in &amplitudes {
+                            inside.push(Action::of(up * (*r * down)));
                         }
-                        sum = sum + unpolarised(self.front, r);
+                    } else {
+                        let (down, up) = (Action::of(down), Action::of(up));
+                        for r in &below {
+                            inside.push(up.times(&r.times(&down)));
+                        }
+                    }
+                    for (below, own) in &slab.combinations {
+                        match next {
+                            Some(_) => over.push(all[*own].over(&inside[*below])),
+                            None => seen.push(all[*own].seen(&inside[*below], light, meter)),
+                        }
                     }
                 },
             );
-            let mean = sum * Real::splat(1.0 / *points as f64);
-            out[state * count + self.first..][..last].copy_from_slice(&mean.0[..last]);
+            below = over;
+            if next.is_none() {
+                return seen;
+            }
         }
+        Vec::new()
+    }
+
+    /// Returns the coherent layers from a medium with these faces, or from the front, down to a thick layer, for each choice of their lists.
+    fn between(
+        &self,
+        slab: &Slab,
+        above: Option<[Complex; 2]>,
+        (materials, kept): (&[Material], &mut [Vec<Kept>]),
+        azimuth: f64,
+    ) -> Vec<Between> {
+        let top = above.map_or_else(|| from_front(self.front), from_medium);
+        let bottom = into_medium(materials[slab.part].thick.faces);
+        let parts: Vec<Vec<Blocks>> = slab
+            .above
+            .clone()
+            .map(|number| {
+                let mut blocks = Vec::with_capacity(self.stack.parts[number].slices.len());
+                self.blocks(number, (&materials[number], &mut kept[number]), azimuth, &mut blocks);
+                blocks
+            })
+            .collect();
+        let of_choice = |choice: &Vec<usize>| {
+            let mut all = top;
+            for ((list, blocks), number) in choice.iter().zip(&parts).zip(slab.above.clone()) {
+                if !self.stack.lists[number][*list].is_nothing {
+                    all = joined(&all, &blocks[*list]);
+                }
+            }
+            with_widest_simd(
+                #[inline(always)]
+                || Between::new(&all.over(&bottom)),
+            )
+        };
+        slab.choices.iter().map(of_choice).collect()
     }
 
     /// Returns the admittances of an isotropic medium over those of the reference.
@@ -292,33 +448,52 @@ impl<'a> Group<'a> {
         Pair::diagonal(p, s)
     }
 
-    /// Replaces the reflection of what is below a part by that of both.
-    fn raise(&self, number: usize, material: &Material, azimuth: f64, reflection: &mut [Pair]) {
-        let part = &self.stack.parts[number];
-        let is_one = part.slices.len() == 1;
-        if part.repeats > 1 || material.absorbs || part.slices.iter().all(|slices| slices.len() <= 1) {
+    /// Returns the reflections of a part over each combination of what is below it.
+    fn raised(
+        &self,
+        number: usize,
+        (material, kept): (&Material, &mut [Kept]),
+        azimuth: f64,
+        below: &[Pair],
+    ) -> Vec<Pair> {
+        let (part, lists) = (&self.stack.parts[number], &self.stack.lists[number]);
+        let combinations = &self.stack.below[number];
+        let mut raised = Vec::with_capacity(combinations.len());
+        let as_blocks = part.repeats != 1
+            || part.rest > 0
+            || material.absorbs
+            || part.slices.iter().all(|slices| slices.len() <= 1);
+        if as_blocks {
             let mut blocks = Vec::with_capacity(part.slices.len());
-            self.blocks(number, material, azimuth, &mut blocks);
-            for (state, r) in reflection.iter_mut().enumerate() {
-                *r = blocks[if is_one { 0 } else { state }].over_reflection(*r);
-            }
-            return;
-        }
-        for (state, below) in reflection.iter_mut().enumerate() {
-            let slices = &part.slices[if is_one { 0 } else { state }];
+            self.blocks(number, (material, kept), azimuth, &mut blocks);
             with_widest_simd(
                 #[inline(always)]
                 || {
-                    let mut waves = Rising::new(*below);
-                    for slice in slices.iter().rev() {
+                    for (of_below, list) in combinations {
+                        raised.push(match lists[*list].is_nothing {
+                            true => below[*of_below],
+                            false => blocks[*list].over_reflection(below[*of_below]),
+                        });
+                    }
+                },
+            );
+            return raised;
+        }
+        with_widest_simd(
+            #[inline(always)]
+            || {
+                for (of_below, list) in combinations {
+                    let mut waves = Rising::new(below[*of_below]);
+                    for slice in part.slices[*list].iter().rev() {
                         let generator = material.real(self, slice, azimuth);
                         let (depth, growth) = self.depth(material, slice);
                         waves.raise(&generator, depth, growth);
                     }
-                    *below = waves.reflection();
-                },
-            );
-        }
+                    raised.push(waves.reflection());
+                }
+            },
+        );
+        raised
     }
 
     /// Returns k0 d of a slice, and the exponent by which waves grow in it at most.
@@ -333,83 +508,78 @@ impl<'a> Group<'a> {
         let (depth, growth) = self.depth(material, slice);
         with_widest_simd(
             #[inline(always)]
-            || layer(&material.complex(self, slice, azimuth), depth + more, growth),
+            || match material.absorbs {
+                true => layer(&material.complex(self, slice, azimuth), depth + more, growth),
+                false => layer(&material.real(self, slice, azimuth), depth + more, growth),
+            },
         )
     }
 
-    /// Adds the scattering matrices of a part, one for each list of slices. Those of equal lists are computed once, those of many turns by
-    /// doubling.
-    fn blocks(&self, number: usize, material: &Material, azimuth: f64, out: &mut Vec<Blocks>) {
-        let part = &self.stack.parts[number];
-        for (slices, first) in part.slices.iter().zip(&self.stack.first_equal[number]) {
-            if *first < out.len() {
-                out.push(out[*first]);
+    /// Adds the scattering matrices of a part, one for each list of slices. Those of equal lists are computed once.
+    fn blocks(
+        &self,
+        number: usize,
+        (material, kept): (&Material, &mut [Kept]),
+        azimuth: f64,
+        out: &mut Vec<Blocks>,
+    ) {
+        let (part, lists) = (&self.stack.parts[number], &self.stack.lists[number]);
+        for (slices, (list, kept)) in part.slices.iter().zip(lists.iter().zip(kept)) {
+            if list.first_equal < out.len() {
+                out.push(out[list.first_equal]);
                 continue;
             }
-            let mut once = Blocks::nothing();
-            for (number, slice) in slices.iter().enumerate() {
-                let one = self.layer(material, slice, azimuth, Real::splat(0.0));
-                once = if number == 0 { one } else { joined(&once, &one) };
-            }
-            let (mut all, mut left) = (None, part.repeats);
-            loop {
-                if left % 2 == 1 {
-                    all = Some(all.map_or(once, |all| joined(&all, &once)));
-                }
-                left /= 2;
-                if left == 0 {
-                    break;
-                }
-                once = joined(&once, &once);
-            }
-            out.push(all.unwrap_or_else(Blocks::nothing));
+            let of_slices = |azimuth: f64| {
+                slices.iter().map(move |slice| self.layer(material, slice, azimuth, Real::splat(0.0)))
+            };
+            out.push(if list.is_nothing {
+                Blocks::nothing()
+            } else if material.isotropic {
+                let once = || helix::repeated(of_slices(azimuth), part.repeats, part.rest);
+                *kept.isotropic.get_or_insert_with(once)
+            } else if let Some(step) = list.step {
+                let count = slices.len();
+                let known = kept.helix.iter().position(|turns| turns.start(azimuth, step).is_some());
+                let known = known.unwrap_or_else(|| {
+                    kept.helix.push(Turns::new(azimuth, of_slices(azimuth)));
+                    kept.helix.len() - 1
+                });
+                let turns = &mut kept.helix[known];
+                turns.blocks(turns.start(azimuth, step).unwrap_or(0), count * part.repeats + part.rest)
+            } else {
+                helix::repeated(of_slices(azimuth), part.repeats, part.rest)
+            });
         }
     }
 
-    /// Adds what a part is above a thick layer or as one, from the bottom up.
-    fn above(&self, number: usize, material: &Material, azimuth: f64, out: &mut Vec<Above>) {
-        let part = &self.stack.parts[number];
-        let Some(slice) = part.slices.first().and_then(|slices| slices.first()).filter(|_| !part.coherent)
-        else {
-            let mut blocks = Vec::with_capacity(part.slices.len());
-            self.blocks(number, material, azimuth, &mut blocks);
-            out.push(Above::Coherent(blocks));
-            return;
-        };
-        let Thick { faces, wave, eighth, turn } = material.thick;
-        let mut add = |down: Pair, up: Pair| {
-            if let Some(Above::Thick { top, down: lower, up: raised, .. }) = out.last_mut()
-                && let Some([through, back]) = transparent_face(faces, *top)
-            {
-                (*top, *lower, *raised) = (faces, *lower * through * down, up * back * *raised);
-                return;
-            }
-            out.push(Above::Thick { top: faces, bottom: faces, down, up });
-        };
-        let depth = self.k0 * Real::splat(slice.thickness_nm);
-        if material.isotropic {
-            let wave = wave.scaled(depth).wave();
-            let both = Pair::diagonal(wave, wave);
-            add(both, both);
-            return;
-        }
-        // The mean of two thicknesses that differ by a quarter wave, whose phase is undone: what the faces of the layer itself reflect to each
-        // other has opposite signs in both.
+    /// Returns the transmission of a thick layer without its faces.
+    fn crossing(&self, number: usize, material: &Material, azimuth: f64) -> Crossing {
         let zero = Complex::zero();
         let (mut down, mut up) = (Pair::diagonal(zero, zero), Pair::diagonal(zero, zero));
-        for sign in [1.0, -1.0] {
-            let layer = self.layer(material, slice, azimuth, eighth * Real::splat(sign));
-            let inside = joined(&joined(&from_medium(faces), &layer), &into_medium(faces));
-            let phase = Complex { re: turn.re, im: turn.im * Real::splat(-sign) };
-            let phase = Pair::diagonal(phase, phase);
-            (down, up) = (down + inside.t * phase, up + inside.t_up * phase);
+        let slices = self.stack.parts[number].slices.iter().flatten();
+        let Thick { faces, wave, eighth, turn } = material.thick;
+        // A thick layer is one slice.
+        for slice in slices.take(1) {
+            if material.isotropic {
+                let wave = wave.scaled(self.k0 * Real::splat(slice.thickness_nm)).wave();
+                return Crossing { down: Pair::diagonal(wave, wave), up: Pair::diagonal(wave, wave) };
+            }
+            // The mean of two thicknesses that differ by a quarter wave, whose phase is undone: what the faces of the layer itself reflect to each
+            // other has opposite signs in both.
+            for sign in [1.0, -1.0] {
+                let layer = self.layer(material, slice, azimuth, eighth * Real::splat(sign));
+                let inside = joined(&joined(&from_medium(faces), &layer), &into_medium(faces));
+                let phase = Complex { re: turn.re, im: turn.im * Real::splat(-sign) };
+                let phase = Pair::diagonal(phase, phase);
+                (down, up) = (down + inside.t * phase, up + inside.t_up * phase);
+            }
         }
-        add(down, up);
+        Crossing { down, up }
     }
 }
 
 /// Returns two scattering matrices as one.
-fn joined(above: &Blocks, below: &Blocks) -> Blocks {
+pub(super) fn joined(above: &Blocks, below: &Blocks) -> Blocks {
     with_widest_simd(
         #[inline(always)]
         || above.over(below),
@@ -478,6 +648,18 @@ fn transparent_face(above: [Complex; 2], below: [Complex; 2]) -> Option<[Pair; 2
     (is_faint(0) && is_faint(1)).then(|| [passed(above), passed(below)])
 }
 
+/// Returns the face from a medium of these relative admittances, in waves of unit power of it, down into the reference.
+#[inline(always)]
+fn from_front([p, s]: [Real; 2]) -> Blocks {
+    let one = Real::splat(1.0);
+    // As `face`.
+    let (f_p, f_s) = ((p - one) * (p + one).inverse(), (one - s) * (one + s).inverse());
+    let root = |f: Real| Complex::from((one - f * f).root());
+    let through = Pair::diagonal(root(f_p), root(f_s));
+    let r = Pair::diagonal(f_p.into(), f_s.into());
+    Blocks { r: Pair::diagonal((-f_p).into(), (-f_s).into()), t: through, r_below: r, t_up: through }
+}
+
 /// Returns `r` as waves of a medium see it, from its reflections to the reference: `-f + r (1 - f r)^-1 (1 - f^2)`.
 #[inline(always)]
 fn out_of_medium([p, s]: [Complex; 2], r: Pair) -> Pair {
@@ -489,21 +671,10 @@ fn out_of_medium([p, s]: [Complex; 2], r: Pair) -> Pair {
     Pair([[(pp - s * determinant) * by_p - p, ps * by_s], [sp * by_p, (ss - p * determinant) * by_s - s]])
 }
 
-/// Returns the reflection of a medium with `r` inside, as waves of the reference see it: `f + (1 - f^2) r (1 + f r)^-1`.
+/// Returns the reflection as waves of unit power see it from a medium of these relative admittances.
 #[inline(always)]
-fn medium_over([p, s]: [Complex; 2], r: Pair) -> Pair {
-    let [[pp, ps], [sp, ss]] = r.0;
-    let one = Complex::splat(1.0);
-    let determinant = pp * ss - ps * sp;
-    let scale = (one + p * pp + s * ss + p * s * determinant).inverse();
-    let (by_p, by_s) = ((one - p * p) * scale, (one - s * s) * scale);
-    Pair([[(pp + s * determinant) * by_p + p, ps * by_p], [sp * by_s, (ss + p * determinant) * by_s + s]])
-}
-
-/// Returns the reflectance for unpolarised light from a medium of these relative admittances.
-#[inline(always)]
-fn unpolarised(front: [Real; 2], r: Pair) -> Real {
-    // Waves of unit power in the front, down and up: (E root(y) +- H/root(y))/2, with E = (1 - r) or (1 + r) and H the reverse.
+fn in_front(front: [Real; 2], r: Pair) -> Pair {
+    // Waves down and up: (E root(y) +- H/root(y))/2, with E = (1 - r) or (1 + r) and H the reverse.
     let [[pp, ps], [sp, ss]] = r.0;
     let one = Complex::splat(1.0);
     let (p, s) = (front[0].root(), front[1].root());
@@ -511,9 +682,7 @@ fn unpolarised(front: [Real; 2], r: Pair) -> Real {
     let e = [[(one - pp).scaled(p), (-ps).scaled(p)], [sp.scaled(s), (one + ss).scaled(s)]];
     let h =
         [[(one + pp).scaled(over_p), ps.scaled(over_p)], [(-sp).scaled(over_s), (one - ss).scaled(over_s)]];
-    let up = (Pair(e) - Pair(h)) * (Pair(e) + Pair(h)).inverse();
-    let [[a, b], [c, d]] = up.0;
-    (a.norm_sqr() + b.norm_sqr() + c.norm_sqr() + d.norm_sqr()) * Real::splat(0.5)
+    (Pair(e) - Pair(h)) * (Pair(e) + Pair(h)).inverse()
 }
 
 /// What waves of any azimuth have in common in a part.

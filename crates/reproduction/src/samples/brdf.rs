@@ -39,10 +39,31 @@ pub struct BrdfComparison {
     pub measured_deviation: f64,
     /// Relative standard deviation of the predicted values: the error of the interpolation between the given ones.
     pub predicted_deviation: f64,
-    /// Inclinations of light and viewer, degrees, and the difference.
+    /// The pairs of directions.
     #[serde(skip)]
-    pub differences: Vec<[f64; 3]>,
+    pub each: Vec<BrdfPair>,
 }
+
+/// A pair of directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BrdfPair {
+    /// Inclination of the light, degrees.
+    pub light_deg: f64,
+    /// Predicted BRDF, 1/sr.
+    pub predicted: f64,
+    /// Measured BRDF, 1/sr.
+    pub measured: f64,
+}
+
+impl BrdfPair {
+    /// Predicted minus measured, relative to the measured value.
+    fn difference(self) -> f64 {
+        self.predicted / self.measured - 1.0
+    }
+}
+
+/// Most pairs of a figure; of more, equally spaced ones are drawn.
+const DRAWN: usize = 450;
 
 /// Predicts the BRDF of a sample's pixel, and compares it.
 pub(super) fn predict_case(
@@ -65,53 +86,50 @@ pub(super) fn predict_case(
     let scatter = kernel.scatter.reciprocal();
     let values = measured.channel(0);
     let known = (0..values.len()).filter(|cell| values[*cell] > 0.0);
-    let differences: Vec<[f64; 3]> = known
+    let pairs: Vec<BrdfPair> = known
         .filter_map(|cell| {
             let [light, viewer] = measured.geometry.directions(cell)?;
             let predicted = level * scatter.evaluate(light.arriving(), viewer.leaving());
-            Some([light.theta_deg, viewer.theta_deg, predicted / values[cell] - 1.0])
+            Some(BrdfPair { light_deg: light.theta_deg, predicted, measured: values[cell] })
         })
         .collect();
-    if differences.is_empty() {
+    if pairs.is_empty() {
         return Err(ReproductionError::List(format!("{}: no value is above 0", sample.measured)));
     }
     let brdf = BrdfComparison::new(
         state,
-        differences,
-        values,
+        pairs,
         [sample.relative_standard_deviation.unwrap_or(0.0), interpolation_error(sample, folder)],
     );
     Ok(CasePrediction { name: case.name.clone(), comparison: brdf.agreement(), brdf: Some(brdf) })
 }
 
 impl BrdfComparison {
-    fn new(state: &str, differences: Vec<[f64; 3]>, values: &[f64], [measured, predicted]: [f64; 2]) -> Self {
-        let count = differences.len() as f64;
-        let mean = differences.iter().map(|[_, _, off]| off).sum::<f64>() / count;
-        let rms = (differences.iter().map(|[_, _, off]| off * off).sum::<f64>() / count).sqrt();
-        let mut sizes: Vec<f64> = differences.iter().map(|[_, _, off]| off.abs()).collect();
+    fn new(state: &str, each: Vec<BrdfPair>, [measured, predicted]: [f64; 2]) -> Self {
+        let count = each.len() as f64;
+        let mean_of = |value: &dyn Fn(&BrdfPair) -> f64| each.iter().map(value).sum::<f64>() / count;
+        let mut sizes: Vec<f64> = each.iter().map(|pair| pair.difference().abs()).collect();
         sizes.sort_by(f64::total_cmp);
-        let lit = || values.iter().filter(|value| **value > 0.0);
-        let level = lit().sum::<f64>() / count;
-        let lambertian_rms = (lit().map(|value| (level / value - 1.0).powi(2)).sum::<f64>() / count).sqrt();
+        let level = mean_of(&|pair| pair.measured);
+        let lambertian_rms = mean_of(&|pair| (level / pair.measured - 1.0).powi(2)).sqrt();
         Self {
             state: state.to_owned(),
-            pairs: differences.len(),
-            mean,
-            rms,
+            pairs: each.len(),
+            mean: mean_of(&|pair| pair.difference()),
+            rms: mean_of(&|pair| pair.difference().powi(2)).sqrt(),
             within_95: sizes[(0.95 * count) as usize],
             largest: sizes[sizes.len() - 1],
             lambertian_rms,
             measured_deviation: measured,
             predicted_deviation: predicted,
-            differences,
+            each,
         }
     }
 
     /// The comparison as that of a display: without the standard deviation of the measurement there is no agreement to state.
     fn agreement(&self) -> Comparison {
         let deviation = self.measured_deviation.hypot(self.predicted_deviation);
-        let z = self.differences.iter().map(|[_, _, off]| off / deviation);
+        let z = self.each.iter().map(|pair| pair.difference() / deviation);
         let agreement = if self.measured_deviation > 0.0 { Agreement::of(z) } else { None };
         Comparison {
             states: Vec::new(),
@@ -122,26 +140,43 @@ impl BrdfComparison {
         }
     }
 
-    /// Draws the differences against the inclination of the viewer.
+    /// Draws predicted against measured values.
     pub(super) fn figure(&self, title: &str) -> String {
+        let every = self.each.len().div_ceil(DRAWN).max(1);
+        let drawn = || self.each.iter().step_by(every);
         let curve = |name: &str, hue: usize, inclined: bool| ChartCurve {
             name: name.to_owned(),
             hue: Hue::Group(hue),
             dashed: false,
             marks: true,
-            points: (self.differences.iter())
-                .filter(|[light, _, _]| (*light > 45.0) == inclined)
-                .map(|[_, viewer, off]| (*viewer, 100.0 * off))
+            points: drawn()
+                .filter(|pair| (pair.light_deg > 45.0) == inclined)
+                .map(|pair| (pair.measured, pair.predicted))
                 .collect(),
         };
-        let figure = Chart {
-            x: "Inclination of the viewer (deg)".to_owned(),
-            y: "BRDF, predicted minus measured (%)".to_owned(),
-            logarithmic: false,
-            at_least: vec![0.0],
-            curves: vec![curve("light to 45 deg", 2, false), curve("light beyond", 0, true)],
+        let measured = || drawn().map(|pair| pair.measured);
+        let ends = [measured().fold(f64::INFINITY, f64::min), measured().fold(0.0, f64::max)];
+        let equal = ChartCurve {
+            name: "equal".to_owned(),
+            hue: Hue::Grey,
+            dashed: true,
+            marks: false,
+            points: ends.map(|end| (end, end)).to_vec(),
         };
-        chart(&figure, title)
+        let figure = Chart {
+            x: "Measured BRDF (1/sr)".to_owned(),
+            y: "Predicted BRDF (1/sr)".to_owned(),
+            logarithmic: false,
+            at_least: Vec::new(),
+            curves: vec![curve("light < 45\u{b0}", 2, false), curve("light > 45\u{b0}", 0, true), equal],
+        };
+        let which = match every {
+            1 => String::new(),
+            2 => format!(", every second of {} pairs", self.pairs),
+            3 => format!(", every third of {} pairs", self.pairs),
+            _ => format!(", every {every}th of {} pairs", self.pairs),
+        };
+        chart(&figure, &format!("{title}{which}"))
     }
 }
 

@@ -11,6 +11,7 @@
 //! is within its unknowns. Without a standard deviation of the measurement there is no verdict.
 
 mod brdf;
+mod figures;
 mod page;
 mod predicted;
 #[cfg(test)]
@@ -18,14 +19,17 @@ mod predicted;
 mod tests;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 
+use papilio_diagnostics::{Diagnostic, Place};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::ReproductionError;
 use crate::displays::write_example;
 pub use brdf::BrdfComparison;
+pub use figures::{SampleFigure, figures};
 pub use page::{in_words, report};
 pub use predicted::{CasePrediction, Prediction, Verdict, predict};
 
@@ -131,14 +135,36 @@ impl SampleList {
     /// # Errors
     /// For a text that is no such list, with its place.
     pub fn parse(text: &str, name: &str) -> Result<Self, ReproductionError> {
+        let refused = |place: Option<Range<usize>>, what: String, expected: &str| {
+            let place = place.map_or_else(|| Place::whole(name), |at| Place::in_text(name, text, at));
+            let diagnostic = Diagnostic::new(what);
+            let diagnostic = if expected.is_empty() { diagnostic } else { diagnostic.expected(expected) };
+            let placed = diagnostic.at(&place).to_string();
+            ReproductionError::List(placed.strip_prefix("error: ").unwrap_or(&placed).to_owned())
+        };
         let list: Self = toml::from_str(text)
-            .map_err(|error| ReproductionError::List(format!("{name}: {}", error.to_string().trim_end())))?;
-        match list.samples.iter().find(|sample| sample.cases.is_empty()) {
-            Some(Sample { name: sample, .. }) => Err(ReproductionError::List(format!(
-                "{name}: the sample `{sample}` has no `cases`; expected at least one, such as cases = [{{ name = \"one\" }}]"
-            ))),
-            None => Ok(list),
+            .map_err(|error| refused(error.span(), error.message().trim_end().to_owned(), ""))?;
+        if list.samples.is_empty() {
+            return Err(refused(None, "this list has no samples".to_owned(), "[[sample]], with its keys"));
         }
+        for (number, sample) in list.samples.iter().enumerate() {
+            let own = &sample.name;
+            let at =
+                text.match_indices("[[sample]]").nth(number).map(|(from, found)| from..from + found.len());
+            let plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+            if own.is_empty() || own.starts_with('.') || !own.chars().all(plain) {
+                let what = format!("the name \"{own}\" of this sample is not that of a file");
+                return Err(refused(at, what, "letters, digits, `-`, `_`, such as \"panel-17\""));
+            }
+            if list.samples[..number].iter().any(|other| other.name == *own) {
+                return Err(refused(at, format!("two samples are called `{own}`"), "a name for each"));
+            }
+            if sample.cases.is_empty() {
+                let what = format!("the sample `{own}` has no `cases`");
+                return Err(refused(at, what, "at least one, such as cases = [{ name = \"one\" }]"));
+            }
+        }
+        Ok(list)
     }
 
     /// Writes the shipped list and its files to a folder, and reads it.

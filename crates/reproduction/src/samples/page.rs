@@ -1,10 +1,8 @@
 //! The report on samples as a page: a section for each, with its figures.
 
-use papilio_display::capitalised;
-use papilio_figures::compared_spectra;
-
-use super::{Prediction, Verdict};
+use super::{Prediction, Verdict, figures};
 use crate::report::{Report, Section, Table, number};
+use papilio_display::capitalised;
 
 /// Returns the page of these samples.
 pub fn report(samples: &[Prediction]) -> Report {
@@ -34,6 +32,7 @@ fn summary(samples: &[Prediction]) -> Table {
         "rms z",
         "rms z with unknowns",
         "mean dE2000",
+        "peaks, rms nm",
     ]);
     for sample in samples {
         let value = |value: Option<f64>| value.map_or("-".to_owned(), |value| number(value, 2));
@@ -45,6 +44,7 @@ fn summary(samples: &[Prediction]) -> Table {
             value(sample.z_rms),
             value(sample.z_rms_with_unknowns),
             value(sample.delta_e_2000_mean),
+            value(sample.peak_difference_rms_nm),
         ]);
     }
     table
@@ -89,16 +89,7 @@ fn section(sample: &Prediction) -> Section {
         let at = format!("{} pairs of directions", brdf.pairs);
         let of = [brdf.mean, brdf.rms, brdf.within_95, brdf.largest, brdf.lambertian_rms].map(percent);
         table.row(std::iter::once(at).chain(of));
-        section = section
-            .table(table)
-            .figure(brdf.figure(&sample.title), format!("{}, {}", sample.title, brdf.state));
+        section = section.table(table);
     }
-    for case in &sample.cases {
-        for view in &case.comparison.views {
-            if let Some(svg) = compared_spectra(&case.comparison, view, &case.name) {
-                section = section.figure(svg, format!("{}, {}", sample.title, case.name));
-            }
-        }
-    }
-    section
+    figures(sample).into_iter().fold(section, |section, one| section.figure(one.svg, one.caption))
 }

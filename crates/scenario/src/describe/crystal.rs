@@ -227,7 +227,7 @@ table! {
 }
 
 table! {
-    /// A thick pane without fringes, such as a glass substrate. Polarisers, retarders and panes are eight at most.
+    /// A thick pane without fringes, such as a glass substrate.
     Pane {
         /// Refractive index; its k absorbs.
         material: MaterialSpec = MaterialSpec::Number(Index(1.5)),

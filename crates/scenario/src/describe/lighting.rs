@@ -31,8 +31,11 @@ table! {
         /// Diameter of the port of an integrating sphere, beside which light that travels sideways in the
         /// display is lost (docs/light.md). One view, and light without lamps. Default: the port is wide.
         port_mm as "Diameter of the port": Option<Millimetres>,
-        /// Diameter of the spot that the meter sees, in the middle of the port. Default: that of the port.
+        /// Diameter of the spot that the meter sees, in the middle of the port. Default: that of the port, or of a smaller sample.
         spot_mm as "Diameter of the spot": Option<Millimetres>,
+        /// Diameter of a round sample in the middle of the port: light that reaches its edge is lost. Default: the sample is larger
+        /// than the port by what light travels inside it.
+        sample_mm as "Diameter of the sample": Option<Millimetres>,
     }
 }
 

@@ -136,7 +136,7 @@ impl ExampleDisplay {
         },
         Self {
             name: "cholesteric",
-            about: "Electronic paper of a cholesteric layer over black paint",
+            about: "Electronic paper of three cholesteric layers over black paint",
             text: include_str!("cholesteric.toml"),
             files: &[],
             panel: None,

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::scene::{CrystalPart, CrystalPixel, CrystalSlice};
 use papilio_formats::{DirectorRow, PolariserTable, read_director, read_polariser};
-use papilio_optics::berreman::{MOST_SLABS, axes};
+use papilio_optics::berreman::axes;
 use papilio_optics::frank_oseen::{DrivenCell, Nematic, director};
 use papilio_spectra::{LIQUID_CRYSTAL_RANGE_NM, Spectrum, liquid_crystal, liquid_crystal_names};
 
@@ -38,8 +38,8 @@ const FRINGES_AT_NM: f64 = 550.0;
 /// Keys of what states by voltage need.
 const CONSTANTS: [&str; 5] = ["K11_pN", "K22_pN", "K33_pN", "epsilon_parallel", "epsilon_perpendicular"];
 
-/// Slices of a turn of a cholesteric layer.
-const SLICES_OF_A_TURN: f64 = 40.0;
+/// Slices of half a turn of a cholesteric layer: azimuths that are multiples of the angle of one have their scattering matrices in common.
+const SLICES_OF_HALF_A_TURN: usize = 32;
 
 /// Wavelengths of the retardance and of its dispersion, nm.
 const RETARDANCE_AT_NM: f64 = 550.0;
@@ -70,13 +70,6 @@ impl Resolver<'_> {
         self.limit(&pixel.stack, "slices", slices, MOST_SLICES)?;
         let work = slices * self.grid.len();
         self.limit(&pixel.stack, "slices of all states x wavelengths", work, MOST_CRYSTAL_WORK)?;
-        if parts.iter().filter(|part| !part.coherent).count() > MOST_SLABS {
-            let wrong = Diagnostic::new("this stack has too many thick layers")
-                .expected(format!("{MOST_SLABS} polarisers, retarders and slabs at most"))
-                .hint("join neighbouring slabs of nearly the same index");
-            self.err(&pixel.stack, wrong);
-            return None;
-        }
         Some(CrystalPixel {
             parts,
             substrate: substrate?,
@@ -306,6 +299,7 @@ impl Resolver<'_> {
             indices: [extraordinary, ordinary.clone(), ordinary],
             slices,
             repeats: 1,
+            rest: 0,
             coherent: true,
         })
     }
@@ -469,23 +463,25 @@ impl Resolver<'_> {
         Some([0, 1].map(|k| indices.iter().map(|n| n[k].into()).collect()))
     }
 
-    /// A helix of whole turns, the rest of a turn below it, and what the layer is in focal conic states.
+    /// A helix in slices of equal thickness, a thinner one below it, and what the layer is in focal conic states.
     fn cholesteric(&mut self, layer: &describe::Cholesteric, states: &[String]) -> Option<Vec<CrystalPart>> {
         let [ordinary, extraordinary] = [&layer.n_o, &layer.n_e].map(|n| self.material(n));
         let azimuth_deg = self.azimuth(&layer.azimuth_deg, "azimuth_deg")?;
         let thickness_nm = 1e3 * layer.thickness_um.0;
         let (ordinary, extraordinary) = (ordinary?, extraordinary?);
         self.check_fringes("thickness_um", &layer.thickness_um, &extraordinary)?;
-        let turns = thickness_nm / layer.pitch_nm.0;
+        let count = SLICES_OF_HALF_A_TURN;
+        let slice_nm = layer.pitch_nm.0 / (2 * count) as f64;
         // Clockwise away from the viewer is right-handed.
-        let turn_deg = match layer.handedness.value {
-            Handedness::Right => -360.0,
-            Handedness::Left => 360.0,
+        let step_deg = match layer.handedness.value {
+            Handedness::Right => -180.0,
+            Handedness::Left => 180.0,
+        } / count as f64;
+        let slice = |middle: f64, thickness_nm: f64| CrystalSlice {
+            axes: axes(azimuth_deg + step_deg * middle, 0.0, 0.0),
+            thickness_nm,
         };
-        let helix = |turns: f64| {
-            let count = (SLICES_OF_A_TURN * turns).ceil().max(1.0) as usize;
-            sliced(layer.pitch_nm.0 * turns, count, |depth| (azimuth_deg + turn_deg * turns * depth, 0.0))
-        };
+        let half_turn: Vec<CrystalSlice> = (0..count).map(|k| slice(k as f64 + 0.5, slice_nm)).collect();
         let nothing = || vec![CrystalSlice { axes: axes(azimuth_deg, 0.0, 0.0), thickness_nm: 0.0 }];
         let shapes: Vec<HelixState> = match layer.states.0.is_empty() {
             true => vec![HelixState::Planar],
@@ -498,16 +494,25 @@ impl Resolver<'_> {
             shapes.iter().map(of).collect()
         };
         let indices = [extraordinary.clone(), ordinary.clone(), ordinary.clone()];
-        let part =
-            |slices, repeats| CrystalPart { indices: indices.clone(), slices, repeats, coherent: true };
-        let whole = (turns + 1e-9).floor();
-        let rest = turns - whole;
+        let part = |slices, repeats, rest| CrystalPart {
+            indices: indices.clone(),
+            slices,
+            repeats,
+            rest,
+            coherent: true,
+        };
+        let slices = thickness_nm / slice_nm;
+        let whole = (slices + 1e-6).floor();
+        let last = slices - whole;
+        let (repeats, rest) = (whole as usize / count, whole as usize % count);
         let mut parts = Vec::new();
-        if whole > 0.0 {
-            parts.push(part(planar(helix(1.0)), whole as usize));
+        if repeats > 0 {
+            parts.push(part(planar(half_turn), repeats, rest));
+        } else if rest > 0 {
+            parts.push(part(planar(half_turn[..rest].to_vec()), 1, 0));
         }
-        if rest > 1e-9 {
-            parts.push(part(planar(helix(rest)), 1));
+        if last > 1e-6 {
+            parts.push(part(planar(vec![slice(whole + 0.5 * last, last * slice_nm)]), 1, 0));
         }
         if shapes.contains(&HelixState::FocalConic) {
             // Small domains of all directions: the mean of the permittivity.
@@ -521,7 +526,7 @@ impl Resolver<'_> {
                 |shape: &HelixState| slice(if *shape == HelixState::FocalConic { thickness_nm } else { 0.0 });
             let slices = shapes.iter().map(of).collect();
             let indices = [mean.clone(), mean.clone(), mean];
-            parts.push(CrystalPart { indices, slices, repeats: 1, coherent: true });
+            parts.push(CrystalPart { indices, slices, repeats: 1, rest: 0, coherent: true });
         }
         Some(parts)
     }
@@ -592,7 +597,7 @@ fn uniform(
     coherent: bool,
 ) -> CrystalPart {
     let slice = CrystalSlice { axes: axes(azimuth_deg, tilt_deg, 0.0), thickness_nm };
-    CrystalPart { indices, slices: vec![vec![slice]], repeats: 1, coherent }
+    CrystalPart { indices, slices: vec![vec![slice]], repeats: 1, rest: 0, coherent }
 }
 
 #[cfg(test)]

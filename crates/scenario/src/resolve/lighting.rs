@@ -62,26 +62,30 @@ impl Resolver<'_> {
 
     /// Resolves the port of a sphere, if there is one.
     fn port(&mut self, lighting: &describe::Lighting) -> Option<Option<Port>> {
-        match (&lighting.port_mm.value, &lighting.spot_mm.value) {
-            (None, None) => Some(None),
-            (Some(port), spot) => {
-                let (port_mm, spot_mm) = (port.0, spot.as_ref().map_or(port.0, |spot| spot.0));
-                if spot_mm > port_mm {
-                    let wrong = mistake::out_of_range(
-                        spot_mm,
-                        format!("at most the diameter of the port, {port_mm} mm"),
-                    );
-                    self.err(&lighting.spot_mm, wrong);
-                    return None;
-                }
-                Some(Some(Port { port_mm, spot_mm }))
-            }
-            (None, Some(_)) => {
+        let sample_mm = lighting.sample_mm.value.as_ref().map(|sample| sample.0);
+        let spot_mm = lighting.spot_mm.value.as_ref().map(|spot| spot.0);
+        let Some(port_mm) = lighting.port_mm.value.as_ref().map(|port| port.0) else {
+            let beside = "`port_mm` beside it";
+            if spot_mm.is_some() {
                 let wrong = Diagnostic::new("`spot_mm` is the part of a port that the meter sees");
-                self.err(&lighting.spot_mm, wrong.expected("`port_mm` beside it"));
-                None
+                self.err(&lighting.spot_mm, wrong.expected(beside));
             }
+            if sample_mm.is_some() {
+                let wrong = Diagnostic::new("`sample_mm` is the size of a sample at the port of a sphere");
+                self.err(&lighting.sample_mm, wrong.expected(beside));
+            }
+            return (spot_mm.is_none() && sample_mm.is_none()).then_some(None);
+        };
+        let smaller = sample_mm.filter(|sample| *sample < port_mm);
+        let (most, of) = smaller.map_or((port_mm, "port"), |sample| (sample, "sample"));
+        let spot_mm = spot_mm.unwrap_or(most);
+        if spot_mm > most {
+            let wrong =
+                mistake::out_of_range(spot_mm, format!("at most the diameter of the {of}, {most} mm"));
+            self.err(&lighting.spot_mm, wrong);
+            return None;
         }
+        Some(Some(Port { port_mm, spot_mm, sample_mm }))
     }
 
     fn illuminance_lx(&mut self, lighting: &describe::Lighting) -> Option<f64> {

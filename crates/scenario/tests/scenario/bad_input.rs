@@ -27,6 +27,34 @@ fn only(errors: Vec<ScenarioError>) -> ((usize, usize), String) {
 /// A change, the place of the error, and parts of its text.
 type Case = (&'static str, &'static str, (usize, usize), &'static [&'static str]);
 
+const SPHERES: &[Case] = &[
+    (
+        "diffuse = 0.5",
+        "diffuse = 0.5\nspot_mm = 4",
+        (33, 11),
+        &["the part of a port", "expected `port_mm` beside it"],
+    ),
+    (
+        "diffuse = 0.5",
+        "diffuse = 0.5\nsample_mm = 4",
+        (33, 13),
+        &["the size of a sample at the port", "`port_mm`"],
+    ),
+    (
+        "diffuse = 0.5",
+        "diffuse = 0.5\nport_mm = 8\nspot_mm = 9",
+        (34, 11),
+        &["9 is out of range", "the diameter of the port, 8 mm"],
+    ),
+    (
+        "diffuse = 0.5",
+        "diffuse = 0.5\nport_mm = 8\nspot_mm = 5\nsample_mm = 4",
+        (34, 11),
+        &["5 is out of range", "the diameter of the sample, 4 mm"],
+    ),
+    ("diffuse = 0.5", "diffuse = 0.5\nport_mm = 8", (33, 11), &["light from a lamp", "d8-included"]),
+];
+
 const KEYS_AND_TYPES: &[Case] = &[
     ("haze = 0.78", "hase = 0.78", (13, 1), &["no key `hase`", "did you mean `haze`?"]),
     ("range_nm = [400, 700]", "colour = 1", (4, 1), &["no key `colour`", "the keys are range_nm, step_nm"]),
@@ -243,6 +271,7 @@ fn mistakes_are_reported_at_their_places() {
     let mut wrong = Vec::new();
     for (from, to, place, says) in [
         KEYS_AND_TYPES,
+        SPHERES,
         RANGES,
         NAMES_AND_CHOICES,
         ADVICE,

@@ -26,6 +26,7 @@ mod narrow_lobes;
 mod panel_spread;
 mod places;
 mod plain;
+mod plain_campaign;
 mod reflecting;
 mod rough_surface;
 mod scatter_faces;

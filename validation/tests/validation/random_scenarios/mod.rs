@@ -8,13 +8,14 @@
 pub(crate) mod draw;
 mod scores;
 mod solvers;
+pub(crate) mod summary;
 mod wide;
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, OnceLock};
+use std::sync::OnceLock;
 
 use draw::{Drawn, drawn};
+pub(crate) use papilio_testing::each;
 use papilio_testing::sized;
 use scores::{FAR, Scores};
 use solvers::{LONGEST, MonteCarloRuns, Pair, SLOW, monte_carlo_runs, scene};
@@ -38,29 +39,6 @@ pub(crate) fn range(variable: &str) -> Option<Range<u64>> {
 
 fn seeds() -> Range<u64> {
     range("PAPILIO_SCENARIO_SEEDS").unwrap_or(0..2)
-}
-
-/// Returns `f` of each item, in order, computed on all processors. (rayon is unsuitable: its threads start
-/// other work while a run waits for its own.)
-pub(crate) fn each<T: Sync, R: Send>(all: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let next = AtomicUsize::new(0);
-    let found: Mutex<Vec<(usize, R)>> = Mutex::new(Vec::new());
-    let work = || {
-        while let Some((number, one)) = {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            all.get(number).map(|one| (number, one))
-        } {
-            let result = f(one);
-            found.lock().unwrap().push((number, result));
-        }
-    };
-    std::thread::scope(|scope| {
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        (0..threads).for_each(|_| drop(scope.spawn(work)));
-    });
-    let mut found = found.into_inner().unwrap();
-    found.sort_by_key(|(number, _)| *number);
-    found.into_iter().map(|(_, one)| one).collect()
 }
 
 /// Returns the Monte Carlo runs of the default scenarios, for all tests of this file: the first scenarios

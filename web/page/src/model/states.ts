@@ -34,3 +34,16 @@ export function stroke(name: string, index: number): Stroke {
   const other = OTHERS[index % OTHERS.length]!;
   return KNOWN[name] ?? { light: other, dark: other, dash: DASHES[index % DASHES.length]! };
 }
+
+/** Lines of designs side by side: hues that colour-blind readers distinguish (Okabe, Ito 2008), and dashes. */
+const SIDE: readonly Stroke[] = [
+  { light: "#111111", dark: "#e6e8eb", dash: [] },
+  { light: "#0072b2", dark: "#56b4e9", dash: [10, 4] },
+  { light: "#d55e00", dark: "#e69f00", dash: [4, 3] },
+  { light: "#009e73", dark: "#2fc79a", dash: [12, 3, 2, 3] },
+  { light: "#b0508c", dark: "#e39cc5", dash: [2, 3] },
+  { light: "#7a5bc0", dark: "#b39bf0", dash: [8, 2, 2, 2, 2, 2] },
+];
+
+/** Returns the line of the design at an index. */
+export const sideStroke = (index: number): Stroke => SIDE[index % SIDE.length]!;

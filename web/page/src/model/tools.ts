@@ -7,6 +7,8 @@ export interface Tool {
   readonly command: string | null;
   /** The table of the scenario that describes it, if it has one. */
   readonly table?: string;
+  /** Whether the tool shows its command itself, with its options. */
+  readonly showsCommand?: true;
 }
 
 export interface Step {
@@ -25,6 +27,7 @@ export const STEPS: readonly Step[] = [
       { id: "examples", name: "Examples", command: null },
       { id: "new", name: "New display", command: "papilio new --display KIND --light PRESET FILE" },
       { id: "files", name: "Files", command: "papilio diffuser inspect MEASURED.bsdf" },
+      { id: "diffuser", name: "Measured diffuser", command: "papilio diffuser fit MEASURED.bsdf", showsCommand: true },
     ],
   },
   {
@@ -33,6 +36,7 @@ export const STEPS: readonly Step[] = [
     about: "Change layers, light and viewer, and see the result at once",
     tools: [
       { id: "stage", name: "Stage", command: "papilio run FILE" },
+      { id: "side", name: "Side by side", command: null },
       { id: "states", name: "States", command: "papilio run FILE" },
       { id: "spectra", name: "Spectra", command: "papilio run FILE" },
       { id: "chromaticity", name: "Chromaticity", command: "papilio run FILE" },
@@ -66,6 +70,7 @@ export const STEPS: readonly Step[] = [
       { id: "walk", name: "Monte Carlo", command: "papilio run FILE --solver monte-carlo" },
       { id: "compare", name: "Compare", command: "papilio compare FILE MEASURED.csv" },
       { id: "validate", name: "Published samples", command: "papilio validate --measured" },
+      { id: "study", name: "Numerical study", command: "papilio study sampling FILE", showsCommand: true },
     ],
   },
   {
@@ -77,6 +82,7 @@ export const STEPS: readonly Step[] = [
       { id: "optimize", name: "Optimise", command: "papilio optimize FILE", table: "optimize" },
       { id: "tolerance", name: "Tolerance", command: "papilio tolerance FILE", table: "tolerance" },
       { id: "fit", name: "Fit", command: "papilio fit FILE MEASURED.csv", table: "fit" },
+      { id: "jobs", name: "Jobs", command: null },
     ],
   },
   {
@@ -85,6 +91,7 @@ export const STEPS: readonly Step[] = [
     about: "Share it: report, files, link, commands",
     tools: [
       { id: "export", name: "Report and files", command: "papilio run FILE --cone --report" },
+      { id: "brdf", name: "BRDF", command: "papilio brdf FILE", showsCommand: true },
       { id: "commands", name: "Commands", command: null },
     ],
   },

@@ -31,8 +31,8 @@ export const scenarioFile = (): string => `${fileName()}.toml`;
 
 /** The command and the table of a tool. */
 export function ToolCommand({ id }: { id: string }) {
-  const { command, table } = toolOf(id);
-  if (command === null) return null;
+  const { command, table, showsCommand } = toolOf(id);
+  if (command === null || showsCommand) return null;
   const own = table ? tableText(text.value, table) : "";
   return (
     <footer class="tool-command" aria-label="The same on the command line">

@@ -1,5 +1,6 @@
-// Files that are chosen or dropped: scenarios and surfaces are opened, all others are sent to the server and audited.
+// Files that are chosen or dropped: scenarios, surfaces and benches are opened, all others are sent to the server and audited.
 
+import { openBench } from "../state/bench.ts";
 import { add } from "../state/files.ts";
 import { pictureName } from "../state/image.ts";
 import { open } from "../state/open.ts";
@@ -23,6 +24,10 @@ async function takeSurface(file: File, text: string): Promise<void> {
 
 export async function take(given: readonly File[], stays = false): Promise<void> {
   for (const file of given) {
+    if (/\.(papilio|zip)$/i.test(file.name)) {
+      await openBench(file);
+      continue;
+    }
     if (file.name.endsWith(".toml") && file.size <= LONGEST) {
       const text = await file.text();
       if (isSurface(text)) await takeSurface(file, text);

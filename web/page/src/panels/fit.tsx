@@ -20,6 +20,7 @@ import {
   own,
   progress,
   run,
+  runAsJob,
   take,
   use,
   used,
@@ -32,6 +33,7 @@ import { Aged } from "./aged.tsx";
 import { FileButton } from "./choose.tsx";
 import { Downloads } from "./downloads.tsx";
 import { fileName } from "./file-name.ts";
+import { AsJob } from "./jobs.tsx";
 import { Problems } from "./problems.tsx";
 import { save } from "./save.ts";
 
@@ -285,6 +287,7 @@ function Setup() {
             Fit {count} {count === 1 ? "variable" : "variables"}
           </button>
         )}
+        {!running && count > 0 && used.value.length > 0 && <AsJob start={runAsJob} />}
         <progress max={1} value={fit.phase.value === "done" ? 1 : (now?.fraction ?? 0)} aria-label="Progress of the fit" />
         <span role="status" data-phase={fit.phase.value}>
           {running ? (now?.words ?? "computing…") : fit.phase.value === "done" ? "done" : fit.phase.value === "cancelled" ? "cancelled" : ""}

@@ -2,9 +2,11 @@
 
 import { draft, fields, held, opening, pending, title } from "../state/design.ts";
 import { edit, isTyped } from "../state/live.ts";
+import { unfinished } from "../state/jobs.ts";
 import { isNew, redo, undo } from "../state/open.ts";
 import { said } from "../state/said.ts";
 import { gone } from "../state/server.ts";
+import { showTab } from "../state/tab.ts";
 import { theme, type Theme } from "../state/theme.ts";
 import { canRedo, canUndo } from "../state/undo.ts";
 import { missing, wholeText, withoutFiles } from "../state/whole.ts";
@@ -70,6 +72,11 @@ export function Header() {
       />
       <StepBar />
       <div class="tools">
+        {unfinished.value > 0 && (
+          <button type="button" class="jobs-mark" onClick={() => showTab("jobs")} title="Jobs that are running on the server">
+            {unfinished.value} {unfinished.value === 1 ? "job" : "jobs"}
+          </button>
+        )}
         <button
           type="button"
           disabled={!canUndo.value && !isNew.value}

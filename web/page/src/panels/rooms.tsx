@@ -1,24 +1,21 @@
 // The same page in other rooms: presets of light, seen from the direction of the design.
 
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect } from "preact/hooks";
 import { useSignal } from "@preact/signals";
 
 import { post, postForBytes, Refused } from "../api/client.ts";
-import { camera, fitting } from "../model/perspective.ts";
 import { anglesOf } from "../model/perspective.ts";
-import { exposure, unpacked, type Seen } from "../model/seen.ts";
-import { digits } from "../model/format.ts";
+import { unpacked, type Seen } from "../model/seen.ts";
 import { at } from "../model/json.ts";
-import { onCanvas } from "../plots/seen-2d.ts";
 import { fields, text } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
 import { pictureName, tilt } from "../state/image.ts";
+import { rooms as chosen, showRooms } from "../state/rooms.ts";
 import { BUSY } from "../state/server.ts";
 import { PRESETS } from "../state/shelf.ts";
 import { applyPreset } from "./editor.tsx";
+import { PageCanvas, pageInWords } from "./page-canvas.tsx";
 
-/** The rooms that are shown first. */
-const FIRST = ["indoor", "living-room", "office", "overcast", "sunny", "daylight"];
 const REST_MS = 300;
 const AGAIN_MS = 700;
 
@@ -37,33 +34,10 @@ async function seenIn(preset: string, signal: AbortSignal): Promise<Seen> {
   return unpacked(await postForBytes("image", request, signal));
 }
 
-/** White and contrast of pages of the states, as in the head of the picture. */
-function inWords({ head: { states, colours } }: Seen): string {
-  const [white, black] = ["white", "black"].map((name) => colours[states.indexOf(name)]?.[1]);
-  if (!white || !black) return "";
-  return `white Y ${digits(100 * white, 3)} %, contrast ${digits(white / black, 3)} : 1`;
-}
-
 function Picture({ of, preset }: { of: InRoom | undefined; preset: string }) {
-  const ref = useRef<HTMLCanvasElement>(null);
-  const seen = of?.seen;
-  useEffect(() => {
-    const canvas = ref.current;
-    if (!canvas || !seen) return;
-    const { matrix } = exposure(seen, seen.head.lights.map(() => 1), 0, "perfect", "paper");
-    const [height, size] = [seen.size[1] / seen.size[0], [canvas.width, canvas.height] as const];
-    onCanvas(canvas).draw({
-      lit: { picture: seen, factors: seen.head.lights.map(() => 1), added: [0, 0, 0], matrix },
-      camera: camera(tilt.value, 4, height),
-      frame: { canvas: size, scale: fitting(size, height), middle: [0, 0] },
-      mirrors: [],
-      veils: [],
-      subPixels: null,
-    });
-  }, [seen]);
   return (
     <figure data-room={preset} aria-busy={of === undefined}>
-      <canvas ref={ref} width={400} height={300} role="img" aria-label={`The display in the light of ${preset}`} />
+      <PageCanvas seen={of?.seen} tilt={tilt.value} label={`The display in the light of ${preset}`} />
       <figcaption>
         <span>
           {preset} <small>{of?.words ?? "computing…"}</small>
@@ -77,7 +51,6 @@ function Picture({ of, preset }: { of: InRoom | undefined; preset: string }) {
 }
 
 export function RoomsPanel() {
-  const chosen = useSignal<readonly string[]>(FIRST);
   const found = useSignal<Readonly<Record<string, InRoom>>>({});
   const rooms = chosen.value.filter((name) => PRESETS.value.some((preset) => preset.name === name));
   const key = JSON.stringify([text.value, fileIds.value, pictureName.value, tilt.value, rooms]);
@@ -89,7 +62,7 @@ export function RoomsPanel() {
         if (abort.signal.aborted) return;
         try {
           const seen = await seenIn(room, abort.signal);
-          found.value = { ...found.value, [room]: { seen, words: inWords(seen) } };
+          found.value = { ...found.value, [room]: { seen, words: pageInWords(seen) } };
         } catch (why) {
           if (abort.signal.aborted) return;
           if (why instanceof Refused && why.status === BUSY) {
@@ -117,9 +90,7 @@ export function RoomsPanel() {
               type="checkbox"
               checked={rooms.includes(name)}
               onChange={() =>
-                (chosen.value = chosen.value.includes(name)
-                  ? chosen.value.filter((one) => one !== name)
-                  : [...chosen.value, name])
+                showRooms(chosen.value.includes(name) ? chosen.value.filter((one) => one !== name) : [...chosen.value, name])
               }
             />{" "}
             {name}

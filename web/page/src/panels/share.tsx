@@ -3,6 +3,7 @@
 import { postForBlob, Refused } from "../api/client.ts";
 import { STEPS, commandFor } from "../model/tools.ts";
 import { addressOf, show } from "../state/address.ts";
+import { benchFile } from "../state/bench.ts";
 import { text } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
 import { ready } from "../state/ready.ts";
@@ -10,6 +11,7 @@ import { said } from "../state/said.ts";
 import { showTab } from "../state/tab.ts";
 import { missing, wholeText, withoutFiles } from "../state/whole.ts";
 import { pngOf } from "../plots/picture.ts";
+import { FileButton } from "./choose.tsx";
 import { Command, scenarioFile } from "./command.tsx";
 import { fileName } from "./file-name.ts";
 import { save } from "./save.ts";
@@ -25,6 +27,18 @@ async function copyLink(): Promise<void> {
   } catch {
     show(address, scenario);
     said.value = `The address of the page now contains the whole scenario${withoutFiles(scenario)}${missing(whole)}.`;
+  }
+}
+
+async function saveBench(): Promise<void> {
+  said.value = "Collecting the designs and their files…";
+  try {
+    const made = await benchFile();
+    if (made === null) return;
+    save(`${fileName()}.papilio`, made.file);
+    said.value = `The bench is saved${made.words}.`;
+  } catch (why) {
+    said.value = `The bench is not saved: ${why instanceof Error ? why.message : String(why)}`;
   }
 }
 
@@ -71,6 +85,16 @@ export function SharePanel() {
   return (
     <section class="share" aria-label="Share">
       <div class="controls">
+        <button type="button" class="run" onClick={() => void saveBench()}>
+          Save the bench
+        </button>
+        <FileButton label="Open a bench" title="A .papilio file" stays />
+        <span class="remark">
+          One file, .papilio, with the design, all versions, numbers, rooms and data files. Drop it on this page to
+          continue; it is a zip archive with scenarios for the command line.
+        </span>
+      </div>
+      <div class="controls">
         <button type="button" class="run" onClick={() => void copyLink()}>
           Copy the link
         </button>
@@ -104,13 +128,6 @@ const OTHERS = [
   ["detail", "Sharpness, crosstalk, sparkle and gloss", "Their tables and figures are in Fine detail"],
 ] as const;
 
-/** Commands that the page does not have; each with the reason. */
-const LEFT_OUT = [
-  ["papilio brdf FILE", "Tables of the display's BRDF for ray tracers: files of up to gigabytes"],
-  ["papilio diffuser fit FILE", "Fits lobes to a measured diffuser; drop the file to see its audit"],
-  ["papilio study FILE", "Convergence of the numerical methods"],
-] as const;
-
 /** The commands of all tools. */
 export function CommandsPanel() {
   const file = scenarioFile();
@@ -138,15 +155,6 @@ export function CommandsPanel() {
           )
         );
       })}
-      <section aria-label="Only on the command line">
-        <h3>Only on the command line</h3>
-        {LEFT_OUT.map(([command, why]) => (
-          <div key={command} class="command-row">
-            <span>{why}</span>
-            <Command line={commandFor(command, file)} />
-          </div>
-        ))}
-      </section>
     </section>
   );
 }

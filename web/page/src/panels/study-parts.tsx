@@ -5,9 +5,11 @@ import { useSignal } from "@preact/signals";
 import type { Table } from "../model/json.ts";
 import { numberFrom, replaced } from "../model/study.ts";
 import { isValue } from "../model/metrics.ts";
+import { startJob } from "../state/jobs.ts";
 import { labelText } from "../state/labels.ts";
 import type { OwnStudy } from "../state/own-study.ts";
 import type { Long } from "../state/work.ts";
+import { AsJob } from "./jobs.tsx";
 import { MetricPicker } from "./metric-picker.tsx";
 import { namesNow } from "./summary.tsx";
 
@@ -55,6 +57,9 @@ export function Start({ of, study, table, words, missing, run, fraction, course 
           <button type="button" class="run" disabled={missing !== ""} title={missing} onClick={() => void run()}>
             {words}
           </button>
+        )}
+        {phase !== "running" && missing === "" && (
+          <AsJob start={() => startJob({ command: table, edits: study.isOfFile.value ? [] : study.asEdits() })} />
         )}
         <progress max={1} value={phase === "done" ? 1 : fraction} aria-label="Progress" />
         <span role="status" data-phase={phase}>

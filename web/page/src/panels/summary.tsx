@@ -15,7 +15,7 @@ import { showTab } from "../state/tab.ts";
 import { MetricPicker } from "./metric-picker.tsx";
 
 /** How a number is shown. */
-interface Form {
+export interface Form {
   /** A fixed name, with the unit, for tests. */
   readonly id: string;
   readonly name: string;
@@ -72,7 +72,7 @@ const USUAL: Readonly<Record<string, Omit<Form, "factor"> & { factor?: number }>
   },
 };
 
-function formOf(metric: string): Form {
+export function formOf(metric: string): Form {
   const usual = USUAL[metric];
   if (usual) return { factor: 1, ...usual };
   const { quantity, unit, text } = labelOf(metric);

@@ -6,9 +6,11 @@ import { useEffect } from "preact/hooks";
 import { faceName, facesOf, placesOf, SURFACES } from "../model/surface.ts";
 import { fields as design } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
+import { startJob } from "../state/jobs.ts";
 import * as state from "../state/surface.ts";
 import { Aged } from "./aged.tsx";
 import { FileButton } from "./choose.tsx";
+import { AsJob } from "./jobs.tsx";
 import { Menu } from "./menu.tsx";
 import { Problems } from "./problems.tsx";
 import { save } from "./save.ts";
@@ -79,6 +81,9 @@ function FullMeasurement() {
         >
           Measure with all rays
         </button>
+      )}
+      {!running && state.pending.value.length === 0 && (
+        <AsJob start={() => startJob({ command: "gonio", scenario: state.text.value })} />
       )}
       {running && <progress max={of} value={done} aria-label="Progress of the measurement" />}
       <span role="status" data-phase={state.full.phase.value}>

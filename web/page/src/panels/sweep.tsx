@@ -27,6 +27,7 @@ import {
   own,
   points,
   run,
+  runAsJob,
   selectedPoint,
   showMetric,
   sweep,
@@ -37,6 +38,7 @@ import { ofPixels } from "../state/metrics.ts";
 import { dark } from "../state/theme.ts";
 import { Aged } from "./aged.tsx";
 import { addAxis, AxesFields } from "./axes.tsx";
+import { AsJob } from "./jobs.tsx";
 import { Downloads } from "./downloads.tsx";
 import { MetricPicker } from "./metric-picker.tsx";
 import { Problems } from "./problems.tsx";
@@ -297,6 +299,7 @@ export function SweepPanel() {
               Sweep {total} points
             </button>
           )}
+          {axes.value.length > 0 && <AsJob start={runAsJob} />}
           <progress max={Math.max(1, total)} value={points.value.length} aria-label="Progress of the sweep" />
           <span role="status" data-phase={sweep.phase.value}>
             {running

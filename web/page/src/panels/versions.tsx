@@ -65,7 +65,7 @@ async function keep(): Promise<void> {
   said.value = `“${name}” is kept; later designs are compared with it.`;
 }
 
-async function bring({ name, text: whole, files }: Version): Promise<void> {
+export async function bring({ name, text: whole, files }: Version): Promise<void> {
   await recallFiles(files);
   if (await open(whole, "", `Opening ${name}…`)) said.value = `“${name}” is open. Undo restores the previous design.`;
 }
@@ -140,6 +140,11 @@ export function Versions() {
               Stop comparing
             </button>
           </>
+        )}
+        {all.length > 0 && (
+          <button type="button" onClick={() => showTab("side")} title="Pictures, spectra and numbers of the versions and the current design">
+            Side by side
+          </button>
         )}
         {earlier.value.length > 0 && (
           <Menu

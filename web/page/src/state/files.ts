@@ -60,7 +60,7 @@ export async function add(name: string, bytes: Blob, id: string | null = null): 
   const former = files.value.find((one) => one.name === name);
   put({ ...file, id: id ?? former?.id ?? null, audit: former?.audit ?? null, isReading: true });
   try {
-    const audit = await upload<Upload>(name, bytes);
+    const audit = await upload<Upload>(name.split("/").at(-1)!, bytes);
     if (audit.id !== id) await keepFile(audit.id, bytes);
     put({ ...file, id: audit.id, audit });
     return true;
@@ -78,6 +78,14 @@ export async function recallFiles(ids: Readonly<Record<string, string>>): Promis
   for (const [name, id] of Object.entries(ids)) {
     const bytes = await keptFile(id);
     if (bytes) await add(name, bytes, id);
+  }
+}
+
+/** Sends stored files that the server has lost, without listing them: those of designs that are not open. */
+export async function sendFiles(ids: Readonly<Record<string, string>>): Promise<void> {
+  for (const [name, id] of Object.entries(ids)) {
+    const bytes = await keptFile(id);
+    if (bytes) await upload<Upload>(name.split("/").at(-1)!, bytes);
   }
 }
 

@@ -9,6 +9,7 @@ import { present } from "./age.ts";
 import { fields, selected, text } from "./design.ts";
 import { fileIds, files } from "./files.ts";
 import { edit } from "./live.ts";
+import { startJob } from "./jobs.ts";
 import { ready } from "./ready.ts";
 import { ageOfRun, type Revision } from "./revision.ts";
 import { lineFor } from "./sweep.ts";
@@ -96,6 +97,10 @@ export async function run(): Promise<void> {
     if (event === "done") done.value = data as FitDone;
   });
 }
+
+/** Runs it as a job of the server. */
+export const runAsJob = (): Promise<boolean> =>
+  startJob({ command: "fit", inputs: used.value, edits: isOfFile.value ? [] : asEdits() });
 
 /** Gives the design the fitted values. */
 export function take(): void {

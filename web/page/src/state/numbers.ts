@@ -40,5 +40,9 @@ export function addNumber(metric: string): void {
 
 export const removeNumber = (metric: string): void => put(chosen.value.filter((one) => one.metric !== metric));
 
+/** Shows the numbers of another bench with their targets, and then the others that were shown. */
+export const putFirst = (given: readonly Chosen[]): void =>
+  put([...given, ...chosen.value.filter(({ metric }) => !given.some((one) => one.metric === metric))]);
+
 export const setTarget = (metric: string, target: Target | null): void =>
   put(chosen.value.map((one) => (one.metric === metric ? { ...one, target } : one)));

@@ -9,7 +9,7 @@ import { lastChange, titleOf } from "../model/about.ts";
 import { followDesign, linked, opening } from "./address.ts";
 import { draft, draftName, held, pending, text } from "./design.ts";
 import { merged } from "./edits.ts";
-import { adopt, keptIds, recallFiles, recallFormer } from "./files.ts";
+import { adopt, files, keptIds, recallFiles, recallFormer, type Dropped } from "./files.ts";
 import { gesture } from "./gesture.ts";
 import { forgetUnused } from "./keep.ts";
 import { isTyped, resume } from "./live.ts";
@@ -18,7 +18,8 @@ import { open } from "./open.ts";
 import { pinned, repin, unpin } from "./pin.ts";
 import { said } from "./said.ts";
 import { history, resume as resumeSteps } from "./undo.ts";
-import { keeper, STEPS, WORK, type Earlier, type Keeper, type Now, type Steps, type Work } from "./works.ts";
+import { versions } from "./versions.ts";
+import { EMPTY, keeper, STEPS, WORK, type Earlier, type Keeper, type Now, type Steps, type Work } from "./works.ts";
 
 /** Returns a storage of the browser, or null if it is not available. */
 function place(which: "localStorage" | "sessionStorage"): Storage | null {
@@ -159,7 +160,8 @@ export async function begin(): Promise<void> {
   followDesign();
   watch();
   await pinAgain();
-  await forgetUnused(new Set([...works.files(), ...Object.values(keptIds.value)]));
+  const ofVersions = versions.value.flatMap((version) => Object.values(version.files));
+  await forgetUnused(new Set([...works.files(), ...ofVersions, ...Object.values(keptIds.value)]));
 }
 
 /** Watches for links that are opened in this tab, and for designs that other tabs store or remove. */
@@ -170,6 +172,20 @@ function watch(): void {
   );
   addEventListener("storage", ({ oldValue, newValue }) => (oldValue === null || newValue === null) && lookForEarlier());
   lookForEarlier();
+}
+
+/** Opens a design with other files; the previous design becomes an earlier one. */
+export async function begun(scenario: string, compared: string | null, given_files: readonly Dropped[], change: string): Promise<void> {
+  works.leave();
+  batch(() => {
+    files.value = given_files;
+    restore({ ...EMPTY, text: scenario, pinned: compared, started, files: keptIds.value, change, past: [], future: [] });
+  });
+  given = null;
+  isTouched = true;
+  works.keep(now(), history.value, true);
+  lookForEarlier();
+  await pinAgain();
 }
 
 /** Opens an earlier design; the previous one becomes an earlier design. */

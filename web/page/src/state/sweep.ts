@@ -11,6 +11,7 @@ import { fields, selected, text } from "./design.ts";
 import { fileIds } from "./files.ts";
 import { edit } from "./live.ts";
 import { isOfPixels } from "./metrics.ts";
+import { startJob } from "./jobs.ts";
 import { ready } from "./ready.ts";
 import { ageOfRun, type Revision } from "./revision.ts";
 import { long } from "./work.ts";
@@ -109,6 +110,10 @@ export async function run(): Promise<void> {
     if (event === "done") done.value = data as SweepDone;
   });
 }
+
+/** Runs it as a job of the server. */
+export const runAsJob = (): Promise<boolean> =>
+  startJob({ command: "sweep", edits: isOfFile.value && fileComputes() ? [] : asEdits() });
 
 /** Applies the values of a point to the design. */
 export function apply(point: SweepPoint): void {

@@ -6,7 +6,7 @@ import { recall, remember } from "./keep.ts";
 
 const KEY = "papilio.versions";
 /** Maximum number of versions; a further one replaces the oldest. */
-const MOST = 24;
+export const MOST = 24;
 
 export interface Version {
   readonly id: string;
@@ -45,6 +45,21 @@ export function keepVersion(version: Omit<Version, "id" | "at">): Version {
   const kept = { ...version, at, id: `${at.toString(36)}-${Math.random().toString(36).slice(2, 8)}` };
   put((all) => [kept, ...all].slice(0, MOST));
   return kept;
+}
+
+/** Adds versions of another bench, the newest first; those that exist already are left out. Returns how many are new. */
+export function addVersions(given: readonly Omit<Version, "id">[]): number {
+  const fresh = newOf(given);
+  put((all) => [...fresh.map((one, i) => ({ ...one, id: `${Date.now().toString(36)}-${i}` })), ...all].slice(0, MOST));
+  return fresh.length;
+}
+
+/** Returns the versions that are not stored yet. */
+export function newOf(given: readonly Omit<Version, "id">[]): readonly Omit<Version, "id">[] {
+  const known = stored();
+  const isSame = (one: Omit<Version, "id">, { name, text, files }: Version): boolean =>
+    name === one.name && text === one.text && Object.entries(one.files).every(([file, id]) => files[file] === id);
+  return given.filter((one) => !known.some((other) => isSame(one, other)));
 }
 
 export const renameVersion = (id: string, name: string): void =>

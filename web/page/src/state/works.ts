@@ -76,6 +76,8 @@ export interface Keeper {
   keep(now: Now, steps: Steps, changed: boolean): void;
   /** From now on, the design of this tab does not replace the design that was loaded. */
   part(): void;
+  /** From now on, the design of this tab is a new one; what was open stays stored as it is. */
+  leave(): void;
   /** Returns the other designs, newest first. */
   earlier(): Earlier[];
   /** Returns the ids of all files that a stored design uses. */
@@ -84,7 +86,7 @@ export interface Keeper {
   take(id: string): Work | null;
 }
 
-const EMPTY: Now = {
+export const EMPTY: Now = {
   text: "",
   draft: null,
   draftName: "",
@@ -272,6 +274,9 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
     },
     keep,
     part: () => void (origin = null),
+    leave() {
+      [origin, id, count, steps, shared] = [null, fresh(), 0, null, null];
+    },
     earlier: () =>
       heads()
         .filter((kept) => kept.id !== id && kept.id !== origin?.stamp.id)

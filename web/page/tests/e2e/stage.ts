@@ -65,8 +65,11 @@ async function fromFolder(route: Route): Promise<void> {
   await route.fulfill({ status: 200, headers: { ...headers, "content-type": kind }, body: readFileSync(join(PAGE!, name)) });
 }
 
+/** The folder of jobs, the same for a server that starts again. */
+const JOBS = mkdtempSync(join(tmpdir(), "papilio-jobs-"));
+
 async function serve(port: number): Promise<{ url: string; child: ChildProcess }> {
-  const child = spawn(PAPILIO, ["serve", "--port", String(port)], { stdio: ["ignore", "pipe", "inherit"] });
+  const child = spawn(PAPILIO, ["serve", "--port", String(port), "--jobs", JOBS], { stdio: ["ignore", "pipe", "inherit"] });
   for await (const line of createInterface({ input: child.stdout! })) {
     const url = /http:\S+/.exec(line)?.[0];
     if (url) return { url: url.endsWith("/") ? url : `${url}/`, child };
@@ -193,7 +196,7 @@ export async function downloaded(
 
 /** Clicks Save and returns the scenario. */
 export const saved = async (page: Page): Promise<string> =>
-  (await downloaded(page, () => page.getByRole("button", { name: "Save" }).click())).text;
+  (await downloaded(page, () => page.getByRole("button", { name: "Save", exact: true }).click())).text;
 
 /** Returns the result of `papilio run` for a scenario. */
 export function commandLine(scenario: string): {

@@ -227,3 +227,53 @@ test("every tool but those of the page alone shows its command, which the progra
   await tool(page, "sweep");
   assert.match(await page.locator(".tool-command code").innerText(), /^papilio sweep [\w-]+\.toml$/);
 });
+
+test("versions are side by side: pictures, differences coloured by targets, spectra; the choice is there after a reload", { timeout: 120_000 }, async () => {
+  const page = await on.visit();
+  const first = await figure(page, "Contrast : 1");
+  await page.getByRole("button", { name: "Keep this version" }).click();
+  await page.locator("[data-version]").waitFor();
+  await type(page, "display.diffuser.haze", "0.5");
+  const second = await changed(page, "Contrast : 1", first);
+  await page.getByRole("button", { name: "Keep this version" }).click();
+  await page.locator("[data-version]").nth(1).waitFor();
+  for (const one of await page.getByRole("textbox", { name: /^Name of the version/ }).all()) {
+    await one.fill((await one.inputValue()).endsWith(" 2") ? "Hazy" : "First");
+    await one.press("Enter");
+  }
+  await page.getByRole("button", { name: "Side by side" }).first().click();
+  const cell = (metric: string, column: number) => page.locator(`[data-row="${metric}"] td`).nth(column);
+  await page.locator('[data-column="First"][aria-busy="false"]').waitFor({ timeout: 30_000 });
+  await page.locator('[data-column="Hazy"][aria-busy="false"]').waitFor({ timeout: 30_000 });
+  // Columns: the current design, which is the newest version, the newest, the oldest.
+  assert.match(await cell("Contrast : 1", 0).innerText(), new RegExp(`^${second.replace(".", "\\.")}`));
+  assert.equal((await cell("Contrast : 1", 2).innerText()).trim(), first);
+  const difference = (Number(second) - Number(first)).toFixed(2).replace("-", "−").replace(/^(\d)/, "+$1");
+  assert.match(await cell("Contrast : 1", 1).innerText(), new RegExp(`\\${difference}$`));
+  assert.equal(await cell("Contrast : 1", 1).locator(".agrees, .disagrees").count(), 0);
+  // A target tells which difference is better, and which design meets it.
+  const contrast = page.locator('[data-figure="Contrast : 1"]');
+  await contrast.getByRole("button", { name: "Contrast" }).click();
+  await contrast.getByLabel("Kind of target of Contrast").selectOption("at_most");
+  await contrast.getByLabel("Target of Contrast", { exact: true }).fill(String((Number(first) + Number(second)) / 2));
+  await contrast.getByRole("button", { name: "Set", exact: true }).click();
+  await cell("Contrast : 1", 1).locator(Number(second) < Number(first) ? "small.agrees" : "small.disagrees").waitFor();
+  // ΔE of white from the oldest version is that of the numbers of both.
+  assert.match(await cell("ΔE00 white", 2).innerText(), /–/);
+  assert.ok(Number(await cell("ΔE00 white", 1).innerText()) > 0);
+  assert.equal(await cell("ΔE00 white", 0).innerText(), await cell("ΔE00 white", 1).innerText());
+  await page.getByRole("checkbox", { name: "Hazy" }).uncheck();
+  await page.locator('[data-column="Hazy"]').waitFor({ state: "detached" });
+  await page.getByRole("radio", { name: /Differences from Indoor/ }).check();
+  await page.reload();
+  await page.locator(".bench").waitFor();
+  await tool(page, "side");
+  await page.locator('[data-column="First"][aria-busy="false"]').waitFor({ timeout: 30_000 });
+  assert.equal(await page.locator("[data-column]").count(), 2);
+  assert.equal(await page.getByRole("radio", { name: /Differences from Indoor/ }).isChecked(), true);
+  assert.ok(await page.locator('[data-column="First"] canvas').evaluate((e) => {
+    const { data } = (e as HTMLCanvasElement).getContext("2d")!.getImageData(0, 0, 400, 300);
+    return new Set(data).size > 20;
+  }));
+  assert.deepEqual(on.complaints, []);
+});

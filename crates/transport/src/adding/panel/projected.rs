@@ -72,6 +72,12 @@ impl Projected {
     pub(super) fn nodes(&self) -> usize {
         self.rule.len()
     }
+
+    /// Returns how many numbers it has.
+    pub(super) fn numbers(&self) -> usize {
+        let above = self.circles.iter().map(|circle| circle.orders.len());
+        LANES * self.chunks.iter().map(Vec::len).sum::<usize>() + above.sum::<usize>()
+    }
 }
 
 impl Pass<'_> {

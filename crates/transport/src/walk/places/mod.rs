@@ -48,6 +48,7 @@ mod light;
 mod path;
 mod pattern;
 mod pixel;
+mod sample;
 mod slab;
 mod tally;
 mod tracer;
@@ -65,6 +66,7 @@ use light::Recorded;
 use papilio_optics::Beta;
 use path::Path;
 pub use pattern::{Matrix, Meeting, Pattern, SeenFrom, Shape, TwoStates, Uniform};
+pub use sample::RoundSample;
 pub use tally::{Kernel, KernelTally, Spreads};
 use tally::{Plan, Record, Sums};
 use tracer::{Shows, Tracer, Workspace};
@@ -122,6 +124,10 @@ pub struct Estimate {
 pub struct Exit<'p> {
     /// Place relative to that of entry, mm.
     pub place_mm: [f64; 2],
+    /// Place relative to the middle of a round sample, mm.
+    pub from_middle_mm: [f64; 2],
+    /// Whether the path has been beside the sample.
+    pub left_sample: bool,
     /// Direction cosines.
     pub beta: Beta,
     /// False if it leaves into the air above, true if it arrives at the plane of the pixel.
@@ -242,6 +248,13 @@ impl<'a> PlacedWalk<'a> {
         self
     }
 
+    /// The same walk in a round sample, for [`exits`](Self::exits) alone; the pattern must be uniform.
+    #[must_use]
+    pub fn in_sample(mut self, sample: Option<RoundSample>) -> Self {
+        self.tracer.sample = sample;
+        self
+    }
+
     /// Returns an empty replicate, to be filled by [`Self::trace`].
     pub fn replicate(&self) -> PlacedReplicate<'_> {
         let sums = Sums::new(&self.plan, self.tracer.sources.len());
@@ -316,7 +329,16 @@ impl<F: FnMut(Exit<'_>)> Record for Exits<F> {
 
     fn leaves(&mut self, path: &mut Path, below: bool) {
         let [x, y] = path.place_mm.first().copied().unwrap_or_default();
-        let place_mm = [x - path.entry_mm[0], y - path.entry_mm[1]];
-        (self.exit)(Exit { place_mm, beta: path.beta, below, light: path.light.as_spectra() });
+        let from = |[from_x, from_y]: [f64; 2]| [x - from_x, y - from_y];
+        let (place_mm, from_middle_mm) = (from(path.entry_mm), from(path.middle_mm));
+        let left_sample = path.left_sample;
+        (self.exit)(Exit {
+            place_mm,
+            from_middle_mm,
+            left_sample,
+            beta: path.beta,
+            below,
+            light: path.light.as_spectra(),
+        });
     }
 }

@@ -21,6 +21,10 @@ pub(super) struct Path {
     pub(super) place_mm: Vec<[f64; 2]>,
     /// Its first place.
     pub(super) entry_mm: [f64; 2],
+    /// Middle of the sample, if that is limited.
+    pub(super) middle_mm: [f64; 2],
+    /// Whether it has been beside the sample.
+    pub(super) left_sample: bool,
     /// Where the view's own ray meets the pixel.
     pub(super) own_mm: [f64; 2],
     /// Where the view's own ray passes the plane of the filter.
@@ -66,6 +70,8 @@ impl Path {
             going: Propagation::Down,
             place_mm: vec![[0.0; 2]; places],
             entry_mm: [0.0; 2],
+            middle_mm: [0.0; 2],
+            left_sample: false,
             own_mm: [0.0; 2],
             own_at_filter_mm: [0.0; 2],
             passed_mm: Vec::new(),
@@ -81,6 +87,7 @@ impl Path {
         (self.beta, self.plane, self.going) = (beta, 0, Propagation::Down);
         self.density = f64::INFINITY;
         self.polarisation = 0;
+        self.left_sample = false;
         self.light.start();
         self.trace.clear();
     }
@@ -91,6 +98,7 @@ impl Path {
         (self.density, self.polarisation) = (other.density, other.polarisation);
         self.place_mm.copy_from_slice(&other.place_mm);
         (self.entry_mm, self.own_mm) = (other.entry_mm, other.own_mm);
+        (self.middle_mm, self.left_sample) = (other.middle_mm, other.left_sample);
         self.own_at_filter_mm = other.own_at_filter_mm;
         self.passed_mm.clone_from(&other.passed_mm);
         self.light.copy(&other.light);

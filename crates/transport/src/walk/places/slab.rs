@@ -69,6 +69,7 @@ impl Tracer<'_> {
                 out(path);
                 return true;
             }
+            self.watch_edge(path);
             depth = (depth + flown * now[2]).clamp(0.0, thickness);
             path.light.multiply(if self.bands == 1 { &scattering.albedo[..1] } else { &scattering.albedo });
             let Workspace { path, last, targets, flat, of_last, pixel, .. } = work;

@@ -7,6 +7,7 @@ use super::filter::FilterPlane;
 use super::light::{Light, Shown};
 use super::path::Path;
 use super::pattern::Pattern;
+use super::sample::RoundSample;
 use super::tally::Record;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
@@ -37,6 +38,8 @@ pub(super) struct Tracer<'a> {
     pub(super) filter: Option<FilterPlane>,
     /// Spread of light inside a Lambertian pixel.
     pub(super) spread: Option<PixelSpread>,
+    /// A sample that is not infinite.
+    pub(super) sample: Option<RoundSample>,
     pub(super) air: Medium,
     /// Where lobes of the stack have no bound.
     pub(super) horizons: Option<Horizons>,
@@ -122,6 +125,7 @@ impl<'a> Tracer<'a> {
             bands: if stack.is_grey() && filter.is_none() { 1 } else { bins },
             filter,
             spread: None,
+            sample: None,
         }
     }
 
@@ -194,6 +198,7 @@ impl<'a> Tracer<'a> {
             path.move_back(|place| -per_beta(medium, place, beta, *thickness_mm));
         }
         path.entry_mm = path.place_mm.first().copied().unwrap_or_default();
+        self.place_in_sample(numbers, path);
         path.own_at_filter_mm = path.own_mm;
         if let (Some(filter), Some(layer)) = (&self.filter, self.stack.layers.last()) {
             let way = per_beta(&layer.medium, self.bins() / 2, beta, filter.height_mm);
@@ -254,6 +259,7 @@ impl<'a> Tracer<'a> {
 
     /// Follows a path to its next plane; false if it ends.
     fn step(&self, dice: &mut Dice<'_>, work: &mut Workspace, record: &mut impl Record) -> bool {
+        self.watch_edge(&mut work.path);
         let Path { plane, going, .. } = work.path;
         match going {
             Propagation::Up if plane == 0 => {

@@ -20,7 +20,7 @@ pub(super) struct Light {
     pub(super) groups: Vec<Bundle>,
     /// For each index and group.
     pub(super) recycled: Vec<Vec<Group>>,
-    /// Of a field: for each index and group its light below the diffuser.
+    /// Of a field: for each index and group its light below the diffuser; empty if that is too large.
     pub(super) projected: Vec<Vec<Projected>>,
 }
 
@@ -98,7 +98,7 @@ impl Kernel {
             Source::Field(field) => self.of_field(field),
         };
         let recycled = self.groups(&groups);
-        let projected = if matches!(source, Source::Field(_)) { self.projected(&groups) } else { Vec::new() };
+        let projected = if matches!(source, Source::Field(_)) { self.stored(&groups) } else { Vec::new() };
         Light { source, groups, recycled, projected }
     }
 
@@ -125,18 +125,32 @@ impl Kernel {
         (passes * self.scale()).min(SMOOTH)
     }
 
-    /// Projects the groups of a field for each index.
-    fn projected(&self, groups: &[Bundle]) -> Vec<Vec<Projected>> {
+    /// Projects a group of a field.
+    pub(super) fn projected(&self, pass: &Pass<'_>, bundle: &Bundle) -> Projected {
         let width = self.width_of_peaks();
         let mut views: Vec<f64> = self.directions.iter().flat_map(|view| radii(view, width)).collect();
         views.sort_by(f64::total_cmp);
         views.dedup();
-        let one = |pass: &Pass<'_>, b: &Bundle| {
-            let lit: Vec<f64> = b.circles.iter().map(|circle| circle.radius).collect();
-            pass.project(&lit, &views, |_| b.circles.clone())
-        };
-        let project = |pass: Pass<'_>| groups.iter().map(|b| one(&pass, b)).collect();
-        (0..self.indices.nodes.len()).filter_map(|index| self.pass(index)).map(project).collect()
+        let lit: Vec<f64> = bundle.circles.iter().map(|circle| circle.radius).collect();
+        pass.project(&lit, &views, |_| bundle.circles.clone())
+    }
+
+    /// Projects the groups of a field for each index, unless they have too many numbers.
+    fn stored(&self, groups: &[Bundle]) -> Vec<Vec<Projected>> {
+        let (mut all, mut numbers) = (Vec::new(), 0);
+        for pass in (0..self.indices.nodes.len()).filter_map(|index| self.pass(index)) {
+            let mut of_index = Vec::with_capacity(groups.len());
+            for bundle in groups {
+                let projected = self.projected(&pass, bundle);
+                numbers += projected.numbers();
+                if numbers > MOST_STORED {
+                    return Vec::new();
+                }
+                of_index.push(projected);
+            }
+            all.push(of_index);
+        }
+        all
     }
 
     /// Returns the groups of a source on the grid.
@@ -153,6 +167,9 @@ impl Kernel {
         self.grids().zip(&self.indices.nodes).map(at).collect()
     }
 }
+
+/// Most numbers of the projected light of a source that are stored (64 MB); more are computed again for each view.
+const MOST_STORED: usize = 1 << 23;
 
 /// Natural digits that the directions of a field have less than everything else: there are many directions,
 /// and where their error is large, light is faint.

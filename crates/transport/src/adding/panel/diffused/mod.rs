@@ -18,7 +18,7 @@ use crate::light::cone_points::Nodes as QuadratureNodes;
 use crate::light::cone_points::{Point, cone_points_of};
 use crate::light::images::{ImagePoints, Mirror, image_points};
 use crate::{AngularTable, Cone, Diffuser, Medium, Nodes, Panel, Reflector, Source, Top};
-use by_order::ByOrder;
+use by_order::{ByOrder, OfView};
 use lights::{Bundle, Light};
 
 pub use sums::ViewSums;
@@ -168,9 +168,9 @@ impl Kernel {
             }
             let turned = made.iter().rev().find(|view| view.cone.is_turned(cone));
             let across = stack.base.nodes_across(cone, &stack.medium);
-            let many = views.iter().filter(|other| other.is_turned(cone)).count() >= MANY_VIEWS;
+            let at_inclination = views.iter().filter(|other| other.is_turned(cone)).count();
             let old = (old_view(k, cone), turned);
-            let view = self.view((cone, across, many), sources, old, &kept, same_recycling);
+            let view = self.view((cone, across, at_inclination), sources, old, &kept, same_recycling);
             made.push(view);
         }
         self.views = made;
@@ -264,11 +264,11 @@ impl Kernel {
         Some(Pass { diffuser: &self.diffuser, table, index, digits: self.digits })
     }
 
-    /// Computes the view of a cone, across which lie this many nodes of the base's table; `many` others are
-    /// at its inclination.
+    /// Computes the view of a cone, across which lie this many nodes of the base's table; so many views, itself
+    /// included, are at its inclination.
     fn view(
         &self,
-        (cone, across, many): (&Cone, f64, bool),
+        (cone, across, at_inclination): (&Cone, f64, usize),
         sources: &[Source],
         (old, turned): (Option<&View>, Option<&View>),
         kept: &[Option<usize>],
@@ -292,16 +292,16 @@ impl Kernel {
             .map(|j| {
                 let old = old.and_then(|old| old.at.get(j));
                 let turned = turned.and_then(|turned| turned.at.get(j));
-                self.view_at((j, many), &groups, (old, turned), kept, same_recycling)
+                self.view_at((j, at_inclination), &groups, (old, turned), kept, same_recycling)
             })
             .collect();
         View { cone: *cone, groups, images, at }
     }
 
-    /// Computes a view at an index; `many` others are at its inclination.
+    /// Computes a view at an index; so many views, itself included, are at its inclination.
     fn view_at(
         &self,
-        (index, many): (usize, bool),
+        (index, at_inclination): (usize, usize),
         groups: &[Bundle],
         (old, turned): (Option<&AtIndex>, Option<&AtIndex>),
         kept: &[Option<usize>],
@@ -343,14 +343,16 @@ impl Kernel {
                 old.fields.iter().map(of).collect()
             }
             _ => {
-                let of_group = |(bundle, recycled): (&Bundle, &Option<(Group, Option<OwnForms>)>)| {
-                    let recycled = recycling.zip(recycled.as_ref().map(|(group, _)| group));
-                    self.sources
-                        .iter()
-                        .map(|light| by_order::of((&pass, index), bundle, recycled, light, many))
-                        .collect()
-                };
-                groups.iter().zip(&recycled).map(of_group).collect()
+                let own = recycled.iter().map(|own| recycling.zip(own.as_ref().map(|(group, _)| group)));
+                let of_groups: Vec<OfView<'_>> =
+                    groups.iter().zip(own).map(|(bundle, recycled)| OfView { bundle, recycled }).collect();
+                let mut fields = vec![Vec::new(); groups.len()];
+                for light in &self.sources {
+                    let project = |bundle: &Bundle| self.projected(&pass, bundle);
+                    let of_light = by_order::of((&pass, index), &of_groups, light, project, at_inclination);
+                    fields.iter_mut().zip(of_light).for_each(|(all, one)| all.push(one));
+                }
+                fields
             }
         };
         let pairs = groups.iter().enumerate().map(|(g, group)| {
@@ -432,10 +434,6 @@ impl Kernel {
         views + shares + self.grids().map(Recycling::nodes).sum::<usize>()
     }
 }
-
-/// Number of views at one inclination from which on their light is computed by azimuthal orders, whatever the
-/// source.
-const MANY_VIEWS: usize = 16;
 
 /// Returns the previous position of a source; the directions of a field also depend on the views.
 fn position(source: &Source, old: &[Arc<Light>], same_views: bool) -> Option<usize> {

@@ -1,0 +1,148 @@
+//! Light without a phase: actions of layers on the coherency matrix, at several wavelengths.
+//!
+//! A coherency matrix `<E_i E_k*>` of p and s is held as four real numbers: pp, ss, and the real and the imaginary part of ps. That basis makes
+//! elimination without pivots stable: its leading elements are those of light whose coherence, or whose s, is lost, of which no more returns than was sent.
+
+use super::lanes::{Blocks, Complex, Pair, Real};
+
+/// Light by its coherency matrix, and what a meter makes of it.
+pub(super) type Light = [Real; 4];
+
+/// Action on a coherency matrix, by rows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Action(pub(super) [[Real; 4]; 4]);
+
+impl Action {
+    /// Returns the action of amplitudes.
+    #[inline(always)]
+    pub(super) fn of(jones: Pair) -> Self {
+        let [[a, b], [c, d]] = jones.0;
+        let [ab, cd, ac, bd, ad, bc] =
+            [times(a, b), times(c, d), times(a, c), times(b, d), times(a, d), times(b, c)];
+        let twice = |x: Real| x + x;
+        Self([
+            [a.norm_sqr(), b.norm_sqr(), twice(ab.re), -twice(ab.im)],
+            [c.norm_sqr(), d.norm_sqr(), twice(cd.re), -twice(cd.im)],
+            [ac.re, bd.re, ad.re + bc.re, bc.im - ad.im],
+            [ac.im, bd.im, ad.im + bc.im, ad.re - bc.re],
+        ])
+    }
+
+    #[inline(always)]
+    pub(super) fn times(&self, other: &Self) -> Self {
+        let mut out = [[Real::splat(0.0); 4]; 4];
+        for (row, out) in self.0.iter().zip(&mut out) {
+            for (value, other) in row.iter().zip(&other.0) {
+                for k in 0..4 {
+                    out[k] = out[k] + *value * other[k];
+                }
+            }
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn plus(mut self, other: &Self) -> Self {
+        for (row, other) in self.0.iter_mut().zip(&other.0) {
+            for k in 0..4 {
+                row[k] = row[k] + other[k];
+            }
+        }
+        self
+    }
+
+    #[inline(always)]
+    pub(super) fn on(&self, light: Light) -> Light {
+        let mut out = [Real::splat(0.0); 4];
+        for (row, out) in self.0.iter().zip(&mut out) {
+            *out = dot(*row, light);
+        }
+        out
+    }
+}
+
+/// Returns what a meter of these weights sees of light.
+#[inline(always)]
+pub(super) fn dot([a, b, c, d]: Light, [x, y, z, u]: Light) -> Real {
+    a * x + b * y + c * z + d * u
+}
+
+/// Returns `x y*`.
+#[inline(always)]
+fn times(x: Complex, y: Complex) -> Complex {
+    Complex { re: x.re * y.re + x.im * y.im, im: x.im * y.re - x.re * y.im }
+}
+
+/// Coherent layers between two thick ones.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Between {
+    r: Action,
+    t: Action,
+    r_below: Action,
+    t_up: Action,
+}
+
+impl Between {
+    #[inline(always)]
+    pub(super) fn new(blocks: &Blocks) -> Self {
+        let Blocks { r, t, r_below, t_up } = *blocks;
+        Self { r: Action::of(r), t: Action::of(t), r_below: Action::of(r_below), t_up: Action::of(t_up) }
+    }
+
+    /// Returns the reflection of these layers over what is below.
+    #[inline(always)]
+    pub(super) fn over(&self, below: &Action) -> Action {
+        let (mut trips, mut down) = (self.open(below), self.t);
+        eliminate(&mut trips, &mut down.0);
+        self.r.plus(&self.t_up.times(&below.times(&down)))
+    }
+
+    /// Returns what a meter above sees of this light.
+    #[inline(always)]
+    pub(super) fn seen(&self, below: &Action, light: Light, meter: Light) -> Real {
+        let (mut trips, down) = (self.open(below), self.t.on(light));
+        let mut down = down.map(|value| [value]);
+        eliminate(&mut trips, &mut down);
+        let up = self.t_up.on(below.on([down[0][0], down[1][0], down[2][0], down[3][0]]));
+        dot(meter, self.r.on(light)) + dot(meter, up)
+    }
+
+    /// Returns 1 less a round trip.
+    #[inline(always)]
+    fn open(&self, below: &Action) -> [[Real; 4]; 4] {
+        let mut trips = self.r_below.times(below).0;
+        for (row, values) in trips.iter_mut().enumerate() {
+            for (column, value) in values.iter_mut().enumerate() {
+                *value = if row == column { Real::splat(1.0) - *value } else { -*value };
+            }
+        }
+        trips
+    }
+}
+
+/// Replaces the columns `x` by those of `matrix^-1 x`.
+#[inline(always)]
+fn eliminate<const N: usize>(matrix: &mut [[Real; 4]; 4], x: &mut [[Real; N]; 4]) {
+    use super::lanes::Element;
+    for pivot in 0..4 {
+        let over = matrix[pivot][pivot].inverse();
+        for k in pivot + 1..4 {
+            matrix[pivot][k] = matrix[pivot][k] * over;
+        }
+        for k in 0..N {
+            x[pivot][k] = x[pivot][k] * over;
+        }
+        for row in 0..4 {
+            if row == pivot {
+                continue;
+            }
+            let factor = matrix[row][pivot];
+            for k in pivot + 1..4 {
+                matrix[row][k] = matrix[row][k] - factor * matrix[pivot][k];
+            }
+            for k in 0..N {
+                x[row][k] = x[row][k] - factor * x[pivot][k];
+            }
+        }
+    }
+}
