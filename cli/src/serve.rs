@@ -41,7 +41,8 @@ pub(crate) fn run(arguments: &Serve) -> Result<(), Failure> {
 fn jobs(folder: Option<&Path>) -> Option<JobOptions> {
     let program = std::env::current_exe().ok()?;
     let is_papilio = program.file_stem().is_some_and(|stem| stem == "papilio");
-    let folder = folder.map_or_else(job_folder, |folder| std::path::absolute(folder).unwrap_or(folder.to_owned()));
+    let folder =
+        folder.map_or_else(job_folder, |folder| std::path::absolute(folder).unwrap_or(folder.to_owned()));
     is_papilio.then_some(JobOptions { program, folder })
 }
 

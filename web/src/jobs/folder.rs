@@ -39,9 +39,8 @@ pub(super) fn write(
     }
     texts.iter().try_for_each(|text| check_paths(text))?;
     let own = shipped::DATA.iter().filter(|(name, _)| {
-        let is_named = |text: &&str| {
-            text.contains(&format!("\"{name}\"")) || text.contains(&format!("'{name}'"))
-        };
+        let is_named =
+            |text: &&str| text.contains(&format!("\"{name}\"")) || text.contains(&format!("'{name}'"));
         // A surface of the program has its meshes beside it.
         let is_beside = name.starts_with(SURFACES) && texts.iter().any(|text| text.contains(SURFACES));
         is_beside || texts.iter().any(is_named)
@@ -72,9 +71,9 @@ pub(super) fn is_inside(name: &str) -> bool {
 
 /// Refuses a text that names files outside of the folder.
 fn check_paths(text: &str) -> Result<(), Fault> {
-    let table: toml::Table = text
-        .parse()
-        .map_err(|error: toml::de::Error| Fault::too_much(format!("the scenario is not TOML: {}", error.message()), ""))?;
+    let table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
+        Fault::too_much(format!("the scenario is not TOML: {}", error.message()), "")
+    })?;
     check_value(&Value::Table(table))
 }
 
@@ -142,7 +141,8 @@ pub(super) fn read(folder: &Path, name: &str) -> Result<DataFile, Fault> {
             &format!("it is {}", path.display()),
         ));
     }
-    let bytes = fs::read(&path).map_err(|error| Fault::internal(&format!("the file cannot be read: {error}")))?;
+    let bytes =
+        fs::read(&path).map_err(|error| Fault::internal(&format!("the file cannot be read: {error}")))?;
     Ok(DataFile { name: name.to_owned(), bytes })
 }
 

@@ -153,7 +153,12 @@ impl Jobs {
                 job.phase = JobPhase::Waiting;
             }
         }
-        let jobs = Arc::new(Self { program: options.program, folder, all: Mutex::new(all), changed: Condvar::new() });
+        let jobs = Arc::new(Self {
+            program: options.program,
+            folder,
+            all: Mutex::new(all),
+            changed: Condvar::new(),
+        });
         let runner = jobs.clone();
         std::thread::spawn(move || runner.run_all());
         jobs
@@ -180,7 +185,8 @@ impl Jobs {
         // Where the results are is known from their list.
         let lines = messages.lines().filter(|line| !line.starts_with("wrote "));
         let (progress, notes): (Vec<&str>, Vec<&str>) = lines.partition(|line| is_progress(line));
-        let progress = if job.phase == JobPhase::Running { progress.last().map_or("", |line| *line) } else { "" };
+        let progress =
+            if job.phase == JobPhase::Running { progress.last().map_or("", |line| *line) } else { "" };
         if let Some(since) = job.since.filter(|_| job.phase == JobPhase::Running) {
             job.seconds += since.elapsed().as_secs_f64();
         }
@@ -203,7 +209,10 @@ impl Jobs {
         let file = format!("{}.toml", plain(wanted.name));
         let (shown, hidden) = command.arguments(&file, wanted.inputs, wanted.options)?;
         if self.all().len() >= MOST_JOBS {
-            return Err(Fault::too_much(format!("there are {MOST_JOBS} jobs"), "remove some that have ended"));
+            return Err(Fault::too_much(
+                format!("there are {MOST_JOBS} jobs"),
+                "remove some that have ended",
+            ));
         }
         let started_ms = now_ms();
         let id = unused(&self.folder, started_ms);
@@ -313,7 +322,8 @@ impl Jobs {
 
     fn process(&self, job: &Job) -> Result<(), String> {
         let folder = self.folder_of(&job.id);
-        let mut child = self.spawn(&folder, job).map_err(|error| format!("the program cannot be started: {error}"))?;
+        let mut child =
+            self.spawn(&folder, job).map_err(|error| format!("the program cannot be started: {error}"))?;
         let mut input = child.stdin.take();
         let (mut asked, mut looked) = (None::<Instant>, Instant::now());
         let mut is_large = false;
@@ -325,8 +335,13 @@ impl Jobs {
                 }
                 Ok(Some(status)) => {
                     let text = folder::tail(&folder.join(MESSAGES), LONGEST_TEXT);
-                    let errors: Vec<&str> = text.lines().skip_while(|line| !line.starts_with("error")).collect();
-                    return Err(if errors.is_empty() { format!("the program ended: {status}") } else { errors.join("\n") });
+                    let errors: Vec<&str> =
+                        text.lines().skip_while(|line| !line.starts_with("error")).collect();
+                    return Err(if errors.is_empty() {
+                        format!("the program ended: {status}")
+                    } else {
+                        errors.join("\n")
+                    });
                 }
                 Ok(None) => {}
                 Err(error) => return Err(error.to_string()),
@@ -379,7 +394,11 @@ fn is_progress(line: &str) -> bool {
 
 /// A name of a file without what shells and file systems treat specially.
 fn plain(name: &str) -> String {
-    let plain: String = name.chars().filter(|letter| letter.is_ascii_alphanumeric() || "-_".contains(*letter)).take(80).collect();
+    let plain: String = name
+        .chars()
+        .filter(|letter| letter.is_ascii_alphanumeric() || "-_".contains(*letter))
+        .take(80)
+        .collect();
     if plain.is_empty() || plain.starts_with('-') { "design".to_owned() } else { plain }
 }
 
