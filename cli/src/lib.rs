@@ -96,7 +96,7 @@ commands! {
                       papilio brdf scenarios/indoor.toml --format rgl --states white,black --out out/mitsuba\n\n\
                       docs/brdf.md describes the files.")]
     Brdf(arguments::Brdf) => brdf::brdf,
-    /// Compute the sparkle of an antiglare face over the pixels: random brightness of equal pixels
+    /// Compute the sparkle of an antiglare face over the pixels
     #[command(
         after_help = "Example: papilio sparkle scenarios/antiglare.toml --set sparkle.correlation_um=[5,10,20,40]\n\n\
                       The scenario needs [display.matrix] and [sparkle]. docs/sparkle.md describes them."
@@ -106,8 +106,7 @@ commands! {
     #[command(after_help = "Example: papilio gloss scenarios/etched-face.toml\n\n\
                       docs/gloss.md describes the results.")]
     Gloss(arguments::SolvedSpatially) => gloss::gloss,
-    /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine
-    /// lines
+    /// Compute how sharp the display is: modulation transfer, spreads, contrast of fine lines
     #[command(after_help = "Example: papilio mtf scenarios/matrix.toml\n\n\
                       It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
     Mtf(arguments::SolvedSpatially) => mtf::mtf,
@@ -129,8 +128,7 @@ commands! {
                       papilio palette scenarios/six-ink.toml --rooms D65,FL11 --relative-to display\n\n\
                       docs/palette.md describes the files.")]
     Palette(arguments::PaletteCommand) => palette::palette,
-    /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light; can
-    /// be resumed
+    /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light
     #[command(after_help = "Examples:\n  \
                       papilio gonio surfaces/hemispheres.toml\n  \
                       papilio gonio surfaces/etched.toml --preview --set microgeometry.rms_nm=400\n\n\
@@ -190,8 +188,7 @@ commands! {
     /// Study the numerical methods on a scenario
     #[command(subcommand)]
     Study(arguments::Study) => study::sampling,
-    /// Reproduce the tables and figures of Feng (2012), and write them next to Papilio's results as HTML; or predict
-    /// samples that others measured
+    /// Reproduce the tables and figures of Feng (2012), or predict samples that others measured
     #[command(after_help = "Examples:\n  \
                       papilio validate --out out/validate\n  \
                       papilio validate --measured clear-glass\n\n\

@@ -48,7 +48,8 @@ pub(crate) struct Section {
     /// Number of the heading above it; `None` before the first.
     pub(crate) heading: Option<usize>,
     pub(crate) text: String,
-    /// First cells of the rows of tables: the terms and keys that the section explains.
+    /// First cells of the rows of tables, and what begins the items of lists in code or bold, up to a colon: the terms
+    /// and keys that the section explains.
     pub(crate) terms: String,
 }
 
@@ -126,6 +127,9 @@ struct Reader<'a> {
     /// Number of the cell in its row of a table, from 1; from 2 in the row of column names.
     cell: usize,
     in_cell: bool,
+    /// True at the beginning of an item of a list, and in the term that begins it.
+    begins_item: bool,
+    in_term: bool,
 }
 
 impl Reader<'_> {
@@ -144,8 +148,13 @@ impl Reader<'_> {
             // Words of different blocks and cells stay apart.
             Event::End(TagEnd::Item | TagEnd::CodeBlock) | Event::SoftBreak | Event::HardBreak => {
                 self.push(" ");
+                self.in_term &= !matches!(event, Event::End(_));
             }
-            Event::Text(text) | Event::Code(text) => self.push(text),
+            Event::Text(text) => self.prose(text),
+            Event::Code(text) => {
+                self.in_term |= std::mem::take(&mut self.begins_item);
+                self.push(text);
+            }
             Event::InlineMath(latex) | Event::DisplayMath(latex) => {
                 if let Err(wrong) = mathml(latex, false) {
                     self.report(range, wrong);
@@ -161,6 +170,13 @@ impl Reader<'_> {
         match tag {
             Tag::Heading { .. } => self.heading = Some(String::new()),
             Tag::Paragraph => self.describes = !self.described && !self.headings.is_empty(),
+            Tag::Item => {
+                self.begins_item = true;
+                if let Some(section) = self.sections.last_mut() {
+                    section.terms.push(' ');
+                }
+            }
+            Tag::Strong => self.in_term |= std::mem::take(&mut self.begins_item),
             Tag::TableRow => self.cell = 0,
             Tag::TableHead => self.cell = 1,
             Tag::TableCell => {
@@ -201,6 +217,20 @@ impl Reader<'_> {
         }
     }
 
+    /// Adds text, in which a colon or a bracket ends the term of an item.
+    fn prose(&mut self, text: &str) {
+        self.begins_item = false;
+        let (term, rest) = match text.find(['(', ':']) {
+            Some(end) if self.in_term => text.split_at(end),
+            _ => (text, ""),
+        };
+        self.push(term);
+        if !rest.is_empty() {
+            self.in_term = false;
+            self.push(rest);
+        }
+    }
+
     fn push(&mut self, text: &str) {
         if let Some(heading) = &mut self.heading {
             *heading += text;
@@ -212,7 +242,7 @@ impl Reader<'_> {
         if self.sections.is_empty() {
             self.sections.push(Section::default());
         }
-        let is_term = self.in_cell && self.cell == 1;
+        let is_term = self.in_term || (self.in_cell && self.cell == 1);
         if let Some(section) = self.sections.last_mut() {
             section.text += text;
             if is_term {
@@ -275,6 +305,12 @@ mod tests {
             Section { heading: Some(1), text: "Text x^2 a b 1 2".into(), terms: "1".into() }
         );
         assert!(page.has_anchor("a-film") && !page.has_anchor("film"));
+    }
+
+    #[test]
+    fn term_of_an_item_ends_at_a_colon_or_bracket() {
+        let (page, _) = read("# A\n\n- `a:b`, `c` (0 to 1): one `d`\n- **e** (m): two\n- three: `f`\n");
+        assert_eq!(page.sections[0].terms, "a:b, c e");
     }
 
     #[test]

@@ -193,7 +193,7 @@ fn material_table() -> String {
 }
 
 fn illuminant_table() -> String {
-    let mut text = "| name | light | CCT, K | Ra |\n|---|---|---|---|\n".to_owned();
+    let mut text = String::new();
     let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));
     // Neighbours of one description have one row.
     for alike in illuminants().chunk_by(|one, next| one.what == next.what) {
@@ -202,7 +202,7 @@ fn illuminant_table() -> String {
         };
         let names = joined(&|entry| format!("`{}`", entry.name));
         let (cct, ra) = (joined(&|entry| number(entry.cct_K)), joined(&|entry| number(entry.Ra)));
-        text += &format!("| {names} | {} | {cct} | {ra} |\n", alike[0].what);
+        text += &format!("- {names}: {cct} K, Ra {ra}; {}\n", alike[0].what);
     }
     text
 }

@@ -175,18 +175,16 @@ pub(crate) fn table() -> String {
     let places =
         |places: &[&str]| places.iter().map(|place| format!("`{place}`")).collect::<Vec<_>>().join(", ");
     let rows = RENAMED.iter().map(|row| match row {
-        Key { tables, old, new } => format!("| `{old}` | `{new}` | key of {} |\n", places(tables)),
+        Key { tables, old, new } => format!("- `{old}`: `{new}`, key of {}\n", places(tables)),
         Choice { keys, old, new } => {
-            format!("| `\"{old}\"` | `{}` | value of {} |\n", new.written(), places(keys))
+            format!("- `\"{old}\"`: `{}`, value of {}\n", new.written(), places(keys))
         }
     });
-    // The old names come first: who looks for one finds it in the first column, and so does the search of the
-    // site.
-    let head = "| old | new | what |\n|---|---|---|\n".to_owned();
-    let gone = GONE
-        .iter()
-        .map(|(table, key, new)| format!("| `{key}` = 0 | `{new}` | key of `{table}`, ignored |\n"));
-    std::iter::once(head).chain(rows).chain(gone).collect()
+    // The old names come first: who looks for one finds it at the beginning of a line, and so does the search of
+    // the site.
+    let gone =
+        GONE.iter().map(|(table, key, new)| format!("- `{key}` = 0: `{new}`, key of `{table}`, ignored\n"));
+    rows.chain(gone).collect()
 }
 
 /// True if `path` matches one of the patterns, in which `*` is any single key.

@@ -9,6 +9,9 @@ use super::commands::{self, Fate, Shell, compare_output};
 use super::markdown::{Block, Note};
 use super::{Counts, repository, scenarios};
 
+/// The page of all commands, whose examples count as long.
+const REFERENCE: &str = "docs/cli.md";
+
 /// The blocks of one page while they are tested, in order.
 pub(super) struct Page<'a> {
     pub(super) name: &'a str,
@@ -79,7 +82,7 @@ impl Page<'_> {
 
     fn commands(&mut self, block: &Block, text: &str) -> Result<(), String> {
         self.count("sh");
-        let is_long = block.notes.contains(&Note::Long);
+        let is_long = block.notes.contains(&Note::Long) || self.name == REFERENCE;
         let exit = block.find(Note::exit).unwrap_or(0);
         let lines = commands::lines(text);
         if lines.is_empty() {

@@ -170,7 +170,7 @@ fn after_help(command: &Command) -> String {
             paragraphs.for_each(|paragraph| text += &format!("\n{}\n", linked(paragraph.trim())));
             continue;
         }
-        text += "\n<!-- long -->\n";
+        text += "\n";
         if command.get_name() == "completions" {
             text += "<!-- skip: each path is one of its shell; cli/tests/cli/first_steps.rs tests the scripts -->\n";
         }

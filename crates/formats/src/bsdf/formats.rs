@@ -39,15 +39,17 @@ pub fn bsdf_formats() -> String {
     }
 }
 
-/// Returns a table of the formats in Markdown, for `docs/bsdf-files.md`.
+/// Returns a list of the formats in Markdown, for `docs/bsdf-files.md`.
 pub fn bsdf_format_table() -> String {
-    let mut table =
-        "| format | read | written | ways | channels | geometry |\n|---|---|---|---|---|---|\n".to_owned();
-    for Format { name, read, written, ways, channels, geometry, .. } in FORMATS {
-        let cells = [name, read, written, ways, channels, geometry];
-        let row: String =
-            cells.map(|cell| if cell.is_empty() { " |".to_owned() } else { format!(" {cell} |") }).concat();
-        table += &format!("|{row}\n");
-    }
-    table
+    let line = |format: &Format| {
+        let Format { name, read, written, ways, channels, geometry, .. } = format;
+        let part = if *read == "yes" { String::new() } else { format!(" ({read})") };
+        let is_written = match *written {
+            "" => String::new(),
+            "yes" => ", written".to_owned(),
+            how => format!(", written {}", how.replace("yes, and", "also")),
+        };
+        format!("- **{name}**{part}{is_written}: {ways}; {channels}; {geometry}\n")
+    };
+    FORMATS.iter().map(line).collect()
 }
