@@ -105,13 +105,18 @@ impl PreparedDisplays {
         *self.last_use.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
     }
 
-    /// Releases the oldest display if nobody has used any for a while and the process uses much memory.
+    /// Releases all displays but the one that was used last, if nobody has used any for a while and the process uses much memory; and
+    /// this one, too, if that is not enough.
     fn rest(&self) {
         let last = *self.last_use.lock().unwrap_or_else(PoisonError::into_inner);
-        if last.is_some_and(|last| last.elapsed() > REST) && memory_in_use() > REST_MEMORY {
+        let memory = memory_in_use();
+        if last.is_some_and(|last| last.elapsed() > REST) && memory > REST_MEMORY {
             let mut entries = self.entries();
-            let count = entries.len().min(1);
-            entries.drain(..count);
+            let surplus = entries.len().saturating_sub(1);
+            if surplus == 0 && memory > MAX_MEMORY {
+                entries.clear();
+            }
+            entries.drain(..surplus);
         }
     }
 

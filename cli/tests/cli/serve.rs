@@ -172,3 +172,51 @@ fn server_for_other_machines_has_a_token_and_a_warning() {
     assert_eq!(second.status.code(), Some(2));
     assert!(said.contains("cannot listen on") && said.contains("--port"), "{said}");
 }
+
+/// A job writes the files of the command line, survives a kill of the server, and reads no file outside of its folder.
+#[test]
+fn job_equals_the_command_and_survives_a_kill_of_the_server() {
+    let folder = tempfile::tempdir().unwrap();
+    let jobs = folder.path().join("jobs");
+    let start = |port: &str| Server::start(&["--port", port, "--jobs", jobs.to_str().unwrap()]);
+    let server = start("0");
+    let indoor = std::fs::read_to_string(scenarios().join("indoor.toml")).unwrap();
+    let job =
+        |command: &str, scenario: &str| json!({ "command": command, "scenario": scenario, "name": "indoor" });
+    let (status, first) = server.post("/jobs/start", &job("pixel", &indoor));
+    assert_eq!((status, &first["line"]), (200, &json!("papilio pixel indoor.toml")), "{first}");
+    let (_, second) = server.post("/jobs/start", &job("study sampling", &indoor));
+    assert_eq!(second["phase"], "waiting");
+    let outside = format!("{indoor}\n[image]\nfile = '{}'\n", scenarios().join("data/chelsea.png").display());
+    assert_eq!(server.post("/jobs/start", &job("image", &outside)).0, 422);
+    let port = server.port.to_string();
+    drop(server);
+
+    let server = start(&port);
+    let find = |id: &Value| {
+        let (_, list) = server.post("/jobs", &json!({}));
+        list["jobs"].as_array().unwrap().iter().find(|job| job["id"] == *id).cloned()
+    };
+    let began = std::time::Instant::now();
+    let done = loop {
+        let job = find(&first["id"]).unwrap();
+        if job["phase"] == "done" {
+            break job;
+        }
+        assert!(began.elapsed() < Duration::from_secs(60), "{job}");
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    assert!(done["report"].as_str().unwrap().contains("peak wavelength"), "{done}");
+    let request = json!({ "id": first["id"], "name": "pixel.csv" }).to_string();
+    let (_, of_job) = server.bytes("POST", "/jobs/file", "application/json", request.as_bytes());
+    let out = folder.path().join("out");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_papilio"));
+    command.args(["pixel", "indoor.toml", "--out", out.to_str().unwrap()]).current_dir(scenarios());
+    assert!(command.output().unwrap().status.success());
+    assert!(of_job == std::fs::read(out.join("pixel.csv")).unwrap());
+    let inputs = json!({ "id": first["id"], "name": "../designs/indoor.toml" });
+    assert_eq!(server.post("/jobs/file", &inputs).0, 404);
+    assert_eq!(server.post("/jobs/cancel", &json!({ "id": second["id"] })).0, 200);
+    assert_eq!(server.post("/jobs/remove", &json!({ "id": first["id"] })).0, 200);
+    assert!(find(&first["id"]).is_none());
+}

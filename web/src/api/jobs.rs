@@ -73,7 +73,7 @@ pub(super) struct JobFileOf {
 
 fn jobs(site: &Site) -> Result<&Jobs, Fault> {
     site.jobs().ok_or_else(|| {
-        Fault::new(StatusCode::NOT_IMPLEMENTED, "this server runs no jobs", "start it with `papilio serve`")
+        Fault::new(StatusCode::CONFLICT, "this server runs no jobs", "start it with `papilio serve`")
     })
 }
 

@@ -39,8 +39,7 @@ pub(super) fn write(
     }
     texts.iter().try_for_each(|text| check_paths(text))?;
     let own = shipped::DATA.iter().filter(|(name, _)| {
-        let is_named =
-            |text: &&str| text.contains(&format!("\"{name}\"")) || text.contains(&format!("'{name}'"));
+        let is_named = |text: &&str| names(text, name);
         // A surface of the program has its meshes beside it.
         let is_beside = name.starts_with(SURFACES) && texts.iter().any(|text| text.contains(SURFACES));
         is_beside || texts.iter().any(is_named)
@@ -55,9 +54,22 @@ pub(super) fn write(
             }
             fs::write(path, &file.file().bytes)?;
         }
+        // The files of a surface are beside it.
+        for (surface, text) in files.iter().filter(|(name, _)| name.ends_with(".toml")) {
+            let Some((beside, _)) = surface.rsplit_once('/') else { continue };
+            let text = std::str::from_utf8(&text.file().bytes).unwrap_or_default();
+            for (name, file) in files.iter().filter(|(name, _)| !name.contains('/') && names(text, name)) {
+                fs::write(designs.join(beside).join(name), &file.file().bytes)?;
+            }
+        }
         scenario.map_or(Ok(()), |(name, text)| fs::write(designs.join(name), text))
     };
     write_all().map_err(|error| Fault::internal(&format!("the files of the job cannot be written: {error}")))
+}
+
+/// Whether a text has this name as a string.
+fn names(text: &str, name: &str) -> bool {
+    text.contains(&format!("\"{name}\"")) || text.contains(&format!("'{name}'"))
 }
 
 /// The folder of the program's surfaces, from that of a scenario.

@@ -79,7 +79,7 @@ export function AnglesPanel() {
   // A first answer in large steps is shown until the exact one is there.
   const first = useFollowed<Angles>("angles", { ...request, step_deg: 10, accuracy: "first" }, 0, isExact ? null : undefined);
   const isFirst = !isExact && exact.problems.length === 0 && first.value !== null && first.age === "current";
-  const now = isFirst ? first : exact;
+  const now = isFirst || exact.value === null ? first : exact;
   const before = useFollowed<Angles>("angles", request, REST_MS, pinned.value?.text ?? null);
   const x = now.value?.theta_deg ?? [];
   const own = curvesOf(now.value, metric.value);

@@ -68,7 +68,7 @@ class Collector {
       if (!name.endsWith(".toml")) continue;
       // A surface, whose meshes and heights are beside it.
       const folder = name.replace(/[^/]*$/, "");
-      for (const inner of stringsOf(new TextDecoder().decode(data.bytes))) waiting.push(folder + inner);
+      for (const inner of stringsOf(new TextDecoder().decode(data.bytes))) waiting.push(folder + inner, inner);
     }
     return [...found.values()];
   }
