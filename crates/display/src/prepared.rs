@@ -4,7 +4,7 @@ use crate::DisplayError;
 use crate::result::RunResult;
 use crate::run::{Accuracy, Control, Kernels, Workers, is_quick, run_setup};
 use crate::scene::Scene;
-use crate::setup::Setup;
+use crate::setup::{Setup, Towards};
 
 /// Prepared display with its light and views, for sweeps, optimisations and interactive programs.
 ///
@@ -26,7 +26,7 @@ impl Prepared {
     /// # Errors
     /// If the scene is invalid, or the preparation was stopped.
     pub fn new(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
-        Ok(Self::of(Setup::with_filter(scene, control)?))
+        Ok(Self::of(Setup::towards(scene, Towards::Views, control)?))
     }
 
     /// A series of scenes similar to this one.
@@ -77,11 +77,20 @@ impl Prepared {
 
     /// The scene, prepared.
     pub(crate) fn setup(&mut self, scene: &Scene, control: &Control<'_>) -> Result<&Setup, DisplayError> {
+        self.setup_towards(scene, Towards::All, control)
+    }
+
+    fn setup_towards(
+        &mut self,
+        scene: &Scene,
+        towards: Towards,
+        control: &Control<'_>,
+    ) -> Result<&Setup, DisplayError> {
         let setup = match self.setup.take() {
-            Some(setup) => setup.renewed(scene, control)?,
+            Some(setup) => setup.renewed_towards(scene, towards, control)?,
             None => {
                 self.kernels.clear();
-                Setup::with_filter(scene, control)?
+                Setup::towards(scene, towards, control)?
             }
         };
         Ok(self.setup.insert(setup))
@@ -93,7 +102,7 @@ impl Prepared {
         accuracy: Accuracy,
         control: &Control<'_>,
     ) -> Result<RunResult, DisplayError> {
-        self.setup(scene, control)?;
+        self.setup_towards(scene, Towards::Views, control)?;
         let Self { setup: Some(setup), kernels, workers } = self else {
             return Err(DisplayError::Interrupted);
         };

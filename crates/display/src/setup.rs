@@ -32,6 +32,9 @@ use crate::scene::{self, AngleMedium, Scene};
 /// beyond, light of a sub-pixel spreads over tens of thousands of others.
 const MOST_PITCHES: f64 = 100.0;
 
+/// Angle by which a range of directions is widened, for rounding, degrees.
+const ROUNDING_DEG: f64 = 1e-3;
+
 /// Scene that is prepared for the transport.
 #[derive(Debug, Clone)]
 pub(crate) struct Setup {
@@ -56,6 +59,8 @@ pub(crate) struct Setup {
     pub(crate) states: Vec<String>,
     /// What an instrument with a port sees of each source; `None` without one.
     pub(crate) kept: Option<Vec<Kept>>,
+    /// Ranges of the cosine in the glass between which the pixel is known; `None`: all.
+    cosines: Option<Vec<[f64; 2]>>,
 }
 
 /// Light of a source in the display plane.
@@ -112,6 +117,44 @@ impl Light {
     }
 }
 
+/// Directions towards which a pixel is to be known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Towards {
+    All,
+    /// Those of the views, and of the lamps, whose mirror images are listed.
+    Views,
+}
+
+impl Towards {
+    /// Returns the ranges of the cosine in the glass of these directions; `None` if all are to be known, or the pixel is not one that takes long.
+    fn cosines(self, scene: &Scene) -> Option<Vec<[f64; 2]>> {
+        // What a bare panel shows of a direction, its pixel reflects in this direction.
+        let display = &scene.display;
+        let is_bare = display.is_bare() && display.filter().is_none();
+        let is_crystal = matches!(display.pixel, scene::Pixel::Crystal(_));
+        let is_plain = scene.solver.angle_medium == AngleMedium::Air
+            && scene.viewer.numerical_aperture.is_none()
+            && scene.lighting.environment.is_empty();
+        if self == Self::All || !(is_bare && is_crystal && is_plain) {
+            return None;
+        }
+        let views = scene.viewer.directions().map(|(theta_deg, _)| (theta_deg, 0.5 * scene.viewer.field_deg));
+        let lamps =
+            scene.lighting.directed.iter().map(|lamp| (lamp.theta_deg, lamp.radius_deg.unwrap_or(0.0)));
+        let index = display.index_above_pixel();
+        let cosine = |theta_deg: f64, index: f64| {
+            let sine = theta_deg.clamp(0.0, 90.0).to_radians().sin() / index;
+            (1.0 - sine * sine).max(0.0).sqrt()
+        };
+        let range = |(theta_deg, half_deg): (f64, f64)| {
+            let [nearest, farthest] =
+                [-1.0, 1.0].map(|sign| theta_deg.abs() + sign * (half_deg + ROUNDING_DEG));
+            [cosine(farthest, index.min()), cosine(nearest, index.max())]
+        };
+        Some(views.chain(lamps).map(range).collect())
+    }
+}
+
 /// Direction and field of view of one view.
 #[derive(Debug, Clone)]
 pub(crate) struct ViewPoint {
@@ -134,10 +177,21 @@ impl Setup {
 
     /// Prepares a scene that may have a colour filter.
     pub(crate) fn with_filter(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
+        Self::towards(scene, Towards::All, control)
+    }
+
+    /// Prepares a scene that may have a colour filter, whose pixel need only be known towards these directions.
+    pub(crate) fn towards(
+        scene: &Scene,
+        towards: Towards,
+        control: &Control<'_>,
+    ) -> Result<Self, DisplayError> {
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
-        let bases = pixel::bases(scene, &mut film, None, polarisation::reaches_pixel(scene)?, control)?;
+        let cosines = towards.cosines(scene);
+        let kept_apart = polarisation::reaches_pixel(scene)?;
+        let bases = pixel::bases(scene, &mut film, None, (kept_apart, cosines.as_deref()), control)?;
         let (mut stack, sources) = (stack(scene, bases, None, control)?, sources(scene, angle_index)?);
         stack.set_polarised_view(polarisation::view(scene, &stack, &sources)?);
         let setup = Self {
@@ -153,6 +207,7 @@ impl Setup {
             base_version: 0,
             kept: Kept::of(scene, control)?,
             scene: scene.clone(),
+            cosines,
         };
         setup.checked()
     }
@@ -186,7 +241,17 @@ impl Setup {
     /// pixel and the index above it, the stack on the layers, the sources on the lighting, the observer and
     /// that index, and the views on the viewer and that index. `version` is not incremented if new lighting
     /// has the same sources, that is, differs only in spectra and illuminances.
-    pub(crate) fn renewed(mut self, scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
+    pub(crate) fn renewed(self, scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
+        self.renewed_towards(scene, Towards::All, control)
+    }
+
+    /// Updates the setup in the same way, for a pixel that need only be known towards these directions.
+    pub(crate) fn renewed_towards(
+        mut self,
+        scene: &Scene,
+        towards: Towards,
+        control: &Control<'_>,
+    ) -> Result<Self, DisplayError> {
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
@@ -195,11 +260,14 @@ impl Setup {
         let weights_changed = apart != self.stack.polarised_bases().is_some()
             || weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
         if scene.grid != last.grid || solver_changed || weights_changed {
-            return Ok(Self { version: self.version + 1, ..Self::with_filter(scene, control)? });
+            return Ok(Self { version: self.version + 1, ..Self::towards(scene, towards, control)? });
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
-        if index_changed || scene.display.pixel != last.display.pixel {
-            let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), apart, control)?;
+        let cosines = towards.cosines(scene);
+        if index_changed || scene.display.pixel != last.display.pixel || cosines != self.cosines {
+            let of_light = (apart, cosines.as_deref());
+            let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), of_light, control)?;
+            self.cosines = cosines;
             replace_bases(&mut self.stack, bases);
             self.base_version += 1;
         }

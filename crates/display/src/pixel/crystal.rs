@@ -158,6 +158,13 @@ impl Crystal {
     }
 }
 
+/// Returns the ends of the panel with these Chebyshev nodes.
+fn ends(nodes: &[f64]) -> [f64; 2] {
+    let [low, high] = [f64::min, f64::max].map(|of| nodes.iter().copied().fold(nodes[0], of));
+    let outside = 0.5 * (high - low) * ((PI / (2 * nodes.len()) as f64).cos().recip() - 1.0);
+    [low - outside, high + outside]
+}
+
 /// Weight of azimuth number `k` in a harmonic: 1, cos 2 phi, sin 2 phi, ...
 fn weight(harmonic: usize, k: usize, azimuths: usize) -> f64 {
     let order = harmonic.div_ceil(2);
@@ -167,7 +174,7 @@ fn weight(harmonic: usize, k: usize, azimuths: usize) -> f64 {
 }
 
 /// Computes a liquid-crystal pixel as the base of a stack. Below flat layers in air (`is_bare`), light has directions that exist in air: others are
-/// left at 0, unless it is `unrefracted`.
+/// left at 0, unless it is `unrefracted`; so are panels of the table without any of these `cosines`, if some are stated.
 ///
 /// # Errors
 /// If the pixel depends on azimuth below layers that change the azimuth of light; if the computation was stopped.
@@ -175,7 +182,7 @@ pub(super) fn base(
     pixel: &CrystalPixel,
     grid: &Grid,
     index: &Spectrum,
-    (is_bare, unrefracted): (bool, bool),
+    (is_bare, unrefracted, cosines): (bool, bool, Option<&[[f64; 2]]>),
     control: Option<&Control<'_>>,
 ) -> Result<Base, DisplayError> {
     let crystal = Crystal::new(pixel, grid, index)?;
@@ -186,8 +193,11 @@ pub(super) fn base(
     let most = (count + 1).next_power_of_two().max(FEWEST_AZIMUTHS);
     let (bins, states) = (grid.len(), pixel.states.len());
     let lowest = if unrefracted || !is_bare { 0.0 } else { (1.0 - index.min().powi(-2)).max(0.0).sqrt() };
+    let is_needed = |[from, to]: [f64; 2]| {
+        to >= lowest && cosines.is_none_or(|all| all.iter().any(|[low, high]| *high >= from && *low <= to))
+    };
     let all = |cosines: &[f64]| -> Result<Vec<f64>, DisplayError> {
-        if cosines.iter().all(|cosine| *cosine < lowest) {
+        if !is_needed(ends(cosines)) {
             return Ok(vec![0.0; cosines.len() * states * count * bins]);
         }
         control.map_or(Ok(()), Control::check)?;

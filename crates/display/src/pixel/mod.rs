@@ -123,7 +123,7 @@ pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: f64) -> Result<PixelSc
             keep(&out);
         }
     } else {
-        let base = base(scene, &mut None, None, None)?;
+        let base = base(scene, &mut None, None, (None, None))?;
         let medium = setup::medium(scene);
         let scale = setup::angle_index(scene)?;
         for sine in sines {
@@ -140,12 +140,12 @@ pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: f64) -> Result<PixelSc
 }
 
 /// Computes the pixel as the base of a stack. The reflectances of a film are taken from the previous base,
-/// `before`, if they are still valid; `film` describes the film to which they belong.
+/// `before`, if they are still valid; `film` describes the film to which they belong. A liquid crystal need only be known between these `cosines`.
 pub(crate) fn base(
     scene: &Scene,
     film: &mut Option<FilmKey>,
     before: Option<&Base>,
-    control: Option<&Control<'_>>,
+    (cosines, control): (Option<&[[f64; 2]]>, Option<&Control<'_>>),
 ) -> Result<Base, DisplayError> {
     let index = scene.display.index_above_pixel();
     if !matches!(scene.display.pixel, Pixel::Film(_)) {
@@ -160,7 +160,7 @@ pub(crate) fn base(
             // Between the pixel and general layers, all directions of the glass occur.
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
             let is_bare = scene.display.is_bare() && scene.display.filter().is_none();
-            crystal::base(pixel, &scene.grid, index, (is_bare, unrefracted), control)
+            crystal::base(pixel, &scene.grid, index, (is_bare, unrefracted, cosines), control)
         }
     }
 }
@@ -175,12 +175,12 @@ pub(crate) struct Bases {
 }
 
 /// Computes the pixel as the base of a stack, as [`base`] does; for light of s and of p, too, if they are
-/// `kept_apart`.
+/// `kept_apart`, and between these cosines.
 pub(crate) fn bases(
     scene: &Scene,
     film: &mut Option<FilmKey>,
     before: Option<&Stack>,
-    kept_apart: bool,
+    (kept_apart, cosines): (bool, Option<&[[f64; 2]]>),
     control: &Control<'_>,
 ) -> Result<Bases, DisplayError> {
     match &scene.display.pixel {
@@ -189,7 +189,7 @@ pub(crate) fn bases(
         }
         // Tables and uniform pixels have one reflectance for both.
         _ => {
-            let mean = base(scene, film, before.map(Stack::base), Some(control))?;
+            let mean = base(scene, film, before.map(Stack::base), (cosines, Some(control)))?;
             let polarised = kept_apart.then(|| [mean.clone(), mean.clone()]);
             Ok(Bases { mean, polarised })
         }

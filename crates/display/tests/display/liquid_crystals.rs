@@ -8,7 +8,7 @@ use papilio_display::scene::Scene;
 use papilio_display::{BrdfGrid, Control, DisplayError};
 use papilio_scenario::Scenario;
 
-use crate::common::{run, scenario, walked};
+use crate::common::{prepared_for, run, scenario, walked};
 
 const TWISTED: &str = "display.pixel.stack=[{ kind = \"polariser\", axis_deg = 20 }, \
     { kind = \"retarder\", axis_deg = 60, retardance_nm = 150, nz = 0.4 }, \
@@ -171,4 +171,30 @@ fn computations_without_azimuth_are_refused() {
     .unwrap()
     .scene;
     run(&uniform).unwrap();
+}
+
+/// A run computes the pixel towards its views and lamps alone. A map of all views computes more of the same table: in the direction of a view both are
+/// the same, and a prepared display takes what it needs after each change.
+#[test]
+fn views_see_the_same_pixel_as_a_map_of_all_directions() {
+    let scene = twisted(&["viewer.theta_deg=[30]", "viewer.phi_deg=[70]", "viewer.field_deg=0"]);
+    let alone = run(&scene).unwrap();
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: None, progress: &|_| {}, stop: &stop };
+    let mut prepared = prepared_for(&scene).unwrap();
+    let grid = papilio_display::ConeGrid {
+        theta_deg: vec![0.0, 30.0, 60.0],
+        phi_deg: vec![0.0, 70.0],
+        ..Default::default()
+    };
+    let map = prepared.cone(&scene, grid, &control).unwrap();
+    let other = twisted(&["viewer.theta_deg=[55]", "viewer.phi_deg=[10]", "viewer.field_deg=0"]);
+    let text = |result: &papilio_display::result::RunResult| format!("{:?}", result.views);
+    assert_eq!(text(&prepared.run(&other, &control).unwrap()), text(&run(&other).unwrap()));
+    assert_eq!(text(&prepared.run(&scene, &control).unwrap()), text(&alone));
+    // The second inclination at the second azimuth.
+    let state = alone.views[0].states.get("white").unwrap();
+    let number = map.states.iter().position(|name| name == "white").unwrap();
+    let seen = map.views[4].states[number].reflectance_factor_y;
+    assert!((seen / state.value.Y - 1.0).abs() < 1e-9, "{seen} {}", state.value.Y);
 }

@@ -126,22 +126,17 @@ fn eliminate<const N: usize>(matrix: &mut [[Real; 4]; 4], x: &mut [[Real; N]; 4]
     use super::lanes::Element;
     for pivot in 0..4 {
         let over = matrix[pivot][pivot].inverse();
-        for k in pivot + 1..4 {
-            matrix[pivot][k] = matrix[pivot][k] * over;
+        for value in matrix[pivot].iter_mut().chain(&mut x[pivot]) {
+            *value = *value * over;
         }
-        for k in 0..N {
-            x[pivot][k] = x[pivot][k] * over;
-        }
-        for row in 0..4 {
+        let (own, of_x) = (matrix[pivot], x[pivot]);
+        for (row, (values, x)) in matrix.iter_mut().zip(x.iter_mut()).enumerate() {
             if row == pivot {
                 continue;
             }
-            let factor = matrix[row][pivot];
-            for k in pivot + 1..4 {
-                matrix[row][k] = matrix[row][k] - factor * matrix[pivot][k];
-            }
-            for k in 0..N {
-                x[row][k] = x[row][k] - factor * x[pivot][k];
+            let factor = values[pivot];
+            for (value, own) in values.iter_mut().zip(own).chain(x.iter_mut().zip(of_x)) {
+                *value = *value - factor * own;
             }
         }
     }

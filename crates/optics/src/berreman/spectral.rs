@@ -130,8 +130,8 @@ impl SpectralStack {
         }
         let lists: Vec<Vec<List>> = parts.iter().map(lists).collect();
         for (part, lists) in parts.iter().zip(&lists) {
-            let own = part.slices.iter().zip(lists).filter(|(_, list)| !list.is_nothing);
-            if let Some((slices, _)) = own.into_iter().find(|(slices, _)| slices.len() < part.rest) {
+            let mut own = part.slices.iter().zip(lists).filter(|(_, list)| !list.is_nothing);
+            if let Some((slices, _)) = own.find(|(slices, _)| slices.len() < part.rest) {
                 let (expected, found) = (slices.len(), part.rest);
                 return Err(OpticsError::Length { what: "rest of a turn", expected, found });
             }
