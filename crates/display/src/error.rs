@@ -307,10 +307,10 @@ pub enum DisplayError {
         /// The smallest width.
         least: f64,
     },
-    /// Directed light through a narrow lobe and unscattered, between a front that reflects and uniform mirrors.
+    /// Directed light through a narrow lobe and unscattered, between a front that reflects and mirrors.
     #[error(
         "adding does not compute directed light through a diffuser of width {width:.1e} with regular_fraction, between a front that \
-         reflects and uniform mirrors (expected a width of at least {least}); use the Monte Carlo solver (--solver monte-carlo, or method \
+         reflects and mirrors (expected a width of at least {least}); use the Monte Carlo solver (--solver monte-carlo, or method \
          = \"monte-carlo\")"
     )]
     TooNarrowBelowFront {

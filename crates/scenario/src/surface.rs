@@ -156,8 +156,12 @@ impl SurfaceScenario {
         if let Err(wrong) = surface.check() {
             errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
         }
-        let incidence_deg = incidences(common.incidence_deg, &mut errors);
-        common.wavelength_nm.into_iter().for_each(|list| check_wavelengths(list, &mut errors));
+        let is_written =
+            |key: &str| self.root.get("microgeometry").is_some_and(|table| table.get(key).is_some());
+        let incidence_deg = incidences(common.incidence_deg, is_written("incidence_deg"), &mut errors);
+        if let Some(list) = common.wavelength_nm {
+            check_wavelengths(list, is_written("wavelength_nm"), &mut errors);
+        }
         let azimuths = azimuths(common.azimuth_deg, common.road, &mut errors);
         let coating = errors.finish(coating, &self.sources)?;
         let goniometer = Goniometer {
@@ -332,8 +336,8 @@ fn azimuths(step: &Spanned<Option<AzimuthStep>>, road: Road, errors: &mut Errors
 const SHORTEST_NM: f64 = 1.0;
 
 /// Fails for a list that is written and empty, and for wavelengths that are none of light.
-fn check_wavelengths(list: &Spanned<Vec<Spanned<Wavelength>>>, errors: &mut Errors) {
-    if list.is_empty() && list.origin != Origin::FILE {
+fn check_wavelengths(list: &Spanned<Vec<Spanned<Wavelength>>>, is_written: bool, errors: &mut Errors) {
+    if list.is_empty() && is_written {
         errors.push(list.origin, mistake::empty_list());
     }
     for item in list.iter().filter(|item| item.0 < SHORTEST_NM) {
@@ -342,8 +346,8 @@ fn check_wavelengths(list: &Spanned<Vec<Spanned<Wavelength>>>, errors: &mut Erro
 }
 
 /// Inclinations, each once and within the hemisphere.
-fn incidences(list: &Spanned<Vec<Spanned<Inclination>>>, errors: &mut Errors) -> Vec<f64> {
-    if list.is_empty() && list.origin != Origin::FILE {
+fn incidences(list: &Spanned<Vec<Spanned<Inclination>>>, is_written: bool, errors: &mut Errors) -> Vec<f64> {
+    if list.is_empty() && is_written {
         errors.push(list.origin, mistake::empty_list());
     }
     if list.is_empty() {
