@@ -70,12 +70,13 @@ fn resolved(forms: &[Scenario; 2]) -> [Resolved; 2] {
     forms.each_ref().map(|form| form.resolve().unwrap_or_else(|e| panic!("{e}")))
 }
 
-/// The scene without the keys of missing lengths, which are those of its own form.
+/// The scene without the keys of missing lengths and of depolarisation, which are those of its own form.
 fn without_keys(mut scene: Scene) -> Scene {
     for layer in &mut scene.display.layers {
         if let Length::Missing { key } = &mut layer.thickness {
             key.clear();
         }
+        layer.depolarisation.key.clear();
     }
     scene
 }
