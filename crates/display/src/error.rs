@@ -307,18 +307,6 @@ pub enum DisplayError {
         /// The smallest width.
         least: f64,
     },
-    /// Directed light through a narrow lobe and unscattered, between a front that reflects and mirrors.
-    #[error(
-        "adding does not compute directed light through a diffuser of width {width:.1e} with regular_fraction, between a front that \
-         reflects and mirrors (expected a width of at least {least}); use the Monte Carlo solver (--solver monte-carlo, or method \
-         = \"monte-carlo\")"
-    )]
-    TooNarrowBelowFront {
-        /// Width of the lobe.
-        width: f64,
-        /// The smallest width.
-        least: f64,
-    },
     /// Rows of a table with an error above the limit.
     #[error(
         "{count} of {of} rows of the {table} have a relative error of Y above {most:.1e}; the worst are: {named}{more}\n  \

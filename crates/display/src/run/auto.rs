@@ -100,11 +100,7 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
     };
     let adding_s = match adding(run.setup, target) {
         Ok(seconds) => Some(seconds),
-        Err(
-            DisplayError::TooNarrow { .. }
-            | DisplayError::TooNarrowInField { .. }
-            | DisplayError::TooNarrowBelowFront { .. },
-        ) => None,
+        Err(DisplayError::TooNarrow { .. } | DisplayError::TooNarrowInField { .. }) => None,
         Err(error) => return Err(error),
     };
     if is_too_thick(scene) {

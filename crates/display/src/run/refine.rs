@@ -31,12 +31,6 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
     {
         return Err(DisplayError::TooNarrowInField { width, least: NARROWEST_IN_FIELDS });
     }
-    if let Some(width) = width_of_panel(stack)
-        && width < NARROWEST_IN_CLOSED_FORM
-        && is_wrong_in_closed_form(setup)
-    {
-        return Err(DisplayError::TooNarrowBelowFront { width, least: NARROWEST_IN_CLOSED_FORM });
-    }
     let fits = |level: &u32| {
         // Two levels are needed; further ones are computed where they take little time.
         let most = if *level <= 1 { MOST_NODES } else { MOST_NODES_OF_FURTHER };
@@ -46,21 +40,6 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
         Some(level) if level > 0 => Ok(level as usize),
         _ => Err(too_narrow(stack)),
     }
-}
-
-/// Width of the lobe below which the light that a front returns is computed in closed form.
-const NARROWEST_IN_CLOSED_FORM: f64 = 0.035;
-
-/// Returns whether the closed form does not hold: directed light, through a lobe and unscattered, between a front that
-/// reflects and mirrors. The two coarsest levels agree there on recycled light that is wrong by a factor of up to four.
-fn is_wrong_in_closed_form(setup: &Setup) -> bool {
-    let Some(panel) = setup.stack.panel() else { return false };
-    let Top::Diffuser(diffuser) = &panel.top else { return false };
-    diffuser.regular_fraction > 0.0
-        && panel.base.is_specular()
-        && !panel.single_pass
-        && panel.front.reflectance_below.max() > 0.0
-        && setup.sources.iter().any(|source| !matches!(source, Source::Diffuse))
 }
 
 /// Returns whether a source is an environment that depends on azimuth.

@@ -138,6 +138,8 @@ impl Light {
             self.powers_of(&view.weights, &[], count)
         };
         let columns = of_view[0].len();
+        // Weights of the lobe contain those of the view, of which powers are means.
+        let weight: f64 = view.weights.iter().sum();
         // For each power, `[order][column]`.
         let of_source = match weights.rows.first() {
             Some(first) if weights.is_one_ring => {
@@ -155,7 +157,7 @@ impl Light {
             for (met, of_view) in of_view.iter().enumerate().take(passes + 1) {
                 // The first and the last lobe deflect from or to the end of the path.
                 let times = if met == 0 || met == passes { 1.0 } else { 2.0 };
-                let scale = times / (2 * passes) as f64;
+                let scale = times / ((2 * passes) as f64 * weight);
                 let of_source = &of_source[passes - met][k * columns..][..columns];
                 for ((sum, v), l) in sum.iter_mut().zip(of_view).zip(of_source) {
                     *sum += scale * v * l;

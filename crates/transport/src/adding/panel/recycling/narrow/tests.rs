@@ -36,10 +36,15 @@ enum Given {
 
 /// Returns recycled light between a view and directions of a source, each with its weight, by a plan, for a
 /// fraction g that is sent back.
-fn light(
+fn light(pass: &Pass<'_>, recycling: &Recycling, view: Beta, of_source: (&[Point], Given), g: f64) -> f64 {
+    light_towards(pass, recycling, Point { beta: view, weight: 1.0 }, of_source, g)
+}
+
+/// Returns the same of a view with a weight.
+fn light_towards(
     pass: &Pass<'_>,
     recycling: &Recycling,
-    view: Beta,
+    view: Point,
     (source, given): (&[Point], Given),
     g: f64,
 ) -> f64 {
@@ -53,8 +58,7 @@ fn light(
         let round_trips = vec![1.0 / (1.0 - g * pass.straight().powi(2) * reflectance[0])];
         Direction { reflectance, round_trips }
     };
-    let of_view = direction(view);
-    let view = Point { beta: view, weight: 1.0 };
+    let of_view = direction(view.beta);
     let mut sums = Sums::zeros(1, &[Source::Beam(source[0].beta)]);
     let Some(seen) = recycling.seen(&[view]) else {
         let group = |point: Point, is_view| recycling.group(&[point], point, INDEX, is_view);
@@ -164,6 +168,27 @@ fn passes_of_fields_equal_sum_over_points() {
             let error = field / points - 1.0;
             let what = format!("b {width}, s {regular_fraction}, g {g}, {view:?}: {error:.1e}, {most:.1e}");
             assert!(error.abs() < most, "{what}");
+        }
+    }
+}
+
+/// Light is proportional to the weight of a view's direction: those of a field of view are groups of their own, if the
+/// diffuser has regular transmittance.
+#[test]
+fn light_is_proportional_to_the_weight_of_a_view() {
+    let lobe = Lobe::KCorrelation { width: 0.02 };
+    let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction: 0.3 };
+    for digits in [11.5, 15.0] {
+        let pass = Pass { diffuser: &diffuser, table: &Nodes::Cosines(33), index: INDEX, digits };
+        let plan = Plan::new(&pass, 0.05, (Some(1.0), true, false)).expect("light is sent back");
+        let recycling = Recycling::new(&pass, plan);
+        let source = [Point { beta: Beta { x: 0.42, y: 0.1 }, weight: 1.0 }];
+        for exact in [true, false] {
+            let of = |weight: f64| {
+                let view = Point { beta: Beta { x: 0.3, y: 0.0 }, weight };
+                light_towards(&pass, &recycling, view, (&source, Given::Points { exact }), 0.1)
+            };
+            assert!((of(0.25) / of(1.0) - 0.25).abs() < 1e-9, "{digits} {exact}: {} {}", of(0.25), of(1.0));
         }
     }
 }
