@@ -195,14 +195,14 @@ fn material_table() -> String {
 fn illuminant_table() -> String {
     let mut text = String::new();
     let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));
-    // Neighbours of one description have one row.
-    for alike in illuminants().chunk_by(|one, next| one.what == next.what) {
+    // Neighbours with the same description share an item.
+    for same in illuminants().chunk_by(|one, next| one.what == next.what) {
         let joined = |cell: &dyn Fn(&IlluminantEntry) -> String| -> String {
-            alike.iter().map(cell).collect::<Vec<_>>().join(", ")
+            same.iter().map(cell).collect::<Vec<_>>().join(", ")
         };
         let names = joined(&|entry| format!("`{}`", entry.name));
         let (cct, ra) = (joined(&|entry| number(entry.cct_K)), joined(&|entry| number(entry.Ra)));
-        text += &format!("- {names}: {cct} K, Ra {ra}; {}\n", alike[0].what);
+        text += &format!("- {names}: {cct} K, Ra {ra}; {}\n", same[0].what);
     }
     text
 }

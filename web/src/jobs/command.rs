@@ -370,7 +370,7 @@ mod tests {
     #[test]
     fn options_and_values_that_could_name_files_are_refused() {
         for (name, value) in [
-            ("out", "/tmp/x"),
+            ("out", "/elsewhere"),
             ("set", "display.diffuser.file=/etc/passwd"),
             ("states", "../white"),
             ("states", "--out"),

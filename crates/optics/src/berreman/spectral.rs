@@ -10,12 +10,17 @@
 //! - Light that crosses a thick layer a different number of times does not interfere: from the lowest thick layer up, reflections are actions on coherency
 //!   matrices ([`incoherent`](super::incoherent)). An anisotropic layer keeps the phase between its two waves, and has the faces of its mean index.
 
-use std::f64::consts::{FRAC_PI_4, PI};
+mod faces;
+mod material;
+
+use std::f64::consts::PI;
 use std::ops::Range;
 
+use faces::{face, from_front, from_medium, in_front, into_medium, out_of_medium, transparent_face};
+use material::{Material, Thick};
 use num_complex::Complex64;
 
-use super::generator::{Generator, Rising, layer};
+use super::generator::{Rising, layer};
 use super::helix::{self, Turns};
 use super::incoherent::{Action, Between, Light, dot};
 use super::lanes::{Blocks, Complex, Element, LANES, Pair, Real};
@@ -82,12 +87,6 @@ struct Slab {
     choices: Vec<Vec<usize>>,
     combinations: Vec<(usize, usize)>,
 }
-
-/// Reflectance of a face between thick layers that does not matter.
-const NO_FACE: f64 = 1e-6;
-
-/// Bound of the rate at which waves grow over that of waves along the principal axes.
-const GROWTH: f64 = 1.5;
 
 impl SpectralStack {
     /// Builds a stack. `front` and `back` are the indices of the transparent medium above and of the one below, by wavelength.
@@ -604,176 +603,4 @@ fn root(z: Complex) -> Complex {
         (out.re.0[k], out.im.0[k]) = (root.re, root.im);
     }
     out
-}
-
-/// Returns the reflections of a face from the reference to a medium of these relative admittances. The fields of waves of p up are (-1,
-/// 1), of s (1, -1).
-fn face([p, s]: [Complex; 2]) -> [Complex; 2] {
-    let one = Complex::splat(1.0);
-    [(p - one) * (p + one).inverse(), (one - s) * (one + s).inverse()]
-}
-
-/// Returns the face from the reference down into a medium, in waves of it whose transmission down is 1.
-#[inline(always)]
-fn into_medium([p, s]: [Complex; 2]) -> Blocks {
-    let one = Complex::splat(1.0);
-    Blocks {
-        r: Pair::diagonal(p, s),
-        t: Pair::one(),
-        r_below: Pair::diagonal(-p, -s),
-        t_up: Pair::diagonal(one - p * p, one - s * s),
-    }
-}
-
-/// Returns the face from a medium down into the reference.
-#[inline(always)]
-fn from_medium([p, s]: [Complex; 2]) -> Blocks {
-    let one = Complex::splat(1.0);
-    Blocks {
-        r: Pair::diagonal(-p, -s),
-        t: Pair::diagonal(one - p * p, one - s * s),
-        r_below: Pair::diagonal(p, s),
-        t_up: Pair::one(),
-    }
-}
-
-/// Returns the transmission down and up of a face from one medium to another, given by their faces from the reference, if it reflects less than
-/// [`NO_FACE`].
-fn transparent_face(above: [Complex; 2], below: [Complex; 2]) -> Option<[Pair; 2]> {
-    let one = Complex::splat(1.0);
-    let over = [0, 1].map(|k| (one - above[k] * below[k]).inverse());
-    let is_faint = |k: usize| ((above[k] - below[k]) * over[k]).norm_sqr().max() < NO_FACE;
-    let passed =
-        |by: [Complex; 2]| Pair::diagonal((one - by[0] * by[0]) * over[0], (one - by[1] * by[1]) * over[1]);
-    (is_faint(0) && is_faint(1)).then(|| [passed(above), passed(below)])
-}
-
-/// Returns the face from a medium of these relative admittances, in waves of unit power of it, down into the reference.
-#[inline(always)]
-fn from_front([p, s]: [Real; 2]) -> Blocks {
-    let one = Real::splat(1.0);
-    // As `face`.
-    let (f_p, f_s) = ((p - one) * (p + one).inverse(), (one - s) * (one + s).inverse());
-    let root = |f: Real| Complex::from((one - f * f).root());
-    let through = Pair::diagonal(root(f_p), root(f_s));
-    let r = Pair::diagonal(f_p.into(), f_s.into());
-    Blocks { r: Pair::diagonal((-f_p).into(), (-f_s).into()), t: through, r_below: r, t_up: through }
-}
-
-/// Returns `r` as waves of a medium see it, from its reflections to the reference: `-f + r (1 - f r)^-1 (1 - f^2)`.
-#[inline(always)]
-fn out_of_medium([p, s]: [Complex; 2], r: Pair) -> Pair {
-    let [[pp, ps], [sp, ss]] = r.0;
-    let one = Complex::splat(1.0);
-    let determinant = pp * ss - ps * sp;
-    let scale = (one - p * pp - s * ss + p * s * determinant).inverse();
-    let (by_p, by_s) = ((one - p * p) * scale, (one - s * s) * scale);
-    Pair([[(pp - s * determinant) * by_p - p, ps * by_s], [sp * by_p, (ss - p * determinant) * by_s - s]])
-}
-
-/// Returns the reflection as waves of unit power see it from a medium of these relative admittances.
-#[inline(always)]
-fn in_front(front: [Real; 2], r: Pair) -> Pair {
-    // Waves down and up: (E root(y) +- H/root(y))/2, with E = (1 - r) or (1 + r) and H the reverse.
-    let [[pp, ps], [sp, ss]] = r.0;
-    let one = Complex::splat(1.0);
-    let (p, s) = (front[0].root(), front[1].root());
-    let (over_p, over_s) = (p.inverse(), s.inverse());
-    let e = [[(one - pp).scaled(p), (-ps).scaled(p)], [sp.scaled(s), (one + ss).scaled(s)]];
-    let h =
-        [[(one + pp).scaled(over_p), ps.scaled(over_p)], [(-sp).scaled(over_s), (one - ss).scaled(over_s)]];
-    (Pair(e) - Pair(h)) * (Pair(e) + Pair(h)).inverse()
-}
-
-/// What waves of any azimuth have in common in a part.
-struct Material {
-    /// Square of the principal index along the third axis, and what those along the first and second have in addition.
-    square: Complex,
-    more: [Complex; 2],
-    biaxial: bool,
-    isotropic: bool,
-    absorbs: bool,
-    /// Bound of the rate at which waves grow, over k0.
-    rate: Real,
-    grows: bool,
-    thick: Thick,
-}
-
-/// A part as a thick layer.
-#[derive(Clone, Copy)]
-struct Thick {
-    /// Reflections of a face from the reference to a medium of its mean index, p and s.
-    faces: [Complex; 2],
-    /// Wave vector along the normal in that medium, over k0.
-    wave: Complex,
-    /// k0 d of an eighth of a wave, and half of its phase factor.
-    eighth: Real,
-    turn: Complex,
-}
-
-impl Material {
-    fn new(group: &Group<'_>, part: &Part) -> Self {
-        let indices = part.indices.each_ref().map(|index| group.complex(index));
-        let [a, b, c] = indices.map(|index| index * index);
-        let more = [a - c, b - c];
-        let absorbs = indices.iter().any(|index| index.im.size().max() > 0.0);
-        let along = [a, b, c].map(|square| root(square - Complex::from(group.beta * group.beta)).im);
-        let rate = along[0].larger(along[1]).larger(along[2]) * Real::splat(GROWTH);
-        let is_zero = |value: Complex| value.norm_sqr().max() == 0.0;
-        let [biaxial, isotropic] = [!is_zero(more[1]), is_zero(more[0]) && is_zero(more[1])];
-        let mean = root(c + (more[0] + more[1]).scaled(Real::splat(1.0 / 3.0)));
-        let wave = root(mean * mean - Complex::from(group.beta * group.beta));
-        let eighth = wave.re.at_least(0.1).inverse() * Real::splat(FRAC_PI_4);
-        let turn = Complex::from(wave.re * eighth).wave().scaled(Real::splat(0.5));
-        let thick = Thick { faces: face(group.admittances(mean)), wave, eighth, turn };
-        Self { square: c, more, biaxial, isotropic, absorbs, rate, grows: rate.max() > 0.0, thick }
-    }
-
-    #[inline(always)]
-    fn complex(&self, group: &Group<'_>, slice: &Slice, azimuth: f64) -> Generator<Complex> {
-        generator(group, self.square, self.more, self.biaxial, (slice, azimuth))
-    }
-
-    #[inline(always)]
-    fn real(&self, group: &Group<'_>, slice: &Slice, azimuth: f64) -> Generator<Real> {
-        generator(group, self.square.re, [self.more[0].re, self.more[1].re], self.biaxial, (slice, azimuth))
-    }
-}
-
-#[inline(always)]
-fn generator<T: Element>(
-    group: &Group<'_>,
-    square: T,
-    more: [T; 2],
-    biaxial: bool,
-    (slice, azimuth): (&Slice, f64),
-) -> Generator<T> {
-    let (sin, cos) = azimuth.sin_cos();
-    // In the frame of the wave: x along its travel, z down, y = z x x.
-    let [a, b] = [slice.axes[0], slice.axes[1]];
-    let a = [cos * a[0] + sin * a[1], sin * a[0] - cos * a[1], -a[2]];
-    let b = [cos * b[0] + sin * b[1], sin * b[0] - cos * b[1], -b[2]];
-    let mut e = [T::real(Real::splat(0.0)); 6];
-    for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
-        e[k] = more[0].scaled(Real::splat(a[i] * a[j]));
-        if biaxial {
-            e[k] = e[k] + more[1].scaled(Real::splat(b[i] * b[j]));
-        }
-        if i == j {
-            e[k] = e[k] + square;
-        }
-    }
-    let [xx, yy, zz, xy, xz, yz] = e;
-    let (inverse, beta) = (zz.inverse(), group.beta);
-    let ([p, s], [over_p, over_s]) = (group.root, group.inverse_root);
-    let (x, y) = (xz * inverse, yz * inverse);
-    Generator {
-        along: x.scaled(-beta),
-        across: y.scaled(-(beta * p * over_s)),
-        mixed: (xy - xz * y).scaled(over_p * over_s),
-        electric: (T::real(Real::splat(1.0)) - inverse.scaled(beta * beta)).scaled(p * p),
-        magnetic: (xx - xz * x).scaled(over_p * over_p),
-        other: (yy - yz * y - T::real(beta * beta)).scaled(over_s * over_s),
-        s: s * s,
-    }
 }

@@ -23,6 +23,12 @@ pub(crate) fn families(name: &str) -> BTreeSet<String> {
     all
 }
 
+/// |z| up to which means are computed.
+const FAR: f64 = 5.0;
+
+/// |z| up to which the figure is drawn.
+const MOST_DRAWN: f64 = 8.0;
+
 /// Sums of a family.
 #[derive(Default)]
 struct Family {
@@ -44,11 +50,12 @@ pub(super) fn table(compared: &[(&str, Pair)]) -> (String, Vec<f64>) {
             family.beyond.push(beyond(pair));
         }
     }
-    let header =
-        "family,displays,numbers,noisy,mean_z,mean_square_z,percent_beyond_3,percent_beyond_4,worst\n";
+    let header = "family,displays,numbers,noisy,mean_z_up_to_5,mean_square_z_up_to_5,percent_beyond_3,percent_beyond_4,worst\n";
     let mut table = header.to_owned();
     for (family, Family { displays, numbers, noisy, beyond }) in &all {
-        let mean = |of: fn(f64) -> f64| noisy.iter().map(|z| of(*z)).sum::<f64>() / noisy.len() as f64;
+        // What is far beyond is counted apart: a single one would be all of a mean square.
+        let near: Vec<f64> = noisy.iter().copied().filter(|z| z.abs() <= FAR).collect();
+        let mean = |of: fn(f64) -> f64| near.iter().map(|z| of(*z)).sum::<f64>() / near.len() as f64;
         let percent = |most: f64| 100.0 * beyond.iter().filter(|z| **z > most).count() as f64 / numbers;
         let _ = writeln!(
             table,
@@ -65,9 +72,10 @@ pub(super) fn table(compared: &[(&str, Pair)]) -> (String, Vec<f64>) {
     (table, all.remove("all").map_or_else(Vec::new, |all| all.noisy))
 }
 
-/// Draws the fraction of numbers beyond each |z|, with that of Student's t.
+/// Draws the fraction of numbers beyond each |z|, with that of Student's t; the curve ends at the fraction beyond
+/// [`MOST_DRAWN`].
 pub(super) fn figure(mut z: Vec<f64>) -> String {
-    z.iter_mut().for_each(|z| *z = z.abs());
+    z.iter_mut().for_each(|z| *z = z.abs().min(MOST_DRAWN));
     z.sort_by(f64::total_cmp);
     let count = z.len() as f64;
     // All of the largest ones, and some of the others.

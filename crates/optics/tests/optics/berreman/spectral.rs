@@ -109,10 +109,16 @@ fn many_wavelengths_and_states_equal_one_by_one() {
         for (at, found) in found.iter().enumerate() {
             let (azimuth_deg, state, bin) = (case.azimuths_deg[at / row], at % row / count, at % count);
             let expected = one(case, azimuth_deg, state, bin);
-            // The faces of a thick retarder are those of its mean index here: an error of first order in its birefringence, 0.01, at steep inclinations.
+            // The faces of a thick retarder are those of its mean index here: an error of first order in its birefringence, 0.01, which
+            // grows with the inclination (1.3e-3 of a single retarder at a sine of 0.77).
             let is_retarder =
                 case.parts.iter().any(|part| !part.coherent && part.indices[0] != part.indices[1]);
-            let tolerance = if is_retarder { 2e-3 } else { 1e-10 };
+            let is_steep = case.beta[bin] > 0.7 * case.front[bin];
+            let tolerance = match (is_retarder, is_steep) {
+                (false, _) => 1e-10,
+                (true, false) => 1e-3,
+                (true, true) => 2e-3,
+            };
             assert!((found - expected).abs() < tolerance, "{state} {bin}: {found} {expected}");
         }
     });
