@@ -13,6 +13,7 @@ mod page;
 mod pairs;
 mod peers;
 mod pictures;
+mod programs;
 mod python;
 mod release;
 mod serve;
