@@ -305,3 +305,13 @@ test("adding, moving and removing layers changes the text", async () => {
   assert.match(await saved(page), /SiO2[\s\S]*Cr:Johnson/);
   assert.deepEqual(on.complaints, []);
 });
+
+test("old name of a key is read, with a note of its present name", async () => {
+  const page = await on.visit();
+  const scenario = await saved(page);
+  await page.getByRole("button", { name: "TOML" }).click();
+  await page.locator("#source").fill(scenario.replace("haze = 0.78", "haze = 0.78\nstraight_through = 0.02"));
+  await page.locator(".notes", { hasText: /straight_through.*regular_fraction/ }).waitFor({ timeout: 30_000 });
+  assert.equal(await page.locator(".problems, .refusal").count(), 0);
+  assert.deepEqual(on.complaints, []);
+});
