@@ -36,7 +36,10 @@ const sample = (): void => {
 };
 const clock = setInterval(sample, 1000);
 
-let page = await on.visit();
+const page = await on.visit();
+// Most clicks that fail are those on what is not there at this moment.
+page.setDefaultTimeout(4000);
+let failed = 0;
 await page.getByRole("button", { name: "Got it" }).click();
 await tool(page, "examples");
 const names = await page.locator("[data-example]").evaluateAll((all) => all.map((one) => (one as HTMLElement).dataset["example"]!));
@@ -66,7 +69,7 @@ const BAG = ACTIONS.flatMap(([weight, act]) => Array.from({ length: weight }, ()
 
 while (Date.now() - since < END_MS) {
   clicks += 1;
-  await oneOf(BAG)().catch(() => undefined);
+  await oneOf(BAG)().catch(() => (failed += 1));
   await page.waitForTimeout(PAUSE_MS);
 }
 await page.context().close();
@@ -103,8 +106,10 @@ ${limit(PEAK_MB, "limit at peak")}${limit(REST_MB, "limit at rest")}
 writeFileSync(join(folder, "soak.svg"), curve());
 
 const [, rest, peak] = rows.at(-1)!;
-const words = `${minutes} min, ${clicks} clicks: peak ${peak.toFixed(0)} MB (limit ${PEAK_MB}), at rest ${rest.toFixed(0)} MB (limit ${REST_MB})`;
+const words = `${minutes} min, ${clicks} clicks, ${failed} of which found nothing: peak ${peak.toFixed(0)} MB (limit ${PEAK_MB}), at rest ${rest.toFixed(0)} MB (limit ${REST_MB})`;
 console.log(words);
+const errors = [...new Set(on.complaints.filter((one) => !/status of 4\d\d|net::ERR_/.test(one)))];
+if (errors.length > 0) console.log(`errors in the browser:\n  ${errors.join("\n  ")}`);
 if (peak > PEAK_MB || rest > REST_MB) {
   console.error("soak: the server uses more memory than docs/web.md says");
   process.exitCode = 1;
