@@ -83,6 +83,11 @@ const WITH_ARGUMENTS: &[TaskWithArguments] = &[
         serve::serve,
     ),
     (
+        "measure-page",
+        "measure the page in a browser into target/page: cargo xtask measure-page soak [MINUTES] (memory of the server) | latency | looks (screenshots of all tools)",
+        page::measure,
+    ),
+    (
         "site",
         "build the documentation site into target/site; --api: with the documentation of the crates; --check: test it in a browser",
         site::site,

@@ -20,9 +20,11 @@ for (const [size, [width, height]] of Object.entries(SIZES)) {
   await example(page, "matrix");
   for (const { id } of TOOLS.filter(({ id }) => only.length === 0 || only.includes(id))) {
     await tool(page, id);
-    // Some tools compute for longer, and show a first answer until then.
-    await page.waitForLoadState("networkidle", { timeout: 20_000 }).catch(() => undefined);
-    await page.waitForTimeout(300);
+    // Some tools compute for longer, and show that until then.
+    const isBusy = (): boolean => /computing|reading the|measuring the|picture…/.test(document.querySelector("#tab-panel")!.textContent!);
+    await page.waitForTimeout(600);
+    await page.waitForFunction(`!(${String(isBusy)})()`, undefined, { timeout: 40_000 }).catch(() => undefined);
+    await page.waitForTimeout(200);
     for (const colorScheme of ["light", "dark"] as const) {
       await page.emulateMedia({ colorScheme });
       await page.waitForTimeout(150);

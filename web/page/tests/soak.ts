@@ -36,7 +36,9 @@ const sample = (): void => {
 };
 const clock = setInterval(sample, 1000);
 
-let page = await on.visit();
+const page = await on.visit();
+// Most clicks that fail are those on what is not there at this moment.
+page.setDefaultTimeout(4000);
 await page.getByRole("button", { name: "Got it" }).click();
 await tool(page, "examples");
 const names = await page.locator("[data-example]").evaluateAll((all) => all.map((one) => (one as HTMLElement).dataset["example"]!));
@@ -53,20 +55,22 @@ async function move(): Promise<void> {
   for (let i = 0; i < 4; i++) await page.keyboard.press(key);
 }
 
-const ACTIONS: readonly [weight: number, act: () => Promise<void>][] = [
-  [3, () => example(page, oneOf(names))],
-  [3, () => tool(page, oneOf(TOOLS).id)],
-  [2, () => tool(page, "stage")],
-  [8, move],
-  [1, () => page.keyboard.press("Control+z")],
-  [1, () => page.getByRole("button", { name: "Keep this version" }).click({ timeout: 2000 })],
-  [1, async () => void (await page.reload(), await page.locator(".bench").waitFor())],
+const ACTIONS: readonly [name: string, weight: number, act: () => Promise<void>][] = [
+  ["open an example", 3, () => example(page, oneOf(names))],
+  ["open a tool", 3, () => tool(page, oneOf(TOOLS).id)],
+  ["open the stage", 2, () => tool(page, "stage")],
+  ["move", 8, move],
+  ["undo", 1, () => page.keyboard.press("Control+z")],
+  ["keep a version", 1, () => page.getByRole("button", { name: "Keep this version" }).click({ timeout: 2000 })],
+  ["reload", 1, async () => void (await page.reload(), await page.locator(".bench").waitFor())],
 ];
-const BAG = ACTIONS.flatMap(([weight, act]) => Array.from({ length: weight }, () => act));
+const BAG = ACTIONS.flatMap(([name, weight, act]) => Array.from({ length: weight }, () => ({ name, act })));
+const failures = new Map<string, number>();
 
 while (Date.now() - since < END_MS) {
   clicks += 1;
-  await oneOf(BAG)().catch(() => undefined);
+  const { name, act } = oneOf(BAG);
+  await act().catch(() => failures.set(name, 1 + (failures.get(name) ?? 0)));
   await page.waitForTimeout(PAUSE_MS);
 }
 await page.context().close();
@@ -103,8 +107,11 @@ ${limit(PEAK_MB, "limit at peak")}${limit(REST_MB, "limit at rest")}
 writeFileSync(join(folder, "soak.svg"), curve());
 
 const [, rest, peak] = rows.at(-1)!;
-const words = `${minutes} min, ${clicks} clicks: peak ${peak.toFixed(0)} MB (limit ${PEAK_MB}), at rest ${rest.toFixed(0)} MB (limit ${REST_MB})`;
+const words = `${minutes} min, ${clicks} clicks, ${[...failures.values()].reduce((a, b) => a + b, 0)} of which found nothing: peak ${peak.toFixed(0)} MB (limit ${PEAK_MB}), at rest ${rest.toFixed(0)} MB (limit ${REST_MB})`;
 console.log(words);
+for (const [name, count] of failures) console.log(`  ${name}: ${count} found nothing`);
+const errors = [...new Set(on.complaints.filter((one) => !/status of 4\d\d|net::ERR_/.test(one)))];
+if (errors.length > 0) console.log(`errors in the browser:\n  ${errors.join("\n  ")}`);
 if (peak > PEAK_MB || rest > REST_MB) {
   console.error("soak: the server uses more memory than docs/web.md says");
   process.exitCode = 1;
